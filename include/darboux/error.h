@@ -1,0 +1,34 @@
+/// \file error.h
+/// What the library throws: at construction, on files and on the command line, never during evaluation.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace darboux {
+
+/// Base of everything the library throws. what() is one line: "SUBJECT: what is wrong, what is permitted".
+class Error : public std::runtime_error {
+ public:
+  /// \param subject the file, argument or parameter that is at fault
+  /// \param message what is wrong with it and what is permitted
+  Error(const std::string& subject, const std::string& message)
+      : std::runtime_error(subject + ": " + message) {}
+};
+
+/// A parameter of a surface or of an algorithm lies outside its permitted range, or is unknown.
+class ParameterError : public Error {
+  using Error::Error;
+};
+
+/// A file cannot be read, is broken, or cannot be written.
+class FileError : public Error {
+  using Error::Error;
+};
+
+/// Mesh data that an algorithm cannot work with: an index out of range, a missing attribute.
+class MeshError : public Error {
+  using Error::Error;
+};
+
+}  // namespace darboux

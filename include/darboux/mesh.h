@@ -1,0 +1,33 @@
+/// \file mesh.h
+/// A triangle mesh as files carry it. It knows no parametric surface.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <darboux/vector.h>
+
+namespace darboux {
+
+/// Three vertex indices. The winding order p0, p1, p2 is the file's.
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Vertices with their attributes and triangles over them. Attributes are double, in which every float of a
+/// file keeps its value; an attribute the mesh lacks is empty, any other has one entry a vertex.
+struct Mesh {
+  std::vector<Vec3<double>> positions;
+  std::vector<Vec3<double>> normals;   ///< unit, as stored
+  std::vector<Vec2<double>> uvs;       ///< as stored, unflipped
+  std::vector<Vec4<double>> tangents;  ///< unit direction and sign w = ±1, as stored
+  std::vector<Triangle> triangles;
+
+  std::size_t corners() const { return 3 * triangles.size(); }
+};
+
+/// Throws MeshError unless every attribute is empty or as long as positions and every index names a vertex.
+/// \param name what the message calls the mesh
+void check_consistent(const Mesh& mesh, const std::string& name);
+
+}  // namespace darboux

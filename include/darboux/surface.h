@@ -1,0 +1,201 @@
+/// \file surface.h
+/// What a parametric surface is: a position with its partials, a frame, a status, and the concept that a
+/// surface type fulfils. A surface knows no engine.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <darboux/scalar.h>
+#include <darboux/vector.h>
+
+namespace darboux {
+
+/// How a coordinate in [0, 1] runs, and in which form the formula receives it.
+enum class Coordinate {
+  linear,        ///< as it is; not periodic
+  turn,          ///< sin 2πu, cos 2πu; periodic, period 1
+  half_turn,     ///< sin πv, cos πv; pole to pole, not periodic
+  twisted_turn,  ///< sin πu, cos πu; period 2, and P(u + 1, v) = P(u, 1 - v)
+};
+
+/// What evaluation has to say about a point. Bits of one mask, for frames, batches, meshes and validation
+/// alike.
+enum class Status : std::uint32_t {
+  regular = 0,
+  dpdu_zero = 1u << 0,          ///< dpdu vanishes (a pole of the chart)
+  dpdv_zero = 1u << 1,          ///< dpdv vanishes
+  parallel = 1u << 2,           ///< dpdu and dpdv are parallel: no normal from the partials
+  limit_frame = 1u << 3,        ///< the frame is the limit along the given u (or v)
+  no_frame = 1u << 4,           ///< no frame exists, also in the limit: the vectors are NaN
+  self_intersecting = 1u << 5,  ///< the surface passes through itself here, or this is its inner part
+  crease = 1u << 6,             ///< the frame jumps here; one side's is given
+  umbilic = 1u << 7,            ///< both principal curvatures are equal: principal directions are arbitrary
+  outside_domain = 1u << 8,     ///< a non-periodic coordinate outside [0, 1]: the analytic extension is given
+  non_finite_input = 1u << 9,   ///< u, v or a parameter is NaN or infinite: the vectors are NaN
+  overflow = 1u << 10,          ///< a position or partial exceeds the range of the scalar
+};
+constexpr Status operator|(Status a, Status b) {
+  return static_cast<Status>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
+}
+constexpr Status operator&(Status a, Status b) {
+  return static_cast<Status>(static_cast<std::uint32_t>(a) & static_cast<std::uint32_t>(b));
+}
+constexpr Status& operator|=(Status& a, Status b) {
+  return a = a | b;
+}
+constexpr bool has(Status mask, Status bits) {
+  return (mask & bits) != Status::regular;
+}
+
+/// The name of every status bit, lowest bit first.
+inline constexpr std::array<std::string_view, 11> status_names{
+    "dpdu_zero", "dpdv_zero", "parallel",       "limit_frame",      "no_frame", "self_intersecting",
+    "crease",    "umbilic",   "outside_domain", "non_finite_input", "overflow"};
+
+/// Position and partial derivatives to second order with respect to u and v in [0, 1], factors 2π included.
+template <class S>
+struct Jet2 {
+  Vec3<S> position, dpdu, dpdv, d2pdu2, d2pduv, d2pdv2;
+};
+
+/// An orthonormal right-handed frame: t = dpdu/|dpdu|, n the unit normal, b = n × t.
+/// handedness = sign of det(dpdu, dpdv, n): handedness · b leans towards dpdv.
+template <class S>
+struct Frame {
+  Vec3<S> t, b, n;
+  S handedness = lift<S>(1.0);
+  Status status = Status::regular;
+};
+
+/// The unit vectors along the coordinate curves, t = dpdu/|dpdu| and b = dpdv/|dpdv|, with the unit normal.
+/// Not orthogonal where the chart is not; handedness as in Frame.
+template <class S>
+struct ParametricFrame {
+  Vec3<S> t, b, n;
+  S handedness = lift<S>(1.0);
+  Status status = Status::regular;
+};
+
+/// An interval of permitted values.
+struct Range {
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+  bool minimum_included = false;
+
+  constexpr bool contains(double x) const {
+    return (minimum < x || (minimum_included && minimum == x)) && x < maximum;
+  }
+  static constexpr Range positive() { return {.minimum = 0}; }
+  static constexpr Range not_negative() { return {.minimum = 0, .minimum_included = true}; }
+};
+
+/// Throws the ParameterError of checked() and of every other place where a named value leaves its range.
+[[noreturn]] void throw_out_of_range(std::string_view subject, std::string_view name, double value,
+                                     const Range& permitted);
+
+/// "0 < radius < inf", for messages and tables.
+std::string describe(const Range& permitted, std::string_view name);
+
+/// One parameter of a surface type; its default is the member's initialiser.
+template <class Surface, class T>
+struct Parameter {
+  std::string_view name;
+  T Surface::*member;
+  Range permitted;
+  std::string_view meaning;
+};
+template <class Surface, class T>
+constexpr Parameter<Surface, T> parameter(std::string_view name, T Surface::*member, Range permitted,
+                                          std::string_view meaning) {
+  return {name, member, permitted, meaning};
+}
+
+/// What a surface type says of itself.
+struct SurfaceInfo {
+  std::string_view name;     ///< as on the command line, e.g. "torus"
+  std::string_view summary;  ///< one line for people
+  Coordinate u, v;
+  std::array<std::string_view, 2>
+      singular{};  ///< where the chart is singular, e.g. "v=0"; unused entries empty
+  bool orientable = true;
+};
+
+/// A coordinate in the form its kind hands to formulas: x itself, or a Turn.
+template <Coordinate kind, class S>
+auto prepare(const S& x) {
+  if constexpr (kind == Coordinate::linear)
+    return x;
+  else if constexpr (kind == Coordinate::turn)
+    return sincos_turns(x);
+  else
+    return sincos_half_turns(x);
+}
+
+/// The type of a prepared coordinate.
+template <Coordinate kind, class S>
+using Prepared = decltype(prepare<kind>(std::declval<S>()));
+
+/// A surface type: `info`, and jet(u, v) on prepared coordinates of any scalar. It may add
+///   static constexpr auto parameters()    names, members, permitted ranges: an array of Parameter
+///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
+///   Status singular(u, v)                 the bits of Status that hold at this point
+///   S implicit(Vec3<S>)                   independent fact: zero on the surface, a length near it
+///   S gaussian_curvature(u, v)            independent fact
+/// docs/howto/add-a-surface.md shows one from start to end.
+template <class X>
+concept ParametricSurface = requires(const X& x, const Prepared<X::info.u, double>& u,
+                                     const Prepared<X::info.v, double>& v) {
+  { X::info } -> std::convertible_to<const SurfaceInfo&>;
+  { x.jet(u, v) } -> std::same_as<Jet2<double>>;
+};
+
+template <class X>
+concept HasParameters = requires {
+  X::parameters();
+};
+template <class X>
+concept HasClosedFrame = requires(const X& x, const Prepared<X::info.u, double>& u,
+                                  const Prepared<X::info.v, double>& v) {
+  { x.frame(u, v) } -> std::same_as<Frame<double>>;
+};
+template <class X>
+concept DeclaresSingularPoints = requires(const X& x, const Prepared<X::info.u, double>& u,
+                                          const Prepared<X::info.v, double>& v) {
+  { x.singular(u, v) } -> std::same_as<Status>;
+};
+template <class X>
+concept StatesImplicit = requires(const X& x, const Vec3<double>& p) {
+  { x.implicit(p) } -> std::same_as<double>;
+};
+template <class X>
+concept StatesGaussianCurvature = requires(const X& x, const Prepared<X::info.u, double>& u,
+                                           const Prepared<X::info.v, double>& v) {
+  { x.gaussian_curvature(u, v) } -> std::same_as<double>;
+};
+
+/// Calls f(parameter) for each parameter of the surface type, in order.
+template <class X, class F>
+constexpr void for_each_parameter(F&& f) {
+  if constexpr (HasParameters<X>)
+    for (const auto& p : X::parameters()) f(p);
+}
+
+/// The surface itself, checked: the one place where a parameter out of range is refused.
+/// \throws ParameterError naming surface and parameter, its value and the permitted range
+template <class X>
+const X& checked(const X& surface) {
+  for_each_parameter<X>([&](const auto& p) {
+    const double value = static_cast<double>(surface.*p.member);
+    if (!p.permitted.contains(value)) throw_out_of_range(X::info.name, p.name, value, p.permitted);
+  });
+  return surface;
+}
+
+}  // namespace darboux
