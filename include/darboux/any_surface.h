@@ -101,7 +101,8 @@ struct SurfaceSpecification {
 };
 
 /// Parses "name" or "name:parameter=value,parameter=value". The name is known, the parameters are the
-/// surface's, each once. \throws ParameterError listing the known names or parameters
+/// surface's, each once.
+/// \throws ParameterError listing the known names or parameters
 SurfaceSpecification parse_specification(std::string_view text);
 
 /// The catalogue's surface of that name with those parameters, the others at their defaults.

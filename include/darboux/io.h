@@ -1,8 +1,10 @@
 /// \file io.h
-/// Files: glTF and GLB over the JSON document itself, OBJ through assimp. Every float keeps its bits.
+/// Files: glTF and GLB over the JSON document itself, OBJ through assimp. Every float of a glTF keeps its
+/// bits.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -12,6 +14,7 @@
 #include <Eigen/Core>
 
 #include <darboux/mesh.h>
+#include <darboux/vector.h>
 
 namespace darboux {
 
@@ -20,7 +23,11 @@ struct Primitive {
   std::size_t mesh = 0;       ///< index of the mesh in the file
   std::size_t primitive = 0;  ///< index within the mesh
   std::string name;           ///< the mesh's name, may be empty
-  int texcoord = 0;           ///< which TEXCOORD set `data.uvs` holds; -1 when there is none
+  /// Which TEXCOORD set `data.uvs` holds: the one the material's normal texture uses where the primitive has
+  /// it, else 0; -1 when there is none.
+  int texcoord = -1;
+  /// In the mesh's own space; vertex i is the file's vertex i. Normalised integers are read as the numbers
+  /// they stand for, NaN and infinities as they are; strips and fans become triangles in glTF's winding.
   Mesh data;
   /// World matrices of the nodes that show it, one an instance; empty when no node does.
   std::vector<Eigen::Matrix4d> instances;
@@ -32,55 +39,81 @@ struct SkippedPrimitive {
   std::string reason;  ///< e.g. "mode 1 (lines) has no triangles"
 };
 
-/// What a file holds.
+/// What a file holds. A valid glTF without meshes gives an empty one.
 struct Asset {
   std::vector<Primitive> primitives;
   std::vector<SkippedPrimitive> skipped;
 };
 
 /// Reads .glb, .gltf or .obj, chosen by the content where it tells (the magic "glTF"), else by the extension.
+///
+/// glTF 2.0: every componentType, interleaved and sparse accessors, normalised integers
+/// (KHR_mesh_quantization), buffers in the GLB, in files beside it (relative URIs) or in data URIs. Draco and
+/// meshopt are refused where the file requires them; where it does not, its uncompressed data is read.
+/// Instances are the nodes of the default scene: the one named, else the first, else all trees of nodes.
+/// Morph targets and skins are not applied.
+///
+/// OBJ: triangulated, one vertex a corner as assimp gives them, v up as stored. assimp reads decimal numbers
+/// into float with an error of a few units in the last place. Material libraries are not opened.
+///
+/// Nothing is allocated by a count the file states before the count is checked against the bytes it has.
 /// \throws FileError naming the file, what is wrong and what is permitted
 Asset read_asset(const std::string& path);
 
-/// A glTF or GLB file held as its JSON document and its buffers, to be rewritten with everything else preserved.
+struct GltfFile;  // the JSON document and its buffers: src/io/gltf_file.h
+
+/// A glTF or GLB file held as its JSON document and its buffers, to be rewritten with everything else
+/// preserved: only accessors, bufferViews, buffer lengths and the references of the rewritten primitives
+/// change. Values stay the same, doubles to the bit, and unknown properties, chunks and the order of keys are
+/// kept.
 class GltfDocument {
  public:
-  /// \throws FileError
+  /// \throws FileError as read_asset does; errors in meshes and nodes are found by asset()
   static GltfDocument load(const std::string& path);
   GltfDocument(GltfDocument&&) noexcept;
   GltfDocument& operator=(GltfDocument&&) noexcept;
   ~GltfDocument();
 
-  /// The triangles in it.
+  /// The triangles in it, edits included. \throws FileError
   Asset asset() const;
 
-  /// Gives one primitive a TANGENT accessor (float VEC4, one a vertex), appended to the binary chunk; an old one
-  /// is left where it is, unreferenced by this primitive. \throws MeshError when the count differs from POSITION's
+  /// Gives one primitive a TANGENT accessor (float VEC4, one a vertex), appended to the binary chunk; an old
+  /// one is left where it is, unreferenced by this primitive. Values are stored bit for bit and not judged.
+  /// \throws MeshError when the primitive does not exist or the count differs from POSITION's
   void set_tangents(std::size_t mesh, std::size_t primitive, std::span<const Vec4<float>> tangents);
 
-  /// Gives one primitive new vertices: every vertex attribute is copied so that new vertex i is old vertex
-  /// source[i], bit for bit, and the indices are replaced.
+  /// Gives one primitive new vertices: every attribute, morph targets included, is copied so that new vertex
+  /// i is old vertex source[i], bit for bit, and the primitive becomes the triangle list `indices`. min and
+  /// max are computed anew where they stood. \throws MeshError when the primitive does not exist, source
+  /// names no old vertex, or indices no new one \throws FileError when an attribute cannot be read
   void remap_vertices(std::size_t mesh, std::size_t primitive, std::span<const std::uint32_t> source,
                       std::span<const std::uint32_t> indices);
 
-  /// Writes a GLB, whole or not at all. External buffers and data URIs become the binary chunk or stay as they
-  /// are, whichever keeps the rest of the document unchanged. \throws FileError
+  /// Writes a self-contained GLB, whole or not at all. The bytes of buffer 0 begin the binary chunk, all that
+  /// was added follows. Files that other buffers and images name by relative URI are embedded as data URIs,
+  /// so that no bufferView moves; an image that cannot be read, or whose kind is unknown, keeps its URI.
+  /// \throws FileError
   void save_glb(const std::string& path) const;
 
  private:
-  struct Content;
-  explicit GltfDocument(std::unique_ptr<Content> content);
-  std::unique_ptr<Content> content_;
+  explicit GltfDocument(std::unique_ptr<GltfFile> file);
+  std::unique_ptr<GltfFile> file_;
 };
 
-/// Writes one mesh as a GLB: float32 attributes, 32-bit indices (16-bit where they suffice), POSITION with min and
-/// max. Doubles are rounded to the nearest float; normals and tangents are not renormalised. \throws FileError
-/// \param extras_json a JSON object stored as the mesh's extras, or empty
+/// Writes one mesh, with one node that shows it, as a GLB: float32 attributes, 16-bit indices where they
+/// suffice, else 32-bit, POSITION with min and max. Doubles are rounded to the nearest float; normals, uvs
+/// and tangents are stored as they come, NaN included, and not renormalised. \param name the mesh's name;
+/// bytes that are not UTF-8 become U+FFFD \param extras_json a JSON object stored as the mesh's extras, or
+/// empty \throws FileError when it cannot be written \throws MeshError when the mesh is inconsistent or has
+/// no triangles, or a position is not finite as a float \throws ParameterError when extras_json is not a JSON
+/// object
 void write_glb(const std::string& path, const Mesh& mesh, const std::string& name,
                const std::string& extras_json = {});
 
-/// Writes a text or binary file whole or not at all: to a temporary beside it, then renamed. The path "-" is
-/// standard output. \throws FileError when the folder is missing or not writable, or the disk is full
+/// Writes a text or binary file whole or not at all: to a temporary beside it, then renamed, so that an old
+/// file stays until the new one is complete. A symbolic link stays, the file it names is replaced. The path
+/// "-" is standard output; devices, pipes and links of /dev and /proc are written to directly. \throws
+/// FileError when the path is a folder, its folder is missing or not writable, or the disk is full
 void write_file(const std::string& path, std::string_view content);
 
 }  // namespace darboux

@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, and does the main job: validates a mesh that another tool made and writes a
+# convergence report. Runs from anywhere, and again.
+set -euo pipefail
+cd "$(dirname "$0")"
+.ci/install build
+cmake --preset release -DDARBOUX_BUILD_TESTS=OFF
+cmake --build --preset release --target darboux_tool
+tool=build/release/bin/darboux
+report=build/convergence.html
+echo
+echo "== The tangents three.js computed for a torus, against the truth"
+"$tool" validate tests/data/torus_032.three.glb
+echo
+echo "== How fast mesh tangents converge to the truth"
+"$tool" converge --surfaces torus --surfaces sphere --meshes regular,jittered --resolutions 8..128 -o "$report"
+echo
+echo "The convergence report: $PWD/$report"

@@ -1,0 +1,99 @@
+/// \file converge.h
+/// Orders of convergence of mesh frames towards the truth, and error against run time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <darboux/any_surface.h>
+#include <darboux/mesh_classes.h>
+#include <darboux/mesh_frames.h>
+
+namespace darboux {
+
+/// A family of meshes over a surface, one for every resolution.
+struct MeshFamily {
+  std::string_view name, summary;
+  double shear = 0;   ///< K: stored uvs are (u + K v, v)
+  double jitter = 0;  ///< interior vertices move by up to ± this share of a cell
+  bool random_diagonals = false;
+};
+/// regular, sheared (K = 0.5), jittered (0.15 of a cell: no triangle is inverted), jittered-diagonals.
+std::span<const MeshFamily> mesh_families();
+/// \throws ParameterError listing the known names
+const MeshFamily& find_mesh_family(std::string_view name);
+
+/// What became of the order that was expected.
+enum class Verdict : std::uint8_t {
+  as_expected,        ///< lies within 0.15 of the order's 95 % interval
+  faster,             ///< the whole interval lies above that
+  slower,             ///< the whole interval lies below
+  does_not_converge,  ///< the order is below 0.15
+  at_the_floor,       ///< fewer than three resolutions above what rounding alone may cause: no order
+};
+inline constexpr std::array<std::string_view, 5> verdict_names{"as expected", "faster", "slower",
+                                                               "does not converge", "at the floor"};
+
+/// One mesh of a study and the errors on it, in degrees over the triangle corners of the study's class.
+struct Level {
+  int resolution;  ///< n: n rows, 2n columns
+  double h;        ///< mesh width, 1/n
+  double max_deg, rms_deg, p95_deg;
+  /// What rounding alone may cause: 16u |P|max / (shortest edge), u = 2^-53. A position errs by about 4u |P|,
+  /// an edge by twice that, and a tangent is made of two edges. Stored uvs are rounded too: where (largest
+  /// uv) / (shortest edge in uv) is greater, that takes the place of the quotient.
+  double floor_deg;
+  double seconds;                 ///< of the method on the whole mesh: the best of several runs, one thread
+  std::size_t corners, fallback;  ///< corners of the class; those among them no triangle served, left out
+  bool used;                      ///< enters the fit of the order
+};
+
+/// One question: how does one error fall with the mesh width, for one surface, family, method, class of
+/// vertex and quantity.
+struct Study {
+  std::string surface;  ///< as AnySurface::specification() writes it
+  double v_first = 0, v_last = 1;
+  std::string_view mesh, method;
+  VertexClass vertex_class;
+  /// "tangent": against dpdu by the stored u; "bitangent": the method's b against dpdv by the stored v;
+  /// "normal", for methods that make their own: against n.
+  std::string_view quantity;
+  std::vector<Level> levels;  ///< coarse to fine
+  /// Slope of log rms over log h, with its 95 % interval; NaN at the floor. Fitted over the levels whose rms
+  /// lies above ten times their floor; of those the ones with n < 16, which do not show the asymptotic slope
+  /// yet, are left out when at least four remain.
+  double order, order_low, order_high;
+  double expected_order;  ///< 0: is not expected to converge
+  Verdict verdict;
+
+  /// Whether it does at least what was expected.
+  bool holds() const {
+    return verdict != Verdict::slower && (verdict != Verdict::does_not_converge || expected_order == 0);
+  }
+};
+
+/// What to run: every combination of surface, family and method.
+struct ConvergeOptions {
+  std::vector<AnySurface> surfaces;
+  std::vector<const FrameMethod*> methods;
+  std::vector<const MeshFamily*> families;
+  std::vector<int> resolutions{8, 16, 32, 64, 128, 256};  ///< at least three, rising, each at least 2
+  std::uint64_t seed = 1;                                 ///< of jitter and diagonals
+  double v_first = 0, v_last = 1;                         ///< the part of the surface that is meshed
+};
+
+/// Runs every combination; classes without corners give no study. Orders expected in the interior: the
+/// method's own, on irregular meshes its order_jittered; where the mesh holds a pole, 1.5 in place of 2 (the
+/// error grows like h²/θ towards it, θ the distance, so that its mean square over the rows falls like h³).
+/// Everywhere else one-sided triangles make it 1; next to a pole of an irregular mesh, methods that stay in
+/// the triangles' planes do not converge. Bitangents on charts that are not orthogonal: the method's
+/// bitangent_order_oblique. \param progress called with the share done, in [0, 1] \throws ParameterError when
+/// the resolutions or the range of v are not as above
+std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
+
+}  // namespace darboux

@@ -1,0 +1,45 @@
+/// \file fit.h
+/// Finds the surface a mesh was made from, from its positions and uvs, with Ceres. Target darboux::fit.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <darboux/any_surface.h>
+#include <darboux/mesh.h>
+#include <darboux/placed_surface.h>
+
+namespace darboux {
+
+/// A surface counts as the mesh's when the rms distance of the positions from it, at their own uv, is at most
+/// this share of the bounding box's diagonal.
+inline constexpr double fits_below = 1e-4;
+
+struct MeshFit {
+  PlacedSurface surface;
+  double rms = 0;           ///< of |position - surface(uv)| over the referenced vertices, in the mesh's units
+  double rms_relative = 0;  ///< rms over the bounding box's diagonal
+  bool fits = false;        ///< rms_relative <= fits_below, and Ceres converged
+  std::vector<std::string_view> equivalent;  ///< other uv conventions that fit as well
+  int iterations = 0;                        ///< of Ceres
+};
+
+/// Fits a surface of known kind: proper rigid placement (det +1), the parameters not fixed, and the uv
+/// convention; the first of uv_conventions() that fits is taken, the best one where none does. Start in
+/// closed form from least squares on P = O + sum_k A_k ∂P/∂p_k(u, v), linear in O and the A_k for a surface
+/// linear in its parameters; then Ceres minimises the sum of squared distances over at most 4096 vertices,
+/// evenly chosen. Scale and offset of the data do not matter.
+/// \param kind name, with the parameters that are
+/// held
+/// \param placement held when given
+/// \throws ParameterError for an unknown kind or parameter; MeshError
+/// without uvs or with fewer than four usable vertices
+MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
+                    const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
+
+/// Fits every kind of the catalogue and returns the first that fits best; `fits` is false when none does.
+MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
+
+}  // namespace darboux

@@ -1,0 +1,39 @@
+/// \file mesh_classes.h
+/// Which part of a mesh a vertex belongs to: errors of a pole, a seam and the interior are different stories.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include <darboux/mesh.h>
+
+namespace darboux {
+
+/// In the order in which a vertex is assigned: it belongs to the first that fits.
+enum class VertexClass : std::uint8_t {
+  pole,  ///< at a singular point of the chart
+  seam,  ///< another vertex at its position has another uv, or uv area of the other sign, and the same normal
+  crease,     ///< another vertex at its position has another normal
+  pole_ring,  ///< shares a triangle with a pole
+  border,     ///< on an edge with one triangle
+  interior,
+};
+inline constexpr std::array<std::string_view, 6> vertex_class_names{"pole",      "seam",   "crease",
+                                                                    "pole_ring", "border", "interior"};
+
+/// Classes and uv islands of a mesh. Positions, uvs and normals count as the same when they differ by less
+/// than 1e-6 of their range; edges and rings are those of the mesh welded by position.
+struct MeshClasses {
+  std::vector<VertexClass> of_vertex;
+  /// An island is a set of triangles joined over edges that share position and uv, all with one sign of uv
+  /// area. The island of each triangle, or -1 for a triangle without uv area.
+  std::vector<std::int32_t> island_of_triangle;
+  std::int32_t islands = 0;
+};
+
+/// \param is_pole for each vertex whether it lies at a singular point of the chart; empty: none does
+MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole);
+
+}  // namespace darboux

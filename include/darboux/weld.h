@@ -1,0 +1,18 @@
+/// \file weld.h
+/// Finds vertices at the same place.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <darboux/vector.h>
+
+namespace darboux {
+
+/// For each point the index of the first point of its group: points closer than `tolerance` in every
+/// coordinate are of one group, and so are those joined by a chain of such. Non-finite points stand alone.
+/// Linear time for points that are not crowded far below the tolerance.
+std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tolerance);
+
+}  // namespace darboux

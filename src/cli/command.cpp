@@ -1,0 +1,106 @@
+#include "command.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+
+#include <unistd.h>
+
+namespace darboux {
+
+void add_common(CLI::App& sub, Common& common, const std::string& example) {
+  sub.add_flag("--json", common.json, "print one JSON document on stdout, nothing else");
+  sub.add_flag("--quiet", common.quiet, "no progress bar, no notes");
+  sub.add_option("--threads", common.threads, "threads for work over several files or surfaces")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
+  sub.footer("\nExample:\n  " + example + "\n");
+}
+
+Json number(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+
+Json array(const Vec3<double>& a) {
+  return {number(a.x), number(a.y), number(a.z)};
+}
+
+std::string shortest(double x) {
+  if (std::isnan(x)) return "nan";
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+}
+
+double parse_finite(const std::string& subject, std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    throw ParameterError(
+        subject, "'" + std::string(text) + "' is not a finite number, permitted are numbers like 0.25");
+  return value;
+}
+
+std::pair<int, int> parse_grid(const std::string& subject, const std::string& text) {
+  const std::vector<std::string> parts = split(text, 'x');
+  int sizes[2] = {0, 0};
+  bool good = parts.size() == 2;
+  for (std::size_t k = 0; good && k < 2; ++k) {
+    const auto [end, error] = std::from_chars(parts[k].data(), parts[k].data() + parts[k].size(), sizes[k]);
+    good = error == std::errc{} && end == parts[k].data() + parts[k].size() && sizes[k] >= 1;
+  }
+  if (!good)
+    throw ParameterError(subject,
+                         "'" + text + "' is no grid, permitted is NxM with N, M >= 1, such as 64x32");
+  return {sizes[0], sizes[1]};
+}
+
+std::vector<std::string> split(std::string_view text, char separator) {
+  std::vector<std::string> parts;
+  while (true) {
+    const std::size_t end = text.find(separator);
+    parts.emplace_back(text.substr(0, end));
+    if (end == std::string_view::npos) return parts;
+    text = text.substr(end + 1);
+  }
+}
+
+std::string join(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  return text;
+}
+
+Json surface_json(const AnySurface& surface) {
+  Json parameters = Json::object();
+  for (const ParameterValue& p : surface.parameters()) parameters[std::string(p.name)] = number(p.value);
+  return {{"name", surface.info().name}, {"parameters", parameters}};
+}
+
+void print_json(const Json& json) {
+  std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+}
+
+Progress::Progress(std::string label, const Common& common)
+    : label_(std::move(label)),
+      enabled_(!common.quiet && ::isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()),
+      last_(start_) {}
+
+Progress::~Progress() {
+  if (drawn_) std::fputs("\r\033[K", stderr);
+}
+
+void Progress::update(double share) {
+  using namespace std::chrono_literals;
+  const auto now = std::chrono::steady_clock::now();
+  if (!enabled_ || now - start_ < 500ms || now - last_ < 100ms) return;
+  last_ = now;
+  drawn_ = true;
+  constexpr int width = 40;
+  const int filled = static_cast<int>(std::lround(width * std::fmin(1, std::fmax(0, share))));
+  std::fprintf(stderr, "\r%s [%s%s] %3.0f %%", label_.c_str(), std::string(filled, '#').c_str(),
+               std::string(width - filled, '.').c_str(), 100 * share);
+}
+
+}  // namespace darboux

@@ -1,0 +1,82 @@
+/// \file command.h
+/// What the subcommands share: common options, numbers in JSON, the progress bar.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <darboux/any_surface.h>
+#include <darboux/error.h>
+#include <darboux/vector.h>
+
+namespace darboux {
+
+using Json = nlohmann::ordered_json;
+
+/// The options every subcommand has, and how it ended: 0 all that was asked for holds, 1 a check failed or
+/// the verdict is fail or undetermined, 2 usage error or unreadable input.
+struct Common {
+  bool json = false, quiet = false;
+  int threads = 1;
+  int exit_status = 0;
+};
+
+/// Adds --json, --quiet, --threads to a subcommand, and the example that ends its help.
+void add_common(CLI::App& sub, Common& common, const std::string& example);
+
+// One file a subcommand; each adds itself to the tool.
+void add_surfaces(CLI::App& app, Common& common);
+void add_eval(CLI::App& app, Common& common);
+void add_check(CLI::App& app, Common& common);
+void add_mesh(CLI::App& app, Common& common);
+void add_tangents(CLI::App& app, Common& common);
+void add_validate(CLI::App& app, Common& common);
+void add_converge(CLI::App& app, Common& common);
+
+/// A number as JSON: null for NaN and infinities, else printed so that it reads back to the same bits.
+Json number(double x);
+Json array(const Vec3<double>& a);
+
+/// The shortest decimal text that reads back to the same double: "0.1", "1e-300", "nan".
+std::string shortest(double x);
+
+/// Parses the whole text as a finite double, whatever the locale.
+/// \throws ParameterError naming `subject`
+double parse_finite(const std::string& subject, std::string_view text);
+
+/// Parses "NxM".
+/// \throws ParameterError naming `subject`
+std::pair<int, int> parse_grid(const std::string& subject, const std::string& text);
+
+/// Pieces of `text` between separators.
+std::vector<std::string> split(std::string_view text, char separator);
+
+/// "a, b, c"
+std::string join(const std::vector<std::string>& items);
+
+/// The surface's name and parameters as JSON, for every command alike.
+Json surface_json(const AnySurface& surface);
+
+/// Prints one JSON document to stdout.
+void print_json(const Json& json);
+
+/// A bar on stderr, drawn only on a terminal, not with --quiet, and not before half a second has passed.
+class Progress {
+ public:
+  Progress(std::string label, const Common& common);
+  ~Progress();
+  /// \param share done, in [0, 1]
+  void update(double share);
+
+ private:
+  std::string label_;
+  bool enabled_, drawn_ = false;
+  std::chrono::steady_clock::time_point start_, last_;
+};
+
+}  // namespace darboux

@@ -1,0 +1,215 @@
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <darboux/converge.h>
+#include <darboux/io.h>
+
+#include "command.h"
+#include "report/converge_report.h"
+
+namespace darboux {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> surfaces{"torus:major_radius=1,minor_radius=0.4", "sphere", "cylinder"};
+  std::vector<std::string> methods, meshes{"regular", "sheared", "jittered"};
+  std::string resolutions = "8..128", v_range = "0,1", report, csv;
+  std::uint64_t seed = 1;
+};
+
+constexpr int finest = 1024;  // 4 million triangles; their frames take a gigabyte
+
+// "torus:major_radius=1,minor_radius=0.4,sphere" or with ';' in between: a piece "name=value" belongs to the
+// surface before it.
+std::vector<std::string> split_surfaces(const std::string& text) {
+  std::vector<std::string> result;
+  for (const std::string& part : split(text, ';')) {
+    bool first = true;
+    for (const std::string& piece : split(part, ',')) {
+      const std::size_t equals = piece.find('=');
+      if (!first && equals != std::string::npos && equals < piece.find(':'))
+        result.back() += ',' + piece;
+      else
+        result.push_back(piece);
+      first = false;
+    }
+  }
+  return result;
+}
+
+int parse_resolution(std::string_view text) {
+  int n = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+  if (error != std::errc{} || end != text.data() + text.size() || n < 2 || n > finest)
+    throw ParameterError("--resolutions", "'" + std::string(text) +
+                                              "' is no resolution, permitted are 2 to " +
+                                              std::to_string(finest) + ", as 8..256 (doubling) or 8,16,32");
+  return n;
+}
+
+std::vector<int> parse_resolutions(const std::string& text) {
+  std::vector<int> result;
+  if (const std::size_t dots = text.find(".."); dots != std::string::npos) {
+    const int last = parse_resolution(std::string_view(text).substr(dots + 2));
+    for (int n = parse_resolution(std::string_view(text).substr(0, dots)); n <= last; n *= 2)
+      result.push_back(n);
+  } else {
+    for (const std::string& piece : split(text, ',')) result.push_back(parse_resolution(piece));
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+ConvergeOptions parse(const Arguments& arguments) {
+  ConvergeOptions options;
+  for (const std::string& text : arguments.surfaces)
+    for (const std::string& piece : split_surfaces(text)) options.surfaces.push_back(make_surface(piece));
+  for (const std::string& text : arguments.methods)
+    for (const std::string& piece : split(text, ',')) options.methods.push_back(&find_frame_method(piece));
+  if (arguments.methods.empty())
+    for (const FrameMethod& method : frame_methods()) options.methods.push_back(&method);
+  for (const std::string& text : arguments.meshes)
+    for (const std::string& piece : split(text, ',')) options.families.push_back(&find_mesh_family(piece));
+  options.resolutions = parse_resolutions(arguments.resolutions);
+  const std::vector<std::string> range = split(arguments.v_range, ',');
+  if (range.size() != 2)
+    throw ParameterError(
+        "--v-range", "'" + arguments.v_range + "' is no range, permitted are two numbers such as 0.2,0.8");
+  options.v_first = parse_finite("--v-range", range[0]);
+  options.v_last = parse_finite("--v-range", range[1]);
+  options.seed = arguments.seed;
+  return options;
+}
+
+// The line that runs the same again, every choice spelt out.
+std::string command_line(const ConvergeOptions& options, const Arguments& arguments) {
+  const auto list = [](const auto& items, auto text) {
+    std::string result;
+    for (const auto& item : items) result += (result.empty() ? "" : ",") + std::string(text(item));
+    return result;
+  };
+  const auto quoted = [](const std::string& text) {
+    if (text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/") ==
+        std::string::npos)
+      return text;
+    std::string result = "'";
+    for (const char c : text) result += c == '\'' ? "'\\''" : std::string(1, c);
+    return result + "'";
+  };
+  const auto name = [](const auto* item) { return item->name; };
+  return "darboux converge --surfaces " +
+         list(options.surfaces, [](const AnySurface& s) { return s.specification(); }) + " --methods " +
+         list(options.methods, name) + " --meshes " + list(options.families, name) + " --resolutions " +
+         list(options.resolutions, [](int n) { return std::to_string(n); }) + " --v-range " +
+         shortest(options.v_first) + ',' + shortest(options.v_last) + " --seed " +
+         std::to_string(options.seed) + " -o " + quoted(arguments.report);
+}
+
+// Orders of the tangents: a block for every surface and mesh, a row a method, a column a class.
+void print_orders(const std::vector<Study>& studies) {
+  std::puts("Order of convergence of the tangents, with its 95 % interval:");
+  for (auto begin = studies.begin(); begin != studies.end();) {
+    const auto end = std::find_if(begin, studies.end(), [&](const Study& s) {
+      return s.surface != begin->surface || s.mesh != begin->mesh;
+    });
+    std::vector<std::string_view> methods;
+    std::map<VertexClass, std::map<std::string_view, const Study*>, std::greater<>> columns;
+    for (auto s = begin; s != end; ++s) {
+      if (s->quantity != "tangent") continue;
+      if (std::find(methods.begin(), methods.end(), s->method) == methods.end()) methods.push_back(s->method);
+      columns[s->vertex_class][s->method] = &*s;
+    }
+    std::printf("\n%s, %s\n  %-18s", begin->surface.c_str(), std::string(begin->mesh).c_str(), "");
+    for (const auto& [vertex_class, column] : columns)
+      std::printf(" %-20s", std::string(vertex_class_names[static_cast<std::size_t>(vertex_class)]).c_str());
+    for (const std::string_view method : methods) {
+      std::printf("\n  %-18s", std::string(method).c_str());
+      for (const auto& [vertex_class, column] : columns) {
+        const auto found = column.find(method);
+        char cell[32] = "";
+        if (found != column.end() && found->second->verdict == Verdict::at_the_floor)
+          std::snprintf(cell, sizeof cell, "at the floor");
+        else if (found != column.end())
+          std::snprintf(cell, sizeof cell, "%.2f [%.2f, %.2f]%s", found->second->order,
+                        found->second->order_low, found->second->order_high,
+                        found->second->holds() ? "" : " !");
+        std::printf(" %-20s", cell);
+      }
+    }
+    std::puts("");
+    begin = end;
+  }
+  std::puts("");
+}
+
+void print_summary(const std::vector<Study>& studies) {
+  std::printf("%s\n", verdict_summary(studies).c_str());
+  for (const Study& s : studies)
+    if (!s.holds())
+      std::printf("%s: %s, %s mesh, %s, %s of the %s: order %.2f [%.2f, %.2f], expected %g\n",
+                  std::string(verdict_names[static_cast<std::size_t>(s.verdict)]).c_str(), s.surface.c_str(),
+                  std::string(s.mesh).c_str(), std::string(s.method).c_str(), std::string(s.quantity).c_str(),
+                  std::string(vertex_class_names[static_cast<std::size_t>(s.vertex_class)]).c_str(), s.order,
+                  s.order_low, s.order_high, s.expected_order);
+}
+
+void run(const Arguments& arguments, Common& common) {
+  const ConvergeOptions options = parse(arguments);
+  std::vector<Study> studies;
+  {
+    Progress progress("converge", common);
+    studies = converge(options, [&](double share) { progress.update(share); });
+  }
+  if (!arguments.report.empty())
+    write_file(arguments.report,
+               converge_page(studies, provenance(DARBOUX_VERSION, command_line(options, arguments))));
+  if (!arguments.csv.empty()) write_file(arguments.csv, studies_csv(studies));
+  const bool holds = std::all_of(studies.begin(), studies.end(), [](const Study& s) { return s.holds(); });
+  common.exit_status = holds ? 0 : 1;
+  if (common.json) return print_json({{"studies", studies_json(studies)}, {"seed", options.seed}});
+  // Where a file goes to standard output, nothing else does.
+  if (arguments.report == "-" || arguments.csv == "-") return;
+  if (arguments.report.empty()) print_orders(studies);
+  print_summary(studies);
+  if (!arguments.report.empty()) std::printf("report: %s\n", arguments.report.c_str());
+  if (!arguments.csv.empty()) std::printf("CSV: %s\n", arguments.csv.c_str());
+}
+
+}  // namespace
+
+void add_converge(CLI::App& app, Common& common) {
+  CLI::App& sub = *app.add_subcommand(
+      "converge",
+      "Measure how fast mesh frames approach the truth: orders of convergence, error against run time");
+  auto arguments = std::make_shared<Arguments>();
+  std::string methods, meshes;
+  for (const FrameMethod& method : frame_methods())
+    methods += (methods.empty() ? "" : ", ") + std::string(method.name);
+  for (const MeshFamily& family : mesh_families())
+    meshes += (meshes.empty() ? "" : ", ") + std::string(family.name);
+  const auto list = [&](const char* name, std::vector<std::string>& values, const std::string& help) {
+    sub.add_option(name, values, help)->allow_extra_args(false);
+  };
+  list("--surfaces", arguments->surfaces,
+       "SURFACE,SURFACE,... [torus:major_radius=1,minor_radius=0.4,sphere,cylinder]");
+  list("--methods", arguments->methods, "some of " + methods + " [all]");
+  list("--meshes", arguments->meshes, "some of " + meshes + " [regular,sheared,jittered]");
+  sub.add_option("--resolutions", arguments->resolutions,
+                 "rows of the meshes, twice as many columns: 8..256 (doubling) or 8,16,32; at least three")
+      ->capture_default_str();
+  sub.add_option("--v-range", arguments->v_range,
+                 "the part of the surface that is meshed: FIRST,LAST in [0, 1]")
+      ->capture_default_str();
+  sub.add_option("--seed", arguments->seed, "of random meshes")->capture_default_str();
+  sub.add_option("-o,--output", arguments->report, "write the page for people, HTML, to this file");
+  sub.add_option("--csv", arguments->csv, "write all levels of all studies to this file");
+  add_common(sub, common, "darboux converge --surfaces torus,sphere --resolutions 8..64 -o report.html");
+  sub.callback([arguments, &common] { run(*arguments, common); });
+}
+
+}  // namespace darboux

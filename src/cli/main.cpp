@@ -1,0 +1,55 @@
+#include <iostream>
+#include <new>
+
+#include "command.h"
+
+namespace {
+
+// Errors are one line, whatever a library put into its message.
+int report(const std::string& message, int status) {
+  std::string line = message;
+  while (!line.empty() && (line.back() == '\n' || line.back() == ' ')) line.pop_back();
+  for (char& c : line)
+    if (c == '\n' || c == '\r') c = ' ';
+  std::cerr << "darboux: " << line << '\n';
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Tangent frames of parametric surfaces and meshes, exact and checked.", "darboux"};
+  app.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "\nExample:\n  darboux eval torus:major_radius=1,minor_radius=0.4 --at 0.3,0.7 --json\n"
+      "\nSURFACE is `name` or `name:parameter=value,...`; `darboux surfaces` lists them.\n"
+      "`darboux COMMAND --help` explains a command.\n"
+      "Exit status: 0 all that was asked for holds; 1 a check failed, or the verdict is fail or "
+      "undetermined;\n"
+      "2 usage error, unreadable input, or output that cannot be written.");
+  darboux::Common common;
+  darboux::add_surfaces(app, common);
+  darboux::add_eval(app, common);
+  darboux::add_check(app, common);
+  darboux::add_mesh(app, common);
+  darboux::add_tangents(app, common);
+  darboux::add_validate(app, common);
+  darboux::add_converge(app, common);
+  try {
+    app.parse(argc, argv);
+    std::cout.flush();
+    if (!std::cout) return report("standard output: cannot be written, permitted is an open file or pipe", 2);
+    return common.exit_status;
+  } catch (const CLI::CallForHelp& e) {
+    return app.exit(e);
+  } catch (const CLI::CallForVersion& e) {
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    return report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
+  } catch (const std::bad_alloc&) {
+    return report("memory: not enough for this input, permitted is what fits", 2);
+  } catch (const std::exception& e) {
+    return report(e.what(), 2);
+  }
+}

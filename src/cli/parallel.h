@@ -1,0 +1,40 @@
+/// \file parallel.h
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace darboux {
+
+/// Calls work(i) for each i below n on `threads` threads (this one among them) and progress(share) after
+/// each, on this thread only. Results must not depend on the order. The first exception is thrown on when all
+/// have stopped.
+template <class Work, class Progress>
+void parallel_for(std::size_t n, int threads, Work work, Progress progress) {
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::exception_ptr error;
+  const auto run = [&](bool report) {
+    for (std::size_t i = next++; i < n; i = next++) {
+      try {
+        work(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!error) error = std::current_exception();
+        next = n;
+      }
+      if (report) progress(static_cast<double>(i + 1) / static_cast<double>(n));
+    }
+  };
+  std::vector<std::thread> pool;
+  for (std::size_t t = 1; t < static_cast<std::size_t>(threads) && t < n; ++t) pool.emplace_back(run, false);
+  run(true);
+  for (std::thread& thread : pool) thread.join();
+  if (error) std::rethrow_exception(error);
+}
+
+}  // namespace darboux

@@ -1,0 +1,57 @@
+#include <cmath>
+#include <iostream>
+
+#include "command.h"
+
+namespace darboux {
+namespace {
+
+bool periodic(Coordinate kind) {
+  return kind == Coordinate::turn || kind == Coordinate::twisted_turn;
+}
+
+void list(const Common& common) {
+  Json all = Json::array();
+  for (const AnySurface& surface : all_surfaces()) {
+    const SurfaceInfo& info = surface.info();
+    Json parameters = Json::array(), singular = Json::array();
+    for (const ParameterValue& p : surface.parameters())
+      parameters.push_back({{"name", p.name},
+                            {"default", number(p.default_value)},
+                            {"minimum", number(p.permitted.minimum)},
+                            {"maximum", number(p.permitted.maximum)},
+                            {"minimum_included", p.permitted.minimum_included},
+                            {"meaning", p.meaning}});
+    for (const std::string_view set : info.singular)
+      if (!set.empty()) singular.push_back(set);
+    all.push_back({{"name", info.name},
+                   {"summary", info.summary},
+                   {"parameters", parameters},
+                   {"periodic_u", periodic(info.u)},
+                   {"periodic_v", periodic(info.v)},
+                   {"orientable", info.orientable},
+                   {"singular", singular},
+                   {"facts", surface.facts()}});
+  }
+  if (common.json) return print_json({{"surfaces", all}});
+  for (const AnySurface& surface : all_surfaces()) {
+    const SurfaceInfo& info = surface.info();
+    std::cout << info.name << ": " << info.summary << '\n';
+    for (const ParameterValue& p : surface.parameters())
+      std::cout << "    " << p.name << " = " << shortest(p.default_value) << "    " << p.meaning << "; "
+                << describe(p.permitted, p.name) << '\n';
+    for (const std::string_view set : info.singular)
+      if (!set.empty()) std::cout << "    singular at " << set << '\n';
+  }
+}
+
+}  // namespace
+
+void add_surfaces(CLI::App& app, Common& common) {
+  CLI::App& sub =
+      *app.add_subcommand("surfaces", "List the surfaces: names, parameters, defaults, singular points");
+  add_common(sub, common, "darboux surfaces --json");
+  sub.callback([&common] { list(common); });
+}
+
+}  // namespace darboux

@@ -1,0 +1,271 @@
+#include <cstdio>
+#include <iostream>
+
+#include <darboux/io.h>
+#include <darboux/judge.h>
+
+#include "command.h"
+#include "parallel.h"
+
+namespace darboux {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  std::string surface = "auto", placement = "fit", reference = "analytic";
+  double max_angle = 5;
+};
+
+struct JudgedPrimitive {
+  Primitive primitive;  // without its data
+  Judgement judgement;
+};
+
+struct JudgedFile {
+  std::vector<JudgedPrimitive> primitives;
+  std::vector<SkippedPrimitive> skipped;
+  std::string error;  // empty where the file could be read
+  Verdict verdict = Verdict::pass;
+};
+
+Eigen::Isometry3d parse_placement(const std::string& text) {
+  Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
+  if (text == "identity") return placement;
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 16)
+    throw ParameterError(
+        "--placement",
+        "'" + text + "' is no placement, permitted are fit, identity or 16 numbers, column by column");
+  for (std::size_t k = 0; k < 16; ++k)
+    placement.matrix()(static_cast<Eigen::Index>(k % 4), static_cast<Eigen::Index>(k / 4)) =
+        parse_finite("--placement", parts[k]);
+  const Eigen::Matrix3d m = placement.linear();
+  const bool rigid = (m.transpose() * m - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
+                     m.determinant() > 0 && placement.matrix().row(3) == Eigen::RowVector4d(0, 0, 0, 1);
+  if (!rigid)
+    throw ParameterError(
+        "--placement",
+        "the matrix is not rigid with determinant +1, permitted are rotations with a translation");
+  return placement;
+}
+
+// Node transforms change what a renderer shows, not what the mesh stores: they give rise to findings only.
+void add_node_findings(const Primitive& primitive, MeshReport& report) {
+  std::size_t mirrored = 0, sheared = 0;
+  for (const Eigen::Matrix4d& world : primitive.instances) {
+    const Eigen::Matrix3d m = world.topLeftCorner<3, 3>();
+    const Eigen::Matrix3d gram = m.transpose() * m;
+    const double scale = gram.trace() / 3;
+    mirrored += m.determinant() < 0;
+    sheared += (gram - scale * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-5 * scale;
+  }
+  if (mirrored > 0)
+    report.findings.push_back(
+        {"NODE_MIRRORED", Severity::info, mirrored,
+         "nodes mirror the mesh (counted in nodes): renderers must flip w and the winding"});
+  if (sheared > 0)
+    report.findings.push_back({"NODE_SCALE_NOT_UNIFORM", Severity::info, sheared,
+                               "nodes scale the mesh unevenly (counted in nodes): tangents must go by M, "
+                               "normals by its inverse transpose"});
+}
+
+JudgedFile judge_file(const std::string& path, const JudgeOptions& options) {
+  JudgedFile result;
+  Asset asset;
+  try {
+    asset = read_asset(path);
+  } catch (const Error& e) {
+    result.error = e.what();
+    return result;
+  }
+  result.skipped = asset.skipped;
+  if (asset.primitives.empty()) result.verdict = Verdict::undetermined;
+  for (Primitive& primitive : asset.primitives) {
+    Judgement judgement = judge(primitive.data, options);
+    add_node_findings(primitive, judgement.report);
+    result.verdict = std::max(result.verdict, judgement.report.verdict);
+    primitive.data = {};
+    result.primitives.push_back({std::move(primitive), std::move(judgement)});
+  }
+  return result;
+}
+
+Json statistics_json(const Statistics& s) {
+  return {{"max", number(s.max)}, {"rms", number(s.rms)}, {"p95", number(s.p95)}};
+}
+
+Json report_json(const Primitive& primitive, const Judgement& judgement) {
+  const MeshReport& report = judgement.report;
+  Json json{{"mesh", primitive.mesh},
+            {"primitive", primitive.primitive},
+            {"name", primitive.name},
+            {"corners", report.corners},
+            {"verdict", verdict_names[static_cast<std::size_t>(report.verdict)]}};
+  json["surface"] = nullptr;
+  json["uv"] = nullptr;
+  if (judgement.fit && judgement.fit->fits) {
+    const MeshFit& fit = *judgement.fit;
+    Json surface = surface_json(fit.surface.surface);
+    Json placement = Json::array(), affine = Json::array();
+    for (Eigen::Index k = 0; k < 16; ++k)
+      placement.push_back(number(fit.surface.placement.matrix()(k % 4, k / 4)));
+    for (const double x : fit.surface.uv.affine) affine.push_back(number(x));
+    surface["placement"] = placement;
+    surface["fit_rms"] = number(fit.rms);
+    surface["fit_rms_relative"] = number(fit.rms_relative);
+    json["surface"] = surface;
+    json["uv"] = {{"convention", fit.surface.uv.name},
+                  {"affine", affine},
+                  {"equivalent", fit.equivalent},
+                  {"texcoord", primitive.texcoord}};
+  }
+  json["reference"] = report.reference;
+  json["handedness"] = {{"convention", report.handedness.convention},
+                        {"consistent", number(report.handedness.consistent)},
+                        {"wrong", report.handedness.wrong}};
+  json["zero_tangents"] = report.zero_tangents;
+  json["non_unit"] = report.non_unit;
+  json["non_orthogonal"] = report.non_orthogonal;
+  json["non_finite"] = report.non_finite;
+  json["degenerate_triangles"] = report.degenerate_triangles;
+  json["degenerate_uv_triangles"] = report.degenerate_uv_triangles;
+  json["classes"] = Json::object();
+  for (const ClassReport& c : report.classes) {
+    Json entry{{"corners", c.corners}};
+    if (c.normal_deg) entry["normal_deg"] = statistics_json(*c.normal_deg);
+    if (c.tangent_deg) entry["tangent_deg"] = statistics_json(*c.tangent_deg);
+    if (c.bitangent_deg) entry["bitangent_deg"] = statistics_json(*c.bitangent_deg);
+    entry["worst"] = {{"vertex", c.worst_vertex}, {"u", number(c.worst_uv.x)}, {"v", number(c.worst_uv.y)}};
+    json["classes"][std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)])] = entry;
+  }
+  json["findings"] = Json::array();
+  for (const Finding& f : report.findings)
+    json["findings"].push_back({{"code", f.code},
+                                {"severity", severity_names[static_cast<std::size_t>(f.severity)]},
+                                {"count", f.count},
+                                {"message", f.message}});
+  return json;
+}
+
+// The specification with six digits, for reading.
+std::string brief(const AnySurface& surface) {
+  std::string text(surface.info().name);
+  char separator = ':';
+  for (const ParameterValue& p : surface.parameters()) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.6g", p.value);
+    text += separator + std::string(p.name) + "=" + number;
+    separator = ',';
+  }
+  return text;
+}
+
+void print_people(const std::string& path, const JudgedFile& file) {
+  std::cout << path << ": " << verdict_names[static_cast<std::size_t>(file.verdict)] << '\n';
+  if (file.primitives.empty()) std::cout << "  holds no triangles to judge\n";
+  for (const auto& [primitive, judgement] : file.primitives) {
+    const MeshReport& report = judgement.report;
+    std::cout << "  mesh " << primitive.mesh << " primitive " << primitive.primitive;
+    if (!primitive.name.empty()) std::cout << " (" << primitive.name << ")";
+    std::cout << ": " << report.corners << " corners";
+    if (judgement.fit && judgement.fit->fits) {
+      std::cout << ", " << brief(judgement.fit->surface.surface) << ", uvs "
+                << judgement.fit->surface.uv.name;
+    }
+    std::cout << ", w " << report.handedness.convention << '\n';
+    if (!report.classes.empty())
+      std::printf("    %-10s %9s  %-23s  %-23s  %-23s\n", "class", "corners", "normal max/rms (deg)",
+                  "tangent max/rms (deg)", "bitangent max/rms (deg)");
+    std::cout.flush();
+    for (const ClassReport& c : report.classes) {
+      const auto cell = [](const std::optional<Statistics>& s) {
+        if (!s) return std::string("-");
+        char text[48];
+        std::snprintf(text, sizeof text, "%.3g / %.3g", s->max, s->rms);
+        return std::string(text);
+      };
+      std::printf("    %-10s %9zu  %-23s  %-23s  %-23s\n",
+                  std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)]).c_str(),
+                  c.corners, cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(),
+                  cell(c.bitangent_deg).c_str());
+    }
+    std::fflush(stdout);
+    for (const Finding& f : report.findings)
+      std::cout << "    " << severity_names[static_cast<std::size_t>(f.severity)] << ' ' << f.code << " ("
+                << f.count << "): " << f.message << '\n';
+  }
+  for (const SkippedPrimitive& s : file.skipped)
+    std::cout << "  mesh " << s.mesh << " primitive " << s.primitive << " not judged: " << s.reason << '\n';
+}
+
+void run(const Arguments& arguments, Common& common) {
+  JudgeOptions options;
+  options.max_angle_deg = arguments.max_angle;
+  if (!(arguments.max_angle > 0) || arguments.max_angle > 180)
+    throw ParameterError("--max-angle",
+                         shortest(arguments.max_angle) + " is out of range, permitted is 0 < degrees <= 180");
+  if (arguments.surface != "auto") {
+    options.surface = parse_specification(arguments.surface);
+    make_surface(*options.surface);  // refuses values out of range before any file is read
+  }
+  if (arguments.placement != "fit") options.placement = parse_placement(arguments.placement);
+
+  std::vector<JudgedFile> files(arguments.files.size());
+  Progress progress("validate", common);
+  parallel_for(
+      files.size(), common.threads,
+      [&](std::size_t i) { files[i] = judge_file(arguments.files[i], options); },
+      [&](double share) { progress.update(share); });
+
+  Json list = Json::array();
+  Verdict verdict = Verdict::pass;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const JudgedFile& file = files[i];
+    Json entry{{"file", arguments.files[i]}};
+    if (!file.error.empty()) {
+      std::cerr << "darboux: " << file.error << '\n';
+      common.exit_status = 2;
+      verdict = Verdict::fail;
+      entry["verdict"] = "fail";
+      entry["error"] = file.error;
+      entry["meshes"] = Json::array();
+      list.push_back(entry);
+      continue;
+    }
+    verdict = std::max(verdict, file.verdict);
+    if (!common.json) print_people(arguments.files[i], file);
+    entry["verdict"] = verdict_names[static_cast<std::size_t>(file.verdict)];
+    entry["meshes"] = Json::array();
+    for (const auto& [primitive, judgement] : file.primitives)
+      entry["meshes"].push_back(report_json(primitive, judgement));
+    list.push_back(entry);
+  }
+  if (common.json)
+    print_json({{"files", list}, {"verdict", verdict_names[static_cast<std::size_t>(verdict)]}});
+  if (verdict != Verdict::pass) common.exit_status = std::max(common.exit_status, 1);
+}
+
+}  // namespace
+
+void add_validate(CLI::App& app, Common& common) {
+  CLI::App& sub = *app.add_subcommand("validate", "Compare the tangents stored in mesh files with the truth");
+  auto arguments = std::make_shared<Arguments>();
+  sub.add_option("FILES", arguments->files, ".glb, .gltf or .obj files")->required();
+  sub.add_option("--surface", arguments->surface,
+                 "auto, or the kind with the parameters that are known: torus:minor_radius=0.4")
+      ->capture_default_str();
+  sub.add_option("--placement", arguments->placement,
+                 "fit, identity, or 16 numbers, column by column, separated by commas")
+      ->capture_default_str();
+  sub.add_option(
+         "--max-angle", arguments->max_angle,
+         "degrees an interior corner may be off; three times that at seams, pole rings, creases and borders")
+      ->capture_default_str();
+  sub.add_option("--reference", arguments->reference, "what to compare with: analytic")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"analytic"}));
+  add_common(sub, common, "darboux validate torus.glb --surface torus --max-angle 2 --json");
+  sub.callback([arguments, &common] { run(*arguments, common); });
+}
+
+}  // namespace darboux

@@ -1,0 +1,284 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <darboux/converge.h>
+#include <darboux/error.h>
+#include <darboux/frame.h>
+#include <darboux/sample_mesh.h>
+#include <darboux/statistics.h>
+
+namespace darboux {
+namespace {
+
+constexpr MeshFamily families[] = {
+    {"regular", "a grid, every cell cut along the same diagonal", 0, 0, false},
+    {"sheared", "the same grid, its uvs sheared: u + v/2 is stored in place of u", 0.5, 0, false},
+    {"jittered", "a grid whose inner vertices are moved at random by up to 0.15 of a cell", 0, 0.15, false},
+    {"jittered-diagonals", "the same, every cell cut along a diagonal chosen at random", 0, 0.15, true},
+};
+
+constexpr double above_floor = 10;         // a level is used where its rms is this many times its floor
+constexpr int asymptotic_from = 16;        // coarser levels are left out where enough remain
+constexpr std::size_t fit_least = 3;       // levels without which there is no interval
+constexpr double tolerance = 0.15;         // of an order
+constexpr double orthogonal_below = 1e-9;  // |cos| between dpdu and dpdv, far above its rounding
+
+constexpr std::array<std::string_view, 3> quantities{"tangent", "bitangent", "normal"};
+enum Quantity : std::size_t { tangent, bitangent, normal };
+
+double degrees(double radians) {
+  return radians * (180 / std::numbers::pi);
+}
+
+// A mesh with the truth at its vertices.
+struct Reference {
+  struct Truth {
+    std::array<Vec3<double>, 3> of_quantity;  // directions, of any length
+    bool exists;
+  };
+  Mesh mesh;
+  std::vector<VertexClass> vertex_class;
+  std::vector<Truth> truth;
+  double floor_deg;
+  bool oblique = false;  // dpdu and dpdv by the stored uvs are not orthogonal somewhere
+  bool has_pole = false;
+};
+
+double floor_deg(const Mesh& mesh) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  double shortest = inf, shortest_uv = inf, largest = 0, largest_uv = 0;
+  for (const Triangle& triangle : mesh.triangles)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];
+      shortest = std::min(shortest, norm(mesh.positions[b] - mesh.positions[a]));
+      shortest_uv =
+          std::min(shortest_uv, std::hypot(mesh.uvs[b].x - mesh.uvs[a].x, mesh.uvs[b].y - mesh.uvs[a].y));
+      largest = std::max(largest, norm(mesh.positions[a]));
+      largest_uv = std::max(largest_uv, std::hypot(mesh.uvs[a].x, mesh.uvs[a].y));
+    }
+  return degrees(16 * 0x1p-53 * std::max(largest / shortest, largest_uv / shortest_uv));
+}
+
+Reference make_reference(const AnySurface& surface, const MeshFamily& family, const ConvergeOptions& options,
+                         int n) {
+  Reference r;
+  r.mesh = sample_mesh(surface, {.columns = 2 * n,
+                                 .rows = n,
+                                 .jitter = family.jitter,
+                                 .random_diagonals = family.random_diagonals,
+                                 .seed = options.seed,
+                                 .shear = family.shear,
+                                 .v_first = options.v_first,
+                                 .v_last = options.v_last});
+  std::vector<bool> is_pole;
+  for (const Vec2<double>& stored : r.mesh.uvs) {
+    const double u = stored.x - family.shear * stored.y, v = stored.y;
+    const Sample<double> sample = surface.sample(u, v);
+    const Status status = sample.frame.status;
+    // By the stored (u + K v, v): d/du is dpdu, d/dv is dpdv - K dpdu. Along dpdu runs t, also in the limit.
+    const Vec3<double> along_v = sample.jet.dpdv - family.shear * sample.jet.dpdu;
+    r.truth.push_back(
+        {{sample.frame.t, along_v, sample.frame.n},
+         !has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero)});
+    is_pole.push_back(has(status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel));
+    r.has_pole = r.has_pole || is_pole.back();
+    if (!is_pole.back() && std::fabs(dot(sample.frame.t, unit(along_v))) > orthogonal_below) r.oblique = true;
+  }
+  r.vertex_class = classify(r.mesh, is_pole).of_vertex;
+  r.floor_deg = floor_deg(r.mesh);
+  return r;
+}
+
+// Runs a method until 2 ms have passed, three times where that is done within 20 ms. The best run's seconds
+// go to `seconds`.
+MeshFrames timed_frames(const Mesh& mesh, const FrameMethod& method, double& seconds) {
+  using Clock = std::chrono::steady_clock;
+  seconds = std::numeric_limits<double>::infinity();
+  MeshFrames frames;
+  double total = 0;
+  int runs = 0;
+  do {
+    const auto start = Clock::now();
+    frames = mesh_frames(mesh, method);
+    const double once = std::chrono::duration<double>(Clock::now() - start).count();
+    seconds = std::min(seconds, once);
+    total += once;
+    ++runs;
+  } while (total < 2e-3 || (runs < 3 && total < 2e-2));
+  return frames;
+}
+
+bool answers(const FrameMethod& method, std::size_t quantity) {
+  return quantity != normal || !method.needs_normals;  // the others pass the mesh's own normals on
+}
+
+double expected_order(const FrameMethod& method, const MeshFamily& family, VertexClass vertex_class,
+                      std::size_t quantity, const Reference& reference) {
+  const bool near_pole = vertex_class == VertexClass::pole || vertex_class == VertexClass::pole_ring;
+  const bool irregular = family.jitter > 0 || family.random_diagonals;
+  // Triangles at a pole are h² wide and h high. Where one is not symmetric, the surface's curvature along v
+  // lifts its far side by h² too, so its own plane does not converge; methods that project onto the vertex
+  // normal remove that.
+  const bool in_plane_of_triangle = method.bitangent_order_oblique > 0;
+  if (near_pole && irregular && in_plane_of_triangle && quantity != bitangent) return 0;
+  if (quantity == normal) return 1;
+  // Towards a pole dpdu vanishes, and with it the shear.
+  const bool oblique = reference.oblique && !near_pole;
+  if (oblique) {
+    if (quantity == bitangent && method.bitangent_order_oblique == 0) return 0;
+    // It gives the gradient of u, which is not along dpdu on an oblique chart.
+    if (quantity == tangent && method.name == "fragment-gradient") return 0;
+  }
+  if (vertex_class != VertexClass::interior) return 1;
+  const int order = oblique && quantity == bitangent ? method.bitangent_order_oblique
+                    : irregular                      ? method.order_jittered
+                                                     : method.order_regular;
+  return reference.has_pole ? std::min(1.5, static_cast<double>(order)) : order;
+}
+
+Verdict judge(const Study& study) {
+  if (std::isnan(study.order)) return Verdict::at_the_floor;
+  const double expected = study.expected_order;
+  if (study.order < tolerance) return Verdict::does_not_converge;
+  if (study.order_high < expected - tolerance) return Verdict::slower;
+  if (study.order_low > expected + tolerance) return Verdict::faster;
+  return Verdict::as_expected;
+}
+
+// Chooses the levels, fits the order and judges it.
+void conclude(Study& study) {
+  std::size_t asymptotic = 0;
+  for (Level& level : study.levels) {
+    level.used = level.rms_deg > above_floor * level.floor_deg;
+    asymptotic += level.used && level.resolution >= asymptotic_from;
+  }
+  std::vector<double> x, y;
+  for (Level& level : study.levels) {
+    level.used = level.used && (level.resolution >= asymptotic_from || asymptotic < fit_least + 1);
+    if (!level.used) continue;
+    x.push_back(std::log(level.h));
+    y.push_back(std::log(level.rms_deg));
+  }
+  study.order = study.order_low = study.order_high = std::numeric_limits<double>::quiet_NaN();
+  if (x.size() >= fit_least) {
+    const Line line = fit_line(x, y);
+    study.order = line.slope;
+    study.order_low = line.slope_low;
+    study.order_high = line.slope_high;
+  }
+  study.verdict = judge(study);
+}
+
+// Adds one level to each class and quantity: studies[class][quantity].
+using StudyGrid = std::array<std::array<Study, quantities.size()>, vertex_class_names.size()>;
+void measure(const Reference& reference, const FrameMethod& method, int n, StudyGrid& studies) {
+  double seconds;
+  const MeshFrames frames = timed_frames(reference.mesh, method, seconds);
+  struct Errors {
+    std::array<std::vector<double>, quantities.size()> deg;
+    std::size_t corners = 0, fallback = 0;
+  };
+  std::array<Errors, vertex_class_names.size()> of_class;
+  // Averages give one frame a vertex: its errors are kept for the vertex's other corners.
+  std::vector<std::uint32_t> vertex_of_frame(frames.frames.size(), static_cast<std::uint32_t>(-1));
+  std::vector<std::array<double, quantities.size()>> error_of_frame(frames.frames.size());
+  for (std::size_t c = 0; c < reference.mesh.corners(); ++c) {
+    const std::uint32_t vertex = reference.mesh.triangles[c / 3][c % 3], index = frames.of_corner[c];
+    const Reference::Truth& truth = reference.truth[vertex];
+    if (!truth.exists) continue;
+    Errors& errors = of_class[static_cast<std::size_t>(reference.vertex_class[vertex])];
+    ++errors.corners;
+    const CornerFrame& frame = frames.frames[index];
+    if (frame.fallback) {
+      ++errors.fallback;
+      continue;
+    }
+    const std::array<Vec3<double>, quantities.size()> found{frame.t, frame.b, frame.n};
+    for (std::size_t q = 0; q < quantities.size(); ++q) {
+      if (!answers(method, q)) continue;
+      double& error = error_of_frame[index][q];
+      if (vertex_of_frame[index] != vertex) error = degrees(angle_between(found[q], truth.of_quantity[q]));
+      errors.deg[q].push_back(error);
+    }
+    vertex_of_frame[index] = vertex;
+  }
+  for (std::size_t k = 0; k < of_class.size(); ++k)
+    for (std::size_t q = 0; q < quantities.size(); ++q) {
+      Errors& errors = of_class[k];
+      if (errors.deg[q].empty()) continue;
+      const Statistics s = summarise(errors.deg[q]);
+      studies[k][q].levels.push_back({n, 1.0 / n, s.max, s.rms, s.p95, reference.floor_deg, seconds,
+                                      errors.corners, errors.fallback, false});
+    }
+}
+
+void check(const ConvergeOptions& o) {
+  if (o.resolutions.size() < fit_least)
+    throw ParameterError("resolutions", std::to_string(o.resolutions.size()) +
+                                            " given, at least 3 are needed to fit an order");
+  for (std::size_t i = 0; i < o.resolutions.size(); ++i)
+    if (o.resolutions[i] < (i == 0 ? 2 : o.resolutions[i - 1] + 1))
+      throw ParameterError("resolutions", std::to_string(o.resolutions[i]) +
+                                              " does not fit, permitted are rising numbers from 2");
+}
+
+}  // namespace
+
+std::span<const MeshFamily> mesh_families() {
+  return families;
+}
+
+const MeshFamily& find_mesh_family(std::string_view name) {
+  std::string known;
+  for (const MeshFamily& family : families) {
+    if (family.name == name) return family;
+    known += (known.empty() ? "" : ", ") + std::string(family.name);
+  }
+  throw ParameterError("meshes", "unknown family '" + std::string(name) + "', known are " + known);
+}
+
+std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress) {
+  check(options);
+  double work = 0, done = 0;  // in cells
+  for (const int n : options.resolutions) work += 2.0 * n * n;
+  work *= static_cast<double>(options.surfaces.size() * options.families.size() * options.methods.size());
+  std::vector<Study> result;
+  for (const AnySurface& surface : options.surfaces)
+    for (const MeshFamily* family : options.families) {
+      std::vector<StudyGrid> of_method(options.methods.size());
+      for (const int n : options.resolutions) {
+        const Reference reference = make_reference(surface, *family, options, n);
+        for (std::size_t m = 0; m < of_method.size(); ++m) {
+          const FrameMethod& method = *options.methods[m];
+          measure(reference, method, n, of_method[m]);
+          for (std::size_t k = 0; k < vertex_class_names.size(); ++k)
+            for (std::size_t q = 0; q < quantities.size(); ++q) {
+              Study& study = of_method[m][k][q];
+              study.vertex_class = static_cast<VertexClass>(k);
+              study.quantity = quantities[q];
+              study.expected_order = expected_order(method, *family, study.vertex_class, q, reference);
+            }
+          done += 2.0 * n * n;
+          if (progress) progress(done / work);
+        }
+      }
+      for (std::size_t m = 0; m < of_method.size(); ++m)
+        for (auto& of_quantity : of_method[m])
+          for (Study& study : of_quantity) {
+            if (study.levels.empty()) continue;
+            study.surface = surface.specification();
+            study.v_first = options.v_first;
+            study.v_last = options.v_last;
+            study.mesh = family->name;
+            study.method = options.methods[m]->name;
+            conclude(study);
+            result.push_back(std::move(study));
+          }
+    }
+  return result;
+}
+
+}  // namespace darboux

@@ -1,0 +1,166 @@
+#include "accessor.h"
+
+#include <algorithm>
+#include <type_traits>
+
+namespace darboux::io {
+namespace {
+
+struct Shape {
+  const char* type;
+  std::size_t columns, rows;
+};
+constexpr Shape shapes[] = {{"SCALAR", 1, 1}, {"VEC2", 1, 2}, {"VEC3", 1, 3}, {"VEC4", 1, 4},
+                            {"MAT2", 2, 2},   {"MAT3", 3, 3}, {"MAT4", 4, 4}};
+
+constexpr std::size_t round_up_4(std::size_t n) {
+  return (n + 3) / 4 * 4;
+}
+
+std::size_t component_bytes(const Place& component_type) {
+  switch (component_type.integer()) {
+    case component_i8:
+    case component_u8:
+      return 1;
+    case component_i16:
+    case component_u16:
+      return 2;
+    case component_u32:
+    case component_f32:
+      return 4;
+    default:
+      component_type.fail("is " + component_type.shown() +
+                          ", permitted are 5120, 5121, 5122, 5123, 5125 and 5126");
+  }
+}
+
+/// Bytes of a bufferView, and its stride, 0 when its elements are tightly packed.
+struct View {
+  std::string_view bytes;
+  std::size_t stride = 0;
+};
+
+View read_view(const GltfFile& file, const Place& index) {
+  const Place view = file.element("bufferViews", index);
+  const Place buffer_index = view.at("buffer");
+  const Place buffer = file.element("buffers", buffer_index);
+  const auto& bytes = file.buffers[buffer_index.integer()];
+  if (!bytes) buffer.fail("has no data, permitted are a uri or, for buffer 0, the binary chunk of a GLB");
+  const std::uint64_t available = buffer.at("byteLength").integer();
+  const std::uint64_t offset = view.integer_or("byteOffset", 0);
+  const std::uint64_t length = view.at("byteLength").integer(1);
+  if (offset > available || length > available - offset)
+    view.fail("asks for " + std::to_string(length) + " bytes from byte " + std::to_string(offset) +
+              ", permitted are the " + std::to_string(available) + " bytes of " + buffer.name());
+  const std::size_t stride = view.has("byteStride") ? view.at("byteStride").integer(4, 252) : 0;
+  return {std::string_view(*bytes).substr(offset, length), stride};
+}
+
+/// Copies `count` > 0 elements of `size` bytes, tightly packed, from a place that names a bufferView and a
+/// byteOffset. The bounds are checked before anything is allocated, in an order that cannot overflow.
+std::string read_elements(const GltfFile& file, const Place& place, std::uint64_t count, std::size_t size) {
+  const View view = read_view(file, place.at("bufferView"));
+  const std::uint64_t offset = place.integer_or("byteOffset", 0);
+  const std::size_t stride = view.stride == 0 ? size : view.stride;
+  if (stride < size)
+    place.fail("has elements of " + std::to_string(size) +
+               " bytes, permitted are at most the byteStride of its bufferView, " + std::to_string(stride));
+  if (offset > view.bytes.size() || size > view.bytes.size() - offset ||
+      count - 1 > (view.bytes.size() - offset - size) / stride)
+    place.fail("asks for " + std::to_string(count) + " elements of " + std::to_string(size) +
+               " bytes from byte " + std::to_string(offset) + ", permitted are the " +
+               std::to_string(view.bytes.size()) + " bytes of its bufferView");
+  if (stride == size) return std::string(view.bytes.substr(offset, count * size));
+  std::string bytes(count * size, '\0');
+  for (std::size_t i = 0; i < count; ++i)
+    std::memcpy(bytes.data() + i * size, view.bytes.data() + offset + i * stride, size);
+  return bytes;
+}
+
+std::string zeros(const GltfFile& file, const Place& accessor, std::uint64_t count, std::size_t size) {
+  std::uint64_t permitted = std::uint64_t{1} << 20;
+  for (const auto& buffer : file.buffers) permitted += buffer ? 4 * buffer->size() : 0;
+  if (count > permitted / size)
+    accessor.fail("has no bufferView and " + std::to_string(count) + " elements of " + std::to_string(size) +
+                  " bytes, permitted for a file of this size are " + std::to_string(permitted) + " bytes");
+  return std::string(count * size, '\0');
+}
+
+void overlay_sparse(const GltfFile& file, const Place& sparse, Accessor& accessor) {
+  Accessor indices;
+  indices.count = sparse.at("count").integer(1, accessor.count);
+  indices.components = 1;
+  const Place places = sparse.at("indices");
+  const Place type = places.at("componentType");
+  indices.component_type = type.integer();
+  indices.element_bytes = component_bytes(type);
+  if (indices.component_type != component_u8 && indices.component_type != component_u16 &&
+      indices.component_type != component_u32)
+    type.fail("is " + type.shown() + ", permitted are 5121, 5123 and 5125");
+  indices.bytes = read_elements(file, places, indices.count, indices.element_bytes);
+  const std::string values = read_elements(file, sparse.at("values"), indices.count, accessor.element_bytes);
+  const std::vector<std::uint32_t> elements = unsigned_integers(indices);
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (elements[i] >= accessor.count)
+      places.fail("name element " + std::to_string(elements[i]) + ", permitted are 0 to " +
+                  std::to_string(accessor.count - 1));
+    std::memcpy(accessor.bytes.data() + elements[i] * accessor.element_bytes,
+                values.data() + i * accessor.element_bytes, accessor.element_bytes);
+  }
+}
+
+}  // namespace
+
+Accessor read_accessor(const GltfFile& file, const Place& index) {
+  const Place place = file.element("accessors", index);
+  const Place component_type = place.at("componentType");
+  const std::size_t size = component_bytes(component_type);
+  const Place type = place.at("type");
+  const auto* shape = std::find_if(std::begin(shapes), std::end(shapes),
+                                   [&](const Shape& s) { return type.text() == s.type; });
+  if (shape == std::end(shapes))
+    type.fail("is " + type.shown() + ", permitted are SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 and MAT4");
+
+  Accessor accessor;
+  accessor.type = shape->type;
+  accessor.component_type = component_type.integer();
+  accessor.components = shape->columns * shape->rows;
+  accessor.normalized = place.has("normalized") && place.at("normalized").boolean();
+  accessor.count = place.at("count").integer(1);
+  // Columns of a matrix begin at multiples of 4 bytes.
+  accessor.element_bytes =
+      shape->columns == 1 ? shape->rows * size : shape->columns * round_up_4(shape->rows * size);
+  accessor.bytes = place.has("bufferView")
+                       ? read_elements(file, place, accessor.count, accessor.element_bytes)
+                       : zeros(file, place, accessor.count, accessor.element_bytes);
+  if (place.has("sparse")) overlay_sparse(file, place.at("sparse"), accessor);
+  return accessor;
+}
+
+std::vector<double> numbers(const Accessor& accessor) {
+  std::vector<double> values(accessor.count * accessor.components);
+  with_component(accessor.component_type, [&](auto zero) {
+    using T = decltype(zero);
+    const bool scaled = accessor.normalized && sizeof(T) < 4;
+    const double largest = scaled ? static_cast<double>(std::numeric_limits<T>::max()) : 1.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] =
+          static_cast<double>(raw_component<T>(accessor, i / accessor.components, i % accessor.components));
+      // The most negative integer stands for -1 as well.
+      if (scaled) values[i] = std::max(values[i] / largest, -1.0);
+    }
+  });
+  return values;
+}
+
+std::vector<std::uint32_t> unsigned_integers(const Accessor& accessor) {
+  std::vector<std::uint32_t> values(accessor.count);
+  with_component(accessor.component_type, [&](auto zero) {
+    using T = decltype(zero);
+    if constexpr (std::is_unsigned_v<T>)
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = raw_component<T>(accessor, i, 0);
+  });
+  return values;
+}
+
+}  // namespace darboux::io

@@ -1,0 +1,144 @@
+#include "files.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <darboux/error.h>
+
+namespace darboux::io {
+namespace {
+
+constexpr std::string_view base64_alphabet =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+// The value of each base64 character, 255 for all others.
+constexpr std::array<std::uint8_t, 256> base64_values() {
+  std::array<std::uint8_t, 256> values{};
+  values.fill(255);
+  for (std::size_t i = 0; i < base64_alphabet.size(); ++i)
+    values[static_cast<unsigned char>(base64_alphabet[i])] = static_cast<std::uint8_t>(i);
+  return values;
+}
+
+std::string decode_base64(const std::string& file, const std::string& name, std::string_view text) {
+  static constexpr auto values = base64_values();
+  while (text.ends_with('=')) text.remove_suffix(1);
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3 + 2);
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::uint8_t value = values[static_cast<unsigned char>(text[i])];
+    if (value == 255)
+      throw FileError(file, name + " holds a data URI with a character that is not base64 at position " +
+                                std::to_string(i) + ", permitted are A-Z a-z 0-9 + / and = at the end");
+    bits = bits << 6 | value;
+    if (i % 4 == 1) bytes += static_cast<char>(bits >> 4);
+    if (i % 4 == 2) bytes += static_cast<char>(bits >> 2);
+    if (i % 4 == 3) bytes += static_cast<char>(bits);
+  }
+  if (text.size() % 4 == 1)
+    throw FileError(file, name + " holds a data URI cut short, permitted is base64 in whole bytes");
+  return bytes;
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+// A % that begins no escape stands for itself, as in files of exporters that do not escape.
+std::string decode_percent(const std::string& uri) {
+  std::string text;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    const bool escape =
+        uri[i] == '%' && i + 2 < uri.size() && hex_digit(uri[i + 1]) >= 0 && hex_digit(uri[i + 2]) >= 0;
+    text += escape ? static_cast<char>(hex_digit(uri[i + 1]) * 16 + hex_digit(uri[i + 2])) : uri[i];
+    if (escape) i += 2;
+  }
+  return text;
+}
+
+bool has_scheme(std::string_view uri) {
+  const std::size_t colon = uri.find(':');
+  return colon != std::string_view::npos && uri.substr(0, colon).find('/') == std::string_view::npos;
+}
+
+}  // namespace
+
+std::string read_file(const std::string& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found)
+    throw FileError(path, "does not exist, permitted is a readable file");
+  if (std::filesystem::is_directory(status)) throw FileError(path, "is a folder, permitted is a file");
+  if (!error && !std::filesystem::is_regular_file(status))
+    throw FileError(path, "is a device or a pipe, permitted is a regular file");
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream)
+    throw FileError(
+        path, std::string("cannot be opened (") + std::strerror(errno) + "), permitted is a readable file");
+  const auto size = std::filesystem::file_size(path, error);
+  std::string bytes(error ? 0 : size, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!stream || error) throw FileError(path, "cannot be read to its end, permitted is a readable file");
+  return bytes;
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t longest = 80;
+  std::string line = "\"";
+  for (const char c : text.substr(0, longest))
+    line += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
+  return line + (text.size() > longest ? "...\"" : "\"");
+}
+
+bool is_data_uri(std::string_view uri) {
+  constexpr std::string_view scheme = "data:";
+  if (uri.size() < scheme.size()) return false;
+  for (std::size_t i = 0; i < scheme.size(); ++i)
+    if (std::tolower(static_cast<unsigned char>(uri[i])) != scheme[i]) return false;
+  return true;
+}
+
+std::string load_uri(const std::string& base, const std::string& name, const std::string& uri) {
+  const std::string permitted = ", permitted are relative paths and base64 data URIs";
+  if (is_data_uri(uri)) {
+    const std::size_t comma = uri.find(',');
+    if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
+      throw FileError(base, name + " is " + in_quotes(uri) + permitted);
+    return decode_base64(base, name, std::string_view(uri).substr(comma + 1));
+  }
+  const std::string relative = decode_percent(uri);
+  if (relative.empty() || has_scheme(uri) || relative.front() == '/' || relative.front() == '\\' ||
+      relative.find('\0') != std::string::npos)
+    throw FileError(base, name + " is " + in_quotes(uri) + permitted);
+  try {
+    return read_file((std::filesystem::path(base).parent_path() / relative).string());
+  } catch (const FileError& error) {
+    throw FileError(base, name + " names " + error.what());
+  }
+}
+
+std::string make_data_uri(std::string_view media_type, std::string_view bytes) {
+  std::string uri = "data:" + std::string(media_type) + ";base64,";
+  uri.reserve(uri.size() + bytes.size() / 3 * 4 + 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t taken = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (k < taken ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k) uri += k <= taken ? base64_alphabet[bits >> (18 - 6 * k) & 63] : '=';
+  }
+  return uri;
+}
+
+}  // namespace darboux::io

@@ -1,0 +1,28 @@
+/// \file files.h
+/// Reading whole files, and the URIs by which a glTF names them.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace darboux::io {
+
+/// The bytes of a regular file. \throws FileError
+std::string read_file(const std::string& path);
+
+/// Text of the file or the user made fit for a one-line message: quoted, control characters replaced, cut
+/// short.
+std::string in_quotes(std::string_view text);
+
+/// Whether a URI begins "data:".
+bool is_data_uri(std::string_view uri);
+
+/// The bytes a URI stands for: those of a base64 data URI, or of a file relative to the folder of `base`.
+/// \param name what a message calls the URI
+/// \throws FileError with the subject `base`, on absolute paths, other schemes and broken base64
+std::string load_uri(const std::string& base, const std::string& name, const std::string& uri);
+
+/// data:MEDIA_TYPE;base64,...
+std::string make_data_uri(std::string_view media_type, std::string_view bytes);
+
+}  // namespace darboux::io

@@ -1,0 +1,101 @@
+// A mesh as a new GLB.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <darboux/error.h>
+#include <darboux/io.h>
+
+#include "gltf_file.h"
+
+namespace darboux {
+namespace {
+
+using io::Json;
+
+std::vector<float> flatten(const std::vector<Vec2<double>>& values) {
+  std::vector<float> flat;
+  flat.reserve(values.size() * 2);
+  for (const auto& a : values)
+    for (const double x : {a.x, a.y}) flat.push_back(static_cast<float>(x));
+  return flat;
+}
+std::vector<float> flatten(const std::vector<Vec3<double>>& values) {
+  std::vector<float> flat;
+  flat.reserve(values.size() * 3);
+  for (const auto& a : values)
+    for (const double x : {a.x, a.y, a.z}) flat.push_back(static_cast<float>(x));
+  return flat;
+}
+std::vector<float> flatten(const std::vector<Vec4<double>>& values) {
+  std::vector<float> flat;
+  flat.reserve(values.size() * 4);
+  for (const auto& a : values)
+    for (const double x : {a.x, a.y, a.z, a.w}) flat.push_back(static_cast<float>(x));
+  return flat;
+}
+
+/// Appends an accessor of float vectors and returns its index.
+std::size_t append_floats(GltfFile& file, const std::vector<float>& values, std::size_t components) {
+  const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+  const std::size_t view = file.append_view(bytes, 0, io::vertex_target);
+  return file.append_accessor({{"bufferView", view},
+                               {"componentType", io::component_f32},
+                               {"count", values.size() / components},
+                               {"type", "VEC" + std::to_string(components)}});
+}
+
+Json parse_extras(const std::string& text) {
+  try {
+    Json extras = io::parse_json("extras_json", text);
+    if (extras.is_object()) return extras;
+  } catch (const FileError& error) {
+    throw ParameterError("write_glb", error.what());
+  }
+  throw ParameterError("write_glb", "extras_json is " + io::in_quotes(text) + ", permitted is a JSON object");
+}
+
+}  // namespace
+
+void write_glb(const std::string& path, const Mesh& mesh, const std::string& name,
+               const std::string& extras_json) {
+  check_consistent(mesh, name);
+  if (mesh.triangles.empty()) throw MeshError(name, "has no triangles, permitted for a file is at least one");
+
+  const std::vector<float> positions = flatten(mesh.positions);
+  std::array<float, 3> least{}, greatest{};
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const float x = positions[i];
+    if (!std::isfinite(x))
+      throw MeshError(name, "has a position that is not finite as a float at vertex " +
+                                std::to_string(i / 3) + ", permitted are finite positions");
+    least[i % 3] = i < 3 ? x : std::min(least[i % 3], x);
+    greatest[i % 3] = i < 3 ? x : std::max(greatest[i % 3], x);
+  }
+
+  GltfFile file;
+  file.path = path;
+  file.json = {{"asset", {{"version", "2.0"}, {"generator", "Darboux"}}},
+               {"scene", 0},
+               {"scenes", Json::array({{{"nodes", {0}}}})},
+               {"nodes", Json::array({{{"mesh", 0}}})}};
+  Json attributes;
+  const std::size_t position = append_floats(file, positions, 3);
+  file.json["accessors"][position]["min"] = least;
+  file.json["accessors"][position]["max"] = greatest;
+  attributes["POSITION"] = position;
+  if (!mesh.normals.empty()) attributes["NORMAL"] = append_floats(file, flatten(mesh.normals), 3);
+  if (!mesh.uvs.empty()) attributes["TEXCOORD_0"] = append_floats(file, flatten(mesh.uvs), 2);
+  if (!mesh.tangents.empty()) attributes["TANGENT"] = append_floats(file, flatten(mesh.tangents), 4);
+  const std::span<const std::uint32_t> indices(mesh.triangles.front().data(), mesh.corners());
+  Json primitive = {{"attributes", attributes}, {"indices", file.append_indices(indices)}};
+
+  Json mesh_json;
+  if (!name.empty()) mesh_json["name"] = name;
+  mesh_json["primitives"] = Json::array({primitive});
+  if (!extras_json.empty()) mesh_json["extras"] = parse_extras(extras_json);
+  file.json["meshes"] = Json::array({mesh_json});
+  write_file(path, file.to_glb());
+}
+
+}  // namespace darboux

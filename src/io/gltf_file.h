@@ -1,0 +1,76 @@
+/// \file gltf_file.h
+/// A glTF file in memory: the JSON document and the bytes of its buffers.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <darboux/io.h>
+
+#include "place.h"
+
+namespace darboux {
+
+struct GltfFile {
+  std::string path;  ///< named in messages, and relative URIs start from its folder
+  io::Json json;
+  /// One for each entry of "buffers". Buffer 0 is what becomes the binary chunk, padding included. One that
+  /// has neither a uri nor the chunk (a fallback of meshopt) has no bytes.
+  std::vector<std::optional<std::string>> buffers;
+  std::string other_chunks;  ///< chunks of the GLB that glTF 2.0 does not define, headers included
+
+  io::Place root() const { return {path, json, "the document"}; }
+
+  /// The entry of a top-level array that `index` names.
+  io::Place element(const char* array, const io::Place& index) const;
+
+  /// Appends bytes to buffer 0, at a multiple of 4, and a bufferView on them; returns the bufferView's index.
+  /// \param stride bytes from one element to the next, 0 when they are tightly packed
+  /// \param target 34962 for vertex attributes, 34963 for indices
+  std::size_t append_view(std::string_view bytes, std::size_t stride, int target);
+
+  /// Appends an accessor; returns its index.
+  std::size_t append_accessor(io::Json accessor);
+
+  /// Appends an index list, 16-bit where the largest index allows it; returns the accessor's index.
+  std::size_t append_indices(std::span<const std::uint32_t> indices);
+
+  /// The file as a GLB, with everything it names embedded.
+  std::string to_glb() const;
+};
+
+namespace io {
+
+/// glTF's numbers for the types of components.
+enum ComponentType : std::uint64_t {
+  component_i8 = 5120,
+  component_u8 = 5121,
+  component_i16 = 5122,
+  component_u16 = 5123,
+  component_u32 = 5125,
+  component_f32 = 5126
+};
+/// Types of a GLB's chunks: "JSON" and "BIN".
+constexpr std::uint32_t json_chunk = 0x4E4F534A, bin_chunk = 0x004E4942;
+
+/// glTF's numbers for the uses of a bufferView.
+constexpr int vertex_target = 34962, index_target = 34963;
+
+/// Reads the container, parses the document and loads its buffers. \throws FileError
+GltfFile load_gltf(const std::string& path, std::string bytes);
+
+/// \param text JSON of at most 256 levels \throws FileError with the subject `file`
+Json parse_json(const std::string& file, std::string_view text);
+
+/// All triangles of the document. \throws FileError
+Asset read_gltf(const GltfFile& file);
+
+/// An OBJ's triangles, by assimp. \throws FileError
+Asset read_obj(const std::string& path, const std::string& bytes);
+
+}  // namespace io
+}  // namespace darboux

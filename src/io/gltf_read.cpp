@@ -1,0 +1,266 @@
+// Meshes and nodes of a glTF document as an Asset.
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include <darboux/error.h>
+
+#include "accessor.h"
+
+namespace darboux::io {
+namespace {
+
+enum Mode : std::uint64_t { triangles = 4, triangle_strip = 5, triangle_fan = 6 };
+constexpr std::array mode_names = {"points",    "lines",          "line loop",   "line strip",
+                                   "triangles", "triangle strip", "triangle fan"};
+
+Accessor read_attribute(const GltfFile& file, const Place& attributes, const std::string& name,
+                        const char* type, std::uint64_t vertices) {
+  const Place index = attributes.at(name.c_str());
+  Accessor accessor = read_accessor(file, index);
+  if (accessor.type != type)
+    index.fail("names an accessor of type " + accessor.type + ", permitted is " + type);
+  if (vertices != 0 && accessor.count != vertices)
+    index.fail("names an accessor of " + std::to_string(accessor.count) +
+               " elements, permitted are as many as POSITION's, " + std::to_string(vertices));
+  return accessor;
+}
+
+/// The TEXCOORD set that the normal texture of the primitive's material uses, 0 when it has none.
+std::uint64_t normal_texcoord(const GltfFile& file, const Place& primitive) {
+  if (!primitive.has("material")) return 0;
+  const Place material = file.element("materials", primitive.at("material"));
+  if (!material.has("normalTexture")) return 0;
+  const Place texture = material.at("normalTexture");
+  if (texture.has("extensions") && texture.at("extensions").has("KHR_texture_transform")) {
+    const Place transform = texture.at("extensions").at("KHR_texture_transform");
+    if (transform.has("texCoord")) return transform.at("texCoord").integer();
+  }
+  return texture.integer_or("texCoord", 0);
+}
+
+std::vector<std::uint32_t> read_indices(const GltfFile& file, const Place& primitive,
+                                        std::uint64_t vertices) {
+  const Place index = primitive.at("indices");
+  const Accessor accessor = read_accessor(file, index);
+  const std::uint64_t type = accessor.component_type;
+  if (accessor.type != "SCALAR" || (type != component_u8 && type != component_u16 && type != component_u32))
+    index.fail("names an accessor of type " + accessor.type + " and componentType " + std::to_string(type) +
+               ", permitted are SCALAR and 5121, 5123 or 5125");
+  std::vector<std::uint32_t> indices = unsigned_integers(accessor);
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    if (indices[i] >= vertices)
+      index.fail("leads to index " + std::to_string(indices[i]) + " at place " + std::to_string(i) +
+                 ", permitted are 0 to " + std::to_string(vertices - 1));
+  return indices;
+}
+
+/// Triangles in glTF's winding (section 3.7.2.1): a strip turns over every other triangle, a fan ends with
+/// its hub.
+std::vector<Triangle> make_triangles(const Place& primitive, std::uint64_t mode,
+                                     const std::vector<std::uint32_t>& corners) {
+  const std::size_t n = corners.size();
+  std::vector<Triangle> result;
+  if (mode == triangles) {
+    if (n % 3 != 0)
+      primitive.fail("has " + std::to_string(n) +
+                     " corners in mode 4 (triangles), permitted is a multiple of 3");
+    result.reserve(n / 3);
+    for (std::size_t i = 0; i < n; i += 3) result.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    return result;
+  }
+  if (n < 3)
+    primitive.fail("has " + std::to_string(n) + " corners in mode " + std::to_string(mode) +
+                   ", permitted are at least 3");
+  result.reserve(n - 2);
+  for (std::size_t i = 0; i + 2 < n; ++i) {
+    if (mode == triangle_strip)
+      result.push_back({corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]});
+    else
+      result.push_back({corners[i + 1], corners[i + 2], corners[0]});
+  }
+  return result;
+}
+
+template <class Vector, class Make>
+std::vector<Vector> gather(const Accessor& accessor, Make make) {
+  const std::vector<double> values = numbers(accessor);
+  std::vector<Vector> vectors(accessor.count);
+  for (std::size_t i = 0; i < vectors.size(); ++i) vectors[i] = make(values.data() + i * accessor.components);
+  return vectors;
+}
+
+Vec2<double> make_vec2(const double* p) {
+  return {p[0], p[1]};
+}
+Vec3<double> make_vec3(const double* p) {
+  return {p[0], p[1], p[2]};
+}
+Vec4<double> make_vec4(const double* p) {
+  return {p[0], p[1], p[2], p[3]};
+}
+
+void read_triangles(const GltfFile& file, const Place& place, std::uint64_t mode, Primitive& primitive) {
+  const Place attributes = place.at("attributes");
+  Mesh& mesh = primitive.data;
+  mesh.positions = gather<Vec3<double>>(read_attribute(file, attributes, "POSITION", "VEC3", 0), make_vec3);
+  const std::size_t vertices = mesh.positions.size();
+  if (attributes.has("NORMAL"))
+    mesh.normals =
+        gather<Vec3<double>>(read_attribute(file, attributes, "NORMAL", "VEC3", vertices), make_vec3);
+  if (attributes.has("TANGENT"))
+    mesh.tangents =
+        gather<Vec4<double>>(read_attribute(file, attributes, "TANGENT", "VEC4", vertices), make_vec4);
+  for (const std::uint64_t set : {normal_texcoord(file, place), std::uint64_t{0}}) {
+    const std::string name = "TEXCOORD_" + std::to_string(set);
+    if (primitive.texcoord >= 0 || !attributes.has(name.c_str())) continue;
+    mesh.uvs = gather<Vec2<double>>(read_attribute(file, attributes, name, "VEC2", vertices), make_vec2);
+    primitive.texcoord = static_cast<int>(set);
+  }
+  std::vector<std::uint32_t> corners;
+  if (place.has("indices")) {
+    corners = read_indices(file, place, vertices);
+  } else {
+    corners.resize(vertices);
+    for (std::size_t i = 0; i < vertices; ++i) corners[i] = static_cast<std::uint32_t>(i);
+  }
+  mesh.triangles = make_triangles(place, mode, corners);
+}
+
+template <std::size_t N>
+std::array<double, N> read_numbers(const Place& place) {
+  if (place.size() != N)
+    place.fail("has " + std::to_string(place.size()) + " numbers, permitted are " + std::to_string(N));
+  std::array<double, N> values;
+  for (std::size_t i = 0; i < N; ++i) values[i] = place.at(i).number();
+  return values;
+}
+
+Eigen::Matrix4d local_matrix(const Place& node) {
+  if (node.has("matrix"))
+    return Eigen::Map<const Eigen::Matrix4d>(read_numbers<16>(node.at("matrix")).data());
+  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
+  if (node.has("translation")) {
+    const auto t = read_numbers<3>(node.at("translation"));
+    transform.translate(Eigen::Vector3d(t[0], t[1], t[2]));
+  }
+  if (node.has("rotation")) {
+    const auto q = read_numbers<4>(node.at("rotation"));
+    transform.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]));
+  }
+  if (node.has("scale")) {
+    const auto s = read_numbers<3>(node.at("scale"));
+    transform.scale(Eigen::Vector3d(s[0], s[1], s[2]));
+  }
+  return transform.matrix();
+}
+
+/// Lists of node indices: each element of the array under `key`, checked.
+void append_nodes(const GltfFile& file, const Place& owner, const char* key,
+                  std::vector<std::size_t>& nodes) {
+  if (!owner.has(key)) return;
+  const Place list = owner.at(key);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    file.element("nodes", list.at(i));
+    nodes.push_back(list.at(i).integer());
+  }
+}
+
+/// World matrices of the nodes that show each mesh.
+std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, std::size_t mesh_count) {
+  std::vector<std::vector<Eigen::Matrix4d>> instances(mesh_count);
+  const Place root = file.root();
+  if (!root.has("nodes")) return instances;
+  const Place nodes = root.at("nodes");
+  const std::size_t count = nodes.size();
+
+  const bool has_scenes = root.has("scenes") && root.at("scenes").size() > 0;
+  std::vector<std::size_t> roots;
+  if (has_scenes) {
+    append_nodes(
+        file,
+        root.has("scene") ? file.element("scenes", root.at("scene")) : root.at("scenes").at(std::size_t{0}),
+        "nodes", roots);
+  } else {
+    std::vector<std::size_t> children;
+    for (std::size_t i = 0; i < count; ++i) append_nodes(file, nodes.at(i), "children", children);
+    std::vector<bool> is_child(count, false);
+    for (const std::size_t child : children) is_child[child] = true;
+    for (std::size_t i = 0; i < count; ++i)
+      if (!is_child[i]) roots.push_back(i);
+  }
+
+  struct Visit {
+    std::size_t node;
+    Eigen::Matrix4d parent;
+  };
+  std::vector<Visit> stack;
+  for (auto node = roots.rbegin(); node != roots.rend(); ++node)
+    stack.push_back({*node, Eigen::Matrix4d::Identity()});
+  std::vector<bool> visited(count, false);
+  std::size_t visits = 0;
+  const auto refuse = [&](std::size_t node) {
+    nodes.at(node).fail("is its own ancestor or has two parents, permitted are trees of nodes");
+  };
+  while (!stack.empty()) {
+    const Visit visit = stack.back();
+    stack.pop_back();
+    if (visited[visit.node]) refuse(visit.node);
+    visited[visit.node] = true;
+    ++visits;
+    const Place node = nodes.at(visit.node);
+    const Eigen::Matrix4d world = visit.parent * local_matrix(node);
+    if (node.has("mesh")) {
+      file.element("meshes", node.at("mesh"));
+      instances[node.at("mesh").integer()].push_back(world);
+    }
+    std::vector<std::size_t> children;
+    append_nodes(file, node, "children", children);
+    for (auto child = children.rbegin(); child != children.rend(); ++child) stack.push_back({*child, world});
+  }
+  // Without scenes every node hangs from a root, unless it is on a cycle.
+  if (!has_scenes && visits != count)
+    for (std::size_t i = 0; i < count; ++i)
+      if (!visited[i]) refuse(i);
+  return instances;
+}
+
+}  // namespace
+
+Asset read_gltf(const GltfFile& file) {
+  // Primitives may share accessors, so that the file's size does not bound their sum. This is what a GLB of 4
+  // GiB holds at 16 bytes an element.
+  constexpr std::size_t most_elements = std::size_t{1} << 28;
+  std::size_t elements = 0;
+  Asset asset;
+  const Place root = file.root();
+  const std::size_t mesh_count = root.has("meshes") ? root.at("meshes").size() : 0;
+  const auto instances = read_instances(file, mesh_count);
+  for (std::size_t m = 0; m < mesh_count; ++m) {
+    const Place mesh = root.at("meshes").at(m);
+    const Place primitives = mesh.at("primitives");
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+      const Place place = primitives.at(p);
+      const std::uint64_t mode = place.has("mode") ? place.at("mode").integer(0, triangle_fan) : triangles;
+      if (mode < triangles) {
+        asset.skipped.push_back(
+            {m, p, "mode " + std::to_string(mode) + " (" + mode_names[mode] + ") has no triangles"});
+        continue;
+      }
+      Primitive& primitive = asset.primitives.emplace_back();
+      primitive.mesh = m;
+      primitive.primitive = p;
+      if (mesh.has("name")) primitive.name = mesh.at("name").text();
+      read_triangles(file, place, mode, primitive);
+      primitive.instances = instances[m];
+      elements += primitive.data.positions.size() + primitive.data.triangles.size();
+      if (elements > most_elements)
+        place.fail("is beyond the " + std::to_string(most_elements) +
+                   " vertices and triangles permitted in all");
+    }
+  }
+  return asset;
+}
+
+}  // namespace darboux::io

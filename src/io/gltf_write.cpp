@@ -1,0 +1,292 @@
+// Appending to a glTF file and writing it as a GLB.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include <darboux/error.h>
+#include <darboux/io.h>
+
+#include "accessor.h"
+
+namespace darboux {
+namespace {
+
+using io::Json;
+using io::Place;
+
+constexpr std::size_t round_up_4(std::size_t n) {
+  return (n + 3) / 4 * 4;
+}
+
+template <class T>
+std::string_view as_bytes(std::span<const T> values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+}
+
+void append_u32(std::string& bytes, std::size_t value) {
+  const auto word = static_cast<std::uint32_t>(value);
+  bytes.append(reinterpret_cast<const char*>(&word), sizeof word);
+}
+
+/// A chunk of a GLB, filled up to a multiple of 4 bytes.
+void append_chunk(std::string& glb, std::uint32_t type, std::string_view content, char fill) {
+  append_u32(glb, round_up_4(content.size()));
+  append_u32(glb, type);
+  glb += content;
+  glb.append(round_up_4(content.size()) - content.size(), fill);
+}
+
+/// The media type of an image: the one stated, else by its first bytes; empty when unknown.
+std::string image_type(const Json& image, std::string_view bytes) {
+  if (const auto stated = image.find("mimeType"); stated != image.end() && stated->is_string())
+    return *stated;
+  if (bytes.starts_with("\x89PNG")) return "image/png";
+  if (bytes.starts_with("\xFF\xD8\xFF")) return "image/jpeg";
+  return {};
+}
+
+/// Turns the URI of an image beside the file into a data URI; leaves the image as it is where that cannot be
+/// done.
+void embed_image(const GltfFile& file, Json& image) {
+  if (!image.is_object() || !image.contains("uri") || !image["uri"].is_string() ||
+      io::is_data_uri(image["uri"].get_ref<const std::string&>()))
+    return;
+  try {
+    const std::string bytes = io::load_uri(file.path, "an image", image["uri"]);
+    const std::string type = image_type(image, bytes);
+    if (!type.empty()) image["uri"] = io::make_data_uri(type, bytes);
+  } catch (const FileError&) {
+    // Tangents do not depend on images: one that is missing is no reason to fail.
+  }
+}
+
+/// The least and the greatest of each component, as the glTF's min and max; nothing when some component has
+/// no finite value.
+std::optional<std::pair<Json, Json>> bounds(const io::Accessor& accessor) {
+  Json least = Json::array(), greatest = Json::array();
+  bool complete = true;
+  io::with_component(accessor.component_type, [&](auto zero) {
+    using T = decltype(zero);
+    for (std::size_t c = 0; c < accessor.components; ++c) {
+      std::optional<T> low, high;
+      for (std::size_t i = 0; i < accessor.count; ++i) {
+        const T value = io::raw_component<T>(accessor, i, c);
+        if (!std::isfinite(static_cast<double>(value))) continue;
+        low = low ? std::min(*low, value) : value;
+        high = high ? std::max(*high, value) : value;
+      }
+      complete = complete && low;
+      least.push_back(low.value_or(T{}));
+      greatest.push_back(high.value_or(T{}));
+    }
+  });
+  return complete ? std::optional(std::pair(least, greatest)) : std::nullopt;
+}
+
+/// A new accessor over the old one's elements source[0], source[1], ... Everything else of it is kept.
+std::size_t append_remapped(GltfFile& file, std::size_t old_index, const io::Accessor& old, bool need_bounds,
+                            std::span<const std::uint32_t> source) {
+  const std::size_t size = old.element_bytes, stride = round_up_4(size);
+  io::Accessor remapped = old;
+  remapped.count = source.size();
+  remapped.bytes.assign(source.size() * size, '\0');
+  std::string strided(source.size() * stride, '\0');
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    const char* element = old.bytes.data() + source[i] * size;
+    std::memcpy(remapped.bytes.data() + i * size, element, size);
+    std::memcpy(strided.data() + i * stride, element, size);
+  }
+  Json json = file.json["accessors"][old_index];
+  need_bounds = need_bounds || json.contains("min") || json.contains("max");
+  for (const char* key : {"byteOffset", "sparse", "min", "max"}) json.erase(key);
+  json["bufferView"] = file.append_view(strided, stride == size ? 0 : stride, io::vertex_target);
+  json["count"] = source.size();
+  if (const auto range = bounds(remapped); need_bounds && range && !old.type.starts_with("MAT")) {
+    json["min"] = range->first;
+    json["max"] = range->second;
+  }
+  return file.append_accessor(std::move(json));
+}
+
+std::string primitive_name(std::size_t mesh, std::size_t primitive) {
+  return "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(primitive) + "]";
+}
+
+Place find_primitive(const GltfFile& file, std::size_t mesh, std::size_t primitive) {
+  const Place root = file.root();
+  const std::size_t meshes = root.has("meshes") ? root.at("meshes").size() : 0;
+  const std::size_t primitives = mesh < meshes ? root.at("meshes").at(mesh).at("primitives").size() : 0;
+  if (primitive >= primitives)
+    throw MeshError(file.path, "has no " + primitive_name(mesh, primitive) + ", permitted are the " +
+                                   (mesh < meshes ? std::to_string(primitives) + " primitives of that mesh"
+                                                  : std::to_string(meshes) + " meshes there are"));
+  return root.at("meshes").at(mesh).at("primitives").at(primitive);
+}
+
+/// The primitive to be changed. Compressed copies of its old data no longer hold and are taken off it.
+Json& editable_primitive(GltfFile& file, std::size_t mesh, std::size_t primitive) {
+  Json& json = file.json["meshes"][mesh]["primitives"][primitive];
+  if (const auto extensions = json.find("extensions"); extensions != json.end() && extensions->is_object()) {
+    extensions->erase("KHR_draco_mesh_compression");
+    if (extensions->empty()) json.erase("extensions");
+  }
+  return json;
+}
+
+}  // namespace
+
+std::size_t GltfFile::append_view(std::string_view bytes, std::size_t stride, int target) {
+  if (buffers.empty()) {
+    json["buffers"] = Json::array({Json{{"byteLength", 0u}}});
+    buffers.emplace_back(std::string());
+  }
+  if (!buffers[0])
+    root().at("buffers").at(std::size_t{0}).fail("has no data, permitted for appending is one that has");
+  std::string& chunk = *buffers[0];
+  const std::size_t offset = round_up_4(chunk.size());
+  chunk.resize(offset, '\0');
+  chunk += bytes;
+  json["buffers"][0]["byteLength"] = chunk.size();
+  Json view = {{"buffer", 0u}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
+  if (stride != 0) view["byteStride"] = stride;
+  view["target"] = target;
+  json["bufferViews"].push_back(std::move(view));
+  return json["bufferViews"].size() - 1;
+}
+
+std::size_t GltfFile::append_accessor(Json accessor) {
+  json["accessors"].push_back(std::move(accessor));
+  return json["accessors"].size() - 1;
+}
+
+std::size_t GltfFile::append_indices(std::span<const std::uint32_t> indices) {
+  // 65535 is the restart value of 16-bit indices, which glTF forbids.
+  const bool narrow = *std::max_element(indices.begin(), indices.end()) < 65535;
+  const std::vector<std::uint16_t> narrowed(indices.begin(), narrow ? indices.end() : indices.begin());
+  const std::size_t view =
+      append_view(narrow ? as_bytes(std::span(narrowed)) : as_bytes(indices), 0, io::index_target);
+  return append_accessor({{"bufferView", view},
+                          {"componentType", narrow ? io::component_u16 : io::component_u32},
+                          {"count", indices.size()},
+                          {"type", "SCALAR"}});
+}
+
+std::string GltfFile::to_glb() const {
+  Json document = json;
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    Json& buffer = document["buffers"][i];
+    if (i == 0 && buffers[0])
+      buffer.erase("uri");
+    else if (buffers[i] && !io::is_data_uri(buffer["uri"].get_ref<const std::string&>()))
+      buffer["uri"] = io::make_data_uri("application/octet-stream", *buffers[i]);
+  }
+  if (const auto images = document.find("images"); images != document.end())
+    for (Json& image : *images) embed_image(*this, image);
+
+  std::string glb = "glTF";
+  append_u32(glb, 2);
+  append_u32(glb, 0);  // the length, known at the end
+  // All texts of the document were read as UTF-8; those a caller brought may not be.
+  append_chunk(glb, io::json_chunk, document.dump(-1, ' ', false, Json::error_handler_t::replace), ' ');
+  if (!buffers.empty() && buffers[0]) append_chunk(glb, io::bin_chunk, *buffers[0], '\0');
+  glb += other_chunks;
+  if (glb.size() > std::numeric_limits<std::uint32_t>::max())
+    throw FileError(
+        path, "would be a GLB of " + std::to_string(glb.size()) + " bytes, permitted are less than 4 GiB");
+  const auto length = static_cast<std::uint32_t>(glb.size());
+  std::memcpy(glb.data() + 8, &length, sizeof length);
+  return glb;
+}
+
+GltfDocument::GltfDocument(std::unique_ptr<GltfFile> file) : file_(std::move(file)) {}
+GltfDocument::GltfDocument(GltfDocument&&) noexcept = default;
+GltfDocument& GltfDocument::operator=(GltfDocument&&) noexcept = default;
+GltfDocument::~GltfDocument() = default;
+
+GltfDocument GltfDocument::load(const std::string& path) {
+  return GltfDocument(std::make_unique<GltfFile>(io::load_gltf(path, io::read_file(path))));
+}
+
+Asset GltfDocument::asset() const {
+  return io::read_gltf(*file_);
+}
+
+void GltfDocument::set_tangents(std::size_t mesh, std::size_t primitive,
+                                std::span<const Vec4<float>> tangents) {
+  static_assert(sizeof(Vec4<float>) == 16);
+  const Place position = find_primitive(*file_, mesh, primitive).at("attributes").at("POSITION");
+  const std::uint64_t vertices = file_->element("accessors", position).at("count").integer(1);
+  if (tangents.size() != vertices)
+    throw MeshError(file_->path, primitive_name(mesh, primitive) + " is given " +
+                                     std::to_string(tangents.size()) +
+                                     " tangents, permitted is one for each of its " +
+                                     std::to_string(vertices) + " vertices");
+  const std::size_t view = file_->append_view(as_bytes(tangents), 0, io::vertex_target);
+  const std::size_t accessor = file_->append_accessor({{"bufferView", view},
+                                                       {"componentType", io::component_f32},
+                                                       {"count", tangents.size()},
+                                                       {"type", "VEC4"}});
+  editable_primitive(*file_, mesh, primitive)["attributes"]["TANGENT"] = accessor;
+}
+
+void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
+                                  std::span<const std::uint32_t> source,
+                                  std::span<const std::uint32_t> indices) {
+  const Place place = find_primitive(*file_, mesh, primitive);
+  const std::string name = primitive_name(mesh, primitive);
+  const Place position = place.at("attributes").at("POSITION");
+  const std::uint64_t vertices = file_->element("accessors", position).at("count").integer(1);
+  const auto check_range = [&](std::span<const std::uint32_t> list, const char* what, std::uint64_t end) {
+    for (const std::uint32_t index : list)
+      if (index >= end)
+        throw MeshError(file_->path, name + " is given " + what + " " + std::to_string(index) +
+                                         ", permitted are 0 to " + std::to_string(end) + " exclusive");
+  };
+  if (source.empty() || indices.empty() || indices.size() % 3 != 0)
+    throw MeshError(file_->path,
+                    name + " is given " + std::to_string(source.size()) + " vertices and " +
+                        std::to_string(indices.size()) +
+                        " indices, permitted are at least one triangle and a multiple of 3 indices");
+  check_range(source, "old vertex", vertices);
+  check_range(indices, "index", source.size());
+
+  // Everything is read before anything is changed. An accessor that serves twice is copied once.
+  std::map<std::uint64_t, io::Accessor> old;
+  const auto collect = [&](const Place& attributes) {
+    for (const auto& [key, index] : attributes.json().items()) {
+      const Place attribute = attributes.at(key.c_str());
+      const io::Accessor accessor = io::read_accessor(*file_, attribute);
+      if (accessor.count != vertices)
+        attribute.fail("names an accessor of " + std::to_string(accessor.count) +
+                       " elements, permitted are as many as POSITION's, " + std::to_string(vertices));
+      old.emplace(attribute.integer(), accessor);
+    }
+  };
+  collect(place.at("attributes"));
+  const std::size_t targets = place.has("targets") ? place.at("targets").size() : 0;
+  for (std::size_t i = 0; i < targets; ++i) collect(place.at("targets").at(i));
+
+  std::map<std::uint64_t, std::size_t> renewed;
+  for (const auto& [index, accessor] : old)
+    renewed[index] = append_remapped(*file_, index, accessor, index == position.integer(), source);
+  const auto renew = [&](Json& attributes) {
+    for (auto& [key, index] : attributes.items()) index = renewed.at(index.get<std::uint64_t>());
+  };
+  const std::size_t new_indices = file_->append_indices(indices);
+  Json& json = editable_primitive(*file_, mesh, primitive);
+  renew(json["attributes"]);
+  for (std::size_t i = 0; i < targets; ++i) renew(json["targets"][i]);
+  json["indices"] = new_indices;
+  json.erase("mode");  // 4, triangles, is the default
+}
+
+void GltfDocument::save_glb(const std::string& path) const {
+  write_file(path, file_->to_glb());
+}
+
+}  // namespace darboux

@@ -1,0 +1,90 @@
+/// \file place.h
+/// Reading a JSON document with messages that name the place, such as "accessors[3].count is -1, permitted
+/// ...".
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include <darboux/error.h>
+
+#include "files.h"
+
+namespace darboux::io {
+
+/// Keeps the order of keys, so that a rewritten document stays close to the original.
+using Json = nlohmann::ordered_json;
+
+/// A value of a document that knows its name there. Every reader throws FileError when the value is not what
+/// is asked for. It refers to the document and must not outlive it.
+class Place {
+ public:
+  Place(const std::string& file, const Json& json, std::string name)
+      : file_(&file), json_(&json), name_(std::move(name)) {}
+
+  const Json& json() const { return *json_; }
+  const std::string& name() const { return name_; }
+
+  [[noreturn]] void fail(const std::string& message) const { throw FileError(*file_, name_ + " " + message); }
+
+  /// The value itself for a message: numbers in full, texts quoted, else its type.
+  std::string shown() const {
+    if (json_->is_string()) return in_quotes(json_->get_ref<const std::string&>());
+    return json_->is_structured() ? json_->type_name() : json_->dump();
+  }
+
+  bool has(const char* key) const {
+    if (!json_->is_object()) fail("is " + shown() + ", permitted is an object");
+    return json_->contains(key);
+  }
+  Place at(const char* key) const {
+    if (!has(key)) fail(std::string("has no ") + key + ", permitted is one with it");
+    return {*file_, *json_->find(key), name_ == "the document" ? key : name_ + "." + key};
+  }
+
+  std::size_t size() const {
+    if (!json_->is_array()) fail("is " + shown() + ", permitted is an array");
+    return json_->size();
+  }
+  Place at(std::size_t index) const {
+    return {*file_, (*json_)[index], name_ + "[" + std::to_string(index) + "]"};
+  }
+
+  std::uint64_t integer(std::uint64_t least = 0,
+                        std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const {
+    const bool natural =
+        json_->is_number_unsigned() || (json_->is_number_integer() && json_->get<std::int64_t>() >= 0);
+    if (!natural || json_->get<std::uint64_t>() < least || json_->get<std::uint64_t>() > most)
+      fail("is " + shown() + ", permitted is an integer " +
+           (most == std::numeric_limits<std::uint64_t>::max()
+                ? "not below " + std::to_string(least)
+                : "from " + std::to_string(least) + " to " + std::to_string(most)));
+    return json_->get<std::uint64_t>();
+  }
+  /// The integer under a key that may be missing.
+  std::uint64_t integer_or(const char* key, std::uint64_t fallback) const {
+    return has(key) ? at(key).integer() : fallback;
+  }
+  double number() const {
+    if (!json_->is_number()) fail("is " + shown() + ", permitted is a number");
+    return json_->get<double>();
+  }
+  bool boolean() const {
+    if (!json_->is_boolean()) fail("is " + shown() + ", permitted is true or false");
+    return json_->get<bool>();
+  }
+  const std::string& text() const {
+    if (!json_->is_string()) fail("is " + shown() + ", permitted is a text");
+    return json_->get_ref<const std::string&>();
+  }
+
+ private:
+  const std::string* file_;
+  const Json* json_;
+  std::string name_;
+};
+
+}  // namespace darboux::io

@@ -1,0 +1,46 @@
+#include <algorithm>
+#include <cstdio>
+
+#include <darboux/error.h>
+#include <darboux/judge.h>
+
+namespace darboux {
+
+Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
+  check_consistent(mesh, "mesh");
+  if (options.surface) make_surface(*options.surface);  // refuses unknown names, whatever the mesh
+  Judgement result;
+  std::string reason;
+  try {
+    result.fit = options.surface ? fit_surface(mesh, *options.surface, options.placement)
+                                 : fit_any_surface(mesh, options.placement);
+    char residual[64];
+    std::snprintf(residual, sizeof residual, "%.2g of the mesh's size, permitted is %.0g",
+                  result.fit->rms_relative, fits_below);
+    reason =
+        "nearest is " + result.fit->surface.surface.specification() + " with an rms distance of " + residual;
+  } catch (const MeshError& e) {
+    reason = e.what();
+  }
+  const bool fits = result.fit && result.fit->fits;
+  result.report = validate(mesh, fits ? std::optional(result.fit->surface) : std::nullopt, options);
+  if (fits) return result;
+
+  auto& findings = result.report.findings;
+  if (mesh.uvs.empty())
+    findings.push_back(
+        {"UV_MISSING", Severity::info, mesh.corners(), "the mesh has no uvs, so tangents have no truth"});
+  if (options.surface) {
+    const auto first_other = std::find_if(findings.begin(), findings.end(),
+                                          [](const Finding& f) { return f.severity != Severity::error; });
+    findings.insert(first_other, {"SURFACE_MISMATCH", Severity::error, mesh.corners(),
+                                  "the declared surface does not fit the positions at their uvs: " + reason});
+    result.report.verdict = Verdict::fail;
+  } else if (!mesh.uvs.empty()) {
+    findings.push_back(
+        {"SURFACE_UNKNOWN", Severity::info, mesh.corners(), "no surface of the catalogue fits: " + reason});
+  }
+  return result;
+}
+
+}  // namespace darboux

@@ -1,0 +1,61 @@
+#include <cmath>
+
+#include <darboux/frame.h>
+#include <darboux/placed_surface.h>
+
+namespace darboux {
+namespace {
+
+// Row by row M, then the offset: a flip replaces the stored coordinate x by 1 - x, a swap exchanges them
+// afterwards.
+constexpr UvConvention conventions[] = {
+    {"as stored", {1, 0, 0, 1, 0, 0}},    {"flip v", {1, 0, 0, -1, 0, 1}},
+    {"flip u", {-1, 0, 0, 1, 1, 0}},      {"flip both", {-1, 0, 0, -1, 1, 1}},
+    {"swap", {0, 1, 1, 0, 0, 0}},         {"swap flip v", {0, -1, 1, 0, 1, 0}},
+    {"swap flip u", {0, 1, -1, 0, 0, 1}}, {"swap flip both", {0, -1, -1, 0, 1, 1}},
+};
+
+constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
+
+double rounded_to_quarter(double x) {
+  const double rounded = std::rint(4 * x) / 4;
+  return std::fabs(x - rounded) < 1e-6 ? rounded : x;
+}
+
+}  // namespace
+
+std::span<const UvConvention> uv_conventions() {
+  return conventions;
+}
+
+Vec3<double> PlacedSurface::position(const Vec2<double>& stored) const {
+  const Vec2<double> p = uv.surface_uv(stored);
+  return from_eigen(placement * to_eigen(surface.jet(p.x, p.y).position));
+}
+
+Truth PlacedSurface::truth(const Vec2<double>& stored) const {
+  const Vec2<double> p = uv.surface_uv(stored);
+  const Sample<double> s = surface.sample(p.x, p.y);
+  const Frame<double>& frame = s.frame;
+  // The derivative along (a, b) in (u, v); where a partial vanishes the other decides, and where only the
+  // vanished one is asked for its limit direction does.
+  const auto along = [&](double a, double b) {
+    if (has(frame.status, Status::dpdu_zero))
+      return b == 0 ? std::copysign(1.0, a) * frame.t : b * s.jet.dpdv;
+    if (has(frame.status, Status::dpdv_zero))
+      return a == 0 ? std::copysign(1.0, b) * frame.handedness * frame.b : a * s.jet.dpdu;
+    return a * s.jet.dpdu + b * s.jet.dpdv;
+  };
+  const auto& m = uv.affine;
+  const Eigen::Matrix3d rotation = placement.linear();
+  const auto placed = [&](const Vec3<double>& a) { return from_eigen(rotation * to_eigen(a)); };
+  const Status at_quarter = surface.frame(rounded_to_quarter(p.x), rounded_to_quarter(p.y)).status;
+  return {from_eigen(placement * to_eigen(s.jet.position)),
+          placed(frame.n),
+          placed(unit(along(m[0], m[2]))),
+          placed(unit(along(m[1], m[3]))),
+          frame.status,
+          has(frame.status | at_quarter, singular)};
+}
+
+}  // namespace darboux

@@ -1,0 +1,148 @@
+// DESIGN.md, section 2: which folder or header may include which. Arrows run one way.
+#include <algorithm>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "source_tree.h"
+
+namespace darboux::test {
+namespace {
+
+constexpr const char* standard = "[a-z_0-9]+";
+
+// A file whose path matches `in` may include only what matches `only`, or nothing that matches `never`.
+struct Rule {
+  std::string why, in;
+  std::string only, never;
+};
+
+// The names of the headers in surfaces/, as a pattern.
+std::string surface_headers(const Includes& tree) {
+  std::string names;
+  for (const auto& [path, includes] : tree)
+    if (path.starts_with("surfaces/")) names += (names.empty() ? "" : "|") + path.substr(9);
+  return names;
+}
+
+std::vector<Rule> rules(const Includes& tree) {
+  const std::string surfaces = surface_headers(tree);
+  const std::string mesh_core = "(mesh|mesh_frames|mesh_classes|weld)";
+  return {
+      {"a surface knows no engine", "surfaces/darboux/(?!catalogue\\.h).*",
+       std::string(standard) + "|darboux/(surface|scalar|vector)\\.h", ""},
+      {"the catalogue only lists", "surfaces/darboux/catalogue\\.h", surfaces, ""},
+      {"the engine knows no particular surface", "include/.*", "", surfaces},
+      {"scalar and vector stand below everything", "include/darboux/(scalar|vector|error)\\.h",
+       std::string(standard) + "|Eigen/.*", ""},
+      {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",
+       std::string(standard) + "|darboux/(scalar|vector)\\.h", ""},
+      {"frame, forms, differentiate, evaluate stand on surface.h and each other",
+       "include/darboux/(frame|forms|differentiate|evaluate)\\.h",
+       std::string(standard) +
+           "|Eigen/.*|darboux/(scalar|vector|surface|frame|forms|differentiate|evaluate)\\.h",
+       ""},
+      {"a mesh knows no parametric surface", "(include/darboux|src)/" + mesh_core + "\\.(h|cpp)",
+       std::string(standard) + "|Eigen/.*|darboux/(scalar|vector|surface|frame|error)\\.h|darboux/" +
+           mesh_core + "\\.h|darboux/statistics\\.h|disjoint_sets\\.h",
+       ""},
+      {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",
+       std::string(standard) + "|Eigen/.*|darboux/.*", ""},
+      {"nothing includes the command line or the report", "(?!src/(cli|report)/|tests/).*", "",
+       "(\\.\\./|src/)*(cli|report)/.*"},
+      {"Ceres stays behind the fit", "(?!src/fit\\.cpp|src/fit/|tests/).*", "", "ceres/.*|glog/.*"},
+      {"the file libraries stay behind io, JSON also in the tool", "(?!src/(io|cli|report)/|tests/).*", "",
+       "nlohmann/.*|assimp/.*|tiny_gltf\\.h"},
+      {"assimp stays behind io", "(?!src/io/|tests/).*", "", "assimp/.*|tiny_gltf\\.h"},
+      {"CLI11 stays in the command line", "(?!src/cli/).*", "", "CLI/.*"},
+      {"only these know all surfaces",
+       "(?!src/any_surface\\.cpp|src/fit\\.cpp|src/(fit|kernels|cli)/|tests/).*", "",
+       "darboux/catalogue\\.h"},
+      {"the library needs no test framework", "(include|surfaces|src)/.*", "", "gtest/.*|gmock/.*"},
+  };
+}
+
+std::vector<std::string> violations(const Includes& tree) {
+  std::vector<std::string> result;
+  for (const Rule& rule : rules(tree)) {
+    const std::regex in(rule.in), only(rule.only), never(rule.never);
+    for (const auto& [path, includes] : tree) {
+      if (!std::regex_match(path, in)) continue;
+      for (const std::string& name : includes)
+        if ((!rule.only.empty() && !std::regex_match(name, only)) ||
+            (!rule.never.empty() && std::regex_match(name, never)))
+          result.push_back(path + " includes " + name + ": " + rule.why);
+    }
+  }
+  return result;
+}
+
+TEST(Arrows, RunOneWay) {
+  const Includes tree = includes_below({"include", "surfaces", "src"});
+  EXPECT_GT(tree.size(), 15U) << "the tree was not found at " << DARBOUX_SOURCE;
+  EXPECT_TRUE(tree.contains("include/darboux/frame.h"));
+  for (const std::string& violation : violations(tree)) ADD_FAILURE() << violation;
+}
+
+// A tree in order, to put one bad include into.
+Includes good_tree() {
+  return {{"surfaces/darboux/torus.h", {"array", "darboux/surface.h"}},
+          {"surfaces/darboux/catalogue.h", {"darboux/torus.h"}},
+          {"include/darboux/frame.h", {"cmath", "Eigen/Geometry", "darboux/surface.h"}},
+          {"include/darboux/mesh.h", {"vector", "darboux/vector.h"}},
+          {"src/any_surface.cpp", {"darboux/catalogue.h"}},
+          {"src/fit.cpp", {"ceres/ceres.h", "darboux/catalogue.h"}},
+          {"src/io/gltf.cpp", {"nlohmann/json.hpp", "assimp/scene.h", "accessor.h"}},
+          {"src/cli/main.cpp", {"CLI/CLI.hpp", "report/page.h", "darboux/catalogue.h", "nlohmann/json.hpp"}}};
+}
+
+TEST(Arrows, ATreeInOrderHasNoViolation) {
+  EXPECT_EQ(violations(good_tree()), std::vector<std::string>{});
+}
+
+TEST(Arrows, EveryWrongArrowIsFound) {
+  const std::vector<std::pair<std::string, std::string>> wrong{
+      {"surfaces/darboux/torus.h", "darboux/frame.h"},
+      {"surfaces/darboux/torus.h", "Eigen/Core"},
+      {"surfaces/darboux/catalogue.h", "darboux/any_surface.h"},
+      {"include/darboux/frame.h", "darboux/torus.h"},
+      {"include/darboux/frame.h", "darboux/any_surface.h"},
+      {"include/darboux/evaluate.h", "darboux/mesh.h"},
+      {"include/darboux/surface.h", "darboux/frame.h"},
+      {"include/darboux/scalar.h", "darboux/surface.h"},
+      {"include/darboux/mesh.h", "darboux/evaluate.h"},
+      {"include/darboux/mesh_frames.h", "darboux/torus.h"},
+      {"include/darboux/weld.h", "darboux/any_surface.h"},
+      {"src/mesh_frames.cpp", "darboux/evaluate.h"},
+      {"include/darboux/fit.h", "ceres/ceres.h"},
+      {"include/darboux/io.h", "nlohmann/json.hpp"},
+      {"include/darboux/io.h", "assimp/scene.h"},
+      {"include/darboux/scene.h", "CLI/CLI.hpp"},
+      {"include/darboux/testing.h", "gtest/gtest.h"},
+      {"src/validate.cpp", "ceres/ceres.h"},
+      {"src/validate.cpp", "darboux/catalogue.h"},
+      {"src/validate.cpp", "nlohmann/json.hpp"},
+      {"src/validate.cpp", "cli/table.h"},
+      {"src/io/gltf.cpp", "../report/page.h"},
+      {"src/cli/main.cpp", "assimp/scene.h"},
+      {"src/report/page.cpp", "CLI/CLI.hpp"},
+      {"src/report/page.cpp", "darboux/catalogue.h"},
+  };
+  for (const auto& [path, name] : wrong) {
+    Includes tree = good_tree();
+    tree[path].push_back(name);
+    EXPECT_FALSE(violations(tree).empty()) << path << " may include " << name;
+  }
+}
+
+TEST(IncludedBy, ReadsDirectivesOnly) {
+  EXPECT_EQ(
+      included_by(
+          "#include <cmath>\n  #  include \"a/b.h\"\n// #include <no>\nconst char* s = \"#include <no>\";\n"),
+      (std::vector<std::string>{"cmath", "a/b.h"}));
+}
+
+}  // namespace
+}  // namespace darboux::test

@@ -1,0 +1,257 @@
+// testing.h: the laws hold for the whole catalogue, and catch what is wrong, by name.
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include <darboux/error.h>
+#include <darboux/testing.h>
+
+#include "every_surface.h"
+
+namespace darboux::test {
+namespace {
+
+using Names = std::set<std::pair<std::string, std::string>>;  // route, quantity
+
+template <class X>
+Names failed_laws(const X& surface, std::string_view name = X::info.name) {
+  Names result;
+  for (const Check& c : check_surface(surface)) {
+    EXPECT_EQ(c.surface, name);
+    if (!c.passed) result.emplace(c.route, c.quantity);
+  }
+  return result;
+}
+
+bool contains(const Names& names, const std::string& route, const std::string& quantity) {
+  return names.count({route, quantity}) == 1;
+}
+
+template <class X>
+void expect_all_pass(const X& surface, const CheckOptions& options = {}) {
+  for (const Check& c : check_surface(surface, options)) {
+    EXPECT_TRUE(c.passed) << c.surface << ' ' << c.route << ' ' << c.quantity << ": " << c.max_error << " > "
+                          << c.bound << " at " << c.worst_u << ", " << c.worst_v;
+    EXPECT_EQ(c.points > 0, c.skipped.empty()) << c.route << ' ' << c.quantity << ' ' << c.skipped;
+  }
+}
+
+template <class X>
+class Laws : public ::testing::Test {};
+TYPED_TEST_SUITE(Laws, EveryCatalogueSurface, SurfaceNames);
+
+TYPED_TEST(Laws, HoldWithDefaultParameters) {
+  for (const std::uint64_t seed : {1, 2, 3}) expect_all_pass(TypeParam{}, {.points = 1000, .seed = seed});
+}
+
+TYPED_TEST(Laws, HoldWithRandomParameters) {
+  Random random(31);
+  for (int i = 0; i < 10; ++i) {
+    TypeParam surface;
+    const double size = random.log_uniform(1e-3, 1e3);
+    for_each_parameter<TypeParam>(
+        [&](const auto& p) { surface.*p.member = size * random.log_uniform(0.5, 2); });
+    expect_all_pass(surface, {.points = 200, .seed = random.bits()});
+  }
+}
+
+// Every route and quantity is there, under its name, so that a law cannot be lost unnoticed.
+TYPED_TEST(Laws, CoverEveryRouteAndPartial) {
+  Names names;
+  for (const Check& c : check_surface(TypeParam{}, {.points = 10, .seed = 1}))
+    names.emplace(c.route, c.quantity);
+  for (const char* route : {"dual", "central2", "central4", "central6", "central8"})
+    for (const char* partial : {"dpdu", "dpdv", "d2pdu2", "d2pduv", "d2pdv2"})
+      EXPECT_TRUE(contains(names, route, partial)) << route << ' ' << partial;
+  for (const char* vector : {"tangent", "bitangent", "normal", "handedness"})
+    EXPECT_EQ(contains(names, "dual", vector), HasClosedFrame<TypeParam> || vector == std::string("tangent"));
+  EXPECT_TRUE(contains(names, "implicit", "position"));
+  EXPECT_TRUE(contains(names, "curvature", "gaussian_curvature"));
+  EXPECT_TRUE(contains(names, "periodicity", "position"));
+}
+
+// A torus with one thing wrong. Everything is the torus' own but what `Damage` does.
+template <class Damage>
+struct Mutant {
+  Torus<double> torus;
+  Damage damage;
+  static constexpr SurfaceInfo info{"mutant", "a torus with a fault", Coordinate::turn, Coordinate::turn};
+
+  template <class S>
+  Jet2<S> jet(const Turn<S>& u, const Turn<S>& v) const {
+    Jet2<S> j = torus.jet(u, v);
+    if constexpr (requires { damage(j); }) damage(j);
+    return j;
+  }
+  template <class S>
+  Frame<S> frame(const Turn<S>& u, const Turn<S>& v) const {
+    Frame<S> f = torus.frame(u, v);
+    if constexpr (requires { damage(f); }) damage(f);
+    return f;
+  }
+  template <class S>
+  S implicit(const Vec3<S>& p) const {
+    return torus.implicit(p);
+  }
+  template <class S>
+  S gaussian_curvature(const Turn<S>& u, const Turn<S>& v) const {
+    return torus.gaussian_curvature(u, v);
+  }
+};
+
+template <class Damage>
+Names failed_with(Damage damage) {
+  const Mutant<Damage> mutant{{1, 0.4}, damage};
+  return failed_laws(mutant);
+}
+
+template <int which, class S>
+Vec3<S>& partial(Jet2<S>& j) {
+  if constexpr (which == 1)
+    return j.dpdu;
+  else if constexpr (which == 2)
+    return j.dpdv;
+  else if constexpr (which == 3)
+    return j.d2pdu2;
+  else if constexpr (which == 4)
+    return j.d2pduv;
+  else
+    return j.d2pdv2;
+}
+
+template <int which>
+void expect_a_wrong_partial_is_named() {
+  const std::string name(detail::partials[which].name);
+  const auto expect_named = [&](const Names& failed, const std::string& what) {
+    for (const char* route : {"dual", "central2", "central4", "central6", "central8"})
+      EXPECT_TRUE(contains(failed, route, name)) << what << " of " << name << " passes " << route;
+  };
+  expect_named(failed_with([]<class S>(Jet2<S>& j) { partial<which>(j).x = -partial<which>(j).x; }),
+               "wrong sign of x");
+  expect_named(failed_with([]<class S>(Jet2<S>& j) { partial<which>(j) = lift<S>(0.5) * partial<which>(j); }),
+               "half the length");
+  expect_named(failed_with([]<class S>(Jet2<S>& j) {
+                 partial<which>(j).y = lift<S>(1 + 0x1p-18) * partial<which>(j).y;
+               }),
+               "four parts in a million of y");
+}
+
+TEST(Mutants, AWrongPartialIsNamedByEveryDerivativeRoute) {
+  EXPECT_EQ(failed_with([] {}), Names{});  // the control: nothing wrong, nothing found
+  expect_a_wrong_partial_is_named<1>();
+  expect_a_wrong_partial_is_named<2>();
+  expect_a_wrong_partial_is_named<3>();
+  expect_a_wrong_partial_is_named<4>();
+  expect_a_wrong_partial_is_named<5>();
+}
+
+// A wrong second partial leaves the first ones alone, and the frame.
+TEST(Mutants, TheRightPartialsAreNotBlamed) {
+  const Names failed = failed_with([]<class S>(Jet2<S>& j) { j.d2pdv2 = -j.d2pdv2; });
+  EXPECT_EQ(failed, (Names{{"dual", "d2pdv2"},
+                           {"central2", "d2pdv2"},
+                           {"central4", "d2pdv2"},
+                           {"central6", "d2pdv2"},
+                           {"central8", "d2pdv2"},
+                           {"curvature", "gaussian_curvature"}}));
+}
+
+TEST(Mutants, AWrongFrameIsNamed) {
+  EXPECT_EQ(failed_with([]<class S>(Frame<S>& f) { f.handedness = -f.handedness; }),
+            (Names{{"dual", "handedness"}, {"dual", "normal"}}));
+  EXPECT_TRUE(contains(failed_with([]<class S>(Frame<S>& f) { f.n = -f.n; }), "dual", "normal"));
+  EXPECT_EQ(failed_with([]<class S>(Frame<S>& f) { f.b = -f.b; }), (Names{{"dual", "bitangent"}}));
+  EXPECT_TRUE(contains(failed_with([]<class S>(Frame<S>& f) { f.t = -f.t; }), "dual", "tangent"));
+}
+
+// DESIGN.md, section 3: 2r in place of r everywhere is a perfect surface, only not this one.
+struct Inflated {
+  static constexpr SurfaceInfo info{"inflated", "a torus with 2r in place of r", Coordinate::turn,
+                                    Coordinate::turn};
+  Torus<double> stated{1, 0.3}, written{1, 0.6};
+  template <class S>
+  Jet2<S> jet(const Turn<S>& u, const Turn<S>& v) const {
+    return written.jet(u, v);
+  }
+  template <class S>
+  Frame<S> frame(const Turn<S>& u, const Turn<S>& v) const {
+    return written.frame(u, v);
+  }
+  template <class S>
+  S implicit(const Vec3<S>& p) const {
+    return stated.implicit(p);
+  }
+  template <class S>
+  S gaussian_curvature(const Turn<S>& u, const Turn<S>& v) const {
+    return stated.gaussian_curvature(u, v);
+  }
+};
+
+TEST(Mutants, AConsistentlyWrongSurfaceIsFoundByItsFactsOnly) {
+  EXPECT_EQ(failed_laws(Inflated{}), (Names{{"implicit", "position"}, {"curvature", "gaussian_curvature"}}));
+}
+
+struct Saddle {
+  static constexpr SurfaceInfo info{"saddle", "z = u v", Coordinate::linear, Coordinate::linear};
+  template <class S>
+  Jet2<S> jet(const S& u, const S& v) const {
+    const S zero = lift<S>(0.0), one = lift<S>(1.0);
+    return {.position = {u, v, u * v},
+            .dpdu = {one, zero, v},
+            .dpdv = {zero, one, u},
+            .d2pdu2 = {zero, zero, zero},
+            .d2pduv = {zero, zero, one},
+            .d2pdv2 = {zero, zero, zero}};
+  }
+};
+
+// A saddle with nothing but a formula: what it does not state is skipped by name, never silently true.
+TEST(Skipped, AbsentFactsAreNamed) {
+  Names skipped;
+  for (const Check& c : check_surface(Saddle{})) {
+    EXPECT_TRUE(c.passed) << c.route << ' ' << c.quantity;
+    EXPECT_EQ(c.points == 0, !c.skipped.empty()) << c.route << ' ' << c.quantity;
+    if (!c.skipped.empty()) skipped.emplace(c.route, c.quantity);
+  }
+  EXPECT_EQ(skipped, (Names{{"dual", "tangent"},
+                            {"implicit", "position"},
+                            {"curvature", "gaussian_curvature"},
+                            {"periodicity", "position"}}));
+}
+
+TEST(Skipped, ALawThatComparedNothingFails) {
+  detail::Law law("surface", "route", "quantity");
+  EXPECT_FALSE(law.result().passed);
+  EXPECT_FALSE(law.result().skipped.empty());
+}
+
+TEST(Law, KeepsItsWorstPointAndFailsOnNan) {
+  detail::Law law("surface", "route", "quantity");
+  law.compare(1, 10, 0.1, 0.2);
+  law.compare(3, 6, 0.3, 0.4);
+  law.compare(2, 10, 0.5, 0.6);
+  EXPECT_TRUE(law.result().passed);
+  EXPECT_EQ(law.result().points, 3);
+  EXPECT_EQ(law.result().max_error, 3);
+  EXPECT_EQ(law.result().worst_u, 0.3);
+  law.compare(std::nan(""), 1, 0.7, 0.8);
+  law.compare(0, 1, 0.9, 1);
+  EXPECT_FALSE(law.result().passed);
+  EXPECT_EQ(law.result().worst_u, 0.7);
+}
+
+TEST(CheckSurface, IsDeterministicAndRefusesBadParameters) {
+  const auto first = check_surface(Torus{}, {.points = 50, .seed = 7}),
+             second = check_surface(Torus{}, {.points = 50, .seed = 7});
+  ASSERT_EQ(first.size(), second.size());
+  EXPECT_TRUE(std::equal(first.begin(), first.end(), second.begin(), [](const Check& a, const Check& b) {
+    return a.max_error == b.max_error && a.worst_u == b.worst_u && a.points == b.points;
+  }));
+  EXPECT_THROW(check_surface(Sphere{-1.0}), ParameterError);
+}
+
+}  // namespace
+}  // namespace darboux::test

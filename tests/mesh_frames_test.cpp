@@ -1,0 +1,205 @@
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <darboux/error.h>
+#include <darboux/frame.h>
+#include <darboux/mesh_frames.h>
+#include <darboux/sample_mesh.h>
+#include <darboux/torus.h>
+
+namespace darboux {
+namespace {
+
+constexpr double degrees = 180 / std::numbers::pi;
+
+using Points = std::array<Vec3<double>, 3>;
+using Uvs = std::array<Vec2<double>, 3>;
+
+double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
+  return degrees * angle_between(a, b);
+}
+
+Mesh one_triangle(const Points& p, const Uvs& uv) {
+  const Vec3<double> n = unit(cross(p[1] - p[0], p[2] - p[0]));
+  return {{p.begin(), p.end()}, {n, n, n}, {uv.begin(), uv.end()}, {}, {{0, 1, 2}}};
+}
+
+// On an affine chart P = O + u T + v B every method that uses T and B must return them exactly.
+TEST(SolveTriangle, RecoversAnAffineChart) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto vector = [&] { return Vec3<double>{uniform(random), uniform(random), uniform(random)}; };
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3<double> origin = vector(), t = vector(), b = vector();
+    Uvs uv;
+    Points p;
+    for (int k = 0; k < 3; ++k) {
+      uv[k] = {uniform(random), uniform(random)};
+      p[k] = origin + uv[k].x * t + uv[k].y * b;
+    }
+    const auto solved = solve_triangle(p, uv);
+    ASSERT_TRUE(solved);
+    // Positions err by 2u, edges by 4u; the solve multiplies by |e1||e2| over the uv determinant.
+    const double det = std::fabs(signed_uv_area2(uv[0], uv[1], uv[2]));
+    const double tolerance = 64 * 0x1p-53 / det;
+    EXPECT_LE(norm(solved->t - t), tolerance);
+    EXPECT_LE(norm(solved->b - b), tolerance);
+  }
+}
+
+// The definition of the fragment's gradients: i·T = 1, i·B = 0, i·n = 0, and the same of j.
+TEST(FragmentGradients, AreDualToTheTangents) {
+  const Points p{{{0, 0, 0}, {2, 0.3, 0}, {0.4, 1.5, 0.2}}};
+  const Uvs uv{{{0, 0}, {1, 0.2}, {0.1, 0.9}}};
+  const auto solved = solve_triangle(p, uv);
+  const Vec3<double> n = unit(cross(p[1] - p[0], p[2] - p[0]));
+  const auto gradients = fragment_gradients(p, uv, n);
+  ASSERT_TRUE(solved && gradients);
+  constexpr double tolerance = 32 * 0x1p-53;  // two solves of well-conditioned 3x3 and 2x2 systems
+  EXPECT_NEAR(dot(gradients->t, solved->t), 1, tolerance);
+  EXPECT_NEAR(dot(gradients->t, solved->b), 0, tolerance);
+  EXPECT_NEAR(dot(gradients->b, solved->t), 0, tolerance);
+  EXPECT_NEAR(dot(gradients->b, solved->b), 1, tolerance);
+  EXPECT_NEAR(dot(gradients->t, n), 0, tolerance);
+  EXPECT_NEAR(dot(gradients->b, n), 0, tolerance);
+}
+
+// Why the two forms of the fragment frame differ, one cause at a time.
+TEST(FragmentForms, AgreeOnlyOnAnOrthogonalChartWithTheFaceNormal) {
+  const auto chart = [](double angle) {  // T along x, B at that angle to it, triangle in the plane z = 0
+    return Points{{{0, 0, 0}, {1, 0, 0}, {std::cos(angle / degrees), std::sin(angle / degrees), 0}}};
+  };
+  const Uvs uv{{{0, 0}, {1, 0}, {0, 1}}};
+  const Vec3<double> face_normal{0, 0, 1};
+  const auto disagreement = [&](const Points& p, const Vec3<double>& n) {
+    return angle_deg(fragment_gradients(p, uv, n)->t, solve_triangle(p, uv)->t);
+  };
+  // Neither cause: the same direction, to a few roundings.
+  EXPECT_LT(disagreement(chart(90), face_normal), 1e-13);
+  // Cause one, the chart: the gradient of u is across B, so at 105 degrees it stands 15 degrees from T.
+  EXPECT_NEAR(disagreement(chart(105), face_normal), 15, 1e-12);
+  EXPECT_NEAR(disagreement(chart(60), face_normal), 30, 1e-12);
+  // Cause two, the normal: tilted by 20 degrees towards T, the plane across it tilts T's gradient as much.
+  const Vec3<double> tilted{std::sin(20 / degrees), 0, std::cos(20 / degrees)};
+  EXPECT_NEAR(disagreement(chart(90), tilted), 20, 1e-12);
+}
+
+TEST(FrameMethods, AllReturnTheAxesOnAFlatSquare) {
+  for (const FrameMethod& method : frame_methods()) {
+    const Mesh mesh = one_triangle({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0, 0}, {1, 0}, {0, 1}}});
+    const MeshFrames result = mesh_frames(mesh, method);
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_EQ(result.corner(c).t, (Vec3<double>{1, 0, 0})) << method.name;
+      EXPECT_EQ(result.corner(c).b, (Vec3<double>{0, 1, 0})) << method.name;
+      EXPECT_EQ(result.corner(c).n, (Vec3<double>{0, 0, 1})) << method.name;
+      EXPECT_EQ(result.corner(c).sign, 1) << method.name;
+      EXPECT_FALSE(result.corner(c).fallback) << method.name;
+    }
+    // Mirrored uvs: u runs the other way, the sign turns, b stays.
+    const Mesh mirrored = one_triangle({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0, 0}, {-1, 0}, {0, 1}}});
+    EXPECT_EQ(mesh_frames(mirrored, method).corner(0).t, (Vec3<double>{-1, 0, 0})) << method.name;
+    EXPECT_EQ(mesh_frames(mirrored, method).corner(0).b, (Vec3<double>{0, 1, 0})) << method.name;
+    EXPECT_EQ(mesh_frames(mirrored, method).corner(0).sign, -1) << method.name;
+  }
+}
+
+// The weights, on two triangles that share vertex 0 in the plane z = 0: T turns by a known angle between them.
+TEST(FrameMethods, WeightAsTheySay) {
+  // Triangle A: u along x, right angle at vertex 0, legs 1 and 1. Triangle B: u along y, 45 degrees at vertex 0, area 2.
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-2, 0, 0}, {-2, -2, 0}};
+  mesh.normals.assign(5, {0, 0, 1});
+  mesh.uvs = {{0, 0}, {0.5, 0}, {0, 1}, {0, 2}, {-2, 2}};  // A: T = (2,0,0). B: u along y, T = (0,1,0)
+  mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
+  const auto t = [&](const char* method) { return mesh_frames(mesh, find_frame_method(method)).corner(0).t; };
+  const auto expect_direction = [](const Vec3<double>& t, double x, double y) {
+    EXPECT_NEAR(t.x, x / std::hypot(x, y), 4e-16);
+    EXPECT_NEAR(t.y, y / std::hypot(x, y), 4e-16);
+  };
+  expect_direction(t("average"), 2, 1);
+  expect_direction(t("unit"), 1, 1);
+  expect_direction(t("area"), 0.5, 2);
+  expect_direction(t("angle"), 90, 45);
+  expect_direction(t("face"), 1, 0);
+}
+
+TEST(FrameMethods, NeverGiveNaNForDegenerateTriangles) {
+  struct Case {
+    const char* name;
+    Points p;
+    Uvs uv;
+    std::size_t degenerate, degenerate_uv;
+  };
+  const Uvs good{{{0, 0}, {1, 0}, {0, 1}}};
+  const Points square{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  const Case cases[] = {
+      {"two equal", {{{0, 0, 0}, {0, 0, 0}, {0, 1, 0}}}, good, 1, 0},
+      {"all equal", {{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}}, good, 1, 0},
+      {"collinear", {{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}}, good, 1, 0},
+      {"height 1e-20", {{{0, 0, 0}, {1, 0, 0}, {0.5, 1e-20, 0}}}, good, 1, 0},
+      {"all uvs equal", square, {{{0.5, 0.5}, {0.5, 0.5}, {0.5, 0.5}}}, 0, 1},
+      {"collinear uvs", square, {{{0, 0}, {0.5, 0.5}, {1, 1}}}, 0, 1},
+      {"tiny but good",
+       {{{0, 0, 0}, {1e-30, 0, 0}, {0, 1e-30, 0}}},
+       {{{0, 0}, {1e-30, 0}, {0, 1e-30}}},
+       0,
+       0},
+      {"huge but good", {{{0, 0, 0}, {1e30, 0, 0}, {0, 1e30, 0}}}, {{{0, 0}, {1e30, 0}, {0, 1e30}}}, 0, 0},
+  };
+  for (const FrameMethod& method : frame_methods())
+    for (const Case& c : cases) {
+      Mesh mesh = one_triangle(c.p, c.uv);
+      for (auto& n : mesh.normals)
+        if (n == Vec3<double>{}) n = {0, 0, 1};
+      const MeshFrames result = mesh_frames(mesh, method);
+      EXPECT_EQ(result.degenerate_triangles, c.degenerate) << method.name << ", " << c.name;
+      EXPECT_EQ(result.degenerate_uv_triangles, c.degenerate_uv) << method.name << ", " << c.name;
+      const bool served = c.degenerate + c.degenerate_uv == 0;
+      EXPECT_EQ(result.fallback_corners, served ? 0u : 3u) << method.name << ", " << c.name;
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(norm(result.corner(k).t), 1, 1e-15) << method.name << ", " << c.name;
+        EXPECT_EQ(std::fabs(result.corner(k).sign), 1) << method.name << ", " << c.name;
+      }
+    }
+}
+
+// A degenerate triangle beside good ones must not change what they give.
+TEST(FrameMethods, DegenerateTrianglesAreLeftOutOfAverages) {
+  for (const FrameMethod& method : frame_methods()) {
+    Mesh mesh = one_triangle({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0, 0}, {1, 0}, {0, 1}}});
+    mesh.positions.push_back({0, 0, 0});
+    mesh.normals.push_back({0, 0, 1});
+    mesh.uvs.push_back({0.3, 0.9});
+    mesh.triangles.push_back({0, 3, 1});
+    const MeshFrames result = mesh_frames(mesh, method);
+    EXPECT_EQ(result.degenerate_triangles, 1u);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(result.corner(c).t, (Vec3<double>{1, 0, 0})) << method.name;
+  }
+}
+
+TEST(FrameMethods, BadMeshesAreRefused) {
+  const FrameMethod& average = find_frame_method("average");
+  Mesh mesh = one_triangle({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0, 0}, {1, 0}, {0, 1}}});
+  Mesh no_uvs = mesh, no_normals = mesh, bad_index = mesh;
+  no_uvs.uvs.clear();
+  no_normals.normals.clear();
+  bad_index.triangles[0][1] = 3;
+  EXPECT_THROW(mesh_frames(no_uvs, average), MeshError);
+  EXPECT_THROW(mesh_frames(no_normals, average), MeshError);
+  EXPECT_THROW(mesh_frames(bad_index, average), MeshError);
+  EXPECT_NO_THROW(mesh_frames(no_normals, find_frame_method("face")));
+  EXPECT_NO_THROW(mesh_frames(Mesh{}, average));
+  try {
+    find_frame_method("magic");
+    FAIL() << "an unknown method must be refused";
+  } catch (const ParameterError& e) {
+    EXPECT_NE(std::string(e.what()).find("average"), std::string::npos)
+        << "the message lists the known methods";
+  }
+}
+
+}  // namespace
+}  // namespace darboux
