@@ -129,8 +129,7 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   const bool oblique = reference.oblique && !near_pole;
   if (oblique) {
     if (quantity == bitangent && method.bitangent_order_oblique == 0) return 0;
-    // It gives the gradient of u, which is not along dpdu on an oblique chart.
-    if (quantity == tangent && method.name == "fragment-gradient") return 0;
+    if (quantity == tangent && method.tangent_order_oblique == 0) return 0;
   }
   if (vertex_class != VertexClass::interior) return 1;
   const int order = oblique && quantity == bitangent ? method.bitangent_order_oblique
@@ -139,13 +138,13 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   return reference.has_pole ? std::min(1.5, static_cast<double>(order)) : order;
 }
 
-Verdict judge(const Study& study) {
-  if (std::isnan(study.order)) return Verdict::at_the_floor;
+OrderVerdict judge_order(const Study& study) {
+  if (std::isnan(study.order)) return OrderVerdict::at_the_floor;
   const double expected = study.expected_order;
-  if (study.order < tolerance) return Verdict::does_not_converge;
-  if (study.order_high < expected - tolerance) return Verdict::slower;
-  if (study.order_low > expected + tolerance) return Verdict::faster;
-  return Verdict::as_expected;
+  if (study.order < tolerance) return OrderVerdict::does_not_converge;
+  if (study.order_high < expected - tolerance) return OrderVerdict::slower;
+  if (study.order_low > expected + tolerance) return OrderVerdict::faster;
+  return OrderVerdict::as_expected;
 }
 
 // Chooses the levels, fits the order and judges it.
@@ -169,7 +168,7 @@ void conclude(Study& study) {
     study.order_low = line.slope_low;
     study.order_high = line.slope_high;
   }
-  study.verdict = judge(study);
+  study.verdict = judge_order(study);
 }
 
 // Adds one level to each class and quantity: studies[class][quantity].

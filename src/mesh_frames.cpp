@@ -156,26 +156,26 @@ MeshFrames compute_fragment_solve(const Mesh& mesh) {
 constexpr FrameMethod methods[] = {
     {"face",
      "each triangle on its own: the directions in which u and v grow on it; faceted, as with flat shading",
-     "[p1-p0, p2-p0] = [T B] U, t = T/|T|, b = B/|B|", false, 1, 1, 1, compute_face},
+     "[p1-p0, p2-p0] = [T B] U, t = T/|T|, b = B/|B|", false, 1, 1, 1, 1, compute_face},
     {"average",
      "triangle tangents added up at each vertex, long ones count more, then made square to the normal "
      "(three.js, PlayCanvas and many textbooks)",
-     "t = GramSchmidt(sum T), b = GramSchmidt(sum B)", true, 2, 1, 0, compute_raw_sum},
+     "t = GramSchmidt(sum T), b = GramSchmidt(sum B)", true, 2, 1, 2, 0, compute_raw_sum},
     {"unit", "triangle directions averaged at each vertex, every triangle counts the same",
-     "t = GramSchmidt(sum T/|T|), b likewise", true, 2, 1, 0, compute_unit},
+     "t = GramSchmidt(sum T/|T|), b likewise", true, 2, 1, 2, 0, compute_unit},
     {"area", "triangle directions averaged at each vertex, large triangles count more",
-     "t = GramSchmidt(sum area T/|T|), b likewise", true, 2, 1, 0, compute_area},
+     "t = GramSchmidt(sum area T/|T|), b likewise", true, 2, 1, 2, 0, compute_area},
     {"angle", "triangle directions averaged at each vertex, by the angle the triangle has there",
-     "t = GramSchmidt(sum angle T/|T|), b likewise", true, 2, 1, 0, compute_angle},
+     "t = GramSchmidt(sum angle T/|T|), b likewise", true, 2, 1, 2, 0, compute_angle},
     {"fragment-gradient",
      "what a shader gets from solving for the gradients of u and v across the smooth normal "
      "(tinyrenderer); on sheared uvs these are not the directions of the texture's axes",
-     "A = (p1-p0; p2-p0; n), A i = (du1, du2, 0), A j = (dv1, dv2, 0), t = i/|i|, b = j/|j|", true, 1, 1, 0,
+     "A = (p1-p0; p2-p0; n), A i = (du1, du2, 0), A j = (dv1, dv2, 0), t = i/|i|, b = j/|j|", true, 1, 1, 0, 0,
      compute_fragment_gradient},
     {"fragment-solve",
      "what a shader gets from the triangle's own directions beside the smooth normal (tinyrenderer); "
      "not square to that normal",
-     "T = E U^-1, t = T/|T|, b = B/|B|, n interpolated", true, 1, 1, 1, compute_fragment_solve},
+     "T = E U^-1, t = T/|T|, b = B/|B|, n interpolated", true, 1, 1, 1, 1, compute_fragment_solve},
 };
 
 }  // namespace

@@ -89,7 +89,7 @@ bool side_undecided(const X&, const V&, double) {
 }
 bool side_undecided(const Torus<double>& torus, const Turn<double>& v, double roundoff) {
   return torus.major_radius < torus.minor_radius &&
-         std::fabs(torus.major_radius + torus.minor_radius * v.cos) <=
+         std::fabs(torus.major_radius + torus.minor_radius * v.cos) <
              7 * roundoff * torus.minor_radius * std::fabs(v.cos);
 }
 
@@ -130,7 +130,8 @@ struct Worst {
     EXPECT_LE(n, 4 * roundoff);
     EXPECT_LE(orthonormality, 8 * roundoff);
     EXPECT_EQ(wrong_side, 0);
-    EXPECT_LE(undecided, points / 1000);
+    // R = (1 - 2^-52) r at v = 1/2 and its two neighbours, 20 values of u each; hardly ever a random point.
+    EXPECT_LE(undecided, 3 * 20 + 4);
   }
 };
 

@@ -12,6 +12,7 @@
 #include <darboux/error.h>
 #include <darboux/io.h>
 
+#include "../src/io/gltf_file.h"
 #include "io_files.h"
 
 namespace darboux {
@@ -21,6 +22,14 @@ using test::Builder;
 using test::Json;
 using test::TempFolder;
 
+void check_message(const std::string& message, const std::string& path, const std::string& part) {
+  EXPECT_TRUE(message.starts_with(path + ": ")) << message;
+  EXPECT_NE(message.find(part), std::string::npos) << message << "\nlacks: " << part;
+  EXPECT_NE(message.find("permitted"), std::string::npos) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  EXPECT_LT(message.size(), path.size() + 600) << message;
+}
+
 /// Reads a file that must be refused, and checks the form of the message.
 void expect_refused(const std::string& path, const std::string& part) {
   SCOPED_TRACE(path);
@@ -28,12 +37,20 @@ void expect_refused(const std::string& path, const std::string& part) {
     read_asset(path);
     ADD_FAILURE() << "was read, expected an error with: " << part;
   } catch (const FileError& error) {
-    const std::string message = error.what();
-    EXPECT_TRUE(message.starts_with(path + ": ")) << message;
-    EXPECT_NE(message.find(part), std::string::npos) << message << "\nlacks: " << part;
-    EXPECT_NE(message.find("permitted"), std::string::npos) << message;
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    EXPECT_LT(message.size(), path.size() + 600) << message;
+    check_message(error.what(), path, part);
+  }
+}
+
+/// Reads a glTF's content from memory; false when it was refused, by a proper message.
+bool content_is_read(const std::string& bytes) {
+  const std::string path = "memory.glb";
+  try {
+    for (const Primitive& p : io::read_gltf(io::load_gltf(path, bytes)).primitives)
+      check_consistent(p.data, path);
+    return true;
+  } catch (const FileError& error) {
+    check_message(error.what(), path, "");
+    return false;
   }
 }
 
@@ -147,16 +164,15 @@ TEST(BadFiles, TruncatedAtEveryByte) {
   const std::string bytes = rich().glb();
   ASSERT_TRUE(survives(test::write_bytes(folder / "whole.glb", bytes)));
   for (std::size_t length = 0; length < bytes.size(); ++length) {
-    expect_refused(test::write_bytes(folder / "cut.glb", bytes.substr(0, length)), "");
-    if (HasFailure()) FAIL() << "cut to " << length << " bytes";
+    SCOPED_TRACE("cut to " + std::to_string(length) + " bytes");
+    EXPECT_FALSE(content_is_read(bytes.substr(0, length)));
     if (length < 12) continue;
-    // The same cut with a header that agrees with it: the chunks must notice. Only a cut between the chunks
-    // leaves a valid container, whose buffer is then without data.
+    // The same cut under a header that agrees with it: now the chunks must notice. A cut between the chunks leaves
+    // a sound container, whose buffer has no data.
     std::string agreed = bytes.substr(0, length);
     const auto stated = static_cast<std::uint32_t>(length);
     std::memcpy(agreed.data() + 8, &stated, 4);
-    expect_refused(test::write_bytes(folder / "agreed.glb", agreed), "");
-    if (HasFailure()) FAIL() << "cut to " << length << " bytes, header agreeing";
+    EXPECT_FALSE(content_is_read(agreed));
   }
 }
 
@@ -175,11 +191,11 @@ TEST(BadFiles, LyingHeaders) {
   expect_bytes_refused(good + "x", "states a length of");
   expect_bytes_refused(with(12, 0xFFFFFFFF), "states 4294967295 bytes for chunk 0");
   expect_bytes_refused(with(12, static_cast<std::uint32_t>(good.size()) - 19), "for chunk 0");
-  expect_bytes_refused(with(12, json_length - 4), "is not JSON at byte");
-  expect_bytes_refused(with(12, 0), "is not JSON at byte");
+  expect_bytes_refused(with(12, json_length - 4), "for chunk 1");
+  expect_bytes_refused(with(12, 0), "for chunk 1");
   expect_bytes_refused(with(16, 0x004E4942), "permitted is the JSON chunk first");
   expect_bytes_refused(with(20 + json_length, 0xFFFFFFFF), "states 4294967295 bytes for chunk 1");
-  expect_bytes_refused(with(20 + json_length, 4), "chunk 2");
+  expect_bytes_refused(with(20 + json_length, 4), "for chunk");
   expect_bytes_refused(with(24 + json_length, 0x12345678), "buffers[0] has no data");
 }
 
@@ -254,7 +270,7 @@ TEST(BadFiles, ValuesThatAreNotWhatTheyShouldBe) {
            {"/accessors/0/count", "100000000000000000000",
             "accessors[0].count is 1e+20, permitted is an integer"},
            {"/accessors/0/count", "\"4\"", "accessors[0].count is \"4\", permitted is an integer"},
-           {"/accessors/0/count", nullptr, "accessors[0] has no count, which is required"},
+           {"/accessors/0/count", nullptr, "accessors[0] has no count, permitted is one with it"},
            {"/accessors/0/bufferView", "99",
             "accessors[0].bufferView is 99, permitted are 0 to 4, the bufferViews there are"},
            {"/accessors/0/bufferView", "-1", "accessors[0].bufferView is -1"},
@@ -279,13 +295,14 @@ TEST(BadFiles, ValuesThatAreNotWhatTheyShouldBe) {
            {"/accessors/3/sparse/indices/componentType", "5126",
             "is 5126, permitted are 5121, 5123 and 5125"},
            {"/accessors/3/sparse/indices/componentType", "5125", "asks for 4 elements of 4 bytes"},
-           {"/accessors/3/sparse/indices/bufferView", "1", "accessors[3].sparse.indices name element"},
+           {"/accessors/3/sparse/indices/bufferView", "3",
+            "accessors[3].sparse.indices name element 16256, permitted are 0 to 3"},
            {"/accessors/3/sparse/values/byteOffset", "1", "accessors[3].sparse.values asks for 4 elements"},
            {"/accessors/3/sparse/values", nullptr, "accessors[3].sparse has no values"},
-           {"/accessors/4/componentType", "5126", "permitted are SCALAR and 5121, 5123 or 5125"},
+           {"/accessors/4/componentType", "5126", "asks for 6 elements of 4 bytes"},
            {"/accessors/4/componentType", "5120", "permitted are SCALAR and 5121, 5123 or 5125"},
            {"/accessors/4/count", "5", "has 5 corners in mode 4 (triangles), permitted is a multiple of 3"},
-           {"/accessors/4/bufferView", "0", "indices leads to index"},
+           {"/accessors/4/bufferView", "3", "indices leads to index 128 at place 2, permitted are 0 to 3"},
            {"/accessors", "{}", "accessors is object, permitted is an array"},
            {"/bufferViews/0/buffer", "1", "bufferViews[0].buffer is 1, permitted are 0 to 0"},
            {"/bufferViews/0/byteLength", "18446744073709551615", "asks for 18446744073709551615 bytes"},
@@ -406,8 +423,10 @@ TEST(BadFiles, EveryValueOfTheDocumentReplaced) {
       Builder b = good;
       b.json[place] = replacement;
       SCOPED_TRACE(place.to_string() + " = " + replacement.dump());
-      read += survives(test::write_bytes(folder / "mutated.glb", b.glb())) ? 1 : 0;
       ++tried;
+      if (!content_is_read(b.glb())) continue;
+      survives(test::write_bytes(folder / "mutated.glb", b.glb()));
+      ++read;
       ASSERT_FALSE(HasFailure());
     }
   }
@@ -418,7 +437,6 @@ TEST(BadFiles, EveryValueOfTheDocumentReplaced) {
 }
 
 TEST(BadFiles, EveryByteReplaced) {
-  const TempFolder folder;
   const std::string good = rich().glb();
   std::mt19937 random(20261121);
   for (std::size_t i = 0; i < good.size(); ++i) {
@@ -426,8 +444,7 @@ TEST(BadFiles, EveryByteReplaced) {
       std::string bytes = good;
       bytes[i] = static_cast<char>(change);
       SCOPED_TRACE("byte " + std::to_string(i) + " = " + std::to_string(change));
-      survives(test::write_bytes(folder / "mutated.glb", bytes));
-      ASSERT_FALSE(HasFailure());
+      content_is_read(bytes);
     }
   }
 }

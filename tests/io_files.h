@@ -48,6 +48,7 @@ inline std::string read_bytes(const std::string& path) {
 }
 
 inline std::string write_bytes(const std::string& path, std::string_view bytes) {
+  std::filesystem::remove(path);  // some file systems are slow to truncate
   std::ofstream stream(path, std::ios::binary);
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   EXPECT_TRUE(stream.flush()) << path;

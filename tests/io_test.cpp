@@ -811,7 +811,8 @@ TEST(ReadObj, EveryCornerIsTheTexts) {
     ASSERT_EQ(mesh.uvs.size(), mesh.positions.size());
     EXPECT_EQ(asset.primitives[0].texcoord, 0);
     ASSERT_EQ(asset.primitives[0].instances.size(), 1u);
-    // assimp sums up to 15 digits in double and rounds to float twice or so: within 2 units in the last
+    // assimp rounds the digits behind the point to float, then the sum with those before it, and with an exponent
+    // their product with a power of ten: measured 1 unit in the last place, 2 are left for other compilers' pow.
     // place.
     int worst = 0;
     const auto compare = [&](double read, float exact) {

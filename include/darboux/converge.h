@@ -29,14 +29,14 @@ std::span<const MeshFamily> mesh_families();
 const MeshFamily& find_mesh_family(std::string_view name);
 
 /// What became of the order that was expected.
-enum class Verdict : std::uint8_t {
+enum class OrderVerdict : std::uint8_t {
   as_expected,        ///< lies within 0.15 of the order's 95 % interval
   faster,             ///< the whole interval lies above that
   slower,             ///< the whole interval lies below
   does_not_converge,  ///< the order is below 0.15
   at_the_floor,       ///< fewer than three resolutions above what rounding alone may cause: no order
 };
-inline constexpr std::array<std::string_view, 5> verdict_names{"as expected", "faster", "slower",
+inline constexpr std::array<std::string_view, 5> order_verdict_names{"as expected", "faster", "slower",
                                                                "does not converge", "at the floor"};
 
 /// One mesh of a study and the errors on it, in degrees over the triangle corners of the study's class.
@@ -69,11 +69,11 @@ struct Study {
   /// yet, are left out when at least four remain.
   double order, order_low, order_high;
   double expected_order;  ///< 0: is not expected to converge
-  Verdict verdict;
+  OrderVerdict verdict;
 
   /// Whether it does at least what was expected.
   bool holds() const {
-    return verdict != Verdict::slower && (verdict != Verdict::does_not_converge || expected_order == 0);
+    return verdict != OrderVerdict::slower && (verdict != OrderVerdict::does_not_converge || expected_order == 0);
   }
 };
 
@@ -92,7 +92,9 @@ struct ConvergeOptions {
 /// error grows like h²/θ towards it, θ the distance, so that its mean square over the rows falls like h³).
 /// Everywhere else one-sided triangles make it 1; next to a pole of an irregular mesh, methods that stay in
 /// the triangles' planes do not converge. Bitangents on charts that are not orthogonal: the method's
-/// bitangent_order_oblique. \param progress called with the share done, in [0, 1] \throws ParameterError when
+/// bitangent_order_oblique.
+/// \param progress called with the share done, in [0, 1]
+/// \throws ParameterError when
 /// the resolutions or the range of v are not as above
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
 

@@ -15,11 +15,24 @@ namespace detail {
 
 [[noreturn]] void throw_singular_transform();
 
-// The greatest power of two not above max(|x|, |y|, |z|), as an exponent; 0 for a zero or non-finite vector.
+template <std::floating_point S>
+S largest_component(const Vec3<S>& a) {
+  return std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z)));
+}
+
+// The greatest power of two not above the largest component, as an exponent; 0 for a zero or non-finite vector.
 template <std::floating_point S>
 int exponent(const Vec3<S>& a) {
-  const S m = std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z)));
+  const S m = largest_component(a);
   return m > 0 && std::isfinite(m) ? std::ilogb(m) : 0;
+}
+
+// The same, but 0 where the squares of the components that matter are ordinary numbers: nothing to scale.
+template <std::floating_point S>
+int scale_exponent(const Vec3<S>& a) {
+  constexpr S small = std::same_as<S, float> ? S(0x1p-38) : S(0x1p-450), large = 1 / small;
+  const S m = largest_component(a);
+  return small < m && m < large ? 0 : exponent(a);
 }
 
 template <std::floating_point S>
@@ -49,10 +62,11 @@ S difference_of_products(S a, S b, S c, S d) {
   return (ab.value - cd.value) + (ab.error - cd.error);
 }
 
-/// The length of a, without overflow or underflow in between: scaled by a power of two first.
+/// The length of a, without overflow or underflow in between.
 template <std::floating_point S>
 S norm(const Vec3<S>& a) {
-  const int e = detail::exponent(a);
+  const int e = detail::scale_exponent(a);
+  if (e == 0) return std::sqrt(dot(a, a));
   const Vec3<S> scaled = detail::scaled_by_power_of_two(a, -e);
   return std::scalbn(std::sqrt(dot(scaled, scaled)), e);
 }
@@ -60,7 +74,8 @@ S norm(const Vec3<S>& a) {
 /// a / |a|, each component within 2 ulp; the zero vector for a zero one.
 template <std::floating_point S>
 Vec3<S> unit(const Vec3<S>& a) {
-  const Vec3<S> scaled = detail::scaled_by_power_of_two(a, -detail::exponent(a));
+  const int e = detail::scale_exponent(a);
+  const Vec3<S> scaled = e == 0 ? a : detail::scaled_by_power_of_two(a, -e);
   const S length = std::sqrt(dot(scaled, scaled));
   return length == S(0) ? scaled : scaled / length;
 }

@@ -68,7 +68,8 @@ struct FrameMethod {
   bool needs_normals;
   int order_regular;            ///< interior of a regular grid
   int order_jittered;           ///< interior of an irregular mesh
-  int bitangent_order_oblique;  ///< of b against dpdv on a chart that is not orthogonal; 0: does not converge
+  int tangent_order_oblique;    ///< of t on a regular chart that is not orthogonal; 0: does not converge
+  int bitangent_order_oblique;  ///< of b against dpdv there
   MeshFrames (*compute)(const Mesh& mesh);
 };
 

@@ -132,7 +132,7 @@ void print_orders(const std::vector<Study>& studies) {
       for (const auto& [vertex_class, column] : columns) {
         const auto found = column.find(method);
         char cell[32] = "";
-        if (found != column.end() && found->second->verdict == Verdict::at_the_floor)
+        if (found != column.end() && found->second->verdict == OrderVerdict::at_the_floor)
           std::snprintf(cell, sizeof cell, "at the floor");
         else if (found != column.end())
           std::snprintf(cell, sizeof cell, "%.2f [%.2f, %.2f]%s", found->second->order,
@@ -152,13 +152,16 @@ void print_summary(const std::vector<Study>& studies) {
   for (const Study& s : studies)
     if (!s.holds())
       std::printf("%s: %s, %s mesh, %s, %s of the %s: order %.2f [%.2f, %.2f], expected %g\n",
-                  std::string(verdict_names[static_cast<std::size_t>(s.verdict)]).c_str(), s.surface.c_str(),
+                  std::string(order_verdict_names[static_cast<std::size_t>(s.verdict)]).c_str(), s.surface.c_str(),
                   std::string(s.mesh).c_str(), std::string(s.method).c_str(), std::string(s.quantity).c_str(),
                   std::string(vertex_class_names[static_cast<std::size_t>(s.vertex_class)]).c_str(), s.order,
                   s.order_low, s.order_high, s.expected_order);
 }
 
 void run(const Arguments& arguments, Common& common) {
+  if ((arguments.report == "-") + (arguments.csv == "-") + common.json > 1)
+    throw ParameterError("-",
+                         "standard output is asked for twice, permitted is one of -o -, --csv - and --json");
   const ConvergeOptions options = parse(arguments);
   std::vector<Study> studies;
   {
@@ -172,7 +175,7 @@ void run(const Arguments& arguments, Common& common) {
   const bool holds = std::all_of(studies.begin(), studies.end(), [](const Study& s) { return s.holds(); });
   common.exit_status = holds ? 0 : 1;
   if (common.json) return print_json({{"studies", studies_json(studies)}, {"seed", options.seed}});
-  // Where a file goes to standard output, nothing else does.
+  // A page or CSV on standard output stands alone there.
   if (arguments.report == "-" || arguments.csv == "-") return;
   if (arguments.report.empty()) print_orders(studies);
   print_summary(studies);

@@ -93,12 +93,15 @@ std::string read_file(const std::string& path) {
   return bytes;
 }
 
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return text;
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 80;
-  std::string line = "\"";
-  for (const char c : text.substr(0, longest))
-    line += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
-  return line + (text.size() > longest ? "...\"" : "\"");
+  return '"' + one_line(std::string(text.substr(0, longest))) + (text.size() > longest ? "...\"" : "\"");
 }
 
 bool is_data_uri(std::string_view uri) {
@@ -124,7 +127,7 @@ std::string load_uri(const std::string& base, const std::string& name, const std
   try {
     return read_file((std::filesystem::path(base).parent_path() / relative).string());
   } catch (const FileError& error) {
-    throw FileError(base, name + " names " + error.what());
+    throw FileError(base, name + " names " + one_line(error.what()));
   }
 }
 

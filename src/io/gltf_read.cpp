@@ -29,15 +29,16 @@ Accessor read_attribute(const GltfFile& file, const Place& attributes, const std
 
 /// The TEXCOORD set that the normal texture of the primitive's material uses, 0 when it has none.
 std::uint64_t normal_texcoord(const GltfFile& file, const Place& primitive) {
+  constexpr std::uint64_t most_sets = 1000;
   if (!primitive.has("material")) return 0;
   const Place material = file.element("materials", primitive.at("material"));
   if (!material.has("normalTexture")) return 0;
   const Place texture = material.at("normalTexture");
   if (texture.has("extensions") && texture.at("extensions").has("KHR_texture_transform")) {
     const Place transform = texture.at("extensions").at("KHR_texture_transform");
-    if (transform.has("texCoord")) return transform.at("texCoord").integer();
+    if (transform.has("texCoord")) return transform.at("texCoord").integer(0, most_sets);
   }
-  return texture.integer_or("texCoord", 0);
+  return texture.has("texCoord") ? texture.at("texCoord").integer(0, most_sets) : 0;
 }
 
 std::vector<std::uint32_t> read_indices(const GltfFile& file, const Place& primitive,

@@ -22,7 +22,7 @@ std::string_view class_name(const Study& study) {
   return vertex_class_names[static_cast<std::size_t>(study.vertex_class)];
 }
 std::string_view verdict_name(const Study& study) {
-  return verdict_names[static_cast<std::size_t>(study.verdict)];
+  return order_verdict_names[static_cast<std::size_t>(study.verdict)];
 }
 
 // ---- CSV --------------------------------------------------------------------------------------------------
@@ -79,9 +79,12 @@ std::string rounded(double x, int digits) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, digits).ptr};
 }
+// With two decimals; never "-0.00".
 std::string fixed(double x) {
   char buffer[64];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::fixed, 2).ptr};
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, std::round(100 * x) / 100 + 0.0,
+                                std::chars_format::fixed, 2)
+                      .ptr};
 }
 
 struct Mark {
@@ -89,15 +92,15 @@ struct Mark {
 };
 Mark mark(const Study& study) {
   switch (study.verdict) {
-    case Verdict::as_expected:
+    case OrderVerdict::as_expected:
       return {"good", "✓"};
-    case Verdict::faster:
+    case OrderVerdict::faster:
       return {"good", "▲"};
-    case Verdict::slower:
+    case OrderVerdict::slower:
       return {"bad", "▼"};
-    case Verdict::does_not_converge:
+    case OrderVerdict::does_not_converge:
       return {study.holds() ? "plain" : "bad", "✕"};
-    case Verdict::at_the_floor:
+    case OrderVerdict::at_the_floor:
       break;
   }
   return {"plain", "–"};
@@ -118,7 +121,7 @@ std::string table_row(const Study& study) {
          rounded(study.expected_order, 2) + "<td class=n>" + rounded(finest.floor_deg, 1) +
          "<td><span class=\"verdict " + std::string(m.style) + "\">" + std::string(m.symbol) + ' ' +
          std::string(verdict_name(study)) +
-         (study.verdict == Verdict::does_not_converge && study.holds() ? ", as expected" : "") +
+         (study.verdict == OrderVerdict::does_not_converge && study.holds() ? ", as expected" : "") +
          "</span></tr>\n";
   return row;
 }
@@ -247,29 +250,38 @@ const limits = (axis, values, below, above = below) => {
 };
 
 // ---- the slopes 1 and 2, from above the largest error at the coarsest mesh downwards
-const guides = {id: 'guides', beforeDatasetsDraw(chart) {
-  const {ctx, chartArea: area, scales: {x, y}} = chart;
-  if (!chart.$anchor) return;
+const each_guide = (chart, draw) => {
+  const {ctx, chartArea: area, scales: {x, y}, $anchor: anchor} = chart;
+  if (!anchor) return;
   ctx.save();
   ctx.beginPath();
   ctx.rect(area.left, area.top, area.width, area.height);
   ctx.clip();
-  ctx.strokeStyle = ctx.fillStyle = '#7b8794';
-  ctx.setLineDash([5, 5]);
   ctx.font = '12px system-ui, sans-serif';
-  for (const slope of [1, 2]) {
-    const at = h => chart.$anchor.y * (h / chart.$anchor.x) ** slope;
+  for (const slope of [1, 2]) draw(ctx, x, y, slope, h => anchor.y * (h / anchor.x) ** slope);
+  ctx.restore();
+};
+const guides = {
+  id: 'guides',
+  beforeDatasetsDraw: chart => each_guide(chart, (ctx, x, y, slope, at) => {
+    ctx.strokeStyle = '#7b8794';
+    ctx.setLineDash([5, 5]);
     ctx.beginPath();
     ctx.moveTo(x.getPixelForValue(x.max), y.getPixelForValue(at(x.max)));
     ctx.lineTo(x.getPixelForValue(x.min), y.getPixelForValue(at(x.min)));
     ctx.stroke();
-    // The label stands where the line leaves the picture, at the left or at the bottom.
+  }),
+  // The label stands above the line where that leaves the picture, at the left or at the bottom.
+  afterDatasetsDraw: chart => each_guide(chart, (ctx, x, y, slope, at) => {
     const h = Math.max(x.min, chart.$anchor.x * (y.min / chart.$anchor.y) ** (1 / slope));
-    const left = x.getPixelForValue(h) + 8, width = ctx.measureText('order ' + slope).width;
-    ctx.fillText('order ' + slope, left, y.getPixelForValue(at(x.getValueForPixel(left + width))) - 5);
-  }
-  ctx.restore();
-}};
+    const text = 'order ' + slope, left = x.getPixelForValue(h) + 8;
+    const base = y.getPixelForValue(at(x.getValueForPixel(left + ctx.measureText(text).width))) - 5;
+    ctx.lineWidth = 4;
+    ctx.strokeStyle = '#fff';
+    ctx.strokeText(text, left, base);
+    ctx.fillStyle = '#5a6675';
+    ctx.fillText(text, left, base);
+  })};
 
 const tooltip = {callbacks: {
   title: items => items.length ? 'n = ' + items[0].raw.level.n : '',
@@ -448,7 +460,7 @@ std::string studies_csv(const std::vector<Study>& studies) {
 std::string verdict_summary(const std::vector<Study>& studies) {
   std::string text = std::to_string(studies.size()) + (studies.size() == 1 ? " study" : " studies");
   const char* separator = ": ";
-  const auto add = [&](Verdict verdict, bool holds, const char* words) {
+  const auto add = [&](OrderVerdict verdict, bool holds, const char* words) {
     const auto count = std::count_if(studies.begin(), studies.end(), [&](const Study& s) {
       return s.verdict == verdict && s.holds() == holds;
     });
@@ -456,12 +468,12 @@ std::string verdict_summary(const std::vector<Study>& studies) {
     text += separator + std::to_string(count) + ' ' + words;
     separator = ", ";
   };
-  add(Verdict::as_expected, true, "as expected");
-  add(Verdict::faster, true, "faster");
-  add(Verdict::at_the_floor, true, "at the floor");
-  add(Verdict::does_not_converge, true, "not converging, as expected");
-  add(Verdict::slower, false, "slower than expected");
-  add(Verdict::does_not_converge, false, "not converging, though expected to");
+  add(OrderVerdict::as_expected, true, "as expected");
+  add(OrderVerdict::faster, true, "faster");
+  add(OrderVerdict::at_the_floor, true, "at the floor");
+  add(OrderVerdict::does_not_converge, true, "not converging, as expected");
+  add(OrderVerdict::slower, false, "slower than expected");
+  add(OrderVerdict::does_not_converge, false, "not converging, though expected to");
   return text;
 }
 

@@ -41,7 +41,7 @@ echo "studies $studies, rows $rows, $body"
 # The torus's regular mesh comes first: face and average have an order there, angle is at the floor.
 [[ $body == *'data-lines="2"'* ]] || fail "not two lines are drawn: $body"
 [[ $studies -gt 0 && $rows == "$studies" ]] || fail "$rows rows for $studies studies"
-(($(count '^' "$folder/report.csv") == 3 * studies + 1)) || fail "the CSV has not one row a study and resolution"
+(($(wc -l <"$folder/report.csv") == 3 * studies + 1)) || fail "the CSV has not one row a study and resolution"
 grep -q 'nothing but rounding.*angle' "$folder/dom.html" || fail "the page does not say that angle is at the floor"
 grep -qF '&lt;b&gt;&amp;' "$folder/dom.html" || fail "the command line is not escaped"
 grep -q '<b>&' "$folder/dom.html" && fail "the command line is markup"
