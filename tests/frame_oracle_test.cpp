@@ -16,7 +16,7 @@ namespace {
 
 using Long = long double;  // 64 bits hold an oracle's component to 0.0005u, enough to compare with 4u
 
-#ifdef DARBOUX_SANITIZED
+#ifdef DARBOUX_SHORT_TESTS
 constexpr int random_points = 100'000;
 #else
 constexpr int random_points = 1'000'000;

@@ -22,7 +22,7 @@ using Mp50 = ManyDigits<50>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-#ifdef DARBOUX_SANITIZED
+#ifdef DARBOUX_SHORT_TESTS
 constexpr int points = 2'000;
 #else
 constexpr int points = 20'000;

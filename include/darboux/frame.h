@@ -139,9 +139,13 @@ struct Orthogonalised {
 };
 template <std::floating_point S>
 Orthogonalised<S> gram_schmidt(const Vec3<S>& t, const Vec3<S>& b, const Vec3<S>& n) {
-  const Vec3<S> t1 = unit(t - dot(t, n) * n);
-  const Vec3<S> b0 = unit(b);
-  const Vec3<S> b1 = unit(b0 - dot(b0, n) * n - dot(b0, t1) * t1);
+  // Of a unit vector in the span of those taken off, rounding leaves up to 16u: that is no direction.
+  const auto direction = [](const Vec3<S>& rest) {
+    return norm(rest) <= S(8) * std::numeric_limits<S>::epsilon() ? Vec3<S>{} : unit(rest);
+  };
+  const Vec3<S> t0 = unit(t), b0 = unit(b);
+  const Vec3<S> t1 = direction(t0 - dot(t0, n) * n);
+  const Vec3<S> b1 = direction(b0 - dot(b0, n) * n - dot(b0, t1) * t1);
   Orthogonalised<S> result{t1, b1, n, dot(cross(t1, b1), n) < S(0) ? S(-1) : S(1)};
   if (t1 == Vec3<S>{} || b1 == Vec3<S>{}) {
     constexpr S nan = std::numeric_limits<S>::quiet_NaN();

@@ -162,7 +162,7 @@ S lift(const T& x) {
 
 /// sin 2πu and cos 2πu. The period is removed exactly before any multiplication by π: u and u + k give the
 /// same bits wherever u + k is exact, quarter turns give exactly 0 and ±1, and zeros are +0. Error at
-/// most 1.6 ulp in double and float for every finite u; NaN for a u that is not finite. About 4 ns.
+/// most 1.65 ulp in double and float for every finite u; NaN for a u that is not finite. About 4 ns.
 template <class S>
 Turn<S> sincos_turns(const S& u) {
   return Scalar<S>::sincos_turns(u);
