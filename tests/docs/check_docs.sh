@@ -70,7 +70,7 @@ handle_block() {
     "not run: "?*) return ;;
     *)
       case $language in
-        cpp | cmake | sh | text) complain "$page:$line_number: a $language block without a comment that says what it is" ;;
+        cpp | cmake | sh | text) complain "$page:$line_number: a $language block without a comment before it" ;;
       esac
       return
       ;;

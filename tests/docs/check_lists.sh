@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# check_lists.sh SOURCE: every key cited as [Name2001] or [Name2001, sec. 2] in the sources and docs has exactly one entry
-# in docs/references.bib; every entry names author, title and year; every finding code stands in
+# check_lists.sh SOURCE: every key cited as [Name2001] or [Name2001, sec. 2] in the sources and docs has exactly one
+# entry in docs/references.bib; every entry names author, title and year; every finding code stands in
 # docs/howto/validate-a-mesh.md.
 set -euo pipefail
 export LC_ALL=C
@@ -36,5 +36,6 @@ for code in $codes; do
   grep -qF "\`$code\`" "$howto" || complain "$code is not explained in $howto"
 done
 
-echo "$(wc -w <<<"$cited") keys cited, $(wc -w <<<"$entries") entries, $(wc -w <<<"$codes") finding codes, $failures failures"
+echo "$(wc -w <<<"$cited") keys cited, $(wc -w <<<"$entries") entries, $(wc -w <<<"$codes") finding codes"
+echo "$failures failures"
 exit $((failures > 0))
