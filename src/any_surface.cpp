@@ -5,6 +5,8 @@
 #include <darboux/catalogue.h>
 #include <darboux/error.h>
 
+#include "text.h"
+
 namespace darboux {
 namespace {
 
@@ -34,13 +36,12 @@ double parse_number(const std::string& subject, std::string_view text) {
 
 }  // namespace
 
-std::string AnySurface::specification() const {
+std::string AnySurface::specification(int digits) const {
   std::string text(info().name);
   char separator = ':';
   for (const ParameterValue& p : parameters()) {
-    char buffer[32];
-    text += separator + std::string(p.name) + "=" +
-            std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, p.value).ptr);
+    text +=
+        separator + std::string(p.name) + "=" + (digits > 0 ? rounded(p.value, digits) : shortest(p.value));
     separator = ',';
   }
   return text;

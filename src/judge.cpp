@@ -1,8 +1,9 @@
 #include <algorithm>
-#include <cstdio>
 
 #include <darboux/error.h>
 #include <darboux/judge.h>
+
+#include "text.h"
 
 namespace darboux {
 
@@ -14,11 +15,9 @@ Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
   try {
     result.fit = options.surface ? fit_surface(mesh, *options.surface, options.placement)
                                  : fit_any_surface(mesh, options.placement);
-    char residual[64];
-    std::snprintf(residual, sizeof residual, "%.2g of the mesh's size, permitted is %.0g",
-                  result.fit->rms_relative, fits_below);
-    reason =
-        "nearest is " + result.fit->surface.surface.specification() + " with an rms distance of " + residual;
+    reason = "nearest is " + result.fit->surface.surface.specification(6) + " with an rms distance of " +
+             rounded(result.fit->rms_relative, 2) + " of the mesh's size, permitted is " +
+             rounded(fits_below, 1);
   } catch (const MeshError& e) {
     reason = e.what();
   }

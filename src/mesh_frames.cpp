@@ -170,8 +170,8 @@ constexpr FrameMethod methods[] = {
     {"fragment-gradient",
      "what a shader gets from solving for the gradients of u and v across the smooth normal "
      "(tinyrenderer); on sheared uvs these are not the directions of the texture's axes",
-     "A = (p1-p0; p2-p0; n), A i = (du1, du2, 0), A j = (dv1, dv2, 0), t = i/|i|, b = j/|j|", true, 1, 1, 0, 0,
-     compute_fragment_gradient},
+     "A = (p1-p0; p2-p0; n), A i = (du1, du2, 0), A j = (dv1, dv2, 0), t = i/|i|, b = j/|j|", true, 1, 1, 0,
+     0, compute_fragment_gradient},
     {"fragment-solve",
      "what a shader gets from the triangle's own directions beside the smooth normal (tinyrenderer); "
      "not square to that normal",

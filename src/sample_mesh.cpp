@@ -6,13 +6,14 @@
 #include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
 
+#include "text.h"
+
 namespace darboux {
 namespace {
 
 void check(const AnySurface& surface, const SampleMeshOptions& o) {
   const auto require = [](bool holds, const char* option, double value, const char* permitted) {
-    if (!holds)
-      throw ParameterError(option, std::to_string(value) + " is out of range, permitted is " + permitted);
+    if (!holds) throw ParameterError(option, shortest(value) + " is out of range, permitted is " + permitted);
   };
   require(o.columns >= 1 && o.rows >= 1, "grid", std::min(o.columns, o.rows), "at least 1 segment each way");
   require(static_cast<double>(o.columns) * o.rows <= 1e9, "grid", static_cast<double>(o.columns) * o.rows,
@@ -85,9 +86,16 @@ Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
       p[k] = surface.jet(uv.x, uv.y).position;
     }
     if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) return;  // at a pole
-    mesh.triangles.push_back({vertex(corners[0][0], corners[0][1], right),
-                              vertex(corners[1][0], corners[1][1], right),
-                              vertex(corners[2][0], corners[2][1], right)});
+    // Wound so that its normal agrees with n: the other way round where the chart turns over.
+    Vec2<double> centre{};
+    for (const auto& [i, j] : corners) {
+      centre.x += grid[at(i, j)].x / 3;
+      centre.y += grid[at(i, j)].y / 3;
+    }
+    if (surface.frame(centre.x, centre.y).handedness < 0) std::swap(corners[1], corners[2]);
+    Triangle triangle;
+    for (int k = 0; k < 3; ++k) triangle[k] = vertex(corners[k][0], corners[k][1], right);
+    mesh.triangles.push_back(triangle);
   };
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {

@@ -1,20 +1,12 @@
-#include <charconv>
 #include <string>
 
 #include <darboux/error.h>
 #include <darboux/frame.h>
 #include <darboux/surface.h>
 
+#include "text.h"
+
 namespace darboux {
-namespace {
-
-std::string shortest(double x) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
-}
-
-}  // namespace
-
 std::string describe(const Range& permitted, std::string_view name) {
   return shortest(permitted.minimum) + (permitted.minimum_included ? " <= " : " < ") + std::string(name) +
          " < " + shortest(permitted.maximum);

@@ -8,6 +8,8 @@
 #include <darboux/mesh_frames.h>
 #include <darboux/validate.h>
 
+#include "text.h"
+
 namespace darboux {
 namespace {
 
@@ -138,12 +140,6 @@ Handedness judge_handedness(const SignCount& all) {
   result.wrong = total - larger;
   result.convention = result.consistent < 0.99 ? "mixed" : all.raw > all.gltf ? "raw" : "gltf";
   return result;
-}
-
-std::string number(double x) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.4g", x);
-  return buffer;
 }
 
 }  // namespace
@@ -293,8 +289,9 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
     if (defect_count[d] == 0) continue;
     std::string message(defect_texts[d].message);
     if (worst_angle[d] > 0)
-      message += " (worst " + number(worst_angle[d]) + " deg, permitted " + number(options.max_angle_deg) +
-                 " in the interior, " + number(3 * options.max_angle_deg) + " elsewhere)";
+      message += " (worst " + rounded(worst_angle[d], 4) + " deg, permitted " +
+                 rounded(options.max_angle_deg, 4) + " in the interior, " +
+                 rounded(3 * options.max_angle_deg, 4) + " elsewhere)";
     report.findings.push_back({defect_texts[d].code, Severity::error, defect_count[d], message});
   }
   const auto note = [&](std::string_view code, Severity severity, std::size_t count, std::string message) {
@@ -303,8 +300,13 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
   if (!mesh.triangles.empty() && against_winding == mesh.triangles.size())
     note("NORMALS_OPPOSE_WINDING", Severity::warning, mesh.corners(),
          "every triangle is wound clockwise as seen along its normals");
+  note("HANDEDNESS_MIXED", Severity::warning,
+       report.handedness.convention == "mixed" ? report.handedness.wrong : 0,
+       "w follows neither sign convention throughout; the smaller part is counted. Where uvs jump back "
+       "inside triangles "
+       "(a seam with shared vertices), their uv area has the wrong sign");
   note("POLE_TANGENT", Severity::info, pole_beyond,
-       "tangents at a pole differ from the limit for their own u by up to " + number(pole_worst) +
+       "tangents at a pole differ from the limit for their own u by up to " + rounded(pole_worst, 4) +
            " deg; at a pole no direction is right for every texture");
   note("NORMALS_INWARD", Severity::info, report.inward ? mesh.corners() : 0,
        "normals point to the inside of the surface; they were compared with its inward normal");

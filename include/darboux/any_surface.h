@@ -47,9 +47,9 @@ class AnySurface {
     return model ? &model->surface : nullptr;
   }
 
-  /// "torus:major_radius=1,minor_radius=0.4": the name with the parameters that differ from nothing, all of
-  /// them.
-  std::string specification() const;
+  /// "torus:major_radius=1,minor_radius=0.4": the name with all parameters, so that make_surface gives the same bits.
+  /// \param digits significant digits for reading by people; 0: as many as it takes
+  std::string specification(int digits = 0) const;
 
  private:
   struct Concept {

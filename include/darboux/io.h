@@ -110,10 +110,27 @@ class GltfDocument {
 void write_glb(const std::string& path, const Mesh& mesh, const std::string& name,
                const std::string& extras_json = {});
 
-/// Writes a text or binary file whole or not at all: to a temporary beside it, then renamed, so that an old
-/// file stays until the new one is complete. A symbolic link stays, the file it names is replaced. The path
-/// "-" is standard output; devices, pipes and links of /dev and /proc are written to directly. \throws
-/// FileError when the path is a folder, its folder is missing or not writable, or the disk is full
+/// A file that is written whole or not at all, piece by piece: to a temporary beside it, renamed by commit(), so that
+/// an old file stays until the new one is complete. A symbolic link stays, the file it names is replaced. The path
+/// "-" is standard output; devices, pipes and links of /dev and /proc are written to directly. Without commit()
+/// nothing is left. Every member throws FileError: the path is a folder, its folder is missing or not writable, the
+/// disk is full.
+class OutputFile {
+ public:
+  explicit OutputFile(const std::string& path);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  ~OutputFile();
+  void write(std::string_view content);
+  void commit();
+
+ private:
+  void flush();
+  std::string path_, target_, temporary_, buffer_;
+  int descriptor_ = -1;
+};
+
+/// Writes a whole file at once, as OutputFile does. \throws FileError
 void write_file(const std::string& path, std::string_view content);
 
 }  // namespace darboux

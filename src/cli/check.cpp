@@ -77,7 +77,9 @@ void add_check(CLI::App& app, Common& common) {
   sub.add_option("--points", arguments->options.points, "random points per surface")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000000));
-  sub.add_option("--seed", arguments->options.seed, "of the random points")->capture_default_str();
+  sub.add_option("--seed", arguments->options.seed, "of the random points")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   add_common(sub, common, "darboux check torus:minor_radius=0.4 --points 10000");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

@@ -26,12 +26,6 @@ Json array(const Vec3<double>& a) {
   return {number(a.x), number(a.y), number(a.z)};
 }
 
-std::string shortest(double x) {
-  if (std::isnan(x)) return "nan";
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
-}
-
 double parse_finite(const std::string& subject, std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

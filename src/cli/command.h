@@ -14,6 +14,8 @@
 #include <darboux/error.h>
 #include <darboux/vector.h>
 
+#include "text.h"
+
 namespace darboux {
 
 using Json = nlohmann::ordered_json;
@@ -41,9 +43,6 @@ void add_converge(CLI::App& app, Common& common);
 /// A number as JSON: null for NaN and infinities, else printed so that it reads back to the same bits.
 Json number(double x);
 Json array(const Vec3<double>& a);
-
-/// The shortest decimal text that reads back to the same double: "0.1", "1e-300", "nan".
-std::string shortest(double x);
 
 /// Parses the whole text as a finite double, whatever the locale.
 /// \throws ParameterError naming `subject`

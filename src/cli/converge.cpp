@@ -152,8 +152,9 @@ void print_summary(const std::vector<Study>& studies) {
   for (const Study& s : studies)
     if (!s.holds())
       std::printf("%s: %s, %s mesh, %s, %s of the %s: order %.2f [%.2f, %.2f], expected %g\n",
-                  std::string(order_verdict_names[static_cast<std::size_t>(s.verdict)]).c_str(), s.surface.c_str(),
-                  std::string(s.mesh).c_str(), std::string(s.method).c_str(), std::string(s.quantity).c_str(),
+                  std::string(order_verdict_names[static_cast<std::size_t>(s.verdict)]).c_str(),
+                  s.surface.c_str(), std::string(s.mesh).c_str(), std::string(s.method).c_str(),
+                  std::string(s.quantity).c_str(),
                   std::string(vertex_class_names[static_cast<std::size_t>(s.vertex_class)]).c_str(), s.order,
                   s.order_low, s.order_high, s.expected_order);
 }
@@ -163,15 +164,23 @@ void run(const Arguments& arguments, Common& common) {
     throw ParameterError("-",
                          "standard output is asked for twice, permitted is one of -o -, --csv - and --json");
   const ConvergeOptions options = parse(arguments);
+  // Opened before the work, so that a folder that cannot be written is reported at once.
+  std::optional<OutputFile> report, csv;
+  if (!arguments.report.empty()) report.emplace(arguments.report);
+  if (!arguments.csv.empty()) csv.emplace(arguments.csv);
   std::vector<Study> studies;
   {
     Progress progress("converge", common);
     studies = converge(options, [&](double share) { progress.update(share); });
   }
-  if (!arguments.report.empty())
-    write_file(arguments.report,
-               converge_page(studies, provenance(DARBOUX_VERSION, command_line(options, arguments))));
-  if (!arguments.csv.empty()) write_file(arguments.csv, studies_csv(studies));
+  if (report) {
+    report->write(converge_page(studies, provenance(DARBOUX_VERSION, command_line(options, arguments))));
+    report->commit();
+  }
+  if (csv) {
+    csv->write(studies_csv(studies));
+    csv->commit();
+  }
   const bool holds = std::all_of(studies.begin(), studies.end(), [](const Study& s) { return s.holds(); });
   common.exit_status = holds ? 0 : 1;
   if (common.json) return print_json({{"studies", studies_json(studies)}, {"seed", options.seed}});
@@ -208,7 +217,9 @@ void add_converge(CLI::App& app, Common& common) {
   sub.add_option("--v-range", arguments->v_range,
                  "the part of the surface that is meshed: FIRST,LAST in [0, 1]")
       ->capture_default_str();
-  sub.add_option("--seed", arguments->seed, "of random meshes")->capture_default_str();
+  sub.add_option("--seed", arguments->seed, "of random meshes")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   sub.add_option("-o,--output", arguments->report, "write the page for people, HTML, to this file");
   sub.add_option("--csv", arguments->csv, "write all levels of all studies to this file");
   add_common(sub, common, "darboux converge --surfaces torus,sphere --resolutions 8..64 -o report.html");

@@ -93,13 +93,12 @@ std::vector<std::string> status_list(Status status) {
   return names;
 }
 
-// Writes samples one after the other, so that nothing grows with their number but what is asked to be
-// collected.
+// Writes samples one after the other, so that nothing grows with their number.
 class Writer {
  public:
-  Writer(std::ostream& out, const std::string& format, const AnySurface& surface,
+  Writer(OutputFile& file, const std::string& format, const AnySurface& surface,
          std::vector<const Attribute*> chosen)
-      : out_(out), format_(format), surface_(surface), chosen_(std::move(chosen)) {
+      : file_(file), format_(format), surface_(surface), chosen_(std::move(chosen)) {
     if (format_ == "json")
       out_ << "{\"surface\": " << surface_json(surface_).dump() << ",\n \"samples\": [";
     else if (format_ == "csv") {
@@ -108,6 +107,7 @@ class Writer {
         for (const std::string_view column : a->columns) out_ << ',' << a->name << column;
       out_ << ",status\n";
     }
+    pass_on();
   }
 
   void write(double u, double v) {
@@ -122,10 +122,12 @@ class Writer {
     else
       write_table(u, v, e);
     first_ = false;
+    pass_on();
   }
 
   void finish() {
     if (format_ == "json") out_ << "]}\n";
+    pass_on();
   }
 
  private:
@@ -178,7 +180,14 @@ class Writer {
     }
   }
 
-  std::ostream& out_;
+  // Hands on what has been written so far.
+  void pass_on() {
+    file_.write(out_.view());
+    out_.str({});
+  }
+
+  OutputFile& file_;
+  std::ostringstream out_;
   std::string format_;
   const AnySurface& surface_;
   std::vector<const Attribute*> chosen_;
@@ -270,10 +279,9 @@ void run(Arguments arguments, const Common& common) {
   const int sources = !points.empty() + !arguments.grid.empty() + !arguments.input.empty();
   if (sources != 1) throw ParameterError("eval", "needs exactly one of --at, --grid, --input");
 
-  std::ostringstream collected;
-  std::ostream& out = arguments.output.empty() ? std::cout : collected;
+  OutputFile file(arguments.output.empty() ? "-" : arguments.output);
   Progress progress("eval", common);
-  Writer writer(out, arguments.format, surface, chosen);
+  Writer writer(file, arguments.format, surface, chosen);
   for (const auto& [u, v] : points) writer.write(u, v);
   if (!arguments.grid.empty()) {
     const auto [columns, rows] = parse_grid("--grid", arguments.grid);
@@ -285,7 +293,7 @@ void run(Arguments arguments, const Common& common) {
   }
   if (!arguments.input.empty()) read_csv(arguments.input, [&](double u, double v) { writer.write(u, v); });
   writer.finish();
-  if (!arguments.output.empty()) write_file(arguments.output, collected.str());
+  file.commit();
 }
 
 }  // namespace

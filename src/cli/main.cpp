@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <iostream>
 #include <new>
 
@@ -36,15 +37,22 @@ int main(int argc, char** argv) {
   darboux::add_tangents(app, common);
   darboux::add_validate(app, common);
   darboux::add_converge(app, common);
-  try {
-    app.parse(argc, argv);
+  const auto finish = [](int status) {
     std::cout.flush();
-    if (!std::cout) return report("standard output: cannot be written, permitted is an open file or pipe", 2);
-    return common.exit_status;
+    return std::cout ? status
+                     : report("standard output: cannot be written, permitted is an open file or pipe", 2);
+  };
+  try {
+    std::vector<std::string> known;
+    for (const CLI::App* sub : app.get_subcommands({})) known.push_back(sub->get_name());
+    if (argc > 1 && argv[1][0] != '-' && std::find(known.begin(), known.end(), argv[1]) == known.end())
+      throw darboux::ParameterError(argv[1], "unknown command, known are " + darboux::join(known));
+    app.parse(argc, argv);
+    return finish(common.exit_status);
   } catch (const CLI::CallForHelp& e) {
-    return app.exit(e);
+    return finish(app.exit(e));
   } catch (const CLI::CallForVersion& e) {
-    return app.exit(e);
+    return finish(app.exit(e));
   } catch (const CLI::ParseError& e) {
     return report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
   } catch (const std::bad_alloc&) {

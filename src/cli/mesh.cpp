@@ -15,6 +15,8 @@ struct Arguments {
 };
 
 void run(Arguments arguments, const Common& common) {
+  if (arguments.output == "-" && common.json)
+    throw ParameterError("-", "standard output is asked for twice, permitted is one of -o - and --json");
   const AnySurface surface = make_surface(arguments.surface);
   SampleMeshOptions& o = arguments.options;
   std::tie(o.columns, o.rows) = parse_grid("--grid", arguments.grid);
@@ -59,7 +61,9 @@ void add_mesh(CLI::App& app, Common& common) {
       ->check(CLI::IsMember({"split", "shared"}));
   sub.add_option("--jitter", o.jitter, "interior vertices move by up to ± this share of a cell")
       ->capture_default_str();
-  sub.add_option("--seed", o.seed, "of jitter and random diagonals")->capture_default_str();
+  sub.add_option("--seed", o.seed, "of jitter and random diagonals")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   sub.add_option("--diagonal", arguments->diagonal, "regular or random")
       ->capture_default_str()
       ->check(CLI::IsMember({"regular", "random"}));

@@ -65,12 +65,14 @@ void list(const Common& common) {
   if (common.json) print_json({{"methods", all}});
 }
 
-void run(const Arguments& arguments, const Common& common) {
+void run(const Arguments& arguments, Common& common) {
   if (arguments.list) return list(common);
   if (arguments.input.empty()) throw ParameterError("tangents", "needs a .glb or .gltf to read, or --list");
   if (arguments.output.empty()) throw ParameterError("tangents", "needs -o OUT.glb");
   if (arguments.method.empty())
     throw ParameterError("tangents", "needs --method, see darboux tangents --list");
+  if (arguments.output == "-" && common.json)
+    throw ParameterError("-", "standard output is asked for twice, permitted is one of -o - and --json");
   const FrameMethod& method = find_frame_method(arguments.method);
   GltfDocument document = GltfDocument::load(arguments.input);
   const Asset asset = document.asset();
@@ -111,6 +113,7 @@ void run(const Arguments& arguments, const Common& common) {
                           {"fallback_corners", frames.fallback_corners}});
   }
   document.save_glb(arguments.output);
+  common.exit_status = primitives.empty() ? 1 : 0;  // tangents were asked for, and none could be made
   if (common.json)
     return print_json({{"file", arguments.output},
                        {"method", method.name},

@@ -147,19 +147,6 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
   return json;
 }
 
-// The specification with six digits, for reading.
-std::string brief(const AnySurface& surface) {
-  std::string text(surface.info().name);
-  char separator = ':';
-  for (const ParameterValue& p : surface.parameters()) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.6g", p.value);
-    text += separator + std::string(p.name) + "=" + number;
-    separator = ',';
-  }
-  return text;
-}
-
 void print_people(const std::string& path, const JudgedFile& file) {
   std::cout << path << ": " << verdict_names[static_cast<std::size_t>(file.verdict)] << '\n';
   if (file.primitives.empty()) std::cout << "  holds no triangles to judge\n";
@@ -169,7 +156,7 @@ void print_people(const std::string& path, const JudgedFile& file) {
     if (!primitive.name.empty()) std::cout << " (" << primitive.name << ")";
     std::cout << ": " << report.corners << " corners";
     if (judgement.fit && judgement.fit->fits) {
-      std::cout << ", " << brief(judgement.fit->surface.surface) << ", uvs "
+      std::cout << ", " << judgement.fit->surface.surface.specification(6) << ", uvs "
                 << judgement.fit->surface.uv.name;
     }
     std::cout << ", w " << report.handedness.convention << '\n';

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -20,52 +21,13 @@ namespace fs = std::filesystem;
                             "), permitted is a file in a writable folder with room for it");
 }
 
-/// Writes all of `content` and closes the descriptor. Returns 0 or the errno of what went wrong.
-int write_and_close(int descriptor, std::string_view content, bool sync) {
-  int error = 0;
-  while (!content.empty() && error == 0) {
-    const ssize_t written = ::write(descriptor, content.data(), content.size());
-    if (written >= 0)
-      content.remove_prefix(static_cast<std::size_t>(written));
-    else if (errno != EINTR)
-      error = errno;
-  }
-  if (sync && error == 0 && ::fsync(descriptor) != 0) error = errno;
-  if (::close(descriptor) != 0 && error == 0) error = errno;
-  return error;
-}
-
-void write_directly(const std::string& path, std::string_view content) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
-  const int error = descriptor < 0 ? errno : write_and_close(descriptor, content, false);
-  if (error != 0) fail(path, error);
-}
-
-void write_and_rename(const std::string& path, const fs::path& target, std::string_view content) {
-  std::string temporary;
-  int descriptor = -1;
-  for (int attempt = 0; descriptor < 0; ++attempt) {
-    const std::string name =
-        ".darboux-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".tmp";
-    temporary = (target.parent_path() / name).string();
-    descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor < 0 && errno != EEXIST) fail(path, errno);
-  }
-  int error = write_and_close(descriptor, content, true);
-  if (error == 0 && std::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
-  if (error != 0) {
-    ::unlink(temporary.c_str());
-    fail(path, error);
-  }
-}
-
 }  // namespace
 
-void write_file(const std::string& path, std::string_view content) {
+OutputFile::OutputFile(const std::string& path) : path_(path) {
   if (path == "-") {
-    errno = 0;
-    if (std::fwrite(content.data(), 1, content.size(), stdout) != content.size() || std::fflush(stdout) != 0)
-      fail("standard output", errno);
+    path_ = "standard output";
+    descriptor_ = ::dup(STDOUT_FILENO);
+    if (descriptor_ < 0) fail(path_, errno);
     return;
   }
   std::error_code ignored;
@@ -75,10 +37,61 @@ void write_file(const std::string& path, std::string_view content) {
   const bool link = fs::is_symlink(fs::symlink_status(path, ignored));
   // /dev/stdout and the like may lead to a regular file, yet must not be replaced by one.
   const bool system_link = link && (path.starts_with("/dev/") || path.starts_with("/proc/"));
-  if (system_link || (fs::exists(status) && !fs::is_regular_file(status)))
-    write_directly(path, content);
-  else
-    write_and_rename(path, link && fs::exists(status) ? fs::canonical(path) : fs::path(path), content);
+  if (system_link || (fs::exists(status) && !fs::is_regular_file(status))) {
+    descriptor_ = ::open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+    if (descriptor_ < 0) fail(path_, errno);
+    return;
+  }
+  const fs::path target = link && fs::exists(status) ? fs::canonical(path) : fs::path(path);
+  target_ = target.string();
+  for (int attempt = 0; descriptor_ < 0; ++attempt) {
+    const std::string name =
+        ".darboux-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".tmp";
+    temporary_ = (target.parent_path() / name).string();
+    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST) {
+      temporary_.clear();
+      fail(path_, errno);
+    }
+  }
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void OutputFile::flush() {
+  std::string_view rest = buffer_;
+  while (!rest.empty()) {
+    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+    if (written >= 0)
+      rest.remove_prefix(static_cast<std::size_t>(written));
+    else if (errno != EINTR)
+      fail(path_, errno);
+  }
+  buffer_.clear();
+}
+
+void OutputFile::write(std::string_view content) {
+  constexpr std::size_t most = 1 << 20;
+  buffer_ += content;
+  if (buffer_.size() >= most) flush();
+}
+
+void OutputFile::commit() {
+  flush();
+  if (!temporary_.empty() && ::fsync(descriptor_) != 0) fail(path_, errno);
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail(path_, errno);
+  if (temporary_.empty()) return;
+  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(path_, errno);
+  temporary_.clear();
+}
+
+void write_file(const std::string& path, std::string_view content) {
+  OutputFile file(path);
+  file.write(content);
+  file.commit();
 }
 
 }  // namespace darboux

@@ -10,6 +10,8 @@
 #include <thread>
 #include <tuple>
 
+#include "text.h"
+
 namespace darboux {
 
 extern const std::string_view chart_js;  // Chart.js, embedded by the build
@@ -35,9 +37,7 @@ std::string csv_text(std::string_view text) {
 }
 
 std::string csv_number(double x) {
-  if (!std::isfinite(x)) return {};
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+  return std::isfinite(x) ? shortest(x) : std::string();
 }
 
 // ---- HTML -------------------------------------------------------------------------------------------------
@@ -74,11 +74,6 @@ std::string script_json(const Json& json) {
   return result;
 }
 
-// With so many significant digits, for people: "1.2e-05", "0.48".
-std::string rounded(double x, int digits) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, digits).ptr};
-}
 // With two decimals; never "-0.00".
 std::string fixed(double x) {
   char buffer[64];

@@ -178,7 +178,9 @@ TEST_F(Cli, TellsItsVersion) {
 
 TEST_F(Cli, RefusesWrongUsageInOneLine) {
   refused("darboux");
-  refused("darboux nonsense");
+  refused("darboux nonsense", {"nonsense", "validate", "eval"});
+  refused("darboux check sphere --seed -1", {"--seed"});
+  refused("darboux mesh sphere --grid 8x4 -o - --json", {"standard output"});
   refused("darboux eval", {"SURFACE"});
   refused("darboux eval sphere --at 0,0 --no-such-option", {"--no-such-option"});
   refused("darboux eval sphere --at 0,0 --threads 0", {"--threads"});
@@ -273,6 +275,9 @@ TEST_F(Cli, RefusesTangentsItCannotCompute) {
           {"nope", "average", "angle", "face"});
   refused("darboux tangents data/torus_016.none.glb --method area", {"-o"});
   refused("darboux tangents -o x.glb --method area", {"--list"});
+  write_bytes(path("no_uvs.gltf"), R"({"asset": {"version": "2.0"}})");
+  EXPECT_EQ(sh("darboux tangents no_uvs.gltf -o empty.glb --method area").status, 1)
+      << "nothing could be done";
   refused("darboux tangents data/torus_016.obj -o x.glb --method area", {"torus_016.obj", "glTF"});
   refused("darboux tangents missing.glb -o x.glb --method area", {"missing.glb"});
   EXPECT_FALSE(fs::exists(path("x.glb")));
@@ -349,7 +354,8 @@ TEST_F(Cli, SaysSoWhenStandardOutputIsFull) {
   for (const std::string command :
        {"surfaces", "surfaces --json", "eval sphere --at 0,0", "eval sphere --grid 100x100 --format csv",
         "check sphere --points 10", "check sphere --points 10 --json", "validate data/torus_016.three.glb",
-        "validate data/torus_016.three.glb --json", "tangents --list", "mesh sphere --grid 8x4 -o x.glb"}) {
+        "validate data/torus_016.three.glb --json", "tangents --list", "mesh sphere --grid 8x4 -o x.glb",
+        "--help", "eval --help", "--version"}) {
     const Result r = sh("darboux " + command + " >/dev/full");
     EXPECT_EQ(r.status, 2) << command;
     expect_one_line(r.err);
@@ -711,6 +717,14 @@ TEST_F(Cli, ValidatePassesWhatMeshWrites) {
     EXPECT_NEAR(mesh["surface"]["parameters"]["radius"].get<double>(), 2, 1e-6) << surface;
     EXPECT_LT(mesh["classes"]["interior"]["tangent_deg"]["max"].get<double>(), 1e-4) << surface;
   }
+  // A spindle torus, whose chart turns over inside, is wound as its normals everywhere.
+  good("darboux mesh torus:major_radius=0.2,minor_radius=0.4 --grid 32x16 -o m.glb");
+  const Json spindle = json("darboux validate m.glb --json");
+  EXPECT_EQ(only_mesh(spindle)["handedness"]["consistent"], 1);
+  EXPECT_TRUE(only_mesh(spindle)["findings"].empty()) << only_mesh(spindle)["findings"];
+  // Vertices shared across the seam: uvs jump back inside triangles, which is said.
+  good("darboux mesh " + torus + " --grid 32x16 -o m.glb --seam shared");
+  EXPECT_TRUE(has_finding(only_mesh(json("darboux validate m.glb --json")), "HANDEDNESS_MIXED"));
   // Uvs that are an affine image of the surface's are not recognised: no verdict, and no wrong one.
   for (const std::string options : {"--shear 0.5", "--mirror"}) {
     good("darboux mesh " + torus + " --grid 32x16 -o m.glb " + options);

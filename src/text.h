@@ -1,0 +1,24 @@
+// Numbers as text, whatever the locale.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <string>
+
+namespace darboux {
+
+/// The shortest decimal text that reads back to the same double: "0.1", "1e-300", "nan".
+inline std::string shortest(double x) {
+  if (std::isnan(x)) return "nan";
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+}
+
+/// With so many significant digits, for people: "1.2e-05", "0.48".
+inline std::string rounded(double x, int digits) {
+  if (std::isnan(x)) return "nan";
+  char buffer[40];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, digits).ptr};
+}
+
+}  // namespace darboux
