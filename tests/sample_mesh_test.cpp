@@ -78,6 +78,25 @@ TEST(SampleMesh, StoresTheTruth) {
         }
 }
 
+// A spindle torus: inside the lemon the chart turns over, and the triangles are wound the other way, as n. Only triangles
+// across the axis belong to neither side.
+TEST(SampleMesh, IsWoundAsItsNormalsWhereTheChartTurnsOver) {
+  const Mesh mesh = sample_mesh(Torus{0.2, 0.4}, grid(32, 64));
+  int outside = 0, inside = 0;
+  for (const Triangle& triangle : mesh.triangles) {
+    const auto& [a, b, c] = triangle;
+    const auto side = [&](std::uint32_t v) { return mesh.tangents[v].w; };
+    if (side(a) != side(b) || side(b) != side(c)) continue;
+    const Vec3<double> face = cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+    EXPECT_GT(dot(face, mesh.normals[a]), 0);
+    const double raw = signed_uv_area2(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]) > 0 ? 1 : -1;
+    EXPECT_EQ(mesh.tangents[a].w, -raw);
+    ++(raw > 0 ? outside : inside);
+  }
+  EXPECT_GT(inside, 1000);
+  EXPECT_GT(outside, 2000);
+}
+
 TEST(SampleMesh, IsTheSameForTheSameSeedAndDiffersForAnother) {
   SampleMeshOptions o = grid(8, 8);
   o.jitter = 0.2;
