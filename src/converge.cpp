@@ -277,6 +277,8 @@ std::vector<Study> converge(const ConvergeOptions& options, const std::function<
             result.push_back(std::move(study));
           }
     }
+  // Two meshes make no line.
+  std::erase_if(result, [](const Study& s) { return s.levels.size() < 3; });
   return result;
 }
 

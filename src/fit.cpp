@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
@@ -53,8 +54,14 @@ Data usable_vertices(const Mesh& mesh) {
 Data evenly_chosen(const Data& all) {
   if (all.positions.size() <= most_points) return all;
   Data chosen{{}, {}, all.centre, all.diagonal};
+  // One of each stretch, at random within it: a fixed stride could keep step with the rows of a grid.
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform(0, 1);
   for (std::size_t i = 0; i < most_points; ++i) {
-    const std::size_t v = i * all.positions.size() / most_points;
+    const double share = (static_cast<double>(i) + uniform(random)) / static_cast<double>(most_points);
+    const std::size_t v =
+        std::min(all.positions.size() - 1,
+                 static_cast<std::size_t>(share * static_cast<double>(all.positions.size())));
     chosen.positions.push_back(all.positions[v]);
     chosen.uvs.push_back(all.uvs[v]);
   }
@@ -246,8 +253,11 @@ MeshFit fit_kind(const Data& all, const SurfaceSpecification& kind,
     if (rms<Surface>(data, convention, *pose) < hopeless)
       refined = refine<Surface, N>(data, convention, held, placement.has_value(), *pose);
     X surface;
-    bool permitted = true;
+    bool permitted = true, degenerate = false;
     for (int k = 0; k < N; ++k) {
+      // At its open bound a parameter has shrunk the surface to a line or a point.
+      degenerate = degenerate || (!held[k] && !list[k].permitted.minimum_included &&
+                                  pose->parameters[k] < list[k].permitted.minimum + 1e-6);
       surface.*list[k].member = held[k] ? start.*list[k].member : pose->parameters[k] * data.diagonal;
       permitted = permitted && list[k].permitted.contains(surface.*list[k].member);
     }
@@ -256,7 +266,7 @@ MeshFit fit_kind(const Data& all, const SurfaceSpecification& kind,
                 .equivalent = {}};
     fit.rms_relative = rms<Surface>(all, convention, *pose);
     fit.rms = fit.rms_relative * data.diagonal;
-    fit.fits = refined.converged && fit.rms_relative <= fits_below;
+    fit.fits = refined.converged && !degenerate && fit.rms_relative <= fits_below;
     fit.iterations = refined.iterations;
     if (placement) {
       fit.surface.placement = *placement;
@@ -299,7 +309,8 @@ MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>
   for (const AnySurface& surface : all_surfaces()) {
     try {
       MeshFit fit = fit_by_name(data, {std::string(surface.info().name), {}}, placement);
-      if (!best || fit.rms_relative < best->rms_relative) best = std::move(fit);
+      if (!best || std::pair(!fit.fits, fit.rms_relative) < std::pair(!best->fits, best->rms_relative))
+        best = std::move(fit);
     } catch (const MeshError&) {
       // Not this kind: no convention even starts.
     }

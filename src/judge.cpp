@@ -29,7 +29,7 @@ Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
   if (mesh.uvs.empty())
     findings.push_back(
         {"UV_MISSING", Severity::info, mesh.corners(), "the mesh has no uvs, so tangents have no truth"});
-  if (options.surface) {
+  if (options.surface && !mesh.uvs.empty()) {
     const auto first_other = std::find_if(findings.begin(), findings.end(),
                                           [](const Finding& f) { return f.severity != Severity::error; });
     findings.insert(first_other, {"SURFACE_MISMATCH", Severity::error, mesh.corners(),

@@ -2,7 +2,10 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Geometry>
+
 #include <darboux/mesh_classes.h>
+#include <darboux/frame.h>
 #include <darboux/mesh_frames.h>
 #include <darboux/weld.h>
 
@@ -42,15 +45,6 @@ std::vector<std::uint32_t> cluster(const std::vector<std::uint32_t>& group, Near
   return first_of_cluster;
 }
 
-double diagonal(const std::vector<Vec3<double>>& points) {
-  Vec3<double> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
-  for (const auto& p : points) {
-    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
-  }
-  return std::hypot(high.x - low.x, high.y - low.y, high.z - low.z);
-}
-
 // An edge between two welded places, with the triangle it belongs to.
 struct Edge {
   std::uint64_t key;
@@ -87,7 +81,24 @@ void for_each_edge(const std::vector<Edge>& edges, F f) {
 
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
   const std::size_t n = mesh.positions.size();
-  const std::vector<std::uint32_t> place = weld(mesh.positions, same * diagonal(mesh.positions));
+  std::vector<bool> referenced(n, false);
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) referenced[v] = true;
+  // What counts as the same is a share of the range over vertices that triangles use and whose data are finite. The
+  // others stand alone: weld leaves NaN by itself.
+  Eigen::AlignedBox3d box;
+  Eigen::AlignedBox2d uv_box;
+  std::vector<Vec3<double>> points(n, detail::nan_vector<double>());
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (!referenced[v] || !detail::finite(mesh.positions[v])) continue;
+    points[v] = mesh.positions[v];
+    box.extend(to_eigen(points[v]));
+    if (!mesh.uvs.empty() && std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y))
+      uv_box.extend(Eigen::Vector2d(mesh.uvs[v].x, mesh.uvs[v].y));
+  }
+  const double tolerance = box.isEmpty() ? 0 : same * box.diagonal().norm();
+  const double uv_tolerance = uv_box.isEmpty() ? 0 : same * uv_box.sizes().maxCoeff();
+  const std::vector<std::uint32_t> place = weld(points, tolerance);
 
   // The sign of uv area around each vertex: +1, -1, or 0 where no triangle has any. A vertex shared by both
   // signs counts as +1; its defect is found by the handedness of its island.
@@ -101,12 +112,6 @@ MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
         if (vertex_sign[v] != 1) vertex_sign[v] = triangle_sign[t];
     }
 
-  Vec2<double> uv_low{INFINITY, INFINITY}, uv_high{-INFINITY, -INFINITY};
-  for (const auto& uv : mesh.uvs) {
-    uv_low = {std::fmin(uv_low.x, uv.x), std::fmin(uv_low.y, uv.y)};
-    uv_high = {std::fmax(uv_high.x, uv.x), std::fmax(uv_high.y, uv.y)};
-  }
-  const double uv_tolerance = same * std::fmax(uv_high.x - uv_low.x, uv_high.y - uv_low.y);
   const auto same_uv = [&](std::uint32_t a, std::uint32_t b) {
     return mesh.uvs.empty() || (std::fabs(mesh.uvs[a].x - mesh.uvs[b].x) <= uv_tolerance &&
                                 std::fabs(mesh.uvs[a].y - mesh.uvs[b].y) <= uv_tolerance);
@@ -117,22 +122,14 @@ MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
     return std::fabs(d.x) <= 2 * same && std::fabs(d.y) <= 2 * same && std::fabs(d.z) <= 2 * same;
   };
 
-  std::vector<bool> referenced(n, false);
-  for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle) referenced[v] = true;
-  // Unreferenced vertices make no seam: each is a place of its own.
-  std::vector<std::uint32_t> used_place(n);
-  for (std::uint32_t v = 0; v < n; ++v) used_place[v] = referenced[v] ? place[v] : v;
-
-  const auto normal_cluster = cluster(used_place, same_normal);
-  const auto uv_cluster = cluster(used_place, same_uv);
+  const auto normal_cluster = cluster(place, same_normal);
   const auto chart_cluster = cluster(normal_cluster, [&](std::uint32_t a, std::uint32_t b) {
     return same_uv(a, b) && (vertex_sign[a] == vertex_sign[b] || vertex_sign[a] == 0 || vertex_sign[b] == 0);
   });
   std::vector<bool> several_charts(n, false), several_normals(n, false), ring(n, false), border(n, false);
   for (std::uint32_t v = 0; v < n; ++v) {
     if (chart_cluster[v] != chart_cluster[normal_cluster[v]]) several_charts[normal_cluster[v]] = true;
-    if (normal_cluster[v] != normal_cluster[used_place[v]]) several_normals[used_place[v]] = true;
+    if (normal_cluster[v] != normal_cluster[place[v]]) several_normals[place[v]] = true;
   }
   const auto pole = [&](std::uint32_t v) { return !is_pole.empty() && is_pole[v]; };
   for (const Triangle& triangle : mesh.triangles)
@@ -148,13 +145,19 @@ MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
   for (std::uint32_t v = 0; v < n; ++v)
     classes.of_vertex[v] = pole(v)                             ? VertexClass::pole
                            : several_charts[normal_cluster[v]] ? VertexClass::seam
-                           : several_normals[used_place[v]]    ? VertexClass::crease
+                           : several_normals[place[v]]         ? VertexClass::crease
                            : ring[place[v]]                    ? VertexClass::pole_ring
                            : border[place[v]]                  ? VertexClass::border
                                                                : VertexClass::interior;
 
+  // Places told apart by uv as well: a third coordinate that sets places further apart than the tolerance.
+  const double apart = std::fmax(1, 4 * uv_tolerance);
+  for (std::uint32_t v = 0; v < n; ++v)
+    points[v] = mesh.uvs.empty() ? Vec3<double>{place[v] * apart, 0, 0}
+                                 : Vec3<double>{place[v] * apart, mesh.uvs[v].x, mesh.uvs[v].y};
+  const std::vector<std::uint32_t> uv_place = weld(points, uv_tolerance);
   DisjointSets islands(mesh.triangles.size());
-  const auto uv_edges = sorted_edges(mesh, [&](std::uint32_t v) { return uv_cluster[v]; });
+  const auto uv_edges = sorted_edges(mesh, [&](std::uint32_t v) { return uv_place[v]; });
   for_each_edge(uv_edges, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       for (std::size_t j = i + 1; j < end; ++j) {

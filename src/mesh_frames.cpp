@@ -25,10 +25,22 @@ Vec3<double> any_perpendicular(const Vec3<double>& n) {
   return unit(axis - dot(axis, n) * n);
 }
 
+bool is_direction(const Vec3<double>& a) {
+  return detail::finite(a) && !is_zero(a);
+}
+
+// The frame where no triangle serves.
 CornerFrame fallback_frame(const Vec3<double>& n, double sign) {
-  const Vec3<double> normal = is_zero(n) ? Vec3<double>{0, 0, 1} : unit(n);
+  const Vec3<double> normal = is_direction(unit(n)) ? unit(n) : Vec3<double>{0, 0, 1};
   const Vec3<double> t = any_perpendicular(normal);
   return {t, sign * cross(normal, t), normal, sign, true};
+}
+
+// The frame a method found, or the fallback where data that are not finite or vanish leave it none.
+CornerFrame frame_or_fallback(const Vec3<double>& t, const Vec3<double>& b, const Vec3<double>& n,
+                              double sign) {
+  return is_direction(t) && is_direction(b) && is_direction(n) ? CornerFrame{t, b, n, sign, false}
+                                                               : fallback_frame(n, sign);
 }
 
 // What every method needs of a triangle.
@@ -70,7 +82,7 @@ MeshFrames compute_face(const Mesh& mesh) {
   for (const Triangle& triangle : mesh.triangles) {
     const Face face(mesh, triangle);
     count_degenerate(face, result);
-    const Vec3<double> n = unit(face.area_vector());
+    const Vec3<double> n = unit(accurate_cross(unit(face.p[1] - face.p[0]), unit(face.p[2] - face.p[0])));
     const auto index = static_cast<std::uint32_t>(result.frames.size());
     result.frames.push_back(face.solved
                                 ? CornerFrame{unit(face.solved->t), unit(face.solved->b), n, face.sign, false}
@@ -106,8 +118,7 @@ MeshFrames compute_average(const Mesh& mesh, Weight weight) {
     const Vec3<double> n = unit(mesh.normals[v]);
     const auto frame = gram_schmidt(t[v], b[v], n);
     const double s = sign[v] < 0 ? -1 : 1;
-    result.frames.push_back(frame.status == Status::regular ? CornerFrame{frame.t, frame.b, n, s, false}
-                                                            : fallback_frame(n, s));
+    result.frames.push_back(frame_or_fallback(frame.t, frame.b, n, s));
   }
   count_fallbacks(result);
   return result;
@@ -137,7 +148,7 @@ MeshFrames compute_fragments(const Mesh& mesh, Fragment fragment) {
       const Vec3<double> n = unit(mesh.normals[triangle[k]]);
       const std::optional<TangentPair> pair = face.solved ? fragment(face, n) : std::nullopt;
       result.of_corner.push_back(static_cast<std::uint32_t>(result.frames.size()));
-      result.frames.push_back(pair ? CornerFrame{unit(pair->t), unit(pair->b), n, face.sign, false}
+      result.frames.push_back(pair ? frame_or_fallback(unit(pair->t), unit(pair->b), n, face.sign)
                                    : fallback_frame(n, face.sign));
     }
   }
@@ -200,6 +211,7 @@ std::optional<TangentPair> solve_triangle(const std::array<Vec3<double>, 3>& p,
   const double du1 = uv[1].x - uv[0].x, dv1 = uv[1].y - uv[0].y;
   const double du2 = uv[2].x - uv[0].x, dv2 = uv[2].y - uv[0].y;
   const double det = difference_of_products(du1, dv2, du2, dv1);
+  if (det == 0 || !std::isfinite(det)) return std::nullopt;
   return TangentPair{(dv2 / det) * e1 - (dv1 / det) * e2, (du1 / det) * e2 - (du2 / det) * e1};
 }
 

@@ -35,7 +35,10 @@ Vec3<double> PlacedSurface::position(const Vec2<double>& stored) const {
 
 Truth PlacedSurface::truth(const Vec2<double>& stored) const {
   const Vec2<double> p = uv.surface_uv(stored);
-  const Sample<double> s = surface.sample(p.x, p.y);
+  // A uv that misses a pole by a rounding means the pole: beside it dpdu may point either way.
+  const Vec2<double> rounded{rounded_to_quarter(p.x), rounded_to_quarter(p.y)};
+  const bool pole = has(surface.frame(rounded.x, rounded.y).status, singular);
+  const Sample<double> s = pole ? surface.sample(rounded.x, rounded.y) : surface.sample(p.x, p.y);
   const Frame<double>& frame = s.frame;
   // The derivative along (a, b) in (u, v); where a partial vanishes the other decides, and where only the
   // vanished one is asked for its limit direction does.
@@ -49,13 +52,12 @@ Truth PlacedSurface::truth(const Vec2<double>& stored) const {
   const auto& m = uv.affine;
   const Eigen::Matrix3d rotation = placement.linear();
   const auto placed = [&](const Vec3<double>& a) { return from_eigen(rotation * to_eigen(a)); };
-  const Status at_quarter = surface.frame(rounded_to_quarter(p.x), rounded_to_quarter(p.y)).status;
-  return {from_eigen(placement * to_eigen(s.jet.position)),
+  return {position(stored),
           placed(frame.n),
           placed(unit(along(m[0], m[2]))),
           placed(unit(along(m[1], m[3]))),
           frame.status,
-          has(frame.status | at_quarter, singular)};
+          pole || has(frame.status, singular)};
 }
 
 }  // namespace darboux

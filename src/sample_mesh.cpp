@@ -16,8 +16,8 @@ void check(const AnySurface& surface, const SampleMeshOptions& o) {
     if (!holds) throw ParameterError(option, shortest(value) + " is out of range, permitted is " + permitted);
   };
   require(o.columns >= 1 && o.rows >= 1, "grid", std::min(o.columns, o.rows), "at least 1 segment each way");
-  require(static_cast<double>(o.columns) * o.rows <= 1e9, "grid", static_cast<double>(o.columns) * o.rows,
-          "at most 1e9 cells");
+  require(static_cast<double>(o.columns) * o.rows <= 5e7, "grid", static_cast<double>(o.columns) * o.rows,
+          "at most 5e7 cells (a GLB holds 4 GiB)");
   require(o.jitter >= 0 && o.jitter < 0.5, "jitter", o.jitter, "0 <= jitter < 0.5");
   require(std::isfinite(o.shear), "shear", o.shear, "a finite number");
   require(o.v_first >= 0 && o.v_first < o.v_last && o.v_last <= 1, "v range", o.v_first,
@@ -71,7 +71,7 @@ Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
     Frame<double> frame = s.frame;
     frame.t = along * frame.t;
     frame.handedness = along * frame.handedness;
-    const double mirrored = o.mirror ? (right ? 2 * (1 - u) : 2 * u) : u;
+    const double mirrored = o.mirror ? 1 - std::fabs(2 * u - 1) : u;
     mesh.positions.push_back(s.jet.position);
     mesh.normals.push_back(frame.n);
     mesh.uvs.push_back({mirrored + o.shear * v, v});

@@ -89,15 +89,17 @@ VertexFacts stored_facts(const Mesh& mesh, std::uint32_t v) {
   return f;
 }
 
-// Most normals against the surface's n: a mesh seen from inside is compared with -n.
-bool normals_point_inward(const Mesh& mesh, const std::vector<Truth>& truth) {
-  std::size_t with = 0, against = 0;
-  for (std::size_t v = 0; v < mesh.normals.size(); ++v) {
-    const double d = dot(mesh.normals[v], truth[v].normal);
-    with += d > 0;
-    against += d < 0;
+// A mesh seen from inside, compared with -n: at most corners the normal and the winding both oppose the surface's n.
+bool faces_inward(const Mesh& mesh, const std::vector<Truth>& truth) {
+  std::size_t against = 0;
+  if (mesh.normals.empty()) return false;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3<double> face =
+        cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+    for (const std::uint32_t v : {a, b, c})
+      against += dot(mesh.normals[v], truth[v].normal) < 0 && dot(face, truth[v].normal) < 0;
   }
-  return against > with;
+  return 2 * against > mesh.corners();
 }
 
 void compare_with_truth(const Mesh& mesh, std::uint32_t v, const Truth& truth, bool inward, VertexFacts& f) {
@@ -161,7 +163,7 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
       truth.push_back(placed->truth(mesh.uvs[v]));
       is_pole[v] = truth[v].pole;
     }
-    report.inward = normals_point_inward(mesh, truth);
+    report.inward = faces_inward(mesh, truth);
   }
   std::vector<VertexFacts> facts(n);
   for (std::uint32_t v = 0; v < n; ++v) {
@@ -274,14 +276,9 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
     const auto summary = [](std::vector<double>& values) {
       return values.empty() ? std::nullopt : std::optional<Statistics>(summarise(values));
     };
-    ClassReport entry{static_cast<VertexClass>(k),
-                      s.corners,
-                      summary(s.normal),
-                      summary(s.tangent),
-                      summary(s.bitangent),
-                      s.worst_vertex,
-                      {}};
-    if (!mesh.uvs.empty()) entry.worst_uv = mesh.uvs[s.worst_vertex];
+    ClassReport entry{static_cast<VertexClass>(k), s.corners,   summary(s.normal), summary(s.tangent),
+                      summary(s.bitangent),        std::nullopt};
+    if (s.worst >= 0) entry.worst = WorstCorner{s.worst_vertex, mesh.uvs[s.worst_vertex]};
     report.classes.push_back(entry);
   }
 
@@ -297,9 +294,8 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
   const auto note = [&](std::string_view code, Severity severity, std::size_t count, std::string message) {
     if (count > 0) report.findings.push_back({code, severity, count, std::move(message)});
   };
-  if (!mesh.triangles.empty() && against_winding == mesh.triangles.size())
-    note("NORMALS_OPPOSE_WINDING", Severity::warning, mesh.corners(),
-         "every triangle is wound clockwise as seen along its normals");
+  note("NORMALS_OPPOSE_WINDING", Severity::warning, 3 * against_winding,
+       "triangles are wound clockwise as seen along their normals");
   note("HANDEDNESS_MIXED", Severity::warning,
        report.handedness.convention == "mixed" ? report.handedness.wrong : 0,
        "w follows neither sign convention throughout; the smaller part is counted. Where uvs jump back "
@@ -311,7 +307,10 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
   note("NORMALS_INWARD", Severity::info, report.inward ? mesh.corners() : 0,
        "normals point to the inside of the surface; they were compared with its inward normal");
   note("TANGENT_MISSING", Severity::info, has_tangents ? 0 : std::max<std::size_t>(mesh.corners(), 1),
-       "the mesh stores no tangents; only its normals are judged");
+       mesh.normals.empty() ? "the mesh stores no tangents"
+                            : "the mesh stores no tangents; only its normals are judged");
+  note("NORMAL_MISSING", Severity::info, mesh.normals.empty() ? std::max<std::size_t>(mesh.corners(), 1) : 0,
+       "the mesh stores no normals: neither they nor bitangents are judged");
   note("TRIANGLES_MISSING", Severity::info, mesh.triangles.empty(),
        "the primitive has no triangle (counted in primitives)");
   {
@@ -323,9 +322,9 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
          "vertices that no triangle uses (counted in vertices), not judged");
   }
   const bool any_error = !report.findings.empty() && report.findings.front().severity == Severity::error;
-  report.verdict = any_error                             ? Verdict::fail
-                   : analytic && !mesh.triangles.empty() ? Verdict::pass
-                                                         : Verdict::undetermined;
+  bool compared = false;
+  for (const ClassReport& c : report.classes) compared = compared || c.normal_deg || c.tangent_deg;
+  report.verdict = any_error ? Verdict::fail : compared ? Verdict::pass : Verdict::undetermined;
   return report;
 }
 

@@ -26,18 +26,15 @@ struct CellHash {
   }
 };
 
-bool finite(const Vec3<double>& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tolerance) {
+  if (!std::isfinite(tolerance)) tolerance = 0;
   DisjointSets groups(points.size());
   Vec3<double> low{}, high{};
   bool first = true;
   for (const auto& p : points) {
-    if (!finite(p)) continue;
+    if (!detail::finite(p)) continue;
     if (first) low = high = p;
     first = false;
     low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
@@ -60,7 +57,7 @@ std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tol
   };
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const Vec3<double>& p = points[i];
-    if (!finite(p)) continue;
+    if (!detail::finite(p)) continue;
     bool exact_duplicate = false;
     for (std::int64_t x = number(p.x - tolerance, low.x); x <= number(p.x + tolerance, low.x); ++x)
       for (std::int64_t y = number(p.y - tolerance, low.y); y <= number(p.y + tolerance, low.y); ++y)

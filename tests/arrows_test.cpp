@@ -1,4 +1,4 @@
-// DESIGN.md, section 2: which folder or header may include which. Arrows run one way.
+// Which folder or header may include which. Arrows run one way.
 #include <algorithm>
 #include <regex>
 #include <string>

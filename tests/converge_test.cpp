@@ -123,7 +123,7 @@ TEST(Converge, ObliqueChart) {
     const Study& b = find(studies, "sheared", method, VertexClass::interior, "bitangent");
     EXPECT_EQ(b.verdict, OrderVerdict::does_not_converge) << method;
     EXPECT_TRUE(b.holds());
-    EXPECT_GT(b.levels.back().rms_deg, 19);  // DESIGN.md 4: measured 19 to 60 degrees apart
+    EXPECT_GT(b.levels.back().rms_deg, 19);  // measured 19 to 60 degrees apart
   }
   for (const char* method : {"face", "fragment-solve"})
     expect_order(find(studies, "sheared", method, VertexClass::interior, "bitangent"), 1);
@@ -144,7 +144,7 @@ TEST(Converge, OnlyMethodsThatMakeNormalsAreAskedForThem) {
   expect_order(find(studies, "regular", "face", VertexClass::interior, "normal"), 1);
 }
 
-// three.js's computeTangents is `average`. EVIDENCE.md 2, "Other resolutions", max and rms in degrees as printed there
+// three.js's computeTangents is `average`. Its own files, measured once: max and rms in degrees
 // (finer ones than n = 64 carry the float rounding of the files).
 TEST(Converge, AverageRepeatsThreeJs) {
   const auto studies = converge(options("torus:major_radius=1,minor_radius=0.4", {"regular"}, {"average"}));

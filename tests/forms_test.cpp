@@ -144,7 +144,7 @@ TYPED_TEST(CurvatureLaws, CurvesBendByEulersFormula) {
     const double along = dot(tangent, c.directions[0]) / speed,
                  across = dot(tangent, c.directions[1]) / speed;
     const double normal_curvature = dot(acceleration.value, f.n) / (speed * speed);
-    // The outer difference's inputs err by 1e-13 of the inner one (NUMERICS.md B), amplified by 2.4/h = 614.
+    // The outer difference's inputs err by 1e-13 of the inner one, amplified by 2.4/h = 614.
     EXPECT_NEAR(normal_curvature, c.principal[0] * along * along + c.principal[1] * across * across, 1e-9);
   }
 }

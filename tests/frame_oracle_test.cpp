@@ -122,7 +122,7 @@ struct Worst {
               << t / roundoff << " b " << b / roundoff << " n " << n / roundoff << ", |T'T - I| "
               << orthonormality / roundoff << " roundings; " << undecided
               << " points left out, R + r cos 2πv within rounding of zero\n";
-    // The figures. A component is at most the product of a sine and a cosine, each within 1.65 ulp
+    // A component is at most the product of a sine and a cosine, each within 1.65 ulp
     // <= 1.65u, rounded once (u/2): 3.8u. A column with that error has a square off by 7.6u at most. Measured
     // maxima 1.9u and 4.4u.
     EXPECT_LE(t, 4 * roundoff);

@@ -167,7 +167,7 @@ TEST(Mutants, AWrongFrameIsNamed) {
   EXPECT_TRUE(contains(failed_with([]<class S>(Frame<S>& f) { f.t = -f.t; }), "dual", "tangent"));
 }
 
-// DESIGN.md, section 3: 2r in place of r everywhere is a perfect surface, only not this one.
+// 2r in place of r everywhere is a perfect surface, only not this one.
 struct Inflated {
   static constexpr SurfaceInfo info{"inflated", "a torus with 2r in place of r", Coordinate::turn,
                                     Coordinate::turn};

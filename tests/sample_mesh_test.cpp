@@ -87,7 +87,8 @@ TEST(SampleMesh, IsWoundAsItsNormalsWhereTheChartTurnsOver) {
     const auto& [a, b, c] = triangle;
     const auto side = [&](std::uint32_t v) { return mesh.tangents[v].w; };
     if (side(a) != side(b) || side(b) != side(c)) continue;
-    const Vec3<double> face = cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+    const Vec3<double> face =
+        cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
     EXPECT_GT(dot(face, mesh.normals[a]), 0);
     const double raw = signed_uv_area2(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]) > 0 ? 1 : -1;
     EXPECT_EQ(mesh.tangents[a].w, -raw);

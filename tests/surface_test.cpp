@@ -81,7 +81,7 @@ TYPED_TEST(EverySurface, DescribesItselfForPeople) {
   });
 }
 
-// DESIGN.md, section 3: a consistently wrong formula is only found by a fact that does not come from it.
+// A consistently wrong formula is only found by a fact that does not come from it.
 TYPED_TEST(EverySurface, StatesAnIndependentFact) {
   EXPECT_TRUE(StatesImplicit<TypeParam> || StatesGaussianCurvature<TypeParam>);
 }
@@ -109,8 +109,8 @@ TYPED_TEST(EverySurface, NeedsNothingBeyondTheArchetype) {
   constexpr bool compares = std::is_same_v<X, Torus<double>>;
   const X surface;
   const double u = 0.3, v = 0.2;
-  const auto partials = surface.jet(archetype_coordinate<X::info.u, Archetype<>>(u),
-                                    archetype_coordinate<X::info.v, Archetype<>>(v));
+  const auto partials = surface.jet(archetype_coordinate<X::info.u, Archetype<compares>>(u),
+                                    archetype_coordinate<X::info.v, Archetype<compares>>(v));
   const Jet2<double> expected = surface.jet(prepare<X::info.u>(u), prepare<X::info.v>(v));
   expect_same(partials.position, expected.position);
   expect_same(partials.d2pduv, expected.d2pduv);

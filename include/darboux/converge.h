@@ -37,7 +37,7 @@ enum class OrderVerdict : std::uint8_t {
   at_the_floor,       ///< fewer than three resolutions above what rounding alone may cause: no order
 };
 inline constexpr std::array<std::string_view, 5> order_verdict_names{"as expected", "faster", "slower",
-                                                               "does not converge", "at the floor"};
+                                                                     "does not converge", "at the floor"};
 
 /// One mesh of a study and the errors on it, in degrees over the triangle corners of the study's class.
 struct Level {
@@ -73,7 +73,8 @@ struct Study {
 
   /// Whether it does at least what was expected.
   bool holds() const {
-    return verdict != OrderVerdict::slower && (verdict != OrderVerdict::does_not_converge || expected_order == 0);
+    return verdict != OrderVerdict::slower &&
+           (verdict != OrderVerdict::does_not_converge || expected_order == 0);
   }
 };
 

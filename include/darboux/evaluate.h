@@ -23,17 +23,6 @@ bool outside(const S& x) {
     return false;
 }
 
-template <std::floating_point S>
-constexpr Vec3<S> nan_vector() {
-  constexpr S nan = std::numeric_limits<S>::quiet_NaN();
-  return {nan, nan, nan};
-}
-
-template <std::floating_point S>
-bool finite(const Vec3<S>& a) {
-  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
-}
-
 }  // namespace detail
 
 /// What the surface and the domain say of (u, v), before any frame is made: dpdu_zero, dpdv_zero, parallel,
@@ -66,6 +55,8 @@ Frame<S> frame(const X& surface, S u, S v) {
   } else {
     const Jet2<S> j = surface.jet(pu, pv);
     result = frame_from_partials(j.dpdu, j.dpdv);
+    // Partials that are not finite: the input's doing, which status() tells, or overflow.
+    if (has(result.status, Status::non_finite_input)) result.status = Status::no_frame | Status::overflow;
   }
   result.status |= status(surface, u, v);
   if constexpr (HasClosedFrame<X>)

@@ -31,11 +31,9 @@ struct MeshFit {
 /// closed form from least squares on P = O + sum_k A_k ∂P/∂p_k(u, v), linear in O and the A_k for a surface
 /// linear in its parameters; then Ceres minimises the sum of squared distances over at most 4096 vertices,
 /// evenly chosen. Scale and offset of the data do not matter.
-/// \param kind name, with the parameters that are
-/// held
+/// \param kind name, with the parameters that are held
 /// \param placement held when given
-/// \throws ParameterError for an unknown kind or parameter; MeshError
-/// without uvs or with fewer than four usable vertices
+/// \throws ParameterError for an unknown kind or parameter; MeshError without uvs or with fewer than four usable vertices
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 

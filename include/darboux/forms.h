@@ -64,10 +64,10 @@ template <std::floating_point S>
 Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
   // dpdu = e t, dpdv = f t + g b
   const S e = dot(j.dpdu, frame.t), f = dot(j.dpdv, frame.t), g = dot(j.dpdv, frame.b);
-  const SecondForm<S> II = second_form(j, frame.n);
-  const S a = II.L / e / e;
-  const S m = (II.M / e - f * a) / g;
-  const S c = (II.N / g - f * (a * (f / g) + S(2) * m)) / g;
+  // Each second derivative is divided once before the dot product, which near a pole would underflow.
+  const S a = dot(frame.n, j.d2pdu2 / e) / e;
+  const S m = (dot(frame.n, j.d2pduv / e) - f * a) / g;
+  const S c = (dot(frame.n, j.d2pdv2 / g) - f * (a * (f / g) + S(2) * m)) / g;
   Curvature<S> result;
   result.status = frame.status;
   result.mean = (a + c) / S(2);

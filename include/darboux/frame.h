@@ -102,10 +102,7 @@ template <std::floating_point S>
 Frame<S> frame_from_partials(const Vec3<S>& dpdu, const Vec3<S>& dpdv) {
   constexpr S nan = std::numeric_limits<S>::quiet_NaN();
   Frame<S> frame{{nan, nan, nan}, {nan, nan, nan}, {nan, nan, nan}, S(1), Status::no_frame};
-  const auto finite = [](const Vec3<S>& a) {
-    return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
-  };
-  if (!finite(dpdu) || !finite(dpdv)) {
+  if (!detail::finite(dpdu) || !detail::finite(dpdv)) {
     frame.status |= Status::non_finite_input;
     return frame;
   }
@@ -141,7 +138,7 @@ template <std::floating_point S>
 Orthogonalised<S> gram_schmidt(const Vec3<S>& t, const Vec3<S>& b, const Vec3<S>& n) {
   // Of a unit vector in the span of those taken off, rounding leaves up to 16u: that is no direction.
   const auto direction = [](const Vec3<S>& rest) {
-    return norm(rest) <= S(8) * std::numeric_limits<S>::epsilon() ? Vec3<S>{} : unit(rest);
+    return norm(rest) > S(8) * std::numeric_limits<S>::epsilon() ? unit(rest) : Vec3<S>{};
   };
   const Vec3<S> t0 = unit(t), b0 = unit(b);
   const Vec3<S> t1 = direction(t0 - dot(t0, n) * n);

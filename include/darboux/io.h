@@ -111,7 +111,7 @@ void write_glb(const std::string& path, const Mesh& mesh, const std::string& nam
                const std::string& extras_json = {});
 
 /// A file that is written whole or not at all, piece by piece: to a temporary beside it, renamed by commit(), so that
-/// an old file stays until the new one is complete. A symbolic link stays, the file it names is replaced. The path
+/// an old file stays until the new one is complete (a process that is killed leaves the temporary). A symbolic link stays, the file it names is replaced. The path
 /// "-" is standard output; devices, pipes and links of /dev and /proc are written to directly. Without commit()
 /// nothing is left. Every member throws FileError: the path is a folder, its folder is missing or not writable, the
 /// disk is full.

@@ -51,6 +51,7 @@ struct Scalar {
   static Turn<S> sincos_quarters(const S& x) {
     using std::cos, std::floor, std::sin;
     const S nearest = floor(x + S(0.5));
+    if (!(nearest == nearest)) return {nearest, nearest};  // NaN
     const S angle = pi() * ((x - nearest) / S(2));
     const S s = sin(angle), c = cos(angle);
     switch (static_cast<int>(nearest) & 3) {

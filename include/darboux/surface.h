@@ -66,7 +66,8 @@ struct Jet2 {
 };
 
 /// An orthonormal right-handed frame: t = dpdu/|dpdu|, n the unit normal, b = n × t.
-/// handedness = sign of det(dpdu, dpdv, n): handedness · b leans towards dpdv.
+/// handedness = sign of det(dpdu, dpdv, n): handedness · b leans towards dpdv. Outside the domain, beyond a pole, frame and
+/// handedness are the analytic continuation instead, so that they do not jump at it.
 template <class S>
 struct Frame {
   Vec3<S> t, b, n;

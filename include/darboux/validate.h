@@ -30,13 +30,16 @@ struct Finding {
 
 /// The errors of one class of vertices, in degrees, over its triangle corners. A corner whose tangent is zero
 /// or not finite counts in `corners` and nowhere else; the normal's statistics leave out its own likewise.
+struct WorstCorner {
+  std::uint32_t vertex;
+  Vec2<double> uv;
+};
 struct ClassReport {
   VertexClass vertex_class;
   std::size_t corners = 0;
   std::optional<Statistics> normal_deg, tangent_deg,
-      bitangent_deg;               ///< nothing where there is nothing to compare
-  std::uint32_t worst_vertex = 0;  ///< of the tangent, or of the normal where there are no tangents
-  Vec2<double> worst_uv{};
+      bitangent_deg;                 ///< nothing where there is nothing to compare
+  std::optional<WorstCorner> worst;  ///< of the tangent, or of the normal where there are no tangents
 };
 
 /// Which sign convention the stored w follow, over the corners of triangles with uv area and w = ±1.
@@ -50,7 +53,8 @@ struct Handedness {
 struct MeshReport {
   std::size_t corners = 0;
   std::string_view reference = "none";  ///< "analytic" where a truth was given, else "none"
-  bool inward = false;                  ///< most normals oppose the surface's n; all were compared with -n
+  bool inward =
+      false;  ///< most normals and triangles face against the surface's n; all were compared with -n
   Handedness handedness;
   std::size_t zero_tangents = 0, non_unit = 0, non_orthogonal = 0, non_finite = 0;  ///< corners
   std::size_t degenerate_triangles = 0, degenerate_uv_triangles = 0;
@@ -67,15 +71,13 @@ struct ValidateOptions {
 /// Judges a mesh in its own space.
 /// Angles are atan2 angles of normalised vectors, tangents not projected. The bitangent is w·cross(n, t), n
 /// as stored, w corrected for the one sign convention found, against the derivative by the stored v. Verdict:
-/// fail with any error finding; else pass where there is a truth, undetermined where there is none. Errors,
+/// fail with any error finding; else pass where something was compared with a truth, undetermined where nothing was. Errors,
 /// one to a corner, the first that fits: TANGENT_NOT_FINITE, TANGENT_ZERO, TANGENT_NOT_UNIT (|1 - |t|²| >
 /// 0.0005), TANGENT_INVALID_SIGN, TANGENT_NOT_ORTHOGONAL (|t·n| > 0.02), TANGENT_HANDEDNESS (against its uv
 /// island), TANGENT_ANGLE, NORMAL_NOT_FINITE, NORMAL_NOT_UNIT, NORMAL_ANGLE, POSITION_NOT_FINITE,
-/// UV_NOT_FINITE. Others: docs/howto/validate-a-mesh.md. Cost: about 1 µs a corner.
-/// \param truth the surface
-/// the mesh was made from; without one only the stored data are judged
-/// \throws MeshError when the mesh is
-/// inconsistent
+/// UV_NOT_FINITE. Others: docs/howto/validate-a-mesh.md. Cost: linear in the corners.
+/// \param truth the surface the mesh was made from; without one only the stored data are judged
+/// \throws MeshError when the mesh is inconsistent
 MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& truth,
                     const ValidateOptions& options = {});
 

@@ -2,6 +2,10 @@
 /// The plain small vectors of the library, over any scalar, and their bridge to Eigen.
 #pragma once
 
+#include <cmath>
+#include <concepts>
+#include <limits>
+
 #include <Eigen/Core>
 
 namespace darboux {
@@ -61,5 +65,20 @@ Vec3<typename Derived::Scalar> from_eigen(const Eigen::MatrixBase<Derived>& a) {
   EIGEN_STATIC_ASSERT_VECTOR_SPECIFIC_SIZE(Derived, 3)
   return {a[0], a[1], a[2]};
 }
+
+namespace detail {
+
+template <std::floating_point S>
+constexpr Vec3<S> nan_vector() {
+  constexpr S nan = std::numeric_limits<S>::quiet_NaN();
+  return {nan, nan, nan};
+}
+
+template <std::floating_point S>
+bool finite(const Vec3<S>& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
+}  // namespace detail
 
 }  // namespace darboux

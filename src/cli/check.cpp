@@ -79,7 +79,7 @@ void add_check(CLI::App& app, Common& common) {
       ->check(CLI::Range(1, 100000000));
   sub.add_option("--seed", arguments->options.seed, "of the random points")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number);
   add_common(sub, common, "darboux check torus:minor_radius=0.4 --points 10000");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

@@ -12,9 +12,11 @@ namespace darboux {
 void add_common(CLI::App& sub, Common& common, const std::string& example) {
   sub.add_flag("--json", common.json, "print one JSON document on stdout, nothing else");
   sub.add_flag("--quiet", common.quiet, "no progress bar, no notes");
-  sub.add_option("--threads", common.threads, "threads for work over several files or surfaces")
+  sub.add_option("--threads", common.threads,
+                 "threads, for check over several surfaces and validate over several files")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
+  sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
   sub.footer("\nExample:\n  " + example + "\n");
 }
 
@@ -41,11 +43,13 @@ std::pair<int, int> parse_grid(const std::string& subject, const std::string& te
   bool good = parts.size() == 2;
   for (std::size_t k = 0; good && k < 2; ++k) {
     const auto [end, error] = std::from_chars(parts[k].data(), parts[k].data() + parts[k].size(), sizes[k]);
-    good = error == std::errc{} && end == parts[k].data() + parts[k].size() && sizes[k] >= 1;
+    good = error == std::errc{} && end == parts[k].data() + parts[k].size() && sizes[k] >= 1 &&
+           sizes[k] <= 1000000000;
   }
   if (!good)
-    throw ParameterError(subject,
-                         "'" + text + "' is no grid, permitted is NxM with N, M >= 1, such as 64x32");
+    throw ParameterError(
+        subject,
+        "'" + text + "' is no grid, permitted is NxM with N and M from 1 to 1000000000, such as 64x32");
   return {sizes[0], sizes[1]};
 }
 
@@ -69,6 +73,11 @@ Json surface_json(const AnySurface& surface) {
   Json parameters = Json::object();
   for (const ParameterValue& p : surface.parameters()) parameters[std::string(p.name)] = number(p.value);
   return {{"name", surface.info().name}, {"parameters", parameters}};
+}
+
+void print_error(std::string message) {
+  while (message.ends_with('\n') || message.ends_with(' ')) message.pop_back();
+  std::cerr << "darboux: " << one_line(std::move(message)) << '\n';
 }
 
 void print_json(const Json& json) {

@@ -31,6 +31,14 @@ struct Common {
 /// Adds --json, --quiet, --threads to a subcommand, and the example that ends its help.
 void add_common(CLI::App& sub, Common& common, const std::string& example);
 
+/// A check for options: digits only.
+inline const CLI::Validator whole_number(
+    [](std::string& text) {
+      const bool good = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+      return good ? std::string() : "'" + text + "' is no whole number, permitted is 0 or more";
+    },
+    "");
+
 // One file a subcommand; each adds itself to the tool.
 void add_surfaces(CLI::App& app, Common& common);
 void add_eval(CLI::App& app, Common& common);
@@ -60,6 +68,9 @@ std::string join(const std::vector<std::string>& items);
 
 /// The surface's name and parameters as JSON, for every command alike.
 Json surface_json(const AnySurface& surface);
+
+/// Prints "darboux: MESSAGE" as one line on stderr, whatever a library or a file put into the message.
+void print_error(std::string message);
 
 /// Prints one JSON document to stdout.
 void print_json(const Json& json);

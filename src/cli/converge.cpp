@@ -163,6 +163,8 @@ void run(const Arguments& arguments, Common& common) {
   if ((arguments.report == "-") + (arguments.csv == "-") + common.json > 1)
     throw ParameterError("-",
                          "standard output is asked for twice, permitted is one of -o -, --csv - and --json");
+  if (!arguments.report.empty() && arguments.report == arguments.csv)
+    throw ParameterError("--csv", "names the same file as -o, permitted is another");
   const ConvergeOptions options = parse(arguments);
   // Opened before the work, so that a folder that cannot be written is reported at once.
   std::optional<OutputFile> report, csv;
@@ -217,9 +219,7 @@ void add_converge(CLI::App& app, Common& common) {
   sub.add_option("--v-range", arguments->v_range,
                  "the part of the surface that is meshed: FIRST,LAST in [0, 1]")
       ->capture_default_str();
-  sub.add_option("--seed", arguments->seed, "of random meshes")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+  sub.add_option("--seed", arguments->seed, "of random meshes")->capture_default_str()->check(whole_number);
   sub.add_option("-o,--output", arguments->report, "write the page for people, HTML, to this file");
   sub.add_option("--csv", arguments->csv, "write all levels of all studies to this file");
   add_common(sub, common, "darboux converge --surfaces torus,sphere --resolutions 8..64 -o report.html");

@@ -7,7 +7,9 @@
 #include <functional>
 #include <iostream>
 #include <limits>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 #include <darboux/forms.h>
 #include <darboux/io.h>
@@ -208,16 +210,22 @@ std::vector<const Attribute*> choose(const std::string& names, const std::string
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end())
       throw ParameterError("--attributes", "unknown attribute '" + name + "', known are " + join(known));
+    if (std::any_of(chosen.begin(), chosen.end(), [&](const Attribute* a) { return a->name == name; }))
+      throw ParameterError("--attributes", "'" + name + "' is asked for twice, permitted is once");
     chosen.push_back(&attributes()[static_cast<std::size_t>(found - known.begin())]);
   }
   return chosen;
 }
 
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t\r";
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  return text.substr(0, text.find_last_not_of(blanks) + 1);
+}
+
 // A field of a CSV line as a double; NaN and infinities are numbers here, their samples carry a status.
-std::optional<double> parse_field(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
-    text.remove_suffix(1);
+std::optional<double> parse_field(std::string_view field) {
+  const std::string_view text = trimmed(field);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
@@ -237,19 +245,22 @@ void read_csv(const std::string& path, const std::function<void(double, double)>
   std::istream& in = path == "-" ? std::cin : file;
   std::string line;
   std::size_t u_column = 0, v_column = 1, line_number = 0;
+  bool first = true;
   while (std::getline(in, line)) {
     ++line_number;
+    if (line_number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
     if (line.empty() || line == "\r" || line[0] == '#') continue;
     const std::vector<std::string> fields = split(line, ',');
     const auto field = [&](std::size_t k) {
       return k < fields.size() ? parse_field(fields[k]) : std::nullopt;
     };
-    if (line_number == 1 && !field(0)) {
+    if (std::exchange(first, false) && !field(0)) {
       const auto column = [&](const std::string& name) {
         for (std::size_t k = 0; k < fields.size(); ++k)
-          if (fields[k] == name || fields[k] == name + "\r") return k;
-        throw FileError(path + ":1", "the header has no column '" + name +
-                                         "', permitted is a header with u and v or none");
+          if (trimmed(fields[k]) == name) return k;
+        throw FileError(
+            path + ":" + std::to_string(line_number),
+            "the header has no column '" + name + "', permitted is a header with u and v or none");
       };
       u_column = column("u");
       v_column = column("v");

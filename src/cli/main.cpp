@@ -6,13 +6,8 @@
 
 namespace {
 
-// Errors are one line, whatever a library put into its message.
 int report(const std::string& message, int status) {
-  std::string line = message;
-  while (!line.empty() && (line.back() == '\n' || line.back() == ' ')) line.pop_back();
-  for (char& c : line)
-    if (c == '\n' || c == '\r') c = ' ';
-  std::cerr << "darboux: " << line << '\n';
+  darboux::print_error(message);
   return status;
 }
 

@@ -63,7 +63,7 @@ void add_mesh(CLI::App& app, Common& common) {
       ->capture_default_str();
   sub.add_option("--seed", o.seed, "of jitter and random diagonals")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number);
   sub.add_option("--diagonal", arguments->diagonal, "regular or random")
       ->capture_default_str()
       ->check(CLI::IsMember({"regular", "random"}));

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -31,7 +32,12 @@ void parallel_for(std::size_t n, int threads, Work work, Progress progress) {
     }
   };
   std::vector<std::thread> pool;
-  for (std::size_t t = 1; t < static_cast<std::size_t>(threads) && t < n; ++t) pool.emplace_back(run, false);
+  try {
+    for (std::size_t t = 1; t < static_cast<std::size_t>(threads) && t < n; ++t)
+      pool.emplace_back(run, false);
+  } catch (const std::system_error&) {
+    // Fewer threads than asked for do the same work.
+  }
   run(true);
   for (std::thread& thread : pool) thread.join();
   if (error) std::rethrow_exception(error);

@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <iostream>
+#include <new>
 
 #include <darboux/io.h>
 #include <darboux/judge.h>
@@ -71,21 +72,23 @@ void add_node_findings(const Primitive& primitive, MeshReport& report) {
 
 JudgedFile judge_file(const std::string& path, const JudgeOptions& options) {
   JudgedFile result;
-  Asset asset;
   try {
-    asset = read_asset(path);
-  } catch (const Error& e) {
+    Asset asset = read_asset(path);
+    result.skipped = asset.skipped;
+    if (asset.primitives.empty()) result.verdict = Verdict::undetermined;
+    for (Primitive& primitive : asset.primitives) {
+      Judgement judgement = judge(primitive.data, options);
+      add_node_findings(primitive, judgement.report);
+      result.verdict = std::max(result.verdict, judgement.report.verdict);
+      primitive.data = {};
+      result.primitives.push_back({std::move(primitive), std::move(judgement)});
+    }
+  } catch (const FileError& e) {
     result.error = e.what();
-    return result;
-  }
-  result.skipped = asset.skipped;
-  if (asset.primitives.empty()) result.verdict = Verdict::undetermined;
-  for (Primitive& primitive : asset.primitives) {
-    Judgement judgement = judge(primitive.data, options);
-    add_node_findings(primitive, judgement.report);
-    result.verdict = std::max(result.verdict, judgement.report.verdict);
-    primitive.data = {};
-    result.primitives.push_back({std::move(primitive), std::move(judgement)});
+  } catch (const Error& e) {
+    result.error = path + ": " + e.what();
+  } catch (const std::bad_alloc&) {
+    result.error = path + ": needs more memory than there is, permitted is what fits";
   }
   return result;
 }
@@ -135,7 +138,9 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
     if (c.normal_deg) entry["normal_deg"] = statistics_json(*c.normal_deg);
     if (c.tangent_deg) entry["tangent_deg"] = statistics_json(*c.tangent_deg);
     if (c.bitangent_deg) entry["bitangent_deg"] = statistics_json(*c.bitangent_deg);
-    entry["worst"] = {{"vertex", c.worst_vertex}, {"u", number(c.worst_uv.x)}, {"v", number(c.worst_uv.y)}};
+    if (c.worst)
+      entry["worst"] = {
+          {"vertex", c.worst->vertex}, {"u", number(c.worst->uv.x)}, {"v", number(c.worst->uv.y)}};
     json["classes"][std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)])] = entry;
   }
   json["findings"] = Json::array();
@@ -148,12 +153,12 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
 }
 
 void print_people(const std::string& path, const JudgedFile& file) {
-  std::cout << path << ": " << verdict_names[static_cast<std::size_t>(file.verdict)] << '\n';
+  std::cout << one_line(path) << ": " << verdict_names[static_cast<std::size_t>(file.verdict)] << '\n';
   if (file.primitives.empty()) std::cout << "  holds no triangles to judge\n";
   for (const auto& [primitive, judgement] : file.primitives) {
     const MeshReport& report = judgement.report;
     std::cout << "  mesh " << primitive.mesh << " primitive " << primitive.primitive;
-    if (!primitive.name.empty()) std::cout << " (" << primitive.name << ")";
+    if (!primitive.name.empty()) std::cout << " (" << one_line(primitive.name) << ")";
     std::cout << ": " << report.corners << " corners";
     if (judgement.fit && judgement.fit->fits) {
       std::cout << ", " << judgement.fit->surface.surface.specification(6) << ", uvs "
@@ -210,7 +215,7 @@ void run(const Arguments& arguments, Common& common) {
     const JudgedFile& file = files[i];
     Json entry{{"file", arguments.files[i]}};
     if (!file.error.empty()) {
-      std::cerr << "darboux: " << file.error << '\n';
+      print_error(file.error);
       common.exit_status = 2;
       verdict = Verdict::fail;
       entry["verdict"] = "fail";
@@ -225,6 +230,9 @@ void run(const Arguments& arguments, Common& common) {
     entry["meshes"] = Json::array();
     for (const auto& [primitive, judgement] : file.primitives)
       entry["meshes"].push_back(report_json(primitive, judgement));
+    entry["skipped"] = Json::array();
+    for (const SkippedPrimitive& s : file.skipped)
+      entry["skipped"].push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
     list.push_back(entry);
   }
   if (common.json)

@@ -11,6 +11,8 @@
 
 #include <darboux/error.h>
 
+#include "../text.h"
+
 namespace darboux::io {
 namespace {
 
@@ -91,12 +93,6 @@ std::string read_file(const std::string& path) {
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!stream || error) throw FileError(path, "cannot be read to its end, permitted is a readable file");
   return bytes;
-}
-
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-  return text;
 }
 
 std::string in_quotes(std::string_view text) {

@@ -10,9 +10,6 @@ namespace darboux::io {
 /// The bytes of a regular file. \throws FileError
 std::string read_file(const std::string& path);
 
-/// The text with control characters replaced.
-std::string one_line(std::string text);
-
 /// Text of the file or the user made fit for a one-line message: quoted, control characters replaced, cut
 /// short.
 std::string in_quotes(std::string_view text);

@@ -41,12 +41,12 @@ void append_chunk(std::string& glb, std::uint32_t type, std::string_view content
   glb.append(round_up_4(content.size()) - content.size(), fill);
 }
 
-/// The media type of an image: the one stated, else by its first bytes; empty when unknown.
-std::string image_type(const Json& image, std::string_view bytes) {
-  if (const auto stated = image.find("mimeType"); stated != image.end() && stated->is_string())
-    return *stated;
+/// The media type of an image by its first bytes, whatever the document states; empty when it is none.
+std::string image_type(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG")) return "image/png";
   if (bytes.starts_with("\xFF\xD8\xFF")) return "image/jpeg";
+  if (bytes.starts_with("RIFF") && bytes.substr(0, 12).ends_with("WEBP")) return "image/webp";
+  if (bytes.starts_with("\xABKTX 20\xBB")) return "image/ktx2";
   return {};
 }
 
@@ -58,7 +58,7 @@ void embed_image(const GltfFile& file, Json& image) {
     return;
   try {
     const std::string bytes = io::load_uri(file.path, "an image", image["uri"]);
-    const std::string type = image_type(image, bytes);
+    const std::string type = image_type(bytes);
     if (!type.empty()) image["uri"] = io::make_data_uri(type, bytes);
   } catch (const FileError&) {
     // Tangents do not depend on images: one that is missing is no reason to fail.

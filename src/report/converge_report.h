@@ -11,7 +11,7 @@
 
 namespace darboux {
 
-/// The studies as CLI.md describes them; numbers that do not exist are null.
+/// The studies as `darboux converge --json` prints them; numbers that do not exist are null.
 nlohmann::ordered_json studies_json(const std::vector<Study>& studies);
 
 /// One row a study and resolution, with a header; RFC 4180 quoting, numbers read back to the same bits, an

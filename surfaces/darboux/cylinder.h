@@ -42,7 +42,8 @@ struct Cylinder {
   template <class S>
   S implicit(const Vec3<S>& p) const {
     using std::sqrt;
-    return sqrt(p.x * p.x + p.y * p.y) - lift<S>(radius);
+    const S r = lift<S>(radius), x = p.x / r, y = p.y / r;
+    return r * (sqrt(x * x + y * y) - lift<S>(1.0));
   }
 
   /// K = 0

@@ -55,7 +55,8 @@ struct Sphere {
   template <class S>
   S implicit(const Vec3<S>& p) const {
     using std::sqrt;
-    return sqrt(dot(p, p)) - lift<S>(radius);
+    const Vec3<S> q = p / lift<S>(radius);
+    return lift<S>(radius) * (sqrt(dot(q, q)) - lift<S>(1.0));
   }
 
   /// K = 1/r²

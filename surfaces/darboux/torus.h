@@ -64,9 +64,11 @@ struct Torus {
   template <class S>
   S implicit(const Vec3<S>& p) const {
     using std::abs, std::sqrt;
-    const S R = lift<S>(major_radius), r = lift<S>(minor_radius), d = sqrt(p.x * p.x + p.y * p.y);
-    const S near = sqrt((d - R) * (d - R) + p.z * p.z) - r, far = sqrt((d + R) * (d + R) + p.z * p.z) - r;
-    return abs(far) < abs(near) ? far : near;
+    const S size = lift<S>(major_radius) + lift<S>(minor_radius);  // lengths over it are ordinary numbers
+    const S R = lift<S>(major_radius) / size, r = lift<S>(minor_radius) / size, z = p.z / size;
+    const S d = sqrt((p.x / size) * (p.x / size) + (p.y / size) * (p.y / size));
+    const S near = sqrt((d - R) * (d - R) + z * z) - r, far = sqrt((d + R) * (d + R) + z * z) - r;
+    return size * (abs(far) < abs(near) ? far : near);
   }
 
   /// K = cos 2πv / (r (R + r cos 2πv))
@@ -79,7 +81,9 @@ struct Torus {
   // ρ = R + r cos 2πv, negative on the inner part of a spindle torus
   template <class S>
   constexpr S axis_distance(const Turn<S>& v) const {
-    return lift<S>(major_radius) + lift<S>(minor_radius) * v.cos;
+    const S R = lift<S>(major_radius), r = lift<S>(minor_radius), one = lift<S>(1.0);
+    // Near the axis of a horn torus R - r and 1 + cos = sin²/(1 - cos) keep their digits, R + r cos does not.
+    return v.cos < lift<S>(0.0) ? (R - r) + r * (v.sin * v.sin / (one - v.cos)) : R + r * v.cos;
   }
 };
 Torus(double, double)->Torus<double>;

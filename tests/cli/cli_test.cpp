@@ -791,21 +791,6 @@ TEST_F(Cli, ConvergeHasTheContractsKeys) {
 
 // ---- surroundings --------------------------------------------------------------------------------------------------
 
-TEST_F(Cli, ALocaleWithDecimalCommasChangesNothing) {
-  const Result list = sh("locale -a");
-  const auto names = lines(list.out);
-  const auto found = std::find_if(names.begin(), names.end(), [](const std::string& name) {
-    return name.rfind("de_DE", 0) == 0 || name.rfind("fr_FR", 0) == 0;
-  });
-  if (found == names.end()) GTEST_SKIP() << "no locale with decimal commas is installed (de_DE, fr_FR)";
-  for (const std::string command :
-       {"eval torus:minor_radius=0.4 --at 0.3,0.7 --json", "eval torus --at 0.3,0.7",
-        "eval torus --at 0.3,0.7 --format csv", "validate data/torus_016.three.glb",
-        "mesh torus --grid 8x4 --jitter 0.25 -o -", "surfaces"})
-    EXPECT_EQ(good("LC_ALL=" + *found + " darboux " + command), good("LC_ALL=C darboux " + command))
-        << command;
-}
-
 // Every file other tools made gets a verdict, and one JSON document.
 TEST_F(Cli, JudgesEveryMeshOfTheEvidence) {
   const fs::path three = fs::path(DARBOUX_SHARED) / "meshes/three";
