@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <functional>
+#include <locale>
 #include <optional>
 #include <string>
 
@@ -193,6 +194,27 @@ TEST(AllSurfaces, HaveDistinctNames) {
   std::sort(names.begin(), names.end());
   EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
   EXPECT_GE(names.size(), 3U);
+}
+
+// A program whose streams write decimal commas and group digits reads and prints surfaces all the same.
+TEST(MakeSurface, DoesNotDependOnTheGlobalLocale) {
+  struct Commas : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale(), new Commas));
+  const std::string text = "torus:major_radius=12345.5,minor_radius=0.25";
+  const std::string printed = make_surface(text).specification();
+  std::string message;
+  try {
+    make_surface("sphere:radius=-12345.5");
+  } catch (const ParameterError& e) {
+    message = e.what();
+  }
+  std::locale::global(before);
+  EXPECT_EQ(printed, text);
+  EXPECT_NE(message.find("-12345.5"), std::string::npos) << message;
 }
 
 }  // namespace

@@ -148,5 +148,21 @@ TEST(Fit, ErrorsAreClear) {
   EXPECT_TRUE(fit_any_surface(mesh).fits);
 }
 
+// More vertices than the fit looks at, in rows whose length its stride could keep step with.
+TEST(Fit, SamplesKeepNoStepWithRows) {
+  const Mesh mesh = sample_mesh(Torus{1.0, 0.4}, {.columns = 8, .rows = 4095});
+  ASSERT_EQ(mesh.positions.size(), 9u * 4096u);
+  EXPECT_TRUE(fit_any_surface(mesh).fits);
+  const MeshFit fit = fit_surface(mesh, {"torus", {}});
+  EXPECT_NEAR(value(fit.surface.surface, "major_radius"), 1, 1e-12);
+}
+
+// Points on a line are no thin cylinder.
+TEST(Fit, ALineIsNoSurface) {
+  Mesh mesh = sample_mesh(Cylinder{1.0, 1.0}, {.columns = 8, .rows = 8});
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) mesh.positions[v] = {mesh.uvs[v].x, 0, 0};
+  EXPECT_FALSE(fit_any_surface(mesh).fits);
+}
+
 }  // namespace
 }  // namespace darboux

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <darboux/any_surface.h>
 #include <darboux/error.h>
 #include <darboux/testing.h>
 
@@ -251,6 +252,20 @@ TEST(CheckSurface, IsDeterministicAndRefusesBadParameters) {
     return a.max_error == b.max_error && a.worst_u == b.worst_u && a.points == b.points;
   }));
   EXPECT_THROW(check_surface(Sphere{-1.0}), ParameterError);
+}
+
+// At the edge of what is permitted: a horn torus, tori far thicker and thinner than their rings, sizes near the range
+// of double. A route that cannot resolve them says so; none may fail.
+TEST(Laws, HoldAtExtremeParameters) {
+  for (const AnySurface& surface :
+       {make_surface("torus:major_radius=1,minor_radius=1"),
+        make_surface("torus:major_radius=1e6,minor_radius=1"),
+        make_surface("torus:major_radius=0,minor_radius=2"), make_surface("sphere:radius=1e150"),
+        make_surface("sphere:radius=1e-150"), make_surface("sphere:radius=1e308"),
+        make_surface("cylinder:radius=1e-9,height=1e9")})
+    for (const Check& check : surface.check({}))
+      EXPECT_TRUE(check.passed) << surface.specification() << ' ' << check.route << ' ' << check.quantity
+                                << ' ' << check.max_error << " > " << check.bound;
 }
 
 }  // namespace

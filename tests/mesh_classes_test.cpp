@@ -126,5 +126,46 @@ TEST(Classify, DoesNotDependOnIndexing) {
   }
 }
 
+// Ranges are those of the data in use: vertices that no triangle uses, and infinities, change no class.
+TEST(Classify, IgnoresUnreferencedAndInfiniteData) {
+  const Mesh good = sample_mesh(Torus{1.0, 0.4}, {.columns = 16, .rows = 8});
+  const std::vector<VertexClass> expected = classify(good, {}).of_vertex;
+  const auto same_but_last = [&](const Mesh& mesh) {
+    std::vector<VertexClass> found = classify(mesh, {}).of_vertex;
+    found.resize(expected.size());
+    EXPECT_EQ(found, expected);
+  };
+  for (const Vec3<double> far : {Vec3<double>{1e30, 0, 0}, Vec3<double>{INFINITY, 0, 0}}) {
+    Mesh mesh = good;
+    mesh.positions.push_back(far);
+    mesh.normals.push_back({0, 0, 1});
+    mesh.uvs.push_back({1e9, -INFINITY});
+    mesh.tangents.push_back({1, 0, 0, 1});
+    same_but_last(mesh);
+  }
+  // In use, an infinite position is torn off; all else stays what it was, but for the vertices around it.
+  Mesh torn = good;
+  torn.positions[17 * 4 + 5].x = INFINITY;
+  const std::vector<VertexClass> classes = classify(torn, {}).of_vertex;
+  for (std::uint32_t v = 0; v < classes.size(); ++v)
+    if (expected[v] == VertexClass::seam) {
+      EXPECT_EQ(classes[v], VertexClass::seam) << v;
+    }
+}
+
+// A fan whose centre has another uv in every triangle: no two triangles share position and uv over an edge.
+TEST(Classify, TellsTheIslandsOfALargeFanApart) {
+  Mesh mesh;
+  constexpr std::uint32_t n = 100;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const auto rim = [](std::uint32_t k) { return Vec3<double>{std::cos(0.06 * k), std::sin(0.06 * k), 0}; };
+    mesh.positions.insert(mesh.positions.end(), {{0, 0, 0}, rim(i), rim(i + 1)});
+    mesh.normals.insert(mesh.normals.end(), 3, {0, 0, 1});
+    mesh.uvs.insert(mesh.uvs.end(), {{(i + 0.5) / n, 1}, {1.0 * i / n, 0}, {(i + 1.0) / n, 0}});
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  EXPECT_EQ(classify(mesh, {}).islands, static_cast<std::int32_t>(n));
+}
+
 }  // namespace
 }  // namespace darboux

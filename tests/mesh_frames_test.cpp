@@ -201,5 +201,34 @@ TEST(FrameMethods, BadMeshesAreRefused) {
   }
 }
 
+// Data that are not finite, or so small that products vanish: a flagged fallback, never NaN.
+TEST(FrameMethods, NeverGiveNaNForBadData) {
+  const Mesh good = sample_mesh(Torus{1.0, 0.4}, {.columns = 8, .rows = 6});
+  constexpr std::size_t v = 9 * 3 + 4;
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    for (const FrameMethod& method : frame_methods()) {
+      std::array<Mesh, 3> meshes{good, good, good};
+      meshes[0].positions[v].x = bad;
+      meshes[1].normals[v].y = bad;
+      meshes[2].uvs[v].x = bad;
+      for (const Mesh& mesh : meshes)
+        for (const CornerFrame& frame : mesh_frames(mesh, method).frames) {
+          EXPECT_NEAR(norm(frame.t), 1, 1e-15) << method.name;
+          EXPECT_NEAR(norm(frame.n), 1, 1e-15) << method.name;
+        }
+    }
+  for (const FrameMethod& method : frame_methods()) {
+    const Mesh tiny_uvs =
+        one_triangle({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0, 0}, {1e-170, 0}, {0, 1e-170}}});
+    const Mesh tiny = one_triangle({{{0, 0, 0}, {1e-170, 0, 0}, {0, 1e-170, 0}}}, {{{0, 0}, {1, 0}, {0, 1}}});
+    for (const Mesh* mesh : {&tiny_uvs, &tiny})
+      for (std::size_t c = 0; c < 3; ++c) {
+        const MeshFrames result = mesh_frames(*mesh, method);
+        EXPECT_NEAR(norm(result.corner(c).t), 1, 1e-15) << method.name;
+        EXPECT_NEAR(norm(result.corner(c).n), 1, 1e-15) << method.name;
+      }
+  }
+}
+
 }  // namespace
 }  // namespace darboux

@@ -116,6 +116,15 @@ TEST(SampleMesh, JitterLeavesTheBordersAlone) {
   EXPECT_EQ(border_u, (std::set<double>{0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1}));
 }
 
+TEST(SampleMesh, AMirroredMeshStoresUBelowOne) {
+  for (const bool shared : {false, true}) {
+    SampleMeshOptions o = grid(8, 5);
+    o.mirror = true;
+    o.shared_seam = shared;
+    for (const auto& uv : sample_mesh(Torus{1.0, 0.4}, o).uvs) EXPECT_TRUE(uv.x >= 0 && uv.x <= 1) << uv.x;
+  }
+}
+
 TEST(SampleMesh, RefusesBadOptions) {
   const auto refused = [](auto change) {
     SampleMeshOptions o = grid(8, 8);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -207,6 +208,37 @@ TEST(Validate, AnInsideOutMeshIsComparedWithTheInwardNormal) {
   EXPECT_TRUE(report.inward);
   EXPECT_EQ(report.verdict, Verdict::pass);
   EXPECT_LE(class_of(report, VertexClass::interior).normal_deg->max, 1e-12);
+}
+
+// Normals alone turned over are wrong, not a mesh seen from inside.
+TEST(Validate, InvertedNormalsAreFound) {
+  Mesh mesh = sample_mesh(Torus{1.0, 0.4}, {.columns = 16, .rows = 9});
+  for (auto& n : mesh.normals) n = -n;
+  const MeshReport report = judge(mesh).report;
+  EXPECT_FALSE(report.inward);
+  EXPECT_EQ(report.verdict, Verdict::fail);
+  ASSERT_EQ(errors(report).size(), 1u);
+  EXPECT_EQ(errors(report).front().substr(0, 12), "NORMAL_ANGLE");
+  // Vertices that no triangle uses have no vote.
+  mesh = sample_mesh(Torus{1.0, 0.4}, {.columns = 16, .rows = 9});
+  for (std::size_t v = 0; v < 170; ++v) {
+    mesh.positions.push_back(mesh.positions[v]);
+    mesh.normals.push_back(-mesh.normals[v]);
+    mesh.uvs.push_back(mesh.uvs[v]);
+    mesh.tangents.push_back(mesh.tangents[v]);
+  }
+  EXPECT_EQ(judge(mesh).report.verdict, Verdict::pass);
+}
+
+// A triangle wound against its normals is told, be it one or all.
+TEST(Validate, CountsTrianglesWoundAgainstTheirNormals) {
+  Mesh mesh = sample_mesh(Torus{1.0, 0.4}, {.columns = 16, .rows = 9});
+  std::swap(mesh.triangles[7][1], mesh.triangles[7][2]);
+  const MeshReport report = judge(mesh).report;
+  const auto found = std::find_if(report.findings.begin(), report.findings.end(),
+                                  [](const Finding& f) { return f.code == "NORMALS_OPPOSE_WINDING"; });
+  ASSERT_NE(found, report.findings.end());
+  EXPECT_EQ(found->count, 3u);
 }
 
 TEST(Validate, RefusesAnInconsistentMesh) {

@@ -180,6 +180,8 @@ TEST_F(Cli, RefusesWrongUsageInOneLine) {
   refused("darboux");
   refused("darboux nonsense", {"nonsense", "validate", "eval"});
   refused("darboux check sphere --seed -1", {"--seed"});
+  refused("darboux eval sphere --at 0,0 --attributes normal,normal", {"normal", "twice"});
+  refused("darboux converge -o same.html --csv same.html", {"--csv", "-o"});
   refused("darboux mesh sphere --grid 8x4 -o - --json", {"standard output"});
   refused("darboux eval", {"SURFACE"});
   refused("darboux eval sphere --at 0,0 --no-such-option", {"--no-such-option"});
@@ -475,6 +477,16 @@ TEST_F(Cli, EvalReadsWhatItWrites) {
   good("printf '0.25,0.5\\n' > plain.csv");
   EXPECT_EQ(lines(good("darboux eval torus --input plain.csv --attributes position --format csv")).size(),
             2u);
+}
+
+TEST_F(Cli, EvalReadsHeadersAsSpreadsheetsWriteThem) {
+  write_bytes(path("plain.csv"), "0.25,0.5\n");
+  const std::string plain = good("darboux eval torus --input plain.csv --format csv");
+  for (const std::string text : {"u,v\n0.25,0.5\n", "u, v\r\n0.25, 0.5\r\n", "\xEF\xBB\xBFu,v\n0.25,0.5\n",
+                                 "# points\n\nname,v,u\nx,0.5,0.25\n"}) {
+    write_bytes(path("headed.csv"), text);
+    EXPECT_EQ(good("darboux eval torus --input headed.csv --format csv"), plain) << text;
+  }
 }
 
 TEST_F(Cli, JsonFlagAndFormatAreTheSame) {
