@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include <darboux/mesh_classes.h>
 #include <darboux/frame.h>
+#include <darboux/mesh_classes.h>
 #include <darboux/mesh_frames.h>
 #include <darboux/weld.h>
 

@@ -305,7 +305,7 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
        "tangents at a pole differ from the limit for their own u by up to " + rounded(pole_worst, 4) +
            " deg; at a pole no direction is right for every texture");
   note("NORMALS_INWARD", Severity::info, report.inward ? mesh.corners() : 0,
-       "normals point to the inside of the surface; they were compared with its inward normal");
+       "normals and triangles face the inside of the surface; they were compared with its inward normal");
   note("TANGENT_MISSING", Severity::info, has_tangents ? 0 : std::max<std::size_t>(mesh.corners(), 1),
        mesh.normals.empty() ? "the mesh stores no tangents"
                             : "the mesh stores no tangents; only its normals are judged");
