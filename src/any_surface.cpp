@@ -83,7 +83,7 @@ AnySurface make_surface(const SurfaceSpecification& specification) {
       bool known = false;
       for_each_parameter<X>([&, &name = name, &value = value](const auto& p) {
         if (p.name != name) return;
-        surface.*p.member = value;
+        p.of(surface) = value;
         known = true;
       });
       if (!known) parse_specification(specification.name + ":" + name + "=0");  // throws with the known ones

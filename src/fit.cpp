@@ -84,7 +84,7 @@ Vec3<S> local_position(const S* parameters, const Vec2<double>& uv) {
   using X = Surface<S>;
   X surface;
   constexpr auto list = X::parameters();
-  for (std::size_t k = 0; k < list.size(); ++k) surface.*list[k].member = parameters[k];
+  for (std::size_t k = 0; k < list.size(); ++k) list[k].of(surface) = parameters[k];
   return jet(surface, lift<S>(uv.x), lift<S>(uv.y)).position;
 }
 
@@ -125,7 +125,7 @@ std::optional<Pose<parameter_count<Surface<double>>>> linear_start(const Data& d
   std::array<D, N> variables;
   for (int k = 0; k < N; ++k) {
     constexpr auto list = Surface<double>::parameters();
-    variables[k] = D::variable(Surface<double>{}.*list[k].member, k);
+    variables[k] = D::variable(list[k].of(Surface<double>{}), k);
   }
   const auto n = static_cast<Eigen::Index>(data.positions.size());
   Eigen::MatrixXd design(n, 1 + 3 * N), right(n, 3);
@@ -157,7 +157,7 @@ std::optional<Pose<parameter_count<Surface<double>>>> linear_start(const Data& d
     for (int axis = 0; axis < 3; ++axis)
       if (design.col(1 + 3 * k + axis).cwiseAbs().maxCoeff() > 1e-9) trace += a(axis, axis), ++directions;
     constexpr auto list = Surface<double>::parameters();
-    pose.parameters[k] = directions > 0 ? trace / directions : Surface<double>{}.*list[k].member;
+    pose.parameters[k] = directions > 0 ? trace / directions : list[k].of(Surface<double>{});
     if (!list[k].permitted.contains(pose.parameters[k])) {
       // A limit value is permitted data (R = 0) that rounding may push across; anything else is another
       // convention.
@@ -231,7 +231,7 @@ MeshFit fit_kind(const Data& all, const SurfaceSpecification& kind,
     for (int k = 0; k < N; ++k)
       if (list[k].name == name) {
         held[k] = true;
-        start.*list[k].member = value;
+        list[k].of(start) = value;
       }
   checked(start);
 
@@ -242,7 +242,7 @@ MeshFit fit_kind(const Data& all, const SurfaceSpecification& kind,
     std::optional<Pose<N>> pose = linear_start<Surface>(data, convention);
     if (!pose) continue;
     for (int k = 0; k < N; ++k)
-      if (held[k]) pose->parameters[k] = start.*list[k].member * scale;
+      if (held[k]) pose->parameters[k] = list[k].of(start) * scale;
     if (placement) {
       pose->rotation = Eigen::Quaterniond(placement->linear());
       pose->translation = (placement->translation() - data.centre) * scale;
@@ -258,8 +258,8 @@ MeshFit fit_kind(const Data& all, const SurfaceSpecification& kind,
       // At its open bound a parameter has shrunk the surface to a line or a point.
       degenerate = degenerate || (!held[k] && !list[k].permitted.minimum_included &&
                                   pose->parameters[k] < list[k].permitted.minimum + 1e-6);
-      surface.*list[k].member = held[k] ? start.*list[k].member : pose->parameters[k] * data.diagonal;
-      permitted = permitted && list[k].permitted.contains(surface.*list[k].member);
+      list[k].of(surface) = held[k] ? list[k].of(start) : pose->parameters[k] * data.diagonal;
+      permitted = permitted && list[k].permitted.contains(list[k].of(surface));
     }
     if (!permitted) continue;
     MeshFit fit{.surface = {AnySurface(surface), Eigen::Isometry3d::Identity(), convention},

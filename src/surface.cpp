@@ -19,6 +19,10 @@ void throw_out_of_range(std::string_view subject, std::string_view name, double 
                                                  describe(permitted, name));
 }
 
+void throw_refused(std::string_view subject, std::string_view why) {
+  throw ParameterError(std::string(subject), std::string(why));
+}
+
 void detail::throw_singular_transform() {
   throw ParameterError("transform",
                        "the linear part is singular or not finite, permitted are invertible maps");

@@ -139,7 +139,7 @@ TYPED_TEST(HeldSurface, AnswersAsTheTypeItself) {
 
 TYPED_TEST(HeldSurface, DescribesItsParameters) {
   TypeParam surface;
-  for_each_parameter<TypeParam>([&](const auto& p) { surface.*p.member = 3; });
+  for_each_parameter<TypeParam>([&](const auto& p) { p.of(surface) = 3; });
   for (const ParameterValue& p : AnySurface(surface).parameters()) {
     EXPECT_EQ(p.value, 3) << p.name;
     EXPECT_NE(p.default_value, 3) << p.name;
@@ -152,7 +152,7 @@ struct Sheet {
   double depth = 1;
   static constexpr SurfaceInfo info{"sheet", "z = depth u²", Coordinate::linear, Coordinate::linear};
   static constexpr auto parameters() {
-    return std::array{parameter("depth", &Sheet::depth, Range{.minimum = -2, .maximum = 2}, "of the sheet")};
+    return std::array{parameter<&Sheet::depth>("depth", Range{.minimum = -2, .maximum = 2}, "of the sheet")};
   }
   template <class S>
   Jet2<S> jet(const S& u, const S& v) const {

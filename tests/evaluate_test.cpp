@@ -173,7 +173,7 @@ TYPED_TEST(Evaluate, NotFiniteInputGivesFlaggedNan) {
     expect_nan(TypeParam{}, 0.3, bad);
     for_each_parameter<TypeParam>([&](const auto& p) {
       TypeParam surface;
-      surface.*p.member = bad;
+      p.of(surface) = bad;
       expect_nan(surface, 0.3, 0.3);
     });
   }
@@ -181,7 +181,7 @@ TYPED_TEST(Evaluate, NotFiniteInputGivesFlaggedNan) {
 
 TYPED_TEST(Evaluate, OverflowIsFlaggedAndTheFrameStaysRight) {
   TypeParam surface;
-  for_each_parameter<TypeParam>([&](const auto& p) { surface.*p.member = 1e308; });
+  for_each_parameter<TypeParam>([&](const auto& p) { p.of(surface) = 1e308; });
   const Sample<double> s = sample(surface, 0.1, 0.3);
   EXPECT_TRUE(has(s.frame.status, Status::overflow));
   EXPECT_EQ(distance(s.frame, frame(TypeParam{}, 0.1, 0.3)), 0);

@@ -62,7 +62,7 @@ X random_surface(Random& random, double smallest, double largest) {
   const double size = random.log_uniform(4 * smallest, largest / 4);
   for_each_parameter<X>([&](const auto& p) {
     const double value = related ? size * random.log_uniform(0.25, 4) : random.log_uniform(smallest, largest);
-    if (p.permitted.contains(value)) surface.*p.member = value;
+    if (p.permitted.contains(value)) p.of(surface) = value;
   });
   return surface;
 }

@@ -54,7 +54,7 @@ TYPED_TEST(Laws, HoldWithRandomParameters) {
     TypeParam surface;
     const double size = random.log_uniform(1e-3, 1e3);
     for_each_parameter<TypeParam>(
-        [&](const auto& p) { surface.*p.member = size * random.log_uniform(0.5, 2); });
+        [&](const auto& p) { p.of(surface) = size * random.log_uniform(0.5, 2); });
     expect_all_pass(surface, {.points = 200, .seed = random.bits()});
   }
 }

@@ -77,7 +77,7 @@ TYPED_TEST(EverySurface, DescribesItselfForPeople) {
   EXPECT_FALSE(TypeParam::info.summary.empty());
   for_each_parameter<TypeParam>([](const auto& p) {
     EXPECT_FALSE(p.meaning.empty()) << p.name;
-    EXPECT_TRUE(p.permitted.contains(TypeParam{}.*p.member)) << p.name << ": the default is out of range";
+    EXPECT_TRUE(p.permitted.contains(p.of(TypeParam{}))) << p.name << ": the default is out of range";
   });
 }
 

@@ -18,9 +18,9 @@ struct PluckerConoid {
                                              darboux::Coordinate::linear,
                                              {"v=0"}};
   static constexpr auto parameters() {
-    return std::array{darboux::parameter("radius", &PluckerConoid::radius, darboux::Range::positive(),
+    return std::array{darboux::parameter<&PluckerConoid::radius>("radius", darboux::Range::positive(),
                                          "length of the line"),
-                      darboux::parameter("height", &PluckerConoid::height, darboux::Range::positive(),
+                      darboux::parameter<&PluckerConoid::height>("height", darboux::Range::positive(),
                                          "how far it rises and falls")};
   }
 

@@ -70,7 +70,7 @@ class AnySurface {
     std::vector<ParameterValue> parameters() const override {
       std::vector<ParameterValue> result;
       for_each_parameter<X>([&](const auto& p) {
-        result.push_back({p.name, surface.*p.member, X{}.*p.member, p.permitted, p.meaning});
+        result.push_back({p.name, p.of(surface), p.of(X{}), p.permitted, p.meaning});
       });
       return result;
     }

@@ -15,6 +15,7 @@ namespace darboux {
 template <class T, int N>
 struct Scalar<ceres::Jet<T, N>> {
   using D = ceres::Jet<T, N>;
+  static const T& value(const D& x) { return x.a; }
   static D pi() { return D(darboux::pi<T>()); }
   static D lift(double x) { return D(darboux::lift<T>(x)); }
   static Turn<D> sincos_turns(const D& u) { return sincos(Scalar<T>::sincos_turns(u.a), two_pi<T>(), u); }

@@ -31,7 +31,7 @@ bool outside(const S& x) {
 template <ParametricSurface X, std::floating_point S>
 Status status(const X& surface, S u, S v) {
   bool finite = std::isfinite(u) && std::isfinite(v);
-  for_each_parameter<X>([&](const auto& p) { finite = finite && std::isfinite(surface.*p.member); });
+  for_each_parameter<X>([&](const auto& p) { finite = finite && std::isfinite(p.of(surface)); });
   if (!finite) return Status::non_finite_input;
   Status result = Status::regular;
   if constexpr (DeclaresSingularPoints<X>)

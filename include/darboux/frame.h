@@ -15,77 +15,7 @@ namespace detail {
 
 [[noreturn]] void throw_singular_transform();
 
-template <std::floating_point S>
-S largest_component(const Vec3<S>& a) {
-  return std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z)));
-}
-
-// The greatest power of two not above the largest component, as an exponent; 0 for a zero or non-finite vector.
-template <std::floating_point S>
-int exponent(const Vec3<S>& a) {
-  const S m = largest_component(a);
-  return m > 0 && std::isfinite(m) ? std::ilogb(m) : 0;
-}
-
-// The same, but 0 where the squares of the components that matter are ordinary numbers: nothing to scale.
-template <std::floating_point S>
-int scale_exponent(const Vec3<S>& a) {
-  constexpr S small = std::same_as<S, float> ? S(0x1p-38) : S(0x1p-450), large = 1 / small;
-  const S m = largest_component(a);
-  return small < m && m < large ? 0 : exponent(a);
-}
-
-template <std::floating_point S>
-Vec3<S> scaled_by_power_of_two(const Vec3<S>& a, int exponent) {
-  return {std::scalbn(a.x, exponent), std::scalbn(a.y, exponent), std::scalbn(a.z, exponent)};
-}
-
-// a b and its rounding error, by splitting (Dekker 1971). [Dekker1971]
-template <std::floating_point S>
-struct Product {
-  S value, error;
-  Product(S a, S b) : value(a * b) {
-    constexpr S splitter = S((std::uint64_t{1} << ((std::numeric_limits<S>::digits + 1) / 2)) + 1);
-    const S ca = splitter * a, cb = splitter * b;
-    const S ah = ca - (ca - a), al = a - ah, bh = cb - (cb - b), bl = b - bh;
-    error = ((ah * bh - value) + ah * bl + al * bh) + al * bl;
-  }
-};
-
 }  // namespace detail
-
-/// a b - c d with an error of at most 2 ulp of the result, whatever cancels: both products are taken exactly.
-/// For |a|, |b|, |c|, |d| whose products neither overflow nor underflow. [Jeannerod2013] has the fma form.
-template <std::floating_point S>
-S difference_of_products(S a, S b, S c, S d) {
-  const detail::Product<S> ab(a, b), cd(c, d);
-  return (ab.value - cd.value) + (ab.error - cd.error);
-}
-
-/// The length of a, without overflow or underflow in between.
-template <std::floating_point S>
-S norm(const Vec3<S>& a) {
-  const int e = detail::scale_exponent(a);
-  if (e == 0) return std::sqrt(dot(a, a));
-  const Vec3<S> scaled = detail::scaled_by_power_of_two(a, -e);
-  return std::scalbn(std::sqrt(dot(scaled, scaled)), e);
-}
-
-/// a / |a|, each component within 2 ulp; the zero vector for a zero one.
-template <std::floating_point S>
-Vec3<S> unit(const Vec3<S>& a) {
-  const int e = detail::scale_exponent(a);
-  const Vec3<S> scaled = e == 0 ? a : detail::scaled_by_power_of_two(a, -e);
-  const S length = std::sqrt(dot(scaled, scaled));
-  return length == S(0) ? scaled : scaled / length;
-}
-
-/// a × b for vectors of ordinary size (scale first), each component a difference of products.
-template <std::floating_point S>
-Vec3<S> accurate_cross(const Vec3<S>& a, const Vec3<S>& b) {
-  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
-          difference_of_products(a.x, b.y, a.y, b.x)};
-}
 
 /// The angle between two directions of any length, in radians, accurate near 0 and near π. [Kahan2006]
 template <std::floating_point S>

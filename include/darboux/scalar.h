@@ -187,8 +187,8 @@ S two_pi() {
   return lift<S>(2.0) * Scalar<S>::pi();
 }
 
-/// A dual number: a value and its first derivatives with respect to N variables, carried through + - * / and
-/// sqrt by the rules of differentiation. Comparisons look at the value. Nest it (Dual<Dual<double, 2>, 2>)
+/// A dual number: a value and its first derivatives with respect to N variables, carried through + - * /, sqrt, exp,
+/// log, sinh, cosh, tanh, pow and abs by the rules of differentiation. Comparisons look at the value. Nest it (Dual<Dual<double, 2>, 2>)
 /// for second derivatives.
 template <class T, int N>
 struct Dual {
@@ -247,6 +247,34 @@ struct Dual {
     const T root = sqrt(x.value);
     return chain(root, lift<T>(0.5) / root, x);
   }
+  friend Dual exp(const Dual& x) {
+    using std::exp;
+    const T value = exp(x.value);
+    return chain(value, value, x);
+  }
+  friend Dual log(const Dual& x) {
+    using std::log;
+    return chain(log(x.value), lift<T>(1.0) / x.value, x);
+  }
+  friend Dual sinh(const Dual& x) {
+    using std::cosh, std::sinh;
+    return chain(sinh(x.value), cosh(x.value), x);
+  }
+  friend Dual cosh(const Dual& x) {
+    using std::cosh, std::sinh;
+    return chain(cosh(x.value), sinh(x.value), x);
+  }
+  friend Dual tanh(const Dual& x) {
+    using std::cosh, std::tanh;
+    const T c = cosh(x.value);
+    return chain(tanh(x.value), lift<T>(1.0) / c / c, x);
+  }
+  /// x to a constant power, x >= 0; its derivative for x > 0 only.
+  friend Dual pow(const Dual& x, const Dual& constant) {
+    using std::pow;
+    const T value = pow(x.value, constant.value);
+    return chain(value, constant.value * pow(x.value, constant.value - lift<T>(1.0)), x);
+  }
   friend Dual abs(const Dual& x) { return x.value < lift<T>(0.0) ? -x : x; }
   friend bool isfinite(const Dual& x) {
     using std::isfinite;
@@ -272,6 +300,7 @@ Turn<D> sincos_dual(const Turn<T>& angle, const T& omega, Chain chain) {
 template <class T, int N>
 struct Scalar<Dual<T, N>> {
   using D = Dual<T, N>;
+  static const T& value(const D& x) { return x.value; }
   static D pi() { return D(darboux::pi<T>()); }
   static D lift(double x) { return D(darboux::lift<T>(x)); }
   static Turn<D> sincos_turns(const D& u) { return sincos(Scalar<T>::sincos_turns(u.value), two_pi<T>(), u); }

@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <darboux/scalar.h>
@@ -104,18 +105,42 @@ struct Range {
 /// "0 < radius < inf", for messages and tables.
 std::string describe(const Range& permitted, std::string_view name);
 
+/// The magnitudes of a parameter for which the stated error bounds are proven. (Any permitted value may be used.)
+struct Magnitudes {
+  double smallest = 1e-150, largest = 1e150;
+};
+
 /// One parameter of a surface type; its default is the member's initialiser.
 template <class Surface, class T>
 struct Parameter {
   std::string_view name;
-  T Surface::*member;
+  T& (*reach)(Surface&);
   Range permitted;
   std::string_view meaning;
+  Magnitudes proven;
+
+  constexpr T& of(Surface& surface) const { return reach(surface); }
+  constexpr const T& of(const Surface& surface) const { return reach(const_cast<Surface&>(surface)); }
 };
+
+namespace detail {
+
+template <class Surface, class T, auto... path>
+constexpr T& reach(Surface& surface) {
+  return (surface.*....*path);
+}
 template <class Surface, class T>
-constexpr Parameter<Surface, T> parameter(std::string_view name, T Surface::*member, Range permitted,
-                                          std::string_view meaning) {
-  return {name, member, permitted, meaning};
+Surface surface_of(T Surface::*);
+
+}  // namespace detail
+
+/// The parameter that is the member `first`, or the member of a member: parameter<&Torus::major_radius>("major_radius",
+/// ...), parameter<&BilinearPatch::p00, &Vec3<T>::x>("p00_x", ...).
+template <auto first, auto... rest>
+constexpr auto parameter(std::string_view name, Range permitted, std::string_view meaning, Magnitudes proven = {}) {
+  using Surface = decltype(detail::surface_of(first));
+  using T = std::remove_cvref_t<decltype(((std::declval<Surface&>().*first).*....*rest))>;
+  return Parameter<Surface, T>{name, &detail::reach<Surface, T, first, rest...>, permitted, meaning, proven};
 }
 
 /// What a surface type says of itself.
@@ -123,7 +148,7 @@ struct SurfaceInfo {
   std::string_view name;     ///< as on the command line, e.g. "torus"
   std::string_view summary;  ///< one line for people
   Coordinate u, v;
-  std::array<std::string_view, 2>
+  std::array<std::string_view, 4>
       singular{};  ///< where the chart is singular, e.g. "v=0"; unused entries empty
   bool orientable = true;
 };
@@ -145,10 +170,14 @@ using Prepared = decltype(prepare<kind>(std::declval<S>()));
 
 /// A surface type: `info`, and jet(u, v) on prepared coordinates of any scalar. It may add
 ///   static constexpr auto parameters()    names, members, permitted ranges: an array of Parameter
+///   std::string refusal()                 what is wrong with the parameters together, empty when nothing is
 ///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
 ///   Status singular(u, v)                 the bits of Status that hold at this point
-///   S implicit(Vec3<S>)                   independent fact: zero on the surface, a length near it
-///   S gaussian_curvature(u, v)            independent fact
+/// and independent facts, at least one, each from another source than jet():
+///   S implicit(Vec3<S>)                   zero on the surface, a length near it
+///   S gaussian_curvature(u, v)            K in closed form
+///   S mean_curvature(u, v)                H in closed form, for the n of the frame
+///   Vec3<S> position_again(u, v)          the position by another formula
 /// docs/howto/add-a-surface.md shows one from start to end.
 template <class X>
 concept ParametricSurface = requires(const X& x, const Prepared<X::info.u, double>& u,
@@ -180,6 +209,20 @@ concept StatesGaussianCurvature = requires(const X& x, const Prepared<X::info.u,
                                            const Prepared<X::info.v, double>& v) {
   { x.gaussian_curvature(u, v) } -> std::same_as<double>;
 };
+template <class X>
+concept StatesMeanCurvature = requires(const X& x, const Prepared<X::info.u, double>& u,
+                                       const Prepared<X::info.v, double>& v) {
+  { x.mean_curvature(u, v) } -> std::same_as<double>;
+};
+template <class X>
+concept StatesPositionAgain = requires(const X& x, const Prepared<X::info.u, double>& u,
+                                       const Prepared<X::info.v, double>& v) {
+  { x.position_again(u, v) } -> std::same_as<Vec3<double>>;
+};
+template <class X>
+concept RefusesCombinations = requires(const X& x) {
+  { x.refusal() } -> std::same_as<std::string>;
+};
 
 /// Calls f(parameter) for each parameter of the surface type, in order.
 template <class X, class F>
@@ -188,14 +231,19 @@ constexpr void for_each_parameter(F&& f) {
     for (const auto& p : X::parameters()) f(p);
 }
 
+/// Throws the ParameterError of a surface whose parameters do not go together.
+[[noreturn]] void throw_refused(std::string_view subject, std::string_view why);
+
 /// The surface itself, checked: the one place where a parameter out of range is refused.
 /// \throws ParameterError naming surface and parameter, its value and the permitted range
 template <class X>
 const X& checked(const X& surface) {
   for_each_parameter<X>([&](const auto& p) {
-    const double value = static_cast<double>(surface.*p.member);
+    const double value = static_cast<double>(p.of(surface));
     if (!p.permitted.contains(value)) throw_out_of_range(X::info.name, p.name, value, p.permitted);
   });
+  if constexpr (RefusesCombinations<X>)
+    if (const std::string why = surface.refusal(); !why.empty()) throw_refused(X::info.name, why);
   return surface;
 }
 

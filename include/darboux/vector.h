@@ -4,9 +4,12 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 
 #include <Eigen/Core>
+
+#include <darboux/scalar.h>
 
 namespace darboux {
 
@@ -15,6 +18,10 @@ template <class S>
 struct Vec2 {
   S x{}, y{};
   friend constexpr bool operator==(const Vec2&, const Vec2&) = default;
+  friend constexpr Vec2 operator+(const Vec2& a, const Vec2& b) { return {a.x + b.x, a.y + b.y}; }
+  friend constexpr Vec2 operator-(const Vec2& a, const Vec2& b) { return {a.x - b.x, a.y - b.y}; }
+  friend constexpr Vec2 operator*(const S& k, const Vec2& a) { return {k * a.x, k * a.y}; }
+  friend constexpr Vec2 operator/(const Vec2& a, const S& k) { return {a.x / k, a.y / k}; }
 };
 
 /// A point or direction in space. Only + - * / of the scalar are used, so that S may be a dual number, a SIMD
@@ -51,6 +58,120 @@ constexpr S dot(const Vec3<S>& a, const Vec3<S>& b) {
 template <class S>
 constexpr Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+template <class S>
+constexpr S dot(const Vec2<S>& a, const Vec2<S>& b) {
+  return a.x * b.x + a.y * b.y;
+}
+
+namespace detail {
+
+// The size of a number as a double, for scaling only; 1 where its type does not tell (it then has no need of scaling).
+template <class S>
+double size_of(const S& x) {
+  if constexpr (std::floating_point<S>)
+    return std::fabs(static_cast<double>(x));
+  else if constexpr (requires { Scalar<S>::value(x); })
+    return size_of(Scalar<S>::value(x));
+  else
+    return 1;
+}
+template <class S>
+double largest_component(const Vec2<S>& a) {
+  return std::fmax(size_of(a.x), size_of(a.y));
+}
+template <class S>
+double largest_component(const Vec3<S>& a) {
+  return std::fmax(size_of(a.x), std::fmax(size_of(a.y), size_of(a.z)));
+}
+
+// The greatest power of two not above the largest component, as an exponent; 0 for a zero or non-finite vector.
+template <class V>
+int exponent(const V& a) {
+  const double m = largest_component(a);
+  return m > 0 && std::isfinite(m) ? std::ilogb(m) : 0;
+}
+
+// The same, but 0 where the squares of the components that matter are ordinary numbers: nothing to scale.
+template <template <class> class V, class S>
+int scale_exponent(const V<S>& a) {
+  constexpr double small = std::same_as<S, float> ? 0x1p-38 : 0x1p-450, large = 1 / small;
+  const double m = largest_component(a);
+  return small < m && m < large ? 0 : exponent(a);
+}
+
+template <class S>
+S scaled_by_power_of_two(const S& x, int exponent) {
+  if constexpr (std::floating_point<S>)
+    return std::scalbn(x, exponent);
+  else  // in two steps: each factor is a normal number
+    return x * lift<S>(std::scalbn(1.0, exponent / 2)) * lift<S>(std::scalbn(1.0, exponent - exponent / 2));
+}
+template <class S>
+Vec2<S> scaled_by_power_of_two(const Vec2<S>& a, int exponent) {
+  return {scaled_by_power_of_two(a.x, exponent), scaled_by_power_of_two(a.y, exponent)};
+}
+template <class S>
+Vec3<S> scaled_by_power_of_two(const Vec3<S>& a, int exponent) {
+  return {scaled_by_power_of_two(a.x, exponent), scaled_by_power_of_two(a.y, exponent),
+          scaled_by_power_of_two(a.z, exponent)};
+}
+
+// a b and its rounding error, by splitting (Dekker 1971). [Dekker1971]
+template <std::floating_point S>
+struct Product {
+  S value, error;
+  Product(S a, S b) : value(a * b) {
+    constexpr S splitter = S((std::uint64_t{1} << ((std::numeric_limits<S>::digits + 1) / 2)) + 1);
+    const S ca = splitter * a, cb = splitter * b;
+    const S ah = ca - (ca - a), al = a - ah, bh = cb - (cb - b), bl = b - bh;
+    error = ((ah * bh - value) + ah * bl + al * bh) + al * bl;
+  }
+};
+
+}  // namespace detail
+
+/// The length of a, without overflow or underflow in between. Any scalar.
+template <template <class> class V, class S>
+  requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>)
+S norm(const V<S>& a) {
+  using std::sqrt;
+  const int e = detail::scale_exponent(a);
+  if (e == 0) return sqrt(dot(a, a));
+  const V<S> scaled = detail::scaled_by_power_of_two(a, -e);
+  return detail::scaled_by_power_of_two(S(sqrt(dot(scaled, scaled))), e);
+}
+
+/// a / |a|, each component within 2 ulp; the zero vector for a zero one. Any scalar.
+template <template <class> class V, class S>
+  requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>)
+V<S> unit(const V<S>& a) {
+  using std::sqrt;
+  const int e = detail::scale_exponent(a);
+  const V<S> scaled = e == 0 ? a : detail::scaled_by_power_of_two(a, -e);
+  const S length = sqrt(dot(scaled, scaled));
+  return detail::size_of(length) == 0 ? scaled : scaled / length;
+}
+
+/// a b - c d. Floating-point: with an error of at most 2 ulp of the result, whatever cancels, as both products are
+/// taken exactly; for products that neither overflow nor underflow. [Jeannerod2013] has the fma form. Other scalars:
+/// as written.
+template <class S>
+S difference_of_products(const S& a, const S& b, const S& c, const S& d) {
+  if constexpr (std::floating_point<S>) {
+    const detail::Product<S> ab(a, b), cd(c, d);
+    return (ab.value - cd.value) + (ab.error - cd.error);
+  } else {
+    return a * b - c * d;
+  }
+}
+
+/// a × b for vectors of ordinary size (scale first), each component a difference of products.
+template <class S>
+Vec3<S> accurate_cross(const Vec3<S>& a, const Vec3<S>& b) {
+  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+          difference_of_products(a.x, b.y, a.y, b.x)};
 }
 
 /// The same vector, for Eigen.

@@ -29,7 +29,7 @@ Surface<To> rebind(const Surface<From>& surface) {
   if constexpr (HasParameters<Surface<From>>) {
     constexpr auto from = Surface<From>::parameters();
     constexpr auto to = Surface<To>::parameters();
-    for (std::size_t i = 0; i < from.size(); ++i) result.*to[i].member = lift<To>(surface.*from[i].member);
+    for (std::size_t i = 0; i < from.size(); ++i) to[i].of(result) = lift<To>(from[i].of(surface));
   }
   return result;
 }

@@ -17,8 +17,8 @@ struct Cylinder {
   static constexpr SurfaceInfo info{"cylinder", "open circular cylinder about z", Coordinate::turn,
                                     Coordinate::linear};
   static constexpr auto parameters() {
-    return std::array{parameter("radius", &Cylinder::radius, Range::positive(), "radius"),
-                      parameter("height", &Cylinder::height, Range::positive(), "length along the axis")};
+    return std::array{parameter<&Cylinder::radius>("radius", Range::positive(), "radius"),
+                      parameter<&Cylinder::height>("height", Range::positive(), "length along the axis")};
   }
 
   template <class S>

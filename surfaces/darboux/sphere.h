@@ -22,7 +22,7 @@ struct Sphere {
                                     Coordinate::half_turn,
                                     {"v=0", "v=1"}};
   static constexpr auto parameters() {
-    return std::array{parameter("radius", &Sphere::radius, Range::positive(), "radius")};
+    return std::array{parameter<&Sphere::radius>("radius", Range::positive(), "radius")};
   }
 
   template <class S>

@@ -25,9 +25,9 @@ struct Torus {
                                     {"cos 2πv = -major_radius/minor_radius"}};
   static constexpr auto parameters() {
     return std::array{
-        parameter("major_radius", &Torus::major_radius, Range::not_negative(),
+        parameter<&Torus::major_radius>("major_radius", Range::not_negative(),
                   "distance of the tube's centre from the axis"),
-        parameter("minor_radius", &Torus::minor_radius, Range::positive(), "radius of the tube")};
+        parameter<&Torus::minor_radius>("minor_radius", Range::positive(), "radius of the tube")};
   }
 
   template <class S>
