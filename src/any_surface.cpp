@@ -25,6 +25,12 @@ const AnySurface& find_surface(const std::string& name) {
                            join(all_surfaces(), [](const AnySurface& s) { return s.info().name; }));
 }
 
+[[noreturn]] void throw_unknown_parameter(const AnySurface& surface, const std::string& name) {
+  throw ParameterError(std::string(surface.info().name),
+                       "unknown parameter '" + name + "', known are " +
+                           join(surface.parameters(), [](const ParameterValue& p) { return p.name; }));
+}
+
 double parse_number(const std::string& subject, std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -60,8 +66,7 @@ SurfaceSpecification parse_specification(std::string_view text) {
     const std::string name(item.substr(0, equals));
     const auto parameters = surface.parameters();
     if (std::none_of(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; }))
-      throw ParameterError(result.name, "unknown parameter '" + name + "', known are " +
-                                            join(parameters, [](const ParameterValue& p) { return p.name; }));
+      throw_unknown_parameter(surface, name);
     if (equals == std::string_view::npos)
       throw ParameterError(result.name, "parameter '" + name + "' has no value, write " + name + "=number");
     if (std::any_of(result.parameters.begin(), result.parameters.end(),
@@ -74,23 +79,17 @@ SurfaceSpecification parse_specification(std::string_view text) {
 }
 
 AnySurface make_surface(const SurfaceSpecification& specification) {
-  find_surface(specification.name);  // throws for an unknown one
-  std::optional<AnySurface> result;
-  Catalogue::for_each([&](auto surface) {
-    using X = decltype(surface);
-    if (X::info.name != specification.name) return;
-    for (const auto& [name, value] : specification.parameters) {
-      bool known = false;
-      for_each_parameter<X>([&, &name = name, &value = value](const auto& p) {
-        if (p.name != name) return;
-        p.of(surface) = value;
-        known = true;
-      });
-      if (!known) parse_specification(specification.name + ":" + name + "=0");  // throws with the known ones
-    }
-    result.emplace(surface);
-  });
-  return *result;
+  const AnySurface& standard = find_surface(specification.name);
+  const std::vector<ParameterValue> parameters = standard.parameters();
+  std::vector<double> values;
+  for (const ParameterValue& p : parameters) values.push_back(p.value);
+  for (const auto& [name, value] : specification.parameters) {
+    const auto p = std::find_if(parameters.begin(), parameters.end(),
+                                [&name = name](const ParameterValue& q) { return q.name == name; });
+    if (p == parameters.end()) throw_unknown_parameter(standard, name);
+    values[static_cast<std::size_t>(p - parameters.begin())] = value;
+  }
+  return standard.with(values);
 }
 
 AnySurface make_surface(std::string_view text) {

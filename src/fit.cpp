@@ -68,6 +68,17 @@ Data evenly_chosen(const Data& all) {
   return chosen;
 }
 
+// The kinds whose position is linear in their parameters, all of them lengths: the linear start takes both for granted.
+// The order is that of preference: a sphere is an ellipsoid too.
+template <template <class> class... Surfaces>
+struct Kinds {
+  template <class F>
+  static void for_each(F f) {
+    (f.template operator()<Surfaces>(), ...);
+  }
+};
+using FittedKinds = Kinds<Plane, Disk, Sphere, Cylinder, Cone, Torus, Ellipsoid>;
+
 template <class X>
 constexpr int parameter_count = static_cast<int>(X::parameters().size());
 
@@ -286,13 +297,11 @@ MeshFit fit_kind(const Data& all, const SurfaceSpecification& kind,
   return *best;
 }
 
-MeshFit fit_by_name(const Data& data, const SurfaceSpecification& kind,
-                    const std::optional<Eigen::Isometry3d>& placement) {
-  std::optional<MeshFit> result;
-  Catalogue::for_each([&]<template <class> class Surface>(const Surface<double>&) {
-    if (Surface<double>::info.name == kind.name) result = fit_kind<Surface>(data, kind, placement);
+template <class F>
+void for_each_kind(F f) {
+  FittedKinds::for_each([&]<template <class> class Surface>() {
+    f(Surface<double>::info.name, [](const auto&... arguments) { return fit_kind<Surface>(arguments...); });
   });
-  return *result;
 }
 
 }  // namespace
@@ -300,22 +309,30 @@ MeshFit fit_by_name(const Data& data, const SurfaceSpecification& kind,
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement) {
   make_surface(kind);  // refuses unknown names and values out of range
-  return fit_by_name(usable_vertices(mesh), kind, placement);
+  std::optional<MeshFit> result;
+  std::string known;
+  for_each_kind([&](std::string_view name, auto fit) {
+    known += (known.empty() ? "" : ", ") + std::string(name);
+    if (name == kind.name) result = fit(usable_vertices(mesh), kind, placement);
+  });
+  if (!result) throw ParameterError(kind.name, "cannot be fitted to a mesh, permitted are " + known);
+  return *result;
 }
 
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
   const Data data = usable_vertices(mesh);
   std::optional<MeshFit> best;
-  for (const AnySurface& surface : all_surfaces()) {
+  for_each_kind([&](std::string_view name, auto fit_this) {
+    if (best && best->fits) return;
     try {
-      MeshFit fit = fit_by_name(data, {std::string(surface.info().name), {}}, placement);
+      MeshFit fit = fit_this(data, SurfaceSpecification{std::string(name), {}}, placement);
       if (!best || std::pair(!fit.fits, fit.rms_relative) < std::pair(!best->fits, best->rms_relative))
         best = std::move(fit);
     } catch (const MeshError&) {
       // Not this kind: no convention even starts.
     }
-  }
-  if (!best) throw MeshError("mesh", "is none of the catalogue's surfaces");
+  });
+  if (!best) throw MeshError("mesh", "is none of the surfaces that can be fitted");
   return *best;
 }
 

@@ -4,13 +4,15 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <darboux/evaluate.h>
+#include <darboux/many_digits.h>
 #include <darboux/surface.h>
-#include <darboux/testing.h>
 
 namespace darboux {
 
@@ -20,12 +22,17 @@ struct ParameterValue {
   double value, default_value;
   Range permitted;
   std::string_view meaning;
+  Magnitudes proven;
 };
+
+/// A value and its derivatives with respect to u and v; nested, the second ones too.
+using DualUV = Dual<double, 2>;
+using NestedDualUV = Dual<DualUV, 2>;
 
 /// Holds any surface type over double, by value (shared and immutable). One virtual call an evaluation.
 class AnySurface {
  public:
-  /// Any type that fulfils ParametricSurface, in the catalogue or not.
+  /// Any type that fulfils ParametricSurface for every scalar named below, in the catalogue or not.
   /// \throws ParameterError when a parameter is out of its range
   template <ParametricSurface X>
   AnySurface(const X& surface) : held_(std::make_shared<Model<X>>(checked(surface))) {}  // NOLINT: converting
@@ -33,13 +40,33 @@ class AnySurface {
   const SurfaceInfo& info() const { return held_->info(); }
   std::vector<ParameterValue> parameters() const { return held_->parameters(); }
   Jet2<double> jet(double u, double v) const { return held_->jet(u, v); }
+  Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const { return held_->jet(u, v); }
+  Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const { return held_->jet(u, v); }
+  /// In 40 digits, optionally with other values for the parameters (in the order of parameters(), all of them).
+  Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v, std::span<const ManyDigits> values = {}) const {
+    return held_->jet(u, v, values);
+  }
   Frame<double> frame(double u, double v) const { return held_->frame(u, v); }
-  ParametricFrame<double> parametric_frame(double u, double v) const { return held_->parametric_frame(u, v); }
-  Sample<double> sample(double u, double v) const { return held_->sample(u, v); }
-  /// The independent facts the type states: "implicit", "gaussian_curvature".
+  ParametricFrame<double> parametric_frame(double u, double v) const {
+    return darboux::parametric_frame(frame(u, v), jet(u, v));
+  }
+  Sample<double> sample(double u, double v) const { return make_sample(u, v, jet(u, v), frame(u, v)); }
+  /// Everything in single precision, parameters too.
+  Sample<float> sample_in_float(float u, float v) const { return held_->sample_in_float(u, v); }
+  bool has_closed_frame() const { return held_->has_closed_frame(); }
+
+  /// The independent facts the type states, of: implicit, gaussian_curvature, mean_curvature, position_again.
   std::vector<std::string_view> facts() const { return held_->facts(); }
-  /// Every law of testing.h on this surface.
-  std::vector<Check> check(const CheckOptions& options) const { return held_->check(options); }
+  /// Their values, absent where the type does not state the fact.
+  std::optional<double> implicit(const Vec3<double>& p) const { return held_->implicit(p); }
+  std::optional<double> gaussian_curvature(double u, double v) const { return held_->gaussian_curvature(u, v); }
+  std::optional<double> mean_curvature(double u, double v) const { return held_->mean_curvature(u, v); }
+  std::optional<Vec3<double>> position_again(double u, double v) const { return held_->position_again(u, v); }
+
+  /// The same surface with other values for all its parameters, in the order of parameters().
+  /// \throws ParameterError when one is out of its range
+  AnySurface with(std::span<const double> values) const { return held_->with(values); }
+
   /// The held object when it is an X, else null.
   template <class X>
   const X* get() const {
@@ -57,37 +84,87 @@ class AnySurface {
     virtual const SurfaceInfo& info() const = 0;
     virtual std::vector<ParameterValue> parameters() const = 0;
     virtual Jet2<double> jet(double u, double v) const = 0;
+    virtual Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const = 0;
+    virtual Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const = 0;
+    virtual Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v,
+                                 std::span<const ManyDigits> values) const = 0;
     virtual Frame<double> frame(double u, double v) const = 0;
-    virtual ParametricFrame<double> parametric_frame(double u, double v) const = 0;
-    virtual Sample<double> sample(double u, double v) const = 0;
+    virtual Sample<float> sample_in_float(float u, float v) const = 0;
+    virtual bool has_closed_frame() const = 0;
     virtual std::vector<std::string_view> facts() const = 0;
-    virtual std::vector<Check> check(const CheckOptions& options) const = 0;
+    virtual std::optional<double> implicit(const Vec3<double>& p) const = 0;
+    virtual std::optional<double> gaussian_curvature(double u, double v) const = 0;
+    virtual std::optional<double> mean_curvature(double u, double v) const = 0;
+    virtual std::optional<Vec3<double>> position_again(double u, double v) const = 0;
+    virtual AnySurface with(std::span<const double> values) const = 0;
   };
+
   template <class X>
   struct Model final : Concept {
     explicit Model(const X& s) : surface(s) {}
     const SurfaceInfo& info() const override { return X::info; }
     std::vector<ParameterValue> parameters() const override {
       std::vector<ParameterValue> result;
-      for_each_parameter<X>([&](const auto& p) {
-        result.push_back({p.name, p.of(surface), p.of(X{}), p.permitted, p.meaning});
+      for_each_parameter<X>([&, standard = X{}](const auto& p) {
+        result.push_back({p.name, p.of(surface), p.of(standard), p.permitted, p.meaning, p.proven});
       });
       return result;
     }
     Jet2<double> jet(double u, double v) const override { return darboux::jet(surface, u, v); }
-    Frame<double> frame(double u, double v) const override { return darboux::frame(surface, u, v); }
-    ParametricFrame<double> parametric_frame(double u, double v) const override {
-      return darboux::parametric_frame(surface, u, v);
+    Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const override { return darboux::jet(surface, u, v); }
+    Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const override {
+      return darboux::jet(surface, u, v);
     }
-    Sample<double> sample(double u, double v) const override { return darboux::sample(surface, u, v); }
+    Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v,
+                         std::span<const ManyDigits> values) const override {
+      auto many = rebind<ManyDigits>(surface);
+      std::size_t k = 0;
+      for_each_parameter<decltype(many)>([&](const auto& p) {
+        using T = std::remove_cvref_t<decltype(p.of(many))>;
+        if (k < values.size()) p.of(many) = static_cast<T>(values[k++]);
+      });
+      return darboux::jet(many, u, v);
+    }
+    Frame<double> frame(double u, double v) const override { return darboux::frame(surface, u, v); }
+    Sample<float> sample_in_float(float u, float v) const override {
+      return darboux::sample(rebind<float>(surface), u, v);
+    }
+    bool has_closed_frame() const override { return HasClosedFrame<X>; }
     std::vector<std::string_view> facts() const override {
       std::vector<std::string_view> result;
       if constexpr (StatesImplicit<X>) result.push_back("implicit");
       if constexpr (StatesGaussianCurvature<X>) result.push_back("gaussian_curvature");
+      if constexpr (StatesMeanCurvature<X>) result.push_back("mean_curvature");
+      if constexpr (StatesPositionAgain<X>) result.push_back("position_again");
       return result;
     }
-    std::vector<Check> check(const CheckOptions& options) const override {
-      return check_surface(surface, options);
+    std::optional<double> implicit([[maybe_unused]] const Vec3<double>& p) const override {
+      if constexpr (StatesImplicit<X>) return surface.implicit(p);
+      return std::nullopt;
+    }
+    std::optional<double> gaussian_curvature([[maybe_unused]] double u, [[maybe_unused]] double v) const override {
+      if constexpr (StatesGaussianCurvature<X>)
+        return surface.gaussian_curvature(prepare<X::info.u>(u), prepare<X::info.v>(v));
+      return std::nullopt;
+    }
+    std::optional<double> mean_curvature([[maybe_unused]] double u, [[maybe_unused]] double v) const override {
+      if constexpr (StatesMeanCurvature<X>)
+        return surface.mean_curvature(prepare<X::info.u>(u), prepare<X::info.v>(v));
+      return std::nullopt;
+    }
+    std::optional<Vec3<double>> position_again([[maybe_unused]] double u,
+                                               [[maybe_unused]] double v) const override {
+      if constexpr (StatesPositionAgain<X>)
+        return surface.position_again(prepare<X::info.u>(u), prepare<X::info.v>(v));
+      return std::nullopt;
+    }
+    AnySurface with(std::span<const double> values) const override {
+      X changed = surface;
+      std::size_t k = 0;
+      for_each_parameter<X>([&](const auto& p) {
+        if (k < values.size()) p.of(changed) = values[k++];
+      });
+      return AnySurface(changed);
     }
     X surface;
   };

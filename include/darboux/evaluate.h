@@ -15,6 +15,16 @@ Jet2<S> jet(const X& surface, const S& u, const S& v) {
 
 namespace detail {
 
+template <Coordinate kind, class P>
+bool outside_prepared(const P& x) {
+  if constexpr (kind == Coordinate::linear)
+    return x < P(0) || x > P(1);
+  else if constexpr (kind == Coordinate::half_turn)
+    return x.sin < decltype(x.sin)(0);
+  else
+    return false;
+}
+
 template <Coordinate kind, class S>
 bool outside(const S& x) {
   if constexpr (kind == Coordinate::linear || kind == Coordinate::half_turn)
@@ -31,7 +41,7 @@ bool outside(const S& x) {
 template <ParametricSurface X, std::floating_point S>
 Status status(const X& surface, S u, S v) {
   bool finite = std::isfinite(u) && std::isfinite(v);
-  for_each_parameter<X>([&](const auto& p) { finite = finite && std::isfinite(p.of(surface)); });
+  for_each_parameter<X>([&](const auto& p) { finite = finite && std::isfinite(static_cast<double>(p.of(surface))); });
   if (!finite) return Status::non_finite_input;
   Status result = Status::regular;
   if constexpr (DeclaresSingularPoints<X>)
@@ -40,45 +50,90 @@ Status status(const X& surface, S u, S v) {
   return result;
 }
 
-/// The orthonormal frame at (u, v) with its status. In closed form where the surface gives one (about 10 ns),
-/// else from the partials (about 90 ns). At a singular point of the chart the closed form is the limit along
-/// the given u, flagged limit_frame with the bit that says why; where no limit exists, and for NaN or
-/// infinite u, v or parameters, the vectors are NaN. Outside the domain the analytic extension is given:
-/// continuous through a pole, where dpdu = -|dpdu| t beyond it.
-template <ParametricSurface X, std::floating_point S>
-Frame<S> frame(const X& surface, S u, S v) {
-  const auto pu = prepare<X::info.u>(u);
-  const auto pv = prepare<X::info.v>(v);
-  Frame<S> result;
-  if constexpr (HasClosedFrame<X>) {
-    result = surface.frame(pu, pv);
-  } else {
-    const Jet2<S> j = surface.jet(pu, pv);
-    result = frame_from_partials(j.dpdu, j.dpdv);
-    // Partials that are not finite: the input's doing, which status() tells, or overflow.
-    if (has(result.status, Status::non_finite_input)) result.status = Status::no_frame | Status::overflow;
-  }
-  result.status |= status(surface, u, v);
-  if constexpr (HasClosedFrame<X>)
-    if (has(result.status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel))
-      result.status |= Status::limit_frame;
-  if (has(result.status, Status::non_finite_input)) {
-    result.t = result.b = result.n = detail::nan_vector<S>();
-  }
+namespace detail {
+
+// In the first half of [0, 1]: below it the edge where the coordinate begins, above it the one where it ends.
+template <class S>
+bool first_half(const S& x) {
+  return x < lift<S>(0.5);
+}
+template <class S>
+bool first_half(const Turn<S>& x) {  // a half turn: only such has edges
+  return x.cos > lift<S>(0.0);
+}
+
+// The frame where a chart collapses: near an edge dpdu ≈ (v - v0) d2pduv, so its direction is that of ±d2pduv, + at the
+// edge where v begins, - where it ends (likewise dpdv with u). NaN with no_frame where that vanishes too.
+template <class PU, class PV, std::floating_point S>
+Frame<S> limit_at_collapsed_edge(const Jet2<S>& j, Status why, const PU& u, const PV& v) {
+  const Vec3<S> zero{};
+  Jet2<S> limit = j;
+  if (has(why, Status::dpdu_zero)) limit.dpdu = first_half(v) ? j.d2pduv : -j.d2pduv;
+  if (has(why, Status::dpdv_zero)) limit.dpdv = first_half(u) ? j.d2pduv : -j.d2pduv;
+  if (has(why, Status::dpdu_zero) && has(why, Status::dpdv_zero)) limit.dpdu = limit.dpdv = zero;
+  Frame<S> result = frame_from_partials(limit.dpdu, limit.dpdv);
+  if (!has(result.status, Status::no_frame)) result.status = Status::limit_frame;
   return result;
 }
 
-/// The unit vectors along the coordinate curves. Where dpdu vanishes, t is the limit of frame(); where dpdv
-/// vanishes, b is handedness times its b.
+// The frame at prepared coordinates, `at` what the surface and the domain say of the point.
+template <class S, class X, class PU, class PV>
+Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
+  constexpr Status collapsed = Status::dpdu_zero | Status::dpdv_zero;
+  Frame<S> result;
+  if (has(at, Status::non_finite_input)) {
+    result.t = result.b = result.n = nan_vector<S>();
+  } else if constexpr (HasClosedFrame<X>) {
+    result = surface.frame(u, v);
+    if (has(at, collapsed | Status::parallel) && !has(result.status, Status::no_frame))
+      result.status |= Status::limit_frame;
+  } else {
+    const Jet2<S> j = surface.jet(u, v);
+    result = frame_from_partials(j.dpdu, j.dpdv);
+    if (has(result.status, Status::non_finite_input))  // not the input's doing: overflow, or a user function's NaN
+      result.status = Status::no_frame | Status::overflow;
+    else if (has(at | result.status, collapsed))
+      result = limit_at_collapsed_edge(j, at | result.status, u, v);
+  }
+  result.status |= at;
+  return result;
+}
+
+// The bits a surface declares at prepared coordinates.
+template <class X, class PU, class PV>
+Status declared(const X& surface, const PU& u, const PV& v) {
+  if constexpr (DeclaresSingularPoints<X>)
+    return surface.singular(u, v);
+  else
+    return Status::regular;
+}
+
+}  // namespace detail
+
+/// The orthonormal frame at (u, v) with its status. In closed form where the surface gives one (about 10 ns),
+/// else from the partials (about 90 ns). At a singular point of the chart it is the limit along the given u (or v),
+/// flagged limit_frame with the bit that says why; where no limit exists, and for NaN or infinite u, v or parameters,
+/// the vectors are NaN. Outside the domain the analytic extension is given: continuous through a pole, where
+/// dpdu = -|dpdu| t beyond it.
 template <ParametricSurface X, std::floating_point S>
-ParametricFrame<S> parametric_frame(const X& surface, S u, S v) {
-  const Frame<S> base = frame(surface, u, v);
+Frame<S> frame(const X& surface, S u, S v) {
+  return detail::frame_at<S>(surface, prepare<X::info.u>(u), prepare<X::info.v>(v), status(surface, u, v));
+}
+
+/// The unit vectors along the coordinate curves, from an orthonormal frame and the partials there. Where dpdu vanishes,
+/// t is the limit of frame(); where dpdv vanishes, b is handedness times its b.
+template <std::floating_point S>
+ParametricFrame<S> parametric_frame(const Frame<S>& base, const Jet2<S>& j) {
   ParametricFrame<S> result{base.t, base.handedness * base.b, base.n, base.handedness, base.status};
   if (!has(base.status, Status::non_finite_input | Status::no_frame)) {
-    const Vec3<S> along_v = unit(jet(surface, u, v).dpdv);
+    const Vec3<S> along_v = unit(j.dpdv);
     if (detail::finite(along_v) && along_v != Vec3<S>{}) result.b = along_v;
   }
   return result;
+}
+template <ParametricSurface X, std::floating_point S>
+ParametricFrame<S> parametric_frame(const X& surface, S u, S v) {
+  return parametric_frame(frame(surface, u, v), jet(surface, u, v));
 }
 
 /// All of it at one point; the status adds `overflow` where a position or partial is not finite for finite
@@ -89,14 +144,16 @@ struct Sample {
   Jet2<S> jet;
   Frame<S> frame;  ///< frame.status is the sample's
 };
+template <std::floating_point S>
+Sample<S> make_sample(S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
+  Sample<S> result{u, v, j, frame};
+  for (const Vec3<S>& a : {j.position, j.dpdu, j.dpdv, j.d2pdu2, j.d2pduv, j.d2pdv2})
+    if (!detail::finite(a) && !has(frame.status, Status::non_finite_input)) result.frame.status |= Status::overflow;
+  return result;
+}
 template <ParametricSurface X, std::floating_point S>
 Sample<S> sample(const X& surface, S u, S v) {
-  Sample<S> result{u, v, jet(surface, u, v), frame(surface, u, v)};
-  const Jet2<S>& j = result.jet;
-  for (const Vec3<S>& a : {j.position, j.dpdu, j.dpdv, j.d2pdu2, j.d2pduv, j.d2pdv2})
-    if (!detail::finite(a) && !has(result.frame.status, Status::non_finite_input))
-      result.frame.status |= Status::overflow;
-  return result;
+  return make_sample(u, v, jet(surface, u, v), frame(surface, u, v));
 }
 
 }  // namespace darboux

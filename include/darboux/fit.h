@@ -33,11 +33,12 @@ struct MeshFit {
 /// evenly chosen. Scale and offset of the data do not matter.
 /// \param kind name, with the parameters that are held
 /// \param placement held when given
-/// \throws ParameterError for an unknown kind or parameter; MeshError without uvs or with fewer than four usable vertices
+/// \throws ParameterError for an unknown kind or parameter, or a kind other than those of fit_any_surface(); MeshError without uvs or with fewer than four usable vertices
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
-/// Fits every kind of the catalogue and returns the first that fits best; `fits` is false when none does.
+/// Fits these kinds in order and returns the first that fits: plane, disk, sphere, cylinder, cone, torus, ellipsoid. When
+/// none does, the best of them, `fits` false.
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
 }  // namespace darboux

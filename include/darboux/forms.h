@@ -1,5 +1,6 @@
 /// \file forms.h
-/// First and second fundamental form and what follows from them: Gaussian, mean and principal curvatures.
+/// First and second fundamental form and what follows from them: shape operator, Gaussian, mean and principal
+/// curvatures, derivatives of the normal, Christoffel symbols, and the Darboux frame of a curve.
 #pragma once
 
 #include <cmath>
@@ -44,6 +45,66 @@ S mean_curvature(const FirstForm<S>& I, const SecondForm<S>& II) {
   return (I.E * II.N - lift<S>(2.0) * (I.F * II.M) + I.G * II.L) / (lift<S>(2.0) * (I.E * I.G - I.F * I.F));
 }
 
+/// The shape operator in the orthonormal basis (t, b): S t = a t + m b, S b = m t + c b. Units: 1/length. With n outward
+/// a sphere of radius r has a = c = -1/r, m = 0. Beside it the partials in that basis: dpdu = e t, dpdv = f t + g b.
+template <class S>
+struct ShapeOperator {
+  S a, m, c;
+  S e, f, g;
+};
+
+/// S = [[a, m], [m, c]] from a jet and its orthonormal frame: L = e² a, M = e (f a + g m), N = f² a + 2 f g m + g² c.
+/// NaN where dpdu and dpdv span no plane.
+template <class S>
+ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
+  ShapeOperator<S> s;
+  s.e = dot(j.dpdu, frame.t);
+  s.f = dot(j.dpdv, frame.t);
+  s.g = dot(j.dpdv, frame.b);
+  // Each second derivative is divided once before the dot product, which near a pole would underflow.
+  s.a = dot(frame.n, j.d2pdu2 / s.e) / s.e;
+  s.m = (dot(frame.n, j.d2pduv / s.e) - s.f * s.a) / s.g;
+  s.c = (dot(frame.n, j.d2pdv2 / s.g) - s.f * (s.a * (s.f / s.g) + lift<S>(2.0) * s.m)) / s.g;
+  return s;
+}
+
+/// The derivatives of the unit normal (Weingarten's equations): dndu = -S dpdu, dndv = -S dpdv. [doCarmo2016, sec. 3-3]
+template <class S>
+struct NormalDerivatives {
+  Vec3<S> dndu, dndv;
+};
+template <class S>
+NormalDerivatives<S> normal_derivatives(const ShapeOperator<S>& s, const Frame<S>& frame) {
+  const Vec3<S> St = s.a * frame.t + s.m * frame.b, Sb = s.m * frame.t + s.c * frame.b;
+  return {-(s.e * St), -(s.f * St + s.g * Sb)};
+}
+
+/// |dpdu × dpdv|, the area element dA/(du dv). Units: length².
+template <class S>
+S area_element(const ShapeOperator<S>& s) {
+  using std::abs;
+  return abs(s.e * s.g);
+}
+
+/// The Christoffel symbols Γ^k_ij: d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part). u[0], u[1], u[2] are Γ^u_uu,
+/// Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Without units. NaN where dpdu and dpdv span no plane. [doCarmo2016, sec. 4-3]
+template <class S>
+struct Christoffel {
+  S u[3], v[3];
+};
+template <class S>
+Christoffel<S> christoffel(const Jet2<S>& j, const Frame<S>& frame) {
+  const S e = dot(j.dpdu, frame.t), f = dot(j.dpdv, frame.t), g = dot(j.dpdv, frame.b);
+  Christoffel<S> result;
+  int k = 0;
+  for (const Vec3<S>* second : {&j.d2pdu2, &j.d2pduv, &j.d2pdv2}) {
+    result.v[k] = dot(*second, frame.b) / g;
+    result.u[k] = (dot(*second, frame.t) - f * result.v[k]) / e;
+    ++k;
+  }
+  return result;
+}
+
 /// Curvatures at a point, with respect to the frame's n: with n outward a sphere of radius r has κ1 = κ2 = H
 /// = -1/r.
 template <class S>
@@ -62,12 +123,7 @@ struct Curvature {
 /// About 60 ns.
 template <std::floating_point S>
 Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
-  // dpdu = e t, dpdv = f t + g b
-  const S e = dot(j.dpdu, frame.t), f = dot(j.dpdv, frame.t), g = dot(j.dpdv, frame.b);
-  // Each second derivative is divided once before the dot product, which near a pole would underflow.
-  const S a = dot(frame.n, j.d2pdu2 / e) / e;
-  const S m = (dot(frame.n, j.d2pduv / e) - f * a) / g;
-  const S c = (dot(frame.n, j.d2pdv2 / g) - f * (a * (f / g) + S(2) * m)) / g;
+  const auto [a, m, c, e, f, g] = shape_operator(j, frame);
   Curvature<S> result;
   result.status = frame.status;
   result.mean = (a + c) / S(2);
@@ -90,6 +146,47 @@ Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
   if (x < S(0) || (x == S(0) && y < S(0))) x = -x, y = -y;
   result.directions[0] = x * frame.t + y * frame.b;
   result.directions[1] = x * frame.b - y * frame.t;
+  return result;
+}
+
+/// A curve u(s), v(s) on a surface at one point, by its first and second derivatives with respect to its parameter.
+template <class S>
+struct CurveOnSurface {
+  S du, dv, d2u, d2v;
+};
+
+/// The Darboux frame of a curve on a surface: T its unit tangent, V = n × T the tangent normal, n the surface normal;
+/// κn its normal curvature, κg its geodesic curvature, τg its geodesic torsion (1/length):
+///   T' = κg V + κn n,   V' = -κg T + τg n,   n' = -κn T - τg V   (derivatives by arc length)
+/// κn is positive where the curve bends towards n, κg where it turns to the left seen against n. [doCarmo2016, sec. 4-4]
+template <class S>
+struct DarbouxFrame {
+  Vec3<S> T, V, n;
+  S normal_curvature, geodesic_curvature, geodesic_torsion;
+  Status status;  ///< the surface frame's; no_frame and NaN where the curve does not move (du = dv = 0, or along a
+                  ///< vanishing partial)
+};
+template <std::floating_point S>
+DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const CurveOnSurface<S>& curve) {
+  const Vec3<S> velocity = curve.du * j.dpdu + curve.dv * j.dpdv;
+  const S speed = norm(velocity);
+  DarbouxFrame<S> result{unit(velocity), {}, frame.n, {}, {}, {}, frame.status};
+  if (!(speed > S(0)) || has(frame.status, Status::no_frame | Status::non_finite_input)) {
+    const S nan = std::numeric_limits<S>::quiet_NaN();
+    result.T = result.V = detail::nan_vector<S>();
+    result.normal_curvature = result.geodesic_curvature = result.geodesic_torsion = nan;
+    result.status |= Status::no_frame;
+    return result;
+  }
+  result.V = accurate_cross(frame.n, result.T);
+  const S du = curve.du / speed, dv = curve.dv / speed;  // by arc length
+  const Vec3<S> bend = du * du * j.d2pdu2 + S(2) * du * dv * j.d2pduv + dv * dv * j.d2pdv2;
+  result.normal_curvature = dot(frame.n, bend);
+  result.geodesic_curvature =
+      dot(result.V, bend + curve.d2u / speed / speed * j.dpdu + curve.d2v / speed / speed * j.dpdv);
+  const ShapeOperator<S> shape = shape_operator(j, frame);
+  const S x = dot(result.T, frame.t), y = dot(result.T, frame.b);
+  result.geodesic_torsion = dot(result.V, (shape.a * x + shape.m * y) * frame.t + (shape.m * x + shape.c * y) * frame.b);
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -151,6 +152,9 @@ struct SurfaceInfo {
   std::array<std::string_view, 4>
       singular{};  ///< where the chart is singular, e.g. "v=0"; unused entries empty
   bool orientable = true;
+  std::optional<int> euler_characteristic{};  ///< of a closed surface
+  bool own_orientation = false;  ///< n is stated by the surface and may oppose dpdu × dpdv (a spindle torus)
+  double frame_error = 4;        ///< bound of the closed-form frame's components, in roundings times (1 + condition)
 };
 
 /// A coordinate in the form its kind hands to formulas: x itself, or a Turn.
@@ -229,6 +233,42 @@ template <class X, class F>
 constexpr void for_each_parameter(F&& f) {
   if constexpr (HasParameters<X>)
     for (const auto& p : X::parameters()) f(p);
+}
+
+namespace detail {
+
+template <class X>
+struct Rebound {  // not a template over its scalar: there is only this one
+  template <class To>
+  static X make(const X& surface) {
+    return surface;
+  }
+};
+template <template <class> class Surface, std::floating_point From>
+struct Rebound<Surface<From>> {
+  template <class To>
+  static Surface<To> make(const Surface<From>& surface) {
+    Surface<To> result;
+    if constexpr (HasParameters<Surface<From>>) {
+      constexpr auto from = Surface<From>::parameters();
+      constexpr auto to = Surface<To>::parameters();
+      for (std::size_t i = 0; i < from.size(); ++i) to[i].of(result) = lift<To>(from[i].of(surface));
+    }
+    return result;
+  }
+};
+
+}  // namespace detail
+
+/// The same surface over another scalar, e.g. rebind<float>(Torus{1.0, 0.4}): parameters are lifted. A type that holds
+/// more than its parameters has a member rebind<To>() for it; one that is no template over its scalar is returned as
+/// it is.
+template <class To, class X>
+auto rebind(const X& surface) {
+  if constexpr (requires { surface.template rebind<To>(); })
+    return surface.template rebind<To>();
+  else
+    return detail::Rebound<X>::template make<To>(surface);
 }
 
 /// Throws the ParameterError of a surface whose parameters do not go together.

@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <iostream>
 
+#include <darboux/testing.h>
+
 #include "command.h"
 #include "parallel.h"
 
@@ -14,21 +16,25 @@ struct Arguments {
 };
 
 void print_table(const std::vector<Check>& checks, bool passed) {
-  std::printf("%-10s %-12s %-20s %8s %10s %10s  %s\n", "surface", "route", "quantity", "points", "max error",
+  std::size_t widest = 7;
+  for (const Check& c : checks) widest = std::max(widest, c.surface.size());
+  const int width = static_cast<int>(widest);
+  std::printf("%-*s %-20s %-20s %8s %10s %10s  %s\n", width, "surface", "route", "quantity", "points", "max error",
               "bound", "result");
   const auto text = [](std::string_view s) { return std::string(s); };
   for (const Check& c : checks) {
     const std::string surface = text(c.surface), route = text(c.route), quantity = text(c.quantity);
-    if (!c.skipped.empty())
-      std::printf("%-10s %-12s %-20s %8s %10s %10s  skipped: %s\n", surface.c_str(), route.c_str(),
-                  quantity.c_str(), "", "", "", c.skipped.c_str());
-    else
-      std::printf(
-          "%-10s %-12s %-20s %8d %10.2e %10.2e  %s\n", surface.c_str(), route.c_str(), quantity.c_str(),
-          c.points, c.max_error, c.bound,
-          c.passed
-              ? "passed"
-              : ("FAILED, worst at u = " + shortest(c.worst_u) + ", v = " + shortest(c.worst_v)).c_str());
+    std::printf("%-*s %-20s %-20s ", width, surface.c_str(), route.c_str(), quantity.c_str());
+    if (!c.skipped.empty()) {
+      std::printf("%8s %10s %10s  %s: %s\n", "", "", "", c.passed ? "skipped" : "FAILED", c.skipped.c_str());
+      continue;
+    }
+    std::string result = "passed";
+    if (!c.passed) {
+      result = "FAILED, worst at u = " + shortest(c.worst_u) + ", v = " + shortest(c.worst_v);
+      if (!c.worst_surface.empty()) result += " of " + c.worst_surface;
+    }
+    std::printf("%8d %10.2e %10.2e  %s\n", c.points, c.max_error, c.bound, result.c_str());
   }
   std::puts(passed ? "all passed" : "FAILED");
 }
@@ -42,7 +48,7 @@ void run(const Arguments& arguments, Common& common) {
   std::vector<std::vector<Check>> results(surfaces.size());
   parallel_for(
       surfaces.size(), common.threads,
-      [&](std::size_t i) { results[i] = surfaces[i].check(arguments.options); },
+      [&](std::size_t i) { results[i] = check_surface(surfaces[i], arguments.options); },
       [&](double share) { progress.update(share); });
   std::vector<Check> checks;
   for (const auto& result : results) checks.insert(checks.end(), result.begin(), result.end());
@@ -60,6 +66,7 @@ void run(const Arguments& arguments, Common& common) {
       entry["bound"] = number(c.bound);
       entry["passed"] = c.passed;
       entry["worst"] = {{"u", number(c.worst_u)}, {"v", number(c.worst_v)}};
+      if (!c.worst_surface.empty()) entry["worst"]["surface"] = c.worst_surface;
     }
     list.push_back(entry);
   }
@@ -80,6 +87,15 @@ void add_check(CLI::App& app, Common& common) {
   sub.add_option("--seed", arguments->options.seed, "of the random points")
       ->capture_default_str()
       ->check(whole_number);
+  std::vector<std::string> routes;
+  for (const std::string_view route : check_routes()) routes.emplace_back(route);
+  sub.add_option("--routes", arguments->options.routes, "comma-separated, only these; all when none is given")
+      ->delimiter(',')
+      ->check(CLI::IsMember(routes));
+  sub.add_option("--parameter-sets", arguments->options.parameter_sets,
+                 "routes high_precision*: that many random sets of parameters instead of those given")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1000000));
   add_common(sub, common, "darboux check torus:minor_radius=0.4 --points 10000");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

@@ -1,7 +1,12 @@
 #include <cmath>
+#include <filesystem>
 #include <iostream>
+#include <memory>
+
+#include <darboux/io.h>
 
 #include "command.h"
+#include "report/surface_pages.h"
 
 namespace darboux {
 namespace {
@@ -45,13 +50,37 @@ void list(const Common& common) {
   }
 }
 
+void write_pages(const std::string& folder, const Common& common) {
+  const std::vector<PageFile> files = surface_pages();
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw FileError(folder,
+                    "cannot be made (" + error.message() + "), permitted is a folder that can be written to");
+  Json names = Json::array();
+  for (const PageFile& file : files) {
+    const std::string path = (std::filesystem::path(folder) / file.name).string();
+    write_file(path, file.content);
+    names.push_back(path);
+  }
+  if (common.json) return print_json({{"files", names}});
+  if (!common.quiet) std::cout << files.size() << " files written to " << one_line(folder) << '\n';
+}
+
 }  // namespace
 
 void add_surfaces(CLI::App& app, Common& common) {
   CLI::App& sub =
       *app.add_subcommand("surfaces", "List the surfaces: names, parameters, defaults, singular points");
   add_common(sub, common, "darboux surfaces --json");
-  sub.callback([&common] { list(common); });
+  auto pages = std::make_shared<std::string>();
+  sub.add_option(
+         "--pages", *pages,
+         "a folder: write a page and a picture of each surface there instead, each whole or not at all")
+      ->check([](const std::string& text) {
+        return text.empty() ? std::string("needs the name of a folder") : "";
+      });
+  sub.callback([pages, &common] { pages->empty() ? list(common) : write_pages(*pages, common); });
 }
 
 }  // namespace darboux

@@ -2,36 +2,72 @@
 /// The list of all surfaces. A surface in it has its command-line name, its tests, its rows in the reports.
 #pragma once
 
+#include <darboux/bezier_patch.h>
+#include <darboux/bilinear_patch.h>
+#include <darboux/bspline_patch.h>
+#include <darboux/catenoid.h>
+#include <darboux/cone.h>
 #include <darboux/cylinder.h>
+#include <darboux/disk.h>
+#include <darboux/ellipsoid.h>
+#include <darboux/elliptic_paraboloid.h>
+#include <darboux/enneper.h>
+#include <darboux/extrusion.h>
+#include <darboux/graph.h>
+#include <darboux/helicoid.h>
+#include <darboux/hyperbolic_paraboloid.h>
+#include <darboux/klein_bottle.h>
+#include <darboux/moebius_strip.h>
+#include <darboux/monkey_saddle.h>
+#include <darboux/one_sheet_hyperboloid.h>
+#include <darboux/plane.h>
+#include <darboux/pseudosphere.h>
+#include <darboux/ruled_surface.h>
 #include <darboux/sphere.h>
+#include <darboux/superellipsoid.h>
+#include <darboux/surface_of_revolution.h>
 #include <darboux/torus.h>
+#include <darboux/tube.h>
+#include <darboux/two_sheet_hyperboloid.h>
 
 namespace darboux {
 
-/// A list of surface templates.
-template <template <class> class... Surfaces>
+/// A list of surface types.
+template <class... Surfaces>
 struct SurfaceList {
-  /// Calls f(Surface<double>{}), with default parameters, for each surface.
+  /// Calls f(Surface{}), with default parameters, for each surface.
   template <class F>
   static void for_each(F&& f) {
-    (f(Surfaces<double>{}), ...);
+    (f(Surfaces{}), ...);
   }
 };
 
-using Catalogue = SurfaceList<Sphere,  //
-                              Torus,   //
-                              Cylinder>;
-
-/// The same surface over another scalar, e.g. rebind<mp>(Torus{1.0, 0.4}): parameters are lifted.
-template <class To, template <class> class Surface, class From>
-Surface<To> rebind(const Surface<From>& surface) {
-  Surface<To> result;
-  if constexpr (HasParameters<Surface<From>>) {
-    constexpr auto from = Surface<From>::parameters();
-    constexpr auto to = Surface<To>::parameters();
-    for (std::size_t i = 0; i < from.size(); ++i) to[i].of(result) = lift<To>(from[i].of(surface));
-  }
-  return result;
-}
+using Catalogue = SurfaceList<Sphere<>,  //
+                              Torus<>,  //
+                              Cylinder<>,  //
+                              Cone<>,  //
+                              Plane<>,  //
+                              Disk<>,  //
+                              Ellipsoid<>,  //
+                              EllipticParaboloid<>,  //
+                              HyperbolicParaboloid<>,  //
+                              OneSheetHyperboloid<>,  //
+                              TwoSheetHyperboloid<>,  //
+                              Helicoid<>,  //
+                              Catenoid<>,  //
+                              MoebiusStrip<>,  //
+                              KleinBottle<>,  //
+                              Enneper<>,  //
+                              MonkeySaddle<>,  //
+                              Pseudosphere<>,  //
+                              Superellipsoid<>,  //
+                              Tube<>,  //
+                              BilinearPatch<>,  //
+                              BezierPatch<>,  //
+                              BSplinePatch<>,  //
+                              SurfaceOfRevolution<>,  //
+                              Extrusion<>,  //
+                              RuledSurface<>,  //
+                              Graph<>>;
 
 }  // namespace darboux

@@ -20,7 +20,9 @@ struct Sphere {
                                     "sphere about the origin, v from pole to pole",
                                     Coordinate::turn,
                                     Coordinate::half_turn,
-                                    {"v=0", "v=1"}};
+                                    {"v=0", "v=1"},
+                                    /* orientable */ true,
+                                    /* euler_characteristic */ 2};
   static constexpr auto parameters() {
     return std::array{parameter<&Sphere::radius>("radius", Range::positive(), "radius")};
   }

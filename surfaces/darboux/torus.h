@@ -22,7 +22,10 @@ struct Torus {
                                     "torus of revolution about z, v round the tube",
                                     Coordinate::turn,
                                     Coordinate::turn,
-                                    {"cos 2πv = -major_radius/minor_radius"}};
+                                    {"cos 2πv = -major_radius/minor_radius"},
+                                    /* orientable */ true,
+                                    /* euler_characteristic */ 0,
+                                    /* own_orientation */ true};
   static constexpr auto parameters() {
     return std::array{
         parameter<&Torus::major_radius>("major_radius", Range::not_negative(),

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# check_can_fail.sh SCRIPTS TOOL_FOLDER: check_docs.sh and check_lists.sh pass on a small good tree, and fail when one
-# thing in it is wrong.
+# check_can_fail.sh SCRIPTS TOOL_FOLDER: check_docs.sh, check_lists.sh and check_surface_pages.sh pass on a small
+# good tree, and fail when one thing in it is wrong.
 set -euo pipefail
 scripts=$1 tool=$2
 work=$(mktemp -d)
@@ -102,6 +102,28 @@ lists fail "a key has two entries"
 good_tree
 printf 'code("OTHER_CODE")\n' >>"$work/tree/src/validate.cpp"
 lists fail "a finding code is not documented"
+
+# The tool's own pages, and one thing wrong with them.
+pages() { expect "$1" "$2" "$scripts/check_surface_pages.sh" "$work/tree" "$tool/darboux"; }
+good_pages() {
+  good_tree
+  "$tool/darboux" surfaces --pages "$work/tree/docs/surfaces" >"$work/log"
+}
+good_pages
+pages pass "pages just written"
+sed -i 's/πu/πv/' "$work/tree/docs/surfaces/sphere.md"
+pages fail "a page is stale"
+good_pages
+printf ' ' >>"$work/tree/docs/surfaces/sphere.svg"
+pages fail "a picture is stale"
+good_pages
+rm "$work/tree/docs/surfaces/sphere.md"
+pages fail "a page is missing"
+good_pages
+cp "$work/tree/docs/surfaces/sphere.md" "$work/tree/docs/surfaces/ball.md"
+pages fail "a page belongs to no surface"
+good_tree
+pages fail "there are no pages"
 
 # --update makes a broken page good again.
 good_tree

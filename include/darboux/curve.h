@@ -1,0 +1,671 @@
+/// \file curve.h
+/// Parametric curves, of which tubes, extrusions, ruled surfaces and surfaces of revolution are made.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <darboux/spline.h>
+#include <darboux/surface.h>
+
+namespace darboux {
+
+/// Position and derivatives to third order with respect to t in [0, 1], factors 2π included.
+template <class S>
+struct CurveJet {
+  Vec3<S> position, first, second, third;
+};
+
+/// An orthonormal right-handed frame (T, N, B) along a curve and its rates by t:
+///   T' = bend N + side B,   N' = -bend T + twist B,   B' = -side T - twist N,   speed = |K'|
+/// Frenet's frame has side = 0, bend = speed · curvature and twist = speed · torsion; a planar curve may keep N on one
+/// side instead, the bend is then signed. A rotation-minimising frame has twist = 0. [doCarmo2016, sec. 1-5], [Bishop1975]
+template <class S>
+struct CurveFrame {
+  Vec3<S> T, N, B;
+  S speed, bend, side, twist;
+  S speed_rate, bend_rate, side_rate, twist_rate;  ///< their derivatives by t
+};
+
+/// A curve type: the kind of its parameter and the jet at a prepared one, of any scalar. It may add
+///   using scalar                              the type of its data
+///   auto rebind<To>()                         the same curve over another scalar
+///   CurveFrame<S> moving_frame(t)             N and B of its own, which a tube needs
+///   S remaining_speed(t, r)                   speed - r bend, without cancellation
+///   S curvature(t)                            its curvature in closed form, signed as `bend`
+///   Vec3<S> position_again(t)                 the position by another formula
+///   Status singular(t)                        crease where the tangent may jump
+///   std::string refusal()                     what is wrong with its data
+template <class C>
+concept ParametricCurve = requires(const C& curve, const Prepared<C::kind, double>& t) {
+  { C::kind } -> std::convertible_to<Coordinate>;
+  { curve.jet(t) } -> std::same_as<CurveJet<double>>;
+};
+
+namespace detail {
+
+template <class C>
+Status curve_status(const C& curve, const auto& t) {
+  if constexpr (requires { curve.singular(t); })
+    return curve.singular(t);
+  else
+    return Status::regular;
+}
+template <class C>
+std::string curve_refusal(const C& curve) {
+  if constexpr (requires { curve.refusal(); })
+    return curve.refusal();
+  else
+    return {};
+}
+// The curve over another scalar: a callable without data of its own stays as it is.
+template <class To, class C>
+auto rebound(const C& curve) {
+  if constexpr (requires { curve.template rebind<To>(); })
+    return curve.template rebind<To>();
+  else
+    return curve;
+}
+
+// Whether a parameter is at or beyond the upper end of its domain.
+template <Coordinate kind, class P>
+bool at_upper_end(const P& t) {
+  if constexpr (kind == Coordinate::linear)
+    return !(t < lift<P>(1.0));
+  else if constexpr (kind == Coordinate::half_turn)
+    return t.cos < lift<decltype(t.cos)>(0.0) && equal(t.sin, lift<decltype(t.sin)>(0.0));
+  else
+    return false;
+}
+
+// The direction in which a curve passes t: that of the first of its derivatives that does not vanish, in the limit from
+// above (from below at the upper end of the domain). order: of that derivative, 0 where all three vanish.
+template <class S>
+struct Passage {
+  Vec3<S> direction;
+  int order;
+};
+template <Coordinate kind, class S, class P>
+Passage<S> passage(const CurveJet<S>& j, const P& t) {
+  if (!vanishes(j.first)) return {unit(j.first), 1};
+  if (!vanishes(j.second)) return {at_upper_end<kind>(t) ? -unit(j.second) : unit(j.second), 2};
+  if (!vanishes(j.third)) return {unit(j.third), 3};
+  return {j.first, 0};
+}
+// What a passage means for the chart: a vanishing derivative, and a cusp where the direction turns round inside.
+template <Coordinate kind, class S, class P>
+Status passage_status(const Passage<S>& way, const P& t, Status zero) {
+  Status result = way.order == 1 ? Status::regular : zero;
+  if constexpr (kind == Coordinate::linear) {
+    if (way.order == 2 && lift<P>(0.0) < t && t < lift<P>(1.0)) result |= Status::crease;
+  } else {
+    if (way.order == 2) result |= Status::crease;
+  }
+  return result;
+}
+
+template <class S>
+Vec3<S> nan_of() {
+  const S nan = lift<S>(std::numeric_limits<double>::quiet_NaN());
+  return {nan, nan, nan};
+}
+template <class S>
+Frame<S> no_frame() {
+  return {nan_of<S>(), nan_of<S>(), nan_of<S>(), lift<S>(1.0), Status::no_frame};
+}
+
+// t as a dual number whose derivative is with respect to itself.
+template <Coordinate kind, class S>
+Dual<S, 1> differentiated(const S& t) {
+  static_assert(kind == Coordinate::linear);
+  return Dual<S, 1>::variable(t, 0);
+}
+template <Coordinate kind, class S>
+Turn<Dual<S, 1>> differentiated(const Turn<S>& t) {
+  const S omega = kind == Coordinate::turn ? two_pi<S>() : pi<S>();
+  return {{t.sin, {omega * t.cos}}, {t.cos, {-(omega * t.sin)}}};
+}
+
+}  // namespace detail
+
+/// The straight line (1 - t) a + t b.
+/// Its moving frame is constant: N is perpendicular to b - a in the plane of it and the axis it is least along.
+template <class T = double>
+struct LineSegment {
+  using scalar = T;
+  static constexpr Coordinate kind = Coordinate::linear;
+  Vec3<T> a{T(0), T(0), T(0)}, b{T(0), T(0), T(1)};
+
+  template <class S>
+  CurveJet<S> jet(const S& t) const {
+    const Vec3<S> p = detail::lift_vector<S>(a), q = detail::lift_vector<S>(b), zero = lift<S>(0.0) * p;
+    return {(lift<S>(1.0) - t) * p + t * q, q - p, zero, zero};
+  }
+  template <class S>
+  CurveFrame<S> moving_frame(const S&) const {
+    const S zero = lift<S>(0.0), one = lift<S>(1.0);
+    const Vec3<S> along = detail::lift_vector<S>(b) - detail::lift_vector<S>(a);
+    CurveFrame<S> f{unit(along), {}, {}, norm(along), zero, zero, zero, zero, zero, zero, zero};
+    const S x = f.T.x * f.T.x, y = f.T.y * f.T.y, z = f.T.z * f.T.z;
+    const Vec3<S> axis = !(y < x) && !(z < x) ? Vec3<S>{one, zero, zero}
+                         : !(z < y)           ? Vec3<S>{zero, one, zero}
+                                              : Vec3<S>{zero, zero, one};
+    f.N = unit(axis - dot(axis, f.T) * f.T);
+    f.B = cross(f.T, f.N);
+    return f;
+  }
+  template <class S>
+  S curvature(const S&) const {
+    return lift<S>(0.0);
+  }
+  /// a + t (b - a)
+  template <class S>
+  Vec3<S> position_again(const S& t) const {
+    const Vec3<S> p = detail::lift_vector<S>(a);
+    return p + t * (detail::lift_vector<S>(b) - p);
+  }
+  std::string refusal() const {
+    using std::isfinite;
+    for (const T& x : {a.x, a.y, a.z, b.x, b.y, b.z})
+      if (!isfinite(x)) return "an end of the line segment is not finite";
+    return {};
+  }
+  template <class To>
+  auto rebind() const {
+    return LineSegment<To>{detail::lift_vector<To>(a), detail::lift_vector<To>(b)};
+  }
+};
+template <class T>
+LineSegment(Vec3<T>, Vec3<T>) -> LineSegment<T>;
+
+/// The circle (R cos 2πt, R sin 2πt, 0). N points to the centre, B = +z.
+template <class T = double>
+struct CircleCurve {
+  using scalar = T;
+  static constexpr Coordinate kind = Coordinate::turn;
+  T radius{1};
+
+  template <class S>
+  CurveJet<S> jet(const Turn<S>& t) const {
+    const S R = lift<S>(radius), tau = two_pi<S>(), zero = lift<S>(0.0);
+    const S x = R * t.cos, y = R * t.sin;
+    return {{x, y, zero},
+            {-(tau * y), tau * x, zero},
+            {-(tau * (tau * x)), -(tau * (tau * y)), zero},
+            {tau * (tau * (tau * y)), -(tau * (tau * (tau * x))), zero}};
+  }
+  template <class S>
+  CurveFrame<S> moving_frame(const Turn<S>& t) const {
+    const S zero = lift<S>(0.0), speed = two_pi<S>() * lift<S>(radius);
+    const Vec3<S> tangent{-t.sin, t.cos, zero}, normal{-t.cos, -t.sin, zero},
+        binormal{zero, zero, lift<S>(1.0)};
+    return {tangent, normal, binormal, speed, two_pi<S>(), zero, zero, zero, zero, zero, zero};
+  }
+  /// 2π (R - r)
+  template <class S>
+  S remaining_speed(const Turn<S>&, const S& r) const {
+    return two_pi<S>() * (lift<S>(radius) - r);
+  }
+  template <class S>
+  S curvature(const Turn<S>&) const {
+    return lift<S>(1.0) / lift<S>(radius);
+  }
+  std::string refusal() const {
+    using std::isfinite;
+    return isfinite(radius) && T(0) < radius ? "" : "the circle's radius must be positive and finite";
+  }
+  template <class To>
+  auto rebind() const {
+    return CircleCurve<To>{lift<To>(radius)};
+  }
+};
+CircleCurve(double)->CircleCurve<double>;
+
+/// The circular helix (R cos x, R sin x, p x), x = 2π turns t, p the pitch per radian (negative: left-handed). N points
+/// to the axis. Curvature R/(R² + p²), torsion p/(R² + p²). [doCarmo2016, sec. 1-5]
+template <class T = double>
+struct HelixCurve {
+  using scalar = T;
+  static constexpr Coordinate kind = Coordinate::linear;
+  T radius{1}, pitch{0.25}, turns{1};
+
+  template <class S>
+  CurveJet<S> jet(const S& t) const {
+    const S R = lift<S>(radius), p = lift<S>(pitch), zero = lift<S>(0.0), w = rate<S>();
+    const Turn<S> a = sincos_turns(S(lift<S>(turns) * t));
+    const S x = R * a.cos, y = R * a.sin;
+    return {{x, y, p * (w * t)},
+            {-(w * y), w * x, w * p},
+            {-(w * (w * x)), -(w * (w * y)), zero},
+            {w * (w * (w * y)), -(w * (w * (w * x))), zero}};
+  }
+  template <class S>
+  CurveFrame<S> moving_frame(const S& t) const {
+    const S R = lift<S>(radius), p = lift<S>(pitch), zero = lift<S>(0.0), w = rate<S>();
+    const Turn<S> a = sincos_turns(S(lift<S>(turns) * t));
+    const Vec2<S> d = unit(Vec2<S>{R, p});  // cosine and sine of the slope
+    const Vec3<S> tangent{-(d.x * a.sin), d.x * a.cos, d.y}, normal{-a.cos, -a.sin, zero},
+        binormal{d.y * a.sin, -(d.y * a.cos), d.x};
+    return {tangent, normal, binormal, w * norm(Vec2<S>{R, p}), w * d.x, zero, w * d.y, zero,
+            zero,    zero,   zero};
+  }
+  /// 2π turns (R (R - r) + p²)/sqrt(R² + p²)
+  template <class S>
+  S remaining_speed(const S&, const S& r) const {
+    const S R = lift<S>(radius), p = lift<S>(pitch);
+    const Vec2<S> d = unit(Vec2<S>{R, p});
+    return rate<S>() * (d.x * (R - r) + d.y * p);
+  }
+  template <class S>
+  S curvature(const S&) const {
+    const S R = lift<S>(radius), p = lift<S>(pitch), l = norm(Vec2<S>{R, p});
+    return R / l / l;
+  }
+  /// By half angles: (R (1 - 2 sin² x/2), 2 R sin x/2 cos x/2, p x).
+  template <class S>
+  Vec3<S> position_again(const S& t) const {
+    const S R = lift<S>(radius), two = lift<S>(2.0), x = lift<S>(turns) * t;
+    const Turn<S> h = sincos_half_turns(x);
+    return {R - two * (R * h.sin * h.sin), two * (R * h.sin * h.cos), two_pi<S>() * lift<S>(pitch) * x};
+  }
+  std::string refusal() const {
+    using std::isfinite;
+    if (!isfinite(radius) || !(T(0) < radius)) return "the helix's radius must be positive and finite";
+    if (!isfinite(pitch)) return "the helix's pitch must be finite";
+    if (!isfinite(turns) || !(T(0) < turns)) return "the helix's number of turns must be positive and finite";
+    return {};
+  }
+  template <class To>
+  auto rebind() const {
+    return HelixCurve<To>{lift<To>(radius), lift<To>(pitch), lift<To>(turns)};
+  }
+
+ private:
+  template <class S>
+  S rate() const {
+    return two_pi<S>() * lift<S>(turns);
+  }
+};
+HelixCurve(double, double, double)->HelixCurve<double>;
+
+/// A rational B-spline curve (NURBS), by de Boor's recurrence on homogeneous control points and their hodographs.
+///   K(t) = Σ w_i P_i N_{i,p}(t) / Σ w_i N_{i,p}(t)
+/// Beyond [0, 1] the end spans go on. At an interior knot of multiplicity `degree` or more (degree 1: at every vertex)
+/// the tangent may jump: Status::crease, and the derivatives are those from above. The scalar needs an order: the span
+/// is found from the value of t. Cost: O(degree²), O(log n) in the number n of control points. [PieglTiller1997, ch. 4]
+template <class T = double>
+class BSplineCurve {
+ public:
+  using scalar = T;
+  static constexpr Coordinate kind = Coordinate::linear;
+
+  /// A wave in the xy plane, of degree 5: one span, so that it is smooth everywhere.
+  BSplineCurve()
+      : BSplineCurve(5, clamped_knots<T>(5, 6),
+                     {{T(0), T(0), T(0)},
+                      {T(0.25), T(0.5), T(0)},
+                      {T(0.5), T(0.25), T(0)},
+                      {T(0.75), T(-0.25), T(0)},
+                      {T(1), T(-0.5), T(0)},
+                      {T(1.5), T(0.125), T(0)}}) {}
+
+  /// \param degree 1 to 15
+  /// \param knots as many as control points + degree + 1, not decreasing, no multiplicity above degree + 1; mapped to
+  /// the domain [0, 1]
+  /// \param weights positive, or none: all 1
+  /// \throws ParameterError naming what is wrong
+  BSplineCurve(int degree, std::vector<T> knots, std::vector<Vec3<T>> control_points,
+               std::vector<T> weights = {})
+      : control_points_(std::move(control_points)), weights_(std::move(weights)) {
+    if (const std::string why = refusal(degree, knots, control_points_, weights_); !why.empty())
+      throw_refused("b-spline curve", why);
+    detail::normalise_weights(weights_);
+    knots_ = KnotVector<T>(degree, std::move(knots));
+  }
+
+  /// The profile of a vase in the xz plane, from the axis (its bottom) to the lip, in one span.
+  static BSplineCurve vase() {
+    const T o(0);
+    return BSplineCurve(6, clamped_knots<T>(6, 7),
+                        {{o, o, o},
+                         {T(0.5), o, o},
+                         {T(1), o, T(0.25)},
+                         {T(1), o, T(0.75)},
+                         {T(-0.5), o, T(1)},
+                         {T(0.375), o, T(1.25)},
+                         {T(0.5), o, T(1.5)}});
+  }
+
+  const KnotVector<T>& knots() const { return knots_; }
+  const std::vector<Vec3<T>>& control_points() const { return control_points_; }
+  /// Up to a common power of two those given; empty where they are all equal.
+  const std::vector<T>& weights() const { return weights_; }
+
+  static std::string refusal(int degree, const std::vector<T>& knots,
+                             const std::vector<Vec3<T>>& control_points, const std::vector<T>& weights) {
+    if (std::string why = KnotVector<T>::refusal(degree, knots); !why.empty()) return why;
+    return detail::refuse_net(knots.size() - degree - 1, control_points, weights);
+  }
+
+  template <class S>
+  CurveJet<S> jet(const S& t) const {
+    const auto span = knots_.span(t);
+    const int p = knots_.degree();
+    const Vec3<S> anchor = at<S>(span.first + (knots_.upper(span) ? p : 0));
+    if (weights_.empty()) {
+      detail::ControlWindow<Vec3<S>> x{};
+      for (int i = 0; i <= p; ++i) x[i] = at<S>(span.first + i) - anchor;
+      const auto f = detail::spline_derivatives<4>(x, p, span);
+      return {anchor + f[0], f[1], f[2], f[3]};
+    }
+    detail::ControlWindow<detail::Homogeneous<S>> x{};
+    for (int i = 0; i <= p; ++i) {
+      const S w = lift<S>(weights_[span.first + i]);
+      x[i] = {w * (at<S>(span.first + i) - anchor), w};
+    }
+    const auto [h, h1, h2, h3] = detail::spline_derivatives<4>(x, p, span);
+    const S three = lift<S>(3.0);
+    const Vec3<S> k = h.a / h.w;
+    const Vec3<S> k1 = (h1.a - h1.w * k) / h.w;
+    const Vec3<S> k2 = (h2.a - (lift<S>(2.0) * h1.w) * k1 - h2.w * k) / h.w;
+    return {anchor + k, k1, k2, (h3.a - (three * h1.w) * k2 - (three * h2.w) * k1 - h3.w * k) / h.w};
+  }
+
+  template <class S>
+  Status singular(const S& t) const {
+    return knots_.singular(t);
+  }
+
+  /// The sum over the basis functions of Cox and de Boor.
+  template <class S>
+  Vec3<S> position_again(const S& t) const {
+    int first = 0;
+    const auto n = knots_.basis(t, first);
+    const S zero = lift<S>(0.0);
+    Vec3<S> sum{zero, zero, zero};
+    S total = zero;
+    for (int i = 0; i <= knots_.degree(); ++i) {
+      const S w = weights_.empty() ? n[i] : n[i] * lift<S>(weights_[first + i]);
+      sum += w * at<S>(first + i);
+      total = total + w;
+    }
+    return sum / total;
+  }
+
+  std::string refusal() const { return refusal(knots_.degree(), knots_.knots(), control_points_, weights_); }
+
+  template <class To>
+  auto rebind() const {
+    BSplineCurve<To> result;
+    result.knots_ = knots_.template rebind<To>();
+    result.control_points_ = detail::lift_points<To>(control_points_);
+    result.weights_ = detail::lift_numbers<To>(weights_);
+    return result;
+  }
+
+ private:
+  template <class>
+  friend class BSplineCurve;
+  template <class S>
+  Vec3<S> at(int i) const {
+    return detail::lift_vector<S>(control_points_[i]);
+  }
+  KnotVector<T> knots_;
+  std::vector<Vec3<T>> control_points_;
+  std::vector<T> weights_;
+};
+
+/// A curve given only by its position, a function of the prepared parameter (t itself, or its Turn) for any scalar:
+///   PositionCurve curve{[]<class S>(const S& t) { return Vec3<S>{t, t * t, t * t * t}; }};
+/// The derivatives come from nested dual numbers, exact to rounding; about ten times the cost of the position.
+template <class F, Coordinate K = Coordinate::linear, class T = double>
+struct PositionCurve {
+  using scalar = T;
+  static constexpr Coordinate kind = K;
+  F position{};
+
+  template <class P>
+  auto jet(const P& t) const {
+    const auto x =
+        position(detail::differentiated<K>(detail::differentiated<K>(detail::differentiated<K>(t))));
+    using S = std::remove_cvref_t<decltype(x.x.value.value.value)>;
+    return CurveJet<S>{
+        {x.x.value.value.value, x.y.value.value.value, x.z.value.value.value},
+        {x.x.derivative[0].value.value, x.y.derivative[0].value.value, x.z.derivative[0].value.value},
+        {x.x.derivative[0].derivative[0].value, x.y.derivative[0].derivative[0].value,
+         x.z.derivative[0].derivative[0].value},
+        {x.x.derivative[0].derivative[0].derivative[0], x.y.derivative[0].derivative[0].derivative[0],
+         x.z.derivative[0].derivative[0].derivative[0]}};
+  }
+  template <class To>
+  auto rebind() const {
+    auto rebound = detail::rebound<To>(position);
+    return PositionCurve<decltype(rebound), K, To>{std::move(rebound)};
+  }
+};
+template <class F>
+PositionCurve(F) -> PositionCurve<F>;
+
+/// A curve that lies in a plane z = constant, with the moving frame T, N = (-T_y, T_x, 0), B = +z: the bend is positive
+/// where the curve turns left. This is what makes a tube about any planar curve.
+template <class Curve = BSplineCurve<double>>
+struct PlanarCurve {
+  using scalar = typename Curve::scalar;
+  static constexpr Coordinate kind = Curve::kind;
+  Curve curve{};
+
+  template <class P>
+  auto jet(const P& t) const {
+    return curve.jet(t);
+  }
+  template <class P>
+  auto moving_frame(const P& t) const {
+    const auto j = curve.jet(t);
+    using S = std::remove_cvref_t<decltype(j.first.x)>;
+    const S zero = lift<S>(0.0), speed = norm(Vec2<S>{j.first.x, j.first.y});
+    const Vec2<S> T = unit(Vec2<S>{j.first.x, j.first.y});
+    const Vec3<S> along{T.x, T.y, zero}, left{-T.y, T.x, zero}, up{zero, zero, lift<S>(1.0)};
+    CurveFrame<S> f{along, left, up, speed, zero, zero, zero, zero, zero, zero, zero};
+    // K'' = speed' T + speed bend N, K''' = ... + (2 speed' bend + speed bend') N
+    f.speed_rate = dot(f.T, j.second);
+    f.bend = dot(f.N, j.second) / speed;
+    f.bend_rate = (dot(f.N, j.third) - lift<S>(2.0) * f.speed_rate * f.bend) / speed;
+    return f;
+  }
+  /// (x' y'' - y' x'') / (x'² + y'²)^(3/2) [doCarmo2016, sec. 1-5]
+  template <class P>
+  auto curvature(const P& t) const {
+    const auto j = curve.jet(t);
+    using S = std::remove_cvref_t<decltype(j.first.x)>;
+    const S speed = norm(Vec2<S>{j.first.x, j.first.y});
+    return S(((j.first.x / speed) * (j.second.y / speed) - (j.first.y / speed) * (j.second.x / speed)) /
+             speed);
+  }
+  template <class P>
+  auto position_again(const P& t) const requires requires(const Curve& c) {
+    c.position_again(t);
+  }
+  { return curve.position_again(t); }
+  template <class P>
+  Status singular(const P& t) const {
+    return detail::curve_status(curve, t);
+  }
+  std::string refusal() const {
+    if constexpr (requires { curve.control_points(); })
+      for (const auto& p : curve.control_points())
+        if (!(p.z == curve.control_points().front().z))
+          return "the curve does not lie in a plane z = constant";
+    return detail::curve_refusal(curve);
+  }
+  template <class To>
+  auto rebind() const {
+    auto rebound = detail::rebound<To>(curve);
+    return PlanarCurve<decltype(rebound)>{std::move(rebound)};
+  }
+};
+template <class Curve>
+PlanarCurve(Curve) -> PlanarCurve<Curve>;
+
+/// A curve in space with N in the plane of T and a fixed direction `up`, on its side: N = unit(up - (up · T) T). In
+/// closed form, with a twist. There is no frame where the curve runs along `up`.
+template <class Curve = HelixCurve<double>>
+struct UprightCurve {
+  using scalar = typename Curve::scalar;
+  static constexpr Coordinate kind = Curve::kind;
+  Curve curve{};
+  Vec3<scalar> up{scalar(0), scalar(0), scalar(1)};
+
+  template <class P>
+  auto jet(const P& t) const {
+    return curve.jet(t);
+  }
+  template <class P>
+  auto moving_frame(const P& t) const {
+    const auto j = curve.jet(t);
+    using S = std::remove_cvref_t<decltype(j.first.x)>;
+    const S two = lift<S>(2.0);
+    const Vec3<S> d = unit(detail::lift_vector<S>(up));
+    CurveFrame<S> f{};
+    f.speed = norm(j.first);
+    f.T = unit(j.first);
+    const Vec3<S> across = d - dot(d, f.T) * f.T;
+    f.N = unit(across);
+    f.B = accurate_cross(f.T, f.N);
+    const S along = dot(d, f.T) / norm(across);  // cotangent of the angle of T and up
+    f.speed_rate = dot(f.T, j.second);
+    f.bend = dot(f.N, j.second) / f.speed;
+    f.side = dot(f.B, j.second) / f.speed;
+    f.twist = -(along * f.side);
+    // From T'' = (K''' - speed'' T - 2 speed' T') / speed.
+    const S turn_n = (dot(f.N, j.third) - two * f.speed_rate * f.bend) / f.speed;
+    const S turn_b = (dot(f.B, j.third) - two * f.speed_rate * f.side) / f.speed;
+    f.bend_rate = turn_n + f.twist * f.side;
+    f.side_rate = turn_b - f.twist * f.bend;
+    f.twist_rate = -(along * f.side_rate) - (lift<S>(1.0) + along * along) * (f.bend * f.side);
+    return f;
+  }
+  template <class P>
+  auto position_again(const P& t) const requires requires(const Curve& c) {
+    c.position_again(t);
+  }
+  { return curve.position_again(t); }
+  template <class P>
+  Status singular(const P& t) const {
+    return detail::curve_status(curve, t);
+  }
+  std::string refusal() const {
+    if (detail::vanishes(up)) return "the direction `up` must not be zero";
+    return detail::curve_refusal(curve);
+  }
+  template <class To>
+  auto rebind() const {
+    auto rebound = detail::rebound<To>(curve);
+    return UprightCurve<decltype(rebound)>{std::move(rebound), detail::lift_vector<To>(up)};
+  }
+};
+template <class Curve>
+UprightCurve(Curve) -> UprightCurve<Curve>;
+template <class Curve, class T>
+UprightCurve(Curve, Vec3<T>) -> UprightCurve<Curve>;
+
+/// A curve in space with a rotation-minimising frame: N and B turn about T not at all. It is the frame of UprightCurve
+/// turned by φ(t) = -∫ twist dt from 0 to t, so that N at t = 0 leans to `up`. [Bishop1975]
+/// The integral is Gauss's with four points on each of `panels` equal pieces of [0, t]; turning_error() tells what it
+/// leaves. T and the rates are in closed form; N and B turn by that error, and a tube's points by it times the radius,
+/// which their derivatives do not show. Cost: 4 panels evaluations of the curve. Not for closed curves: the frame does not come
+/// back to itself. There is no frame if the curve runs along `up` somewhere; choose `up` so that it does not.
+template <class Curve = HelixCurve<double>>
+struct RotationMinimisingCurve {
+  static_assert(Curve::kind == Coordinate::linear, "a rotation-minimising frame does not close");
+  using scalar = typename Curve::scalar;
+  static constexpr Coordinate kind = Curve::kind;
+  Curve curve{};
+  Vec3<scalar> up{scalar(0), scalar(0), scalar(1)};
+  int panels = 32;
+
+  template <class S>
+  CurveJet<S> jet(const S& t) const {
+    return curve.jet(t);
+  }
+  template <class S>
+  CurveFrame<S> moving_frame(const S& t) const {
+    const CurveJet<S> j = curve.jet(t);
+    const CurveFrame<S> g = upright().moving_frame(t);
+    const Turn<S> phi = sincos_turns(S(turning(t, panels) / two_pi<S>()));
+    const S two = lift<S>(2.0), zero = lift<S>(0.0);
+    CurveFrame<S> f = g;
+    f.N = phi.cos * g.N + phi.sin * g.B;
+    f.B = phi.cos * g.B - phi.sin * g.N;
+    f.bend = dot(f.N, j.second) / f.speed;
+    f.side = dot(f.B, j.second) / f.speed;
+    f.bend_rate = (dot(f.N, j.third) - two * f.speed_rate * f.bend) / f.speed;
+    f.side_rate = (dot(f.B, j.third) - two * f.speed_rate * f.side) / f.speed;
+    f.twist = f.twist_rate = zero;
+    return f;
+  }
+  /// An estimate of the error of φ in radians: the largest difference to the integral with half as many panels, at 16
+  /// values of t. What rounding leaves is about 1e-15.
+  double turning_error() const {
+    double worst = 0;
+    for (int i = 1; i <= 16; ++i) {
+      const double t = i / 16.0;
+      worst = std::fmax(worst, std::fabs(turning(t, panels) - turning(t, (panels + 1) / 2)));
+    }
+    return worst;
+  }
+  template <class S>
+  auto position_again(const S& t) const requires requires(const Curve& c) {
+    c.position_again(t);
+  }
+  { return curve.position_again(t); }
+  template <class S>
+  Status singular(const S& t) const {
+    return detail::curve_status(curve, t);
+  }
+  std::string refusal() const {
+    if (panels < 1) return "panels = " + std::to_string(panels) + " must be positive";
+    return upright().refusal();
+  }
+  template <class To>
+  auto rebind() const {
+    auto rebound = detail::rebound<To>(curve);
+    return RotationMinimisingCurve<decltype(rebound)>{std::move(rebound), detail::lift_vector<To>(up),
+                                                      panels};
+  }
+
+ private:
+  UprightCurve<Curve> upright() const { return {curve, up}; }
+  // -∫ twist from 0 to t
+  template <class S>
+  S turning(const S& t, int pieces) const {
+    using std::sqrt;
+    const UprightCurve<Curve> base = upright();
+    const S root = lift<S>(2.0) / lift<S>(7.0) * S(sqrt(lift<S>(6.0) / lift<S>(5.0)));
+    const S inner = sqrt(lift<S>(3.0) / lift<S>(7.0) - root),
+            outer = sqrt(lift<S>(3.0) / lift<S>(7.0) + root);
+    const S tilt = S(sqrt(lift<S>(30.0))) / lift<S>(36.0), half = lift<S>(0.5);
+    const S count = lift<S>(static_cast<double>(pieces));
+    S sum = lift<S>(0.0);
+    for (int i = 0; i < pieces; ++i) {
+      const S middle = lift<S>(i + 0.5);
+      const auto twist = [&](const S& x) {
+        return base.moving_frame(S((middle + half * x) / count * t)).twist;
+      };
+      sum = sum + (half + tilt) * (twist(inner) + twist(-inner)) +
+            (half - tilt) * (twist(outer) + twist(-outer));
+    }
+    return -(sum * half * t / count);
+  }
+};
+template <class Curve>
+RotationMinimisingCurve(Curve) -> RotationMinimisingCurve<Curve>;
+template <class Curve, class T>
+RotationMinimisingCurve(Curve, Vec3<T>) -> RotationMinimisingCurve<Curve>;
+
+}  // namespace darboux

@@ -1,0 +1,382 @@
+/// \file spline.h
+/// What Bézier and B-spline curves and patches share: knot vectors, the de Casteljau and de Boor recurrences with their
+/// hodographs, and rational derivatives. Every degree from 1 to max_spline_degree, any scalar with an order.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <darboux/surface.h>
+
+namespace darboux {
+
+/// The highest degree of Bézier and B-spline curves and patches.
+inline constexpr int max_spline_degree = 15;
+
+namespace detail {
+
+template <class S, class T>
+Vec3<S> lift_vector(const Vec3<T>& a) {
+  return {lift<S>(a.x), lift<S>(a.y), lift<S>(a.z)};
+}
+template <class To, class From>
+std::vector<To> lift_numbers(const std::vector<From>& list) {
+  std::vector<To> result;
+  result.reserve(list.size());
+  for (const From& x : list) result.push_back(lift<To>(x));
+  return result;
+}
+template <class To, class From>
+std::vector<Vec3<To>> lift_points(const std::vector<Vec3<From>>& list) {
+  std::vector<Vec3<To>> result;
+  result.reserve(list.size());
+  for (const Vec3<From>& p : list) result.push_back(lift_vector<To>(p));
+  return result;
+}
+
+// Equality by order alone.
+template <class S>
+bool equal(const S& a, const S& b) {
+  return !(a < b) && !(b < a);
+}
+template <class S>
+bool vanishes(const Vec3<S>& a) {
+  const S zero = lift<S>(0.0);
+  return equal(a.x, zero) && equal(a.y, zero) && equal(a.z, zero);
+}
+
+// A number for messages.
+template <class T>
+std::string text_of(const T& x) {
+  if constexpr (requires { Scalar<T>::value(x); }) {
+    return text_of(Scalar<T>::value(x));
+  } else {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", static_cast<double>(x));
+    return text;
+  }
+}
+
+// Numerator and denominator of a rational position.
+template <class S>
+struct Homogeneous {
+  Vec3<S> a;
+  S w{};
+  friend Homogeneous operator+(const Homogeneous& x, const Homogeneous& y) { return {x.a + y.a, x.w + y.w}; }
+  friend Homogeneous operator-(const Homogeneous& x, const Homogeneous& y) { return {x.a - y.a, x.w - y.w}; }
+  friend Homogeneous operator*(const S& k, const Homogeneous& x) { return {k * x.a, k * x.w}; }
+};
+
+template <class Point>
+using ControlWindow = std::array<Point, max_spline_degree + 1>;
+
+// [0, 1] with all knots at its ends: de Casteljau's weights. Between lo and hi of any level the knots are 0 and 1.
+template <class S>
+struct BezierSpan {
+  S t, rest;  // rest = 1 - t
+  explicit BezierSpan(const S& x) : t(x), rest(lift<S>(1.0) - x) {}
+  template <class Point>
+  Point mix(const Point& x, const Point& y, int, int) const {
+    return rest * x + t * y;
+  }
+  S slope(int degree, int, int) const { return lift<S>(static_cast<double>(degree)); }
+};
+
+// One span of a B-spline: its 2p local knots, knots[p-1] <= t < knots[p].
+template <class S>
+struct KnotSpan {
+  S t;
+  int first = 0;  // the first control point that counts here
+  std::array<S, 2 * max_spline_degree> knots{};
+  template <class Point>
+  Point mix(const Point& x, const Point& y, int lo, int hi) const {
+    const S length = knots[hi] - knots[lo];
+    return S((knots[hi] - t) / length) * x + S((t - knots[lo]) / length) * y;
+  }
+  S slope(int degree, int lo, int hi) const {
+    return lift<S>(static_cast<double>(degree)) / (knots[hi] - knots[lo]);
+  }
+};
+
+// De Boor's recurrence for degree + 1 points of the `order`-th derivative of a spline of degree `degree + order`.
+// At t at a Bézier end or a knot of full multiplicity it returns the control point there, exactly.
+template <class Point, class Span>
+Point de_boor(ControlWindow<Point> x, int degree, int order, const Span& span) {
+  for (int level = 1; level <= degree; ++level)
+    for (int j = 0; j <= degree - level; ++j)
+      x[j] = span.mix(x[j], x[j + 1], order + j + level - 1, order + j + degree);
+  return x[0];
+}
+
+// The control points of the derivative (the hodograph) of the same.
+template <class Point, class Span>
+void hodograph(ControlWindow<Point>& x, int degree, int order, const Span& span) {
+  for (int j = 0; j < degree; ++j)
+    x[j] = span.slope(degree, order + j, order + j + degree) * (x[j + 1] - x[j]);
+}
+
+// A spline of the given degree and its derivatives up to `count` - 1.
+template <int count, class Point, class Span>
+std::array<Point, count> spline_derivatives(ControlWindow<Point> x, int degree, const Span& span) {
+  std::array<Point, count> result{};
+  for (int order = 0; order < count && order <= degree; ++order) {
+    result[order] = de_boor(x, degree - order, order, span);
+    if (order < degree) hodograph(x, degree - order, order, span);
+  }
+  return result;
+}
+
+// The partials (f, f_u, f_v, f_uu, f_uv, f_vv) of a tensor product: along v for each column, then along u.
+// \param at control point (i, j) of the window
+template <class Point, class SpanU, class SpanV, class At>
+std::array<Point, 6> tensor_partials(int degree_u, int degree_v, const SpanU& u, const SpanV& v, At&& at) {
+  ControlWindow<Point> f{}, f_v{}, f_vv{};
+  for (int i = 0; i <= degree_u; ++i) {
+    ControlWindow<Point> column{};
+    for (int j = 0; j <= degree_v; ++j) column[j] = at(i, j);
+    const auto along_v = spline_derivatives<3>(column, degree_v, v);
+    f[i] = along_v[0];
+    f_v[i] = along_v[1];
+    f_vv[i] = along_v[2];
+  }
+  const auto a = spline_derivatives<3>(f, degree_u, u);
+  const auto b = spline_derivatives<2>(f_v, degree_u, u);
+  return {a[0], a[1], b[0], a[2], b[1], de_boor(f_vv, degree_u, 0, u)};
+}
+
+// A surface from partials of the net relative to `anchor`.
+template <class S>
+Jet2<S> jet_of(const Vec3<S>& anchor, const std::array<Vec3<S>, 6>& f) {
+  return {anchor + f[0], f[1], f[2], f[3], f[4], f[5]};
+}
+template <class S>
+Jet2<S> jet_of(const Vec3<S>& anchor, const std::array<Homogeneous<S>, 6>& f) {
+  const auto& [h, hu, hv, huu, huv, hvv] = f;
+  const S two = lift<S>(2.0);
+  const Vec3<S> p = h.a / h.w;
+  const Vec3<S> pu = (hu.a - hu.w * p) / h.w, pv = (hv.a - hv.w * p) / h.w;
+  return {anchor + p,
+          pu,
+          pv,
+          (huu.a - (two * hu.w) * pu - huu.w * p) / h.w,
+          (huv.a - hu.w * pv - hv.w * pu - huv.w * p) / h.w,
+          (hvv.a - (two * hv.w) * pv - hvv.w * p) / h.w};
+}
+
+// The partials of a (rational) tensor product patch from its window of the control net. The net is shifted by the
+// window's corner nearest to (u, v): what is far from the origin loses nothing, a corner is met exactly, and along a
+// collapsed edge the partial is exactly zero, whatever the weights.
+template <class S, class SpanU, class SpanV, class PointAt, class WeightAt>
+Jet2<S> patch_jet(int degree_u, int degree_v, const SpanU& u, const SpanV& v, bool rational, bool upper_u,
+                  bool upper_v, PointAt&& point, WeightAt&& weight) {
+  const Vec3<S> anchor = point(upper_u ? degree_u : 0, upper_v ? degree_v : 0);
+  if (!rational)
+    return jet_of(anchor, tensor_partials<Vec3<S>>(degree_u, degree_v, u, v,
+                                                   [&](int i, int j) { return point(i, j) - anchor; }));
+  return jet_of(anchor, tensor_partials<Homogeneous<S>>(degree_u, degree_v, u, v, [&](int i, int j) {
+                  const S w = weight(i, j);
+                  return Homogeneous<S>{w * (point(i, j) - anchor), w};
+                }));
+}
+
+// Weights count up to a common factor: their largest is brought near 1 by a power of two; none where all are equal.
+template <class T>
+void normalise_weights(std::vector<T>& weights) {
+  double largest = 0;
+  bool all_equal = true;
+  for (const T& w : weights) {
+    largest = std::fmax(largest, size_of(w));
+    all_equal = all_equal && w == weights.front();
+  }
+  if (all_equal) {
+    weights.clear();
+    return;
+  }
+  const int e = std::ilogb(largest);
+  for (T& w : weights) w = scaled_by_power_of_two(w, -e);
+}
+
+// What is wrong with control points and weights, empty when nothing is.
+template <class T>
+std::string refuse_net(std::size_t expected, const std::vector<Vec3<T>>& points,
+                       const std::vector<T>& weights) {
+  using std::isfinite;
+  if (points.size() != expected)
+    return std::to_string(points.size()) + " control points, there must be " + std::to_string(expected);
+  if (!weights.empty() && weights.size() != expected)
+    return std::to_string(weights.size()) + " weights, there must be " + std::to_string(expected) +
+           " or none";
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!isfinite(points[i].x) || !isfinite(points[i].y) || !isfinite(points[i].z))
+      return "control point " + std::to_string(i) + " is not finite";
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    if (!isfinite(weights[i]) || !(T(0) < weights[i]))
+      return "weight " + std::to_string(i) + " = " + text_of(weights[i]) + " must be positive and finite";
+  return {};
+}
+
+inline std::string refuse_degree(int degree) {
+  if (degree < 1 || degree > max_spline_degree)
+    return "degree = " + std::to_string(degree) + " must be from 1 to " + std::to_string(max_spline_degree);
+  return {};
+}
+
+template <class T>
+std::string refuse_knots(int degree, const std::vector<T>& knots) {
+  using std::isfinite;
+  if (std::string why = refuse_degree(degree); !why.empty()) return why;
+  if (knots.size() < 2 * static_cast<std::size_t>(degree) + 2)
+    return std::to_string(knots.size()) + " knots: too few control points, degree " + std::to_string(degree) +
+           " needs " + std::to_string(degree + 1) + " and " + std::to_string(2 * degree + 2) + " knots";
+  int multiplicity = 1;
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    if (!isfinite(knots[i])) return "knot " + std::to_string(i) + " is not finite";
+    if (i == 0) continue;
+    if (knots[i] < knots[i - 1])
+      return "knot " + std::to_string(i) + " = " + text_of(knots[i]) + " is less than knot " +
+             std::to_string(i - 1) + " = " + text_of(knots[i - 1]) + ", knots must not decrease";
+    multiplicity = knots[i] == knots[i - 1] ? multiplicity + 1 : 1;
+    if (multiplicity > degree + 1)
+      return "knot " + text_of(knots[i]) +
+             " has a multiplicity above degree + 1 = " + std::to_string(degree + 1);
+  }
+  if (!(knots[degree] < knots[knots.size() - 1 - degree])) return "the knots enclose no interval";
+  return {};
+}
+
+}  // namespace detail
+
+/// Knots 0 (degree + 1 times), equally spaced ones, 1 (degree + 1 times), for `count` control points: the curve begins
+/// and ends in its first and last one.
+template <class T = double>
+std::vector<T> clamped_knots(int degree, int count) {
+  std::vector<T> knots;
+  for (int i = -degree; i <= count; ++i) {
+    const int spans = count - degree, k = i < 0 ? 0 : i > spans ? spans : i;
+    knots.push_back(T(k) / T(spans));
+  }
+  return knots;
+}
+
+/// The knots of a B-spline of one variable, mapped to the domain [0, 1] of its coordinate: (knot - k_p)/(k_n - k_p), p
+/// the degree and n the number of control points. What a knot is worth is checked by its owner, before.
+template <class T = double>
+class KnotVector {
+ public:
+  KnotVector() = default;
+  /// \param knots accepted by refusal()
+  KnotVector(int degree, std::vector<T> knots) : degree_(degree), knots_(std::move(knots)) {
+    const T start = knots_[degree_], end = knots_[count()];
+    // Halves, so that the length is representable whatever the ends.
+    const T length = end / T(2) - start / T(2);
+    if (!(start == T(0) && end == T(1)))
+      for (T& k : knots_) k = k == end ? T(1) : (k / T(2) - start / T(2)) / length;
+  }
+  /// What is wrong with degree and knots; empty when nothing is: a degree out of range, too few knots, a decreasing or
+  /// non-finite one, a multiplicity above degree + 1, an empty domain.
+  static std::string refusal(int degree, const std::vector<T>& knots) {
+    return detail::refuse_knots(degree, knots);
+  }
+
+  int degree() const { return degree_; }
+  /// The number of control points that belong to the knots.
+  int count() const { return static_cast<int>(knots_.size()) - degree_ - 1; }
+  const std::vector<T>& knots() const { return knots_; }
+
+  template <class To>
+  KnotVector<To> rebind() const {
+    KnotVector<To> result;
+    result.degree_ = degree_;
+    result.knots_ = detail::lift_numbers<To>(knots_);
+    return result;
+  }
+
+  /// The index m with knot m <= t < knot m + 1, found from the value of t; the first or last span outside [0, 1) and
+  /// for t = 1. At a knot it is the span above.
+  template <class S>
+  int find(const S& t) const {
+    int below = degree_, above = count();  // knot(below) <= t < knot(above), or t is outside
+    while (above - below > 1) {
+      const int middle = (below + above) / 2;
+      if (t < lift<S>(knots_[middle]))
+        above = middle;
+      else
+        below = middle;
+    }
+    while (below > degree_ && !(knots_[below] < knots_[below + 1])) --below;
+    while (!(knots_[below] < knots_[below + 1])) ++below;
+    return below;
+  }
+
+  template <class S>
+  detail::KnotSpan<S> span(const S& t) const {
+    const int m = find(t);
+    detail::KnotSpan<S> result{t, m - degree_, {}};
+    for (int i = 0; i < 2 * degree_; ++i) result.knots[i] = lift<S>(knots_[m - degree_ + 1 + i]);
+    return result;
+  }
+
+  /// Whether t lies in the upper half of the span.
+  template <class S>
+  bool upper(const detail::KnotSpan<S>& span) const {
+    return span.knots[degree_ - 1] + span.knots[degree_] < lift<S>(2.0) * span.t;
+  }
+
+  /// Status::crease at an interior knot whose multiplicity is the degree or more: there first derivatives may jump, and
+  /// those from above are given.
+  template <class S>
+  Status singular(const S& t) const {
+    const int m = find(t);
+    const T& knot = knots_[m];
+    if (!detail::equal(t, lift<S>(knot)) || !(knots_[degree_] < knot)) return Status::regular;
+    int multiplicity = 1;
+    while (multiplicity <= m && knots_[m - multiplicity] == knot) ++multiplicity;
+    return multiplicity >= degree_ ? Status::crease : Status::regular;
+  }
+
+  /// The degree + 1 basis functions that do not vanish at t, by the recurrence of their definition
+  ///   N_{i,0} = 1 on its span, N_{i,q} = (t - k_i)/(k_{i+q} - k_i) N_{i,q-1} + (k_{i+q+1} - t)/(k_{i+q+1} - k_{i+1}) N_{i+1,q-1},
+  /// a fraction with a zero denominator counting as zero. [Cox1972], [deBoor1972]
+  /// \param first the index of the first of them
+  template <class S>
+  std::array<S, max_spline_degree + 1> basis(const S& t, int& first) const {
+    int m = degree_;
+    for (int i = degree_; i < count(); ++i)
+      if (knots_[i] < knots_[i + 1] && (!(knots_[m] < knots_[m + 1]) || !(t < lift<S>(knots_[i])))) m = i;
+    first = m - degree_;
+    const S zero = lift<S>(0.0);
+    std::array<S, max_spline_degree + 2> n{};
+    for (S& x : n) x = zero;
+    n[degree_] = lift<S>(1.0);
+    for (int q = 1; q <= degree_; ++q)
+      for (int j = 0; j <= degree_; ++j) {
+        const int i = first + j;
+        S sum = zero;
+        if (knots_[i] < knots_[i + q]) {
+          const S k = lift<S>(knots_[i]);
+          sum = sum + (t - k) / (lift<S>(knots_[i + q]) - k) * n[j];
+        }
+        if (knots_[i + 1] < knots_[i + q + 1]) {
+          const S k = lift<S>(knots_[i + q + 1]);
+          sum = sum + (k - t) / (k - lift<S>(knots_[i + 1])) * n[j + 1];
+        }
+        n[j] = sum;
+      }
+    std::array<S, max_spline_degree + 1> result{};
+    for (int j = 0; j <= degree_; ++j) result[j] = n[j];
+    return result;
+  }
+
+ private:
+  template <class>
+  friend class KnotVector;
+  int degree_ = 0;
+  std::vector<T> knots_;
+};
+
+}  // namespace darboux

@@ -1,0 +1,101 @@
+/// \file extrusion.h
+#pragma once
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include <darboux/curve.h>
+#include <darboux/surface.h>
+
+namespace darboux {
+
+/// Extrusion of a curve along a direction (a general cylinder).
+///   P(u, v) = K(u) + v d
+/// u runs along the curve, v from the curve (0) to its copy at d (1). n = K' × d / |.|: outward for a curve that runs
+/// counter-clockwise as seen from the tip of d. Where the curve stops (K' = 0) dpdu_zero, and the limit frame is from
+/// above (at u = 1 from below) by the first derivative that does not vanish; with crease where the curve turns round. At
+/// a corner of the curve crease, and the frame is that from above. Where d is tangent to the curve, parallel and no
+/// frame. t errs by at most 2u (1 + condition), u the unit roundoff, the condition that of K'; n by that over the sine
+/// of the angle of K' and d. [doCarmo2016, sec. 3-3]
+template <class Curve = BSplineCurve<double>>
+struct Extrusion {
+  using scalar = typename Curve::scalar;
+  Curve curve{};
+  Vec3<scalar> direction{scalar(0), scalar(0), scalar(1)};
+
+  static constexpr SurfaceInfo info{"extrusion",
+                                    "extrusion of a curve along a direction",
+                                    Curve::kind,
+                                    Coordinate::linear,
+                                    {"direction tangent to the curve", "corners of the curve"}};
+  static constexpr auto parameters() {
+    using V = Vec3<scalar>;
+    return std::array{
+        parameter<&Extrusion::direction, &V::x>("direction_x", Range{}, "from the curve to its copy; length"),
+        parameter<&Extrusion::direction, &V::y>("direction_y", Range{}, "from the curve to its copy; length"),
+        parameter<&Extrusion::direction, &V::z>("direction_z", Range{},
+                                                "from the curve to its copy; length")};
+  }
+  std::string refusal() const {
+    if (detail::vanishes(direction)) return "the direction must not be zero";
+    return detail::curve_refusal(curve);
+  }
+
+  template <class P, class S>
+  Jet2<S> jet(const P& u, const S& v) const {
+    const S zero = lift<S>(0.0);
+    const Vec3<S> nothing{zero, zero, zero}, d = detail::lift_vector<S>(direction);
+    const CurveJet<S> k = curve.jet(u);
+    return {.position = k.position + v * d,
+            .dpdu = k.first,
+            .dpdv = d,
+            .d2pdu2 = k.second,
+            .d2pduv = nothing,
+            .d2pdv2 = nothing};
+  }
+
+  template <class P, class S>
+  Frame<S> frame(const P& u, const S&) const {
+    const auto way = detail::passage<Curve::kind>(CurveJet<S>(curve.jet(u)), u);
+    const Vec3<S> across = accurate_cross(way.direction, unit(detail::lift_vector<S>(direction)));
+    if (way.order == 0 || detail::vanishes(across)) return detail::no_frame<S>();
+    const Vec3<S> n = unit(across);
+    return {.t = way.direction, .b = accurate_cross(n, way.direction), .n = n};
+  }
+
+  template <class P, class S>
+  Status singular(const P& u, const S&) const {
+    const auto way = detail::passage<Curve::kind>(CurveJet<S>(curve.jet(u)), u);
+    Status result =
+        detail::curve_status(curve, u) | detail::passage_status<Curve::kind>(way, u, Status::dpdu_zero);
+    if (detail::vanishes(accurate_cross(way.direction, unit(detail::lift_vector<S>(direction)))))
+      result |= Status::parallel;
+    return result;
+  }
+
+  /// K = 0
+  template <class P, class S>
+  S gaussian_curvature(const P&, const S&) const {
+    return lift<S>(0.0);
+  }
+  /// The curve's point by its other formula, and v d.
+  template <class P, class S>
+  Vec3<S> position_again(const P& u, const S& v) const requires requires(const Curve& c) {
+    c.position_again(u);
+  }
+  { return curve.position_again(u) + v * detail::lift_vector<S>(direction); }
+
+  /// The same extrusion over another scalar.
+  template <class To>
+  auto rebind() const {
+    auto rebound = detail::rebound<To>(curve);
+    return Extrusion<decltype(rebound)>{std::move(rebound), detail::lift_vector<To>(direction)};
+  }
+};
+template <class Curve, class T>
+Extrusion(Curve, Vec3<T>) -> Extrusion<Curve>;
+template <class Curve>
+Extrusion(Curve) -> Extrusion<Curve>;
+
+}  // namespace darboux

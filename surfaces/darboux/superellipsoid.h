@@ -1,0 +1,170 @@
+/// \file superellipsoid.h
+#pragma once
+
+#include <darboux/surface.h>
+
+namespace darboux {
+
+/// Superellipsoid about the origin: an ellipsoid whose meridians and parallels are superellipses.
+///   P(u, v) = (a f(sin πv; e1) f(C; e2), b f(sin πv; e1) f(S; e2), -c f(cos πv; e1)),   f(x; e) = sgn(x) |x|^e
+/// with C, S = cos 2πu, sin 2πu and e1 = exponent_v, e2 = exponent_u: 1 an ellipsoid, towards 0 a box, 2 an octahedron,
+/// beyond 2 a star. u runs round the z axis in turns, v from the south pole (0) to the north (1). n points outward,
+///   t ∝ (-a f(S; 2 - e2), b f(C; 2 - e2), 0),
+///   n ∝ (|sin πv|^(2 - e1) f(C; 2 - e2) / a, |sin πv|^(2 - e1) f(S; 2 - e2) / b, -f(cos πv; 2 - e1) / c)
+/// which for exponents below 2 is continuous at every point but in t at the poles, whatever becomes of the partials:
+///   poles v = 0, 1: dpdu_zero; the frame is the limit along the meridian of the given u
+///   e1 > 1: dpdv_zero at the poles and at the equator cos πv = 0; e1 < 1: dpdv is infinite there (overflow)
+///   e2 > 1: dpdu_zero where C or S is 0; e2 < 1: dpdu is infinite there (overflow)
+///   e1 >= 2 (e2 >= 2): the equator (the meridians C = 0, S = 0) is an edge, and the status says crease: the frame is the
+///   limit from the side where the cosine (sine) is positive
+/// All of these frames are limits (limit_frame). Second partials may be infinite there for any exponent but 1. On a
+/// meridian C = 0 or S = 0 limits are taken along v first. Frame components err by at most 8u times (1 + condition), u the
+/// unit roundoff, for exponents up to 2. Unlike other formulas it asks for the signs of sines and cosines. [Barr1981]
+template <class T = double>
+struct Superellipsoid {
+  T semi_axis_x{1}, semi_axis_y{1}, semi_axis_z{1}, exponent_v{0.5}, exponent_u{0.5};
+
+  static constexpr SurfaceInfo info{
+      "superellipsoid",
+      "superellipsoid about the origin, v from pole to pole",
+      Coordinate::turn,
+      Coordinate::half_turn,
+      {"v=0", "v=1", "v=1/2 unless exponent_v = 1", "u=0, 1/4, 1/2, 3/4 unless exponent_u = 1"}};
+  static constexpr auto parameters() {
+    return std::array{parameter<&Superellipsoid::semi_axis_x>("semi_axis_x", Range::positive(),
+                                                              "semi-axis along x, a length"),
+                      parameter<&Superellipsoid::semi_axis_y>("semi_axis_y", Range::positive(),
+                                                              "semi-axis along y, a length"),
+                      parameter<&Superellipsoid::semi_axis_z>("semi_axis_z", Range::positive(),
+                                                              "semi-axis along z, a length"),
+                      parameter<&Superellipsoid::exponent_v>("exponent_v", Range::positive(),
+                                                             "exponent of the meridians, a number", {0.1, 2}),
+                      parameter<&Superellipsoid::exponent_u>(
+                          "exponent_u", Range::positive(), "exponent of the parallels, a number", {0.1, 2})};
+  }
+
+  template <class S>
+  Jet2<S> jet(const Turn<S>& u, const Turn<S>& v) const {
+    const S a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), c = lift<S>(semi_axis_z), zero = lift<S>(0.0);
+    const Power<S> rho(v.sin, v.cos, pi<S>(), exponent_v);  // distance from the axis
+    const Power<S> z(v.cos, -v.sin, pi<S>(), exponent_v);   // height, downwards
+    const Power<S> x(u.cos, -u.sin, two_pi<S>(), exponent_u), y(u.sin, u.cos, two_pi<S>(), exponent_u);
+    const auto product = [](const S& known, const S& p, const S& q) { return known * times(p, q); };
+    return {.position = {a * (rho.value * x.value), b * (rho.value * y.value), -(c * z.value)},
+            .dpdu = {product(a, rho.value, x.first), product(b, rho.value, y.first), zero},
+            .dpdv = {product(a, x.value, rho.first), product(b, y.value, rho.first), -(c * z.first)},
+            .d2pdu2 = {product(a, rho.value, x.second), product(b, rho.value, y.second), zero},
+            .d2pduv = {a * (rho.first * x.first), b * (rho.first * y.first), zero},
+            .d2pdv2 = {product(a, x.value, rho.second), product(b, y.value, rho.second), -(c * z.second)}};
+  }
+
+  template <class S>
+  Frame<S> frame(const Turn<S>& u, const Turn<S>& v) const {
+    const S zero = lift<S>(0.0), a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), c = lift<S>(semi_axis_z);
+    const Weights<S> round(u.cos, u.sin, exponent_u), up(v.sin, v.cos, exponent_v);
+    const S &x = round.first, &y = round.second;
+    const Vec2<S> along = unit(Vec2<S>{y * (y * a), x * (x * b)});
+    const S tx = -(sign(u.sin) * along.x), ty = sign(u.cos) * along.y;
+    // The normal's parts away from the axis and along it, each a square.
+    const S flat = norm(Vec2<S>{x * (x / a), y * (y / b)}), steep = up.second * round.common;
+    Vec2<S> parts = unit(Vec2<S>{up.first * (up.first * flat), steep * (steep / c)});
+    if (dot(parts, parts) < lift<S>(0.5)) parts = {lift<S>(1.0), zero};
+    const S out = sign(v.sin) * parts.x, height = -(sign(v.cos) * parts.y);
+    Frame<S> result{
+        .t = {tx, ty, zero}, .b = {-(height * ty), height * tx, out}, .n = {out * ty, -(out * tx), height}};
+    if (singular(u, v) != Status::regular) result.status = Status::limit_frame;
+    return result;
+  }
+
+  template <class S>
+  Status singular(const Turn<S>& u, const Turn<S>& v) const {
+    const bool pole = is_zero(v.sin), equator = is_zero(v.cos), axis = is_zero(u.cos) || is_zero(u.sin);
+    const T one{1}, two{2};
+    Status result = Status::regular;
+    if (pole || (axis && exponent_u > one)) result |= Status::dpdu_zero;
+    if ((pole || equator) && exponent_v > one) result |= Status::dpdv_zero;
+    if ((axis && !pole && exponent_u < one) || ((pole || equator) && exponent_v < one))
+      result |= Status::overflow;
+    if ((axis && exponent_u >= two) || (equator && exponent_v >= two)) result |= Status::crease;
+    return result;
+  }
+
+  /// l (G(p) - 1), l = sqrt(a² + b² + c²), where p / G(p) is the point of the surface in the direction of p:
+  ///   G = ((|x/a|^(2/e2) + |y/b|^(2/e2))^(e2/e1) + |z/c|^(2/e1))^(e1/2)
+  template <class S>
+  S implicit(const Vec3<S>& p) const {
+    const S a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), c = lift<S>(semi_axis_z), one = lift<S>(1.0);
+    const S round = gauge<S>(p.x / a, p.y / b, exponent_u);
+    return norm(Vec3<S>{a, b, c}) * (gauge<S>(round, p.z / c, exponent_v) - one);
+  }
+
+ private:
+  template <class S>
+  static S sign(const S& x) {
+    return lift<S>(x < lift<S>(0.0) ? -1.0 : 1.0);
+  }
+  template <class S>
+  static bool is_zero(const S& x) {
+    return !(x < lift<S>(0.0)) && !(lift<S>(0.0) < x);
+  }
+  // x^e, x >= 0
+  template <class S>
+  static S power(const S& x, const T& e) {
+    using std::pow;
+    return e == T(0) ? lift<S>(1.0) : S(pow(x, lift<S>(e)));
+  }
+  // p q, and 0 where p is 0 for good and q infinite: p is no variable of the derivative q
+  template <class S>
+  static S times(const S& p, const S& q) {
+    const S zero = lift<S>(0.0), product = p * q;
+    return product < lift<S>(1.0) || zero < product ? product : zero;
+  }
+
+  // f(g; e) and its derivatives, for g, h with g' = ω h and g'' = -ω² g
+  template <class S>
+  struct Power {
+    S value, first, second;
+    Power(const S& g, const S& h, const S& omega, const T& e) {
+      using std::abs;
+      const S size = abs(g), k = lift<S>(e), side = sign(g);
+      value = side * power(size, e);
+      first = omega * (k * power(size, T(e - T(1))) * h);
+      second = -(omega * (omega * (k * value)));
+      if (e != T(1))
+        second =
+            second + omega * (omega * (k * (k - lift<S>(1.0)) * (side * power(size, T(e - T(2)))) * h * h));
+    }
+  };
+
+  // What t and n are made of: |p|^((2 - e)/2), |q|^((2 - e)/2) for a cosine and sine p, q. For e > 2 these are both
+  // infinite somewhere, so first and second are those over what they have in common, 1/common.
+  template <class S>
+  struct Weights {
+    S first, second, common = lift<S>(1.0);
+    Weights(const S& p, const S& q, const T& e) {
+      using std::abs;
+      const T half = (T(2) - e) / T(2);
+      if (half < T(0)) {
+        first = power(S(abs(q)), T(-half));
+        second = power(S(abs(p)), T(-half));
+        common = first * second;
+      } else {
+        first = power(S(abs(p)), half);
+        second = power(S(abs(q)), half);
+      }
+    }
+  };
+
+  // (|x|^(2/e) + |y|^(2/e))^(e/2), without overflow or underflow of the larger one
+  template <class S>
+  static S gauge(const S& x, const S& y, const T& e) {
+    using std::abs;
+    const S p = abs(x), q = abs(y), zero = lift<S>(0.0);
+    const S &large = p < q ? q : p, &small = p < q ? p : q;
+    if (!(zero < large)) return large;
+    return large * power(S(lift<S>(1.0) + power(S(small / large), T(T(2) / e))), T(e / T(2)));
+  }
+};
+Superellipsoid(double, double, double, double, double)->Superellipsoid<double>;
+
+}  // namespace darboux
