@@ -17,7 +17,7 @@ namespace darboux {
 template <class S>
 struct Vec2 {
   S x{}, y{};
-  friend constexpr bool operator==(const Vec2&, const Vec2&) = default;
+  friend bool operator==(const Vec2&, const Vec2&) = default;
   friend constexpr Vec2 operator+(const Vec2& a, const Vec2& b) { return {a.x + b.x, a.y + b.y}; }
   friend constexpr Vec2 operator-(const Vec2& a, const Vec2& b) { return {a.x - b.x, a.y - b.y}; }
   friend constexpr Vec2 operator*(const S& k, const Vec2& a) { return {k * a.x, k * a.y}; }
@@ -30,7 +30,7 @@ template <class S>
 struct Vec3 {
   S x{}, y{}, z{};
 
-  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+  friend bool operator==(const Vec3&, const Vec3&) = default;
   friend constexpr Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend constexpr Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   friend constexpr Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
@@ -45,7 +45,7 @@ template <class S>
 struct Vec4 {
   S x{}, y{}, z{}, w{};
   constexpr Vec3<S> xyz() const { return {x, y, z}; }
-  friend constexpr bool operator==(const Vec4&, const Vec4&) = default;
+  friend bool operator==(const Vec4&, const Vec4&) = default;
 };
 
 /// a · b

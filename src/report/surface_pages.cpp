@@ -206,7 +206,8 @@ std::string described(const std::string& key) {
   return result;
 }
 
-// The sources a text names as [Key2001] or [Key2001, place], with their places, in the order in which they are named.
+// The sources a text names as [doCarmo2016] or [doCarmo2016, sec. 2-2], with their places, in the order in which
+// they are named.
 std::vector<std::pair<std::string, std::vector<std::string>>> citations(const std::string& text) {
   std::vector<std::pair<std::string, std::vector<std::string>>> result;
   for (std::size_t at = text.find('['); at != std::string::npos; at = text.find('[', at + 1)) {

@@ -37,7 +37,7 @@ struct Projection {
 struct Cell {
   int i, j;
   std::array<Point, 4> corners;  // (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)
-  double depth;                  // of the centre, the nearer the larger
+  double depth;                  // of the corners together, the nearer the larger
 };
 
 bool finite(const Vec3<double>& p) {

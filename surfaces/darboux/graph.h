@@ -64,7 +64,7 @@ struct Graph {
   static constexpr SurfaceInfo info{"graph", "graph of a function over a rectangle", Coordinate::linear,
                                     Coordinate::linear};
   static constexpr auto parameters() {
-    constexpr Magnitudes m{1e-20, 1e20};
+    constexpr Magnitudes m{1e-3, 1e3};
     constexpr auto x0_ = parameter<&Graph::x0>("x0", Range{}, "x at u = 0; length", m),
                    x1_ = parameter<&Graph::x1>("x1", Range{}, "x at u = 1, above x0; length", m),
                    y0_ = parameter<&Graph::y0>("y0", Range{}, "y at v = 0; length", m),
@@ -75,7 +75,7 @@ struct Graph {
           x1_,
           y0_,
           y1_,
-          parameter<&Graph::f, &F::height>("height", Range{}, "height of the hill; length", m),
+          parameter<&Graph::f, &F::height>("height", Range{}, "height of the hill; length"),
           parameter<&Graph::f, &F::width>("width", Range::positive(),
                                           "distance at which half the height is left; length", m)};
     else

@@ -16,7 +16,7 @@ namespace darboux {
 /// direction; no_frame. For R = r these points only touch the axis, and the frame is the limit along the given v. With
 /// the unit tangent τ of the figure, its normal ν in the half-plane of the axis, e_t = (-sin x, cos x, 0):
 ///   n = (2ρ ν + f e_t) / sqrt(4ρ² + f²),   f = r sin 2y (1 + 4 cos 2y) / (2 g),   g = sqrt(cos² y + 4 cos² 2y)
-/// Frame components err by at most 8u times (1 + condition), u the unit roundoff, the condition being that of x and y in u
+/// Frame components err by at most 4u times (1 + condition), u the unit roundoff, the condition being that of x and y in u
 /// and v and of ρ where it cancels. [Gray2006]
 template <class T = double>
 struct KleinBottle {
@@ -29,7 +29,8 @@ struct KleinBottle {
       .v = Coordinate::turn,
       .singular =
           {"where the tube touches the axis at an extreme of the figure 8 (radius <= 1.25 tube_radius)"},
-      .orientable = false};
+      .orientable = false,
+      .euler_characteristic = 0};
   static constexpr auto parameters() {
     return std::array{
         parameter<&KleinBottle::radius>("radius", Range::positive(),
@@ -76,9 +77,9 @@ struct KleinBottle {
     const Vec2<S> c = unit(Vec2<S>{-(two * (r * (v.sin * v.sin * v.sin / g))), norm(across)});
     const Vec2<S>&k = along, normal{k.y, -k.x};
     const S d = a.x * c.y, e = a.x * c.x;
-    return {.t = cartesian<S>(x, {c.x * k.x - d * normal.x, a.y * c.y, c.x * k.y - d * normal.y}),
-            .b = cartesian<S>(x, {c.y * k.x + e * normal.x, -(a.y * c.x), c.y * k.y + e * normal.y}),
-            .n = cartesian<S>(x, {a.y * normal.x, a.x, a.y * normal.y}),
+    return {.t = cartesian<S>(x, unit(Vec3<S>{c.x * k.x - d * normal.x, a.y * c.y, c.x * k.y - d * normal.y})),
+            .b = cartesian<S>(x, unit(Vec3<S>{c.y * k.x + e * normal.x, -(a.y * c.x), c.y * k.y + e * normal.y})),
+            .n = cartesian<S>(x, unit(Vec3<S>{a.y * normal.x, a.x, a.y * normal.y})),
             .handedness = one,
             .status = status};
   }

@@ -29,7 +29,11 @@ struct Superellipsoid {
       "superellipsoid about the origin, v from pole to pole",
       Coordinate::turn,
       Coordinate::half_turn,
-      {"v=0", "v=1", "v=1/2 unless exponent_v = 1", "u=0, 1/4, 1/2, 3/4 unless exponent_u = 1"}};
+      {"v=0", "v=1", "v=1/2 unless exponent_v = 1", "u=0, 1/4, 1/2, 3/4 unless exponent_u = 1"},
+      /* orientable */ true,
+      /* euler_characteristic */ std::nullopt,
+      /* own_orientation */ false,
+      /* frame_error */ 8};
   static constexpr auto parameters() {
     return std::array{parameter<&Superellipsoid::semi_axis_x>("semi_axis_x", Range::positive(),
                                                               "semi-axis along x, a length"),
