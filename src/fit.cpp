@@ -306,6 +306,15 @@ void for_each_kind(F f) {
 
 }  // namespace
 
+const std::vector<std::string_view>& fitted_kinds() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> list;
+    for_each_kind([&](std::string_view name, auto) { list.push_back(name); });
+    return list;
+  }();
+  return names;
+}
+
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement) {
   make_surface(kind);  // refuses unknown names and values out of range

@@ -15,9 +15,9 @@ namespace darboux::test {
 
 template <class List>
 struct SurfaceTypes;
-template <template <class> class... Surfaces>
+template <class... Surfaces>
 struct SurfaceTypes<SurfaceList<Surfaces...>> {
-  using type = ::testing::Types<Surfaces<double>...>;
+  using type = ::testing::Types<Surfaces...>;
 };
 /// The catalogue for TYPED_TEST_SUITE.
 using EveryCatalogueSurface = SurfaceTypes<Catalogue>::type;
@@ -52,31 +52,5 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
-
-/// Random parameters, each within [smallest, largest]: half of the time of unrelated sizes, else within a
-/// factor 4 of each other.
-template <class X>
-X random_surface(Random& random, double smallest, double largest) {
-  X surface;
-  const bool related = random.bits() % 2 == 0;
-  const double size = random.log_uniform(4 * smallest, largest / 4);
-  for_each_parameter<X>([&](const auto& p) {
-    const double value = related ? size * random.log_uniform(0.25, 4) : random.log_uniform(smallest, largest);
-    if (p.permitted.contains(value)) p.of(surface) = value;
-  });
-  return surface;
-}
-
-/// The side of the surface to which n belongs: the sign of det(dpdu, dpdv, n). Only a surface that states its
-/// own orientation has another than +1.
-template <class X, class V>
-int stated_handedness(const X&, const V&) {
-  return 1;
-}
-/// The torus: n points out of the tube, so -1 where R + r cos 2πv < 0.
-template <class T, class S>
-int stated_handedness(const Torus<T>& torus, const Turn<S>& v) {
-  return lift<S>(torus.major_radius) + lift<S>(torus.minor_radius) * v.cos < 0 ? -1 : 1;
-}
 
 }  // namespace darboux::test

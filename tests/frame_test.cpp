@@ -8,7 +8,7 @@
 #include <darboux/frame.h>
 
 #include "every_surface.h"
-#include "many_digits.h"
+#include "multiprecision.h"
 
 namespace darboux::test {
 namespace {

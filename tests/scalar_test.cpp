@@ -13,12 +13,12 @@
 
 #include "archetype.h"
 #include "every_surface.h"
-#include "many_digits.h"
+#include "multiprecision.h"
 
 namespace darboux::test {
 namespace {
 
-using Mp50 = ManyDigits<50>;
+using Mp50 = BoostDigits<50>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 

@@ -1,13 +1,11 @@
 #include <limits>
 #include <string>
-#include <type_traits>
 
 #include <gtest/gtest.h>
 
 #include <darboux/error.h>
 #include <darboux/surface.h>
 
-#include "archetype.h"
 #include "every_surface.h"
 
 namespace darboux::test {
@@ -66,59 +64,6 @@ TEST(Prepare, HandsEachKindItsForm) {
   EXPECT_EQ(prepare<Coordinate::turn>(0.3).sin, sincos_turns(0.3).sin);
   EXPECT_EQ(prepare<Coordinate::half_turn>(0.3).cos, sincos_half_turns(0.3).cos);
   EXPECT_EQ(prepare<Coordinate::twisted_turn>(0.3).cos, sincos_half_turns(0.3).cos);
-}
-
-template <class X>
-class EverySurface : public ::testing::Test {};
-TYPED_TEST_SUITE(EverySurface, EveryCatalogueSurface, SurfaceNames);
-
-TYPED_TEST(EverySurface, DescribesItselfForPeople) {
-  EXPECT_TRUE(ParametricSurface<TypeParam>);
-  EXPECT_FALSE(TypeParam::info.summary.empty());
-  for_each_parameter<TypeParam>([](const auto& p) {
-    EXPECT_FALSE(p.meaning.empty()) << p.name;
-    EXPECT_TRUE(p.permitted.contains(p.of(TypeParam{}))) << p.name << ": the default is out of range";
-  });
-}
-
-// A consistently wrong formula is only found by a fact that does not come from it.
-TYPED_TEST(EverySurface, StatesAnIndependentFact) {
-  EXPECT_TRUE(StatesImplicit<TypeParam> || StatesGaussianCurvature<TypeParam>);
-}
-
-// A coordinate as the formula gets it, filled with the archetype.
-template <Coordinate kind, class A>
-auto archetype_coordinate(double x) {
-  const auto prepared = prepare<kind>(x);
-  if constexpr (kind == Coordinate::linear)
-    return A(prepared);
-  else
-    return Turn<A>{A(prepared.sin), A(prepared.cos)};
-}
-
-template <class A>
-void expect_same(const Vec3<A>& a, const Vec3<double>& b) {
-  EXPECT_EQ(a.x.value(), b.x);
-  EXPECT_EQ(a.y.value(), b.y);
-  EXPECT_EQ(a.z.value(), b.z);
-}
-
-// Partials need + - * / and sqrt only; frames too, but for the torus, whose frame compares once.
-TYPED_TEST(EverySurface, NeedsNothingBeyondTheArchetype) {
-  using X = TypeParam;
-  constexpr bool compares = std::is_same_v<X, Torus<double>>;
-  const X surface;
-  const double u = 0.3, v = 0.2;
-  const auto partials = surface.jet(archetype_coordinate<X::info.u, Archetype<compares>>(u),
-                                    archetype_coordinate<X::info.v, Archetype<compares>>(v));
-  const Jet2<double> expected = surface.jet(prepare<X::info.u>(u), prepare<X::info.v>(v));
-  expect_same(partials.position, expected.position);
-  expect_same(partials.d2pduv, expected.d2pduv);
-  if constexpr (HasClosedFrame<X>) {
-    const auto frame = surface.frame(archetype_coordinate<X::info.u, Archetype<compares>>(u),
-                                     archetype_coordinate<X::info.v, Archetype<compares>>(v));
-    expect_same(frame.b, surface.frame(prepare<X::info.u>(u), prepare<X::info.v>(v)).b);
-  }
 }
 
 }  // namespace

@@ -37,7 +37,10 @@ struct MeshFit {
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
-/// Fits these kinds in order and returns the first that fits: plane, disk, sphere, cylinder, cone, torus, ellipsoid. When
+/// The kinds of surface that can be fitted, in the order in which they are tried.
+const std::vector<std::string_view>& fitted_kinds();
+
+/// Fits the fitted_kinds() in order and returns the first that fits: plane, disk, sphere, cylinder, cone, torus, ellipsoid. When
 /// none does, the best of them, `fits` false.
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
