@@ -45,6 +45,10 @@ double parse_number(const std::string& subject, std::string_view text) {
 std::string AnySurface::specification(int digits) const {
   std::string text(info().name);
   char separator = ':';
+  if (!file_.empty()) {
+    text += ":file=" + file_;
+    separator = ',';
+  }
   for (const ParameterValue& p : parameters()) {
     text +=
         separator + std::string(p.name) + "=" + (digits > 0 ? rounded(p.value, digits) : shortest(p.value));

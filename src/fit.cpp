@@ -272,6 +272,7 @@ MeshFit fit_kind(const Data& all, const SurfaceSpecification& kind,
       list[k].of(surface) = held[k] ? list[k].of(start) : pose->parameters[k] * data.diagonal;
       permitted = permitted && list[k].permitted.contains(list[k].of(surface));
     }
+    if constexpr (RefusesCombinations<X>) permitted = permitted && surface.refusal().empty();
     if (!permitted) continue;
     MeshFit fit{.surface = {AnySurface(surface), Eigen::Isometry3d::Identity(), convention},
                 .equivalent = {}};

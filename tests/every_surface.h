@@ -9,7 +9,17 @@
 
 #include <gtest/gtest.h>
 
+#include <darboux/any_surface.h>
 #include <darboux/catalogue.h>
+
+namespace darboux {
+
+/// What gtest shows of a surface.
+inline void PrintTo(const AnySurface& surface, std::ostream* out) {
+  *out << surface.specification();
+}
+
+}  // namespace darboux
 
 namespace darboux::test {
 

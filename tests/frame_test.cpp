@@ -22,7 +22,7 @@ Vec3<Mp> many(const Vec3<double>& a) {
   return {a.x, a.y, a.z};
 }
 Vec3<Mp> unit_many(const Vec3<Mp>& a) {
-  return inverse_sqrt(dot(a, a)) * a;
+  return (1 / sqrt(dot(a, a))) * a;
 }
 double distance(const Vec3<double>& a, const Vec3<Mp>& b) {
   const Vec3<Mp> d = many(a) - b;

@@ -50,7 +50,7 @@ TEST(SampleMesh, StoresTheTruth) {
     for (const double shear : {0.0, 0.5})
       for (const bool mirror : {false, true})
         for (const SignConvention sign : {SignConvention::gltf, SignConvention::raw}) {
-          SampleMeshOptions o = grid(12, 7);
+          SampleMeshOptions o = grid(48, 29);
           o.jitter = 0.2;
           o.random_diagonals = true;
           o.shear = shear;

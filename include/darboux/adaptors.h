@@ -6,10 +6,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include <darboux/error.h>
 #include <darboux/evaluate.h>
 #include <darboux/forms.h>
 
@@ -23,7 +29,11 @@ struct Literal {
   constexpr Literal(const char (&from)[N]) { std::copy_n(from, N, text); }  // NOLINT: from a literal
 };
 
-// "offset of torus", of static duration.
+constexpr Status without(Status mask, Status bits) {
+  return static_cast<Status>(static_cast<std::uint32_t>(mask) & ~static_cast<std::uint32_t>(bits));
+}
+
+// "offset torus", of static duration.
 template <Literal prefix, class X>
 struct AdaptedName {
   static constexpr auto characters = [] {
@@ -50,7 +60,28 @@ Turn<D> as_variable(const Turn<S>& x, int k, Coordinate kind) {
   return result;
 }
 
-// The unit normal of a surface at prepared coordinates of any scalar.
+template <class S>
+S constant_part(const S& x) {
+  if constexpr (requires { Scalar<S>::value(x); })
+    return S(constant_part(Scalar<S>::value(x)));
+  else
+    return x;
+}
+
+// ∫ f(x0 + s (x - x0)) ds over [0, 1], x0 the constant part of x: for a dual number x exact to fifth order (Boole's rule).
+template <class S, class F>
+auto mean_from_constant(const S& x, F f) {
+  constexpr std::array<double, 5> weight{7, 32, 12, 32, 7};
+  const S x0 = constant_part(x);
+  auto sum = lift<S>(weight[0]) * f(x0);
+  for (std::size_t k = 1; k < 5; ++k)
+    sum = sum + lift<S>(weight[k]) * f(S(x0 + lift<S>(static_cast<double>(k) / 4) * (x - x0)));
+  return sum / lift<S>(90.0);
+}
+
+// The unit normal of a surface at prepared coordinates of any scalar. Where the chart of a surface without a closed frame
+// collapses, dpdu = (v - v0) Q with Q the mean of d2pduv between v0 and v: the normal and all its derivatives are those of
+// ±Q × dpdv, as in limit_at_collapsed_edge. (The same for dpdv and u.)
 template <class X, class PU, class PV>
 auto normal_of(const X& surface, const PU& u, const PV& v) {
   if constexpr (requires { surface.normal(u, v); }) {
@@ -59,6 +90,18 @@ auto normal_of(const X& surface, const PU& u, const PV& v) {
     return surface.frame(u, v).n;
   } else {
     const auto j = surface.jet(u, v);
+    using S = std::remove_cvref_t<decltype(j.position.x)>;
+    const bool u_collapsed = largest_component(j.dpdu) == 0, v_collapsed = largest_component(j.dpdv) == 0;
+    if constexpr (std::same_as<PV, S>)
+      if (u_collapsed && !v_collapsed) {
+        const Vec3<S> q = mean_from_constant(v, [&](const S& x) { return surface.jet(u, x).d2pduv; });
+        return unit(cross(first_half(v) ? q : -q, j.dpdv));
+      }
+    if constexpr (std::same_as<PU, S>)
+      if (v_collapsed && !u_collapsed) {
+        const Vec3<S> q = mean_from_constant(u, [&](const S& x) { return surface.jet(x, v).d2pduv; });
+        return unit(cross(j.dpdu, first_half(u) ? q : -q));
+      }
     return unit(cross(j.dpdu, j.dpdv));
   }
 }
@@ -68,7 +111,8 @@ template <Coordinate ku, Coordinate kv, class S, class F, class PU, class PV>
 Jet2<S> jet_by_duals(const F& f, const PU& u, const PV& v) {
   using D = Dual<S, 2>;
   using N = Dual<D, 2>;
-  const Vec3<N> p = f(as_variable<N>(as_variable<D>(u, 0, ku), 0, ku), as_variable<N>(as_variable<D>(v, 1, kv), 1, kv));
+  const Vec3<N> p =
+      f(as_variable<N>(as_variable<D>(u, 0, ku), 0, ku), as_variable<N>(as_variable<D>(v, 1, kv), 1, kv));
   const auto first = [](const N& x, std::size_t i) { return x.value.derivative[i]; };
   const auto second = [](const N& x, std::size_t i, std::size_t k) { return x.derivative[i].derivative[k]; };
   const auto each = [&](auto part, auto... index) {
@@ -95,6 +139,12 @@ struct FromPosition : X {
     return detail::jet_by_duals<X::info.u, X::info.v, S>(
         [this](const auto& a, const auto& b) { return X::position(a, b); }, u, v);
   }
+
+  template <class To>
+  auto rebind() const {
+    return FromPosition<decltype(darboux::rebind<To>(std::declval<const X&>()))>{
+        darboux::rebind<To>(static_cast<const X&>(*this))};
+  }
 };
 
 /// Other coordinates: (u, v) of the base = M (u, v) + offset, an affine map with det M ≠ 0: what meshes do to uvs. Both
@@ -114,8 +164,14 @@ struct Reparametrised {
                                     .frame_error = X::info.frame_error + 8};
 
   std::string refusal() const {
-    const T determinant = M[0] * M[3] - M[1] * M[2];
-    if (!(determinant > 0 || determinant < 0)) return "the map of (u, v) is singular, permitted are invertible ones";
+    T largest = 0;
+    for (const T& x : M) largest = std::fmax(largest, std::fabs(x));
+    const T determinant = M[0] / largest * (M[3] / largest) - M[1] / largest * (M[2] / largest);
+    // An infinite or NaN entry makes the determinant NaN.
+    if (!(determinant > 0 || determinant < 0))
+      return "the map of (u, v) is singular, permitted are invertible ones";
+    if (!std::isfinite(offset[0]) || !std::isfinite(offset[1]))
+      return "the offset of (u, v) is not finite, permitted are numbers";
     if constexpr (RefusesCombinations<X>) return base.refusal();
     return {};
   }
@@ -124,13 +180,32 @@ struct Reparametrised {
   Jet2<S> jet(const S& u, const S& v) const {
     const auto [pu, pv] = inside(u, v);
     const Jet2<S> j = base.jet(pu, pv);
-    const S a = lift<S>(M[0]), b = lift<S>(M[1]), c = lift<S>(M[2]), d = lift<S>(M[3]), two = lift<S>(2.0);
+    const T a = M[0], b = M[1], c = M[2], d = M[3];
+    // A term with the factor 0 is left out: the partial may be infinite.
+    const auto add = [](Vec3<S>& sum, const T& factor, const Vec3<S>& x) {
+      if (factor != T(0)) sum = sum + lift<S>(factor) * x;
+    };
+    const auto first = [&](const T& by_u, const T& by_v) {
+      const S zero = lift<S>(0.0);
+      Vec3<S> sum{zero, zero, zero};
+      add(sum, by_u, j.dpdu);
+      add(sum, by_v, j.dpdv);
+      return sum;
+    };
+    const auto second = [&](const T& u1, const T& v1, const T& u2, const T& v2) {
+      const S zero = lift<S>(0.0);
+      Vec3<S> sum{zero, zero, zero};
+      add(sum, u1 * u2, j.d2pdu2);
+      add(sum, u1 * v2 + u2 * v1, j.d2pduv);
+      add(sum, v1 * v2, j.d2pdv2);
+      return sum;
+    };
     return {.position = j.position,
-            .dpdu = a * j.dpdu + c * j.dpdv,
-            .dpdv = b * j.dpdu + d * j.dpdv,
-            .d2pdu2 = a * a * j.d2pdu2 + two * a * c * j.d2pduv + c * c * j.d2pdv2,
-            .d2pduv = a * b * j.d2pdu2 + (a * d + b * c) * j.d2pduv + c * d * j.d2pdv2,
-            .d2pdv2 = b * b * j.d2pdu2 + two * b * d * j.d2pduv + d * d * j.d2pdv2};
+            .dpdu = first(a, c),
+            .dpdv = first(b, d),
+            .d2pdu2 = second(a, c, a, c),
+            .d2pduv = second(a, c, b, d),
+            .d2pdv2 = second(b, d, b, d)};
   }
 
   template <std::floating_point S>
@@ -144,14 +219,14 @@ struct Reparametrised {
     // Where one partial of the base vanishes the other decides; where that is not asked for, the limit does.
     Vec3<S> t;
     if (has(at, Status::dpdu_zero) || a == S(0))
-      t = c == S(0) ? std::copysign(one, a) * f.t : std::copysign(one, c) * along_v(f, j.dpdv, at);
+      t = c == S(0) ? std::copysign(one, a) * f.t : std::copysign(one, c) * along_v(f, j, at);
     else if (has(at, Status::dpdv_zero) || c == S(0))
-      t = a == S(0) ? std::copysign(one, c) * along_v(f, j.dpdv, at) : std::copysign(one, a) * f.t;
+      t = a == S(0) ? std::copysign(one, c) * along_v(f, j, at) : std::copysign(one, a) * f.t;
     else
       t = unit(a * j.dpdu + c * j.dpdv);
-    const T determinant = M[0] * M[3] - M[1] * M[2];
-    Frame<S> result{t, accurate_cross(f.n, t), f.n, determinant < 0 ? -f.handedness : f.handedness};
-    return result;
+    const Vec3<S> b = t == f.t ? f.b : t == -f.t ? -f.b : unit(accurate_cross(f.n, t));
+    return {t, b, f.n, scaled_determinant() < 0 ? -f.handedness : f.handedness,
+            f.status & Status::limit_frame};
   }
 
   template <class S>
@@ -164,13 +239,13 @@ struct Reparametrised {
   Status singular(const S& u, const S& v) const {
     const auto [pu, pv] = inside(u, v);
     const Status at = detail::declared(base, pu, pv);
-    Status result = at & (Status::self_intersecting | Status::crease | Status::parallel);
+    Status result = detail::without(at, Status::dpdu_zero | Status::dpdv_zero);
     const bool u_zero = has(at, Status::dpdu_zero), v_zero = has(at, Status::dpdv_zero);
     if ((u_zero && M[2] == 0) || (v_zero && M[0] == 0) || (u_zero && v_zero)) result |= Status::dpdu_zero;
     if ((u_zero && M[3] == 0) || (v_zero && M[1] == 0) || (u_zero && v_zero)) result |= Status::dpdv_zero;
     if ((u_zero || v_zero) && !has(result, Status::dpdu_zero | Status::dpdv_zero)) result |= Status::parallel;
-    if (detail::outside_prepared<X::info.u>(pu) || detail::outside_prepared<X::info.v>(pv))
-      result |= Status::outside_domain;
+    const auto [x, y] = mapped(u, v);
+    if (detail::outside<X::info.u>(x) || detail::outside<X::info.v>(y)) result |= Status::outside_domain;
     return result;
   }
 
@@ -189,6 +264,23 @@ struct Reparametrised {
     return base.mean_curvature(pu, pv);
   }
 
+  /// Where the base is only piecewise smooth, for maps that keep coordinate lines coordinate lines; none for others.
+  std::vector<double> breaks(int along) const requires requires(const X& x) { x.breaks(0); }
+  {
+    std::vector<double> result;
+    for (int k = 0; k < 2; ++k) {
+      const auto row = static_cast<std::size_t>(k);
+      const T by_this = M[2 * row + static_cast<std::size_t>(along)],
+              by_other = M[2 * row + static_cast<std::size_t>(1 - along)];
+      if (by_this == 0 || by_other != 0) continue;
+      for (const double x : base.breaks(k))
+        if (const double y = static_cast<double>((x - offset[row]) / by_this); 0 < y && y < 1)
+          result.push_back(y);
+    }
+    std::sort(result.begin(), result.end());
+    return result;
+  }
+
   template <class To>
   auto rebind() const {
     Reparametrised<decltype(darboux::rebind<To>(base)), To> result{darboux::rebind<To>(base), {}, {}};
@@ -198,14 +290,28 @@ struct Reparametrised {
   }
 
  private:
-  template <class S>
-  auto inside(const S& u, const S& v) const {
-    return std::pair{prepare<X::info.u>(S(lift<S>(M[0]) * u + lift<S>(M[1]) * v + lift<S>(offset[0]))),
-                     prepare<X::info.v>(S(lift<S>(M[2]) * u + lift<S>(M[3]) * v + lift<S>(offset[1])))};
+  T scaled_determinant() const {
+    T largest = 0;
+    for (const T& x : M) largest = std::fmax(largest, std::fabs(x));
+    return M[0] / largest * (M[3] / largest) - M[1] / largest * (M[2] / largest);
   }
   template <class S>
-  static Vec3<S> along_v(const Frame<S>& f, const Vec3<S>& dpdv, Status at) {
-    return has(at, Status::dpdv_zero) ? f.handedness * f.b : unit(dpdv);
+  std::pair<S, S> mapped(const S& u, const S& v) const {
+    return {lift<S>(M[0]) * u + lift<S>(M[1]) * v + lift<S>(offset[0]),
+            lift<S>(M[2]) * u + lift<S>(M[3]) * v + lift<S>(offset[1])};
+  }
+  template <class S>
+  auto inside(const S& u, const S& v) const {
+    const auto [x, y] = mapped(u, v);
+    return std::pair{prepare<X::info.u>(x), prepare<X::info.v>(y)};
+  }
+  // The direction of dpdv on the base; where it vanishes, that of ±d2pduv on the side of handedness · b.
+  template <class S>
+  static Vec3<S> along_v(const Frame<S>& f, const Jet2<S>& j, Status at) {
+    if (!has(at, Status::dpdv_zero)) return unit(j.dpdv);
+    const Vec3<S> leaning = f.handedness * f.b, limit = unit(j.d2pduv);
+    if (!detail::finite(limit) || limit == Vec3<S>{}) return leaning;
+    return dot(limit, leaning) < S(0) ? -limit : limit;
   }
 };
 template <class X>
@@ -237,7 +343,8 @@ Reparametrised<X> sheared(const X& base, double k) {
 }
 
 /// Placed in space by an affine map, P = A base + translation, det A ≠ 0. Tangents go by A, n by the inverse transpose,
-/// the handedness by the sign of det A. Differentiate the base numerically, never the placed points: far from the origin
+/// the handedness by the sign of det A. The frame errs by some 12 roundings times the condition number of A more than the
+/// base's. Differentiate the base numerically, never the placed points: far from the origin
 /// those have lost the digits that differences need.
 template <class X, class T = double>
 struct Placed {
@@ -253,12 +360,17 @@ struct Placed {
                                     .orientable = X::info.orientable,
                                     .euler_characteristic = X::info.euler_characteristic,
                                     .own_orientation = true,
-                                    .frame_error = 16};
+                                    .frame_error = X::info.frame_error + 12};
 
   std::string refusal() const {
-    const T d = A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) +
-                A[2] * (A[3] * A[7] - A[4] * A[6]);
-    if (!(d > 0 || d < 0)) return "the placement is singular or not finite, permitted are invertible maps";
+    Eigen::Matrix<T, 3, 3> m;
+    for (int k = 0; k < 9; ++k) m(k / 3, k % 3) = A[static_cast<std::size_t>(k)];
+    try {
+      FrameTransform<T>{m};
+    } catch (const ParameterError&) {
+      return "the placement is singular to working precision or not finite, permitted are invertible maps";
+    }
+    if (!detail::finite(translation)) return "the translation is not finite, permitted are numbers";
     if constexpr (RefusesCombinations<X>) return base.refusal();
     return {};
   }
@@ -277,27 +389,23 @@ struct Placed {
     using S = std::remove_cvref_t<decltype(base.jet(u, v).position.x)>;
     const Frame<S> f = detail::frame_at<S>(base, u, v, detail::declared(base, u, v));
     if (has(f.status, Status::no_frame)) return f;
-    Eigen::Matrix<S, 3, 3> m;
-    for (int k = 0; k < 9; ++k) m(k / 3, k % 3) = static_cast<S>(A[static_cast<std::size_t>(k)]);
-    Frame<S> result = FrameTransform<S>(m)(f);
-    result.status = Status::regular;
+    const auto [n, sign] = transformed(f.n);
+    Frame<S> result{unit(map(f.t)), {}, n, sign * f.handedness, f.status & Status::limit_frame};
+    result.b = unit(accurate_cross(result.n, result.t));
     return result;
   }
   template <class PU, class PV>
   auto normal(const PU& u, const PV& v) const {
-    const auto n = detail::normal_of(base, u, v);
-    using S = std::remove_cvref_t<decltype(n.x)>;
-    // The columns of the cofactor matrix, det A times the inverse transpose: its sign is put back.
-    const auto column = [&](std::size_t k) { return Vec3<S>{lift<S>(A[k]), lift<S>(A[k + 3]), lift<S>(A[k + 6])}; };
-    const Vec3<S> x = cross(column(1), column(2)), y = cross(column(2), column(0)), z = cross(column(0), column(1));
-    const Vec3<S> m = unit(n.x * x + n.y * y + n.z * z);
-    return dot(column(0), x) < lift<S>(0.0) ? -m : m;
+    return transformed(detail::normal_of(base, u, v)).first;
   }
 
   template <class PU, class PV>
   Status singular(const PU& u, const PV& v) const {
     return detail::declared(base, u, v);
   }
+
+  std::vector<double> breaks(int along) const requires requires(const X& x) { x.breaks(0); }
+  { return base.breaks(along); }
 
   template <class To>
   auto rebind() const {
@@ -315,13 +423,31 @@ struct Placed {
     };
     return {row(0), row(3), row(6)};
   }
+  // n by the inverse transpose, and the sign of det A. The columns of the cofactor matrix are det A times those of the
+  // inverse transpose: its sign is put back. A is scaled to ordinary size first.
+  template <class S>
+  std::pair<Vec3<S>, S> transformed(const Vec3<S>& n) const {
+    int e = std::numeric_limits<int>::min();
+    for (const T& x : A)
+      if (const double size = detail::size_of(x); size > 0) e = std::max(e, std::ilogb(size));
+    const auto column = [&](std::size_t k) {
+      return detail::scaled_by_power_of_two(Vec3<S>{lift<S>(A[k]), lift<S>(A[k + 3]), lift<S>(A[k + 6])}, -e);
+    };
+    const Vec3<S> x = accurate_cross(column(1), column(2)), y = accurate_cross(column(2), column(0)),
+                  z = accurate_cross(column(0), column(1));
+    const Vec3<S> m = unit(n.x * x + n.y * y + n.z * z);
+    if (dot(column(0), x) < lift<S>(0.0)) return {-m, lift<S>(-1.0)};
+    return {m, lift<S>(1.0)};
+  }
 };
 template <class X>
 Placed(X, std::array<double, 9>, Vec3<double>) -> Placed<X>;
 
 /// The parallel surface P + d n at signed distance d along the base's normal. n is the base's; the handedness turns over
 /// where d passes a focal point, d κ > 1 for one principal curvature κ. The partials need third derivatives of the base:
-/// nested dual numbers over its normal, some twenty times the cost. Principal curvatures κ / (1 - d κ).
+/// nested dual numbers over its normal, some twenty times the cost. Principal curvatures κ / (1 - d κ). At a focal point
+/// of dpdu there is no frame (no_frame, dpdu_zero); at one of dpdv the frame is the base's (limit_frame, dpdv_zero). At a
+/// conical point of the base n turns with u, and the parallel surface is regular.
 /// [doCarmo2016, sec. 3-5]
 template <class X, class T = double>
 struct Offset {
@@ -339,6 +465,7 @@ struct Offset {
                                     .frame_error = X::info.frame_error + 12};
 
   std::string refusal() const {
+    if (!std::isfinite(distance)) return "the distance is not finite, permitted are numbers";
     if constexpr (RefusesCombinations<X>) return base.refusal();
     return {};
   }
@@ -360,24 +487,65 @@ struct Offset {
   template <class PU, class PV>
   auto frame(const PU& u, const PV& v) const {
     using S = std::remove_cvref_t<decltype(base.jet(u, v).position.x)>;
-    const Status at = detail::declared(base, u, v);
-    const Frame<S> f = detail::frame_at<S>(base, u, v, at);
+    const Frame<S> f = detail::frame_at<S>(base, u, v, detail::declared(base, u, v));
     if (has(f.status, Status::no_frame)) return f;
-    const Jet2<S> j = jet(u, v);
-    // Where dpdu vanishes its direction is that of d2pduv, on the base and here.
-    const bool collapsed = has(at, Status::dpdu_zero);
-    const Vec3<S> along = collapsed ? j.d2pduv : j.dpdu;
-    const S side = collapsed && dot(base.jet(u, v).d2pduv, f.t) < S(0) ? S(-1) : S(1);
-    Frame<S> result{side * unit(along), {}, f.n, f.handedness};
-    result.b = accurate_cross(result.n, result.t);
+    const Status at = singular(u, v);
+    const Jet2<S> of_base = base.jet(u, v), j = jet(u, v);
+    // Where a partial vanishes, its direction is that of ±d2pduv: on the base and here.
+    const auto limit = [&](const Vec3<S>& leaning) {
+      return dot(of_base.d2pduv, leaning) < S(0) ? -j.d2pduv : j.d2pduv;
+    };
+    if (!detail::finite(j.dpdu) || !detail::finite(j.dpdv))
+      return Frame<S>{f.t, f.b, f.n, f.handedness, f.status & Status::limit_frame};  // as the base's do
+    const bool u_collapsed = has(at, Status::dpdu_zero), v_collapsed = has(at, Status::dpdv_zero);
+    const Vec3<S> along_u = u_collapsed ? limit(f.t) : j.dpdu,
+                  along_v = v_collapsed ? limit(f.handedness * f.b) : j.dpdv;
+    Frame<S> result{unit(along_u), {}, f.n, f.handedness};
+    // At a focal point a partial is a difference of equal ones: what rounding leaves has no direction.
+    constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();
+    if (!u_collapsed && !(norm(j.dpdu) > rounding * norm(of_base.dpdu))) {
+      result.t = result.b = result.n = detail::nan_vector<S>();
+      result.status = Status::no_frame | Status::dpdu_zero;
+      return result;
+    }
+    result.b = unit(accurate_cross(result.n, result.t));
     // The base's handedness, turned over with each focal point passed.
-    const S determinant = dot(accurate_cross(unit(along), unit(j.dpdv)), f.n);
-    if (!has(at, Status::dpdv_zero)) result.handedness = side * determinant < S(0) ? S(-1) : S(1);
+    if (has(at, Status::parallel)) {
+      if constexpr (std::same_as<PU, S> && std::same_as<PV, S>) {
+        Frame<S> limit_of_base = f;
+        limit_of_base.status |= Status::limit_frame;
+        const ShapeOperator<S> s = shape_operator(base, u, v, of_base, limit_of_base);
+        const S d = lift<S>(distance), one = lift<S>(1.0);
+        if ((one - d * s.a) * (one - d * s.c) < d * s.m * (d * s.m)) result.handedness = -f.handedness;
+      }
+    } else {
+      const S sine = dot(accurate_cross(unit(along_u), unit(along_v)), f.n);
+      result.handedness = sine < S(0) ? S(-1) : S(1);
+      if (!v_collapsed &&
+          !(norm(j.dpdv) > rounding * norm(of_base.dpdv)))  // the frame is the base's all the same
+        result.status |= Status::dpdv_zero | Status::limit_frame;
+    }
     return result;
   }
+
+  /// The base's, but where the base has a conical point: there n turns with u, and the parallel surface is regular.
   template <class PU, class PV>
   Status singular(const PU& u, const PV& v) const {
-    return detail::declared(base, u, v);
+    constexpr Status of_chart = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
+    const Status at = detail::declared(base, u, v);
+    if (!has(at, of_chart)) return at;
+    const auto j = jet(u, v);
+    using S = std::remove_cvref_t<decltype(j.position.x)>;
+    constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();
+    const auto regular = [&](const Vec3<S>& partial, const Vec3<S>& other) {
+      return norm(partial) > rounding * (norm(other) + norm(j.d2pduv));
+    };
+    Status result = at;
+    if (regular(j.dpdu, j.dpdv)) result = detail::without(result, Status::dpdu_zero);
+    if (regular(j.dpdv, j.dpdu)) result = detail::without(result, Status::dpdv_zero);
+    if (norm(cross(unit(j.dpdu), unit(j.dpdv))) > rounding)
+      result = detail::without(result, Status::parallel);
+    return result;
   }
 
   template <class PU, class PV>
@@ -387,13 +555,16 @@ struct Offset {
 
   /// K / (1 - 2 d H + d² K) of the base's stated curvatures
   template <class PU, class PV>
-  auto gaussian_curvature(const PU& u, const PV& v) const
-      requires StatesGaussianCurvature<X> && StatesMeanCurvature<X> {
+  auto gaussian_curvature(const PU& u,
+                          const PV& v) const requires StatesGaussianCurvature<X> && StatesMeanCurvature<X> {
     const auto K = base.gaussian_curvature(u, v), H = base.mean_curvature(u, v);
     using S = std::remove_cvref_t<decltype(K)>;
     const S d = lift<S>(distance), one = lift<S>(1.0), two = lift<S>(2.0);
     return S(K / (one - two * d * H + d * d * K));
   }
+
+  std::vector<double> breaks(int along) const requires requires(const X& x) { x.breaks(0); }
+  { return base.breaks(along); }
 
   template <class To>
   auto rebind() const {
@@ -404,7 +575,7 @@ struct Offset {
   template <class S, class PU, class PV>
   Jet2<S> normal_jet(const PU& u, const PV& v) const {
     return detail::jet_by_duals<X::info.u, X::info.v, S>(
-        [this](const auto& a, const auto& b) { return normal(a, b); }, u, v);
+        [this](const auto& a, const auto& b) { return this->normal(a, b); }, u, v);
   }
 };
 template <class X>

@@ -29,6 +29,15 @@ struct ParameterValue {
 using DualUV = Dual<double, 2>;
 using NestedDualUV = Dual<DualUV, 2>;
 
+/// A surface type whose parameters are known only when the program runs: X has no parameters(), but
+///   std::vector<ParameterValue> parameter_values() const     the names live as long as the surface
+///   void set_parameters(std::span<const T>)                   all of them, in that order, over its own scalar T
+template <class X>
+concept HasParametersAtRunTime = requires(X& x, std::span<const double> values) {
+  { std::as_const(x).parameter_values() } -> std::same_as<std::vector<ParameterValue>>;
+  x.set_parameters(values);
+};
+
 /// Holds any surface type over double, by value (shared and immutable). One virtual call an evaluation.
 class AnySurface {
  public:
@@ -55,6 +64,10 @@ class AnySurface {
   Sample<float> sample_in_float(float u, float v) const { return held_->sample_in_float(u, v); }
   bool has_closed_frame() const { return held_->has_closed_frame(); }
 
+  /// Where along u (along = 0) or v (1) the surface is only piecewise smooth, strictly between 0 and 1: what the type's
+  /// breaks(along) says, none where it has no such member.
+  std::vector<double> breaks(int along) const { return held_->breaks(along); }
+
   /// The independent facts the type states, of: implicit, gaussian_curvature, mean_curvature, position_again.
   std::vector<std::string_view> facts() const { return held_->facts(); }
   /// Their values, absent where the type does not state the fact.
@@ -65,7 +78,19 @@ class AnySurface {
 
   /// The same surface with other values for all its parameters, in the order of parameters().
   /// \throws ParameterError when one is out of its range
-  AnySurface with(std::span<const double> values) const { return held_->with(values); }
+  AnySurface with(std::span<const double> values) const {
+    AnySurface changed = held_->with(values);
+    changed.file_ = file_;
+    return changed;
+  }
+
+  /// The file this surface was read from (io.h), empty for every other.
+  const std::string& file() const { return file_; }
+  AnySurface from_file(std::string path) const {
+    AnySurface result = *this;
+    result.file_ = std::move(path);
+    return result;
+  }
 
   /// The held object when it is an X, else null.
   template <class X>
@@ -75,6 +100,7 @@ class AnySurface {
   }
 
   /// "torus:major_radius=1,minor_radius=0.4": the name with all parameters, so that make_surface gives the same bits.
+  /// "formula:file=my.surface,a=3" for one from a file.
   /// \param digits significant digits for reading by people; 0: as many as it takes
   std::string specification(int digits = 0) const;
 
@@ -91,6 +117,7 @@ class AnySurface {
     virtual Frame<double> frame(double u, double v) const = 0;
     virtual Sample<float> sample_in_float(float u, float v) const = 0;
     virtual bool has_closed_frame() const = 0;
+    virtual std::vector<double> breaks(int along) const = 0;
     virtual std::vector<std::string_view> facts() const = 0;
     virtual std::optional<double> implicit(const Vec3<double>& p) const = 0;
     virtual std::optional<double> gaussian_curvature(double u, double v) const = 0;
@@ -104,11 +131,15 @@ class AnySurface {
     explicit Model(const X& s) : surface(s) {}
     const SurfaceInfo& info() const override { return X::info; }
     std::vector<ParameterValue> parameters() const override {
-      std::vector<ParameterValue> result;
-      for_each_parameter<X>([&, standard = X{}](const auto& p) {
-        result.push_back({p.name, p.of(surface), p.of(standard), p.permitted, p.meaning, p.proven});
-      });
-      return result;
+      if constexpr (HasParametersAtRunTime<X>) {
+        return surface.parameter_values();
+      } else {
+        std::vector<ParameterValue> result;
+        for_each_parameter<X>([&, standard = X{}](const auto& p) {
+          result.push_back({p.name, p.of(surface), p.of(standard), p.permitted, p.meaning, p.proven});
+        });
+        return result;
+      }
     }
     Jet2<double> jet(double u, double v) const override { return darboux::jet(surface, u, v); }
     Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const override { return darboux::jet(surface, u, v); }
@@ -123,6 +154,8 @@ class AnySurface {
         using T = std::remove_cvref_t<decltype(p.of(many))>;
         if (k < values.size()) p.of(many) = static_cast<T>(values[k++]);
       });
+      if constexpr (HasParametersAtRunTime<X>)
+        if (!values.empty()) many.set_parameters(values);
       return darboux::jet(many, u, v);
     }
     Frame<double> frame(double u, double v) const override { return darboux::frame(surface, u, v); }
@@ -130,6 +163,10 @@ class AnySurface {
       return darboux::sample(rebind<float>(surface), u, v);
     }
     bool has_closed_frame() const override { return HasClosedFrame<X>; }
+    std::vector<double> breaks([[maybe_unused]] int along) const override {
+      if constexpr (requires { surface.breaks(along); }) return surface.breaks(along);
+      return {};
+    }
     std::vector<std::string_view> facts() const override {
       std::vector<std::string_view> result;
       if constexpr (StatesImplicit<X>) result.push_back("implicit");
@@ -164,11 +201,13 @@ class AnySurface {
       for_each_parameter<X>([&](const auto& p) {
         if (k < values.size()) p.of(changed) = values[k++];
       });
+      if constexpr (HasParametersAtRunTime<X>) changed.set_parameters(values);
       return AnySurface(changed);
     }
     X surface;
   };
   std::shared_ptr<const Concept> held_;
+  std::string file_;
 };
 
 /// Values for some parameters of a kind of surface, as written after its name.

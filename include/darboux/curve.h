@@ -42,6 +42,7 @@ struct CurveFrame {
 ///   Vec3<S> position_again(t)                 the position by another formula
 ///   Status singular(t)                        crease where the tangent may jump
 ///   std::string refusal()                     what is wrong with its data
+/// Exceptions are passed on; where a derivative is NaN or infinite its surfaces have no frame (no_frame, overflow).
 template <class C>
 concept ParametricCurve = requires(const C& curve, const Prepared<C::kind, double>& t) {
   { C::kind } -> std::convertible_to<Coordinate>;
@@ -118,6 +119,16 @@ Vec3<S> nan_of() {
 template <class S>
 Frame<S> no_frame() {
   return {nan_of<S>(), nan_of<S>(), nan_of<S>(), lift<S>(1.0), Status::no_frame};
+}
+// The frame, or none with `overflow` where it is not of numbers: a user's function gave NaN or infinity.
+template <class S>
+Frame<S> of_numbers(const Frame<S>& frame) {
+  const Vec3<S> all = frame.t + frame.b + frame.n;
+  const S one = lift<S>(1.0);
+  if (all.x - all.x < one && all.y - all.y < one && all.z - all.z < one) return frame;
+  Frame<S> none = no_frame<S>();
+  none.status |= Status::overflow;
+  return none;
 }
 
 // t as a dual number whose derivative is with respect to itself.

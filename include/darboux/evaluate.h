@@ -92,8 +92,10 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
     result = frame_from_partials(j.dpdu, j.dpdv);
     if (has(result.status, Status::non_finite_input))  // not the input's doing: overflow, or a user function's NaN
       result.status = Status::no_frame | Status::overflow;
-    else if (has(at | result.status, collapsed))
-      result = limit_at_collapsed_edge(j, at | result.status, u, v);
+    else if (const Status why = at | (result.status & collapsed); has(why, collapsed)) {
+      result = limit_at_collapsed_edge(j, why, u, v);
+      result.status |= why;
+    }
   }
   result.status |= at;
   return result;

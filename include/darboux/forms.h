@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include <darboux/evaluate.h>
 #include <darboux/frame.h>
 #include <darboux/surface.h>
 
@@ -116,14 +117,13 @@ struct Curvature {
   Status status;          ///< the frame's, with `umbilic` where κ1 = κ2 (the directions are then t and b)
 };
 
-/// Curvatures from a jet and its orthonormal frame, through the shape operator in the basis (t, b):
-///   S = [[a, m], [m, c]],  H = (a + c)/2,  κ = H ± hypot((a - c)/2, m)
+/// Curvatures from the shape operator in the basis (t, b) of an orthonormal frame:
+///   H = (a + c)/2,  κ = H ± hypot((a - c)/2, m)
 /// accurate at umbilics and for any representable size. κ1 and κ2 count as equal (umbilic) when they differ
-/// by less than 16u (|a| + |c|), what rounding leaves of the jet. NaN where dpdu and dpdv span no plane.
-/// About 60 ns.
+/// by less than 16u (|a| + |c|), what rounding leaves of the jet.
 template <std::floating_point S>
-Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
-  const auto [a, m, c, e, f, g] = shape_operator(j, frame);
+Curvature<S> curvature(const ShapeOperator<S>& shape, const Frame<S>& frame) {
+  const S a = shape.a, m = shape.m, c = shape.c;
   Curvature<S> result;
   result.status = frame.status;
   result.mean = (a + c) / S(2);
@@ -149,6 +149,131 @@ Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
   return result;
 }
 
+/// Curvatures from a jet and its orthonormal frame. NaN where dpdu and dpdv span no plane: see the form below, which
+/// takes the surface. About 60 ns.
+template <std::floating_point S>
+Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
+  return curvature(shape_operator(j, frame), frame);
+}
+
+namespace detail {
+
+// A partial at a point, and its first and second derivative along y, from nested dual numbers over (x, y).
+template <class S>
+struct AlongY {
+  Vec3<S> value, first, second;
+
+  explicit AlongY(const Vec3<Dual<Dual<S, 2>, 2>>& p)
+      : value{p.x.value.value, p.y.value.value, p.z.value.value},
+        first{p.x.value.derivative[1], p.y.value.derivative[1], p.z.value.derivative[1]},
+        second{p.x.derivative[1].derivative[1], p.y.derivative[1].derivative[1],
+               p.z.derivative[1].derivative[1]} {}
+};
+
+// The limit of the shape operator where the chart collapses along x: P_x = P_xx = 0 there, P_y and P_xy span the plane.
+// With s the distance from there along y: P_x = s P_xy + ..., P_xx = s P_xxy + s²/2 P_xxyy + ..., n = n0 + s n_y + ...,
+// n_y = -S P_y. To first order in s
+//   n·P_xy = s (n_y·P_xy + n0·P_xyy),  and by the definition of S  n·P_xy = -n_y·P_x = -s n_y·P_xy,
+// so that q = -n_y·t = n0·P_xyy / 2|P_xy| for t = P_xy / |P_xy|. With b = n0 × t and P_y = f t + g b
+//   -n_y·P_y = n0·P_yy  gives  -n_y·b = (n0·P_yy - f q)/g,
+// and the second order of n·P_xx = |P_x|² (t·S t) gives t·S t. Its first order, n0·P_xxy, must vanish: else the normal
+// depends on x at one and the same point, as at the apex of a cone, and the curvature grows without bound.
+template <class Jets, class S>
+ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Jet2<S>& j,
+                                            const Frame<S>& frame) {
+  using D = Dual<S, 2>;
+  using N = Dual<D, 2>;
+  constexpr S nan = std::numeric_limits<S>::quiet_NaN();
+  constexpr S rounding = S(32) * std::numeric_limits<S>::epsilon();
+  const S e = dot(j.dpdu, frame.t), f = dot(j.dpdv, frame.t), g = dot(j.dpdv, frame.b);
+  ShapeOperator<S> result{nan, nan, nan, e, f, g};
+  // x = (x_u, x_v) is the direction in which the position does not move, y = (-x_v, x_u).
+  S x_u = 1, x_v = 0;
+  if (has(frame.status, Status::dpdv_zero)) {
+    if (has(frame.status, Status::dpdu_zero)) return result;
+    x_u = 0;
+    x_v = 1;
+  } else if (!has(frame.status, Status::dpdu_zero)) {
+    const Vec3<S> d = unit(j.dpdv);
+    const Vec2<S> x = unit(Vec2<S>{dot(j.dpdv, d), -dot(j.dpdu, d)});
+    x_u = x.x;
+    x_v = x.y;
+  }
+  const auto variable = [](S at, S along_x, S along_y) {
+    D inner(at);
+    inner.derivative = {along_x, along_y};
+    N result(inner);
+    result.derivative = {D(along_x), D(along_y)};
+    return result;
+  };
+  const Jet2<N> k = jets(variable(u, x_u, -x_v), variable(v, x_v, x_u));
+  const N xu(D{x_u}), xv(D{x_v});
+  const AlongY<S> xx(xu * xu * k.d2pdu2 + lift<N>(2.0) * xu * xv * k.d2pduv + xv * xv * k.d2pdv2);
+  const AlongY<S> xy(xu * xu * k.d2pduv + xu * xv * (k.d2pdv2 - k.d2pdu2) - xv * xv * k.d2pduv);
+  const AlongY<S> y(xu * k.dpdv - xv * k.dpdu);
+  const Vec3<S> t = unit(xy.value), n = frame.n, b = cross(n, t);
+  const S length = norm(xy.value), sizes = norm(j.d2pdu2) + norm(j.d2pduv) + norm(j.d2pdv2);
+  const S y_t = dot(y.value, t), y_b = dot(y.value, b);
+  if (!(length > rounding * sizes) || !(norm(xx.value) <= rounding * sizes) ||
+      !(std::fabs(dot(n, xx.first)) <= rounding * norm(xx.first)))
+    return result;
+  const S q = dot(n, xy.first / length) / S(2);
+  const S h = (dot(n, y.first) - y_t * q) / y_b;
+  const Vec3<S> bend = xx.first / length;
+  const S tt = (dot(n, xx.second / length) / S(2) - q * dot(bend, t) - h * dot(bend, b)) / length;
+  const S tb = (q - y_t * tt) / y_b;
+  const S bb = (h - y_t * tb) / y_b;
+  // From the basis (t, b) here to that of the frame.
+  const S cosine = dot(frame.t, t), sine = dot(frame.t, b);
+  result.a = cosine * cosine * tt + S(2) * cosine * sine * tb + sine * sine * bb;
+  result.m = cosine * sine * (bb - tt) + (cosine * cosine - sine * sine) * tb;
+  result.c = sine * sine * tt - S(2) * cosine * sine * tb + cosine * cosine * bb;
+  return result;
+}
+
+// Jet and frame of a surface type, or of a surface chosen at run time (any_surface.h), which has them as members.
+template <class X, class S>
+auto jet_of(const X& surface, const S& u, const S& v) {
+  if constexpr (ParametricSurface<X>)
+    return darboux::jet(surface, u, v);
+  else
+    return surface.jet(u, v);
+}
+template <class X, class S>
+Frame<S> frame_of(const X& surface, S u, S v) {
+  if constexpr (ParametricSurface<X>)
+    return darboux::frame(surface, u, v);
+  else
+    return surface.frame(u, v);
+}
+
+}  // namespace detail
+
+/// The shape operator of a surface at (u, v), from a jet and frame of it at hand. Where they carry limit_frame (poles,
+/// collapsed edges) it is the limit, of derivatives to fourth order by nested dual numbers, within a few dozen
+/// roundings of its terms; elsewhere that of the jet. NaN where there is none: at the apex of a cone and wherever else
+/// the curvature grows without bound, where d2pduv vanishes with dpdu, or where those derivatives do not exist.
+/// \param surface a surface type, or AnySurface
+template <class X, std::floating_point S>
+ShapeOperator<S> shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
+  constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
+  if (!has(frame.status, Status::limit_frame) || !has(frame.status, singular) ||
+      has(frame.status, Status::no_frame))
+    return shape_operator(j, frame);
+  const auto jets = [&](const auto& a, const auto& b) { return detail::jet_of(surface, a, b); };
+  return detail::shape_operator_at_collapse(jets, u, v, j, frame);
+}
+
+/// The curvatures of a surface at (u, v), at poles and collapsed edges too: see shape_operator above.
+template <class X, std::floating_point S>
+Curvature<S> curvature(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
+  return curvature(shape_operator(surface, u, v, j, frame), frame);
+}
+template <class X, std::floating_point S>
+Curvature<S> curvature(const X& surface, S u, S v) {
+  return curvature(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));
+}
+
 /// A curve u(s), v(s) on a surface at one point, by its first and second derivatives with respect to its parameter.
 template <class S>
 struct CurveOnSurface {
@@ -163,8 +288,9 @@ template <class S>
 struct DarbouxFrame {
   Vec3<S> T, V, n;
   S normal_curvature, geodesic_curvature, geodesic_torsion;
-  Status status;  ///< the surface frame's; no_frame and NaN where the curve does not move (du = dv = 0, or along a
-                  ///< vanishing partial)
+  Status
+      status;  ///< the surface frame's; no_frame and NaN where the curve does not move (du = dv = 0, or along a
+               ///< vanishing partial)
 };
 template <std::floating_point S>
 DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const CurveOnSurface<S>& curve) {
@@ -186,7 +312,8 @@ DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const Cur
       dot(result.V, bend + curve.d2u / speed / speed * j.dpdu + curve.d2v / speed / speed * j.dpdv);
   const ShapeOperator<S> shape = shape_operator(j, frame);
   const S x = dot(result.T, frame.t), y = dot(result.T, frame.b);
-  result.geodesic_torsion = dot(result.V, (shape.a * x + shape.m * y) * frame.t + (shape.m * x + shape.c * y) * frame.b);
+  result.geodesic_torsion =
+      dot(result.V, (shape.a * x + shape.m * y) * frame.t + (shape.m * x + shape.c * y) * frame.b);
   return result;
 }
 

@@ -1,6 +1,6 @@
 /// \file io.h
-/// Files: glTF and GLB over the JSON document itself, OBJ through assimp. Every float of a glTF keeps its
-/// bits.
+/// Files: glTF and GLB over the JSON document itself, OBJ through assimp; surfaces that a user wrote down. Every float
+/// of a glTF keeps its bits.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include <darboux/any_surface.h>
 #include <darboux/mesh.h>
 #include <darboux/vector.h>
 
@@ -132,5 +134,53 @@ class OutputFile {
 
 /// Writes a whole file at once, as OutputFile does. \throws FileError
 void write_file(const std::string& path, std::string_view content);
+
+/// A surface from its formula in a text file, over u and v in [0, 1], both linear:
+///
+///     # the catenoid
+///     a = 2                          # radius of the neck; length
+///     t = 2*v - 1
+///     x = a*cosh(t)*cos(2*pi*u)
+///     y = a*cosh(t)*sin(2*pi*u)
+///     z = a*t
+///
+/// One definition a line, in any order; # begins a comment. x, y and z are the position. A name whose expression has
+/// numbers and pi only is a parameter (its comment says what it means), its value a double; any other is an
+/// abbreviation. Operators, strongest first: ^ (from the right), + and - as signs, * and /, + and -, comparisons, &&, ||,
+/// condition ? a : b. Functions: sin cos tan asin acos atan atan2(y, x), sinh cosh tanh asinh acosh atanh, sqrt exp,
+/// log and ln (natural), pow(a, b), abs sign, min(a, b) max(a, b), and sin_turns(t), cos_turns(t): sine and cosine of
+/// 2πt with exact range reduction, so that quarter turns are exact and u + 1 gives the bits of u.
+///
+/// The file is parsed once. Every scalar runs the same instructions, so the partials come from nested dual numbers,
+/// exact to the formula's own rounding, and every law of testing.h holds or is broken as for a type in C++. pi has the
+/// digits of the scalar; a number in the text is the nearest double. A power with a constant whole exponent up to 1024
+/// is a product, so it takes negative bases; other powers take positive bases. Where the formula has no value (log of a
+/// negative number, 0/0) it gives NaN or infinity, status `no_frame` and `overflow`, and `check` says so. Nothing
+/// declares where the chart is singular or meets itself: seams are edges, and poles are found only where a partial is
+/// exactly zero.
+///
+/// \param parameters other values for some of the parameters
+/// \throws FileError naming file and line: no definition, a name twice or reserved, x, y or z missing, an unknown name
+/// (the known ones are listed), definitions that need each other, a syntax error with its column, a parameter that is not
+/// finite
+/// \throws ParameterError for an unknown parameter or a value that is not finite
+AnySurface read_formula_surface(const std::string& path,
+                                const std::vector<std::pair<std::string, double>>& parameters = {});
+
+/// The kinds that read_surface_file() knows.
+const std::vector<std::string_view>& surface_file_kinds();
+
+/// A surface of one of these kinds from a JSON object; other keys are refused.
+///   bezier-patch            points, weights, degree_u, degree_v
+///   bspline-patch           points, weights, degree_u, degree_v, knots_u, knots_v
+///   surface-of-revolution   points, weights, degree, knots: the profile
+/// A patch's points are rows [[[x, y, z], ...], ...]: row i holds P_i0, P_i1, ..., so u runs from row to row and v along
+/// each. A profile's points are [[ρ, z], ...]. weights: rows of positive numbers as the points, all 1 when missing.
+/// Degrees are 1 to 15. bezier-patch's follow from the points, and must agree where they are given; a profile's is 1 (a
+/// polyline) when missing. knots: as many as points + degree + 1, not decreasing, none more than degree + 1 times; when
+/// missing, clamped and equally spaced. Any knots are mapped to [0, 1].
+/// \throws FileError naming file, key and what is permitted
+/// \throws ParameterError for another kind
+AnySurface read_surface_file(std::string_view kind, const std::string& path);
 
 }  // namespace darboux

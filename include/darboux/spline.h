@@ -44,10 +44,14 @@ template <class S>
 bool equal(const S& a, const S& b) {
   return !(a < b) && !(b < a);
 }
+// Zero by order alone. NaN is not.
+template <class S>
+bool is_zero(const S& x) {
+  return equal(x, lift<S>(0.0)) && x < lift<S>(1.0);
+}
 template <class S>
 bool vanishes(const Vec3<S>& a) {
-  const S zero = lift<S>(0.0);
-  return equal(a.x, zero) && equal(a.y, zero) && equal(a.z, zero);
+  return is_zero(a.x) && is_zero(a.y) && is_zero(a.z);
 }
 
 // A number for messages.
@@ -287,6 +291,15 @@ class KnotVector {
   /// The number of control points that belong to the knots.
   int count() const { return static_cast<int>(knots_.size()) - degree_ - 1; }
   const std::vector<T>& knots() const { return knots_; }
+
+  /// The knots between 0 and 1, each once: where the spline is only piecewise smooth.
+  std::vector<double> breaks() const {
+    std::vector<double> result;
+    for (const T& k : knots_)
+      if (const double x = static_cast<double>(k); 0 < x && x < 1 && (result.empty() || result.back() < x))
+        result.push_back(x);
+    return result;
+  }
 
   template <class To>
   KnotVector<To> rebind() const {

@@ -13,6 +13,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> surfaces;
   CheckOptions options;
+  bool markdown = false;
 };
 
 void print_table(const std::vector<Check>& checks, bool passed) {
@@ -39,9 +40,45 @@ void print_table(const std::vector<Check>& checks, bool passed) {
   std::puts(passed ? "all passed" : "FAILED");
 }
 
+// A table for each route: surfaces by quantities, the worst error and its bound in roundings.
+void print_markdown(const std::vector<Check>& checks) {
+  std::vector<std::string_view> routes, surfaces;
+  const auto note = [](std::vector<std::string_view>& list, std::string_view name) {
+    if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+  };
+  for (const Check& c : checks) {
+    note(routes, c.route);
+    note(surfaces, c.surface);
+  }
+  for (const std::string_view route : routes) {
+    std::vector<std::string_view> quantities;
+    for (const Check& c : checks)
+      if (c.route == route) note(quantities, c.quantity);
+    const double roundoff = route.ends_with("float") ? 0x1p-24 : 0x1p-53;
+    std::cout << "## " << route << "\n\n| surface |";
+    for (const std::string_view quantity : quantities) std::cout << ' ' << quantity << " |";
+    std::cout << "\n|---|";
+    for (std::size_t i = 0; i < quantities.size(); ++i) std::cout << "---|";
+    for (const std::string_view surface : surfaces) {
+      std::cout << "\n| " << surface << " |";
+      for (const std::string_view quantity : quantities) {
+        const auto c = std::find_if(checks.begin(), checks.end(), [&](const Check& k) {
+          return k.route == route && k.surface == surface && k.quantity == quantity;
+        });
+        if (c == checks.end() || !c->skipped.empty())
+          std::cout << " – |";
+        else
+          std::cout << ' ' << (c->passed ? "" : "**FAILED** ") << rounded(c->max_error / roundoff, 2) << " / "
+                    << rounded(c->bound / roundoff, 2) << " |";
+      }
+    }
+    std::cout << "\n\n";
+  }
+}
+
 void run(const Arguments& arguments, Common& common) {
   std::vector<AnySurface> surfaces;
-  for (const std::string& text : arguments.surfaces) surfaces.push_back(make_surface(text));
+  for (const std::string& text : arguments.surfaces) surfaces.push_back(surface_argument(text));
   if (surfaces.empty()) surfaces = all_surfaces();
 
   Progress progress("check", common);
@@ -54,6 +91,7 @@ void run(const Arguments& arguments, Common& common) {
   for (const auto& result : results) checks.insert(checks.end(), result.begin(), result.end());
   const bool passed = std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed; });
   common.exit_status = passed ? 0 : 1;
+  if (arguments.markdown) return print_markdown(checks);
   if (!common.json) return print_table(checks, passed);
   Json list = Json::array();
   for (const Check& c : checks) {
@@ -80,7 +118,8 @@ void add_check(CLI::App& app, Common& common) {
       "check",
       "Prove the closed forms: against dual numbers, central differences and the surface's own facts");
   auto arguments = std::make_shared<Arguments>();
-  sub.add_option("SURFACE", arguments->surfaces, "name or name:parameter=value,...; all when none is given");
+  sub.add_option("SURFACE", arguments->surfaces,
+                 std::string(surface_help) + "; all when none is given");
   sub.add_option("--points", arguments->options.points, "random points per surface")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000000));
@@ -96,6 +135,8 @@ void add_check(CLI::App& app, Common& common) {
                  "routes high_precision*: that many random sets of parameters instead of those given")
       ->capture_default_str()
       ->check(CLI::Range(0, 1000000));
+  sub.add_flag("--markdown", arguments->markdown,
+               "print tables of the worst error / its bound in roundings, surfaces by quantities");
   add_common(sub, common, "darboux check torus:minor_radius=0.4 --points 10000");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

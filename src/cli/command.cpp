@@ -1,11 +1,14 @@
 #include "command.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
 
 #include <unistd.h>
+
+#include <darboux/io.h>
 
 namespace darboux {
 
@@ -72,7 +75,60 @@ std::string join(const std::vector<std::string>& items) {
 Json surface_json(const AnySurface& surface) {
   Json parameters = Json::object();
   for (const ParameterValue& p : surface.parameters()) parameters[std::string(p.name)] = number(p.value);
-  return {{"name", surface.info().name}, {"parameters", parameters}};
+  Json result{{"name", surface.info().name}};
+  if (!surface.file().empty()) result["file"] = surface.file();
+  result["parameters"] = parameters;
+  return result;
+}
+
+namespace {
+
+// Pieces between those commas that a NAME= follows.
+std::vector<std::string> split_assignments(std::string_view text) {
+  std::vector<std::string> parts;
+  for (const std::string& piece : split(text, ',')) {
+    const std::size_t name_end =
+        piece.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
+    const bool assignment = name_end != std::string::npos && name_end > 0 && piece[name_end] == '=';
+    if (assignment || parts.empty())
+      parts.push_back(piece);
+    else
+      parts.back() += ',' + piece;
+  }
+  return parts;
+}
+
+}  // namespace
+
+AnySurface surface_argument(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  const std::string name(text.substr(0, colon));
+  const bool formula = name == "formula";
+  const auto& kinds = surface_file_kinds();
+  const bool from_file = formula || std::find(kinds.begin(), kinds.end(), name) != kinds.end();
+  if (!from_file || (!formula && colon == std::string_view::npos)) return make_surface(text);
+
+  std::string file;
+  std::vector<std::pair<std::string, double>> parameters;
+  if (colon != std::string_view::npos)
+    for (const std::string& item : split_assignments(text.substr(colon + 1))) {
+      const std::size_t equals = item.find('=');
+      const std::string key = item.substr(0, equals);
+      const auto same = [&](const auto& p) { return p.first == key; };
+      if ((key == "file" && !file.empty()) || std::any_of(parameters.begin(), parameters.end(), same))
+        throw ParameterError(name, "'" + key + "' is given twice, permitted is once");
+      if (equals == std::string::npos || equals + 1 == item.size())
+        throw ParameterError(name, "'" + key + "' has no value, permitted are file=FILE" +
+                                       (formula ? " and PARAMETER=NUMBER" : ""));
+      if (key == "file")
+        file = item.substr(equals + 1);
+      else if (formula)
+        parameters.emplace_back(key, parse_finite(name + ": " + key, std::string_view(item).substr(equals + 1)));
+      else
+        throw ParameterError(name, "unknown parameter '" + key + "', known are file");
+    }
+  if (file.empty()) throw ParameterError(name, "names no file, permitted is " + name + ":file=FILE");
+  return formula ? read_formula_surface(file, parameters) : read_surface_file(name, file);
 }
 
 void print_error(std::string message) {

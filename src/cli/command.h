@@ -66,7 +66,16 @@ std::vector<std::string> split(std::string_view text, char separator);
 /// "a, b, c"
 std::string join(const std::vector<std::string>& items);
 
-/// The surface's name and parameters as JSON, for every command alike.
+/// What a SURFACE on the command line names: one of the catalogue, "formula:file=my.surface,a=3", or a kind that is read
+/// from a file, "bezier-patch:file=net.json". A comma belongs to the path unless a NAME= follows it.
+/// \throws ParameterError, FileError
+AnySurface surface_argument(std::string_view text);
+
+/// How help texts describe SURFACE.
+inline constexpr const char* surface_help =
+    "NAME, NAME:PARAMETER=VALUE,... or formula:file=FILE";
+
+/// The surface's name, file and parameters as JSON, for every command alike.
 Json surface_json(const AnySurface& surface);
 
 /// Prints "darboux: MESSAGE" as one line on stderr, whatever a library or a file put into the message.

@@ -68,7 +68,7 @@ std::vector<int> parse_resolutions(const std::string& text) {
 ConvergeOptions parse(const Arguments& arguments) {
   ConvergeOptions options;
   for (const std::string& text : arguments.surfaces)
-    for (const std::string& piece : split_surfaces(text)) options.surfaces.push_back(make_surface(piece));
+    for (const std::string& piece : split_surfaces(text)) options.surfaces.push_back(surface_argument(piece));
   for (const std::string& text : arguments.methods)
     for (const std::string& piece : split(text, ',')) options.methods.push_back(&find_frame_method(piece));
   if (arguments.methods.empty())

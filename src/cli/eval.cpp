@@ -102,7 +102,8 @@ class Writer {
          std::vector<const Attribute*> chosen)
       : file_(file), format_(format), surface_(surface), chosen_(std::move(chosen)) {
     if (format_ == "json")
-      out_ << "{\"surface\": " << surface_json(surface_).dump() << ",\n \"samples\": [";
+      out_ << "{\"surface\": " << surface_json(surface_).dump(-1, ' ', false, Json::error_handler_t::replace)
+           << ",\n \"samples\": [";
     else if (format_ == "csv") {
       out_ << "u,v";
       for (const Attribute* a : chosen_)
@@ -114,7 +115,7 @@ class Writer {
 
   void write(double u, double v) {
     const Sample<double> s = surface_.sample(u, v);
-    Evaluated e{s, curvature(s.jet, s.frame), s.frame.status};
+    Evaluated e{s, curvature(surface_, u, v, s.jet, s.frame), s.frame.status};
     for (const Attribute* a : chosen_)
       if (a->name == "principal_directions") e.status |= e.curvature.status & Status::umbilic;
     if (format_ == "json")
@@ -278,7 +279,7 @@ void read_csv(const std::string& path, const std::function<void(double, double)>
 
 void run(Arguments arguments, const Common& common) {
   if (common.json) arguments.format = "json";
-  const AnySurface surface = make_surface(arguments.surface);
+  const AnySurface surface = surface_argument(arguments.surface);
   const auto chosen = choose(arguments.attributes, arguments.format);
   std::vector<Vec2<double>> points;
   for (const std::string& text : arguments.at) {
@@ -313,7 +314,7 @@ void add_eval(CLI::App& app, Common& common) {
   CLI::App& sub =
       *app.add_subcommand("eval", "Evaluate positions, partials, frames and curvatures at (u, v)");
   auto arguments = std::make_shared<Arguments>();
-  sub.add_option("SURFACE", arguments->surface, "name or name:parameter=value,...")->required();
+  sub.add_option("SURFACE", arguments->surface, surface_help)->required();
   sub.add_option("--at", arguments->at, "U,V: a point; may be repeated")
       ->type_size(1)
       ->allow_extra_args(false);

@@ -17,7 +17,7 @@ struct Arguments {
 void run(Arguments arguments, const Common& common) {
   if (arguments.output == "-" && common.json)
     throw ParameterError("-", "standard output is asked for twice, permitted is one of -o - and --json");
-  const AnySurface surface = make_surface(arguments.surface);
+  const AnySurface surface = surface_argument(arguments.surface);
   SampleMeshOptions& o = arguments.options;
   std::tie(o.columns, o.rows) = parse_grid("--grid", arguments.grid);
   o.shared_seam = arguments.seam == "shared";
@@ -35,7 +35,8 @@ void run(Arguments arguments, const Common& common) {
                       {"shear", o.shear},
                       {"mirror", o.mirror},
                       {"sign", arguments.sign}}}};
-  write_glb(arguments.output, mesh, std::string(surface.info().name), extras.dump());
+  write_glb(arguments.output, mesh, std::string(surface.info().name),
+            extras.dump(-1, ' ', false, Json::error_handler_t::replace));
   if (common.json)
     print_json({{"file", arguments.output},
                 {"surface", surface_json(surface)},
@@ -52,7 +53,7 @@ void add_mesh(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("mesh", "Write a reference mesh with exact normals, uvs and tangents");
   auto arguments = std::make_shared<Arguments>();
   SampleMeshOptions& o = arguments->options;
-  sub.add_option("SURFACE", arguments->surface, "name or name:parameter=value,...")->required();
+  sub.add_option("SURFACE", arguments->surface, surface_help)->required();
   sub.add_option("--grid", arguments->grid, "NxM segments along u and v")->required();
   sub.add_option("-o,--output", arguments->output, "the .glb to write")->required();
   sub.add_option("--seam", arguments->seam,

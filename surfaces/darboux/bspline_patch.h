@@ -58,6 +58,9 @@ class BSplinePatch {
   /// Up to a common power of two those given; empty where they are all equal.
   const std::vector<T>& weights() const { return weights_; }
 
+  /// The interior knots along u (0) or v (1).
+  std::vector<double> breaks(int along) const { return (along == 0 ? u_ : v_).breaks(); }
+
   /// What is wrong with the data, empty when nothing is.
   static std::string refusal(int degree_u, int degree_v, const std::vector<T>& knots_u,
                              const std::vector<T>& knots_v, const std::vector<Vec3<T>>& control_points,

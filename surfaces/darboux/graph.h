@@ -143,6 +143,13 @@ struct Graph {
     const S one = lift<S>(1.0), two = lift<S>(2.0), a = g.fx * g.fx, b = g.fy * g.fy, w = one + (a + b);
     return ((one + b) * g.fxx - two * (g.fx * g.fy) * g.fxy + (one + a) * g.fyy) / (two * w * sqrt(w));
   }
+  /// From the middle of the rectangle, (u - 1/2) and (v - 1/2) of its sides away.
+  template <class S>
+  Vec3<S> position_again(const S& u, const S& v) const {
+    const S half = lift<S>(0.5), a = lift<S>(x0), b = lift<S>(x1), c = lift<S>(y0), d = lift<S>(y1);
+    const S x = half * (a + b) + (u - half) * (b - a), y = half * (c + d) + (v - half) * (d - c);
+    return {x, y, f(x, y)};
+  }
 
   /// The same graph over another scalar; a function without data of its own stays as it is.
   template <class To>

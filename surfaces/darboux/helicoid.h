@@ -87,7 +87,8 @@ struct Helicoid {
   /// The ruling at u = 0 carried along by the screw motion, which turns it twice by half the angle.
   template <class S>
   constexpr Vec3<S> position_again(const S& u, const S& v) const {
-    const S two = lift<S>(2.0), s = axis_distance(v);
+    const S two = lift<S>(2.0), inner = lift<S>(inner_radius), outer = inner + lift<S>(width);
+    const S s = (lift<S>(1.0) - v) * inner + v * outer;
     const Turn<S> half = sincos_half_turns<S>(lift<S>(turns) * u);
     const S rise_per_turn = two_pi<S>() * lift<S>(pitch);
     return {s - two * (s * half.sin * half.sin), two * (s * half.sin * half.cos),

@@ -76,6 +76,14 @@ struct HyperbolicParaboloid {
     return of_axes + of_place;
   }
 
+  /// Between the ends -a and a, -b and b; the height by s² = 1 - 4u (1 - u), t² = 1 - 4v (1 - v).
+  template <class S>
+  constexpr Vec3<S> position_again(const S& u, const S& v) const {
+    const S a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), one = lift<S>(1.0), ru = one - u,
+            rv = one - v;
+    return {u * a - ru * a, v * b - rv * b, lift<S>(4.0) * (lift<S>(height) * (v * rv - u * ru))};
+  }
+
  private:
   template <class S>
   static constexpr Vec2<S> centred(const S& u, const S& v) {

@@ -19,7 +19,7 @@ namespace darboux {
 ///   limit from the side where the cosine (sine) is positive
 /// All of these frames are limits (limit_frame). Second partials may be infinite there for any exponent but 1. On a
 /// meridian C = 0 or S = 0 limits are taken along v first. Frame components err by at most 8u times (1 + condition), u the
-/// unit roundoff, for exponents up to 2. Unlike other formulas it asks for the signs of sines and cosines. [Barr1981]
+/// unit roundoff, for exponents up to 1.75. Unlike other formulas it asks for the signs of sines and cosines. [Barr1981]
 template <class T = double>
 struct Superellipsoid {
   T semi_axis_x{1}, semi_axis_y{1}, semi_axis_z{1}, exponent_v{0.5}, exponent_u{0.5};
@@ -42,9 +42,9 @@ struct Superellipsoid {
                       parameter<&Superellipsoid::semi_axis_z>("semi_axis_z", Range::positive(),
                                                               "semi-axis along z, a length"),
                       parameter<&Superellipsoid::exponent_v>("exponent_v", Range::positive(),
-                                                             "exponent of the meridians, a number", {0.1, 2}),
+                                                             "exponent of the meridians, a number", {0.1, 1.75}),
                       parameter<&Superellipsoid::exponent_u>(
-                          "exponent_u", Range::positive(), "exponent of the parallels, a number", {0.1, 2})};
+                          "exponent_u", Range::positive(), "exponent of the parallels, a number", {0.1, 1.75})};
   }
 
   template <class S>

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <darboux/curve.h>
 #include <darboux/surface.h>
@@ -37,6 +38,13 @@ struct SurfaceOfRevolution {
     return detail::curve_refusal(profile);
   }
 
+  /// The interior knots of the profile, along v (1).
+  std::vector<double> breaks(int along) const {
+    if constexpr (requires { profile.knots().breaks(); })
+      if (along == 1) return profile.knots().breaks();
+    return {};
+  }
+
   template <class S, class P>
   Jet2<S> jet(const Turn<S>& u, const P& v) const {
     const S zero = lift<S>(0.0), tau = two_pi<S>();
@@ -57,9 +65,9 @@ struct SurfaceOfRevolution {
     const auto [way, order] = detail::passage<Curve::kind>(k, v);
     if (order == 0) return detail::no_frame<S>();
     const S side = k.position.x < zero ? -one : one;
-    return {.t = {-(side * u.sin), side * u.cos, zero},
-            .b = {way.x * u.cos, way.x * u.sin, way.z},
-            .n = {side * (way.z * u.cos), side * (way.z * u.sin), -(side * way.x)}};
+    return detail::of_numbers<S>({.t = {-(side * u.sin), side * u.cos, zero},
+                                  .b = {way.x * u.cos, way.x * u.sin, way.z},
+                                  .n = {side * (way.z * u.cos), side * (way.z * u.sin), -(side * way.x)}});
   }
 
   template <class S, class P>
@@ -68,7 +76,7 @@ struct SurfaceOfRevolution {
     Status result =
         detail::curve_status(profile, v) |
         detail::passage_status<Curve::kind>(detail::passage<Curve::kind>(k, v), v, Status::dpdv_zero);
-    if (detail::equal(k.position.x, lift<S>(0.0))) result |= Status::dpdu_zero;
+    if (detail::is_zero(k.position.x)) result |= Status::dpdu_zero;
     return result;
   }
 

@@ -80,15 +80,15 @@ struct Tube {
   Frame<S> frame(const P& u, const Turn<S>& v) const {
     const S zero = lift<S>(0.0), one = lift<S>(1.0);
     const CurveFrame<S> f = curve.moving_frame(u);
-    if (!(zero < f.speed)) return detail::no_frame<S>();
+    if (detail::is_zero(f.speed) || detail::vanishes(f.N)) return detail::no_frame<S>();
     const S along = remaining_speed(u, v, f), twisted = lift<S>(radius) * f.twist;
     const Vec3<S> round = v.sin * f.N + v.cos * f.B;
-    const bool pinched = detail::equal(along, zero) && detail::equal(twisted, zero);
+    const bool pinched = detail::is_zero(along) && detail::is_zero(twisted);
     const Vec2<S> d = pinched ? Vec2<S>{one, zero} : unit(Vec2<S>{along, twisted});
-    return {.t = d.x * f.T + d.y * round,
-            .b = d.y * f.T - d.x * round,
-            .n = v.cos * f.N - v.sin * f.B,
-            .handedness = along < zero ? -one : one};
+    return detail::of_numbers<S>({.t = d.x * f.T + d.y * round,
+                                  .b = d.y * f.T - d.x * round,
+                                  .n = v.cos * f.N - v.sin * f.B,
+                                  .handedness = along < zero ? -one : one});
   }
 
   template <class P, class S>
@@ -97,9 +97,9 @@ struct Tube {
     const CurveFrame<S> f = curve.moving_frame(u);
     Status result = detail::curve_status(curve, u);
     const S along = remaining_speed(u, v, f);
-    if (!(zero < f.speed)) return result | Status::dpdu_zero;
-    if (detail::equal(along, zero))
-      return result | (detail::equal(f.twist, zero) ? Status::dpdu_zero : Status::parallel);
+    if (detail::is_zero(f.speed)) return result | Status::dpdu_zero;
+    if (detail::is_zero(along))
+      return result | (detail::is_zero(f.twist) ? Status::dpdu_zero : Status::parallel);
     if (along < zero) result |= Status::self_intersecting;
     return result;
   }
