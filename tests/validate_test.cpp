@@ -183,7 +183,7 @@ TEST(Validate, HandednessConventions) {
 
 TEST(Validate, WithoutTruthTheVerdictIsUndetermined) {
   Mesh mesh = sample_mesh(Sphere{1.0}, {.columns = 16, .rows = 9});
-  for (auto& p : mesh.positions) p.x *= 2;  // no surface of this catalogue
+  for (auto& p : mesh.positions) p.x += 0.3 * p.z * p.z;  // bent: none that can be fitted
   EXPECT_EQ(judge(mesh).report.verdict, Verdict::undetermined);
   mesh.uvs.clear();
   EXPECT_EQ(judge(mesh).report.verdict, Verdict::undetermined);
@@ -351,7 +351,8 @@ TEST_F(OtherTools, GenuineDefectsAreFound) {
   const MeshReport assimp = report("plainsphere_016.assimp.glb");
   EXPECT_GT(assimp.zero_tangents, 0u);
   EXPECT_EQ(assimp.verdict, Verdict::fail);
-  for (const char* unknown : {"cone_016.three.glb", "ellipsoid_016.mikk.glb", "capped_016.three.glb"})
+  EXPECT_EQ(report("ellipsoid_016.mikk.glb").verdict, Verdict::pass);
+  for (const char* unknown : {"cone_016.three.glb", "capped_016.three.glb"})
     EXPECT_EQ(report(unknown).verdict, Verdict::undetermined) << unknown;
 }
 
