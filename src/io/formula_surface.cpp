@@ -393,7 +393,7 @@ class FormulaSurface {
   template <class S>
   Jet2<S> jet(const S& u, const S& v) const {
     Jet2<S> j = detail::jet_by_duals<info.u, info.v, S>(
-        [this](const auto& a, const auto& b) { return position(a, b); }, u, v);
+        [this](const auto& a, const auto& b) { return this->position(a, b); }, u, v);
     // Where there is no position there are no partials, though log has a slope left of zero by the rules.
     for (S Vec3<S>::*const c : {&Vec3<S>::x, &Vec3<S>::y, &Vec3<S>::z})
       if (const S& p = j.position.*c; !(p == p))
