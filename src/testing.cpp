@@ -186,18 +186,21 @@ void check_dual(const AnySurface& surface, const Points& points, std::vector<Che
     }
     const Vec3<double> du = derivative(d.position, 0), dv = derivative(d.position, 1);
     const Frame<double> generic = frame_from_partials(du, dv);
-    if (has(p.f.status, Status::limit_frame | Status::no_frame) || has(generic.status, Status::no_frame)) continue;
+    if (has(p.f.status, Status::limit_frame | Status::no_frame) || has(generic.status, Status::no_frame))
+      continue;
     // A partial that is small against its scale has lost the same share of its digits, and nearly parallel partials
     // leave less of the normal.
     const double sine = norm(cross(unit(du), unit(dv)));
     const double condition = (points.scale[1] / norm(du) * (1 + p.condition[1]) +
-                              points.scale[2] / norm(dv) * (1 + p.condition[2])) / sine;
+                              points.scale[2] / norm(dv) * (1 + p.condition[2])) /
+                             sine;
     const double bound = 16 * unit_roundoff * (1 + condition);
     tangent.compare(norm(p.f.t - generic.t), bound, p.u, p.v);
     normal.compare(norm(p.f.n - p.f.handedness * generic.n), bound, p.u, p.v);
     bitangent.compare(norm(p.f.b - cross(p.f.n, p.f.t)), 16 * unit_roundoff, p.u, p.v);
     const double determinant = dot(cross(unit(du), unit(dv)), p.f.n);
-    const bool right = (surface.info().own_orientation || p.f.handedness == 1) && determinant * p.f.handedness > 0;
+    const bool right =
+        (surface.info().own_orientation || p.f.handedness == 1) && determinant * p.f.handedness > 0;
     if (bound < 1) handedness.compare(right ? 0 : 1, 0, p.u, p.v);
   }
   for (const Law& law : laws) checks.push_back(law.result());
@@ -244,17 +247,20 @@ void compare_numeric(const AnySurface& surface, const Points& points, std::strin
         };
         // No stencil reaches farther than a sixteenth of the length: it stays on one smooth piece.
         double stretch = length[d.along];
-        for (const double x : breaks[d.along]) stretch = std::fmin(stretch, 15 * std::fabs(x - (d.along == 0 ? u : v)));
+        for (const double x : breaks[d.along])
+          stretch = std::fmin(stretch, 15 * std::fabs(x - (d.along == 0 ? u : v)));
         if (stretch == 0) continue;
         const DerivativeEstimate<> numeric = differentiate(along, d.along == 0 ? u : v, stretch);
         // Four times the estimate: it is no bound, and it cannot see that a formula has rounded more than once. The closed
         // form's own error is 8u (1 + condition).
         const double bound = 4 * numeric.error / points.scale[is] + 8 * unit_roundoff * (1 + condition);
-        if (bound <= worst_estimate) law.compare(norm(numeric.value - closed) / points.scale[is], bound, u, v);
+        if (bound <= worst_estimate)
+          law.compare(norm(numeric.value - closed) / points.scale[is], bound, u, v);
       }
     }
-    checks.push_back(law.result(at_edges ? "neither coordinate along which it is differentiated has an edge"
-                                         : "the route's own error estimate exceeds 1e-6 of the scale everywhere"));
+    checks.push_back(law.result(at_edges
+                                    ? "neither coordinate along which it is differentiated has an edge"
+                                    : "the route's own error estimate exceeds 1e-6 of the scale everywhere"));
   }
 }
 
@@ -312,8 +318,8 @@ struct Pair {
   double u, v, one, other, error;
 };
 // The scale is the largest value, or the given one where that is larger.
-Check compared(const Points& points, std::string_view route, std::string_view quantity, const std::vector<Pair>& pairs,
-               double scale, std::string_view not_stated = {}) {
+Check compared(const Points& points, std::string_view route, std::string_view quantity,
+               const std::vector<Pair>& pairs, double scale, std::string_view not_stated = {}) {
   Law law(points.name, route, quantity);
   for (const Pair& p : pairs)
     if (std::isfinite(p.one)) scale = std::fmax(scale, std::fabs(p.one));
@@ -321,7 +327,8 @@ Check compared(const Points& points, std::string_view route, std::string_view qu
     const double bound = p.error / scale + 8 * unit_roundoff;
     if (bound <= worst_estimate) law.compare(std::fabs(p.one - p.other) / scale, bound, p.u, p.v);
   }
-  return law.result(not_stated.empty() ? "rounding would explain an error above 1e-6 everywhere" : not_stated);
+  return law.result(not_stated.empty() ? "rounding would explain an error above 1e-6 everywhere"
+                                       : not_stated);
 }
 
 bool curvable(const Point& p) {
@@ -355,7 +362,8 @@ void check_second_formula(const AnySurface& surface, const Points& points, std::
 void check_curvature(const AnySurface& surface, const Points& points, std::vector<Check>& checks) {
   const double size = points.scale[0];
   std::vector<Pair> gaussian, mean;
-  const bool states_gaussian = states(surface, "gaussian_curvature"), states_mean = states(surface, "mean_curvature");
+  const bool states_gaussian = states(surface, "gaussian_curvature"),
+             states_mean = states(surface, "mean_curvature");
   for (const Point& p : points.list) {
     if (!curvable(p)) continue;
     const Curved k(p);
@@ -375,11 +383,14 @@ void check_gauss(const AnySurface& surface, const Points& points, std::vector<Ch
   for (const Point& p : points.list) {
     if (!curvable(p)) continue;
     using N = NestedDualUV;
-    const Jet2<N> j = surface.jet(N::variable(DualUV::variable(p.u, 0), 0), N::variable(DualUV::variable(p.v, 1), 1));
+    const Jet2<N> j =
+        surface.jet(N::variable(DualUV::variable(p.u, 0), 0), N::variable(DualUV::variable(p.v, 1), 1));
     const auto metric = [](const Vec3<N>& a, const Vec3<N>& b) { return dot(a, b); };
     const N nE = metric(j.dpdu, j.dpdu), nF = metric(j.dpdu, j.dpdv), nG = metric(j.dpdv, j.dpdv);
     const auto first = [](const N& x, std::size_t i) { return x.value.derivative[i]; };
-    const auto second = [](const N& x, std::size_t i, std::size_t k) { return x.derivative[i].derivative[k]; };
+    const auto second = [](const N& x, std::size_t i, std::size_t k) {
+      return x.derivative[i].derivative[k];
+    };
     const double E = nE.value.value, F = nF.value.value, G = nG.value.value, area2 = E * G - F * F;
     const double corner = -second(nE, 1, 1) / 2 + second(nF, 0, 1) - second(nG, 0, 0) / 2;
     using Matrix = std::array<std::array<double, 3>, 3>;
@@ -391,13 +402,16 @@ void check_gauss(const AnySurface& surface, const Points& points, std::vector<Ch
     const Matrix one{{{corner, first(nE, 0) / 2, first(nF, 0) - first(nE, 1) / 2},
                       {first(nF, 1) - first(nG, 0) / 2, E, F},
                       {first(nG, 1) / 2, F, G}}};
-    const Matrix other{{{0, first(nE, 1) / 2, first(nG, 0) / 2}, {first(nE, 1) / 2, E, F}, {first(nG, 0) / 2, F, G}}};
+    const Matrix other{
+        {{0, first(nE, 1) / 2, first(nG, 0) / 2}, {first(nE, 1) / 2, E, F}, {first(nG, 0) / 2, F, G}}};
     // The sizes of what was added up in each entry, by the norms of the vectors.
     const auto size = [](const Vec3<N>& x) { return norm(value(value(x))); };
-    const double u = size(j.dpdu), v = size(j.dpdv), uu = size(j.d2pdu2), uv = size(j.d2pduv), vv = size(j.d2pdv2);
+    const double u = size(j.dpdu), v = size(j.dpdv), uu = size(j.d2pdu2), uv = size(j.d2pduv),
+                 vv = size(j.d2pdv2);
     const double uuv = norm(value(derivative(j.d2pduv, 0))), uvv = norm(value(derivative(j.d2pduv, 1)));
     const double corner_size = 2 * uv * uv + 2 * u * uvv + 2 * v * uuv + uu * vv;
-    const Matrix size_one{{{corner_size, u * uu, 2 * u * uv + v * uu}, {2 * v * uv + u * vv, u * u, u * v},
+    const Matrix size_one{{{corner_size, u * uu, 2 * u * uv + v * uu},
+                           {2 * v * uv + u * vv, u * u, u * v},
                            {v * vv, u * v, v * v}}};
     const Matrix size_other{{{0, u * uv, v * uv}, {u * uv, u * u, u * v}, {v * uv, u * v, v * v}}};
     const double K = (determinant(one, -1) - determinant(other, -1)) / area2 / area2;
@@ -430,10 +444,12 @@ void check_codazzi(const AnySurface& surface, const Points& points, std::vector<
     const double uuv = norm(derivative(j.d2pduv, 0)), uvv = norm(derivative(j.d2pduv, 1));
     const Curved k(p);
     const std::array<double, 2> sizes{
-        2 * uuv + nv * uu + nu * uv + (uu * (uv / u + uv / v) + uv * (uv / v + uv / u + uu / u + uu / v) +
-                                       vv * (uu / v + uu / u)) / sine,
-        2 * uvv + nv * uv + nu * vv + (uu * (vv / u + vv / v) + uv * (vv / v + vv / u + uv / u + uv / v) +
-                                       vv * (uv / v + uv / u)) / sine};
+        2 * uuv + nv * uu + nu * uv +
+            (uu * (uv / u + uv / v) + uv * (uv / v + uv / u + uu / u + uu / v) + vv * (uu / v + uu / u)) /
+                sine,
+        2 * uvv + nv * uv + nu * vv +
+            (uu * (vv / u + vv / v) + uv * (vv / v + vv / u + uv / u + uv / v) + vv * (uv / v + uv / u)) /
+                sine};
     for (std::size_t i = 0; i < 2; ++i)
       pairs[i].push_back({p.u, p.v, left[i], right[i], 64 * unit_roundoff * k.condition * sizes[i] / sine});
   }
@@ -524,7 +540,8 @@ void check_periodicity(const AnySurface& surface, const Points& points, std::vec
                    there_v = twisted ? 1 - moved_v : moved_v;
       const Vec3<double> m = surface.frame(there_u, there_v).n;
       position.compare(at == surface.jet(there_u, there_v).position ? 0 : 1, 0, u, v);
-      normal.compare(n == (twisted ? -m : m) || has(surface.frame(u, v).status, Status::no_frame) ? 0 : 1, 0, u, v);
+      normal.compare(n == (twisted ? -m : m) || has(surface.frame(u, v).status, Status::no_frame) ? 0 : 1, 0,
+                     u, v);
     }
   }
   checks.push_back(position.result());
@@ -573,7 +590,8 @@ AnySurface random_parameters(const AnySurface& surface, std::mt19937_64& random)
 
 template <class S>
 double largest_difference(const Vec3<S>& a, const Vec3<ManyDigits>& b) {
-  const Vec3<double> d = rounded(Vec3<ManyDigits>{ManyDigits(a.x) - b.x, ManyDigits(a.y) - b.y, ManyDigits(a.z) - b.z});
+  const Vec3<double> d =
+      rounded(Vec3<ManyDigits>{ManyDigits(a.x) - b.x, ManyDigits(a.y) - b.y, ManyDigits(a.z) - b.z});
   const double largest = std::fmax(std::fabs(d.x), std::fmax(std::fabs(d.y), std::fabs(d.z)));
   return std::isnan(d.x + d.y + d.z) ? infinity : largest;
 }
@@ -654,7 +672,8 @@ class HighPrecision {
     for (const Vec2<double>& uv : uvs) {
       const Inputs inputs(uv.x, uv.y, parameters);
       At at{uv, evaluate(surface, uv), many_digit_jet(surface, inputs), {}};
-      for_each_neighbour(surface, inputs, [&](const Jet2<ManyDigits>& moved) { at.neighbours.push_back(moved); });
+      for_each_neighbour(surface, inputs,
+                         [&](const Jet2<ManyDigits>& moved) { at.neighbours.push_back(moved); });
       if (all.size() < random_points)
         for (int k = 0; k < 6; ++k) {
           const double size = norm(rounded(partial(at.exact, k)));
@@ -671,14 +690,17 @@ class HighPrecision {
         const double size = norm(rounded(partial(at.exact, k)));
         if (!(size <= scale[k])) scale[k] = size;
         for (const Jet2<ManyDigits>& moved : at.neighbours)
-          condition[k] += norm(rounded(partial(moved, k) - partial(at.exact, k))) / relative_change / scale[k];
+          condition[k] +=
+              norm(rounded(partial(moved, k) - partial(at.exact, k))) / relative_change / scale[k];
         // Beyond the range of S nothing can be asked of it.
-        constexpr double largest = std::numeric_limits<S>::max() / 64, smallest = std::numeric_limits<S>::min() / roundoff;
+        constexpr double largest = std::numeric_limits<S>::max() / 64,
+                         smallest = std::numeric_limits<S>::min() / roundoff;
         if (!(scale[k] < largest && scale[k] > smallest)) continue;
         // Nor where the surface is beyond the sizes it is proven for, and says so.
         if (scale[k] > std::sqrt(largest) && has(at.sample.frame.status, Status::overflow)) continue;
-        partials_[static_cast<std::size_t>(k)].compare(largest_difference(partial(at.sample.jet, k), partial(at.exact, k)) / scale[k],
-                             8 * roundoff * (1 + condition[k]), u, v, of);
+        partials_[static_cast<std::size_t>(k)].compare(
+            largest_difference(partial(at.sample.jet, k), partial(at.exact, k)) / scale[k],
+            8 * roundoff * (1 + condition[k]), u, v, of);
       }
       compare_frame(surface, at.uv, at.sample, at.exact, at.neighbours, scale, condition, of);
     }
@@ -707,7 +729,8 @@ class HighPrecision {
     if (has(f.status, Status::no_frame)) return;
     const SurfaceInfo& info = surface.info();
     const auto error = [&](const ExactFrame& e) {
-      return std::array{largest_difference(f.t, e.t), largest_difference(f.b, e.b), largest_difference(f.n, e.n)};
+      return std::array{largest_difference(f.t, e.t), largest_difference(f.b, e.b),
+                        largest_difference(f.n, e.n)};
     };
     std::array<double, 3> errors{infinity, infinity, infinity};
     double condition = 0;
@@ -719,14 +742,16 @@ class HighPrecision {
       bool shown = false;
       for (const double side : {1.0, -1.0})
         for (const bool along_v : {true, false}) {
-          if (!has(f.status, along_v ? Status::dpdu_zero | Status::parallel : Status::dpdv_zero | Status::parallel))
+          if (!has(f.status,
+                   along_v ? Status::dpdu_zero | Status::parallel : Status::dpdv_zero | Status::parallel))
             continue;
           const double x = along_v ? v : u;
           const Coordinate kind = along_v ? info.v : info.u;
           const bool bounded = kind == Coordinate::linear || kind == Coordinate::half_turn;
-          if ((bounded && ((x == 0 && side < 0) || (x == 1 && side > 0))) || (x != 0 && spread(surface) > 1e6)) continue;
-          const ManyDigits far = x == 0 ? tiny() : ManyDigits(1e-18),
-                           near = far * ManyDigits(1e-3);
+          if ((bounded && ((x == 0 && side < 0) || (x == 1 && side > 0))) ||
+              (x != 0 && spread(surface) > 1e6))
+            continue;
+          const ManyDigits far = x == 0 ? tiny() : ManyDigits(1e-18), near = far * ManyDigits(1e-3);
           const auto approach = [&](const ManyDigits& distance) {
             Inputs inputs(u, v, surface.parameters());
             ManyDigits& moved = along_v ? inputs.v : inputs.u;
@@ -751,8 +776,8 @@ class HighPrecision {
       const ExactFrame e = exact_frame(exact, f.handedness);
       // Where the true partials give no frame, those with their rounding gave an arbitrary one.
       if (!surface.has_closed_frame() && !(norm(rounded(e.t)) > 0 && norm(rounded(e.n)) > 0)) return;
-      const double determinant = static_cast<double>(dot(cross(unit(exact.dpdu), unit(exact.dpdv)),
-                                                         Vec3<ManyDigits>{f.n.x, f.n.y, f.n.z}));
+      const double determinant = static_cast<double>(
+          dot(cross(unit(exact.dpdu), unit(exact.dpdv)), Vec3<ManyDigits>{f.n.x, f.n.y, f.n.z}));
       // A surface that states its own orientation cannot tell the side where dpdu is within rounding of zero.
       if (info.own_orientation && determinant * f.handedness < 0 &&
           norm(rounded(exact.dpdu)) < 16 * roundoff * (1 + partial_condition[1]) * scale[1])
@@ -767,10 +792,11 @@ class HighPrecision {
       // From partials that are within 8 (1 + condition) of their scale: what that turns t and n by.
       const double du = norm(rounded(exact.dpdu)), dv = norm(rounded(exact.dpdv)),
                    sine = norm(rounded(cross(unit(exact.dpdu), unit(exact.dpdv))));
-      const double amplified = has(f.status, Status::limit_frame)
-                                   ? 1
-                                   : ((1 + partial_condition[1]) * scale[1] / du +
-                                      (1 + partial_condition[2]) * scale[2] / dv) / sine;
+      const double amplified =
+          has(f.status, Status::limit_frame)
+              ? 1
+              : ((1 + partial_condition[1]) * scale[1] / du + (1 + partial_condition[2]) * scale[2] / dv) /
+                    sine;
       frame_bound = 8 * (1 + condition + amplified);
       orthonormality_bound = 16;
     }
@@ -800,7 +826,8 @@ AnySurface rounded_to_float(const AnySurface& surface) {
 }
 
 template <class S>
-void check_high_precision(const AnySurface& surface, const CheckOptions& options, std::vector<Check>& checks) {
+void check_high_precision(const AnySurface& surface, const CheckOptions& options,
+                          std::vector<Check>& checks) {
   HighPrecision<S> laws(surface.info().name);
   std::mt19937_64 random(options.seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -826,7 +853,8 @@ void check_high_precision(const AnySurface& surface, const CheckOptions& options
       }
     if constexpr (std::same_as<S, float>)
       for (Vec2<double>& uv : uvs) uv = {as_float(uv.x), as_float(uv.y)};
-    laws.compare(chosen, uvs, static_cast<std::size_t>(options.points), options.parameter_sets == 0 ? std::string() : chosen.specification());
+    laws.compare(chosen, uvs, static_cast<std::size_t>(options.points),
+                 options.parameter_sets == 0 ? std::string() : chosen.specification());
   }
   laws.results(checks);
 }
@@ -868,14 +896,17 @@ std::vector<Check> check_surface(const AnySurface& surface, const CheckOptions& 
   for (const std::string& route : options.routes)
     if (std::find(check_routes().begin(), check_routes().end(), route) == check_routes().end()) {
       std::string known;
-      for (const std::string_view name : check_routes()) known += (known.empty() ? "" : ", ") + std::string(name);
+      for (const std::string_view name : check_routes())
+        known += (known.empty() ? "" : ", ") + std::string(name);
       throw ParameterError("route", "'" + route + "' is unknown, known are " + known);
     }
   const auto wanted = [&](std::string_view name) {
-    return options.routes.empty() || std::find(options.routes.begin(), options.routes.end(), name) != options.routes.end();
+    return options.routes.empty() ||
+           std::find(options.routes.begin(), options.routes.end(), name) != options.routes.end();
   };
   std::vector<Check> checks;
-  const bool any_double = std::any_of(routes.begin(), routes.end(), [&](const Route& r) { return wanted(r.name); });
+  const bool any_double =
+      std::any_of(routes.begin(), routes.end(), [&](const Route& r) { return wanted(r.name); });
   if (any_double) {
     const Points points(surface, options);
     if (points.not_a_number) {
@@ -899,9 +930,9 @@ std::string broken_laws(const AnySurface& surface, const CheckOptions& options) 
   std::string text;
   for (const Check& c : check_surface(surface, options))
     if (!c.passed)
-      text += std::string(c.surface) + ": " + std::string(c.route) + " of " + std::string(c.quantity) + " is off by " +
-              shortest(c.max_error) + ", permitted is " + shortest(c.bound) + ", worst at u = " + shortest(c.worst_u) +
-              ", v = " + shortest(c.worst_v) + "\n";
+      text += std::string(c.surface) + ": " + std::string(c.route) + " of " + std::string(c.quantity) +
+              " is off by " + shortest(c.max_error) + ", permitted is " + shortest(c.bound) +
+              ", worst at u = " + shortest(c.worst_u) + ", v = " + shortest(c.worst_v) + "\n";
   return text;
 }
 

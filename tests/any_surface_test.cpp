@@ -198,7 +198,8 @@ TEST(AnySurface, HoldsAUsersOwnType) {
   EXPECT_EQ(any.jet(2, 0).position, (Vec3<double>{2, 0, -6}));
   EXPECT_EQ(any.get<Sheet>()->depth, -1.5);
   EXPECT_EQ(any.facts(), std::vector<std::string_view>{"gaussian_curvature"});
-  for (const Check& c : check_surface(any, {.points = 200, .seed = 1})) EXPECT_TRUE(c.passed) << c.route << c.quantity;
+  for (const Check& c : check_surface(any, {.points = 200, .seed = 1}))
+    EXPECT_TRUE(c.passed) << c.route << c.quantity;
   EXPECT_THROW(AnySurface(Sheet{2}), ParameterError);
   EXPECT_THROW(make_surface("sheet"), ParameterError);
 }

@@ -42,7 +42,8 @@ std::vector<Rule> rules(const Includes& tree) {
        std::string(standard) + "|darboux/(scalar|vector|surface|spline|error)\\.h", ""},
       {"boost stays behind many_digits", "(?!src/many_digits\\.cpp|tests/).*", "", "boost/.*"},
       {"the core knows no files, no fit and no verdict",
-       "(include/darboux|src)/(any_surface|testing|evaluate|forms|frame|differentiate|adaptors|mesh|mesh_frames|"
+       "(include/darboux|src)/"
+       "(any_surface|testing|evaluate|forms|frame|differentiate|adaptors|mesh|mesh_frames|"
        "mesh_classes|weld|sample_mesh|converge|placed_surface|validate)\\.(h|cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
       {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",

@@ -129,7 +129,8 @@ TEST(ParametricFrame, IsAlongTheCoordinateCurves) {
       EXPECT_EQ(f.b, unit(j.dpdv)) << surface.info().name;
       EXPECT_EQ(f.n, surface.frame(u, v).n) << surface.info().name;
       // Along dpdu, as far as that has digits: its error over its length.
-      EXPECT_LE(norm(f.t - unit(j.dpdu)), 1e-13 * (1 + norm(j.position) / norm(j.dpdu))) << surface.info().name;
+      EXPECT_LE(norm(f.t - unit(j.dpdu)), 1e-13 * (1 + norm(j.position) / norm(j.dpdu)))
+          << surface.info().name;
     }
 }
 
@@ -142,7 +143,8 @@ TEST(Statuses, SeamsCloseToTheBit) {
       EXPECT_EQ(surface.jet(0.0, v).position, surface.jet(1.0, v).position) << surface.info().name;
       for (const auto& [u, again] : {std::pair{0.0, 1.0}, {0.25, -7.75}}) {
         const Frame<double> f = surface.frame(u, v), g = surface.frame(again, v);
-        EXPECT_TRUE(f.t == g.t && f.b == g.b && f.n == g.n && f.status == g.status) << surface.info().name << v;
+        EXPECT_TRUE(f.t == g.t && f.b == g.b && f.n == g.n && f.status == g.status)
+            << surface.info().name << v;
       }
     }
   }
@@ -155,7 +157,8 @@ TEST(Statuses, OnlyANonPeriodicCoordinateIsEverOutside) {
       const bool bounded = kind == Coordinate::linear || kind == Coordinate::half_turn;
       const auto at = [&](double x) { return along_u ? surface.sample(x, 0.3) : surface.sample(0.3, x); };
       for (const double x : {-1e-9, 1 + 1e-9, -3.3, 7.2})
-        EXPECT_EQ(has(at(x).frame.status, Status::outside_domain), bounded) << surface.info().name << ' ' << x;
+        EXPECT_EQ(has(at(x).frame.status, Status::outside_domain), bounded)
+            << surface.info().name << ' ' << x;
       for (const double x : {-1e-9, 1 + 1e-9})
         EXPECT_FALSE(all_nan(at(x).frame.n)) << surface.info().name << ": the analytic extension is given";
       for (const double x : {0.0, 1.0, 5e-324})

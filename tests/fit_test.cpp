@@ -51,9 +51,10 @@ TEST(Fit, RecoversPlacementAndParameters) {
       const double scale = std::pow(10, 12 * uniform(random) - 6);
       SurfaceSpecification specification{std::string(kind.info().name), {}};
       for (const ParameterValue& p : kind.parameters())
-        specification.parameters.emplace_back(
-            p.name, scale * (0.2 + uniform(random)) *
-                        (p.name == "major_radius" ? 3 : p.name == "inner_radius" ? 0.15 : 1));
+        specification.parameters.emplace_back(p.name, scale * (0.2 + uniform(random)) *
+                                                          (p.name == "major_radius"   ? 3
+                                                           : p.name == "inner_radius" ? 0.15
+                                                                                      : 1));
       const AnySurface surface = make_surface(specification);
       Mesh mesh = sample_mesh(surface, {.columns = 16, .rows = 9, .jitter = 0.2, .seed = random()});
       const double offset = 10 * scale;

@@ -638,7 +638,8 @@ class FormsAtEdges : public Forms {};
 std::vector<AnySurface> singular_at_edges() {
   std::vector<AnySurface> list;
   for (const AnySurface& surface : all_surfaces())
-    if (has(surface.frame(0.3, 0).status | surface.frame(0.3, 1).status, Status::limit_frame)) list.push_back(surface);
+    if (has(surface.frame(0.3, 0).status | surface.frame(0.3, 1).status, Status::limit_frame))
+      list.push_back(surface);
   return list;
 }
 INSTANTIATE_TEST_SUITE_P(Catalogue, FormsAtEdges, ::testing::ValuesIn(singular_at_edges()), test_name);

@@ -50,8 +50,8 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, Laws, ::testing::ValuesIn(all_surfaces()),
 TEST_P(Laws, HoldWithDefaultParameters) {
   for (const std::uint64_t seed : {1, 2}) {
     for (const Check& c : check_surface(GetParam(), {.points = 5 * points, .seed = seed})) {
-      EXPECT_TRUE(c.passed) << c.surface << ' ' << c.route << ' ' << c.quantity << ": " << c.max_error << " > "
-                            << c.bound << " at " << c.worst_u << ", " << c.worst_v;
+      EXPECT_TRUE(c.passed) << c.surface << ' ' << c.route << ' ' << c.quantity << ": " << c.max_error
+                            << " > " << c.bound << " at " << c.worst_u << ", " << c.worst_v;
       EXPECT_EQ(c.points > 0, c.skipped.empty()) << c.route << ' ' << c.quantity << ' ' << c.skipped;
     }
   }
@@ -74,10 +74,12 @@ TEST_P(Laws, HoldWithParametersNearTheDefaults) {
   Random random(31);
   for (int i = 0; i < 5; ++i) {
     std::vector<double> values;
-    for (const ParameterValue& p : GetParam().parameters()) values.push_back(p.value * random.log_uniform(0.5, 2));
+    for (const ParameterValue& p : GetParam().parameters())
+      values.push_back(p.value * random.log_uniform(0.5, 2));
     try {
       const AnySurface surface = GetParam().with(values);
-      EXPECT_EQ(broken_laws(surface, {.points = points / 2, .seed = random.bits()}), "") << surface.specification();
+      EXPECT_EQ(broken_laws(surface, {.points = points / 2, .seed = random.bits()}), "")
+          << surface.specification();
     } catch (const ParameterError&) {
       // These do not go together.
     }
@@ -87,7 +89,8 @@ TEST_P(Laws, HoldWithParametersNearTheDefaults) {
 // Every route and quantity is there, under its name, so that a law cannot be lost unnoticed.
 TEST_P(Laws, CoverEveryRouteAndPartial) {
   Names names;
-  for (const Check& c : check_surface(GetParam(), {.points = 10, .seed = 1})) names.emplace(c.route, c.quantity);
+  for (const Check& c : check_surface(GetParam(), {.points = 10, .seed = 1}))
+    names.emplace(c.route, c.quantity);
   for (const char* route : {"dual", "central2", "central4", "central6", "central8", "one_sided8", "ridders",
                             "high_precision", "high_precision_float"})
     for (const char* partial : {"dpdu", "dpdv", "d2pdu2", "d2pduv", "d2pdv2"})
@@ -214,9 +217,9 @@ TEST(Mutants, AWrongFrameIsNamed) {
                    {"high_precision_float", "bitangent"},
                    {"high_precision_float", "normal"}}));
   EXPECT_TRUE(contains(failed_with([]<class S>(Frame<S>& f) { f.n = -f.n; }), "dual", "normal"));
-  EXPECT_EQ(failed_with([]<class S>(Frame<S>& f) { f.b = -f.b; }), (Names{{"dual", "bitangent"},
-                   {"high_precision", "bitangent"},
-                   {"high_precision_float", "bitangent"}}));
+  EXPECT_EQ(
+      failed_with([]<class S>(Frame<S>& f) { f.b = -f.b; }),
+      (Names{{"dual", "bitangent"}, {"high_precision", "bitangent"}, {"high_precision_float", "bitangent"}}));
   EXPECT_TRUE(contains(failed_with([]<class S>(Frame<S>& f) { f.t = -f.t; }), "dual", "tangent"));
 }
 

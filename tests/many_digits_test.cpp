@@ -59,7 +59,8 @@ TEST(ManyDigits, SineAndCosineAgreeWithBoost) {
     const auto [s, c] = sincos_pi(ManyDigits(x));
     const Wide sine = sin(pi * Wide(x)), cosine = cos(pi * Wide(x));
     // Relative to the sine itself only where x is small. (wide() needs doubles 1e-60 below x.)
-    EXPECT_LE(static_cast<double>(abs(wide(s) - sine) / (std::fabs(x) < 0.5 ? abs(sine) : Wide(1))), 2e-39) << x;
+    EXPECT_LE(static_cast<double>(abs(wide(s) - sine) / (std::fabs(x) < 0.5 ? abs(sine) : Wide(1))), 2e-39)
+        << x;
     EXPECT_LE(static_cast<double>(abs(wide(c) - cosine)), 2e-39) << x;
   }
 }
@@ -76,7 +77,8 @@ TEST(ManyDigits, QuarterTurnsAreExact) {
 }
 
 TEST(ManyDigits, ReachesBeyondDouble) {
-  const ManyDigits tiny = ManyDigits(1e-300) * ManyDigits(1e-300), huge = ManyDigits(1e300) * ManyDigits(1e300);
+  const ManyDigits tiny = ManyDigits(1e-300) * ManyDigits(1e-300),
+                   huge = ManyDigits(1e300) * ManyDigits(1e300);
   EXPECT_TRUE(tiny > ManyDigits(0.0));
   EXPECT_TRUE(isfinite(huge));
   EXPECT_NEAR(static_cast<double>(tiny * huge), 1, 1e-15);
@@ -86,7 +88,8 @@ TEST(ManyDigits, ReachesBeyondDouble) {
 
 TEST(ManyDigits, ComparesAndRounds) {
   const ManyDigits third = ManyDigits(1.0) / ManyDigits(3.0);
-  EXPECT_TRUE(third < ManyDigits(1.0) && third <= third && third >= third && third == third && ManyDigits(1.0) > third);
+  EXPECT_TRUE(third < ManyDigits(1.0) && third <= third && third >= third && third == third &&
+              ManyDigits(1.0) > third);
   EXPECT_FALSE(third == ManyDigits(1.0 / 3));
   EXPECT_EQ(static_cast<double>(third), 1.0 / 3);
   EXPECT_EQ(static_cast<double>(abs(-third)), 1.0 / 3);

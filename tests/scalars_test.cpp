@@ -95,10 +95,12 @@ auto archetype_coordinate(double x) {
 // Whose partials ask for an order: the torus near its axis, splines for the knot span, the helix's tube for the sign of its radius, powers for the
 // sign of their base. All others have partials without a comparison.
 template <class X>
-constexpr bool compares = requires(const X& x) { x.exponent_u; } || X::info.name == "torus" || X::info.name == "tube" ||
-                          X::info.name == "bezier-patch" || X::info.name == "bspline-patch" ||
-                          X::info.name == "surface-of-revolution" || X::info.name == "extrusion" ||
-                          X::info.name == "ruled-surface";
+constexpr bool compares = requires(const X& x) {
+  x.exponent_u;
+}
+|| X::info.name == "torus" || X::info.name == "tube" || X::info.name == "bezier-patch" ||
+    X::info.name == "bspline-patch" || X::info.name == "surface-of-revolution" ||
+    X::info.name == "extrusion" || X::info.name == "ruled-surface";
 
 TEST(Scalars, NeedNothingBeyondTheArchetype) {
   Catalogue::for_each([&](const auto& surface) {

@@ -18,9 +18,9 @@ struct PluckerConoid {
                                              {"v=0"}};
   static constexpr auto parameters() {
     return std::array{darboux::parameter<&PluckerConoid::radius>("radius", darboux::Range::positive(),
-                                         "length of the line"),
+                                                                 "length of the line"),
                       darboux::parameter<&PluckerConoid::height>("height", darboux::Range::positive(),
-                                         "how far it rises and falls")};
+                                                                 "how far it rises and falls")};
   }
 
   template <class S>
@@ -69,7 +69,8 @@ int main() {
   std::printf("%s", broken.empty() ? "every law holds\n" : broken.c_str());
 
   // The laws, one by one: what was compared, and what does not apply.
-  for (const darboux::Check& c : darboux::check_surface(conoid, {.routes = {"implicit", "curvature", "gauss_bonnet"}}))
+  for (const darboux::Check& c :
+       darboux::check_surface(conoid, {.routes = {"implicit", "curvature", "gauss_bonnet"}}))
     std::printf("%-12s %-20s %s\n", std::string(c.route).c_str(), std::string(c.quantity).c_str(),
                 c.skipped.empty() ? "holds" : c.skipped.c_str());
 

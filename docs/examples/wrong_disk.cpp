@@ -5,8 +5,8 @@
 #include <darboux/testing.h>
 
 struct WrongDisk {
-  static constexpr darboux::SurfaceInfo info{"wrong-disk", "unit disk, v inward", darboux::Coordinate::turn,
-                                             darboux::Coordinate::linear, {"v=1"}};
+  static constexpr darboux::SurfaceInfo info{
+      "wrong-disk", "unit disk, v inward", darboux::Coordinate::turn, darboux::Coordinate::linear, {"v=1"}};
 
   template <class S>
   darboux::Jet2<S> jet(const darboux::Turn<S>& u, const S& v) const {
@@ -14,7 +14,7 @@ struct WrongDisk {
     const S rho = darboux::lift<S>(1.0) - v;
     return {.position = {rho * u.cos, rho * u.sin, zero},
             .dpdu = {-(pi * (rho * u.sin)), pi * (rho * u.cos), zero},  // 2π, not π
-            .dpdv = {u.cos, u.sin, zero},                                // -cos, -sin
+            .dpdv = {u.cos, u.sin, zero},                               // -cos, -sin
             .d2pdu2 = {-(tau * (tau * (rho * u.cos))), -(tau * (tau * (rho * u.sin))), zero},
             .d2pduv = {tau * u.sin, -(tau * u.cos), zero},
             .d2pdv2 = {zero, zero, zero}};
@@ -30,7 +30,8 @@ struct WrongDisk {
 };
 
 int main() {
-  const std::string broken = darboux::broken_laws(WrongDisk{}, {.points = 100, .routes = {"dual", "central8"}});
+  const std::string broken =
+      darboux::broken_laws(WrongDisk{}, {.points = 100, .routes = {"dual", "central8"}});
   std::printf("%s", broken.c_str());
   return broken.empty() ? 1 : 0;
 }

@@ -52,7 +52,8 @@ class AnySurface {
   Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const { return held_->jet(u, v); }
   Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const { return held_->jet(u, v); }
   /// In 40 digits, optionally with other values for the parameters (in the order of parameters(), all of them).
-  Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v, std::span<const ManyDigits> values = {}) const {
+  Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v,
+                       std::span<const ManyDigits> values = {}) const {
     return held_->jet(u, v, values);
   }
   Frame<double> frame(double u, double v) const { return held_->frame(u, v); }
@@ -72,7 +73,9 @@ class AnySurface {
   std::vector<std::string_view> facts() const { return held_->facts(); }
   /// Their values, absent where the type does not state the fact.
   std::optional<double> implicit(const Vec3<double>& p) const { return held_->implicit(p); }
-  std::optional<double> gaussian_curvature(double u, double v) const { return held_->gaussian_curvature(u, v); }
+  std::optional<double> gaussian_curvature(double u, double v) const {
+    return held_->gaussian_curvature(u, v);
+  }
   std::optional<double> mean_curvature(double u, double v) const { return held_->mean_curvature(u, v); }
   std::optional<Vec3<double>> position_again(double u, double v) const { return held_->position_again(u, v); }
 
@@ -179,12 +182,14 @@ class AnySurface {
       if constexpr (StatesImplicit<X>) return surface.implicit(p);
       return std::nullopt;
     }
-    std::optional<double> gaussian_curvature([[maybe_unused]] double u, [[maybe_unused]] double v) const override {
+    std::optional<double> gaussian_curvature([[maybe_unused]] double u,
+                                             [[maybe_unused]] double v) const override {
       if constexpr (StatesGaussianCurvature<X>)
         return surface.gaussian_curvature(prepare<X::info.u>(u), prepare<X::info.v>(v));
       return std::nullopt;
     }
-    std::optional<double> mean_curvature([[maybe_unused]] double u, [[maybe_unused]] double v) const override {
+    std::optional<double> mean_curvature([[maybe_unused]] double u,
+                                         [[maybe_unused]] double v) const override {
       if constexpr (StatesMeanCurvature<X>)
         return surface.mean_curvature(prepare<X::info.u>(u), prepare<X::info.v>(v));
       return std::nullopt;

@@ -41,7 +41,8 @@ bool outside(const S& x) {
 template <ParametricSurface X, std::floating_point S>
 Status status(const X& surface, S u, S v) {
   bool finite = std::isfinite(u) && std::isfinite(v);
-  for_each_parameter<X>([&](const auto& p) { finite = finite && std::isfinite(static_cast<double>(p.of(surface))); });
+  for_each_parameter<X>(
+      [&](const auto& p) { finite = finite && std::isfinite(static_cast<double>(p.of(surface))); });
   if (!finite) return Status::non_finite_input;
   Status result = Status::regular;
   if constexpr (DeclaresSingularPoints<X>)
@@ -90,7 +91,8 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
   } else {
     const Jet2<S> j = surface.jet(u, v);
     result = frame_from_partials(j.dpdu, j.dpdv);
-    if (has(result.status, Status::non_finite_input))  // not the input's doing: overflow, or a user function's NaN
+    if (has(result.status,
+            Status::non_finite_input))  // not the input's doing: overflow, or a user function's NaN
       result.status = Status::no_frame | Status::overflow;
     else if (const Status why = at | (result.status & collapsed); has(why, collapsed)) {
       result = limit_at_collapsed_edge(j, why, u, v);
@@ -150,7 +152,8 @@ template <std::floating_point S>
 Sample<S> make_sample(S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   Sample<S> result{u, v, j, frame};
   for (const Vec3<S>& a : {j.position, j.dpdu, j.dpdv, j.d2pdu2, j.d2pduv, j.d2pdv2})
-    if (!detail::finite(a) && !has(frame.status, Status::non_finite_input)) result.frame.status |= Status::overflow;
+    if (!detail::finite(a) && !has(frame.status, Status::non_finite_input))
+      result.frame.status |= Status::overflow;
   return result;
 }
 template <ParametricSurface X, std::floating_point S>

@@ -159,7 +159,9 @@ S lift(const T& x) {
     return static_cast<S>(x);
   else if constexpr (std::floating_point<T> && !std::same_as<T, long double>)
     return Scalar<S>::lift(static_cast<double>(x));
-  else if constexpr (requires(const S& s) { Scalar<S>::value(s); })  // a constant of the dual number's own scalar
+  else if constexpr (requires(const S& s) {
+                       Scalar<S>::value(s);
+                     })  // a constant of the dual number's own scalar
     return S(lift<std::remove_cvref_t<decltype(Scalar<S>::value(std::declval<const S&>()))>>(x));
   else
     return S(x);

@@ -138,7 +138,8 @@ Surface surface_of(T Surface::*);
 /// The parameter that is the member `first`, or the member of a member: parameter<&Torus::major_radius>("major_radius",
 /// ...), parameter<&BilinearPatch::p00, &Vec3<T>::x>("p00_x", ...).
 template <auto first, auto... rest>
-constexpr auto parameter(std::string_view name, Range permitted, std::string_view meaning, Magnitudes proven = {}) {
+constexpr auto parameter(std::string_view name, Range permitted, std::string_view meaning,
+                         Magnitudes proven = {}) {
   using Surface = decltype(detail::surface_of(first));
   using T = std::remove_cvref_t<decltype(((std::declval<Surface&>().*first).*....*rest))>;
   return Parameter<Surface, T>{name, &detail::reach<Surface, T, first, rest...>, permitted, meaning, proven};
@@ -154,7 +155,8 @@ struct SurfaceInfo {
   bool orientable = true;
   std::optional<int> euler_characteristic{};  ///< of a closed surface
   bool own_orientation = false;  ///< n is stated by the surface and may oppose dpdu × dpdv (a spindle torus)
-  double frame_error = 4;        ///< bound of the closed-form frame's components, in roundings times (1 + condition)
+  double frame_error =
+      4;  ///< bound of the closed-form frame's components, in roundings times (1 + condition)
 };
 
 /// A coordinate in the form its kind hands to formulas: x itself, or a Turn.

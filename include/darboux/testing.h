@@ -30,8 +30,8 @@ namespace darboux {
 
 /// How a surface is checked.
 struct CheckOptions {
-  int points = 1000;                ///< random (u, v), uniform in the unit square
-  std::uint64_t seed = 1;           ///< of std::mt19937_64
+  int points = 1000;                  ///< random (u, v), uniform in the unit square
+  std::uint64_t seed = 1;             ///< of std::mt19937_64
   std::vector<std::string> routes{};  ///< only these; empty: all
   /// high_precision only: the surface as given when 0, else this many random sets of parameters (log-uniform over the
   /// magnitudes each is proven for), `points` points each

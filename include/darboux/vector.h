@@ -134,8 +134,7 @@ struct Product {
 
 /// The length of a, without overflow or underflow in between. Any scalar.
 template <template <class> class V, class S>
-  requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>)
-S norm(const V<S>& a) {
+requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) S norm(const V<S>& a) {
   using std::sqrt;
   const int e = detail::scale_exponent(a);
   if (e == 0) return sqrt(dot(a, a));
@@ -145,8 +144,7 @@ S norm(const V<S>& a) {
 
 /// a / |a|, each component within 2 ulp; the zero vector for a zero one. Any scalar.
 template <template <class> class V, class S>
-  requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>)
-V<S> unit(const V<S>& a) {
+requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) V<S> unit(const V<S>& a) {
   using std::sqrt;
   const int e = detail::scale_exponent(a);
   const V<S> scaled = e == 0 ? a : detail::scaled_by_power_of_two(a, -e);

@@ -20,8 +20,8 @@ void print_table(const std::vector<Check>& checks, bool passed) {
   std::size_t widest = 7;
   for (const Check& c : checks) widest = std::max(widest, c.surface.size());
   const int width = static_cast<int>(widest);
-  std::printf("%-*s %-20s %-20s %8s %10s %10s  %s\n", width, "surface", "route", "quantity", "points", "max error",
-              "bound", "result");
+  std::printf("%-*s %-20s %-20s %8s %10s %10s  %s\n", width, "surface", "route", "quantity", "points",
+              "max error", "bound", "result");
   const auto text = [](std::string_view s) { return std::string(s); };
   for (const Check& c : checks) {
     const std::string surface = text(c.surface), route = text(c.route), quantity = text(c.quantity);
@@ -118,8 +118,7 @@ void add_check(CLI::App& app, Common& common) {
       "check",
       "Prove the closed forms: against dual numbers, central differences and the surface's own facts");
   auto arguments = std::make_shared<Arguments>();
-  sub.add_option("SURFACE", arguments->surfaces,
-                 std::string(surface_help) + "; all when none is given");
+  sub.add_option("SURFACE", arguments->surfaces, std::string(surface_help) + "; all when none is given");
   sub.add_option("--points", arguments->options.points, "random points per surface")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000000));

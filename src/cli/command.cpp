@@ -123,7 +123,8 @@ AnySurface surface_argument(std::string_view text) {
       if (key == "file")
         file = item.substr(equals + 1);
       else if (formula)
-        parameters.emplace_back(key, parse_finite(name + ": " + key, std::string_view(item).substr(equals + 1)));
+        parameters.emplace_back(key,
+                                parse_finite(name + ": " + key, std::string_view(item).substr(equals + 1)));
       else
         throw ParameterError(name, "unknown parameter '" + key + "', known are file");
     }

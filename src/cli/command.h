@@ -72,8 +72,7 @@ std::string join(const std::vector<std::string>& items);
 AnySurface surface_argument(std::string_view text);
 
 /// How help texts describe SURFACE.
-inline constexpr const char* surface_help =
-    "NAME, NAME:PARAMETER=VALUE,... or formula:file=FILE";
+inline constexpr const char* surface_help = "NAME, NAME:PARAMETER=VALUE,... or formula:file=FILE";
 
 /// The surface's name, file and parameters as JSON, for every command alike.
 Json surface_json(const AnySurface& surface);

@@ -42,32 +42,32 @@ struct SurfaceList {
   }
 };
 
-using Catalogue = SurfaceList<Sphere<>,  //
-                              Torus<>,  //
-                              Cylinder<>,  //
-                              Cone<>,  //
-                              Plane<>,  //
-                              Disk<>,  //
-                              Ellipsoid<>,  //
-                              EllipticParaboloid<>,  //
+using Catalogue = SurfaceList<Sphere<>,                //
+                              Torus<>,                 //
+                              Cylinder<>,              //
+                              Cone<>,                  //
+                              Plane<>,                 //
+                              Disk<>,                  //
+                              Ellipsoid<>,             //
+                              EllipticParaboloid<>,    //
                               HyperbolicParaboloid<>,  //
-                              OneSheetHyperboloid<>,  //
-                              TwoSheetHyperboloid<>,  //
-                              Helicoid<>,  //
-                              Catenoid<>,  //
-                              MoebiusStrip<>,  //
-                              KleinBottle<>,  //
-                              Enneper<>,  //
-                              MonkeySaddle<>,  //
-                              Pseudosphere<>,  //
-                              Superellipsoid<>,  //
-                              Tube<>,  //
-                              BilinearPatch<>,  //
-                              BezierPatch<>,  //
-                              BSplinePatch<>,  //
-                              SurfaceOfRevolution<>,  //
-                              Extrusion<>,  //
-                              RuledSurface<>,  //
+                              OneSheetHyperboloid<>,   //
+                              TwoSheetHyperboloid<>,   //
+                              Helicoid<>,              //
+                              Catenoid<>,              //
+                              MoebiusStrip<>,          //
+                              KleinBottle<>,           //
+                              Enneper<>,               //
+                              MonkeySaddle<>,          //
+                              Pseudosphere<>,          //
+                              Superellipsoid<>,        //
+                              Tube<>,                  //
+                              BilinearPatch<>,         //
+                              BezierPatch<>,           //
+                              BSplinePatch<>,          //
+                              SurfaceOfRevolution<>,   //
+                              Extrusion<>,             //
+                              RuledSurface<>,          //
                               Graph<>>;
 
 }  // namespace darboux

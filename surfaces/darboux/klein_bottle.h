@@ -77,11 +77,12 @@ struct KleinBottle {
     const Vec2<S> c = unit(Vec2<S>{-(two * (r * (v.sin * v.sin * v.sin / g))), norm(across)});
     const Vec2<S>&k = along, normal{k.y, -k.x};
     const S d = a.x * c.y, e = a.x * c.x;
-    return {.t = cartesian<S>(x, unit(Vec3<S>{c.x * k.x - d * normal.x, a.y * c.y, c.x * k.y - d * normal.y})),
-            .b = cartesian<S>(x, unit(Vec3<S>{c.y * k.x + e * normal.x, -(a.y * c.x), c.y * k.y + e * normal.y})),
-            .n = cartesian<S>(x, unit(Vec3<S>{a.y * normal.x, a.x, a.y * normal.y})),
-            .handedness = one,
-            .status = status};
+    return {
+        .t = cartesian<S>(x, unit(Vec3<S>{c.x * k.x - d * normal.x, a.y * c.y, c.x * k.y - d * normal.y})),
+        .b = cartesian<S>(x, unit(Vec3<S>{c.y * k.x + e * normal.x, -(a.y * c.x), c.y * k.y + e * normal.y})),
+        .n = cartesian<S>(x, unit(Vec3<S>{a.y * normal.x, a.x, a.y * normal.y})),
+        .handedness = one,
+        .status = status};
   }
 
   template <class S>

@@ -76,9 +76,10 @@ struct Pseudosphere {
     const Turn<S> x = normalised(azimuth(u)), w = normalised(profile_angle(v));
     const Vec2<S> all = unit(Vec2<S>{a, b}), along = unit(Vec2<S>{a * w.sin, b});
     const S k = side(w), c = k * (all.x * w.cos), s = k * (all.x * w.sin);
-    return {.t = cartesian<S>(x, {zero, along.x, along.y}),
-            .b = cartesian<S>(x, unit(Vec3<S>{k * (all.y * along.y) + s * along.x, -(c * along.y), c * along.x})),
-            .n = cartesian<S>(x, {c, k * all.y, -s})};
+    return {
+        .t = cartesian<S>(x, {zero, along.x, along.y}),
+        .b = cartesian<S>(x, unit(Vec3<S>{k * (all.y * along.y) + s * along.x, -(c * along.y), c * along.x})),
+        .n = cartesian<S>(x, {c, k * all.y, -s})};
   }
 
   template <class S>

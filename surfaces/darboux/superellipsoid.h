@@ -35,16 +35,17 @@ struct Superellipsoid {
       /* own_orientation */ false,
       /* frame_error */ 8};
   static constexpr auto parameters() {
-    return std::array{parameter<&Superellipsoid::semi_axis_x>("semi_axis_x", Range::positive(),
-                                                              "semi-axis along x, a length"),
-                      parameter<&Superellipsoid::semi_axis_y>("semi_axis_y", Range::positive(),
-                                                              "semi-axis along y, a length"),
-                      parameter<&Superellipsoid::semi_axis_z>("semi_axis_z", Range::positive(),
-                                                              "semi-axis along z, a length"),
-                      parameter<&Superellipsoid::exponent_v>("exponent_v", Range::positive(),
-                                                             "exponent of the meridians, a number", {0.1, 1.75}),
-                      parameter<&Superellipsoid::exponent_u>(
-                          "exponent_u", Range::positive(), "exponent of the parallels, a number", {0.1, 1.75})};
+    return std::array{
+        parameter<&Superellipsoid::semi_axis_x>("semi_axis_x", Range::positive(),
+                                                "semi-axis along x, a length"),
+        parameter<&Superellipsoid::semi_axis_y>("semi_axis_y", Range::positive(),
+                                                "semi-axis along y, a length"),
+        parameter<&Superellipsoid::semi_axis_z>("semi_axis_z", Range::positive(),
+                                                "semi-axis along z, a length"),
+        parameter<&Superellipsoid::exponent_v>("exponent_v", Range::positive(),
+                                               "exponent of the meridians, a number", {0.1, 1.75}),
+        parameter<&Superellipsoid::exponent_u>("exponent_u", Range::positive(),
+                                               "exponent of the parallels, a number", {0.1, 1.75})};
   }
 
   template <class S>

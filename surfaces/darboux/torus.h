@@ -29,7 +29,7 @@ struct Torus {
   static constexpr auto parameters() {
     return std::array{
         parameter<&Torus::major_radius>("major_radius", Range::not_negative(),
-                  "distance of the tube's centre from the axis"),
+                                        "distance of the tube's centre from the axis"),
         parameter<&Torus::minor_radius>("minor_radius", Range::positive(), "radius of the tube")};
   }
 

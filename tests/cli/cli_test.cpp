@@ -855,22 +855,26 @@ TEST_F(Cli, AFormulaGoesWhereverASurfaceIsAskedFor) {
             Json::parse(R"({"name": "formula", "file": "my.surface", "parameters": {"a": 2}})"));
   const Json sample = document["samples"][0];
   const double rho = 2 * std::cosh(0.4);
-  EXPECT_NEAR(std::hypot(sample["position"][0].get<double>(), sample["position"][1].get<double>()), rho, 1e-14);
+  EXPECT_NEAR(std::hypot(sample["position"][0].get<double>(), sample["position"][1].get<double>()), rho,
+              1e-14);
   EXPECT_NEAR(sample["mean_curvature"], 0, 1e-14);
   EXPECT_NEAR(sample["gaussian_curvature"], -4 / std::pow(rho, 4), 1e-14);
   EXPECT_EQ(sample["status"], Json::array({"regular"}));
-  EXPECT_EQ(json("darboux eval formula:file=my.surface,a=3 --at 0.3,0.5 --json")["samples"][0]["position"][2], 0);
+  EXPECT_EQ(json("darboux eval formula:file=my.surface,a=3 --at 0.3,0.5 --json")["samples"][0]["position"][2],
+            0);
 
   const Json checks = json("darboux check formula:file=my.surface,a=3 --points 50 --json");
   EXPECT_TRUE(checks["passed"].get<bool>());
   good("darboux mesh formula:file=my.surface --grid 8x4 -o neck.glb");
   EXPECT_NE(read_bytes(path("neck.glb")).find("formula:file=my.surface,a=2"), std::string::npos);
-  good("darboux converge --surfaces 'formula:file=my.surface,a=3,sphere' --methods area --meshes regular "
-       "--resolutions 8..32 -o report.html");
+  good(
+      "darboux converge --surfaces 'formula:file=my.surface,a=3,sphere' --methods area --meshes regular "
+      "--resolutions 8..32 -o report.html");
 
   // A comma belongs to the path unless a NAME= follows it.
   write_bytes(path("my,own.surface"), neck);
-  EXPECT_EQ(json("darboux eval formula:file=my,own.surface,a=3 --at 0,0 --json")["surface"]["parameters"]["a"], 3);
+  EXPECT_EQ(
+      json("darboux eval formula:file=my,own.surface,a=3 --at 0,0 --json")["surface"]["parameters"]["a"], 3);
 }
 
 TEST_F(Cli, AFormulaWithoutAValueIsNull) {
@@ -879,7 +883,8 @@ TEST_F(Cli, AFormulaWithoutAValueIsNull) {
   EXPECT_TRUE(sample["position"][2].is_null());
   EXPECT_TRUE(sample["normal"][0].is_null());
   EXPECT_EQ(sample["status"], Json::array({"no_frame", "overflow"}));
-  EXPECT_FALSE(json("darboux check formula:file=nowhere.surface --points 50 --json", 1)["passed"].get<bool>());
+  EXPECT_FALSE(
+      json("darboux check formula:file=nowhere.surface --points 50 --json", 1)["passed"].get<bool>());
   good("darboux check formula:file=nowhere.surface --points 50", 1);
 }
 
@@ -889,8 +894,9 @@ TEST_F(Cli, NetsAndProfilesComeFromFiles) {
   const Json net = json("darboux eval bezier-patch:file=net.json --at 0.5,0.5 --json");
   EXPECT_EQ(net["surface"], Json::parse(R"({"name": "bezier-patch", "file": "net.json", "parameters": {}})"));
   EXPECT_EQ(net["samples"][0]["position"], Json::parse("[0.5, 0.5, 0.25]"));
-  EXPECT_EQ(json("darboux eval surface-of-revolution:file=profile.json --at 0,1 --json")["samples"][0]["position"],
-            Json::parse("[0.75, 0.0, 1.0]"));
+  EXPECT_EQ(
+      json("darboux eval surface-of-revolution:file=profile.json --at 0,1 --json")["samples"][0]["position"],
+      Json::parse("[0.75, 0.0, 1.0]"));
   good("darboux check surface-of-revolution:file=profile.json --points 50");
   good("darboux check bezier-patch --points 50");
 }
@@ -899,7 +905,8 @@ TEST_F(Cli, RefusesBadSurfaceFilesInOneLine) {
   write_bytes(path("my.surface"), neck);
   write_bytes(path("unknown.surface"), "x = u\ny = v\nz = radius\n");
   write_bytes(path("net.json"), R"({"points": [[[0,0,0],[0,1]], [[1,0,0],[1,1,1]]]})");
-  for (const std::string command : {"darboux eval --at 0,0 ", "darboux check ", "darboux mesh --grid 2x2 -o x.glb "}) {
+  for (const std::string command :
+       {"darboux eval --at 0,0 ", "darboux check ", "darboux mesh --grid 2x2 -o x.glb "}) {
     refused(command + "formula", {"formula", "names no file", "formula:file=FILE"});
     refused(command + "formula:", {"formula", "no value"});
     refused(command + "formula:file=none", {"none: does not exist"});
@@ -909,7 +916,8 @@ TEST_F(Cli, RefusesBadSurfaceFilesInOneLine) {
     refused(command + "formula:file=my.surface,a=two", {"formula: a", "two", "number"});
     refused(command + "formula:file=my.surface,a=2,a=3", {"'a' is given twice"});
     refused(command + "formula:file=my.surface,file=my.surface", {"'file' is given twice"});
-    refused(command + "formula:file=unknown.surface", {"unknown.surface:3: unknown name 'radius'", "column 5"});
+    refused(command + "formula:file=unknown.surface",
+            {"unknown.surface:3: unknown name 'radius'", "column 5"});
     refused(command + "bezier-patch:file=net.json", {"net.json: points[0][1] has 2 coordinates"});
     refused(command + "bezier-patch:file=net.json,a=2", {"unknown parameter 'a'", "file"});
     refused(command + "bezier-patch:radius=2", {"unknown parameter 'radius'", "file"});
@@ -917,7 +925,9 @@ TEST_F(Cli, RefusesBadSurfaceFilesInOneLine) {
   }
   refused("darboux eval \"$(printf 'formula:file=a\\nb')\" --at 0,0", {"a?b: does not exist"});
   // A path that is not UTF-8 still makes valid JSON.
-  json("name=$(printf '\\377.surface'); cp my.surface \"$name\"; darboux eval \"formula:file=$name\" --at 0,0 --json");
+  json(
+      "name=$(printf '\\377.surface'); cp my.surface \"$name\"; darboux eval \"formula:file=$name\" --at 0,0 "
+      "--json");
 }
 
 }  // namespace

@@ -37,8 +37,8 @@ bool holds(const AnySurface& surface, const CheckOptions& options) {
   for (const Check& c : check_surface(surface, options))
     if (!c.passed) {
       std::cout << c.route << " of " << c.quantity << " at " << c.worst_u << ", " << c.worst_v << " of "
-                << (c.worst_surface.empty() ? surface.specification() : c.worst_surface) << ": " << c.max_error
-                << " > " << c.bound << '\n';
+                << (c.worst_surface.empty() ? surface.specification() : c.worst_surface) << ": "
+                << c.max_error << " > " << c.bound << '\n';
       return false;
     }
   return true;
@@ -69,7 +69,8 @@ std::vector<AnySurface> varied(const AnySurface& surface, int count) {
 
 int check() {
   const std::vector<std::string> quick{"dual", "implicit", "second_formula", "curvature", "periodicity"},
-      theorems{"gauss", "codazzi"}, stencils{"central4", "one_sided8"}, many{"high_precision", "high_precision_float"};
+      theorems{"gauss", "codazzi"}, stencils{"central4", "one_sided8"},
+      many{"high_precision", "high_precision_float"};
   std::vector<AnySurface> all;
   for (const AnySurface& surface : mutated_surfaces())  // most are found at once
     if (!holds(surface, {.points = 10, .seed = 4, .routes = quick})) return 1;
@@ -87,7 +88,9 @@ int check() {
   for (const AnySurface& surface : all)
     if (!holds(surface, {.points = 60, .seed = 8, .routes = stencils})) return 1;
   for (const AnySurface& surface : mutated_surfaces())
-    if (!holds(surface, {.points = 60, .seed = 9, .routes = {"central2", "central6", "central8", "ridders", "gauss_bonnet"}}))
+    if (!holds(surface, {.points = 60,
+                         .seed = 9,
+                         .routes = {"central2", "central6", "central8", "ridders", "gauss_bonnet"}}))
       return 1;
   return 0;
 }
@@ -113,7 +116,8 @@ int values() {
                      v = i % 4 >= 2 ? special[random() % special.size()] : uniform(random);
         const Sample<double> sample = s.sample(u, v);
         const Jet2<double>& j = sample.jet;
-        for (const Vec3<double>* a : {&j.position, &j.dpdu, &j.dpdv, &j.d2pdu2, &j.d2pduv, &j.d2pdv2}) write_vector(*a);
+        for (const Vec3<double>* a : {&j.position, &j.dpdu, &j.dpdv, &j.d2pdu2, &j.d2pduv, &j.d2pdv2})
+          write_vector(*a);
         for (const Vec3<double>* a : {&sample.frame.t, &sample.frame.b, &sample.frame.n}) write_vector(*a);
         write(sample.frame.handedness), write(static_cast<double>(sample.frame.status));
         Vec3<double> beside = j.position;
