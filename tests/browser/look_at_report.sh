@@ -31,7 +31,7 @@ look() {  # look ARGUMENT...: chromium on the page
 look --dump-dom >"$folder/dom.html"
 
 count() { grep -o -- "$1" "$2" | wc -l; }
-body=$(grep -o '<body[^>]*>' "$folder/dom.html" | head -n 1)
+body=$(grep -o -m 1 '<body[^>]*>' "$folder/dom.html")
 studies=$(count '"verdict"' "$folder/report.json")
 rows=$(count '<tr class="study"' "$folder/dom.html")
 echo "studies $studies, rows $rows, $body"

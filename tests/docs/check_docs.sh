@@ -131,7 +131,7 @@ check_links() {
     if [[ -z $path ]]; then path=$root/$page; else path=$(dirname "$root/$page")/$path; fi
     if [[ ! -e $path ]]; then
       complain "$page: the link $target names nothing"
-    elif [[ -n $anchor ]] && ! anchors "$path" | grep -qxF -- "$anchor"; then
+    elif [[ -n $anchor ]] && ! grep -qxF -- "$anchor" <(anchors "$path"); then
       complain "$page: the link $target names no heading"
     fi
   done < <(sed -E '/^```/,/^```/d' "$root/$page" | grep -oE '\]\([^) ]+\)' | sed -E 's/^\]\(|\)$//g')

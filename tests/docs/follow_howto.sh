@@ -12,8 +12,12 @@ header=$folder/plucker_conoid.h
 {
   printf '#pragma once\n\n#include <darboux/surface.h>\n\nnamespace darboux {\n\n'
   # From the type's comment to the line before main.
-  awk '/^```cpp$/ { block = 1; next } /^```$/ { block = 0 } block' "$howto" |
-    awk '/^\/\/\/ Pl/ { type = 1 } /^int main/ { exit } type'
+  awk '
+    /^```cpp$/ { block = 1; next }
+    /^```$/ { block = 0; type = 0 }
+    block && /^\/\/\/ Pl/ { type = 1 }
+    /^int main/ { type = 0 }
+    type' "$howto"
   printf '}  // namespace darboux\n'
 } >"$header"
 grep -q 'struct PluckerConoid' "$header" || {
