@@ -131,6 +131,18 @@ Frame<S> of_numbers(const Frame<S>& frame) {
   return none;
 }
 
+// The components of T' and T'' along a unit vector x perpendicular to T, from
+//   K'' = speed' T + speed T',   K''' = speed'' T + 2 speed' T' + speed T''
+template <class S>
+struct TangentRates {
+  S first, second;
+};
+template <class S>
+TangentRates<S> tangent_rates(const Vec3<S>& x, const CurveJet<S>& k, const S& speed, const S& speed_rate) {
+  const S first = dot(x, k.second) / speed;
+  return {first, (dot(x, k.third) - lift<S>(2.0) * speed_rate * first) / speed};
+}
+
 // t as a dual number whose derivative is with respect to itself.
 template <Coordinate kind, class S>
 Dual<S, 1> differentiated(const S& t) {
@@ -483,10 +495,10 @@ struct PlanarCurve {
     const Vec2<S> T = unit(Vec2<S>{j.first.x, j.first.y});
     const Vec3<S> along{T.x, T.y, zero}, left{-T.y, T.x, zero}, up{zero, zero, lift<S>(1.0)};
     CurveFrame<S> f{along, left, up, speed, zero, zero, zero, zero, zero, zero, zero};
-    // K'' = speed' T + speed bend N, K''' = ... + (2 speed' bend + speed bend') N
     f.speed_rate = dot(f.T, j.second);
-    f.bend = dot(f.N, j.second) / speed;
-    f.bend_rate = (dot(f.N, j.third) - lift<S>(2.0) * f.speed_rate * f.bend) / speed;
+    const auto to_n = detail::tangent_rates(f.N, j, speed, f.speed_rate);
+    f.bend = to_n.first;
+    f.bend_rate = to_n.second;
     return f;
   }
   /// (x' y'' - y' x'') / (x'² + y'²)^(3/2) [doCarmo2016, sec. 1-5]
@@ -540,7 +552,6 @@ struct UprightCurve {
   auto moving_frame(const P& t) const {
     const auto j = curve.jet(t);
     using S = std::remove_cvref_t<decltype(j.first.x)>;
-    const S two = lift<S>(2.0);
     const Vec3<S> d = unit(detail::lift_vector<S>(up));
     CurveFrame<S> f{};
     f.speed = norm(j.first);
@@ -550,14 +561,13 @@ struct UprightCurve {
     f.B = accurate_cross(f.T, f.N);
     const S along = dot(d, f.T) / norm(across);  // cotangent of the angle of T and up
     f.speed_rate = dot(f.T, j.second);
-    f.bend = dot(f.N, j.second) / f.speed;
-    f.side = dot(f.B, j.second) / f.speed;
+    const auto to_n = detail::tangent_rates(f.N, j, f.speed, f.speed_rate);
+    const auto to_b = detail::tangent_rates(f.B, j, f.speed, f.speed_rate);
+    f.bend = to_n.first;
+    f.side = to_b.first;
     f.twist = -(along * f.side);
-    // From T'' = (K''' - speed'' T - 2 speed' T') / speed.
-    const S turn_n = (dot(f.N, j.third) - two * f.speed_rate * f.bend) / f.speed;
-    const S turn_b = (dot(f.B, j.third) - two * f.speed_rate * f.side) / f.speed;
-    f.bend_rate = turn_n + f.twist * f.side;
-    f.side_rate = turn_b - f.twist * f.bend;
+    f.bend_rate = to_n.second + f.twist * f.side;
+    f.side_rate = to_b.second - f.twist * f.bend;
     f.twist_rate = -(along * f.side_rate) - (lift<S>(1.0) + along * along) * (f.bend * f.side);
     return f;
   }
@@ -609,15 +619,16 @@ struct RotationMinimisingCurve {
     const CurveJet<S> j = curve.jet(t);
     const CurveFrame<S> g = upright().moving_frame(t);
     const Turn<S> phi = sincos_turns(S(turning(t, panels) / two_pi<S>()));
-    const S two = lift<S>(2.0), zero = lift<S>(0.0);
     CurveFrame<S> f = g;
     f.N = phi.cos * g.N + phi.sin * g.B;
     f.B = phi.cos * g.B - phi.sin * g.N;
-    f.bend = dot(f.N, j.second) / f.speed;
-    f.side = dot(f.B, j.second) / f.speed;
-    f.bend_rate = (dot(f.N, j.third) - two * f.speed_rate * f.bend) / f.speed;
-    f.side_rate = (dot(f.B, j.third) - two * f.speed_rate * f.side) / f.speed;
-    f.twist = f.twist_rate = zero;
+    const auto to_n = detail::tangent_rates(f.N, j, f.speed, f.speed_rate);
+    const auto to_b = detail::tangent_rates(f.B, j, f.speed, f.speed_rate);
+    f.bend = to_n.first;
+    f.side = to_b.first;
+    f.bend_rate = to_n.second;
+    f.side_rate = to_b.second;
+    f.twist = f.twist_rate = lift<S>(0.0);
     return f;
   }
   /// An estimate of the error of φ in radians: the largest difference to the integral with half as many panels, at 16
