@@ -172,20 +172,63 @@ Jet2<S> jet_of(const Vec3<S>& anchor, const std::array<Homogeneous<S>, 6>& f) {
           (hvv.a - (two * hv.w) * pv - hvv.w * p) / h.w};
 }
 
-// The partials of a (rational) tensor product patch from its window of the control net. The net is shifted by the
-// window's corner nearest to (u, v): what is far from the origin loses nothing, a corner is met exactly, and along a
-// collapsed edge the partial is exactly zero, whatever the weights.
-template <class S, class SpanU, class SpanV, class PointAt, class WeightAt>
-Jet2<S> patch_jet(int degree_u, int degree_v, const SpanU& u, const SpanV& v, bool rational, bool upper_u,
-                  bool upper_v, PointAt&& point, WeightAt&& weight) {
-  const Vec3<S> anchor = point(upper_u ? degree_u : 0, upper_v ? degree_v : 0);
-  if (!rational)
-    return jet_of(anchor, tensor_partials<Vec3<S>>(degree_u, degree_v, u, v,
-                                                   [&](int i, int j) { return point(i, j) - anchor; }));
-  return jet_of(anchor, tensor_partials<Homogeneous<S>>(degree_u, degree_v, u, v, [&](int i, int j) {
-                  const S w = weight(i, j);
-                  return Homogeneous<S>{w * (point(i, j) - anchor), w};
+// The part of a patch's control net that counts at a place, over the scalar of the place: its point (i, j), i up to
+// degree_u and j up to degree_v, is the net's at first + i row + j.
+template <class S, class T>
+struct NetWindow {
+  const std::vector<Vec3<T>>& points;
+  const std::vector<T>& weights;  // empty: all 1
+  int degree_u, degree_v;
+  std::size_t first, row;
+
+  std::size_t index(int i, int j) const { return first + static_cast<std::size_t>(i) * row + j; }
+  Vec3<S> point(int i, int j) const { return lift_vector<S>(points[index(i, j)]); }
+  S weight(int i, int j) const { return lift<S>(weights[index(i, j)]); }
+  bool rational() const { return !weights.empty(); }
+};
+
+// The partials of a (rational) tensor product patch. The net is shifted by the window's corner nearest to (u, v): what is
+// far from the origin loses nothing, a corner is met exactly, and along a collapsed edge the partial is exactly zero,
+// whatever the weights.
+template <class S, class T, class SpanU, class SpanV>
+Jet2<S> patch_jet(const NetWindow<S, T>& net, const SpanU& u, const SpanV& v, bool upper_u, bool upper_v) {
+  const int p = net.degree_u, q = net.degree_v;
+  const Vec3<S> anchor = net.point(upper_u ? p : 0, upper_v ? q : 0);
+  if (!net.rational())
+    return jet_of(
+        anchor, tensor_partials<Vec3<S>>(p, q, u, v, [&](int i, int j) { return net.point(i, j) - anchor; }));
+  return jet_of(anchor, tensor_partials<Homogeneous<S>>(p, q, u, v, [&](int i, int j) {
+                  const S w = net.weight(i, j);
+                  return Homogeneous<S>{w * (net.point(i, j) - anchor), w};
                 }));
+}
+
+// The position by its definition, Σ a_i b_j w_ij P_ij / Σ a_i b_j w_ij, from the values a and b of the basis functions.
+template <class S, class T, class Basis>
+Vec3<S> patch_position(const NetWindow<S, T>& net, const Basis& a, const Basis& b) {
+  const S zero = lift<S>(0.0);
+  Vec3<S> sum{zero, zero, zero};
+  S total = zero;
+  for (int i = 0; i <= net.degree_u; ++i)
+    for (int j = 0; j <= net.degree_v; ++j) {
+      const S w = net.rational() ? a[i] * b[j] * net.weight(i, j) : a[i] * b[j];
+      sum += w * net.point(i, j);
+      total = total + w;
+    }
+  return sum / total;
+}
+
+// dpdu_zero and dpdv_zero of a patch where (u, v) lies on a collapsed edge: the partial is exactly zero there, where the
+// control points that count are one point.
+template <class Patch, class S>
+Status collapsed_edges(const Patch& patch, const S& u, const S& v) {
+  const S zero = lift<S>(0.0), one = lift<S>(1.0);
+  Status result = Status::regular;
+  if (!equal(u, zero) && !equal(u, one) && !equal(v, zero) && !equal(v, one)) return result;
+  const Jet2<S> j = patch.jet(u, v);
+  if (vanishes(j.dpdu)) result |= Status::dpdu_zero;
+  if (vanishes(j.dpdv)) result |= Status::dpdv_zero;
+  return result;
 }
 
 // Weights count up to a common factor: their largest is brought near 1 by a power of two; none where all are equal.

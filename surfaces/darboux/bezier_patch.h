@@ -59,39 +59,19 @@ class BezierPatch {
   template <class S>
   Jet2<S> jet(const S& u, const S& v) const {
     const S half = lift<S>(0.5);
-    return detail::patch_jet<S>(
-        degree_u_, degree_v_, detail::BezierSpan<S>(u), detail::BezierSpan<S>(v), !weights_.empty(), half < u,
-        half < v, [&](int i, int j) { return detail::lift_vector<S>(control_points_[index(i, j)]); },
-        [&](int i, int j) { return lift<S>(weights_[index(i, j)]); });
+    return detail::patch_jet(net<S>(), detail::BezierSpan<S>(u), detail::BezierSpan<S>(v), half < u,
+                             half < v);
   }
 
   template <class S>
   Status singular(const S& u, const S& v) const {
-    const S zero = lift<S>(0.0), one = lift<S>(1.0);
-    Status result = Status::regular;
-    const bool on_edge =
-        detail::equal(u, zero) || detail::equal(u, one) || detail::equal(v, zero) || detail::equal(v, one);
-    if (!on_edge) return result;
-    const Jet2<S> j = jet(u, v);  // exactly zero where the control points that count are one point
-    if (detail::vanishes(j.dpdu)) result |= Status::dpdu_zero;
-    if (detail::vanishes(j.dpdv)) result |= Status::dpdv_zero;
-    return result;
+    return detail::collapsed_edges(*this, u, v);
   }
 
   /// The sums over Bernstein polynomials themselves.
   template <class S>
   Vec3<S> position_again(const S& u, const S& v) const {
-    const auto a = bernstein(degree_u_, u), b = bernstein(degree_v_, v);
-    const S zero = lift<S>(0.0);
-    Vec3<S> sum{zero, zero, zero};
-    S total = zero;
-    for (int i = 0; i <= degree_u_; ++i)
-      for (int j = 0; j <= degree_v_; ++j) {
-        const S w = weights_.empty() ? a[i] * b[j] : a[i] * b[j] * lift<S>(weights_[index(i, j)]);
-        sum += w * detail::lift_vector<S>(control_points_[index(i, j)]);
-        total = total + w;
-      }
-    return sum / total;
+    return detail::patch_position(net<S>(), bernstein(degree_u_, u), bernstein(degree_v_, v));
   }
 
   /// The same patch over another scalar.
@@ -109,7 +89,10 @@ class BezierPatch {
   template <class>
   friend class BezierPatch;
 
-  std::size_t index(int i, int j) const { return static_cast<std::size_t>(i) * (degree_v_ + 1) + j; }
+  template <class S>
+  detail::NetWindow<S, T> net() const {
+    return {control_points_, weights_, degree_u_, degree_v_, 0, static_cast<std::size_t>(degree_v_) + 1};
+  }
 
   static std::vector<Vec3<T>> example_points() {
     constexpr double height[4][4] = {

@@ -80,43 +80,20 @@ class BSplinePatch {
   Jet2<S> jet(const S& u, const S& v) const {
     const auto su = u_.span(u);
     const auto sv = v_.span(v);
-    return detail::patch_jet<S>(
-        u_.degree(), v_.degree(), su, sv, !weights_.empty(), u_.upper(su), v_.upper(sv),
-        [&](int i, int j) {
-          return detail::lift_vector<S>(control_points_[index(su.first + i, sv.first + j)]);
-        },
-        [&](int i, int j) { return lift<S>(weights_[index(su.first + i, sv.first + j)]); });
+    return detail::patch_jet(net<S>(su.first, sv.first), su, sv, u_.upper(su), v_.upper(sv));
   }
 
   template <class S>
   Status singular(const S& u, const S& v) const {
-    const S zero = lift<S>(0.0), one = lift<S>(1.0);
-    Status result = u_.singular(u) | v_.singular(v);
-    const bool on_edge =
-        detail::equal(u, zero) || detail::equal(u, one) || detail::equal(v, zero) || detail::equal(v, one);
-    if (!on_edge) return result;
-    const Jet2<S> j = jet(u, v);  // exactly zero where the control points that count are one point
-    if (detail::vanishes(j.dpdu)) result |= Status::dpdu_zero;
-    if (detail::vanishes(j.dpdv)) result |= Status::dpdv_zero;
-    return result;
+    return u_.singular(u) | v_.singular(v) | detail::collapsed_edges(*this, u, v);
   }
 
   /// The sum over the basis functions of Cox and de Boor.
   template <class S>
   Vec3<S> position_again(const S& u, const S& v) const {
-    int i0 = 0, j0 = 0;
-    const auto a = u_.basis(u, i0), b = v_.basis(v, j0);
-    const S zero = lift<S>(0.0);
-    Vec3<S> sum{zero, zero, zero};
-    S total = zero;
-    for (int i = 0; i <= u_.degree(); ++i)
-      for (int j = 0; j <= v_.degree(); ++j) {
-        const std::size_t k = index(i0 + i, j0 + j);
-        const S w = weights_.empty() ? a[i] * b[j] : a[i] * b[j] * lift<S>(weights_[k]);
-        sum += w * detail::lift_vector<S>(control_points_[k]);
-        total = total + w;
-      }
-    return sum / total;
+    int i = 0, j = 0;
+    const auto a = u_.basis(u, i), b = v_.basis(v, j);
+    return detail::patch_position(net<S>(i, j), a, b);
   }
 
   /// The same patch over another scalar.
@@ -134,7 +111,12 @@ class BSplinePatch {
   template <class>
   friend class BSplinePatch;
 
-  std::size_t index(int i, int j) const { return static_cast<std::size_t>(i) * v_.count() + j; }
+  // The window of the net from point (i, j) on.
+  template <class S>
+  detail::NetWindow<S, T> net(int i, int j) const {
+    const auto row = static_cast<std::size_t>(v_.count());
+    return {control_points_, weights_, u_.degree(), v_.degree(), static_cast<std::size_t>(i) * row + j, row};
+  }
 
   static std::vector<Vec3<T>> example_points() {
     constexpr double height[4][3] = {{0, 0.5, -0.25}, {0.25, 1, 0.25}, {-0.25, 0.5, 0.75}, {0, -0.5, 0.25}};
