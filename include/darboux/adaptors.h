@@ -46,6 +46,17 @@ struct AdaptedName {
   static constexpr std::string_view value{characters.data(), characters.size()};
 };
 
+// What an adaptor says of itself that moves the points and keeps the coordinates.
+// \param added roundings by which its frame errs more than the base's
+template <Literal prefix, class X>
+constexpr SurfaceInfo moved_info(double added) {
+  SurfaceInfo info = X::info;
+  info.name = AdaptedName<prefix, X>::value;
+  info.own_orientation = true;
+  info.frame_error += added;
+  return info;
+}
+
 // The k-th variable at a prepared coordinate, over the dual numbers D = Dual<S, 2>.
 template <class D, class S>
 D as_variable(const S& x, int k, Coordinate) {
@@ -164,9 +175,7 @@ struct Reparametrised {
                                     .frame_error = X::info.frame_error + 8};
 
   std::string refusal() const {
-    T largest = 0;
-    for (const T& x : M) largest = std::fmax(largest, std::fabs(x));
-    const T determinant = M[0] / largest * (M[3] / largest) - M[1] / largest * (M[2] / largest);
+    const T determinant = scaled_determinant();
     // An infinite or NaN entry makes the determinant NaN.
     if (!(determinant > 0 || determinant < 0))
       return "the map of (u, v) is singular, permitted are invertible ones";
@@ -290,6 +299,7 @@ struct Reparametrised {
   }
 
  private:
+  // det M with the largest entry scaled to 1, so that no product overflows.
   T scaled_determinant() const {
     T largest = 0;
     for (const T& x : M) largest = std::fmax(largest, std::fabs(x));
@@ -352,15 +362,7 @@ struct Placed {
   std::array<T, 9> A{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row by row
   Vec3<T> translation{};
 
-  static constexpr SurfaceInfo info{.name = detail::AdaptedName<"placed ", X>::value,
-                                    .summary = X::info.summary,
-                                    .u = X::info.u,
-                                    .v = X::info.v,
-                                    .singular = X::info.singular,
-                                    .orientable = X::info.orientable,
-                                    .euler_characteristic = X::info.euler_characteristic,
-                                    .own_orientation = true,
-                                    .frame_error = X::info.frame_error + 12};
+  static constexpr SurfaceInfo info = detail::moved_info<"placed ", X>(12);
 
   std::string refusal() const {
     Eigen::Matrix<T, 3, 3> m;
@@ -454,15 +456,7 @@ struct Offset {
   X base;
   T distance{0};
 
-  static constexpr SurfaceInfo info{.name = detail::AdaptedName<"offset ", X>::value,
-                                    .summary = X::info.summary,
-                                    .u = X::info.u,
-                                    .v = X::info.v,
-                                    .singular = X::info.singular,
-                                    .orientable = X::info.orientable,
-                                    .euler_characteristic = X::info.euler_characteristic,
-                                    .own_orientation = true,
-                                    .frame_error = X::info.frame_error + 12};
+  static constexpr SurfaceInfo info = detail::moved_info<"offset ", X>(12);
 
   std::string refusal() const {
     if (!std::isfinite(distance)) return "the distance is not finite, permitted are numbers";
