@@ -564,5 +564,18 @@ TEST(SelfIntersection, EnneperFromTheSquareRootOfThreeOn) {
   EXPECT_EQ(frame(large, 0.5, 0.5).status, regular);
 }
 
+// ---- the distance where its gradient is not one ----------------------------------------------------------------------
+
+TEST(Implicit, IsMinusTheLeastSemiAxisAtTheCentre) {
+  for (const Vec& a : {Vec{1, 2, 3}, Vec{2, 1, 3}, Vec{3, 2, 1}, Vec{1, 3, 2}, Vec{2, 3, 1}, Vec{3, 1, 2}}) {
+    EXPECT_EQ((Ellipsoid<>{a.x, a.y, a.z}.implicit(Vec{0, 0, 0})), -1);
+    EXPECT_EQ((Superellipsoid<>{a.x, a.y, a.z, 0.5, 0.7}.implicit(Vec{0, 0, 0})), -1);
+  }
+}
+
+TEST(Implicit, VanishesOnTheDoubleCircleOfAKleinBottle) {
+  EXPECT_EQ((KleinBottle<>{2, 0.5}.implicit(Vec{2, 0, 0})), 0);
+}
+
 }  // namespace
 }  // namespace darboux::test

@@ -73,6 +73,9 @@ class AnySurface {
   std::vector<std::string_view> facts() const { return held_->facts(); }
   /// Their values, absent where the type does not state the fact.
   std::optional<double> implicit(const Vec3<double>& p) const { return held_->implicit(p); }
+  std::optional<Vec3<double>> implicit_gradient(const Vec3<double>& p) const {
+    return held_->implicit_gradient(p);
+  }
   std::optional<double> gaussian_curvature(double u, double v) const {
     return held_->gaussian_curvature(u, v);
   }
@@ -123,6 +126,7 @@ class AnySurface {
     virtual std::vector<double> breaks(int along) const = 0;
     virtual std::vector<std::string_view> facts() const = 0;
     virtual std::optional<double> implicit(const Vec3<double>& p) const = 0;
+    virtual std::optional<Vec3<double>> implicit_gradient(const Vec3<double>& p) const = 0;
     virtual std::optional<double> gaussian_curvature(double u, double v) const = 0;
     virtual std::optional<double> mean_curvature(double u, double v) const = 0;
     virtual std::optional<Vec3<double>> position_again(double u, double v) const = 0;
@@ -180,6 +184,14 @@ class AnySurface {
     }
     std::optional<double> implicit([[maybe_unused]] const Vec3<double>& p) const override {
       if constexpr (StatesImplicit<X>) return surface.implicit(p);
+      return std::nullopt;
+    }
+    std::optional<Vec3<double>> implicit_gradient([[maybe_unused]] const Vec3<double>& p) const override {
+      if constexpr (StatesImplicit<X>) {
+        using D = Dual<double, 3>;
+        const D d = surface.implicit(Vec3<D>{D::variable(p.x, 0), D::variable(p.y, 1), D::variable(p.z, 2)});
+        return Vec3<double>{d.derivative[0], d.derivative[1], d.derivative[2]};
+      }
       return std::nullopt;
     }
     std::optional<double> gaussian_curvature([[maybe_unused]] double u,

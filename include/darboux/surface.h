@@ -180,7 +180,8 @@ using Prepared = decltype(prepare<kind>(std::declval<S>()));
 ///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
 ///   Status singular(u, v)                 the bits of Status that hold at this point
 /// and independent facts, at least one, each from another source than jet():
-///   S implicit(Vec3<S>)                   zero on the surface, a length near it
+///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, its gradient n there
+///                                         (n or -n where the surface has one side)
 ///   S gaussian_curvature(u, v)            K in closed form
 ///   S mean_curvature(u, v)                H in closed form, for the n of the frame
 ///   Vec3<S> position_again(u, v)          the position by another formula

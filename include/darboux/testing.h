@@ -9,8 +9,10 @@
 ///   central2 ... 8  central differences of that order, judged by their own error estimate
 ///   one_sided8      one-sided differences of order 8 at the edges of non-periodic coordinates
 ///   ridders         Ridders' extrapolation
-///   high_precision  the same formula in 40 digits; the frame by the cross product of its partials
-///   implicit, curvature, second_formula     the independent facts the surface states
+///   high_precision  the same formula in 40 digits; the frame by the cross product of its partials, the status by which of
+///                   them vanish or are parallel
+///   implicit, curvature, second_formula     the independent facts the surface states; the normal is the gradient of
+///                   implicit()
 ///   gauss           K from the derivatives of E, F, G alone (Gauss's theorem) against K from the second form
 ///   codazzi         the Mainardi-Codazzi equations, which a second form must satisfy
 ///   gauss_bonnet    ∫ K dA = 2π χ over a closed surface

@@ -121,10 +121,11 @@ struct Graph {
     return frame;
   }
 
-  /// z - f(x, y)
+  /// (z - f(x, y)) / sqrt(1 + f_x² + f_y²)
   template <class S>
   S implicit(const Vec3<S>& p) const {
-    return p.z - f(p.x, p.y);
+    const FunctionJet<S> g = function_jet(p.x, p.y);
+    return (p.z - f(p.x, p.y)) / norm(Vec3<S>{g.fx, g.fy, lift<S>(1.0)});
   }
   /// K = (f_xx f_yy - f_xy²)/(1 + f_x² + f_y²)² [doCarmo2016, sec. 3-3]
   template <class S>

@@ -60,14 +60,14 @@ struct Helicoid {
     return lift<S>(pitch) == zero && axis_distance(v) == zero ? Status::dpdu_zero : Status::regular;
   }
 
-  /// The distance from the surface to first order, (x sin θ - y cos θ) p / sqrt(x² + y² + p²) with θ = z/p; z for p =
-  /// 0. That the surface goes on beyond its edges does not matter here.
+  /// (y cos θ - x sin θ) p / sqrt(x² + y² + p²) with θ = z/p; for p = 0 the height. That the surface goes on beyond its
+  /// edges does not matter here.
   template <class S>
   S implicit(const Vec3<S>& q) const {
     const S p = lift<S>(pitch);
     if (p == lift<S>(0.0)) return q.z;
     const Turn<S> theta = sincos_turns<S>(q.z / p / two_pi<S>());
-    return (q.x * theta.sin - q.y * theta.cos) * (p / norm(Vec3<S>{q.x, q.y, p}));
+    return (q.y * theta.cos - q.x * theta.sin) * (p / norm(Vec3<S>{q.x, q.y, p}));
   }
 
   /// K = -p²/(s² + p²)²

@@ -93,18 +93,19 @@ struct KleinBottle {
     return result;
   }
 
-  /// Gerono's equation r² b² = 4 a² (r² - a²) of the figure 8, in which (a, b) is the point in the half-plane of the axis
-  /// turned back by half its azimuth; near the surface the distance times a factor that vanishes on the double circle
-  /// and is at most 1. Where the figures cross the axis (R < 1.25 r) also for those of the other side, whichever is nearer.
+  /// f / |grad f| with f = b² - 4 a² (1 - a²), Gerono's equation of the figure 8, in which r (a, b) is the point in the
+  /// half-plane of the axis turned back by half its azimuth; 0 on the double circle, where the gradient is too. Where the
+  /// figures cross the axis (R < 1.25 r) also for those of the other side, whichever is nearer.
   template <class S>
   S implicit(const Vec3<S>& p) const {
     using std::abs;
     const S zero = lift<S>(0.0), R = lift<S>(radius), r = lift<S>(tube_radius), d = norm(Vec2<S>{p.x, p.y});
     const Vec2<S> half = unit(p.x < zero ? Vec2<S>{p.y, d - p.x} : Vec2<S>{d + p.x, p.y});
     const Vec2<S> outer{(d - R) / r, p.z / r}, inner{-((d + R) / r), p.z / r};
-    const S near = r * gerono<S>({half.x * outer.x + half.y * outer.y, half.x * outer.y - half.y * outer.x});
+    const S near =
+        r * gerono<S>({half.x * outer.x + half.y * outer.y, half.x * outer.y - half.y * outer.x}, d / r);
     const S far =
-        r * gerono<S>({half.x * inner.y - half.y * inner.x, -(half.x * inner.x + half.y * inner.y)});
+        r * gerono<S>({half.x * inner.y - half.y * inner.x, -(half.x * inner.x + half.y * inner.y)}, d / r);
     return lift<S>(4.0) * R < lift<S>(5.0) * r && abs(far) < abs(near) ? far : near;
   }
 
@@ -182,13 +183,18 @@ struct KleinBottle {
   static constexpr Vec3<S> cartesian(const Turn<S>& x, const Vec3<S>& a) {
     return {a.x * x.cos - a.y * x.sin, a.x * x.sin + a.y * x.cos, a.z};
   }
-  // (b² - 4a² (1 - a²)) / (1 + |a| + |b|)³, which grows like a length
+  // f / |grad f| at (a, b), at the distance d from the axis, all over r. Divided by the size of (1, a, b) to the fourth, the
+  // third power: far away nothing overflows.
   template <class S>
-  static S gerono(const Vec2<S>& q) {
+  static S gerono(const Vec2<S>& q, const S& d) {
     using std::abs;
-    const S one = lift<S>(1.0), four = lift<S>(4.0), size = one + S(abs(q.x)) + S(abs(q.y));
-    const S a = q.x / size, b = q.y / size, i = one / size;
-    return size * (i * i * (b * b - four * a * a) + four * (a * a) * (a * a));
+    const S zero = lift<S>(0.0), one = lift<S>(1.0), two = lift<S>(2.0), four = lift<S>(4.0);
+    const S size = one + S(abs(q.x)) + S(abs(q.y)), a = q.x / size, b = q.y / size, i = one / size;
+    const S f = i * i * (b * b - four * a * a) + four * (a * a) * (a * a);
+    const S fa = four * (four * (a * a) * a - two * (i * i * a)), fb = two * (i * i * b);
+    // The figure turns back by half the azimuth.
+    const S gradient = norm(Vec3<S>{fa, fb, (fa * q.y - fb * q.x) / (two * d)});
+    return gradient == zero ? zero : S(size * (f / gradient));
   }
 };
 KleinBottle(double, double)->KleinBottle<double>;

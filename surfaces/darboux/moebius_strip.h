@@ -69,18 +69,21 @@ struct MoebiusStrip {
     return meet ? Status::self_intersecting : Status::regular;
   }
 
-  /// The distance from the ruling in the half-plane of the axis through the point, z cos(x/2) - (d - R) sin(x/2), with
+  /// The distance f from the ruling in the half-plane of the axis through the point, z cos(x/2) - (d - R) sin(x/2), with
   /// d = sqrt(x² + y²) and x the azimuth: the factor that vanishes of the cubic -R² y + x² y + y³ - 2 R x z - 2 x² z -
-  /// 2 y² z + y z². For a strip that crosses the axis (width > 2 R) the distance from the ruling that comes from the
-  /// other side, z sin(x/2) - (d + R) cos(x/2), where that is nearer.
+  /// 2 y² z + y z²; over sqrt(1 + f'²/d²), f' its derivative with respect to the azimuth. For a strip that crosses the axis
+  /// (width > 2 R) f may be the distance from the ruling that comes from the other side, z sin(x/2) - (d + R) cos(x/2),
+  /// whichever is less.
   template <class S>
   S implicit(const Vec3<S>& p) const {
     using std::abs;
-    const S zero = lift<S>(0.0), R = lift<S>(radius), d = norm(Vec2<S>{p.x, p.y});
+    const S zero = lift<S>(0.0), two = lift<S>(2.0), R = lift<S>(radius), d = norm(Vec2<S>{p.x, p.y});
     // (cos, sin) of half the azimuth, up to a common sign
     const Vec2<S> half = unit(p.x < zero ? Vec2<S>{p.y, d - p.x} : Vec2<S>{d + p.x, p.y});
     const S near = p.z * half.x - (d - R) * half.y, far = p.z * half.y - (d + R) * half.x;
-    return lift<S>(2.0) * R < lift<S>(width) && abs(far) < abs(near) ? far : near;
+    const bool other = two * R < lift<S>(width) && abs(far) < abs(near);
+    const S turned = other ? p.z * half.x + (d + R) * half.y : p.z * half.y + (d - R) * half.x;  // 2 |f'|
+    return (other ? far : near) / norm(Vec2<S>{lift<S>(1.0), turned / (two * d)});
   }
 
   /// K = -R²/(4 q⁴)

@@ -44,11 +44,12 @@ struct MonkeySaddle {
             .n = {-(a.x * c.y), -c.x, a.y * c.y}};
   }
 
-  /// z - h x (x² - 3y²), the height above the surface.
+  /// (z - h x (x² - 3y²)) / sqrt(1 + 9 h² (x² + y²)²), the height above the surface over the length of its gradient.
   template <class S>
   S implicit(const Vec3<S>& p) const {
     const S h = lift<S>(height);
-    return p.z - h * (p.x * (p.x * p.x - lift<S>(3.0) * (p.y * p.y)));
+    const S three = lift<S>(3.0), one = lift<S>(1.0), xx = p.x * p.x, yy = p.y * p.y;
+    return (p.z - h * (p.x * (xx - three * yy))) / norm(Vec2<S>{one, three * (h * (xx + yy))});
   }
 
   /// K = -36 h² r² / (1 + 9 h² r⁴)², r² = s² + t²

@@ -58,9 +58,9 @@ struct Superellipsoid {
     return {.position = {a * (rho.value * x.value), b * (rho.value * y.value), -(c * z.value)},
             .dpdu = {product(a, rho.value, x.first), product(b, rho.value, y.first), zero},
             .dpdv = {product(a, x.value, rho.first), product(b, y.value, rho.first), -(c * z.first)},
-            .d2pdu2 = {product(a, rho.value, x.second), product(b, rho.value, y.second), zero},
+            .d2pdu2 = {a * second_times(rho, x), b * second_times(rho, y), zero},
             .d2pduv = {a * (rho.first * x.first), b * (rho.first * y.first), zero},
-            .d2pdv2 = {product(a, x.value, rho.second), product(b, y.value, rho.second), -(c * z.second)}};
+            .d2pdv2 = {a * second_times(x, rho), b * second_times(y, rho), -(c * z.second)}};
   }
 
   template <class S>
@@ -94,13 +94,24 @@ struct Superellipsoid {
     return result;
   }
 
-  /// l (G(p) - 1), l = sqrt(a² + b² + c²), where p / G(p) is the point of the surface in the direction of p:
+  /// (G(p) - 1) / |grad G|, where p / G(p) is the point of the surface in the direction of p; at the centre minus the
+  /// least semi-axis:
   ///   G = ((|x/a|^(2/e2) + |y/b|^(2/e2))^(e2/e1) + |z/c|^(2/e1))^(e1/2)
   template <class S>
   S implicit(const Vec3<S>& p) const {
     const S a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), c = lift<S>(semi_axis_z), one = lift<S>(1.0);
-    const S round = gauge<S>(p.x / a, p.y / b, exponent_u);
-    return norm(Vec3<S>{a, b, c}) * (gauge<S>(round, p.z / c, exponent_v) - one);
+    const Vec3<S> q{p.x / a, p.y / b, p.z / c};
+    const S round = gauge<S>(q.x, q.y, exponent_u), G = gauge<S>(round, q.z, exponent_v);
+    if (is_zero(G)) return -(a < b ? (a < c ? a : c) : (b < c ? b : c));
+    // ∂g/∂x of g = gauge(x, y; e)
+    const auto slope = [](const S& x, const S& g, const T& e) {
+      using std::abs;
+      return is_zero(g) ? g : sign(x) * power(S(abs(x) / g), T(T(2) / e - T(1)));
+    };
+    const S radial = slope(round, G, exponent_v);
+    return (G - one) /
+           norm(Vec3<S>{radial * slope(q.x, round, exponent_u) / a,
+                        radial * slope(q.y, round, exponent_u) / b, slope(q.z, G, exponent_v) / c});
   }
 
  private:
@@ -111,6 +122,11 @@ struct Superellipsoid {
   template <class S>
   static bool is_zero(const S& x) {
     return !(x < lift<S>(0.0)) && !(lift<S>(0.0) < x);
+  }
+  template <class S>
+  static S abs_of(const S& x) {
+    using std::abs;
+    return abs(x);
   }
   // x^e, x >= 0
   template <class S>
@@ -129,9 +145,11 @@ struct Superellipsoid {
   template <class S>
   struct Power {
     S value, first, second;
-    Power(const S& g, const S& h, const S& omega, const T& e) {
-      using std::abs;
-      const S size = abs(g), k = lift<S>(e), side = sign(g);
+    S size, side, h, omega;
+    T e;
+    Power(const S& g, const S& h_, const S& omega_, const T& e_)
+        : size(abs_of(g)), side(sign(g)), h(h_), omega(omega_), e(e_) {
+      const S k = lift<S>(e);
       value = side * power(size, e);
       first = omega * (k * power(size, T(e - T(1))) * h);
       second = -(omega * (omega * (k * value)));
@@ -140,6 +158,18 @@ struct Superellipsoid {
             second + omega * (omega * (k * (k - lift<S>(1.0)) * (side * power(size, T(e - T(2)))) * h * h));
     }
   };
+  // p f''. Where either leaves the range and the product does not, f'' is as good as its larger term, and that the square
+  // of the root of p times the root of the power.
+  template <class S>
+  static S second_times(const Power<S>& p, const Power<S>& f) {
+    const S zero = lift<S>(0.0), k = lift<S>(f.e), product = times(p.value, f.second);
+    const bool underflow = is_zero(p.value) && !is_zero(p.size);
+    if (!underflow && product - product == zero) return product;
+    const S root = power(p.size, T(p.e / T(2))) * power(f.size, T((f.e - T(2)) / T(2)));
+    const S in_roots =
+        f.omega * (f.omega * (k * (k - lift<S>(1.0)) * (p.side * f.side * (root * root)) * f.h * f.h));
+    return in_roots - in_roots == zero ? in_roots : product;
+  }
 
   // What t and n are made of: |p|^((2 - e)/2), |q|^((2 - e)/2) for a cosine and sine p, q. For e > 2 these are both
   // infinite somewhere, so first and second are those over what they have in common, 1/common.

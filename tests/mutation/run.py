@@ -3,7 +3,8 @@
 
 Each sign, operator, factor, constant and index of every function that computes (jet, frame, singular, the facts, their
 helpers) is changed, one at a time; a tiny program of that one surface is compiled and the laws of testing.h are run on
-it. A mutant is killed when a law fails, or it crashes or hangs. One that does not compile is not counted.
+it; where all hold, the tests of what no law can see (TESTS below) are compiled with the changed header. A mutant is
+killed when a law or test fails, or it crashes or hangs. One that does not compile is not counted.
 
     tests/mutation/run.py --count                     how many mutants there are
     tests/mutation/run.py --surfaces torus,sphere     all mutants of two surfaces
@@ -11,7 +12,7 @@ it. A mutant is killed when a law fails, or it crashes or hangs. One that does n
     tests/mutation/run.py --report docs/reports/mutation.md
 
 Results are kept in --results; a run that was interrupted goes on where it stopped, and a mutant whose header has not
-changed is not run again (--fresh forgets them). Needs a C++20 compiler, nothing else. Not part of CI.
+changed is not run again (--fresh forgets them). Needs a C++20 compiler and GoogleTest. Not part of CI.
 """
 
 import argparse
@@ -37,6 +38,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 HEADERS = ROOT / "surfaces" / "darboux"
+
+# What the catalogue's tests ask beyond the laws: the status at declared points, the limits from either side, creases.
+TESTS = ["singular_points_test", "spline_test"]
 
 # Functions that compute nothing a law could look at: texts, accessors, the default data of splines, conversions.
 NOT_FORMULAS = {"parameters", "refusal", "rebind", "example_points", "example_weights", "example_knots",
@@ -276,10 +280,10 @@ class Workshop:
         self.mutant_flags = ["-O0", "-fpch-instantiate-templates"] if clang else ["-O1"]
         (self.folder / "shared.h").write_text(PRECOMPILED)
         self.objects = []
-        for source in (HERE / "check_mutant.cpp", ROOT / "src/testing.cpp", ROOT / "src/many_digits.cpp",
-                       ROOT / "src/surface.cpp"):
+        for source in (HERE / "check_mutant.cpp", ROOT / "src/testing.cpp", *sorted((ROOT / "src/laws").glob("*.cpp")),
+                       ROOT / "src/many_digits.cpp", ROOT / "src/surface.cpp"):
             tell(f"compiling {source.name}")
-            target = self.folder / (source.stem + ".o")
+            target = self.folder / f"{len(self.objects)}.o"
             self.run([self.compiler, *self.flags, "-O2", "-c", str(source), "-o", str(target)], must=True)
             self.objects.append(str(target))
         precompiled = self.folder / ("shared.h.pch" if clang else "shared.h.gch")
@@ -318,12 +322,31 @@ class Workshop:
             except subprocess.TimeoutExpired:
                 return "killed", "hangs"
             if done.returncode == 0:
-                return "survived", ""
+                return self.test(header, text, name)
             if done.returncode == 1:
                 return "killed", done.stdout.strip()
             return "killed", f"crashes ({done.returncode})"
         finally:
             shutil.rmtree(self.folder / name, ignore_errors=True)
+
+    def test(self, header, text, name):
+        """The same of the tests beside the laws."""
+        for test in TESTS:
+            folder = self.folder / name
+            program = folder / test
+            built = self.run([self.compiler, *self.flags, "-O0", f"-I{folder}", f"-I{HEADERS.parent}", f"-I{ROOT}/tests",
+                              str(ROOT / "tests" / f"{test}.cpp"), *self.objects[1:], "-lgtest", "-lgtest_main",
+                              "-lpthread", "-o", str(program)])
+            if built.returncode:
+                return "killed", f"{test} does not compile: {built.stderr.strip().splitlines()[-1:]}"
+            try:
+                done = self.run([str(program), "--gtest_brief=1", "--gtest_fail_fast"], timeout=300)
+            except subprocess.TimeoutExpired:
+                return "killed", f"{test} hangs"
+            if done.returncode:
+                failed = re.search(r"\[  FAILED  \] (\S+)", done.stdout)
+                return "killed", f"{test} {failed.group(1) if failed else f'crashes ({done.returncode})'}"
+        return "survived", ""
 
     def values(self, header, text, name):
         try:
