@@ -173,6 +173,10 @@ Quality quality(std::uint64_t seed, Which which, Method method) {
       const Truth truth = f.truth(x);
       const Wide t = which == Which::first ? truth.first : truth.second;
       const double error = static_cast<double>(std::fabs(d.value - t));
+      if (!(d.error >= error / 2))
+        std::cout << "below half: " << F::name << " at x = " << x
+                  << ", f' or f'' = " << static_cast<double>(t) << std::scientific << ", error " << error
+                  << ", estimate " << d.error << '\n';
       one.add(error, d.error, static_cast<double>(t));
       all.add(error, d.error, static_cast<double>(t));
     }
@@ -310,11 +314,10 @@ TEST(Ridders, IsEstimatedHonestly) {
   Quality q = quality(5, Which::first, [](const auto& f, double x, double length) {
     return ridders(f, x, behaviour(f, x, length));
   });
-  // Ridders' difference between neighbours is the error of the worse one: the estimate is loose. And two entries can agree
-  // by chance: 29 in 10^6 measured.
-  EXPECT_LE(q.below_half_per_million(), 60);
-  EXPECT_LE(q.percentile(50), 20);
-  EXPECT_LE(q.percentile(99), 1000);
+  EXPECT_LE(q.below_half_per_million(), 10);
+  EXPECT_LE(q.percentile(50), 10);
+  // The entry chosen is one where rounding outweighs truncation: errors near 0 by luck are all seen (389 measured).
+  EXPECT_LE(q.percentile(99), 600);
 }
 
 // Where the tableau's own differences were up to 977 times too small (50 000 points of a sine, first step 2^-6).

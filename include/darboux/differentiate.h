@@ -73,6 +73,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double truncation_share = 2.5;
 constexpr double rounding_share = 3.5;
 constexpr double one_sided_rounding_share = 3.2;
+constexpr double ridders_rounding_share = 4.2;  // more: the least of many estimates is chosen
 
 // The rms error of one rounding of x, averaged over a binade, is 0.41 u |x|.
 constexpr double one_rounding = 0.41 * unit_roundoff;
@@ -278,7 +279,7 @@ auto ridders(F& f, double x, double h, double rounding, int& evaluations) {
   constexpr int rows = 10;
   struct Entry {
     V value;
-    double rounding;
+    double rounding, correction;  // correction: of the entry before it
   };
   std::array<Entry, rows> above{}, row{};
   DerivativeEstimate<V> best = no_estimate<V>();
@@ -292,19 +293,26 @@ auto ridders(F& f, double x, double h, double rounding, int& evaluations) {
     const double value_rounding =
         rounding != unknown ? rounding
                             : unit_roundoff * std::hypot(0.6 * largest, 0.45 * std::fabs(x) * size(quotient));
-    row[0] = {quotient, value_rounding / (std::sqrt(2.0) * std::fabs(h))};
+    row[0] = {quotient, value_rounding / (std::sqrt(2.0) * std::fabs(h)), 0};
     double power = 1, smallest_of_row = infinity;
     for (int j = 1; j <= i; ++j) {
       power *= 4;
       const V correction = (row[j - 1].value - above[j - 1].value) / (power - 1);
       row[j] = {row[j - 1].value + correction,
-                (power * row[j - 1].rounding + above[j - 1].rounding) / (power - 1)};
-      double difference = std::fmax(size(correction), size(row[j].value - above[j - 1].value));
-      if (j < i) difference = std::fmax(difference, size(row[j].value - above[j].value));
+                (power * row[j - 1].rounding + above[j - 1].rounding) / (power - 1), size(correction)};
+    }
+    power = 1;
+    for (int j = 0; j + 1 < i && i >= 3; ++j) {
+      power *= 4;
+      // An entry errs by the next one's correction. Where that is small by luck, those at twice the step and of the next
+      // order tell.
+      const double truncation =
+          std::max({row[j + 1].correction, above[j + 1].correction / power, row[j + 2].correction});
       const double error =
-          difference + rounding_share * std::hypot(row[j].rounding, 2 * one_rounding * size(row[j].value));
+          truncation_share * truncation +
+          ridders_rounding_share * std::hypot(row[j].rounding, 2 * one_rounding * size(row[j].value));
       smallest_of_row = std::fmin(smallest_of_row, error);
-      if (i >= 3 && error < best.error) best = finite_or_none(row[j].value, error);
+      if (error < best.error) best = finite_or_none(row[j].value, error);
     }
     if (!std::isfinite(size(quotient))) return no_estimate<V>();
     if (i > 3 && smallest_of_row > 2 * best.error) break;  // rounding has taken over

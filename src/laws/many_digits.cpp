@@ -271,7 +271,9 @@ class HighPrecision {
         return;
       errors = error(e);
       for (const Jet2<ManyDigits>& moved : neighbours)
-        condition += difference(exact_frame(moved, f.handedness), e) / relative_change;
+        if (const double d = difference(exact_frame(moved, f.handedness), e);
+            !std::isnan(d))  // there is none beside it
+          condition += d / relative_change;
     }
     const bool closed = surface.has_closed_frame();
     double frame_bound = info.frame_error * (1 + condition), orthonormality_bound = 8;
