@@ -4,10 +4,16 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include <darboux/curve.h>
 #include <darboux/error.h>
+#include <darboux/extrusion.h>
+#include <darboux/ruled_surface.h>
+#include <darboux/sphere.h>
+#include <darboux/surface_of_revolution.h>
 #include <darboux/testing.h>
 
 #include "every_surface.h"
@@ -99,6 +105,9 @@ TEST_P(Laws, CoverEveryRouteAndPartial) {
     for (const char* vector : {"tangent", "bitangent", "normal"})
       EXPECT_TRUE(contains(names, route, vector)) << route << ' ' << vector;
   EXPECT_TRUE(contains(names, "dual", "handedness"));
+  EXPECT_TRUE(contains(names, "high_precision", "status"));
+  EXPECT_TRUE(contains(names, "high_precision_float", "status"));
+  EXPECT_TRUE(contains(names, "implicit", "normal"));
   EXPECT_TRUE(contains(names, "high_precision", "orthonormality"));
   EXPECT_TRUE(contains(names, "implicit", "position"));
   EXPECT_TRUE(contains(names, "second_formula", "position"));
@@ -264,6 +273,64 @@ struct Saddle {
   }
 };
 
+// An equation of the right surface whose value is twice the distance.
+struct Doubled : Sphere<double> {
+  template <class S>
+  S implicit(const Vec3<S>& p) const {
+    return lift<S>(2.0) * Sphere<double>::implicit(p);
+  }
+  template <class To>
+  Sphere<To> rebind() const {
+    return {};
+  }
+};
+TEST(Mutants, AnEquationThatIsNoDistanceIsFoundByItsGradient) {
+  EXPECT_EQ(failed_laws(Doubled{}), (Names{{"implicit", "normal"}}));
+}
+
+// Zeros of the partials that are not told, or told where there are none.
+struct Silent : Sphere<double> {
+  template <class S>
+  Status singular(const Turn<S>&, const Turn<S>&) const {
+    return Status::regular;
+  }
+  template <class To>
+  Silent rebind() const {
+    return {};
+  }
+};
+struct Alarmed : Sphere<double> {
+  template <class S>
+  Status singular(const Turn<S>&, const Turn<S>& v) const {
+    return v.cos > lift<S>(0.5) ? Status::dpdu_zero : Status::regular;
+  }
+  template <class To>
+  Alarmed rebind() const {
+    return {};
+  }
+};
+TEST(Mutants, AWrongStatusIsNamed) {
+  EXPECT_TRUE(contains(failed_laws(Silent{}), "high_precision", "status"));
+  EXPECT_TRUE(contains(failed_laws(Alarmed{}), "high_precision", "status"));
+}
+
+// Across an inner knot nothing is differentiated: the surfaces on a spline know its knots.
+TEST(Breaks, AreTheKnotsOfTheCurves) {
+  const BSplineCurve<double> curve(2, {0, 0, 0, 0.25, 0.5, 1, 1, 1},
+                                   {{1, 0, 0}, {1, 0, 1}, {2, 0, 1}, {3, 0, 3}, {3, 0, 4}}),
+      other(2, {0, 0, 0, 0.5, 0.75, 1, 1, 1}, {{1, 4, 0}, {1, 5, 1}, {2, 4, 1}, {3, 6, 3}, {3, 4, 4}});
+  const std::vector<double> none, knots{0.25, 0.5};
+  const auto expect = [&](const AnySurface& surface, const std::vector<double>& u,
+                          const std::vector<double>& v) {
+    EXPECT_EQ(surface.breaks(0), u) << surface.info().name;
+    EXPECT_EQ(surface.breaks(1), v) << surface.info().name;
+    EXPECT_EQ(broken_laws(surface, {.points = points}), "");
+  };
+  expect(Extrusion{curve, Vec3<double>{0, 1, 0.5}}, knots, none);
+  expect(SurfaceOfRevolution{curve}, none, knots);
+  expect(RuledSurface{curve, other}, {0.25, 0.5, 0.75}, none);
+}
+
 // A saddle with nothing but a formula: what it does not state is skipped by name, never silently true.
 TEST(Skipped, AbsentFactsAreNamed) {
   Names skipped;
@@ -273,6 +340,7 @@ TEST(Skipped, AbsentFactsAreNamed) {
     if (!c.skipped.empty()) skipped.emplace(c.route, c.quantity);
   }
   EXPECT_EQ(skipped, (Names{{"implicit", "position"},
+                            {"implicit", "normal"},
                             {"second_formula", "position"},
                             {"curvature", "gaussian_curvature"},
                             {"curvature", "mean_curvature"},

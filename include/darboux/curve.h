@@ -65,6 +65,16 @@ std::string curve_refusal(const C& curve) {
   else
     return {};
 }
+// Where a curve is only piecewise smooth: the inner knots of a spline, or of the one whose frame is moved.
+template <class C>
+std::vector<double> curve_breaks(const C& curve) {
+  if constexpr (requires { curve.knots().breaks(); })
+    return curve.knots().breaks();
+  else if constexpr (requires { curve.curve; })
+    return curve_breaks(curve.curve);
+  else
+    return {};
+}
 // The curve over another scalar: a callable without data of its own stays as it is.
 template <class To, class C>
 auto rebound(const C& curve) {

@@ -125,13 +125,18 @@ Frame<S> frame(const X& surface, S u, S v) {
 }
 
 /// The unit vectors along the coordinate curves, from an orthonormal frame and the partials there. Where dpdu vanishes,
-/// t is the limit of frame(); where dpdv vanishes, b is handedness times its b.
+/// t is the limit of frame(); where dpdv vanishes, b is the limit ±d2pduv/|d2pduv| along u, on the side of handedness times
+/// the b of frame(), or that where d2pduv vanishes too.
 template <std::floating_point S>
 ParametricFrame<S> parametric_frame(const Frame<S>& base, const Jet2<S>& j) {
   ParametricFrame<S> result{base.t, base.handedness * base.b, base.n, base.handedness, base.status};
   if (!has(base.status, Status::non_finite_input | Status::no_frame)) {
-    const Vec3<S> along_v = unit(j.dpdv);
-    if (detail::finite(along_v) && along_v != Vec3<S>{}) result.b = along_v;
+    const Vec3<S> along_v = unit(j.dpdv), limit = unit(j.d2pduv);
+    const S side = base.handedness * dot(limit, base.b);
+    if (detail::finite(along_v) && along_v != Vec3<S>{})
+      result.b = along_v;
+    else if (side > S(0) || side < S(0))
+      result.b = side > S(0) ? limit : -limit;
   }
   return result;
 }

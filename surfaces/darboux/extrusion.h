@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <darboux/curve.h>
 #include <darboux/surface.h>
@@ -40,6 +41,11 @@ struct Extrusion {
   std::string refusal() const {
     if (detail::vanishes(direction)) return "the direction must not be zero";
     return detail::curve_refusal(curve);
+  }
+
+  /// The interior knots of the curve, along u (0).
+  std::vector<double> breaks(int along) const {
+    return along == 0 ? detail::curve_breaks(curve) : std::vector<double>{};
   }
 
   template <class P, class S>

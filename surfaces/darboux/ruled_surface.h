@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <concepts>
+#include <iterator>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <darboux/curve.h>
 #include <darboux/surface.h>
@@ -34,6 +36,15 @@ struct RuledSurface {
     if (const std::string why = detail::curve_refusal(a); !why.empty()) return "the first curve: " + why;
     if (const std::string why = detail::curve_refusal(b); !why.empty()) return "the second curve: " + why;
     return {};
+  }
+
+  /// The interior knots of both curves, along u (0).
+  std::vector<double> breaks(int along) const {
+    std::vector<double> result;
+    if (along != 0) return result;
+    const std::vector<double> of_a = detail::curve_breaks(a), of_b = detail::curve_breaks(b);
+    std::set_union(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), std::back_inserter(result));
+    return result;
   }
 
   template <class P, class S>

@@ -40,9 +40,7 @@ struct SurfaceOfRevolution {
 
   /// The interior knots of the profile, along v (1).
   std::vector<double> breaks(int along) const {
-    if constexpr (requires { profile.knots().breaks(); })
-      if (along == 1) return profile.knots().breaks();
-    return {};
+    return along == 1 ? detail::curve_breaks(profile) : std::vector<double>{};
   }
 
   template <class S, class P>

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <darboux/curve.h>
 #include <darboux/surface.h>
@@ -58,6 +59,11 @@ struct Tube {
       return std::array{radius_};
   }
   std::string refusal() const { return detail::curve_refusal(curve); }
+
+  /// The interior knots of the curve, along u (0).
+  std::vector<double> breaks(int along) const {
+    return along == 0 ? detail::curve_breaks(curve) : std::vector<double>{};
+  }
 
   template <class P, class S>
   Jet2<S> jet(const P& u, const Turn<S>& v) const {
