@@ -77,8 +77,11 @@ void compare_numeric(const AnySurface& surface, const Points& points, std::strin
         };
         // No stencil reaches farther than a sixteenth of the length: it stays on one smooth piece.
         double stretch = length[d.along];
-        for (const double x : breaks[d.along])
-          stretch = std::fmin(stretch, 15 * std::fabs(x - (d.along == 0 ? u : v)));
+        for (const double x : breaks[d.along]) {
+          if (x == 0 && at_edges) continue;
+          const double away = std::fabs(x - (d.along == 0 ? u : v));
+          stretch = std::fmin(stretch, 15 * (x == 0 ? std::fmin(away, 1 - away) : away));
+        }
         if (stretch == 0) continue;
         const DerivativeEstimate<> numeric = differentiate(along, d.along == 0 ? u : v, stretch);
         // Four times the estimate: it is no bound, and it cannot see that a formula has rounded more than once. The closed

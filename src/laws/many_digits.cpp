@@ -68,6 +68,12 @@ double difference(const ExactFrame& a, const ExactFrame& b) {
   return norm(rounded(a.t - b.t)) + norm(rounded(a.n - b.n));
 }
 
+// The share of one input in a frame's condition; none where the frame beside it does not exist.
+double change(const ExactFrame& moved, const ExactFrame& at) {
+  const double d = difference(moved, at) / relative_change;
+  return std::isnan(d) ? 0 : d;
+}
+
 template <class S>
 double deviation_from_orthonormal(const Frame<S>& f) {
   using Long = long double;
@@ -254,7 +260,7 @@ class HighPrecision {
           errors = found;
           condition = 0;
           for_each_neighbour(surface, at, [&](const Jet2<ManyDigits>& moved) {
-            condition += difference(exact_frame(moved, f.handedness), exact_near) / relative_change;
+            condition += change(exact_frame(moved, f.handedness), exact_near);
           });
         }
       if (!shown) return;
@@ -271,9 +277,7 @@ class HighPrecision {
         return;
       errors = error(e);
       for (const Jet2<ManyDigits>& moved : neighbours)
-        if (const double d = difference(exact_frame(moved, f.handedness), e);
-            !std::isnan(d))  // there is none beside it
-          condition += d / relative_change;
+        condition += change(exact_frame(moved, f.handedness), e);
     }
     const bool closed = surface.has_closed_frame();
     double frame_bound = info.frame_error * (1 + condition), orthonormality_bound = 8;

@@ -1,6 +1,8 @@
 /// \file superellipsoid.h
 #pragma once
 
+#include <vector>
+
 #include <darboux/surface.h>
 
 namespace darboux {
@@ -46,6 +48,13 @@ struct Superellipsoid {
                                                "exponent of the meridians, a number", {0.1, 1.75}),
         parameter<&Superellipsoid::exponent_u>("exponent_u", Range::positive(),
                                                "exponent of the parallels, a number", {0.1, 1.75})};
+  }
+
+  /// The meridians, the poles and the equator, where a power of another exponent than 1 begins anew.
+  std::vector<double> breaks(int along) const {
+    if (along == 0)
+      return exponent_u == T(1) ? std::vector<double>{} : std::vector<double>{0, 0.25, 0.5, 0.75};
+    return exponent_v == T(1) ? std::vector<double>{} : std::vector<double>{0, 0.5};
   }
 
   template <class S>
