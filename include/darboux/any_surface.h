@@ -65,8 +65,9 @@ class AnySurface {
   Sample<float> sample_in_float(float u, float v) const { return held_->sample_in_float(u, v); }
   bool has_closed_frame() const { return held_->has_closed_frame(); }
 
-  /// Where along u (along = 0) or v (1) the surface is only piecewise smooth, strictly between 0 and 1, and 0 where
-  /// it is not smooth across both 0 and 1, the seam or the poles: what the type's breaks(along) says, none where it has no such member.
+  /// Where along u (along = 0) or v (1) the surface is only piecewise smooth, strictly between 0 and 1, and 0 where it is
+  /// not smooth across both 0 and 1, the seam or the poles: what the type's breaks(along) says, none where it has no such
+  /// member.
   std::vector<double> breaks(int along) const { return held_->breaks(along); }
 
   /// The independent facts the type states, of: implicit, gaussian_curvature, mean_curvature, position_again.
