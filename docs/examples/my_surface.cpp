@@ -47,10 +47,13 @@ struct PluckerConoid {
                                  : darboux::Status::self_intersecting;
   }
 
-  /// z - h (x² - y²) / (x² + y²)
+  /// (h (x² - y²)/d² - z) / sqrt(1 + (4 h x y/d³)²), d the distance from the axis: the depth below the surface over the
+  /// length of its gradient
   template <class S>
-  constexpr S implicit(const darboux::Vec3<S>& p) const {
-    return p.z - darboux::lift<S>(height) * ((p.x * p.x - p.y * p.y) / (p.x * p.x + p.y * p.y));
+  S implicit(const darboux::Vec3<S>& p) const {
+    const S h = darboux::lift<S>(height), one = darboux::lift<S>(1.0), four = darboux::lift<S>(4.0);
+    const S d = norm(darboux::Vec2<S>{p.x, p.y}), x = p.x / d, y = p.y / d;
+    return (h * (x * x - y * y) - p.z) / norm(darboux::Vec2<S>{one, four * (h * (x * y)) / d});
   }
 
   /// K = -(s / (ρ² + s²))², s = dz/d(2πu) = -2 h sin 4πu

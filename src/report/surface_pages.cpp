@@ -277,7 +277,7 @@ std::string properties(const AnySurface& surface) {
 std::string facts(const AnySurface& surface, const Header& header,
                   const std::vector<std::string_view>& code) {
   constexpr std::pair<std::string_view, std::string_view> meanings[] = {
-      {"implicit", "`implicit(p)`, a length that is zero on the surface"},
+      {"implicit", "`implicit(p)`, the signed distance to first order"},
       {"gaussian_curvature", "`gaussian_curvature(u, v)`"},
       {"mean_curvature", "`mean_curvature(u, v)`, with the sign that belongs to n"},
       {"position_again", "`position_again(u, v)`, the position by another formula"}};
