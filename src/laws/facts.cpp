@@ -234,9 +234,10 @@ void check_gauss_bonnet(const AnySurface& surface, const Points& points, Checks&
   const double expected = 2 * std::numbers::pi * *info.euler_characteristic;
   double total = infinity;
   for (int n = 64; n <= 2048; n *= 2) {
+    const auto along_u = nodes(info.u, n), along_v = nodes(info.v, n);
     double sum = 0, lost = 0;  // Kahan's compensated summation
-    for (const auto& [u, wu] : nodes(info.u, n))
-      for (const auto& [v, wv] : nodes(info.v, n)) {
+    for (const auto& [u, wu] : along_u)
+      for (const auto& [v, wv] : along_v) {
         const Jet2<double> j = surface.jet(u, v);
         const Frame<double> f = surface.frame(u, v);
         const ShapeOperator<double> s = shape_operator(j, f);

@@ -311,7 +311,7 @@ class Workshop:
         return program if done.returncode == 0 else None
 
     def check(self, header, text, name):
-        """(outcome, what told it). The unmutated header comes first: ten times its time is a hang."""
+        """(outcome, what told it). The unmutated header comes first: thrice its time is a hang."""
         try:
             program = self.build(header, text, name)
             if program is None:
@@ -319,7 +319,7 @@ class Workshop:
             try:
                 begin = time.monotonic()
                 done = self.run([str(program), "check"], timeout=self.timeout.get(header))
-                self.timeout.setdefault(header, 10 + 10 * (time.monotonic() - begin))
+                self.timeout.setdefault(header, 10 + 3 * (time.monotonic() - begin))
             except subprocess.TimeoutExpired:
                 return "killed", "hangs"
             if done.returncode == 0:
@@ -339,7 +339,7 @@ class Workshop:
                               str(ROOT / "tests" / f"{test}.cpp"), *self.test_objects, "-lgtest", "-lgtest_main",
                               "-lpthread", "-o", str(program)])
             if built.returncode:
-                return "killed", f"{test} does not compile: {built.stderr.strip().splitlines()[-1:]}"
+                return "not compiling", f"in {test}: {built.stderr.strip().splitlines()[-1:]}"
             try:
                 done = self.run([str(program), "--gtest_brief=1", "--gtest_fail_fast"], timeout=300)
             except subprocess.TimeoutExpired:
