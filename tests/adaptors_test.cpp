@@ -143,7 +143,8 @@ struct Valley {
   }
   template <class S>
   S implicit(const Vec3<S>& p) const {
-    return p.z - p.x * p.x * p.y - p.y * p.y * p.y;
+    const S two = lift<S>(2.0), three = lift<S>(3.0), one = lift<S>(1.0), xx = p.x * p.x, yy = p.y * p.y;
+    return (p.z - xx * p.y - yy * p.y) / norm(Vec3<S>{two * (p.x * p.y), xx + three * yy, one});
   }
 };
 // The torus of the catalogue, by its position and parameters alone.
