@@ -697,6 +697,30 @@ TEST(FromPosition, HasLimitFramesAtPoles) {
   }
 }
 
+// ---- what is wrong with the base -------------------------------------------------------------------------------
+
+TEST(Base, IsCheckedByItsAdaptors) {
+  const double nan_value = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](const auto& surface) {
+    try {
+      AnySurface{surface};
+      ADD_FAILURE() << surface.info.name << " is not refused";
+    } catch (const ParameterError& e) {
+      EXPECT_NE(std::string(e.what()).find("minor_radius"), std::string::npos) << e.what();
+    }
+  };
+  for (const double radius : {-0.5, 0.0, nan_value}) {
+    const Torus bad{1.0, radius};
+    refused(Offset{bad, 0.1});
+    refused(swapped(bad));
+    refused(Placed{bad, rotation, {0, 0, 0}});
+    refused(Placed{Offset{bad, 0.1}, rotation, {0, 0, 0}});
+  }
+  const Torus torn{1.0, nan_value};
+  EXPECT_EQ(frame(Offset{torn, 0.1}, 0.1, 0.2).status, Status::non_finite_input);
+  EXPECT_EQ(frame(Placed{swapped(torn), rotation, {0, 0, 0}}, 0.1, 0.2).status, Status::non_finite_input);
+}
+
 // ---- Gauss-Bonnet ----------------------------------------------------------------------------------------------
 
 // ∫ K dA = 2π χ to 1e-10 over closed surfaces and their parallel surfaces within the focal distance.

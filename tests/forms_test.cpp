@@ -457,19 +457,13 @@ TEST(NormalDerivatives, AreTheDualNumbersOfTheClosedFrame) {
 
 // ---- curves with known curvatures ------------------------------------------------------------------------------
 
-template <class X>
-DarbouxFrame<double> darboux_frame_at(const X& surface, double u, double v,
-                                      const CurveOnSurface<double>& curve) {
-  return darboux_frame(jet(surface, u, v), frame(surface, u, v), curve);
-}
-
 // A circle of latitude, eastwards: V points north, and north of the equator the curve turns to it. κg = -cot(πv)/r.
 TEST(DarbouxFrame, OfCirclesOnASphere) {
   Random random(12);
   for (int i = 0; i < 500; ++i) {
     const double r = random.log_uniform(1e-100, 1e100), u = random.uniform(), v = random.uniform(0.1, 0.9);
     const Sphere sphere{r};
-    const DarbouxFrame<double> parallel = darboux_frame_at(sphere, u, v, {1, 0, 0, 0});
+    const DarbouxFrame<double> parallel = darboux_frame(sphere, u, v, {1, 0, 0, 0});
     const Turn<double> polar = sincos_half_turns(v);
     // A dot product of partials over the square of the speed, each within 8u; cot is at most 3.1.
     EXPECT_NEAR(parallel.geodesic_curvature * r, -polar.cos / polar.sin, 4 * 32 * roundoff);
@@ -477,9 +471,20 @@ TEST(DarbouxFrame, OfCirclesOnASphere) {
     EXPECT_NEAR(parallel.geodesic_torsion * r, 0, 32 * roundoff);
     EXPECT_GT(parallel.V.z, 0);
     // Westwards V points south: κg changes its sign, κn does not.
-    const DarbouxFrame<double> back = darboux_frame_at(sphere, u, v, {-2, 0, 0, 0});
+    const DarbouxFrame<double> back = darboux_frame(sphere, u, v, {-2, 0, 0, 0});
     EXPECT_NEAR(back.geodesic_curvature * r, polar.cos / polar.sin, 4 * 32 * roundoff);
     EXPECT_NEAR(back.normal_curvature * r, -1, 32 * roundoff);
+  }
+}
+
+// Along a meridian through the pole, where dpdu vanishes: a line of curvature there too.
+TEST(DarbouxFrame, OfAMeridianAtThePole) {
+  for (const double v : {0.0, 1.0}) {
+    const DarbouxFrame<double> d = darboux_frame(Sphere{2.0}, 0.3, v, {0, 1, 0, 0});
+    EXPECT_NEAR(d.normal_curvature, -0.5, 8 * roundoff);
+    EXPECT_NEAR(d.geodesic_curvature, 0, 8 * roundoff);
+    EXPECT_NEAR(d.geodesic_torsion, 0, 8 * roundoff);
+    EXPECT_EQ(d.status, Status::dpdu_zero | Status::limit_frame);
   }
 }
 
@@ -496,8 +501,8 @@ TEST(DarbouxFrame, OfGreatCirclesHasNoGeodesicCurvature) {
                  theta2 = (-p.z + p.z * theta1 * theta1) / rho;
     constexpr double pi = std::numbers::pi;
     const DarbouxFrame<double> d =
-        darboux_frame_at(Sphere{1.0}, std::atan2(p.y, p.x) / (2 * pi), std::acos(-p.z) / pi,
-                         {phi1 / (2 * pi), theta1 / pi, phi2 / (2 * pi), theta2 / pi});
+        darboux_frame(Sphere{1.0}, std::atan2(p.y, p.x) / (2 * pi), std::acos(-p.z) / pi,
+                      {phi1 / (2 * pi), theta1 / pi, phi2 / (2 * pi), theta2 / pi});
     // Terms up to 1/ρ³ = 125, from coordinates whose errors are amplified as much.
     EXPECT_NEAR(d.geodesic_curvature, 0, 125 * 125 * 8 * roundoff);
     EXPECT_NEAR(d.normal_curvature, -1, 125 * 125 * 8 * roundoff);
@@ -532,7 +537,7 @@ TEST(DarbouxFrame, OfHelicesOnACylinder) {
                  dv = random.uniform(-1, 1);
     const double across = 2 * std::numbers::pi * r * du, up = h * dv, speed = std::hypot(across, up);
     const DarbouxFrame<double> d =
-        darboux_frame_at(Cylinder{r, h}, random.uniform(), random.uniform(), {du, dv, 0, 0});
+        darboux_frame(Cylinder{r, h}, random.uniform(), random.uniform(), {du, dv, 0, 0});
     const double cosine = across / speed, sine = up / speed;
     EXPECT_NEAR(d.normal_curvature, -cosine * cosine / r, 64 * roundoff / r);
     EXPECT_NEAR(d.geodesic_curvature, 0, 64 * roundoff / r);
@@ -543,7 +548,7 @@ TEST(DarbouxFrame, OfHelicesOnACylinder) {
 TEST(DarbouxFrame, OfAPointIsNone) {
   for (const auto& [v, curve] :
        {std::pair{0.3, CurveOnSurface<double>{0, 0, 1, 1}}, {0.0, CurveOnSurface<double>{1, 0, 0, 0}}}) {
-    const DarbouxFrame<double> d = darboux_frame_at(Sphere{1.0}, 0.3, v, curve);
+    const DarbouxFrame<double> d = darboux_frame(Sphere{1.0}, 0.3, v, curve);
     EXPECT_TRUE(has(d.status, Status::no_frame)) << v;
     EXPECT_TRUE(std::isnan(d.T.x) && std::isnan(d.normal_curvature) && std::isnan(d.geodesic_torsion)) << v;
   }

@@ -1,6 +1,7 @@
 // testing.h: the laws hold for the whole catalogue, and catch what is wrong, by name.
 #include <algorithm>
 #include <iostream>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <darboux/curve.h>
+#include <darboux/cylinder.h>
 #include <darboux/error.h>
 #include <darboux/extrusion.h>
 #include <darboux/ruled_surface.h>
@@ -312,6 +314,58 @@ struct Alarmed : Sphere<double> {
 TEST(Mutants, AWrongStatusIsNamed) {
   EXPECT_TRUE(contains(failed_laws(Silent{}), "high_precision", "status"));
   EXPECT_TRUE(contains(failed_laws(Alarmed{}), "high_precision", "status"));
+}
+
+// A cylinder of which one half hides behind a flag: the laws that leave out limits and missing frames do not see it.
+template <class Damage>
+struct Excused {
+  static constexpr SurfaceInfo info{"excused", "a cylinder with a fault", Coordinate::turn,
+                                    Coordinate::linear};
+  Damage damage;
+  Cylinder<double> cylinder{};
+  template <class S>
+  Jet2<S> jet(const Turn<S>& u, const S& v) const {
+    return cylinder.jet(u, v);
+  }
+  template <class S>
+  Frame<S> frame(const Turn<S>& u, const S& v) const {
+    Frame<S> f = cylinder.frame(u, v);
+    if (u.sin > S(0)) damage(f);
+    return f;
+  }
+};
+template <class Damage>
+void expect_not_excused(const std::string& what, Damage damage) {
+  EXPECT_TRUE(contains(failed_laws(Excused<Damage>{damage}), "high_precision", "status")) << what;
+}
+TEST(Mutants, AFlagExcusesNoFrame) {
+  expect_not_excused("a wrong limit", []<class S>(Frame<S>& f) {
+    f = {.t = {1, 0, 0}, .b = {0, 1, 0}, .n = {0, 0, 1}, .status = Status::limit_frame};
+  });
+  expect_not_excused("no frame", []<class S>(Frame<S>& f) { f = detail::no_frame<S>(); });
+  expect_not_excused("NaN", []<class S>(Frame<S>& f) { f.t.x = std::numeric_limits<S>::quiet_NaN(); });
+  expect_not_excused("a limit that is none", []<class S>(Frame<S>& f) { f.status |= Status::limit_frame; });
+}
+
+// The formula ends where its domain does: the inputs beside the edge are looked at from inside.
+struct Hemisphere {
+  static constexpr SurfaceInfo info{
+      "hemisphere", "z = sqrt(1 - v²) turned about z", Coordinate::turn, Coordinate::linear, {"v=0", "v=1"}};
+  template <class S>
+  Jet2<S> jet(const Turn<S>& u, const S& v) const {
+    using std::sqrt;
+    const S zero = lift<S>(0.0), one = lift<S>(1.0), z = sqrt((one - v) * (one + v)), tau = two_pi<S>();
+    return {.position = {v * u.cos, v * u.sin, z},
+            .dpdu = {-(tau * (v * u.sin)), tau * (v * u.cos), zero},
+            .dpdv = {u.cos, u.sin, -(v / z)},
+            .d2pdu2 = {-(tau * (tau * (v * u.cos))), -(tau * (tau * (v * u.sin))), zero},
+            .d2pduv = {-(tau * u.sin), tau * u.cos, zero},
+            .d2pdv2 = {zero, zero, -(one / (z * z * z))}};
+  }
+};
+TEST(Laws, LookAtAnEdgeFromInside) {
+  EXPECT_EQ(broken_laws(Hemisphere{}, {.points = 20, .routes = {"high_precision", "high_precision_float"}}),
+            "");
 }
 
 // Across an inner knot nothing is differentiated: the surfaces on a spline know its knots.

@@ -301,7 +301,8 @@ std::vector<Declared> declared_points() {
   all.push_back({"torus", axis, "spindle torus", spindle_torus});
 
   const std::string_view flat = Helicoid<>::info.singular[0];
-  all.push_back(limit(flat, "axis within", Helicoid{0.0, 1.0, -0.5, 1.0}, round(0.5), along_v, collapsed));
+  all.push_back(limit(flat, "axis within", Helicoid{0.0, 1.0, -0.5, 1.0}, round(0.5), along_v, collapsed,
+                      {.near = self_intersecting}));  // the line passes twice, with s and with -s
   all.push_back(limit(flat, "axis first", Helicoid{0.0, 2.0, 0.0, 1.0}, round(0), along_v, collapsed));
   all.push_back(limit(flat, "axis last", Helicoid{0.0, 1.0, -1.0, 1.0}, round(1), against_v, collapsed));
 
@@ -552,6 +553,16 @@ TEST(SelfIntersection, KleinBottleOnItsDoubleCircle) {
   EXPECT_EQ(frame(thick, 0.98, 0.2).status, regular);
   EXPECT_EQ(frame(KleinBottle{0.5, 1.0}, 1.0, 0.25).status, self_intersecting);
 }
+// The turning line of a flat helicoid passes a point with s and with -s; half a turn is needed.
+TEST(SelfIntersection, FlatHelicoidWhereTheLinePassesTwice) {
+  const Helicoid disk{0.0, 1.0, -0.5, 2.0}, wedge{0.0, 0.25, -0.5, 2.0}, climbing{0.1, 1.0, -0.5, 2.0};
+  EXPECT_EQ(frame(disk, 0.3, 0.125).status, self_intersecting);  // s = -0.25
+  EXPECT_EQ(frame(disk, 0.3, 0.375).status, self_intersecting);  // s = 0.25
+  EXPECT_EQ(frame(disk, 0.3, 0.625).status, regular);            // s = 0.75
+  EXPECT_EQ(frame(wedge, 0.3, 0.375).status, regular);
+  EXPECT_EQ(frame(climbing, 0.3, 0.375).status, regular);
+}
+
 TEST(SelfIntersection, EnneperFromTheSquareRootOfThreeOn) {
   for (const double extent : {1.0, 1.7}) {
     const Enneper small{extent, 1.0};

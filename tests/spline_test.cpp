@@ -842,7 +842,11 @@ TEST(Refusals, OfDegreesKnotsPointsAndWeights) {
       {2, good, 5, {}, "5 control points, there must be 4"},
       {2, good, 0, {}, "0 control points, there must be 4"},
       {2, good, 4, {1, 1, 1}, "3 weights, there must be 4 or none"},
-      {2, good, 4, {1, 1, 0, 1}, "weight 2 = 0 must be positive and finite"},
+      {2,
+       good,
+       4,
+       {1, 1, 0, 1},
+       "weight 2 = 0 must be positive and finite, and not vanish beside the largest"},
       {2, good, 4, {-1, 1, 1, 1}, "weight 0 = -1 must be positive and finite"},
       {2, good, 4, {1, nan_value, 1, 1}, "weight 1 = nan must be positive and finite"},
       {2, good, 4, {1, 1, 1, infinity}, "weight 3 = inf must be positive and finite"}};

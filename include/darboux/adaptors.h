@@ -23,6 +23,17 @@ namespace darboux {
 
 namespace detail {
 
+// What is wrong with the surface an adaptor changes, empty when nothing is.
+template <class X>
+std::string base_refusal(const X& base) {
+  try {
+    checked(base);
+  } catch (const ParameterError& e) {
+    return e.what();
+  }
+  return {};
+}
+
 template <std::size_t N>
 struct Literal {
   char text[N];
@@ -181,8 +192,7 @@ struct Reparametrised {
       return "the map of (u, v) is singular, permitted are invertible ones";
     if (!std::isfinite(offset[0]) || !std::isfinite(offset[1]))
       return "the offset of (u, v) is not finite, permitted are numbers";
-    if constexpr (RefusesCombinations<X>) return base.refusal();
-    return {};
+    return detail::base_refusal(base);
   }
 
   template <class S>
@@ -373,8 +383,7 @@ struct Placed {
       return "the placement is singular to working precision or not finite, permitted are invertible maps";
     }
     if (!detail::finite(translation)) return "the translation is not finite, permitted are numbers";
-    if constexpr (RefusesCombinations<X>) return base.refusal();
-    return {};
+    return detail::base_refusal(base);
   }
 
   template <class PU, class PV>
@@ -420,8 +429,13 @@ struct Placed {
  private:
   template <class S>
   Vec3<S> map(const Vec3<S>& p) const {
+    // A term with the factor 0 is left out: the coordinate may be infinite.
     const auto row = [&](std::size_t k) {
-      return lift<S>(A[k]) * p.x + lift<S>(A[k + 1]) * p.y + lift<S>(A[k + 2]) * p.z;
+      S sum = lift<S>(0.0);
+      if (A[k] != T(0)) sum = sum + lift<S>(A[k]) * p.x;
+      if (A[k + 1] != T(0)) sum = sum + lift<S>(A[k + 1]) * p.y;
+      if (A[k + 2] != T(0)) sum = sum + lift<S>(A[k + 2]) * p.z;
+      return sum;
     };
     return {row(0), row(3), row(6)};
   }
@@ -460,8 +474,7 @@ struct Offset {
 
   std::string refusal() const {
     if (!std::isfinite(distance)) return "the distance is not finite, permitted are numbers";
-    if constexpr (RefusesCombinations<X>) return base.refusal();
-    return {};
+    return detail::base_refusal(base);
   }
 
   template <class PU, class PV>

@@ -281,7 +281,7 @@ struct HelixCurve {
   template <class S>
   CurveFrame<S> moving_frame(const S& t) const {
     const S R = lift<S>(radius), p = lift<S>(pitch), zero = lift<S>(0.0), w = rate<S>();
-    const Turn<S> a = sincos_turns(S(lift<S>(turns) * t));
+    const Turn<S> a = detail::normalised(sincos_turns(S(lift<S>(turns) * t)));
     const Vec2<S> d = unit(Vec2<S>{R, p});  // cosine and sine of the slope
     const Vec3<S> tangent{-(d.x * a.sin), d.x * a.cos, d.y}, normal{-a.cos, -a.sin, zero},
         binormal{d.y * a.sin, -(d.y * a.cos), d.x};

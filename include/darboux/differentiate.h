@@ -162,6 +162,7 @@ double usual_rounding(double largest, double x, const V& d1, const V& d2, const 
   const double envelope =
       std::hypot(largest, slope, std::hypot(size(d2) / omega / omega, size(d3) / omega / omega / omega));
   if (envelope == 0) return 0;
+  if (!std::isfinite(envelope)) return infinity;  // a step whose square underflows
   return std::fmax(unit_roundoff * std::hypot(0.6 * envelope, 0.45 * std::fabs(x) * omega * slope),
                    std::numeric_limits<double>::denorm_min());
 }
@@ -646,12 +647,14 @@ class Planner {
 /// double); then, f's behaviour measured, differences of 3 to 10 evaluations, central where the domain has room for
 /// the stencil and one-sided where it has not; then Ridders. Methods whose rounding alone would miss the request are passed
 /// over, but for order 8. f is evaluated in the domain only.
-/// x outside the domain or NaN: no derivative.
+/// x outside the domain or NaN, or a length that is not positive and finite: no derivative.
 template <class F>
 auto derivative(F&& f, double x, const DerivativeRequest& request) {
   namespace d = detail::difference;
   d::Planner<std::remove_reference_t<F>> planner(f, x, request);
-  if (!(request.domain.lo <= x && x <= request.domain.hi)) return planner.best();
+  if (!(request.domain.lo <= x && x <= request.domain.hi) ||
+      !(0 < request.length && request.length < d::infinity))
+    return planner.best();
   if constexpr (d::RunsOn<F, d::Once>) {
     planner.keep(dual_derivative(f, x, request.length, request.domain), DerivativeMethod::dual, 0,
                  d::RunsWiderOn<F, d::Once> ? 2 : 21);

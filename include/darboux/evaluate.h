@@ -35,15 +35,25 @@ bool outside(const S& x) {
 
 }  // namespace detail
 
+namespace detail {
+// Those of an adaptor's base too.
+template <class X>
+bool parameters_are_finite(const X& surface) {
+  bool finite = true;
+  for_each_parameter<X>(
+      [&](const auto& p) { finite = finite && std::isfinite(static_cast<double>(p.of(surface))); });
+  if constexpr (requires { surface.base; }) finite = finite && parameters_are_finite(surface.base);
+  return finite;
+}
+}  // namespace detail
+
 /// What the surface and the domain say of (u, v), before any frame is made: dpdu_zero, dpdv_zero, parallel,
 /// self_intersecting, crease as the surface declares them, outside_domain, non_finite_input (u, v or a
 /// parameter).
 template <ParametricSurface X, std::floating_point S>
 Status status(const X& surface, S u, S v) {
-  bool finite = std::isfinite(u) && std::isfinite(v);
-  for_each_parameter<X>(
-      [&](const auto& p) { finite = finite && std::isfinite(static_cast<double>(p.of(surface))); });
-  if (!finite) return Status::non_finite_input;
+  if (!std::isfinite(u) || !std::isfinite(v) || !detail::parameters_are_finite(surface))
+    return Status::non_finite_input;
   Status result = Status::regular;
   if constexpr (DeclaresSingularPoints<X>)
     result |= surface.singular(prepare<X::info.u>(u), prepare<X::info.v>(v));
@@ -86,6 +96,11 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
     result.t = result.b = result.n = nan_vector<S>();
   } else if constexpr (HasClosedFrame<X>) {
     result = surface.frame(u, v);
+    if (!finite(result.t) || !finite(result.b) || !finite(result.n)) {
+      // A partial that is no number (a user's function), or parameters beyond the sizes the formula is proven for.
+      if (!has(result.status, Status::no_frame)) result.status |= Status::no_frame | Status::overflow;
+      result.t = result.b = result.n = nan_vector<S>();
+    }
     if (has(at, collapsed | Status::parallel) && !has(result.status, Status::no_frame))
       result.status |= Status::limit_frame;
   } else {

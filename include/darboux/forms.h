@@ -293,7 +293,8 @@ struct DarbouxFrame {
                ///< vanishing partial)
 };
 template <std::floating_point S>
-DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const CurveOnSurface<S>& curve) {
+DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const ShapeOperator<S>& shape,
+                              const CurveOnSurface<S>& curve) {
   const Vec3<S> velocity = curve.du * j.dpdu + curve.dv * j.dpdv;
   const S speed = norm(velocity);
   DarbouxFrame<S> result{unit(velocity), {}, frame.n, {}, {}, {}, frame.status};
@@ -310,11 +311,21 @@ DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const Cur
   result.normal_curvature = dot(frame.n, bend);
   result.geodesic_curvature =
       dot(result.V, bend + curve.d2u / speed / speed * j.dpdu + curve.d2v / speed / speed * j.dpdv);
-  const ShapeOperator<S> shape = shape_operator(j, frame);
   const S x = dot(result.T, frame.t), y = dot(result.T, frame.b);
   result.geodesic_torsion =
       dot(result.V, (shape.a * x + shape.m * y) * frame.t + (shape.m * x + shape.c * y) * frame.b);
   return result;
+}
+template <std::floating_point S>
+DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const CurveOnSurface<S>& curve) {
+  return darboux_frame(j, frame, shape_operator(j, frame), curve);
+}
+/// At (u, v) of a surface, at poles and collapsed edges too: see shape_operator above.
+template <class X, std::floating_point S>
+DarbouxFrame<S> darboux_frame(const X& surface, S u, S v, const CurveOnSurface<S>& curve) {
+  const Jet2<S> j = detail::jet_of(surface, u, v);
+  const Frame<S> f = detail::frame_of(surface, u, v);
+  return darboux_frame(j, f, shape_operator(surface, u, v, j, f), curve);
 }
 
 }  // namespace darboux

@@ -263,7 +263,8 @@ std::string refuse_net(std::size_t expected, const std::vector<Vec3<T>>& points,
       return "control point " + std::to_string(i) + " is not finite";
   for (std::size_t i = 0; i < weights.size(); ++i)
     if (!isfinite(weights[i]) || !(T(0) < weights[i]))
-      return "weight " + std::to_string(i) + " = " + text_of(weights[i]) + " must be positive and finite";
+      return "weight " + std::to_string(i) + " = " + text_of(weights[i]) + " must be positive and finite" +
+             (weights[i] == T(0) ? ", and not vanish beside the largest" : "");
   return {};
 }
 

@@ -67,6 +67,18 @@ constexpr S dot(const Vec2<S>& a, const Vec2<S>& b) {
 
 namespace detail {
 
+// The same angle with sin² + cos² = 1 to within a rounding: frames need it, partials do not.
+template <class S>
+constexpr Turn<S> normalised(const Turn<S>& a) {
+  const S half = lift<S>(0.5), excess = half * ((a.cos * a.cos - half) + (a.sin * a.sin - half));
+  return {a.sin - a.sin * excess, a.cos - a.cos * excess};
+}
+// Twice the angle.
+template <class S>
+constexpr Turn<S> doubled(const Turn<S>& a) {
+  return {lift<S>(2.0) * (a.sin * a.cos), (a.cos - a.sin) * (a.cos + a.sin)};
+}
+
 // The size of a number as a double, for scaling only; 1 where its type does not tell (it then has no need of scaling).
 template <class S>
 double size_of(const S& x) {

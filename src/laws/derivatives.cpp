@@ -35,7 +35,8 @@ void check_dual(const AnySurface& surface, const Points& points, Checks& checks)
     if (bound < 1) handedness.compare(right ? 0 : 1, 0, p.u, p.v);
   }
   for (const Law& law : laws) checks.push_back(law.result());
-  for (const Law* law : {&tangent, &bitangent, &normal, &handedness}) checks.push_back(law->result());
+  for (const Law* law : {&tangent, &bitangent, &normal}) checks.push_back(law->result());
+  checks.push_back(handedness.result("rounding could turn the normal over everywhere"));
 }
 
 namespace {
@@ -47,9 +48,11 @@ using Differentiate =
 // The length over which the surface varies like a whole turn, at most 1: 2π times the ratio of the first to the second
 // derivative along u or v, or of the second to the third, rounded to a power of two.
 double variation(const Points& points, int along) {
-  const double first = points.scale[along == 0 ? 1 : 2], second = points.scale[along == 0 ? 3 : 5],
-               third = points.third[along];
-  const double shortest = std::fmin(first / second, third > 0 ? second / third : 1);
+  const std::size_t one = along == 0 ? 1 : 2, two = along == 0 ? 3 : 5;
+  const double third = points.third[along];
+  double shortest = 1;
+  if (!points.vanishes[two]) shortest = std::fmin(shortest, points.scale[one] / points.scale[two]);
+  if (third > 0) shortest = std::fmin(shortest, points.scale[two] / third);
   return std::fmin(1, std::exp2(std::floor(std::log2(2 * std::numbers::pi * shortest) + 0.5)));
 }
 

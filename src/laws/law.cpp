@@ -19,8 +19,10 @@ Points::Points(const AnySurface& surface, const CheckOptions& options) : name(su
     third[0] = std::fmax(third[0], norm(derivative(d.d2pdu2, 0)));
     third[1] = std::fmax(third[1], norm(derivative(d.d2pdv2, 1)));
   }
-  for (double& s : scale) {
-    if (s == 0) s = scale[0];
+  for (std::size_t k = 0; k < 6; ++k) {
+    double& s = scale[k];
+    vanishes[k] = s == 0;
+    if (vanishes[k]) s = scale[0];
     representable = representable && s < 1e300 && s > 1e-290;
   }
   if (!representable) return;

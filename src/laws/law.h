@@ -44,7 +44,7 @@ Vec3<T> value(const Vec3<Dual<T, 2>>& a) {
   return {a.x.value, a.y.value, a.z.value};
 }
 
-// Keeps the point with the worst error / bound of one law.
+// Keeps the point of one law at which error / bound is largest.
 class Law {
  public:
   Law(std::string_view surface, std::string_view route, std::string_view quantity) {
@@ -103,7 +103,14 @@ inline Jet2<ManyDigits> many_digit_jet(const AnySurface& surface, const Inputs& 
   return surface.jet(x.u, x.v, x.parameters);
 }
 
-// Calls f(jet) for the jet with each input moved by a relative 1e-20 in turn: what that changes, times 1e20, is the sum
+inline bool is_number(const Jet2<ManyDigits>& j) {
+  for (int k = 0; k < 6; ++k)
+    if (const Vec3<double> x = rounded(partial(j, k)); std::isnan(x.x) || std::isnan(x.y) || std::isnan(x.z))
+      return false;
+  return true;
+}
+
+// Calls f(jet) for the jet with each input moved by a relative 1e-20 in turn, inward where outward there is none: what that changes, times 1e20, is the sum
 // over the inputs of |x ∂/∂x|, the condition that no formula in these inputs can undercut.
 constexpr double relative_change = 1e-20;
 template <class F>
@@ -111,8 +118,13 @@ void for_each_neighbour(const AnySurface& surface, Inputs x, F f) {
   for (std::size_t k = 0; k < x.size(); ++k) {
     const ManyDigits kept = x.at(k);
     if (kept == ManyDigits(0.0)) continue;
-    x.at(k) = kept + kept * ManyDigits(relative_change);
-    f(many_digit_jet(surface, x));
+    for (const double change : {relative_change, -relative_change}) {
+      x.at(k) = kept + kept * ManyDigits(change);
+      const Jet2<ManyDigits> moved = many_digit_jet(surface, x);
+      if (!is_number(moved)) continue;
+      f(moved);
+      break;
+    }
     x.at(k) = kept;
   }
 }
@@ -129,8 +141,9 @@ struct Point {
 struct Points {
   std::string_view name;
   std::vector<Point> list;
-  std::array<double, 6> scale{};  // largest magnitude of each partial over the points
-  std::array<double, 2> third{};  // the same of d3pdu3, d3pdv3
+  std::array<double, 6> scale{};   // largest magnitude of each partial over the points
+  std::array<double, 2> third{};   // the same of d3pdu3, d3pdv3
+  std::array<bool, 6> vanishes{};  // everywhere: then its scale is that of the position
   bool representable = true;
   std::optional<Vec2<double>> not_a_number;  // where a partial is NaN
 

@@ -190,26 +190,43 @@ class HighPrecision {
   }
 
   // A partial that vanishes in 40 digits is told to vanish, partials that are parallel there to be parallel; none that is
-  // so by more than its rounding.
+  // so by more than its rounding. A limit, or no frame at all, is claimed only where one of these holds to rounding; and
+  // where there is no frame its vectors are NaN, nowhere else.
   void compare_status(const Vec2<double>& uv, const Sample<S>& sample, const Jet2<ManyDigits>& exact,
                       const std::array<double, 6>& scale, const std::array<double, 6>& condition,
                       const std::string& of) {
-    const Status told = sample.frame.status;
-    if (has(told, Status::overflow | Status::non_finite_input)) return;
+    const Frame<S>& f = sample.frame;
+    const auto compare = [&](bool wrong) { status_.compare(wrong ? 1 : 0, 0, uv.x, uv.y, of); };
+    const bool none = std::isnan(f.t.x) && std::isnan(f.b.x) && std::isnan(f.n.x);
+    compare(none != has(f.status, Status::no_frame | Status::non_finite_input));
+    if (has(f.status, Status::overflow | Status::non_finite_input)) {
+      // Beyond the range is told only where a square or a quotient of sizes may be.
+      const double range = std::sqrt(std::numeric_limits<S>::max());
+      bool ordinary = true;
+      for (int k = 0; k < 6; ++k)
+        if (const double size = norm(rounded(partial(exact, k))); size != 0)
+          ordinary = ordinary && 1 / range < size && size < range;
+      compare(ordinary);
+      return;
+    }
     const auto vanishes = [](const Vec3<ManyDigits>& a) { return norm(a) == ManyDigits(0.0); };
-    const auto compare = [&](Status bit, bool holds, double size, double rounding) {
-      const bool wrong = has(told, bit) ? !holds && size > rounding : holds;
-      status_.compare(wrong ? 1 : 0, 0, uv.x, uv.y, of);
+    const auto compare_bit = [&](Status bit, bool holds, double size, double rounding) {
+      compare(has(f.status, bit) ? !holds && size > rounding : holds);
     };
     const std::array<double, 2> rounding{16 * roundoff * (1 + condition[1]) * scale[1],
                                          16 * roundoff * (1 + condition[2]) * scale[2]};
     const bool no_u = vanishes(exact.dpdu), no_v = vanishes(exact.dpdv);
     const double du = norm(rounded(exact.dpdu)), dv = norm(rounded(exact.dpdv));
-    compare(Status::dpdu_zero, no_u, du, rounding[0]);
-    compare(Status::dpdv_zero, no_v, dv, rounding[1]);
-    if (no_u || no_v) return;
-    const Vec3<ManyDigits> area = cross(unit(exact.dpdu), unit(exact.dpdv));
-    compare(Status::parallel, vanishes(area), norm(rounded(area)), rounding[0] / du + rounding[1] / dv);
+    compare_bit(Status::dpdu_zero, no_u, du, rounding[0]);
+    compare_bit(Status::dpdv_zero, no_v, dv, rounding[1]);
+    bool degenerate = !(du > rounding[0] && dv > rounding[1]);
+    if (!no_u && !no_v) {
+      const Vec3<ManyDigits> area = cross(unit(exact.dpdu), unit(exact.dpdv));
+      const double sine = norm(rounded(area)), of_sine = rounding[0] / du + rounding[1] / dv;
+      compare_bit(Status::parallel, vanishes(area), sine, of_sine);
+      degenerate = degenerate || sine <= of_sine;
+    }
+    compare(has(f.status, Status::limit_frame | Status::no_frame) && !degenerate);
   }
 
   void compare_frame(const AnySurface& surface, const Vec2<double>& uv, const Sample<S>& sample,

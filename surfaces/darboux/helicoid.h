@@ -10,7 +10,8 @@ namespace darboux {
 /// u climbs along the helices, v runs outward along the rulings; s may be negative (the other side of the axis). n =
 /// (-p sin x, p cos x, -s) / sqrt(s² + p²). Regular for p ≠ 0. For p = 0 it is the plane run over by a turning line,
 /// and dpdu vanishes where s = 0, the axis: n is -z where s > 0 and +z where s < 0, and on the axis the frame is the
-/// limit from s > 0 (from s < 0 where s = 0 is the outer end, inner_radius + width = 0). Frame components err by at
+/// limit from s > 0 (from s < 0 where s = 0 is the outer end, inner_radius + width = 0); where the turning line passes both
+/// with s and -s the status is self_intersecting. Frame components err by at
 /// most 4u times (1 + condition), u the unit roundoff; the condition is that of x in turns · u and of s where
 /// inner_radius and width v cancel. [doCarmo2016, sec. 3-5]
 template <class T = double>
@@ -57,15 +58,22 @@ struct Helicoid {
   template <class S>
   constexpr Status singular(const S&, const S& v) const {
     const S zero = lift<S>(0.0);
-    return lift<S>(pitch) == zero && axis_distance(v) == zero ? Status::dpdu_zero : Status::regular;
+    if (!(lift<S>(pitch) == zero)) return Status::regular;
+    const S s = axis_distance(v), a = lift<S>(inner_radius), b = a + lift<S>(width);
+    if (s == zero) return Status::dpdu_zero;
+    const bool twice = a <= -s && -s <= b && lift<S>(0.5) <= lift<S>(turns);
+    return twice ? Status::self_intersecting : Status::regular;
   }
 
-  /// (y cos θ - x sin θ) p / sqrt(x² + y² + p²) with θ = z/p; for p = 0 the height. That the surface goes on beyond its
-  /// edges does not matter here.
+  /// (y cos θ - x sin θ) p / sqrt(x² + y² + p²) with θ = z/p; for p = 0 the depth, and beyond the outer end, which rulings
+  /// reach from the other side only, the height. That the surface goes on beyond its edges does not matter here.
   template <class S>
   S implicit(const Vec3<S>& q) const {
     const S p = lift<S>(pitch);
-    if (p == lift<S>(0.0)) return q.z;
+    if (p == lift<S>(0.0)) {
+      const S outer = lift<S>(inner_radius) + lift<S>(width);
+      return outer < norm(Vec2<S>{q.x, q.y}) ? q.z : -q.z;
+    }
     const Turn<S> theta = sincos_turns<S>(q.z / p / two_pi<S>());
     return (q.y * theta.cos - q.x * theta.sin) * (p / norm(Vec3<S>{q.x, q.y, p}));
   }

@@ -43,7 +43,7 @@ struct KleinBottle {
   constexpr Jet2<S> jet(const Turn<S>& u, const Turn<S>& v) const {
     const S zero = lift<S>(0.0), two = lift<S>(2.0), four = lift<S>(4.0), half = pi<S>(), tau = two_pi<S>();
     const S R = lift<S>(radius), r = lift<S>(tube_radius);
-    const Turn<S> x = doubled(u), y2 = doubled(v);
+    const Turn<S> x = detail::doubled(u), y2 = detail::doubled(v);
     // The figure and its derivatives with respect to y, turned by x/2: x away from the axis, y up.
     const Vec2<S> p = r * turned<S>(u, {v.sin, y2.sin}), dp = r * turned<S>(u, {v.cos, two * y2.cos}),
                   d2p = r * turned<S>(u, {-v.sin, -(four * y2.sin)});
@@ -59,9 +59,9 @@ struct KleinBottle {
   template <class S>
   constexpr Frame<S> frame(const Turn<S>& u, const Turn<S>& v) const {
     const S zero = lift<S>(0.0), one = lift<S>(1.0), two = lift<S>(2.0), r = lift<S>(tube_radius);
-    const Turn<S> x = normalised(doubled(u));
+    const Turn<S> x = detail::normalised(detail::doubled(u));
     const S rho = axis_distance(u, v), g = speed(v);
-    const Vec2<S> along = unit(turned<S>(u, {v.cos, two * doubled(v).cos}));  // τ
+    const Vec2<S> along = unit(turned<S>(u, {v.cos, two * detail::doubled(v).cos}));  // τ
     const Vec2<S> across{radial(v), two * rho};
     Vec2<S> a = unit(across);  // n = a.x e_t + a.y ν
     Status status = Status::regular;
@@ -145,33 +145,22 @@ struct KleinBottle {
   template <class S>
   constexpr S axis_distance(const Turn<S>& u, const Turn<S>& v) const {
     const S one = lift<S>(1.0), R = lift<S>(radius), r = lift<S>(tube_radius);
-    const S inward = -(u.cos * v.sin), sideways = u.sin * doubled(v).sin, c = u.cos * v.cos;
+    const S inward = -(u.cos * v.sin), sideways = u.sin * detail::doubled(v).sin, c = u.cos * v.cos;
     if (inward < lift<S>(0.5)) return R + r * (-inward - sideways);
     return (R - r) + r * ((u.sin * u.sin + c * c) / (one + inward) - sideways);
   }
   // f: half the derivative of the squared distance from the figure's centre along its length, over r
   template <class S>
   constexpr S radial(const Turn<S>& v) const {
-    const Turn<S> y2 = doubled(v);
+    const Turn<S> y2 = detail::doubled(v);
     return lift<S>(tube_radius) * (y2.sin * (lift<S>(0.5) + lift<S>(2.0) * y2.cos) / speed(v));
   }
   // g: the length of the figure's tangent over r
   template <class S>
   static constexpr S speed(const Turn<S>& v) {
     using std::sqrt;
-    const S c2 = lift<S>(2.0) * doubled(v).cos;
+    const S c2 = lift<S>(2.0) * detail::doubled(v).cos;
     return sqrt(S(v.cos * v.cos + c2 * c2));
-  }
-  // sine and cosine of twice the angle
-  template <class S>
-  static constexpr Turn<S> doubled(const Turn<S>& a) {
-    return {lift<S>(2.0) * (a.sin * a.cos), (a.cos - a.sin) * (a.cos + a.sin)};
-  }
-  // The angle with sin² + cos² = 1 to within a rounding, which the frame needs and the partials do not
-  template <class S>
-  static constexpr Turn<S> normalised(const Turn<S>& a) {
-    const S half = lift<S>(0.5), excess = half * ((a.cos * a.cos - half) + (a.sin * a.sin - half));
-    return {a.sin - a.sin * excess, a.cos - a.cos * excess};
   }
   // a, turned
   template <class S>

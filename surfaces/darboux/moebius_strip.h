@@ -37,7 +37,7 @@ struct MoebiusStrip {
     const S zero = lift<S>(0.0), two = lift<S>(2.0), four = lift<S>(4.0), tau = two_pi<S>();
     const S w = lift<S>(width), &k = u.cos, &m = u.sin;
     const S s = across(v), rho = axis_distance(u, s);
-    const Turn<S> x = whole(u);
+    const Turn<S> x = detail::doubled(u);
     return {.position = {rho * x.cos, rho * x.sin, s * m},
             .dpdu = tau * cartesian<S>(x, {-(s * m / two), rho, s * k / two}),
             .dpdv = w * cartesian<S>(x, {k, zero, m}),
@@ -48,7 +48,7 @@ struct MoebiusStrip {
 
   template <class S>
   constexpr Frame<S> frame(const Turn<S>& u, const S& v) const {
-    const Turn<S> h = normalised(u), x = normalised(whole(u));
+    const Turn<S> h = detail::normalised(u), x = detail::normalised(detail::doubled(u));
     const S s = across(v), &k = h.cos, &m = h.sin;
     const Vec2<S> tilt = unit(Vec2<S>{s / lift<S>(2.0), axis_distance(u, s)});
     return {.t = cartesian<S>(x, {-(tilt.x * m), tilt.y, tilt.x * k}),
@@ -59,7 +59,7 @@ struct MoebiusStrip {
   template <class S>
   constexpr Status singular(const Turn<S>& u, const S& v) const {
     const S two_r = lift<S>(2.0) * lift<S>(radius), half_width = lift<S>(width) / lift<S>(2.0);
-    const S c = whole(u).cos, zero = lift<S>(0.0);
+    const S c = detail::doubled(u).cos, zero = lift<S>(0.0);
     const auto reaches = [&](const S& half_cosine) {
       const S need = two_r * half_cosine, have = half_width * c;
       return need * need <= have * have;
@@ -112,17 +112,6 @@ struct MoebiusStrip {
   template <class S>
   constexpr S axis_distance(const Turn<S>& u, const S& s) const {
     return lift<S>(radius) + s * u.cos;
-  }
-  // sin x, cos x from those of x/2
-  template <class S>
-  static constexpr Turn<S> whole(const Turn<S>& half) {
-    return {lift<S>(2.0) * (half.sin * half.cos), (half.cos - half.sin) * (half.cos + half.sin)};
-  }
-  // The angle with sin² + cos² = 1 to within a rounding, which the frame needs and the partials do not
-  template <class S>
-  static constexpr Turn<S> normalised(const Turn<S>& a) {
-    const S half = lift<S>(0.5), excess = half * ((a.cos * a.cos - half) + (a.sin * a.sin - half));
-    return {a.sin - a.sin * excess, a.cos - a.cos * excess};
   }
   // a.x e_r + a.y e_t + a.z e_z
   template <class S>

@@ -73,7 +73,7 @@ struct Pseudosphere {
   template <class S>
   constexpr Frame<S> frame(const S& u, const S& v) const {
     const S zero = lift<S>(0.0), a = lift<S>(radius), b = lift<S>(pitch);
-    const Turn<S> x = normalised(azimuth(u)), w = normalised(profile_angle(v));
+    const Turn<S> x = detail::normalised(azimuth(u)), w = detail::normalised(profile_angle(v));
     const Vec2<S> all = unit(Vec2<S>{a, b}), along = unit(Vec2<S>{a * w.sin, b});
     const S k = side(w), c = k * (all.x * w.cos), s = k * (all.x * w.sin);
     return {
@@ -140,12 +140,6 @@ struct Pseudosphere {
     const S zero = lift<S>(0.0), one = lift<S>(1.0);
     if (w.cos < zero) return -one;
     return zero < w.cos || zero < profile_angle(zero).cos ? one : -one;
-  }
-  // The angle with sin² + cos² = 1 to within a rounding, which the frame needs and the partials do not
-  template <class S>
-  static constexpr Turn<S> normalised(const Turn<S>& a) {
-    const S half = lift<S>(0.5), excess = half * ((a.cos * a.cos - half) + (a.sin * a.sin - half));
-    return {a.sin - a.sin * excess, a.cos - a.cos * excess};
   }
   // a.x e_r + a.y e_t + a.z e_z
   template <class S>

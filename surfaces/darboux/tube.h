@@ -88,12 +88,13 @@ struct Tube {
     const CurveFrame<S> f = curve.moving_frame(u);
     if (detail::is_zero(f.speed) || detail::vanishes(f.N)) return detail::no_frame<S>();
     const S along = remaining_speed(u, v, f), twisted = lift<S>(radius) * f.twist;
-    const Vec3<S> round = v.sin * f.N + v.cos * f.B;
+    const Turn<S> y = detail::normalised(v);
+    const Vec3<S> round = y.sin * f.N + y.cos * f.B;
     const bool pinched = detail::is_zero(along) && detail::is_zero(twisted);
     const Vec2<S> d = pinched ? Vec2<S>{one, zero} : unit(Vec2<S>{along, twisted});
-    return detail::of_numbers<S>({.t = d.x * f.T + d.y * round,
-                                  .b = d.y * f.T - d.x * round,
-                                  .n = v.cos * f.N - v.sin * f.B,
+    return detail::of_numbers<S>({.t = unit(d.x * f.T + d.y * round),
+                                  .b = unit(d.y * f.T - d.x * round),
+                                  .n = y.cos * f.N - y.sin * f.B,
                                   .handedness = along < zero ? -one : one});
   }
 
