@@ -130,17 +130,6 @@ template <class S>
 Frame<S> no_frame() {
   return {nan_of<S>(), nan_of<S>(), nan_of<S>(), lift<S>(1.0), Status::no_frame};
 }
-// The frame, or none with `overflow` where it is not of numbers: a user's function gave NaN or infinity.
-template <class S>
-Frame<S> of_numbers(const Frame<S>& frame) {
-  const Vec3<S> all = frame.t + frame.b + frame.n;
-  const S one = lift<S>(1.0);
-  if (all.x - all.x < one && all.y - all.y < one && all.z - all.z < one) return frame;
-  Frame<S> none = no_frame<S>();
-  none.status |= Status::overflow;
-  return none;
-}
-
 // The components of T' and T'' along a unit vector x perpendicular to T, from
 //   K'' = speed' T + speed T',   K''' = speed'' T + 2 speed' T' + speed T''
 template <class S>

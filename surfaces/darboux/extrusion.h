@@ -67,7 +67,7 @@ struct Extrusion {
     const Vec3<S> across = accurate_cross(way.direction, unit(detail::lift_vector<S>(direction)));
     if (way.order == 0 || detail::vanishes(across)) return detail::no_frame<S>();
     const Vec3<S> n = unit(across);
-    return detail::of_numbers<S>({.t = way.direction, .b = accurate_cross(n, way.direction), .n = n});
+    return {.t = way.direction, .b = accurate_cross(n, way.direction), .n = n};
   }
 
   template <class P, class S>

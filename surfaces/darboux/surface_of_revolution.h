@@ -63,9 +63,9 @@ struct SurfaceOfRevolution {
     const auto [way, order] = detail::passage<Curve::kind>(k, v);
     if (order == 0) return detail::no_frame<S>();
     const S side = k.position.x < zero ? -one : one;
-    return detail::of_numbers<S>({.t = {-(side * u.sin), side * u.cos, zero},
-                                  .b = {way.x * u.cos, way.x * u.sin, way.z},
-                                  .n = {side * (way.z * u.cos), side * (way.z * u.sin), -(side * way.x)}});
+    return {.t = {-(side * u.sin), side * u.cos, zero},
+            .b = {way.x * u.cos, way.x * u.sin, way.z},
+            .n = {side * (way.z * u.cos), side * (way.z * u.sin), -(side * way.x)}};
   }
 
   template <class S, class P>

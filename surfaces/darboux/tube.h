@@ -92,10 +92,10 @@ struct Tube {
     const Vec3<S> round = y.sin * f.N + y.cos * f.B;
     const bool pinched = detail::is_zero(along) && detail::is_zero(twisted);
     const Vec2<S> d = pinched ? Vec2<S>{one, zero} : unit(Vec2<S>{along, twisted});
-    return detail::of_numbers<S>({.t = unit(d.x * f.T + d.y * round),
-                                  .b = unit(d.y * f.T - d.x * round),
-                                  .n = y.cos * f.N - y.sin * f.B,
-                                  .handedness = along < zero ? -one : one});
+    return {.t = unit(d.x * f.T + d.y * round),
+            .b = unit(d.y * f.T - d.x * round),
+            .n = y.cos * f.N - y.sin * f.B,
+            .handedness = along < zero ? -one : one};
   }
 
   template <class P, class S>
