@@ -68,10 +68,11 @@ void check_implicit(const AnySurface& surface, const Points& points, Checks& che
       position.compare(std::fabs(*surface.implicit(p.j.position)) / points.scale[0], roundings, p.u, p.v);
       if (!curvable(p)) continue;
       const Vec3<double> gradient = *surface.implicit_gradient(p.j.position);
-      // The gradient at a rounded position, by how it changes over a millionth of the size; the normal of rounded partials.
+      // The gradient at a rounded position, by how it changes over a millionth of the size and by the curvature, where the
+      // surface bends within less; the normal of rounded partials.
       const double step = 1e-6 * points.scale[0];
       const Curvature<double> c = curvature(p.j, p.f);
-      double change = 0;
+      double change = points.scale[0] * (std::fabs(c.principal[0]) + std::fabs(c.principal[1]));
       for (const Vec3<double>& way : {p.f.t, p.f.b, p.f.n})
         change += norm(*surface.implicit_gradient(p.j.position + step * way) - gradient) / 1e-6;
       const double bound =
