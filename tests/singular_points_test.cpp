@@ -584,6 +584,19 @@ TEST(Implicit, IsMinusTheLeastSemiAxisAtTheCentre) {
   }
 }
 
+// Beside the rectangle the distance from its edges and corners, whatever the quadrant.
+TEST(Implicit, OfAPlaneIsTheDistanceFromItsRectangle) {
+  const Plane plane{2.0, 6.0};
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      for (const double z : {-2.0, 0.0, 2.0}) {
+        EXPECT_EQ(plane.implicit(Vec{0.5 * x, 2 * y, z}), z);
+        EXPECT_EQ(plane.implicit(Vec{2.5 * x, 2 * y, z}), std::hypot(1.5, z));
+        EXPECT_EQ(plane.implicit(Vec{0.5 * x, 5 * y, z}), std::hypot(2.0, z));
+        EXPECT_DOUBLE_EQ(plane.implicit(Vec{2.5 * x, 5 * y, z}), std::hypot(1.5, 2.0, z));
+      }
+}
+
 TEST(Implicit, VanishesOnTheDoubleCircleOfAKleinBottle) {
   EXPECT_EQ((KleinBottle<>{2, 0.5}.implicit(Vec{2, 0, 0})), 0);
 }

@@ -457,6 +457,7 @@ void expect_collapsed(const X& patch, bool along_v, double edge, double inward) 
     EXPECT_EQ(along_v ? j.dpdu : j.dpdv, (Vec{}));
     const Frame<double> f = frame(patch, u, v), near = frame(patch, u1, v1);
     EXPECT_EQ(f.status, expected);
+    EXPECT_EQ(status(patch, u, v), along_v ? Status::dpdu_zero : Status::dpdv_zero);
     EXPECT_EQ(sample(patch, u, v).frame.status, expected);
     EXPECT_EQ(parametric_frame(patch, u, v).status, expected);
     EXPECT_EQ(near.status, Status::regular);

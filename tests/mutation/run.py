@@ -44,7 +44,7 @@ TESTS = ["singular_points_test", "spline_test"]
 
 # Functions that compute nothing a law could look at: texts, accessors, the default data of splines, conversions.
 NOT_FORMULAS = {"parameters", "refusal", "rebind", "example_points", "example_weights", "example_knots",
-                "requires"}
+                "requires", "weights", "control_points", "knots_u", "knots_v"}
 
 TOKEN = re.compile(
     r"""(?P<comment>//[^\n]*|/\*.*?\*/)
