@@ -12,12 +12,11 @@
 #include <darboux/error.h>
 #include <darboux/testing.h>
 
+#include "compare_frames.h"
 #include "every_surface.h"
 
 namespace darboux::test {
 namespace {
-
-constexpr double roundoff = 0x1p-53;
 
 // The sign of det(dpdu, dpdv, n).
 double det_sign(const Jet2<double>& j, const Vec3<double>& n) {

@@ -68,20 +68,6 @@ constexpr SurfaceInfo moved_info(double added) {
   return info;
 }
 
-// The k-th variable at a prepared coordinate, over the dual numbers D = Dual<S, 2>.
-template <class D, class S>
-D as_variable(const S& x, int k, Coordinate) {
-  return D::variable(x, k);
-}
-template <class D, class S>
-Turn<D> as_variable(const Turn<S>& x, int k, Coordinate kind) {
-  const S omega = kind == Coordinate::turn ? two_pi<S>() : pi<S>();
-  Turn<D> result{D(x.sin), D(x.cos)};
-  result.sin.derivative[static_cast<std::size_t>(k)] = omega * x.cos;
-  result.cos.derivative[static_cast<std::size_t>(k)] = -(omega * x.sin);
-  return result;
-}
-
 template <class S>
 S constant_part(const S& x) {
   if constexpr (requires { Scalar<S>::value(x); })
@@ -103,7 +89,7 @@ auto mean_from_constant(const S& x, F f) {
 
 // The unit normal of a surface at prepared coordinates of any scalar. Where the chart of a surface without a closed frame
 // collapses, dpdu = (v - v0) Q with Q the mean of d2pduv between v0 and v: the normal and all its derivatives are those of
-// ±Q × dpdv, as in limit_at_collapsed_edge. (The same for dpdv and u.)
+// ±Q × dpdv, as in limit_frame(). (The same for dpdv and u.)
 template <class X, class PU, class PV>
 auto normal_of(const X& surface, const PU& u, const PV& v) {
   if constexpr (requires { surface.normal(u, v); }) {
@@ -117,12 +103,12 @@ auto normal_of(const X& surface, const PU& u, const PV& v) {
     if constexpr (std::same_as<PV, S>)
       if (u_collapsed && !v_collapsed) {
         const Vec3<S> q = mean_from_constant(v, [&](const S& x) { return surface.jet(u, x).d2pduv; });
-        return unit(cross(first_half(v) ? q : -q, j.dpdv));
+        return unit(cross(at_upper_end<X::info.v>(v) ? -q : q, j.dpdv));
       }
     if constexpr (std::same_as<PU, S>)
       if (v_collapsed && !u_collapsed) {
         const Vec3<S> q = mean_from_constant(u, [&](const S& x) { return surface.jet(x, v).d2pduv; });
-        return unit(cross(j.dpdu, first_half(u) ? q : -q));
+        return unit(cross(j.dpdu, at_upper_end<X::info.u>(u) ? -q : q));
       }
     return unit(cross(j.dpdu, j.dpdv));
   }
@@ -243,6 +229,10 @@ struct Reparametrised {
       t = a == S(0) ? std::copysign(one, c) * along_v(f, j, at) : std::copysign(one, a) * f.t;
     else
       t = unit(a * j.dpdu + c * j.dpdv);
+    if (t == Vec3<S>{}) {  // both partials vanish: the limit in these coordinates
+      t = detail::limit_frame(*this, jet(u, v), Status::dpdu_zero | Status::dpdv_zero, u, v).t;
+      if (!detail::finite(t)) return {t, t, t, S(1), Status::no_frame};
+    }
     const Vec3<S> b = t == f.t ? f.b : t == -f.t ? -f.b : unit(accurate_cross(f.n, t));
     return {t, b, f.n, scaled_determinant() < 0 ? -f.handedness : f.handedness,
             f.status & Status::limit_frame};

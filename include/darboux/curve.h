@@ -84,17 +84,6 @@ auto rebound(const C& curve) {
     return curve;
 }
 
-// Whether a parameter is at or beyond the upper end of its domain.
-template <Coordinate kind, class P>
-bool at_upper_end(const P& t) {
-  if constexpr (kind == Coordinate::linear)
-    return !(t < lift<P>(1.0));
-  else if constexpr (kind == Coordinate::half_turn)
-    return t.cos < lift<decltype(t.cos)>(0.0) && equal(t.sin, lift<decltype(t.sin)>(0.0));
-  else
-    return false;
-}
-
 // The direction in which a curve passes t: that of the first of its derivatives that does not vanish, in the limit from
 // above (from below at the upper end of the domain). order: of that derivative, 0 where all three vanish.
 template <class S>
@@ -113,11 +102,7 @@ Passage<S> passage(const CurveJet<S>& j, const P& t) {
 template <Coordinate kind, class S, class P>
 Status passage_status(const Passage<S>& way, const P& t, Status zero) {
   Status result = way.order == 1 ? Status::regular : zero;
-  if constexpr (kind == Coordinate::linear) {
-    if (way.order == 2 && lift<P>(0.0) < t && t < lift<P>(1.0)) result |= Status::crease;
-  } else {
-    if (way.order == 2) result |= Status::crease;
-  }
+  if (way.order == 2 && within<kind>(t)) result |= Status::crease;
   return result;
 }
 

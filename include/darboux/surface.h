@@ -174,6 +174,52 @@ auto prepare(const S& x) {
 template <Coordinate kind, class S>
 using Prepared = decltype(prepare<kind>(std::declval<S>()));
 
+namespace detail {
+
+// Whether a prepared coordinate is at or beyond the upper end of its domain, and whether it is within, beside no end.
+template <Coordinate kind, class P>
+bool at_upper_end(const P& x) {
+  if constexpr (kind == Coordinate::linear)
+    return !(x < lift<P>(1.0));
+  else if constexpr (kind == Coordinate::half_turn)
+    return x.cos < lift<decltype(x.cos)>(0.0) && !(lift<decltype(x.sin)>(0.0) < x.sin);
+  else
+    return false;
+}
+template <Coordinate kind, class P>
+bool within(const P& x) {
+  if constexpr (kind == Coordinate::linear)
+    return lift<P>(0.0) < x && x < lift<P>(1.0);
+  else if constexpr (kind == Coordinate::half_turn)
+    return lift<decltype(x.sin)>(0.0) < x.sin;
+  else
+    return true;
+}
+
+// The k-th variable at a prepared coordinate, over the dual numbers D on its scalar; the same as a constant.
+template <class D, class S>
+D as_variable(const S& x, int k, Coordinate) {
+  return D::variable(x, k);
+}
+template <class D, class S>
+Turn<D> as_variable(const Turn<S>& x, int k, Coordinate kind) {
+  const S omega = kind == Coordinate::turn ? two_pi<S>() : pi<S>();
+  Turn<D> result{D(x.sin), D(x.cos)};
+  result.sin.derivative[static_cast<std::size_t>(k)] = omega * x.cos;
+  result.cos.derivative[static_cast<std::size_t>(k)] = -(omega * x.sin);
+  return result;
+}
+template <class D, class S>
+D as_constant(const S& x) {
+  return D(lift<D>(x));
+}
+template <class D, class S>
+Turn<D> as_constant(const Turn<S>& x) {
+  return {lift<D>(x.sin), lift<D>(x.cos)};
+}
+
+}  // namespace detail
+
 /// A surface type: `info`, and jet(u, v) on prepared coordinates of any scalar. It may add
 ///   static constexpr auto parameters()    names, members, permitted ranges: an array of Parameter
 ///   std::string refusal()                 what is wrong with the parameters together, empty when nothing is

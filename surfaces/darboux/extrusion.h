@@ -16,8 +16,8 @@ namespace darboux {
 /// u runs along the curve, v from the curve (0) to its copy at d (1). n = K' × d / |.|: outward for a curve that runs
 /// counter-clockwise as seen from the tip of d. Where the curve stops (K' = 0) dpdu_zero, and the limit frame is from
 /// above (at u = 1 from below) by the first derivative that does not vanish; with crease where the curve turns round. At
-/// a corner of the curve crease, and the frame is that from above. Where d is tangent to the curve, parallel and no
-/// frame. t errs by at most 2u (1 + condition), u the unit roundoff, the condition that of K'; n by that over the sine
+/// a corner of the curve crease, and the frame is that from above. Where d is tangent to the curve, parallel, and n is the
+/// limit by the first of K'' × d and the third derivative × d that does not vanish, with crease where it turns over. t errs by at most 2u (1 + condition), u the unit roundoff, the condition that of K'; n by that over the sine
 /// of the angle of K' and d. [doCarmo2016, sec. 3-3]
 template <class Curve = BSplineCurve<double>>
 struct Extrusion {
@@ -63,20 +63,21 @@ struct Extrusion {
 
   template <class P, class S>
   Frame<S> frame(const P& u, const S&) const {
-    const auto way = detail::passage<Curve::kind>(CurveJet<S>(curve.jet(u)), u);
-    const Vec3<S> across = accurate_cross(way.direction, unit(detail::lift_vector<S>(direction)));
-    if (way.order == 0 || detail::vanishes(across)) return detail::no_frame<S>();
-    const Vec3<S> n = unit(across);
+    const CurveJet<S> k = curve.jet(u);
+    const auto way = detail::passage<Curve::kind>(k, u), across = passage_across(k, u);
+    if (across.order == 0) return detail::no_frame<S>();
+    const Vec3<S>& n = across.direction;
     return {.t = way.direction, .b = accurate_cross(n, way.direction), .n = n};
   }
 
   template <class P, class S>
   Status singular(const P& u, const S&) const {
-    const auto way = detail::passage<Curve::kind>(CurveJet<S>(curve.jet(u)), u);
+    const CurveJet<S> k = curve.jet(u);
+    const auto way = detail::passage<Curve::kind>(k, u), across = passage_across(k, u);
     Status result =
         detail::curve_status(curve, u) | detail::passage_status<Curve::kind>(way, u, Status::dpdu_zero);
-    if (detail::vanishes(accurate_cross(way.direction, unit(detail::lift_vector<S>(direction)))))
-      result |= Status::parallel;
+    if (across.order != way.order)
+      result |= detail::passage_status<Curve::kind>(across, u, Status::parallel);
     return result;
   }
 
@@ -97,6 +98,16 @@ struct Extrusion {
   auto rebind() const {
     auto rebound = detail::rebound<To>(curve);
     return Extrusion<decltype(rebound)>{std::move(rebound), detail::lift_vector<To>(direction)};
+  }
+
+ private:
+  // How K × d passes u: along n.
+  template <class S, class P>
+  detail::Passage<S> passage_across(const CurveJet<S>& k, const P& u) const {
+    const Vec3<S> d = unit(detail::lift_vector<S>(direction));
+    const auto across = [&](const Vec3<S>& x) { return accurate_cross(unit(x), d); };
+    return detail::passage<Curve::kind>(
+        CurveJet<S>{k.position, across(k.first), across(k.second), across(k.third)}, u);
   }
 };
 template <class Curve, class T>
