@@ -393,10 +393,11 @@ double distance(const Vec3<double>& a, const Vec3<Wide>& b) {
 template <class X>
 double length_at(const X& surface, int along, double x) {
   double length = 1;
-  if (X::info.name == "graph") length = 0.4;  // a steep hill
+  if (X::info.name == "graph") length = 0.4;                                            // a steep hill
   if (X::info.name == "klein-bottle" || X::info.name == "moebius-strip") length = 0.5;  // higher harmonics
   if (X::info.name == "pseudosphere") length = 0.11;  // its tips are not far beyond the ends
-  if (X::info.name == "bezier-patch" || X::info.name == "bspline-patch") length = 0.4;  // poles of rational functions
+  if (X::info.name == "bezier-patch" || X::info.name == "bspline-patch")
+    length = 0.4;  // poles of rational functions
   if constexpr (requires { surface.breaks(along); })
     for (const double b : surface.breaks(along))
       for (const double place : {b - 1, b, b + 1})
@@ -509,8 +510,8 @@ TEST(Order8, ReachesItsAccuracyOnTheWholeCatalogue) {
       const auto line = coordinate_line(surface, u, v, along);
       const Jet2<Wide> j = jet(surface, Wide(u), Wide(v));
       const Vec3<Wide>& truth = along == 0 ? j.dpdu : j.dpdv;
-      const double size = std::fmax(tau / length * static_cast<double>(norm(j.position)),
-                                    static_cast<double>(norm(truth)));
+      const double size =
+          std::fmax(tau / length * static_cast<double>(norm(j.position)), static_cast<double>(norm(truth)));
       const double step = one_sided_step<8>(length);
       const DerivativeEstimate c = central_difference<8>(in_double(line), x, central_step<8>(length)),
                                o = one_sided_difference<8>(in_double(line), x, x < 0.5 ? step : -step);

@@ -20,9 +20,7 @@ constexpr Status regular = Status::regular, dpdu_zero = Status::dpdu_zero, dpdv_
                  overflow = Status::overflow;
 constexpr Vec2<double> along_u{1, 0}, against_u{-1, 0}, along_v{0, 1}, against_v{0, -1};
 
-constexpr Status without(Status mask, Status bits) {
-  return static_cast<Status>(static_cast<std::uint32_t>(mask) & ~static_cast<std::uint32_t>(bits));
-}
+using detail::without;
 
 // The same bits from every way of asking. A frame made from partials finds `parallel` itself, and that its limit jumps;
 // where a surface declares nothing, it finds every bit.
@@ -60,6 +58,13 @@ void expect_limit(const X& surface, const Vec2<double>& point, const Vec2<double
   EXPECT_NEAR(norm(at.n), 1, 8 * roundoff);
   EXPECT_NEAR(dot(at.t, at.n), 0, 8 * roundoff);
   EXPECT_LE(norm(cross(at.n, at.t) - at.b), 8 * roundoff);
+  // b along dpdv, at its own rate; where dpdv vanishes or is infinite a closed frame may only know the side.
+  const ParametricFrame<double> along = parametric_frame(surface, u, v),
+                                beside = parametric_frame(surface, u + inward.x * 1e-9, v + inward.y * 1e-9);
+  EXPECT_EQ(along.t, at.t);
+  if (detail::limits_by_series<X> || !has(expected, dpdv_zero | overflow)) {
+    EXPECT_LE(norm(along.b - beside.b), 2e-3);
+  }
   for (int k = 1; k <= law.decades; ++k) {
     const double step = std::pow(10.0, -k);
     const Frame<double> near = frame(surface, u + inward.x * step, v + inward.y * step);
@@ -71,9 +76,9 @@ void expect_limit(const X& surface, const Vec2<double>& point, const Vec2<double
 }
 
 // No frame, and rightly: about the point, within the square, frames differ by a finite angle however near they are, or
-// there are none.
+// (none_near) there are none, as of a surface that is a line.
 template <class X>
-void expect_no_limit(const X& surface, const Vec2<double>& point, Status expected) {
+void expect_no_limit(const X& surface, const Vec2<double>& point, Status expected, bool none_near = false) {
   const auto [u, v] = point;
   SCOPED_TRACE(::testing::Message() << X::info.name << " at u = " << u << ", v = " << v);
   expect_status(surface, u, v, expected | no_frame);
@@ -92,7 +97,10 @@ void expect_no_limit(const X& surface, const Vec2<double>& point, Status expecte
     double spread = 0;
     for (const auto& a : near)
       for (const auto& b : near) spread = std::max(spread, distance(a, b));
-    EXPECT_TRUE(near.empty() || spread > 0.2) << radius << " " << spread;
+    if (none_near)
+      EXPECT_TRUE(near.empty()) << radius;
+    else
+      EXPECT_GT(spread, 0.2) << radius;
   }
 }
 

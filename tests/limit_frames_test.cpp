@@ -1,5 +1,7 @@
 // Limits that the second partials do not tell: surfaces by their position only, patches with several rows in one point.
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -59,6 +61,21 @@ struct Blunt {  // both partials vanish along u = 0 and along v = 0; a plane all
     return {u * u, v * v * v, lift<S>(0.0)};
   }
 };
+struct Pole {  // u from a point, v round it
+  static constexpr SurfaceInfo info{"pole", "", Coordinate::linear, Coordinate::turn};
+  template <class S>
+  Vec3<S> position(const S& u, const Turn<S>& v) const {
+    return {u * v.cos, u * v.sin, u};
+  }
+};
+struct Developable {  // of a twisted cubic
+  static constexpr SurfaceInfo info{"developable", "", Coordinate::linear, Coordinate::linear};
+  template <class S>
+  Vec3<S> position(const S& u, const S& v) const {
+    const S two = lift<S>(2.0), three = lift<S>(3.0);
+    return {u + v, u * u + two * (u * v), u * u * u + three * (u * u * v)};
+  }
+};
 struct InDouble {  // knows no other scalar
   static constexpr SurfaceInfo info{"in-double", "", Coordinate::linear, Coordinate::linear};
   int order = 1;
@@ -111,48 +128,117 @@ TEST(LimitFrames, OfFourthOrderAreNotFound) {
   }
 }
 
-// A net whose first `rows` rows are one point, at any of the four edges.
+// A patch of which `rows` rows of the net are one point, at the edge v = 0, v = 1, u = 0 or u = 1 (edge 0 to 3), and what
+// leads to that edge.
+struct Fan {
+  BezierPatch<double> patch;
+  Vec2<double> inward;
+  Status zero;  // the partial along the edge; the other vanishes too for several rows
+  Vec2<double> at(double x) const {
+    return inward.y > 0   ? Vec2<double>{x, 0}
+           : inward.y < 0 ? Vec2<double>{x, 1}
+           : inward.x > 0 ? Vec2<double>{0, x}
+                          : Vec2<double>{1, x};
+  }
+};
+Fan fan(Random& random, int rows, int edge) {
+  const Vec tip{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
+  std::vector<Vec> net(16);
+  std::vector<double> weights(16);
+  for (int i = 0; i < 4; ++i)      // along the edge
+    for (int j = 0; j < 4; ++j) {  // away from it
+      const double reach = j < rows ? 0 : 1.0 + 0.2 * j, angle = 0.4 * i + random.uniform(0, 0.1);
+      const int along = edge % 2 == 1 ? 3 - j : j, at = edge < 2 ? 4 * i + along : 4 * along + i;
+      net[static_cast<std::size_t>(at)] = tip + reach * Vec{std::cos(angle), std::sin(angle), 0.3 * i};
+      weights[static_cast<std::size_t>(at)] = random.uniform(0.5, 2);
+    }
+  constexpr std::array<Vec2<double>, 4> inward{along_v, against_v, along_u, against_u};
+  return {BezierPatch<double>(3, 3, net, weights), inward[static_cast<std::size_t>(edge)],
+          edge < 2 ? dpdu_zero : dpdv_zero};
+}
+constexpr Law of_patches{.factor = 5000};
+
 TEST(LimitFrames, OfPatchesWithSeveralRowsInOnePoint) {
   Random random(11);
   for (int rows = 1; rows <= 3; ++rows)
-    for (int trial = 0; trial < 10; ++trial) {
-      // P_ij = tip + reach_j (cos φ_i, sin φ_i, 0.3 i) + a lift of the whole row
-      const Vec tip{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
-      std::vector<Vec> net(16);
-      std::vector<double> weights(16);
-      for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) {
-          const double reach = j < rows ? 0 : 1.0 + 0.2 * j, angle = 0.4 * i + random.uniform(0, 0.1);
-          const auto at = static_cast<std::size_t>(4 * i + j);
-          net[at] = tip + reach * Vec{std::cos(angle), std::sin(angle), 0.3 * i};
-          weights[at] = random.uniform(0.5, 2);
-        }
-      const BezierPatch<double> patch(3, 3, net, weights);
-      const Status both = rows == 1 ? collapsed : collapsed | dpdv_zero;
-      for (const double u : {0.1, 0.5, 0.8}) {
-        expect_limit(patch, {u, 0}, along_v, both, {.factor = 2000});
-        const Reparametrised<BezierPatch<double>> back{patch, {1, 0, 0, -1}, {0, 1}};
-        const Frame<double> a = frame(patch, u, 0.0), b = frame(back, u, 1.0);
-        EXPECT_LE(norm(a.t - b.t) + norm(a.n - b.n), 64 * roundoff);
-        EXPECT_EQ(b.handedness, -1);
-      }
+    for (int trial = 0; trial < 8; ++trial) {
+      const Fan f = fan(random, rows, trial % 4);
+      const Status bits = (rows == 1 ? f.zero : dpdu_zero | dpdv_zero) | limit_frame;
+      for (const double x : {0.1, 0.5, 0.8}) expect_limit(f.patch, f.at(x), f.inward, bits, of_patches);
     }
 }
 
+// What an adaptor makes of a limit is the limit of what it makes: at the point of the adaptor's square that the map takes
+// to (u, v) of the base, approached as the base is.
 TEST(LimitFrames, InOtherCoordinates) {
-  const Reparametrised<FromPosition<SlowSphere>> swapped_sphere{{}, {0, 1, 1, 0}, {0, 0}},
-      sheared{{}, {1, 0.5, 0, 1}, {0, 0}};
-  for (const double x : {0.1, 0.3, 0.8}) {
-    const Frame<double> f = frame(swapped_sphere, 0.0, x), near = frame(swapped_sphere, 1e-7, x);
-    EXPECT_LE(distance(f, near), 1e-5);
-    EXPECT_TRUE(has(f.status, limit_frame));
-    const Frame<double> g = frame(sheared, x, 0.0), beside = frame(sheared, x, 1e-7);
-    EXPECT_LE(distance(g, beside), 1e-5);
+  Random random(12);
+  const auto expect_adapted = [](const auto& base, const Vec2<double>& at, const Vec2<double>& inward) {
+    const std::array<std::array<double, 4>, 6> maps{
+        {{0, 1, 1, 0}, {1, 0, 0, -1}, {1, 0.3, 0, 1}, {1, 0, 0.3, 1}, {0.5, -0.4, 0.3, 0.7}, {1, 0, -1, 1}}};
+    for (const auto& M : maps) {
+      SCOPED_TRACE(::testing::Message() << M[0] << " " << M[1] << " " << M[2] << " " << M[3] << ", base "
+                                        << base.info.name << " at " << at.x << ", " << at.y);
+      const double determinant = M[0] * M[3] - M[1] * M[2];
+      const auto inverse = [&](const Vec2<double>& p) {
+        return Vec2<double>{(M[3] * p.x - M[1] * p.y) / determinant, (M[0] * p.y - M[2] * p.x) / determinant};
+      };
+      const Vec2<double> here{0.5, 0.5}, step = inverse(inward);  // (0.5, 0.5) goes to `at`
+      const Reparametrised adapted{base, M, {at.x - (M[0] + M[1]) / 2, at.y - (M[2] + M[3]) / 2}};
+      const Frame<double> f = frame(adapted, here.x, here.y),
+                          near = frame(adapted, here.x + 1e-6 * step.x, here.y + 1e-6 * step.y);
+      ASSERT_TRUE(finite(f));
+      EXPECT_LE(distance(f, near), 5e-3);
+      EXPECT_EQ(f.handedness, near.handedness);
+      EXPECT_TRUE(has(f.status, limit_frame));
+      EXPECT_TRUE(has(f.status, dpdu_zero | dpdv_zero | parallel));
+      EXPECT_NEAR(dot(f.t, f.n), 0, 8 * roundoff);
+      const ParametricFrame<double> p = parametric_frame(adapted, here.x, here.y),
+                                    beside = parametric_frame(adapted, here.x + 1e-6 * step.x,
+                                                              here.y + 1e-6 * step.y);
+      EXPECT_LE(norm(p.b - beside.b), 5e-3);
+    }
+  };
+  for (int rows = 1; rows <= 3; ++rows)
+    for (int edge = 0; edge < 4; ++edge) {
+      // On the corners of a binary grid, so that the map leads exactly to the edge.
+      const Fan f = fan(random, rows, edge);
+      expect_adapted(f.patch, f.at(0.25), f.inward);
+      expect_adapted(Placed{f.patch, {0, -1, 0, 2, 0, 0, 0, 0, 1}, Vec{1, 2, 3}}, f.at(0.25), f.inward);
+    }
+  expect_adapted(FromPosition<SlowSphere>{}, {0.125, 0}, along_v);
+  expect_adapted(FromPosition<Pole>{}, {0, 0.125}, along_u);
+  expect_adapted(FromPosition<Developable>{}, {0.25, 0}, along_v);
+}
+
+// What an adaptor says of the point is what its base says.
+TEST(LimitFrames, KeepTheirBitsInAdaptors) {
+  const std::array<double, 9> turned{0, -1, 0, 1, 0, 0, 0, 0, 1};
+  const Placed<FromPosition<Funnel<1>>> placed{{}, turned, {}};
+  EXPECT_EQ(frame(placed, 0.1, 0.5).status, collapsed | crease);
+  EXPECT_EQ(frame(flipped_v(FromPosition<Funnel<3>>{}), 0.1, 0.5).status, collapsed | crease);
+  EXPECT_EQ(frame(swapped(FromPosition<Funnel<1>>{}), 0.5, 0.1).status, dpdv_zero | limit_frame | crease);
+  EXPECT_EQ(frame(Reparametrised<FromPosition<Funnel<1>>>{{}, {1, 0, 0.5, 1}, {0, 0}}, 0.5, 0.25).status,
+            parallel | limit_frame | crease);
+}
+
+// A parallel surface has its position there, and no frame.
+TEST(LimitFrames, OfHigherOrderAreNoneOfAnOffset) {
+  Random random(13);
+  for (int rows = 2; rows <= 3; ++rows) {
+    const Fan f = fan(random, rows, 0);
+    const Offset parallel_surface{f.patch, 0.25};
+    const Sample<double> s = sample(parallel_surface, 0.5, 0.0);
+    const Frame<double> of_base = frame(f.patch, 0.5, 0.0);
+    EXPECT_TRUE(has(s.frame.status, no_frame));
+    EXPECT_TRUE(all_nan(s.frame));
+    EXPECT_LE(norm(s.jet.position - (jet(f.patch, 0.5, 0.0).position + 0.25 * of_base.n)), 16 * roundoff);
   }
 }
 
 TEST(LimitFrames, OfASurfaceInDoubleOnly) {
   expect_limit(InDouble{1}, {0.3, 0}, along_v, collapsed);
+  EXPECT_EQ(frame(swapped(InDouble{1}), 0.0, 0.3).status, dpdv_zero | limit_frame);
+  EXPECT_EQ(frame(swapped(swapped(InDouble{1})), 0.3, 0.0).status, collapsed);
   const Frame<double> f = frame(InDouble{2}, 0.3, 0.0);  // would take series, and they other scalars
   EXPECT_EQ(f.status, dpdu_zero | no_frame);
   EXPECT_TRUE(all_nan(f));
@@ -164,9 +250,8 @@ TEST(LimitFrames, InFloat) {
     const Frame<double> exact = frame(FromPosition<Horn>{}, u, 0.5);
     const Frame<float> f = frame(FromPosition<Horn>{}, static_cast<float>(u), 0.5f);
     EXPECT_EQ(f.status, exact.status);
-    EXPECT_NEAR(f.t.x, exact.t.x, 1e-6);
-    EXPECT_NEAR(f.n.x, exact.n.x, 1e-6);
-    EXPECT_NEAR(f.n.z, exact.n.z, 1e-6);
+    for (const auto& [x, y] : {std::pair{f.t, exact.t}, {f.b, exact.b}, {f.n, exact.n}})
+      EXPECT_LE(norm(Vec{x.x, x.y, x.z} - y), 1e-6);
   }
 }
 

@@ -43,9 +43,10 @@ Declared limit(std::string_view where, std::string title, X surface, Points poin
           }};
 }
 template <class X>
-Declared no_limit(std::string_view where, std::string title, X surface, Points points, Status expected) {
+Declared no_limit(std::string_view where, std::string title, X surface, Points points, Status expected,
+                  bool none_near = false) {
   return {X::info.name, where, std::move(title), [=] {
-            for (const auto& p : points) expect_no_limit(surface, p, expected);
+            for (const auto& p : points) expect_no_limit(surface, p, expected, none_near);
           }};
 }
 
@@ -273,11 +274,11 @@ std::vector<Declared> declared_points() {
   all.push_back(limit(of_bilinear[0], "edge u = 1", BilinearPatch{o, x, y, x}, beside(1), against_u,
                       dpdv_zero | limit_frame));
   all.push_back(no_limit(of_bilinear[0], "three corners equal", BilinearPatch{o, o, o, xyz}, {{0, 0}},
-                         dpdu_zero | dpdv_zero));
+                         dpdu_zero | dpdv_zero, true));
   const BilinearPatch dart{o, x, y, Vec{-1, -1, 0}};  // folded along u + v = 1/2
-  const Status folded = parallel | limit_frame;  // at the edge of the domain there is one side only
-  all.push_back(limit(of_bilinear[1], "fold", dart, {{0.25, 0.25}, {0.125, 0.375}}, along_v, folded | crease));
-  all.push_back(limit(of_bilinear[1], "end of the fold", dart, {{0.5, 0}}, along_v, folded));
+  const Status folded = parallel | limit_frame;
+  all.push_back(limit(of_bilinear[1], "fold", dart, {{0.25, 0.25}, {0.125, 0.375}, {0.5, 0}}, along_v,
+                      folded | crease));
 
   const auto& of_bezier = BezierPatch<>::info.singular;
   const BezierPatch<double> bezier_fan(3, 2, fan(3, 2), some_weights(12));
@@ -290,7 +291,7 @@ std::vector<Declared> declared_points() {
                          dpdu_zero | dpdv_zero));
   const std::vector<Vec> flat_corner{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 0, 1}};  // P00, P01, P10, P11
   all.push_back(limit(of_bezier[1], "parallel at a corner", BezierPatch<double>(1, 1, flat_corner), {{0, 0}},
-                      along_v, folded));
+                      along_v, folded | crease));
 
   const auto& of_bspline = BSplinePatch<>::info.singular;
   const std::vector<double> smooth{0, 0, 0, 0.25, 1, 1, 1}, sharp{0, 0, 0, 0.5, 0.5, 1, 1, 1},
@@ -309,7 +310,7 @@ std::vector<Declared> declared_points() {
                       beside(0.5), along_u, crease, {.factor = 200}));
   all.push_back(limit(of_bspline[2], "parallel at a corner",
                       BSplinePatch<double>(1, 1, {0, 0, 1, 1}, {0, 0, 1, 1}, flat_corner), {{0, 0}}, along_v,
-                      folded));
+                      folded | crease));
 
   const auto& of_revolution = SurfaceOfRevolution<>::info.singular;
   all.push_back(
@@ -321,12 +322,17 @@ std::vector<Declared> declared_points() {
   all.push_back(
       limit(of_revolution[0], "north pole of a rational ball", ball, round(1), against_v, collapsed));
   const SurfaceOfRevolution double_cone{LineSegment{Vec{-1, 0, -1}, Vec{1, 0, 1}}};
-  all.push_back(
-      limit(of_revolution[0], "profile that crosses the axis", double_cone, round(0.5), along_v,
-            collapsed | crease));
-  const SurfaceOfRevolution other_cone{LineSegment{Vec{1, 0, -1}, Vec{-1, 0, 1}}};
-  all.push_back(limit(of_revolution[0], "profile that crosses it inwards", other_cone, round(0.5), against_v,
+  all.push_back(limit(of_revolution[0], "profile that crosses the axis", double_cone, round(0.5), along_v,
                       collapsed | crease));
+  const SurfaceOfRevolution other_cone{LineSegment{Vec{1, 0, -1}, Vec{-1, 0, 1}}};
+  all.push_back(limit(of_revolution[0], "profile that crosses it inwards", other_cone, round(0.5), along_v,
+                      collapsed | crease));
+  const SurfaceOfRevolution beyond{LineSegment{Vec{0, 0, 0}, Vec{-1, 0, 1}}};  // ρ < 0
+  all.push_back(
+      limit(of_revolution[0], "profile beyond the axis first", beyond, round(0), along_v, collapsed));
+  const SurfaceOfRevolution beyond_last{LineSegment{Vec{-1, 0, 1}, Vec{0, 0, 0}}};
+  all.push_back(
+      limit(of_revolution[0], "profile beyond the axis last", beyond_last, round(1), against_v, collapsed));
   all.push_back(limit(of_revolution[1], "first corner", SurfaceOfRevolution{broken_line()}, round(0.5),
                       along_v, crease));
   all.push_back(limit(of_revolution[1], "second corner", SurfaceOfRevolution{broken_line()}, round(0.75),
@@ -335,11 +341,20 @@ std::vector<Declared> declared_points() {
                       along_v, crease));
 
   const auto& of_extrusion = Extrusion<>::info.singular;
-  all.push_back(no_limit(of_extrusion[0], "along the line", Extrusion{LineSegment{o, x}, x},
-                         {{0, 0}, {0.5, 0.5}, {1, 1}}, parallel));
+  const Vec slanted{1, 2, 3};
+  all.push_back({"extrusion", of_extrusion[0], "along the line", [=] {
+                   for (const auto& p : Points{{0, 0}, {0.5, 0.5}, {1, 1}})
+                     expect_no_limit(Extrusion{LineSegment{o, x}, x}, p, parallel, true);
+                   // With other speeds and rounded points, the same.
+                   const Extrusion line{BSplineCurve<double>(3, {0, 0, 0, 0, 1, 1, 1, 1},
+                                                             {o, 0.3 * slanted, 0.7 * slanted, slanted}),
+                                        slanted};
+                   for (const double u : {0.0, 0.1, 0.37, 0.5, 0.83, 1.0})
+                     expect_no_limit(line, {u, 0.3}, parallel, true);
+                 }});
   const Extrusion fold{CircleCurve{1.0}, y};  // flat, and over itself beyond the circle's ends
-  all.push_back(limit(of_extrusion[0], "tangent to a circle", fold, {{0, 0.2}, {0.5, 0.3}, {1, 1}},
-                      along_u, folded | crease));
+  all.push_back(limit(of_extrusion[0], "tangent to a circle", fold, {{0, 0.2}, {0.5, 0.3}, {1, 1}}, along_u,
+                      folded | crease));
   all.push_back(
       limit(of_extrusion[1], "first corner", Extrusion{broken_line(), y}, beside(0.5), along_u, crease));
   all.push_back(limit(of_extrusion[1], "corner of arcs", Extrusion{two_arcs(), Vec{0, 1, 0.5}}, beside(0.5),
@@ -417,8 +432,7 @@ TEST(SingularPoints, ThereAreNoneThatNobodyDeclares) {
         const Frame<double> f = frame(surface, u, v);
         const bool exists = finite(f);
         EXPECT_EQ(exists, !has(f.status, no_frame)) << X::info.name << " " << u << " " << v;
-        EXPECT_EQ(all_nan(f), !exists)
-            << X::info.name << " " << u << " " << v;
+        EXPECT_EQ(all_nan(f), !exists) << X::info.name << " " << u << " " << v;
         EXPECT_TRUE(exists) << X::info.name << " " << u << " " << v;
         if (X::info.singular[0].empty()) {
           EXPECT_EQ(without(f.status, harmless), regular) << X::info.name;

@@ -40,10 +40,6 @@ struct Literal {
   constexpr Literal(const char (&from)[N]) { std::copy_n(from, N, text); }  // NOLINT: from a literal
 };
 
-constexpr Status without(Status mask, Status bits) {
-  return static_cast<Status>(static_cast<std::uint32_t>(mask) & ~static_cast<std::uint32_t>(bits));
-}
-
 // "offset torus", of static duration.
 template <Literal prefix, class X>
 struct AdaptedName {
@@ -87,9 +83,15 @@ auto mean_from_constant(const S& x, F f) {
   return sum / lift<S>(90.0);
 }
 
+template <class S>
+Vec3<S> unit_or_nan(const Vec3<S>& a) {
+  const S nan = lift<S>(std::numeric_limits<double>::quiet_NaN());
+  return largest_component(a) == 0 ? Vec3<S>{nan, nan, nan} : unit(a);
+}
+
 // The unit normal of a surface at prepared coordinates of any scalar. Where the chart of a surface without a closed frame
 // collapses, dpdu = (v - v0) Q with Q the mean of d2pduv between v0 and v: the normal and all its derivatives are those of
-// ±Q × dpdv, as in limit_frame(). (The same for dpdv and u.)
+// ±Q × dpdv, from the side of limit_at(). (The same for dpdv and u.) NaN where that is not enough.
 template <class X, class PU, class PV>
 auto normal_of(const X& surface, const PU& u, const PV& v) {
   if constexpr (requires { surface.normal(u, v); }) {
@@ -103,14 +105,14 @@ auto normal_of(const X& surface, const PU& u, const PV& v) {
     if constexpr (std::same_as<PV, S>)
       if (u_collapsed && !v_collapsed) {
         const Vec3<S> q = mean_from_constant(v, [&](const S& x) { return surface.jet(u, x).d2pduv; });
-        return unit(cross(at_upper_end<X::info.v>(v) ? -q : q, j.dpdv));
+        return unit_or_nan(cross(at_upper_end<X::info.v>(v) ? -q : q, j.dpdv));
       }
     if constexpr (std::same_as<PU, S>)
       if (v_collapsed && !u_collapsed) {
         const Vec3<S> q = mean_from_constant(u, [&](const S& x) { return surface.jet(x, v).d2pduv; });
-        return unit(cross(j.dpdu, at_upper_end<X::info.u>(u) ? -q : q));
+        return unit_or_nan(cross(j.dpdu, at_upper_end<X::info.u>(u) ? -q : q));
       }
-    return unit(cross(j.dpdu, j.dpdv));
+    return unit_or_nan(cross(j.dpdu, j.dpdv));
   }
 }
 
@@ -221,21 +223,29 @@ struct Reparametrised {
     if (has(f.status, Status::no_frame)) return f;
     const S a = lift<S>(M[0]), c = lift<S>(M[2]), one = lift<S>(1.0);
     const Jet2<S> j = base.jet(pu, pv);
-    // Where one partial of the base vanishes the other decides; where that is not asked for, the limit does.
     Vec3<S> t;
-    if (has(at, Status::dpdu_zero) || a == S(0))
+    if (detail::limits_by_series<X> && has(f.status, Status::limit_frame)) {
+      if constexpr (detail::limits_by_series<X>) t = detail::limit_direction(base, pu, pv, a, c);
+      if (t == Vec3<S>{}) return no_frame<S>();
+    } else if (has(at, Status::dpdu_zero) || a == S(0)) {
+      // Where one partial of the base vanishes the other decides; where that is not asked for, the limit does.
       t = c == S(0) ? std::copysign(one, a) * f.t : std::copysign(one, c) * along_v(f, j, at);
-    else if (has(at, Status::dpdv_zero) || c == S(0))
+    } else if (has(at, Status::dpdv_zero) || c == S(0)) {
       t = a == S(0) ? std::copysign(one, c) * along_v(f, j, at) : std::copysign(one, a) * f.t;
-    else
+    } else {
       t = unit(a * j.dpdu + c * j.dpdv);
-    if (t == Vec3<S>{}) {  // both partials vanish: the limit in these coordinates
-      t = detail::limit_frame(*this, jet(u, v), Status::dpdu_zero | Status::dpdv_zero, u, v).t;
-      if (!detail::finite(t)) return {t, t, t, S(1), Status::no_frame};
     }
     const Vec3<S> b = t == f.t ? f.b : t == -f.t ? -f.b : unit(accurate_cross(f.n, t));
-    return {t, b, f.n, scaled_determinant() < 0 ? -f.handedness : f.handedness,
-            f.status & Status::limit_frame};
+    return {t, b, f.n, scaled_determinant() < 0 ? -f.handedness : f.handedness, mapped_status(f.status)};
+  }
+
+  /// As the base has it (detail::limit_direction).
+  static constexpr bool limits_by_series = detail::limits_by_series<X>;
+  template <class S>
+  Vec3<S> limit_direction(const S& u, const S& v, const S& x, const S& y) const requires limits_by_series {
+    const auto [pu, pv] = inside(u, v);
+    return detail::limit_direction(base, pu, pv, S(lift<S>(M[0]) * x + lift<S>(M[1]) * y),
+                                   S(lift<S>(M[2]) * x + lift<S>(M[3]) * y));
   }
 
   template <class S>
@@ -247,12 +257,7 @@ struct Reparametrised {
   template <class S>
   Status singular(const S& u, const S& v) const {
     const auto [pu, pv] = inside(u, v);
-    const Status at = detail::declared(base, pu, pv);
-    Status result = detail::without(at, Status::dpdu_zero | Status::dpdv_zero);
-    const bool u_zero = has(at, Status::dpdu_zero), v_zero = has(at, Status::dpdv_zero);
-    if ((u_zero && M[2] == 0) || (v_zero && M[0] == 0) || (u_zero && v_zero)) result |= Status::dpdu_zero;
-    if ((u_zero && M[3] == 0) || (v_zero && M[1] == 0) || (u_zero && v_zero)) result |= Status::dpdv_zero;
-    if ((u_zero || v_zero) && !has(result, Status::dpdu_zero | Status::dpdv_zero)) result |= Status::parallel;
+    Status result = mapped_status(detail::declared(base, pu, pv));
     const auto [x, y] = mapped(u, v);
     if (detail::outside<X::info.u>(x) || detail::outside<X::info.v>(y)) result |= Status::outside_domain;
     return result;
@@ -299,6 +304,20 @@ struct Reparametrised {
   }
 
  private:
+  // The base's bits as they are here.
+  Status mapped_status(Status at) const {
+    Status result = detail::without(at, Status::dpdu_zero | Status::dpdv_zero);
+    const bool u_zero = has(at, Status::dpdu_zero), v_zero = has(at, Status::dpdv_zero);
+    if ((u_zero && M[2] == 0) || (v_zero && M[0] == 0) || (u_zero && v_zero)) result |= Status::dpdu_zero;
+    if ((u_zero && M[3] == 0) || (v_zero && M[1] == 0) || (u_zero && v_zero)) result |= Status::dpdv_zero;
+    if ((u_zero || v_zero) && !has(result, Status::dpdu_zero | Status::dpdv_zero)) result |= Status::parallel;
+    return result;
+  }
+  template <class S>
+  static Frame<S> no_frame() {
+    const Vec3<S> nan = detail::nan_vector<S>();
+    return {nan, nan, nan, S(1), Status::no_frame};
+  }
   // det M with the largest entry scaled to 1, so that no product overflows.
   T scaled_determinant() const {
     T largest = 0;
@@ -391,13 +410,19 @@ struct Placed {
     const Frame<S> f = detail::frame_at<S>(base, u, v, detail::declared(base, u, v));
     if (has(f.status, Status::no_frame)) return f;
     const auto [n, sign] = transformed(f.n);
-    Frame<S> result{unit(map(f.t)), {}, n, sign * f.handedness, f.status & Status::limit_frame};
+    Frame<S> result{unit(map(f.t)), {}, n, sign * f.handedness, f.status};
     result.b = unit(accurate_cross(result.n, result.t));
     return result;
   }
   template <class PU, class PV>
   auto normal(const PU& u, const PV& v) const {
     return transformed(detail::normal_of(base, u, v)).first;
+  }
+  /// As the base has it (detail::limit_direction).
+  static constexpr bool limits_by_series = detail::limits_by_series<X>;
+  template <class PU, class PV, class S>
+  Vec3<S> limit_direction(const PU& u, const PV& v, const S& x, const S& y) const requires limits_by_series {
+    return unit(map(detail::limit_direction(base, u, v, x, y)));
   }
 
   template <class PU, class PV>
@@ -453,7 +478,8 @@ Placed(X, std::array<double, 9>, Vec3<double>) -> Placed<X>;
 /// where d passes a focal point, d κ > 1 for one principal curvature κ. The partials need third derivatives of the base:
 /// nested dual numbers over its normal, some twenty times the cost. Principal curvatures κ / (1 - d κ). At a focal point
 /// of dpdu there is no frame (no_frame, dpdu_zero); at one of dpdv the frame is the base's (limit_frame, dpdv_zero). At a
-/// conical point of the base n turns with u, and the parallel surface is regular.
+/// conical point of the base n turns with u, and the parallel surface is regular. Where the base's frame is a limit that
+/// d2pduv does not give, there is a position and no frame.
 /// [doCarmo2016, sec. 3-5]
 template <class X, class T = double>
 struct Offset {
@@ -473,7 +499,10 @@ struct Offset {
     using S = std::remove_cvref_t<decltype(j.position.x)>;
     const Jet2<S> n = normal_jet<S>(u, v);
     const S d = lift<S>(distance);
-    return Jet2<S>{.position = j.position + d * n.position,
+    Vec3<S> here = n.position;
+    if constexpr (std::floating_point<S>)  // the limit has a value, though no derivatives
+      if (!detail::finite(here)) here = detail::frame_at<S>(base, u, v, detail::declared(base, u, v)).n;
+    return Jet2<S>{.position = j.position + d * here,
                    .dpdu = j.dpdu + d * n.dpdu,
                    .dpdv = j.dpdv + d * n.dpdv,
                    .d2pdu2 = j.d2pdu2 + d * n.d2pdu2,
@@ -486,18 +515,24 @@ struct Offset {
     using S = std::remove_cvref_t<decltype(base.jet(u, v).position.x)>;
     const Frame<S> f = detail::frame_at<S>(base, u, v, detail::declared(base, u, v));
     if (has(f.status, Status::no_frame)) return f;
-    const Status at = singular(u, v);
+    const Status at = still_singular(f.status, u, v);
     const Jet2<S> of_base = base.jet(u, v), j = jet(u, v);
+    const Status jump = at & Status::crease;
+    if (!detail::finite(normal(u, v))) {  // that of the base is a limit of higher order: t is not known here
+      const Vec3<S> nan = detail::nan_vector<S>();
+      return Frame<S>{nan, nan, nan, S(1), Status::no_frame | (f.status & detail::degenerate)};
+    }
     // Where a partial vanishes, its direction is that of ±d2pduv: on the base and here.
     const auto limit = [&](const Vec3<S>& leaning) {
       return dot(of_base.d2pduv, leaning) < S(0) ? -j.d2pduv : j.d2pduv;
     };
     if (!detail::finite(j.dpdu) || !detail::finite(j.dpdv))
-      return Frame<S>{f.t, f.b, f.n, f.handedness, f.status & Status::limit_frame};  // as the base's do
+      return Frame<S>{f.t, f.b, f.n, f.handedness, f.status};  // as the base's do
     const bool u_collapsed = has(at, Status::dpdu_zero), v_collapsed = has(at, Status::dpdv_zero);
     const Vec3<S> along_u = u_collapsed ? limit(f.t) : j.dpdu,
                   along_v = v_collapsed ? limit(f.handedness * f.b) : j.dpdv;
-    Frame<S> result{unit(along_u), {}, f.n, f.handedness};
+    Frame<S> result{unit(along_u), {}, f.n, f.handedness, jump | (at & detail::degenerate)};
+    if (has(at, detail::degenerate)) result.status |= Status::limit_frame;
     // At a focal point a partial is a difference of equal ones: what rounding leaves has no direction.
     constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();
     if (!u_collapsed && !(norm(j.dpdu) > rounding * norm(of_base.dpdu))) {
@@ -528,21 +563,7 @@ struct Offset {
   /// The base's, but where the base has a conical point: there n turns with u, and the parallel surface is regular.
   template <class PU, class PV>
   Status singular(const PU& u, const PV& v) const {
-    constexpr Status of_chart = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
-    const Status at = detail::declared(base, u, v);
-    if (!has(at, of_chart)) return at;
-    const auto j = jet(u, v);
-    using S = std::remove_cvref_t<decltype(j.position.x)>;
-    constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();
-    const auto regular = [&](const Vec3<S>& partial, const Vec3<S>& other) {
-      return norm(partial) > rounding * (norm(other) + norm(j.d2pduv));
-    };
-    Status result = at;
-    if (regular(j.dpdu, j.dpdv)) result = detail::without(result, Status::dpdu_zero);
-    if (regular(j.dpdv, j.dpdu)) result = detail::without(result, Status::dpdv_zero);
-    if (norm(cross(unit(j.dpdu), unit(j.dpdv))) > rounding)
-      result = detail::without(result, Status::parallel);
-    return result;
+    return still_singular(detail::declared(base, u, v), u, v);
   }
 
   template <class PU, class PV>
@@ -569,6 +590,23 @@ struct Offset {
   }
 
  private:
+  // What is left of the base's bits.
+  template <class PU, class PV>
+  Status still_singular(Status at, const PU& u, const PV& v) const {
+    if (!has(at, detail::degenerate)) return at;
+    const auto j = jet(u, v);
+    using S = std::remove_cvref_t<decltype(j.position.x)>;
+    constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();
+    const auto regular = [&](const Vec3<S>& partial, const Vec3<S>& other) {
+      return norm(partial) > rounding * (norm(other) + norm(j.d2pduv));
+    };
+    Status result = at;
+    if (regular(j.dpdu, j.dpdv)) result = detail::without(result, Status::dpdu_zero);
+    if (regular(j.dpdv, j.dpdu)) result = detail::without(result, Status::dpdv_zero);
+    if (norm(cross(unit(j.dpdu), unit(j.dpdv))) > rounding)
+      result = detail::without(result, Status::parallel);
+    return result;
+  }
   template <class S, class PU, class PV>
   Jet2<S> normal_jet(const PU& u, const PV& v) const {
     return detail::jet_by_duals<X::info.u, X::info.v, S>(

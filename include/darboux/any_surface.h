@@ -57,9 +57,7 @@ class AnySurface {
     return held_->jet(u, v, values);
   }
   Frame<double> frame(double u, double v) const { return held_->frame(u, v); }
-  ParametricFrame<double> parametric_frame(double u, double v) const {
-    return darboux::parametric_frame(frame(u, v), jet(u, v));
-  }
+  ParametricFrame<double> parametric_frame(double u, double v) const { return held_->parametric_frame(u, v); }
   Sample<double> sample(double u, double v) const { return make_sample(u, v, jet(u, v), frame(u, v)); }
   /// Everything in single precision, parameters too.
   Sample<float> sample_in_float(float u, float v) const { return held_->sample_in_float(u, v); }
@@ -122,6 +120,7 @@ class AnySurface {
     virtual Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v,
                                  std::span<const ManyDigits> values) const = 0;
     virtual Frame<double> frame(double u, double v) const = 0;
+    virtual ParametricFrame<double> parametric_frame(double u, double v) const = 0;
     virtual Sample<float> sample_in_float(float u, float v) const = 0;
     virtual bool has_closed_frame() const = 0;
     virtual std::vector<double> breaks(int along) const = 0;
@@ -167,6 +166,9 @@ class AnySurface {
       return darboux::jet(many, u, v);
     }
     Frame<double> frame(double u, double v) const override { return darboux::frame(surface, u, v); }
+    ParametricFrame<double> parametric_frame(double u, double v) const override {
+      return darboux::parametric_frame(surface, u, v);
+    }
     Sample<float> sample_in_float(float u, float v) const override {
       return darboux::sample(rebind<float>(surface), u, v);
     }

@@ -127,18 +127,6 @@ TangentRates<S> tangent_rates(const Vec3<S>& x, const CurveJet<S>& k, const S& s
   return {first, (dot(x, k.third) - lift<S>(2.0) * speed_rate * first) / speed};
 }
 
-// t as a dual number whose derivative is with respect to itself.
-template <Coordinate kind, class S>
-Dual<S, 1> differentiated(const S& t) {
-  static_assert(kind == Coordinate::linear);
-  return Dual<S, 1>::variable(t, 0);
-}
-template <Coordinate kind, class S>
-Turn<Dual<S, 1>> differentiated(const Turn<S>& t) {
-  const S omega = kind == Coordinate::turn ? two_pi<S>() : pi<S>();
-  return {{t.sin, {omega * t.cos}}, {t.cos, {-(omega * t.sin)}}};
-}
-
 }  // namespace detail
 
 /// The straight line (1 - t) a + t b.
@@ -439,8 +427,7 @@ struct PositionCurve {
 
   template <class P>
   auto jet(const P& t) const {
-    const auto x =
-        position(detail::differentiated<K>(detail::differentiated<K>(detail::differentiated<K>(t))));
+    const auto x = position(detail::three_times_variable(t, K));
     using S = std::remove_cvref_t<decltype(x.x.value.value.value)>;
     return CurveJet<S>{
         {x.x.value.value.value, x.y.value.value.value, x.z.value.value.value},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 #include <utility>
 
 #include <darboux/frame.h>
@@ -57,37 +58,61 @@ Status status(const X& surface, S u, S v) {
 
 namespace detail {
 
-// A partial near a point along one coordinate: the sum of the k-th vector times h^k.
-template <class S, std::size_t N>
-using Taylor = std::array<Vec3<S>, N>;
+// A partial near a point along one coordinate: the sum of the k-th vector times h^k. What is not known is zero.
+template <class S>
+using Taylor = std::array<Vec3<S>, 4>;
 
-template <class S, std::size_t N>
-std::size_t first_that_is_not_zero(const Taylor<S, N>& a) {
+// Of a sum of this size rounding leaves no more.
+template <std::floating_point S>
+bool above_rounding(const Vec3<S>& sum, S size) {
+  return norm(sum) > S(32) * std::numeric_limits<S>::epsilon() * size;
+}
+
+// A frame in the limit h -> 0, h of one sign, with the series of the partials that it comes from.
+template <std::floating_point S>
+struct Limit {
+  Taylor<S> dpdu{}, dpdv{};
+  S side = 1;  // the sign of h
+  Frame<S> frame{nan_vector<S>(), nan_vector<S>(), nan_vector<S>(), S(1), Status::no_frame};
+
+  bool found() const { return !has(frame.status, Status::no_frame); }
+  // The direction to which x dpdu + y dpdv tends, as a unit vector; zero where the series do not tell.
+  Vec3<S> direction(S x, S y) const {
+    for (std::size_t k = 0; k < dpdu.size(); ++k) {
+      const Vec3<S> sum = x * dpdu[k] + y * dpdv[k];
+      if (above_rounding(sum, std::fabs(x) * norm(dpdu[k]) + std::fabs(y) * norm(dpdv[k])))
+        return (k % 2 == 1 ? side : S(1)) * unit(sum);
+    }
+    return {};
+  }
+};
+
+template <class S>
+std::size_t first_that_is_not_zero(const Taylor<S>& a) {
   std::size_t k = 0;
-  while (k < N && a[k] == Vec3<S>{}) ++k;
+  while (k < a.size() && a[k] == Vec3<S>{}) ++k;
   return k;
 }
 
-// The frame as h goes to zero. With a_k and b_l the first coefficients that are not zero, t is along a_k and n along the
-// first coefficient of dpdu × dpdv that is not zero: a_k × b_l, where these are parallel the sum of the two crosses of the
-// next order, and so on as far as the series reach. Odd powers change their sign with that of h: where that turns the
-// frame over, an inner point has the bit `crease`.
+// The limit of series of which the first `terms` are known. With a_k and b_l the first coefficients that are not zero, t is
+// along a_k and n along the first coefficient of dpdu × dpdv that is not zero: a_k × b_l, where these are parallel the sum
+// of the two crosses of the next order, and so on as far as the series reach. Odd powers change their sign with that of
+// h: where that turns the frame over, an inner point has the bit `crease`.
 // \param why what is known to vanish at h = 0, whatever rounding left of it
-// \param side the sign of h; inner whether both signs are permitted
-template <std::floating_point S, std::size_t N>
-Frame<S> limit_of_series(Taylor<S, N> dpdu, Taylor<S, N> dpdv, Status why, S side, bool inner) {
-  Frame<S> result{nan_vector<S>(), nan_vector<S>(), nan_vector<S>(), S(1), Status::no_frame};
-  if (has(why, Status::dpdu_zero)) dpdu[0] = {};
-  if (has(why, Status::dpdv_zero)) dpdv[0] = {};
-  const std::size_t k = first_that_is_not_zero(dpdu), l = first_that_is_not_zero(dpdv);
-  if (k == N || l == N) return result;
-  Taylor<S, N> a = dpdu, b = dpdv;
-  for (std::size_t i = 0; i < N; ++i) {
-    a[i] = scaled_by_power_of_two(a[i], -exponent(dpdu[k]));
-    b[i] = scaled_by_power_of_two(b[i], -exponent(dpdv[l]));
+// \param inner whether h may have both signs
+template <std::floating_point S>
+void take_limit(Limit<S>& limit, std::size_t terms, Status why, bool inner) {
+  if (has(why, Status::dpdu_zero)) limit.dpdu[0] = {};
+  if (has(why, Status::dpdv_zero)) limit.dpdv[0] = {};
+  const std::size_t k = first_that_is_not_zero(limit.dpdu), l = first_that_is_not_zero(limit.dpdv);
+  if (k >= terms || l >= terms) return;
+  Taylor<S> a = limit.dpdu, b = limit.dpdv;
+  for (std::size_t i = 0; i < terms; ++i) {
+    a[i] = scaled_by_power_of_two(a[i], -exponent(limit.dpdu[k]));
+    b[i] = scaled_by_power_of_two(b[i], -exponent(limit.dpdv[l]));
   }
   const bool parallel = has(why, Status::parallel) && k + l == 0;
-  for (std::size_t m = parallel ? 1 : 0; m + std::max(k, l) < N; ++m) {
+  for (std::size_t m = parallel ? 1 : 0; m + std::max(k, l) < terms; ++m) {
     Vec3<S> normal{};
     S size = 0;
     for (std::size_t i = 0; i <= m; ++i) {
@@ -95,121 +120,94 @@ Frame<S> limit_of_series(Taylor<S, N> dpdu, Taylor<S, N> dpdv, Status why, S sid
       normal += accurate_cross(x, y);
       size += norm(x) * norm(y);
     }
-    // What remains of the sum of crosses that cancel is rounding.
-    if (!(norm(normal) > S(32) * std::numeric_limits<S>::epsilon() * size)) continue;
+    if (!above_rounding(normal, size)) continue;
     const bool t_turns = k % 2 == 1, n_turns = (k + l + m) % 2 == 1;
-    result.t = (t_turns ? side : S(1)) * unit(a[k]);
-    result.n = (n_turns ? side : S(1)) * unit(normal);
-    result.b = accurate_cross(result.n, result.t);
-    if (!finite(result.t) || !finite(result.n)) {
-      result.t = result.b = result.n = nan_vector<S>();
-      return result;
-    }
-    result.status = Status::limit_frame;
-    if (inner && (t_turns || n_turns)) result.status |= Status::crease;
-    return result;
+    const Vec3<S> t = (t_turns ? limit.side : S(1)) * unit(a[k]),
+                  n = (n_turns ? limit.side : S(1)) * unit(normal);
+    if (!finite(t) || !finite(n)) return;
+    limit.frame = {t, accurate_cross(n, t), n, S(1), Status::limit_frame};
+    if (inner && (t_turns || n_turns)) limit.frame.status |= Status::crease;
+    return;
   }
-  return result;
 }
-
-template <class S>
-using ThreeTimesDual = Dual<Dual<Dual<S, 1>, 1>, 1>;
 
 // The partials' series along u (along = 0) or v (1), by three nested dual numbers in that coordinate.
 template <int along, class S, class X, class PU, class PV>
-std::pair<Taylor<S, 4>, Taylor<S, 4>> series_of_partials(const X& surface, const PU& u, const PV& v) {
-  using D1 = Dual<S, 1>;
-  using D2 = Dual<D1, 1>;
+std::pair<Taylor<S>, Taylor<S>> series_of_partials(const X& surface, const PU& u, const PV& v) {
   using D3 = ThreeTimesDual<S>;
-  const auto moved = [](const auto& x, Coordinate kind) {
-    return as_variable<D3>(as_variable<D2>(as_variable<D1>(x, 0, kind), 0, kind), 0, kind);
-  };
   const Jet2<D3> j = [&] {
     if constexpr (along == 0)
-      return surface.jet(moved(u, X::info.u), as_constant<D3>(v));
+      return surface.jet(three_times_variable(u, X::info.u), as_constant<D3>(v));
     else
-      return surface.jet(as_constant<D3>(u), moved(v, X::info.v));
+      return surface.jet(as_constant<D3>(u), three_times_variable(v, X::info.v));
   }();
   const auto coefficients = [](const Vec3<D3>& a) {
     const auto each = [&](auto of) { return Vec3<S>{of(a.x), of(a.y), of(a.z)}; };
-    return Taylor<S, 4>{each([](const D3& x) { return x.value.value.value; }),
-                        each([](const D3& x) { return x.derivative[0].value.value; }),
-                        each([](const D3& x) { return x.derivative[0].derivative[0].value / S(2); }),
-                        each([](const D3& x) { return x.derivative[0].derivative[0].derivative[0] / S(6); })};
+    return Taylor<S>{each([](const D3& x) { return x.value.value.value; }),
+                     each([](const D3& x) { return x.derivative[0].value.value; }),
+                     each([](const D3& x) { return x.derivative[0].derivative[0].value / S(2); }),
+                     each([](const D3& x) { return x.derivative[0].derivative[0].derivative[0] / S(6); })};
   };
   return {coefficients(j.dpdu), coefficients(j.dpdv)};
 }
 
-// The limit along one coordinate, from above, at the upper end from below: by the jet's second partials, and where they do not tell, by third-order series.
+// The limit along one coordinate, from above, at the upper end from below: by the jet's second partials, and where they
+// do not tell, by third-order series.
 template <int along, std::floating_point S, class X, class PU, class PV>
-Frame<S> limit_along(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
+Limit<S> limit_along(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
   const bool inner = along == 0 ? within<X::info.u>(u) : within<X::info.v>(v);
   const bool from_below = along == 0 ? at_upper_end<X::info.u>(u) : at_upper_end<X::info.v>(v);
-  const S side = from_below ? S(-1) : S(1);
-  Frame<S> result = limit_of_series<S, 2>({j.dpdu, along == 0 ? j.d2pdu2 : j.d2pduv},
-                                          {j.dpdv, along == 0 ? j.d2pduv : j.d2pdv2}, why, side, inner);
+  Limit<S> result{{j.dpdu, along == 0 ? j.d2pdu2 : j.d2pduv},
+                  {j.dpdv, along == 0 ? j.d2pduv : j.d2pdv2},
+                  from_below ? S(-1) : S(1)};
+  take_limit(result, 2, why, inner);
   using D = ThreeTimesDual<S>;
-  if constexpr (requires(const Prepared<X::info.u, D>& du, const Prepared<X::info.v, D>& dv) { surface.jet(du, dv); })
-    if (has(result.status, Status::no_frame)) {
-      const auto [dpdu, dpdv] = series_of_partials<along, S>(surface, u, v);
-      result = limit_of_series<S, 4>(dpdu, dpdv, why, side, inner);
+  if constexpr (requires(const Prepared<X::info.u, D>& du, const Prepared<X::info.v, D>& dv) {
+                  surface.jet(du, dv);
+                })
+    if (!result.found()) {
+      std::tie(result.dpdu, result.dpdv) = series_of_partials<along, S>(surface, u, v);
+      take_limit(result, 4, why, inner);
     }
   return result;
 }
 
-// The frame where the partials give none: the limit along v for the given u, where only dpdv vanishes along u for the given
-// v; where there is no such limit (a whole line of such points leads to this one) along the other. Where both partials
-// vanish and the two limits differ there is none.
+// The limit where the partials give no frame: along v for the given u, where only dpdv vanishes along u for the given v;
+// where there is none (a whole line of such points leads to this one, or the series are too short) along the other. Where
+// both partials vanish and the two limits differ there is none; where the partials are parallel and they differ, `crease`.
 template <std::floating_point S, class X, class PU, class PV>
-Frame<S> limit_frame(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
+Limit<S> limit_at(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
   const bool both = has(why, Status::dpdu_zero) && has(why, Status::dpdv_zero);
-  const bool u_first = has(why, Status::dpdv_zero) && !both;
+  const bool one = !both && has(why, Status::dpdu_zero | Status::dpdv_zero);
+  const bool u_first = one && has(why, Status::dpdv_zero);
   const auto along = [&](bool with_u) {
     return with_u ? limit_along<0>(surface, j, why, u, v) : limit_along<1>(surface, j, why, u, v);
   };
-  const Frame<S> first = along(u_first);
-  const bool found = !has(first.status, Status::no_frame);
-  if (found && !both) return first;
-  Frame<S> second = along(!u_first);
-  if (!found || has(second.status, Status::no_frame)) return found ? first : second;
-  const S difference = norm(first.t - second.t) + norm(first.n - second.n);
+  Limit<S> first = along(u_first);
+  if (first.found() && one) return first;
+  const Limit<S> second = along(!u_first);
+  if (!first.found() || !second.found()) return first.found() ? first : second;
+  first.frame.status |= second.frame.status & Status::crease;
+  const S difference = norm(first.frame.t - second.frame.t) + norm(first.frame.n - second.frame.n);
   if (difference * difference <= std::numeric_limits<S>::epsilon()) return first;
-  second.t = second.b = second.n = nan_vector<S>();
-  second.status = Status::no_frame;
-  return second;
+  if (both)
+    first.frame = Limit<S>{}.frame;
+  else
+    first.frame.status |= Status::crease;
+  return first;
 }
 
-// The frame at prepared coordinates, `at` what the surface and the domain say of the point.
-template <class S, class X, class PU, class PV>
-Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
-  constexpr Status collapsed = Status::dpdu_zero | Status::dpdv_zero;
-  Frame<S> result;
-  if (has(at, Status::non_finite_input)) {
-    result.t = result.b = result.n = nan_vector<S>();
-  } else if constexpr (HasClosedFrame<X>) {
-    result = surface.frame(u, v);
-    if (!finite(result.t) || !finite(result.b) || !finite(result.n)) {
-      // A partial that is no number (a user's function), or parameters beyond the sizes the formula is proven for.
-      if (!has(result.status, Status::no_frame)) result.status |= Status::no_frame | Status::overflow;
-      result.t = result.b = result.n = nan_vector<S>();
-    }
-    if (has(at, collapsed | Status::parallel) && !has(result.status, Status::no_frame))
-      result.status |= Status::limit_frame;
-  } else {
-    const Jet2<S> j = surface.jet(u, v);
-    result = frame_from_partials(j.dpdu, j.dpdv);
-    if (has(result.status,
-            Status::non_finite_input))  // not the input's doing: overflow, or a user function's NaN
-      result.status = Status::no_frame | Status::overflow;
-    else if (const Status why = at | (result.status & (collapsed | Status::parallel));
-             has(why, collapsed | Status::parallel)) {
-      result = limit_frame(surface, j, why, u, v);
-      result.status |= why;
-    }
-  }
-  result.status |= at;
-  return result;
-}
+// What of a status says that the partials give no frame.
+constexpr Status degenerate = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
+
+// Whether the limits of a surface type come from limit_at(): of those without a closed frame, and of adaptors of such.
+template <class X>
+constexpr bool limits_by_series = [] {
+  if constexpr (requires { X::limits_by_series; })
+    return X::limits_by_series;
+  else
+    return !HasClosedFrame<X>;
+}();
 
 // The bits a surface declares at prepared coordinates.
 template <class X, class PU, class PV>
@@ -220,12 +218,53 @@ Status declared(const X& surface, const PU& u, const PV& v) {
     return Status::regular;
 }
 
+// The frame at prepared coordinates, `at` what the surface and the domain say of the point.
+template <class S, class X, class PU, class PV>
+Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
+  Frame<S> result;
+  if (has(at, Status::non_finite_input)) {
+    result.t = result.b = result.n = nan_vector<S>();
+  } else if constexpr (HasClosedFrame<X>) {
+    result = surface.frame(u, v);
+    if (!finite(result.t) || !finite(result.b) || !finite(result.n)) {
+      // A partial that is no number (a user's function), or parameters beyond the sizes the formula is proven for.
+      if (!has(result.status, Status::no_frame)) result.status |= Status::no_frame | Status::overflow;
+      result.t = result.b = result.n = nan_vector<S>();
+    }
+    if (has(at, degenerate) && !has(result.status, Status::no_frame)) result.status |= Status::limit_frame;
+  } else {
+    const Jet2<S> j = surface.jet(u, v);
+    result = frame_from_partials(j.dpdu, j.dpdv);
+    if (has(result.status,
+            Status::non_finite_input))  // not the input's doing: overflow, or a user function's NaN
+      result.status = Status::no_frame | Status::overflow;
+    else if (const Status why = at | (result.status & degenerate); has(why, degenerate)) {
+      result = limit_at(surface, j, why, u, v).frame;
+      result.status |= why;
+    }
+  }
+  result.status |= at;
+  return result;
+}
+
+// The direction to which x dpdu + y dpdv tends as frame() takes its limit, as a unit vector; zero where the series do not
+// tell. For types with limits_by_series; an adaptor asks its base.
+template <std::floating_point S, class X, class PU, class PV>
+Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
+  if constexpr (requires { surface.limit_direction(u, v, x, y); }) {
+    return surface.limit_direction(u, v, x, y);
+  } else {
+    const Status why = frame_at<S>(surface, u, v, declared(surface, u, v)).status & degenerate;
+    return limit_at(surface, Jet2<S>(surface.jet(u, v)), why, u, v).direction(x, y);
+  }
+}
+
 }  // namespace detail
 
 /// The orthonormal frame at (u, v) with its status. In closed form where the surface gives one (about 10 ns),
 /// else from the partials (about 90 ns). At a singular point of the chart it is the limit along the given u (or v),
-/// flagged limit_frame with the bit that says why (without a closed form: from the partials' series to third order, about
-/// 10 us where the second partials do not tell); where no limit exists, and for NaN or infinite u, v or parameters, the
+/// flagged limit_frame with the bit that says why (without a closed form: from the partials' series to third order, which
+/// takes 10 to 50 us where the second partials do not tell; a limit of higher order is not found); where none exists, and for NaN or infinite u, v or parameters, the
 /// vectors are NaN. Outside the domain the analytic extension is given: continuous through a pole, where
 /// dpdu = -|dpdu| t beyond it.
 template <ParametricSurface X, std::floating_point S>
@@ -249,9 +288,19 @@ ParametricFrame<S> parametric_frame(const Frame<S>& base, const Jet2<S>& j) {
   }
   return result;
 }
+/// The same at (u, v): where dpdv vanishes, b too is the limit that frame() takes, also one of higher order.
 template <ParametricSurface X, std::floating_point S>
 ParametricFrame<S> parametric_frame(const X& surface, S u, S v) {
-  return parametric_frame(frame(surface, u, v), jet(surface, u, v));
+  const Frame<S> base = frame(surface, u, v);
+  const Jet2<S> j = jet(surface, u, v);
+  ParametricFrame<S> result = parametric_frame(base, j);
+  if constexpr (detail::limits_by_series<X>)
+    if (has(base.status, Status::limit_frame) && has(base.status, Status::dpdv_zero)) {
+      const Vec3<S> b =
+          detail::limit_direction(surface, prepare<X::info.u>(u), prepare<X::info.v>(v), S(0), S(1));
+      if (b != Vec3<S>{}) result.b = b;
+    }
+  return result;
 }
 
 /// All of it at one point; the status adds `overflow` where a position or partial is not finite for finite

@@ -35,7 +35,7 @@ enum class Status : std::uint32_t {
   dpdv_zero = 1u << 1,          ///< dpdv vanishes
   parallel = 1u << 2,           ///< dpdu and dpdv are parallel: no normal from the partials
   limit_frame = 1u << 3,        ///< the frame is the limit along the given u (or v)
-  no_frame = 1u << 4,           ///< no frame exists, also in the limit: the vectors are NaN
+  no_frame = 1u << 4,           ///< no frame exists, nor a limit up to third order: the vectors are NaN
   self_intersecting = 1u << 5,  ///< the surface passes through itself here, or this is its inner part
   crease = 1u << 6,             ///< the frame jumps here; one side's is given
   umbilic = 1u << 7,            ///< both principal curvatures are equal: principal directions are arbitrary
@@ -55,6 +55,12 @@ constexpr Status& operator|=(Status& a, Status b) {
 constexpr bool has(Status mask, Status bits) {
   return (mask & bits) != Status::regular;
 }
+
+namespace detail {
+constexpr Status without(Status mask, Status bits) {
+  return static_cast<Status>(static_cast<std::uint32_t>(mask) & ~static_cast<std::uint32_t>(bits));
+}
+}  // namespace detail
 
 /// The name of every status bit, lowest bit first.
 inline constexpr std::array<std::string_view, 11> status_names{
@@ -208,6 +214,21 @@ Turn<D> as_variable(const Turn<S>& x, int k, Coordinate kind) {
   result.sin.derivative[static_cast<std::size_t>(k)] = omega * x.cos;
   result.cos.derivative[static_cast<std::size_t>(k)] = -(omega * x.sin);
   return result;
+}
+// A variable whose first, second and third derivatives are carried.
+template <class S>
+using ThreeTimesDual = Dual<Dual<Dual<S, 1>, 1>, 1>;
+template <class P, class D1, class D2, class D3>
+auto three_times(const P& x, Coordinate kind) {
+  return as_variable<D3>(as_variable<D2>(as_variable<D1>(x, 0, kind), 0, kind), 0, kind);
+}
+template <class S>
+auto three_times_variable(const S& x, Coordinate kind) {
+  return three_times<S, Dual<S, 1>, Dual<Dual<S, 1>, 1>, ThreeTimesDual<S>>(x, kind);
+}
+template <class S>
+auto three_times_variable(const Turn<S>& x, Coordinate kind) {
+  return three_times<Turn<S>, Dual<S, 1>, Dual<Dual<S, 1>, 1>, ThreeTimesDual<S>>(x, kind);
 }
 template <class D, class S>
 D as_constant(const S& x) {

@@ -98,6 +98,17 @@ double largest_component(const Vec3<S>& a) {
   return std::fmax(size_of(a.x), std::fmax(size_of(a.y), size_of(a.z)));
 }
 
+// What rounding leaves, relative, in a number of the type of x; 0 where that is not known.
+template <class S>
+double rounding_of() {
+  if constexpr (std::numeric_limits<S>::is_specialized)
+    return static_cast<double>(std::numeric_limits<S>::epsilon());
+  else if constexpr (requires(const S& x) { Scalar<S>::value(x); })
+    return rounding_of<std::remove_cvref_t<decltype(Scalar<S>::value(std::declval<const S&>()))>>();
+  else
+    return 0;
+}
+
 // The greatest power of two not above the largest component, as an exponent; 0 for a zero or non-finite vector.
 template <class V>
 int exponent(const V& a) {

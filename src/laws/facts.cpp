@@ -86,8 +86,9 @@ void check_implicit(const AnySurface& surface, const Points& points, Checks& che
   const bool taken_at_its_word = surface.info().own_orientation && !states(surface, "mean_curvature");
   checks.push_back(normal.result(
       states(surface, "implicit") ? "rounding would explain an error above 1e-6 everywhere"
-      : taken_at_its_word         ? "the surface states no implicit equation and no mean curvature: nothing tells the side of n"
-                                  : none));
+      : taken_at_its_word
+          ? "the surface states no implicit equation and no mean curvature: nothing tells the side of n"
+          : none));
 }
 
 void check_second_formula(const AnySurface& surface, const Points& points, Checks& checks) {

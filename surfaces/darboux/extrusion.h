@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,8 +18,9 @@ namespace darboux {
 /// counter-clockwise as seen from the tip of d. Where the curve stops (K' = 0) dpdu_zero, and the limit frame is from
 /// above (at u = 1 from below) by the first derivative that does not vanish; with crease where the curve turns round. At
 /// a corner of the curve crease, and the frame is that from above. Where d is tangent to the curve, parallel, and n is the
-/// limit by the first of K'' × d and the third derivative × d that does not vanish, with crease where it turns over. t errs by at most 2u (1 + condition), u the unit roundoff, the condition that of K'; n by that over the sine
-/// of the angle of K' and d. [doCarmo2016, sec. 3-3]
+/// limit by the first of K'' × d and the third derivative × d that does not vanish, with crease where it turns over. t errs
+/// by at most 2u (1 + condition), u the unit roundoff, the condition that of K'; n by that over the sine of the angle of
+/// K' and d. [doCarmo2016, sec. 3-3]
 template <class Curve = BSplineCurve<double>>
 struct Extrusion {
   using scalar = typename Curve::scalar;
@@ -76,8 +78,7 @@ struct Extrusion {
     const auto way = detail::passage<Curve::kind>(k, u), across = passage_across(k, u);
     Status result =
         detail::curve_status(curve, u) | detail::passage_status<Curve::kind>(way, u, Status::dpdu_zero);
-    if (across.order != way.order)
-      result |= detail::passage_status<Curve::kind>(across, u, Status::parallel);
+    if (across.order != way.order) result |= detail::passage_status<Curve::kind>(across, u, Status::parallel);
     return result;
   }
 
@@ -105,9 +106,18 @@ struct Extrusion {
   template <class S, class P>
   detail::Passage<S> passage_across(const CurveJet<S>& k, const P& u) const {
     const Vec3<S> d = unit(detail::lift_vector<S>(direction));
-    const auto across = [&](const Vec3<S>& x) { return accurate_cross(unit(x), d); };
-    return detail::passage<Curve::kind>(
-        CurveJet<S>{k.position, across(k.first), across(k.second), across(k.third)}, u);
+    // What rounding leaves of a cross that vanishes is below some units of this and the derivatives before it.
+    double size = 0;
+    const auto across = [&](const Vec3<S>& x) {
+      const Vec3<S> c = accurate_cross(x, d);
+      const S zero = lift<S>(0.0);
+      size = std::fmax(size, detail::largest_component(x));
+      const double rest = 32 * detail::rounding_of<S>() * size;
+      const auto vanishes = [&](const S& part) { return detail::size_of(part) <= rest; };  // NaN does not
+      return vanishes(c.x) && vanishes(c.y) && vanishes(c.z) ? Vec3<S>{zero, zero, zero} : c;
+    };
+    const Vec3<S> first = across(k.first), second = across(k.second), third = across(k.third);
+    return detail::passage<Curve::kind>(CurveJet<S>{k.position, first, second, third}, u);
   }
 };
 template <class Curve, class T>

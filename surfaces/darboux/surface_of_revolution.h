@@ -16,9 +16,8 @@ namespace darboux {
 /// The profile is a curve in the xz plane: its x is ρ, its z is z, its y must be 0. u runs round the axis in turns, v along
 /// the profile. n = (z' cos 2πu, z' sin 2πu, -ρ')/sqrt(ρ'² + z'²): outward where z' > 0. Where the profile is beyond the
 /// axis (ρ < 0) t and n are both the opposite, as the cross product has them. Where ρ = 0 dpdu vanishes: dpdu_zero, and
-/// the frame is the limit from ρ > 0 at the given u, t = (-sin 2πu, cos 2πu, 0); with crease where the profile crosses the
-/// axis. Where the profile stops (ρ' = z' = 0)
-/// dpdv_zero, and the limit is from above (at v = 1 from below) by the first derivative that does not vanish; with crease
+/// the frame is the limit from above (at v = 1 from below) at the given u, t = ±(-sin 2πu, cos 2πu, 0); with crease where the
+/// profile crosses the axis. Where the profile stops (ρ' = z' = 0) dpdv_zero, and the limit is from above (at v = 1 from below) by the first derivative that does not vanish; with crease
 /// where the profile turns round there. At a corner of the profile crease, and the frame is that from above. Frame
 /// components err by at most 4u (1 + condition), u the unit roundoff, the condition that of the profile's derivatives.
 /// [doCarmo2016, sec. 2-3 and 3-3]
@@ -63,7 +62,7 @@ struct SurfaceOfRevolution {
     const CurveJet<S> k = in_plane(profile.jet(v));
     const auto [way, order] = detail::passage<Curve::kind>(k, v);
     if (order == 0) return detail::no_frame<S>();
-    const S side = k.position.x < zero ? -one : one;
+    const S side = axis_side(k, v).first < zero ? -one : one;
     return {.t = {-(side * u.sin), side * u.cos, zero},
             .b = {way.x * u.cos, way.x * u.sin, way.z},
             .n = {side * (way.z * u.cos), side * (way.z * u.sin), -(side * way.x)}};
@@ -77,9 +76,7 @@ struct SurfaceOfRevolution {
         detail::passage_status<Curve::kind>(detail::passage<Curve::kind>(k, v), v, Status::dpdv_zero);
     if (detail::is_zero(k.position.x)) {
       result |= Status::dpdu_zero;
-      const bool crosses =
-          !detail::is_zero(k.first.x) || (detail::is_zero(k.second.x) && !detail::is_zero(k.third.x));
-      if (crosses && detail::within<Curve::kind>(v)) result |= Status::crease;
+      if (axis_side(k, v).second && detail::within<Curve::kind>(v)) result |= Status::crease;
     }
     return result;
   }
@@ -125,6 +122,15 @@ struct SurfaceOfRevolution {
   static CurveJet<S> in_plane(CurveJet<S> k) {
     k.position.y = k.first.y = k.second.y = k.third.y = lift<S>(0.0);
     return k;
+  }
+  // The side of the axis, a number of the sign of ρ: where ρ = 0 that of the frames above (at the upper end below), and
+  // whether the profile crosses the axis there.
+  template <class S, class P>
+  static std::pair<S, bool> axis_side(const CurveJet<S>& k, const P& v) {
+    if (!detail::is_zero(k.position.x)) return {k.position.x, false};
+    const auto [way, order] = detail::passage<Curve::kind>(k, v);
+    if (order == 0 || !(detail::size_of(way.x) > 16 * detail::rounding_of<S>())) return {k.second.x, false};
+    return {detail::at_upper_end<Curve::kind>(v) ? -way.x : way.x, order != 2};
   }
   // ρ, z'/q and the profile's curvature (ρ'' z' - ρ' z'')/q³
   template <class S>
