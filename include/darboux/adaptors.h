@@ -500,7 +500,8 @@ struct Offset {
     const Jet2<S> n = normal_jet<S>(u, v);
     const S d = lift<S>(distance);
     Vec3<S> here = n.position;
-    if constexpr (std::floating_point<S>)  // the limit has a value, though no derivatives
+    if constexpr (std::floating_point<S> &&
+                  std::floating_point<T>)  // the limit has a value, though no derivatives
       if (!detail::finite(here)) here = detail::frame_at<S>(base, u, v, detail::declared(base, u, v)).n;
     return Jet2<S>{.position = j.position + d * here,
                    .dpdu = j.dpdu + d * n.dpdu,
