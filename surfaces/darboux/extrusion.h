@@ -109,10 +109,11 @@ struct Extrusion {
     // What rounding leaves of a cross that vanishes is below some units of this and the derivatives before it.
     double size = 0;
     const auto across = [&](const Vec3<S>& x) {
-      const Vec3<S> c = accurate_cross(x, d);
+      const Vec3<S> c = accurate_cross(unit(x), d);
       const S zero = lift<S>(0.0);
-      size = std::fmax(size, detail::largest_component(x));
-      const double rest = 32 * detail::rounding_of<S>() * size;
+      const double own = detail::largest_component(x);
+      size = std::fmax(size, own);
+      const double rest = 32 * detail::rounding_of<S>() * (size / own);
       const auto vanishes = [&](const S& part) { return detail::size_of(part) <= rest; };  // NaN does not
       return vanishes(c.x) && vanishes(c.y) && vanishes(c.z) ? Vec3<S>{zero, zero, zero} : c;
     };
