@@ -101,10 +101,10 @@ double largest_component(const Vec3<S>& a) {
 // What rounding leaves, relative, in a number of the type of x; 0 where that is not known.
 template <class S>
 double rounding_of() {
-  if constexpr (std::numeric_limits<S>::is_specialized)
-    return static_cast<double>(std::numeric_limits<S>::epsilon());
-  else if constexpr (requires(const S& x) { Scalar<S>::value(x); })
+  if constexpr (requires(const S& x) { Scalar<S>::value(x); })
     return rounding_of<std::remove_cvref_t<decltype(Scalar<S>::value(std::declval<const S&>()))>>();
+  else if constexpr (std::numeric_limits<S>::is_specialized)
+    return static_cast<double>(std::numeric_limits<S>::epsilon());
   else
     return 0;
 }
