@@ -682,6 +682,23 @@ TEST(PositionOnly, CurvesHaveTheDerivativesOfTheirClosedForm) {
     EXPECT_LE(distance(frame(by_hand, i / 16.0, 0.3), frame(by_position, i / 16.0, 0.3)), 1e-14);
 }
 
+// Of curves without another formula the second formula of the surface takes the first; and lines that cross each other half
+// way make dpdu vanish there.
+TEST(PositionOnly, RuledSurfaceOfSuchCurves) {
+  const auto parabola = []<class S>(const S& t) { return Vec3<S>{t, t * t, lift<S>(0.5)}; };
+  const auto arc = []<class S>(const S& t) { return Vec3<S>{lift<S>(2.0) + t * t, lift<S>(1.0) - t, t}; };
+  const RuledSurface surface{PositionCurve{parabola}, PositionCurve{arc}};
+  for (int i = 0; i <= 8; ++i)
+    for (int k = 0; k <= 8; ++k) {
+      const double u = i / 8.0, v = k / 8.0;
+      EXPECT_LE(norm(surface.position_again(u, v) - jet(surface, u, v).position), 16 * roundoff);
+    }
+  const RuledSurface crossing{LineSegment{Vec{0, 0, 0}, Vec{1, 0, 0}},
+                              LineSegment{Vec{1, 1, 0}, Vec{0, 1, 0}}};
+  EXPECT_EQ(status(crossing, 0.25, 0.5), Status::dpdu_zero);
+  EXPECT_EQ(status(crossing, 0.25, 0.25), Status::regular);
+}
+
 TEST(PositionOnly, GraphHasTheDerivativesOfItsClosedForm) {
   const RoundHill<double> hill{0.75, 0.4};
   const Graph closed{hill, -1.0, 2.0, -1.5, 1.0};
