@@ -92,6 +92,12 @@ constexpr auto on_its_tangent = []<class S>(const S& t) {
   return Vec3<S>{t + lift<S>(1.0), t * t + two * t, t * t * t + three * (t * t)};
 };
 
+// A profile that touches the axis half way, from ρ < 0.
+constexpr auto touching = []<class S>(const S& t) {
+  const S x = t - lift<S>(0.5);
+  return Vec3<S>{-(x * x), lift<S>(0.0), x};
+};
+
 void superellipsoid_poles(double v) {
   for (const double ev : {0.3, 0.5, 1.0, 1.5, 1.75, 2.0, 2.5})
     for (const double eu : {0.5, 1.0, 1.5, 2.0, 2.5}) {
@@ -327,6 +333,11 @@ std::vector<Declared> declared_points() {
   const SurfaceOfRevolution other_cone{LineSegment{Vec{1, 0, -1}, Vec{-1, 0, 1}}};
   all.push_back(limit(of_revolution[0], "profile that crosses it inwards", other_cone, round(0.5), along_v,
                       collapsed | crease));
+  const SurfaceOfRevolution waist{PlanarCurve{PositionCurve{touching}}};
+  for (const auto& side : {along_v, against_v})
+    all.push_back(limit(of_revolution[0],
+                        side.y > 0 ? "profile that touches, above" : "profile that touches, below", waist,
+                        round(0.5), side, collapsed));
   const SurfaceOfRevolution beyond{LineSegment{Vec{0, 0, 0}, Vec{-1, 0, 1}}};  // ρ < 0
   all.push_back(
       limit(of_revolution[0], "profile beyond the axis first", beyond, round(0), along_v, collapsed));
