@@ -85,8 +85,7 @@ auto mean_from_constant(const S& x, F f) {
 
 template <class S>
 Vec3<S> unit_or_nan(const Vec3<S>& a) {
-  const S nan = lift<S>(std::numeric_limits<double>::quiet_NaN());
-  return largest_component(a) == 0 ? Vec3<S>{nan, nan, nan} : unit(a);
+  return largest_component(a) == 0 ? nan_vector<S>() : unit(a);
 }
 
 // The unit normal of a surface at prepared coordinates of any scalar. Where the chart of a surface without a closed frame
@@ -226,7 +225,7 @@ struct Reparametrised {
     Vec3<S> t;
     if (detail::limits_by_series<X> && has(f.status, Status::limit_frame)) {
       if constexpr (detail::limits_by_series<X>) t = detail::limit_direction(base, pu, pv, a, c);
-      if (t == Vec3<S>{}) return no_frame<S>();
+      if (t == Vec3<S>{}) return detail::no_frame<S>();
     } else if (has(at, Status::dpdu_zero) || a == S(0)) {
       // Where one partial of the base vanishes the other decides; where that is not asked for, the limit does.
       t = c == S(0) ? std::copysign(one, a) * f.t : std::copysign(one, c) * along_v(f, j, at);
@@ -312,11 +311,6 @@ struct Reparametrised {
     if ((u_zero && M[3] == 0) || (v_zero && M[1] == 0) || (u_zero && v_zero)) result |= Status::dpdv_zero;
     if ((u_zero || v_zero) && !has(result, Status::dpdu_zero | Status::dpdv_zero)) result |= Status::parallel;
     return result;
-  }
-  template <class S>
-  static Frame<S> no_frame() {
-    const Vec3<S> nan = detail::nan_vector<S>();
-    return {nan, nan, nan, S(1), Status::no_frame};
   }
   // det M with the largest entry scaled to 1, so that no product overflows.
   T scaled_determinant() const {
@@ -500,8 +494,8 @@ struct Offset {
     const Jet2<S> n = normal_jet<S>(u, v);
     const S d = lift<S>(distance);
     Vec3<S> here = n.position;
-    if constexpr (std::floating_point<S> &&
-                  std::floating_point<T>)  // the limit has a value, though no derivatives
+    // The limit has a value, though no derivatives.
+    if constexpr (std::floating_point<S> && std::floating_point<T>)
       if (!detail::finite(here)) here = detail::frame_at<S>(base, u, v, detail::declared(base, u, v)).n;
     return Jet2<S>{.position = j.position + d * here,
                    .dpdu = j.dpdu + d * n.dpdu,
@@ -518,10 +512,10 @@ struct Offset {
     if (has(f.status, Status::no_frame)) return f;
     const Status at = still_singular(f.status, u, v);
     const Jet2<S> of_base = base.jet(u, v), j = jet(u, v);
-    const Status jump = at & Status::crease;
     if (!detail::finite(normal(u, v))) {  // that of the base is a limit of higher order: t is not known here
-      const Vec3<S> nan = detail::nan_vector<S>();
-      return Frame<S>{nan, nan, nan, S(1), Status::no_frame | (f.status & detail::degenerate)};
+      Frame<S> none = detail::no_frame<S>();
+      none.status |= f.status & detail::degenerate;
+      return none;
     }
     // Where a partial vanishes, its direction is that of ±d2pduv: on the base and here.
     const auto limit = [&](const Vec3<S>& leaning) {
@@ -532,7 +526,7 @@ struct Offset {
     const bool u_collapsed = has(at, Status::dpdu_zero), v_collapsed = has(at, Status::dpdv_zero);
     const Vec3<S> along_u = u_collapsed ? limit(f.t) : j.dpdu,
                   along_v = v_collapsed ? limit(f.handedness * f.b) : j.dpdv;
-    Frame<S> result{unit(along_u), {}, f.n, f.handedness, jump | (at & detail::degenerate)};
+    Frame<S> result{unit(along_u), {}, f.n, f.handedness, at & (detail::degenerate | Status::crease)};
     if (has(at, detail::degenerate)) result.status |= Status::limit_frame;
     // At a focal point a partial is a difference of equal ones: what rounding leaves has no direction.
     constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();

@@ -106,15 +106,6 @@ Status passage_status(const Passage<S>& way, const P& t, Status zero) {
   return result;
 }
 
-template <class S>
-Vec3<S> nan_of() {
-  const S nan = lift<S>(std::numeric_limits<double>::quiet_NaN());
-  return {nan, nan, nan};
-}
-template <class S>
-Frame<S> no_frame() {
-  return {nan_of<S>(), nan_of<S>(), nan_of<S>(), lift<S>(1.0), Status::no_frame};
-}
 // The components of T' and T'' along a unit vector x perpendicular to T, from
 //   K'' = speed' T + speed T',   K''' = speed'' T + 2 speed' T' + speed T''
 template <class S>

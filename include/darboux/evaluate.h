@@ -73,7 +73,7 @@ template <std::floating_point S>
 struct Limit {
   Taylor<S> dpdu{}, dpdv{};
   S side = 1;  // the sign of h
-  Frame<S> frame{nan_vector<S>(), nan_vector<S>(), nan_vector<S>(), S(1), Status::no_frame};
+  Frame<S> frame = no_frame<S>();
 
   bool found() const { return !has(frame.status, Status::no_frame); }
   // The direction to which x dpdu + y dpdv tends, as a unit vector; zero where the series do not tell.
@@ -191,7 +191,7 @@ Limit<S> limit_at(const X& surface, const Jet2<S>& j, Status why, const PU& u, c
   const S difference = norm(first.frame.t - second.frame.t) + norm(first.frame.n - second.frame.n);
   if (difference * difference <= std::numeric_limits<S>::epsilon()) return first;
   if (both)
-    first.frame = Limit<S>{}.frame;
+    first.frame = no_frame<S>();
   else
     first.frame.status |= Status::crease;
   return first;

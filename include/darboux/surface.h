@@ -83,6 +83,13 @@ struct Frame {
   Status status = Status::regular;
 };
 
+namespace detail {
+template <class S>
+Frame<S> no_frame() {
+  return {nan_vector<S>(), nan_vector<S>(), nan_vector<S>(), lift<S>(1.0), Status::no_frame};
+}
+}  // namespace detail
+
 /// The unit vectors along the coordinate curves, t = dpdu/|dpdu| and b = dpdv/|dpdv|, with the unit normal.
 /// Not orthogonal where the chart is not; handedness as in Frame.
 template <class S>
@@ -218,17 +225,18 @@ Turn<D> as_variable(const Turn<S>& x, int k, Coordinate kind) {
 // A variable whose first, second and third derivatives are carried.
 template <class S>
 using ThreeTimesDual = Dual<Dual<Dual<S, 1>, 1>, 1>;
-template <class P, class D1, class D2, class D3>
+template <class S, class P>
 auto three_times(const P& x, Coordinate kind) {
-  return as_variable<D3>(as_variable<D2>(as_variable<D1>(x, 0, kind), 0, kind), 0, kind);
+  const auto once = as_variable<Dual<S, 1>>(x, 0, kind);
+  return as_variable<ThreeTimesDual<S>>(as_variable<Dual<Dual<S, 1>, 1>>(once, 0, kind), 0, kind);
 }
 template <class S>
 auto three_times_variable(const S& x, Coordinate kind) {
-  return three_times<S, Dual<S, 1>, Dual<Dual<S, 1>, 1>, ThreeTimesDual<S>>(x, kind);
+  return three_times<S>(x, kind);
 }
 template <class S>
 auto three_times_variable(const Turn<S>& x, Coordinate kind) {
-  return three_times<Turn<S>, Dual<S, 1>, Dual<Dual<S, 1>, 1>, ThreeTimesDual<S>>(x, kind);
+  return three_times<S>(x, kind);
 }
 template <class D, class S>
 D as_constant(const S& x) {

@@ -210,9 +210,9 @@ Vec3<typename Derived::Scalar> from_eigen(const Eigen::MatrixBase<Derived>& a) {
 
 namespace detail {
 
-template <std::floating_point S>
+template <class S>
 constexpr Vec3<S> nan_vector() {
-  constexpr S nan = std::numeric_limits<S>::quiet_NaN();
+  const S nan = lift<S>(std::numeric_limits<double>::quiet_NaN());
   return {nan, nan, nan};
 }
 
