@@ -291,9 +291,11 @@ class HighPrecision {
       const Vec3<ManyDigits> area = cross(unit(exact.dpdu), unit(exact.dpdv));
       const double determinant = static_cast<double>(dot(area, Vec3<ManyDigits>{f.n.x, f.n.y, f.n.z}));
       of_40_digits = 1e-38 / norm(rounded(area));  // what they leave of a normal of nearly parallel partials
-      // A surface that states its own orientation cannot tell the side where dpdu is within rounding of zero.
+      if (!(of_40_digits < 1)) return;             // nothing
+      // A surface that states its own orientation cannot tell the side where dpdu across dpdv is within rounding of zero.
       if (info.own_orientation && determinant * f.handedness < 0 &&
-          norm(rounded(exact.dpdu)) < 16 * roundoff * (1 + partial_condition[1]) * scale[1])
+          norm(rounded(cross(exact.dpdu, unit(exact.dpdv)))) <
+              16 * roundoff * (1 + partial_condition[1]) * scale[1])
         return;
       errors = error(e);
       for (const Jet2<ManyDigits>& moved : neighbours)

@@ -556,9 +556,11 @@ def main():
             sys.exit(f"{arguments.compiler}: no such compiler, name one with --compiler")
         workshop = Workshop(arguments)
         try:
-            run_all(workshop, todo, results, arguments, start)
+            unsound = run_all(workshop, todo, results, arguments, start)
         finally:
             workshop.close()
+        if unsound:
+            sys.exit(f"no report: {', '.join(unsound)} disobeyed the laws before any mutation")
     if arguments.report:
         write_report(arguments.report, arguments, population, results, chosen, time.monotonic() - start)
 
@@ -604,6 +606,7 @@ def run_all(workshop, todo, results, arguments, start):
                      f"[{entry.get('differ')} of {entry.get('of', '')} values differ, by {entry.get('largest')}]")
             if number % 25 == 0:
                 tell(f"{number} of {len(todo)}, {(time.monotonic() - start) / number:.2f} s each")
+    return [header for header, obeys in sound.items() if not obeys]
 
 
 if __name__ == "__main__":
