@@ -17,6 +17,7 @@
 #include <darboux/sphere.h>
 #include <darboux/surface_of_revolution.h>
 #include <darboux/testing.h>
+#include <darboux/tube.h>
 
 #include "every_surface.h"
 
@@ -440,6 +441,18 @@ TEST(CheckSurface, IsDeterministicAndRefusesBadParameters) {
 
 // At the edge of what is permitted: a horn torus, tori far thicker and thinner than their rings, sizes near the range
 // of double. A route that cannot resolve them says so; none may fail.
+// A tube's curve may have sizes of its own, and its radius be 1e115 of them: no direction across dpdv is then left in 40
+// digits, nor the side of the chart in 16.
+TEST(Laws, HoldForATubeRoundACurveThatIsNoParameter) {
+  std::cout << "seed 7\n";
+  const Tube upright{UprightCurve<HelixCurve<>>{{1, 0.25, 1}, {0, 0, 1}}, 0.1};
+  EXPECT_EQ(broken_laws(upright, {.points = 50,
+                                  .seed = 7,
+                                  .routes = {"high_precision", "high_precision_float"},
+                                  .parameter_sets = 10}),
+            "");
+}
+
 TEST(Laws, HoldAtExtremeParameters) {
   for (const AnySurface& surface :
        {make_surface("torus:major_radius=1,minor_radius=1"),

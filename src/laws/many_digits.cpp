@@ -240,6 +240,9 @@ class HighPrecision {
     const double u = uv.x, v = uv.y;
     if (has(f.status, Status::no_frame)) return;
     const SurfaceInfo& info = surface.info();
+    const bool closed = surface.has_closed_frame();
+    // Of every frame, whatever the oracle can say of its directions.
+    orthonormality_.compare(deviation_from_orthonormal(f), (closed ? 8 : 16) * roundoff, u, v, of);
     const auto error = [&](const ExactFrame& e) {
       return std::array{largest_difference(f.t, e.t), largest_difference(f.b, e.b),
                         largest_difference(f.n, e.n)};
@@ -287,7 +290,7 @@ class HighPrecision {
     } else {
       const ExactFrame e = exact_frame(exact, f.handedness);
       // Where the true partials give no frame, those with their rounding gave an arbitrary one.
-      if (!surface.has_closed_frame() && !(norm(rounded(e.t)) > 0 && norm(rounded(e.n)) > 0)) return;
+      if (!closed && !(norm(rounded(e.t)) > 0 && norm(rounded(e.n)) > 0)) return;
       const Vec3<ManyDigits> area = cross(unit(exact.dpdu), unit(exact.dpdv));
       const double determinant = static_cast<double>(dot(area, Vec3<ManyDigits>{f.n.x, f.n.y, f.n.z}));
       of_40_digits = 1e-38 / norm(rounded(area));  // what they leave of a normal of nearly parallel partials
@@ -301,8 +304,7 @@ class HighPrecision {
       for (const Jet2<ManyDigits>& moved : neighbours)
         condition += change(exact_frame(moved, f.handedness), e);
     }
-    const bool closed = surface.has_closed_frame();
-    double frame_bound = info.frame_error * (1 + condition), orthonormality_bound = 8;
+    double frame_bound = info.frame_error * (1 + condition);
     if (!closed) {
       // From partials that are within 8 (1 + condition) of their scale: what that turns t and n by.
       const double du = norm(rounded(exact.dpdu)), dv = norm(rounded(exact.dpdv)),
@@ -313,13 +315,11 @@ class HighPrecision {
               : ((1 + partial_condition[1]) * scale[1] / du + (1 + partial_condition[2]) * scale[2] / dv) /
                     sine;
       frame_bound = 8 * (1 + condition + amplified);
-      orthonormality_bound = 16;
     }
     const double bound = frame_bound * roundoff + of_40_digits;
     tangent_.compare(errors[0], bound, u, v, of);
     bitangent_.compare(errors[1], bound, u, v, of);
     normal_.compare(errors[2], bound, u, v, of);
-    orthonormality_.compare(deviation_from_orthonormal(f), orthonormality_bound * roundoff, u, v, of);
   }
 
   std::string_view route_;
