@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
-#include <string>
 
 #include <gtest/gtest.h>
 

@@ -2,9 +2,6 @@
 #include <array>
 #include <cmath>
 #include <iomanip>
-#include <numbers>
-#include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 

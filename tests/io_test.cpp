@@ -1,16 +1,11 @@
 // Files: what is read, what is written, and that a second reader agrees bit for bit.
 #include <bit>
 #include <cmath>
-#include <csignal>
-#include <cstdlib>
 #include <limits>
-#include <set>
-#include <sstream>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
 
 #include <darboux/io.h>
 

@@ -439,8 +439,6 @@ TEST(CheckSurface, IsDeterministicAndRefusesBadParameters) {
   EXPECT_THROW(check_surface(Sphere{-1.0}), ParameterError);
 }
 
-// At the edge of what is permitted: a horn torus, tori far thicker and thinner than their rings, sizes near the range
-// of double. A route that cannot resolve them says so; none may fail.
 // A tube's curve may have sizes of its own, and its radius be 1e115 of them: no direction across dpdv is then left in 40
 // digits, nor the side of the chart in 16.
 TEST(Laws, HoldForATubeRoundACurveThatIsNoParameter) {
@@ -453,6 +451,8 @@ TEST(Laws, HoldForATubeRoundACurveThatIsNoParameter) {
             "");
 }
 
+// At the edge of what is permitted: a horn torus, tori far thicker and thinner than their rings, sizes near the range
+// of double. A route that cannot resolve them says so; none may fail.
 TEST(Laws, HoldAtExtremeParameters) {
   for (const AnySurface& surface :
        {make_surface("torus:major_radius=1,minor_radius=1"),

@@ -40,7 +40,7 @@ HERE = Path(__file__).resolve().parent
 HEADERS = ROOT / "surfaces" / "darboux"
 
 # What the catalogue's tests ask beyond the laws: the status at declared points, the limits from either side, creases.
-TESTS = ["singular_points_test", "spline_test"]
+TESTS = ["singular_points_test", "spline_test", "tube_test", "user_functions_test", "curve_refusals_test"]
 
 # Functions that compute nothing a law could look at: texts, accessors, the default data of splines, conversions.
 NOT_FORMULAS = {"parameters", "refusal", "rebind", "example_points", "example_weights", "example_knots",
