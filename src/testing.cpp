@@ -15,7 +15,7 @@ using namespace laws;
 
 struct Route {
   std::string_view name;
-  void (*run)(const AnySurface&, const Points&, Checks&);
+  void (*run)(const AnySurface&, const laws::Points&, Checks&);
 };
 constexpr std::array routes{Route{"dual", check_dual},
                             Route{"central2", check_central<2>},
@@ -60,7 +60,7 @@ std::vector<Check> check_surface(const AnySurface& surface, const CheckOptions& 
   const bool any_double =
       std::any_of(routes.begin(), routes.end(), [&](const Route& r) { return wanted(r.name); });
   if (any_double) {
-    const Points points(surface, options);
+    const laws::Points points(surface, options);
     if (points.not_a_number) {
       Law law(points.name, "dual", "position");
       law.compare(std::nan(""), 0, points.not_a_number->x, points.not_a_number->y);

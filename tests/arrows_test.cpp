@@ -35,7 +35,10 @@ std::vector<Rule> rules(const Includes& tree) {
        std::string(standard) + "|darboux/(surface|scalar|vector|curve|spline)\\.h", ""},
       {"the catalogue only lists", "surfaces/darboux/catalogue\\.h", surfaces, ""},
       {"the engine knows no particular surface", "include/.*", "", surfaces},
-      {"scalar and error stand below everything", "include/darboux/(scalar|error)\\.h", standard, ""},
+      {"binary, error and attributes stand below everything", "include/darboux/(binary|error|attributes)\\.h",
+       standard, ""},
+      {"scalar stands on elementary, that on binary", "include/darboux/(scalar|elementary)\\.h",
+       std::string(standard) + "|darboux/(binary|elementary)\\.h", ""},
       {"vector and many_digits stand on scalar", "include/darboux/(vector|many_digits)\\.h",
        std::string(standard) + "|Eigen/.*|darboux/scalar\\.h", ""},
       {"curves know no engine", "include/darboux/(curve|spline)\\.h",
@@ -43,16 +46,19 @@ std::vector<Rule> rules(const Includes& tree) {
       {"boost stays behind many_digits", "(?!src/many_digits\\.cpp|tests/).*", "", "boost/.*"},
       {"the core knows no files, no fit and no verdict",
        "(include/darboux|src)/"
-       "(any_surface|testing|evaluate|forms|frame|differentiate|adaptors|mesh|mesh_frames|"
+       "(any_surface|testing|evaluate|point|limit|forms|frame|differentiate|adaptors|mesh|mesh_frames|"
        "mesh_classes|weld|sample_mesh|converge|placed_surface|validate)\\.(h|cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
       {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",
        std::string(standard) + "|darboux/(scalar|vector)\\.h", ""},
-      {"frame, forms, differentiate, evaluate stand on surface.h and each other",
-       "include/darboux/(frame|forms|differentiate|evaluate)\\.h",
+      {"frame, limit, point, forms, differentiate, evaluate stand on surface.h and each other",
+       "include/darboux/(frame|limit|point|forms|differentiate|evaluate|blocks)\\.h",
        std::string(standard) +
-           "|Eigen/.*|darboux/(scalar|vector|surface|frame|forms|differentiate|evaluate)\\.h",
+           "|Eigen/.*|darboux/"
+           "(scalar|vector|surface|attributes|frame|limit|point|forms|differentiate|evaluate)\\.h",
        ""},
+      {"xsimd stays in the kernels", "(?!src/kernels/|tests/).*", "", "xsimd/.*"},
+      {"threads stay behind evaluate.cpp", "(?!src/evaluate\\.cpp|tests/).*", "", "tbb/.*"},
       {"a mesh knows no parametric surface", "(include/darboux|src)/" + mesh_core + "\\.(h|cpp)",
        std::string(standard) + "|Eigen/.*|darboux/(scalar|vector|surface|frame|error)\\.h|darboux/" +
            mesh_core + "\\.h|darboux/statistics\\.h|disjoint_sets\\.h",
@@ -129,6 +135,9 @@ TEST(Arrows, EveryWrongArrowIsFound) {
       {"include/darboux/mesh_frames.h", "darboux/torus.h"},
       {"include/darboux/weld.h", "darboux/any_surface.h"},
       {"src/mesh_frames.cpp", "darboux/evaluate.h"},
+      {"include/darboux/scalar.h", "darboux/vector.h"},
+      {"include/darboux/evaluate.h", "xsimd/xsimd.hpp"},
+      {"src/validate.cpp", "tbb/parallel_for.h"},
       {"include/darboux/fit.h", "ceres/ceres.h"},
       {"include/darboux/io.h", "nlohmann/json.hpp"},
       {"include/darboux/io.h", "assimp/scene.h"},

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include <darboux/error.h>
-#include <darboux/evaluate.h>
 #include <darboux/forms.h>
+#include <darboux/point.h>
 
 namespace darboux {
 

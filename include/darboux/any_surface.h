@@ -61,6 +61,15 @@ class AnySurface {
   Sample<double> sample(double u, double v) const { return make_sample(u, v, jet(u, v), frame(u, v)); }
   /// Everything in single precision, parameters too.
   Sample<float> sample_in_float(float u, float v) const { return held_->sample_in_float(u, v); }
+  /// Many points at once: see evaluate() in evaluate.h.
+  StatusSummary evaluate(const Points<double>& points, const Outputs<double>& outputs,
+                         const EvaluateOptions& options = {}) const {
+    return held_->evaluate(points, outputs, options);
+  }
+  StatusSummary evaluate(const Points<float>& points, const Outputs<float>& outputs,
+                         const EvaluateOptions& options = {}) const {
+    return held_->evaluate(points, outputs, options);
+  }
   bool has_closed_frame() const { return held_->has_closed_frame(); }
 
   /// Where along u (along = 0) or v (1) the surface is only piecewise smooth, strictly between 0 and 1, and 0 where it is
@@ -122,6 +131,10 @@ class AnySurface {
     virtual Frame<double> frame(double u, double v) const = 0;
     virtual ParametricFrame<double> parametric_frame(double u, double v) const = 0;
     virtual Sample<float> sample_in_float(float u, float v) const = 0;
+    virtual StatusSummary evaluate(const Points<double>& points, const Outputs<double>& outputs,
+                                   const EvaluateOptions& options) const = 0;
+    virtual StatusSummary evaluate(const Points<float>& points, const Outputs<float>& outputs,
+                                   const EvaluateOptions& options) const = 0;
     virtual bool has_closed_frame() const = 0;
     virtual std::vector<double> breaks(int along) const = 0;
     virtual std::vector<std::string_view> facts() const = 0;
@@ -151,7 +164,7 @@ class AnySurface {
     Jet2<double> jet(double u, double v) const override { return darboux::jet(surface, u, v); }
     Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const override { return darboux::jet(surface, u, v); }
     Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const override {
-      return darboux::jet(surface, u, v);
+      return detail::jet_of(surface, u, v);
     }
     Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v,
                          std::span<const ManyDigits> values) const override {
@@ -171,6 +184,14 @@ class AnySurface {
     }
     Sample<float> sample_in_float(float u, float v) const override {
       return darboux::sample(rebind<float>(surface), u, v);
+    }
+    StatusSummary evaluate(const Points<double>& points, const Outputs<double>& outputs,
+                           const EvaluateOptions& options) const override {
+      return darboux::evaluate(surface, points, outputs, options);
+    }
+    StatusSummary evaluate(const Points<float>& points, const Outputs<float>& outputs,
+                           const EvaluateOptions& options) const override {
+      return darboux::evaluate(surface, points, outputs, options);
     }
     bool has_closed_frame() const override { return HasClosedFrame<X>; }
     std::vector<double> breaks([[maybe_unused]] int along) const override {

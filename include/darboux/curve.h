@@ -289,6 +289,7 @@ template <class T = double>
 class BSplineCurve {
  public:
   using scalar = T;
+  static constexpr bool in_lanes = false;  // a span for each point
   static constexpr Coordinate kind = Coordinate::linear;
 
   /// A wave in the xy plane, of degree 5: one span, so that it is smooth everywhere.

@@ -1,327 +1,269 @@
 /// \file evaluate.h
-/// Evaluates a surface at (u, v): partials, frames, status. Total: nothing here throws or logs.
+/// Evaluates a surface at many (u, v): what is asked for, into memory of the caller's, in the layout asked for.
+///   darboux::Outputs<float> out;
+///   out.packed(Attribute::position, positions).packed(Attribute::tangent4, tangents);
+///   evaluate(Torus{1.0, 0.4}, Points<float>::interleaved(uvs), out);
+/// Single points: point.h, which this header includes.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <tuple>
-#include <utility>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <typeinfo>
 
-#include <darboux/frame.h>
-#include <darboux/surface.h>
+#include <darboux/attributes.h>
+#include <darboux/forms.h>
+#include <darboux/point.h>
 
 namespace darboux {
 
-/// Position and partials at (u, v), for any scalar the formula compiles with.
-template <ParametricSurface X, class S>
-Jet2<S> jet(const X& surface, const S& u, const S& v) {
-  return surface.jet(prepare<X::info.u>(u), prepare<X::info.v>(v));
-}
+/// Where the points are. Nothing is copied: the arrays live until the call that uses them returns.
+template <std::floating_point T>
+class Points {
+ public:
+  /// (u[i], v[i]). \throws ParameterError when the lengths differ
+  static Points arrays(std::span<const T> u, std::span<const T> v);
+  /// u, v, u, v, ... \throws ParameterError when the number of values is odd
+  static Points interleaved(std::span<const T> uv);
+  /// `points` pairs, each `stride` bytes after the one before.
+  /// \throws ParameterError for a stride below that of a pair, or not a multiple of the numbers' alignment
+  static Points interleaved(const T* uv, std::size_t points, std::ptrdiff_t stride);
+  /// The corners of columns × rows cells: u = i/columns, v = j/rows, ends included, u running faster. Of the rows + 1 rows of
+  /// points `count` from `first` on. Their coordinates are rounded from double. Sines are taken once a row and column.
+  /// \throws ParameterError for no columns or rows, or rows of points that there are not
+  static Points grid(std::size_t columns, std::size_t rows, std::size_t first = 0,
+                     std::size_t count = std::numeric_limits<std::size_t>::max());
 
-namespace detail {
+  /// `count` of them from `first` on. \throws ParameterError when there are fewer
+  Points part(std::size_t first, std::size_t count) const;
 
-template <Coordinate kind, class S>
-bool outside(const S& x) {
-  if constexpr (kind == Coordinate::linear || kind == Coordinate::half_turn)
-    return x < S(0) || x > S(1);
-  else
-    return false;
-}
-
-}  // namespace detail
-
-namespace detail {
-// Those of an adaptor's base too.
-template <class X>
-bool parameters_are_finite(const X& surface) {
-  bool finite = true;
-  for_each_parameter<X>(
-      [&](const auto& p) { finite = finite && std::isfinite(static_cast<double>(p.of(surface))); });
-  if constexpr (requires { surface.base; }) finite = finite && parameters_are_finite(surface.base);
-  return finite;
-}
-}  // namespace detail
-
-/// What the surface and the domain say of (u, v), before any frame is made: dpdu_zero, dpdv_zero, parallel,
-/// self_intersecting, crease as the surface declares them, outside_domain, non_finite_input (u, v or a
-/// parameter).
-template <ParametricSurface X, std::floating_point S>
-Status status(const X& surface, S u, S v) {
-  if (!std::isfinite(u) || !std::isfinite(v) || !detail::parameters_are_finite(surface))
-    return Status::non_finite_input;
-  Status result = Status::regular;
-  if constexpr (DeclaresSingularPoints<X>)
-    result |= surface.singular(prepare<X::info.u>(u), prepare<X::info.v>(v));
-  if (detail::outside<X::info.u>(u) || detail::outside<X::info.v>(v)) result |= Status::outside_domain;
-  return result;
-}
-
-namespace detail {
-
-// A partial near a point along one coordinate: the sum of the k-th vector times h^k. What is not known is zero.
-template <class S>
-using Taylor = std::array<Vec3<S>, 4>;
-
-// Of a sum of this size rounding leaves no more.
-template <std::floating_point S>
-bool above_rounding(const Vec3<S>& sum, S size) {
-  return norm(sum) > S(32) * std::numeric_limits<S>::epsilon() * size;
-}
-
-// A frame in the limit h -> 0, h of one sign, with the series of the partials that it comes from.
-template <std::floating_point S>
-struct Limit {
-  Taylor<S> dpdu{}, dpdv{};
-  S side = 1;  // the sign of h
-  Frame<S> frame = no_frame<S>();
-
-  bool found() const { return !has(frame.status, Status::no_frame); }
-  // The direction to which x dpdu + y dpdv tends, as a unit vector; zero where the series do not tell.
-  Vec3<S> direction(S x, S y) const {
-    for (std::size_t k = 0; k < dpdu.size(); ++k) {
-      const Vec3<S> sum = x * dpdu[k] + y * dpdv[k];
-      if (above_rounding(sum, std::fabs(x) * norm(dpdu[k]) + std::fabs(y) * norm(dpdv[k])))
-        return (k % 2 == 1 ? side : S(1)) * unit(sum);
-    }
-    return {};
+  /// How many.
+  std::size_t size() const { return size_; }
+  /// The i-th.
+  Vec2<T> operator[](std::size_t i) const {
+    if (columns_ > 0) return {column((offset_ + i) % (columns_ + 1)), row((offset_ + i) / (columns_ + 1))};
+    const auto at = [&](const T* x) {
+      return *reinterpret_cast<const T*>(reinterpret_cast<const char*>(x) +
+                                         stride_ * static_cast<std::ptrdiff_t>(i));
+    };
+    return {at(u_), at(v_)};
   }
+
+  bool is_grid() const { return columns_ > 0; }
+  std::size_t columns() const { return columns_; }  ///< of cells
+  std::size_t offset() const { return offset_; }    ///< of a part: the first point's index in the rows taken
+  /// u of the i-th column, v of the j-th row of points taken.
+  T column(std::size_t i) const {
+    return static_cast<T>(static_cast<double>(i) / static_cast<double>(columns_));
+  }
+  T row(std::size_t j) const {
+    return static_cast<T>(static_cast<double>(first_row_ + j) / static_cast<double>(rows_));
+  }
+  const T* u() const { return u_; }
+  const T* v() const { return v_; }
+  std::ptrdiff_t stride() const { return stride_; }  ///< bytes from a u to the next, a v to the next
+
+ private:
+  const T *u_ = nullptr, *v_ = nullptr;
+  std::ptrdiff_t stride_ = sizeof(T);
+  std::size_t size_ = 0, columns_ = 0, rows_ = 0, first_row_ = 0, offset_ = 0;
 };
 
-template <class S>
-std::size_t first_that_is_not_zero(const Taylor<S>& a) {
-  std::size_t k = 0;
-  while (k < a.size() && a[k] == Vec3<S>{}) ++k;
-  return k;
+/// Where an attribute goes: for each component the first point's number, and the bytes from a point to the next.
+template <class T>
+struct OutputPlace {
+  std::array<T*, most_components> component{};
+  std::ptrdiff_t stride = 0;
+  std::size_t points = 0;  ///< how many there is room for
+};
+
+/// What is asked for, and where it goes.
+template <std::floating_point T>
+class Outputs {
+ public:
+  /// An array a component, in the order of attributes.h. All functions: \throws ParameterError naming the attribute when it is
+  /// already asked for, the number of components is wrong, a pointer is null or not aligned to T, or the stride is below the
+  /// size of the vector or not a multiple of T's alignment.
+  Outputs& separate(Attribute a, std::span<const std::span<T>> components);
+  Outputs& separate(Attribute a, std::initializer_list<std::span<T>> components) {
+    return separate(a, std::span<const std::span<T>>(components.begin(), components.size()));
+  }
+  /// One array of vectors, without gaps.
+  Outputs& packed(Attribute a, std::span<T> values);
+  /// A member of each struct of an array: its first component in the first struct, the number of structs, their size in bytes.
+  Outputs& member(Attribute a, T* first, std::size_t points, std::ptrdiff_t stride);
+  /// The status of each point.
+  Outputs& status(std::span<Status> values) { return status(values.data(), values.size(), sizeof(Status)); }
+  Outputs& status(Status* first, std::size_t points, std::ptrdiff_t stride);
+
+  Attributes attributes() const { return asked_; }
+  const OutputPlace<T>& place(Attribute a) const { return places_[static_cast<std::size_t>(a)]; }
+  Status* status_place() const { return status_; }
+  std::ptrdiff_t status_stride() const { return status_stride_; }
+  std::size_t status_points() const { return status_points_; }
+
+ private:
+  Outputs& add(Attribute a, const OutputPlace<T>& place, std::size_t consecutive);
+  std::array<OutputPlace<T>, attribute_count> places_{};
+  Attributes asked_;
+  Status* status_ = nullptr;
+  std::ptrdiff_t status_stride_ = 0;
+  std::size_t status_points_ = 0;
+};
+
+/// Which instructions a batch runs on. All give the same bits.
+enum class InstructionSet : std::uint8_t {
+  automatic,  ///< the best this machine has, or what the environment variable DARBOUX_ISA names
+  points,     ///< none: point by point, through the single-point functions
+  baseline,   ///< what every CPU of the architecture has
+  avx2,
+  avx512,
+};
+/// Those that this build and this machine can run, best last.
+std::span<const InstructionSet> instruction_sets();
+/// "avx2", as in DARBOUX_ISA.
+std::string_view name_of(InstructionSet set);
+
+/// Whether results are written past the caches. Worth it for more than these hold: about 1.8 times as fast then, twice as slow
+/// for less.
+enum class Stores : std::uint8_t { automatic, cached, past_caches };
+
+struct EvaluateOptions {
+  int threads = 1;  ///< the results do not depend on it; 0: as many as the machine has
+  SignConvention sign = SignConvention::gltf;  ///< of tangent4
+  Stores stores = Stores::automatic;
+  InstructionSet instruction_set = InstructionSet::automatic;
+};
+
+/// What happened at the points, as sample() flags it.
+struct StatusSummary {
+  std::size_t points = 0;
+  std::array<std::size_t, status_names.size()> count{};  ///< points with each bit
+  std::array<std::size_t, status_names.size()> first{};  ///< the first of them
+  bool all_regular() const {
+    for (const std::size_t n : count)
+      if (n > 0) return false;
+    return true;
+  }
+  /// Adds those of the points that follow.
+  StatusSummary& operator+=(const StatusSummary& next);
+};
+
+namespace detail {
+
+// All numbers of one point, each attribute at its place in the order of attributes.h.
+template <class T>
+struct PointValues {
+  std::array<std::array<T, most_components>, attribute_count> values{};
+  Status status = Status::regular;
+  void set(Attribute a, const Vec3<T>& x) { values[static_cast<std::size_t>(a)] = {x.x, x.y, x.z}; }
+  void set(Attribute a, T x) { values[static_cast<std::size_t>(a)] = {x}; }
+};
+
+// A surface type over T, its type erased.
+template <class T>
+struct ErasedSurface {
+  const void* surface;
+  const std::type_info* type;
+  Coordinate u, v;
+  bool tangent_depends_on_u_alone;
+  bool proven;  // parameters of sizes for which lanes need no look at each result
+  void (*point)(const void*, T u, T v, Attributes, SignConvention, PointValues<T>&);
+};
+
+template <class X, class T>
+void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConvention sign,
+                    PointValues<T>& result) {
+  const X& surface = *static_cast<const X*>(erased);
+  const Status at = status(surface, u, v);
+  const auto pu = prepare<X::info.u>(u);
+  const auto pv = prepare<X::info.v>(v);
+  const Frame<T> frame = frame_at<T>(surface, pu, pv, at);
+  result.status = frame.status;
+  result.set(Attribute::tangent, frame.t);
+  result.set(Attribute::bitangent, frame.b);
+  result.set(Attribute::normal, frame.n);
+  result.set(Attribute::handedness, frame.handedness);
+  const Vec4<T> stored = tangent4(frame, sign);
+  result.values[static_cast<std::size_t>(Attribute::tangent4)] = {stored.x, stored.y, stored.z, stored.w};
+  const Jet2<T> j = surface.jet(pu, pv);
+  const auto partial = [&](Attribute a, const Vec3<T>& x) {
+    result.set(a, x);
+    if (asked.has(a) && !finite(x) && !has(frame.status, Status::non_finite_input))
+      result.status |= Status::overflow;
+  };
+  partial(Attribute::position, j.position);
+  partial(Attribute::dpdu, j.dpdu);
+  partial(Attribute::dpdv, j.dpdv);
+  partial(Attribute::d2pdu2, j.d2pdu2);
+  partial(Attribute::d2pduv, j.d2pduv);
+  partial(Attribute::d2pdv2, j.d2pdv2);
+  if (!asked.has_any(curvature_attributes)) return;
+  const Curvature<T> c = curvature(surface, u, v, j, frame);
+  result.set(Attribute::gaussian_curvature, c.gaussian);
+  result.set(Attribute::mean_curvature, c.mean);
+  result.values[static_cast<std::size_t>(Attribute::principal_curvatures)] = {c.principal[0], c.principal[1]};
+  const Vec3<T>&d = c.directions[0], &e = c.directions[1];
+  result.values[static_cast<std::size_t>(Attribute::principal_directions)] = {d.x, d.y, d.z, e.x, e.y, e.z};
+  if (asked.has(Attribute::principal_directions)) result.status |= c.status & Status::umbilic;
 }
 
-// The limit of series of which the first `terms` are known. With a_k and b_l the first coefficients that are not zero, t is
-// along a_k and n along the first coefficient of dpdu × dpdv that is not zero: a_k × b_l, where these are parallel the sum
-// of the two crosses of the next order, and so on as far as the series reach. Odd powers change their sign with that of
-// h: where that turns the frame over, an inner point has the bit `crease`.
-// \param why what is known to vanish at h = 0, whatever rounding left of it
-// \param inner whether h may have both signs
-template <std::floating_point S>
-void take_limit(Limit<S>& limit, std::size_t terms, Status why, bool inner) {
-  if (has(why, Status::dpdu_zero)) limit.dpdu[0] = {};
-  if (has(why, Status::dpdv_zero)) limit.dpdv[0] = {};
-  const std::size_t k = first_that_is_not_zero(limit.dpdu), l = first_that_is_not_zero(limit.dpdv);
-  if (k >= terms || l >= terms) return;
-  Taylor<S> a = limit.dpdu, b = limit.dpdv;
-  for (std::size_t i = 0; i < terms; ++i) {
-    a[i] = scaled_by_power_of_two(a[i], -exponent(limit.dpdu[k]));
-    b[i] = scaled_by_power_of_two(b[i], -exponent(limit.dpdv[l]));
-  }
-  const bool parallel = has(why, Status::parallel) && k + l == 0;
-  for (std::size_t m = parallel ? 1 : 0; m + std::max(k, l) < terms; ++m) {
-    Vec3<S> normal{};
-    S size = 0;
-    for (std::size_t i = 0; i <= m; ++i) {
-      const Vec3<S>&x = a[k + i], &y = b[l + m - i];
-      normal += accurate_cross(x, y);
-      size += norm(x) * norm(y);
-    }
-    if (!above_rounding(normal, size)) continue;
-    const bool t_turns = k % 2 == 1, n_turns = (k + l + m) % 2 == 1;
-    const Vec3<S> t = (t_turns ? limit.side : S(1)) * unit(a[k]),
-                  n = (n_turns ? limit.side : S(1)) * unit(normal);
-    if (!finite(t) || !finite(n)) return;
-    limit.frame = {t, accurate_cross(n, t), n, S(1), Status::limit_frame};
-    if (inner && (t_turns || n_turns)) limit.frame.status |= Status::crease;
-    return;
-  }
+// Parameters for which nothing overflows inside the domain: zero, or of a proven size, in float within 1e±12.
+template <class T, class X>
+bool sizes_are_proven(const X& surface) {
+  bool proven = true;
+  for_each_parameter<X>([&](const auto& p) {
+    const double size = std::fabs(static_cast<double>(p.of(surface)));
+    const double limit = std::same_as<T, float> ? 1e12 : 1e150;
+    proven = proven && (size == 0 || (size >= std::fmax(p.proven.smallest, 1 / limit) &&
+                                      size <= std::fmin(p.proven.largest, limit)));
+  });
+  return proven;
 }
 
-// The partials' series along u (along = 0) or v (1), by three nested dual numbers in that coordinate.
-template <int along, class S, class X, class PU, class PV>
-std::pair<Taylor<S>, Taylor<S>> series_of_partials(const X& surface, const PU& u, const PV& v) {
-  using D3 = ThreeTimesDual<S>;
-  const Jet2<D3> j = [&] {
-    if constexpr (along == 0)
-      return surface.jet(three_times_variable(u, X::info.u), as_constant<D3>(v));
+template <class T, class X>
+ErasedSurface<T> erase(const X& surface) {
+  bool of_u_alone = false;
+  if constexpr (requires { surface.tangent_depends_on_u_alone(); })
+    of_u_alone = surface.tangent_depends_on_u_alone();
+  return {&surface,
+          &typeid(X),
+          X::info.u,
+          X::info.v,
+          of_u_alone,
+          sizes_are_proven<T>(surface),
+          &evaluate_point<X, T>};
+}
+
+StatusSummary evaluate(const ErasedSurface<double>&, const Points<double>&, const Outputs<double>&,
+                       const EvaluateOptions&);
+StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const Outputs<float>&,
+                       const EvaluateOptions&);
+
+}  // namespace detail
+
+/// Evaluates a surface type at all points: those of the catalogue by kernels over SIMD lanes where their formulas allow, any
+/// other point by point. What is not asked for is not computed, nothing is allocated but by threads. In float the parameters
+/// are rounded first. Numbers and statuses are to the bit those of sample() and curvature(), whatever the instruction set,
+/// layout, number of threads and place in the batch; the status has overflow where a partial asked for is not finite, and
+/// umbilic only where principal directions are asked for. Where no frame exists vectors are NaN. About 3 ns a point for position,
+/// dpdu, dpdv, t, b, n of a torus in double; docs/reports/evaluation.md has the figures.
+/// \throws ParameterError when an output has room for fewer points than there are, the number of threads is negative, or the
+/// instruction set is not one of instruction_sets(); nothing is written then. Exceptions of a user's surface are passed on.
+template <ParametricSurface X, std::floating_point T>
+StatusSummary evaluate(const X& surface, const Points<T>& points, const Outputs<T>& outputs,
+                       const EvaluateOptions& options = {}) {
+  const auto& over = [&]() -> decltype(auto) {
+    if constexpr (std::same_as<T, double>)
+      return (surface);
     else
-      return surface.jet(as_constant<D3>(u), three_times_variable(v, X::info.v));
+      return rebind<T>(surface);
   }();
-  const auto coefficients = [](const Vec3<D3>& a) {
-    const auto each = [&](auto of) { return Vec3<S>{of(a.x), of(a.y), of(a.z)}; };
-    return Taylor<S>{each([](const D3& x) { return x.value.value.value; }),
-                     each([](const D3& x) { return x.derivative[0].value.value; }),
-                     each([](const D3& x) { return x.derivative[0].derivative[0].value / S(2); }),
-                     each([](const D3& x) { return x.derivative[0].derivative[0].derivative[0] / S(6); })};
-  };
-  return {coefficients(j.dpdu), coefficients(j.dpdv)};
-}
-
-// The limit along one coordinate, from above, at the upper end from below: by the jet's second partials, and where they
-// do not tell, by third-order series.
-template <int along, std::floating_point S, class X, class PU, class PV>
-Limit<S> limit_along(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
-  const bool inner = along == 0 ? within<X::info.u>(u) : within<X::info.v>(v);
-  const bool from_below = along == 0 ? at_upper_end<X::info.u>(u) : at_upper_end<X::info.v>(v);
-  Limit<S> result{{j.dpdu, along == 0 ? j.d2pdu2 : j.d2pduv},
-                  {j.dpdv, along == 0 ? j.d2pduv : j.d2pdv2},
-                  from_below ? S(-1) : S(1)};
-  take_limit(result, 2, why, inner);
-  using D = ThreeTimesDual<S>;
-  if constexpr (requires(const Prepared<X::info.u, D>& du, const Prepared<X::info.v, D>& dv) {
-                  surface.jet(du, dv);
-                })
-    if (!result.found()) {
-      std::tie(result.dpdu, result.dpdv) = series_of_partials<along, S>(surface, u, v);
-      take_limit(result, 4, why, inner);
-    }
-  return result;
-}
-
-// The limit where the partials give no frame: along v for the given u, where only dpdv vanishes along u for the given v;
-// where there is none (a whole line of such points leads to this one, or the series are too short) along the other. Where
-// both partials vanish and the two limits differ there is none; where the partials are parallel and they differ, `crease`.
-template <std::floating_point S, class X, class PU, class PV>
-Limit<S> limit_at(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
-  const bool both = has(why, Status::dpdu_zero) && has(why, Status::dpdv_zero);
-  const bool one = !both && has(why, Status::dpdu_zero | Status::dpdv_zero);
-  const bool u_first = one && has(why, Status::dpdv_zero);
-  const auto along = [&](bool with_u) {
-    return with_u ? limit_along<0>(surface, j, why, u, v) : limit_along<1>(surface, j, why, u, v);
-  };
-  Limit<S> first = along(u_first);
-  if (first.found() && one) return first;
-  const Limit<S> second = along(!u_first);
-  if (!first.found() || !second.found()) return first.found() ? first : second;
-  first.frame.status |= second.frame.status & Status::crease;
-  const S difference = norm(first.frame.t - second.frame.t) + norm(first.frame.n - second.frame.n);
-  if (difference * difference <= std::numeric_limits<S>::epsilon()) return first;
-  if (both)
-    first.frame = no_frame<S>();
-  else
-    first.frame.status |= Status::crease;
-  return first;
-}
-
-// What of a status says that the partials give no frame.
-constexpr Status degenerate = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
-
-// Whether the limits of a surface type come from limit_at(): of those without a closed frame, and of adaptors of such.
-template <class X>
-constexpr bool limits_by_series = [] {
-  if constexpr (requires { X::limits_by_series; })
-    return X::limits_by_series;
-  else
-    return !HasClosedFrame<X>;
-}();
-
-// The bits a surface declares at prepared coordinates.
-template <class X, class PU, class PV>
-Status declared(const X& surface, const PU& u, const PV& v) {
-  if constexpr (DeclaresSingularPoints<X>)
-    return surface.singular(u, v);
-  else
-    return Status::regular;
-}
-
-// The frame at prepared coordinates, `at` what the surface and the domain say of the point.
-template <class S, class X, class PU, class PV>
-Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
-  Frame<S> result;
-  if (has(at, Status::non_finite_input)) {
-    result.t = result.b = result.n = nan_vector<S>();
-  } else if constexpr (HasClosedFrame<X>) {
-    result = surface.frame(u, v);
-    if (!finite(result.t) || !finite(result.b) || !finite(result.n)) {
-      // A partial that is no number (a user's function), or parameters beyond the sizes the formula is proven for.
-      if (!has(result.status, Status::no_frame)) result.status |= Status::no_frame | Status::overflow;
-      result.t = result.b = result.n = nan_vector<S>();
-    }
-    if (has(at, degenerate) && !has(result.status, Status::no_frame)) result.status |= Status::limit_frame;
-  } else {
-    const Jet2<S> j = surface.jet(u, v);
-    result = frame_from_partials(j.dpdu, j.dpdv);
-    if (has(result.status,
-            Status::non_finite_input))  // not the input's doing: overflow, or a user function's NaN
-      result.status = Status::no_frame | Status::overflow;
-    else if (const Status why = at | (result.status & degenerate); has(why, degenerate)) {
-      result = limit_at(surface, j, why, u, v).frame;
-      result.status |= why;
-    }
-  }
-  result.status |= at;
-  return result;
-}
-
-// The direction to which x dpdu + y dpdv tends as frame() takes its limit, as a unit vector; zero where the series do not
-// tell. For types with limits_by_series; an adaptor asks its base.
-template <std::floating_point S, class X, class PU, class PV>
-Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
-  if constexpr (requires { surface.limit_direction(u, v, x, y); }) {
-    return surface.limit_direction(u, v, x, y);
-  } else {
-    const Status why = frame_at<S>(surface, u, v, declared(surface, u, v)).status & degenerate;
-    return limit_at(surface, Jet2<S>(surface.jet(u, v)), why, u, v).direction(x, y);
-  }
-}
-
-}  // namespace detail
-
-/// The orthonormal frame at (u, v) with its status. In closed form where the surface gives one (about 10 ns),
-/// else from the partials (about 90 ns). At a singular point of the chart it is the limit along the given u (or v),
-/// flagged limit_frame with the bit that says why (without a closed form: from the partials' series to third order, which
-/// takes 10 to 50 us where the second partials do not tell; a limit of higher order is not found); where none exists, and for NaN or infinite u, v or parameters, the
-/// vectors are NaN. Outside the domain the analytic extension is given: continuous through a pole, where
-/// dpdu = -|dpdu| t beyond it.
-template <ParametricSurface X, std::floating_point S>
-Frame<S> frame(const X& surface, S u, S v) {
-  return detail::frame_at<S>(surface, prepare<X::info.u>(u), prepare<X::info.v>(v), status(surface, u, v));
-}
-
-/// The unit vectors along the coordinate curves, from an orthonormal frame and the partials there. Where dpdu vanishes,
-/// t is the limit of frame(); where dpdv vanishes, b is the limit ±d2pduv/|d2pduv| along u, on the side of handedness times
-/// the b of frame(), or that where d2pduv vanishes too.
-template <std::floating_point S>
-ParametricFrame<S> parametric_frame(const Frame<S>& base, const Jet2<S>& j) {
-  ParametricFrame<S> result{base.t, base.handedness * base.b, base.n, base.handedness, base.status};
-  if (!has(base.status, Status::non_finite_input | Status::no_frame)) {
-    const Vec3<S> along_v = unit(j.dpdv), limit = unit(j.d2pduv);
-    const S side = base.handedness * dot(limit, base.b);
-    if (detail::finite(along_v) && along_v != Vec3<S>{})
-      result.b = along_v;
-    else if (side > S(0) || side < S(0))
-      result.b = side > S(0) ? limit : -limit;
-  }
-  return result;
-}
-/// The same at (u, v): where dpdv vanishes, b too is the limit that frame() takes, also one of higher order.
-template <ParametricSurface X, std::floating_point S>
-ParametricFrame<S> parametric_frame(const X& surface, S u, S v) {
-  const Frame<S> base = frame(surface, u, v);
-  const Jet2<S> j = jet(surface, u, v);
-  ParametricFrame<S> result = parametric_frame(base, j);
-  if constexpr (detail::limits_by_series<X>)
-    if (has(base.status, Status::limit_frame) && has(base.status, Status::dpdv_zero)) {
-      const Vec3<S> b =
-          detail::limit_direction(surface, prepare<X::info.u>(u), prepare<X::info.v>(v), S(0), S(1));
-      if (b != Vec3<S>{}) result.b = b;
-    }
-  return result;
-}
-
-/// All of it at one point; the status adds `overflow` where a position or partial is not finite for finite
-/// input.
-template <class S>
-struct Sample {
-  S u, v;
-  Jet2<S> jet;
-  Frame<S> frame;  ///< frame.status is the sample's
-};
-template <std::floating_point S>
-Sample<S> make_sample(S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
-  Sample<S> result{u, v, j, frame};
-  for (const Vec3<S>& a : {j.position, j.dpdu, j.dpdv, j.d2pdu2, j.d2pduv, j.d2pdv2})
-    if (!detail::finite(a) && !has(frame.status, Status::non_finite_input))
-      result.frame.status |= Status::overflow;
-  return result;
-}
-template <ParametricSurface X, std::floating_point S>
-Sample<S> sample(const X& surface, S u, S v) {
-  return make_sample(u, v, jet(surface, u, v), frame(surface, u, v));
+  return detail::evaluate(detail::erase<T>(over), points, outputs, options);
 }
 
 }  // namespace darboux

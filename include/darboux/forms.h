@@ -4,9 +4,11 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
+#include <limits>
 
-#include <darboux/evaluate.h>
 #include <darboux/frame.h>
+#include <darboux/point.h>
 #include <darboux/surface.h>
 
 namespace darboux {
@@ -106,6 +108,20 @@ Christoffel<S> christoffel(const Jet2<S>& j, const Frame<S>& frame) {
   return result;
 }
 
+namespace detail {
+
+// sqrt(x² + y²) without overflow or underflow in between, within 2 ulp.
+template <Binary S>
+S hypotenuse(const S& x, const S& y) {
+  using std::abs, std::sqrt;
+  const S p = abs(x), q = abs(y), zero(0), one(1);
+  const auto swapped = p < q;
+  const S large = select(swapped, q, p), ratio = select(swapped, p, q) / large;
+  return select(large > zero, S(large * sqrt(S(one + ratio * ratio))), S(p + q));
+}
+
+}  // namespace detail
+
 /// Curvatures at a point, with respect to the frame's n: with n outward a sphere of radius r has κ1 = κ2 = H
 /// = -1/r.
 template <class S>
@@ -121,29 +137,34 @@ struct Curvature {
 ///   H = (a + c)/2,  κ = H ± hypot((a - c)/2, m)
 /// accurate at umbilics and for any representable size. κ1 and κ2 count as equal (umbilic) when they differ
 /// by less than 16u (|a| + |c|), what rounding leaves of the jet.
-template <std::floating_point S>
+template <detail::Binary S>
 Curvature<S> curvature(const ShapeOperator<S>& shape, const Frame<S>& frame) {
-  const S a = shape.a, m = shape.m, c = shape.c;
+  using std::abs;
+  const S a = shape.a, m = shape.m, c = shape.c, zero(0), one(1), two(2);
   Curvature<S> result;
   result.status = frame.status;
-  result.mean = (a + c) / S(2);
+  result.mean = (a + c) / two;
   result.gaussian = difference_of_products(a, c, m, m);
-  if (!std::isfinite(result.gaussian)) result.gaussian = a * c - m * m;
-  const S half_difference = (a - c) / S(2), radius = std::hypot(half_difference, m);
+  result.gaussian = select(result.gaussian - result.gaussian == zero, result.gaussian, S(a * c - m * m));
+  const S half_difference = (a - c) / two, radius = detail::hypotenuse(half_difference, m);
   result.principal[0] = result.mean + radius;
   result.principal[1] = result.mean - radius;
   // The eigenvector of κ1, from whichever of its two forms does not cancel.
-  S x = half_difference >= S(0) ? half_difference + radius : m;
-  S y = half_difference >= S(0) ? m : radius - half_difference;
-  if (!(S(2) * radius > S(16) * std::numeric_limits<S>::epsilon() / S(2) * (std::fabs(a) + std::fabs(c)))) {
-    if (std::isfinite(radius)) result.status |= Status::umbilic;
-    x = std::isfinite(radius) ? S(1) : radius;
-    y = S(0);
-  }
-  const S length = std::hypot(x, y);
+  const auto leans_to_t = half_difference >= zero;
+  S x = select(leans_to_t, S(half_difference + radius), m);
+  S y = select(leans_to_t, m, S(radius - half_difference));
+  const S rounding(8 * std::numeric_limits<detail::Element<S>>::epsilon());
+  const auto equal = !(two * radius > rounding * (abs(a) + abs(c)));
+  const bool finite = radius - radius == zero;
+  if (equal && finite) result.status |= Status::umbilic;
+  x = select(equal, finite ? one : radius, x);
+  y = select(equal, zero, y);
+  const S length = detail::hypotenuse(x, y);
   x = x / length;
   y = y / length;
-  if (x < S(0) || (x == S(0) && y < S(0))) x = -x, y = -y;
+  const auto backwards = x < zero || (x == zero && y < zero);
+  x = select(backwards, S(-x), x);
+  y = select(backwards, S(-y), y);
   result.directions[0] = x * frame.t + y * frame.b;
   result.directions[1] = x * frame.b - y * frame.t;
   return result;
@@ -151,7 +172,7 @@ Curvature<S> curvature(const ShapeOperator<S>& shape, const Frame<S>& frame) {
 
 /// Curvatures from a jet and its orthonormal frame. NaN where dpdu and dpdv span no plane: see the form below, which
 /// takes the surface. About 60 ns.
-template <std::floating_point S>
+template <detail::Binary S>
 Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
   return curvature(shape_operator(j, frame), frame);
 }
@@ -232,8 +253,9 @@ ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Je
 }
 
 // Jet and frame of a surface type, or of a surface chosen at run time (any_surface.h), which has them as members.
+// Compiled once a scalar: over nested dual numbers it is long.
 template <class X, class S>
-auto jet_of(const X& surface, const S& u, const S& v) {
+[[gnu::noinline]] auto jet_of(const X& surface, const S& u, const S& v) {
   if constexpr (ParametricSurface<X>)
     return darboux::jet(surface, u, v);
   else

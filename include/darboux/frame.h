@@ -28,29 +28,34 @@ S angle_between(const Vec3<S>& a, const Vec3<S>& b) {
 /// are scaled to ordinary size first, so any representable lengths do. Where it does not exist the vectors
 /// are NaN and the status says why: dpdu_zero, dpdv_zero or parallel, with no_frame; non_finite_input for NaN
 /// or infinity. Error about 2u / sin(angle between the partials) with u the unit roundoff. About 90 ns.
-template <std::floating_point S>
+template <detail::Binary S>
 Frame<S> frame_from_partials(const Vec3<S>& dpdu, const Vec3<S>& dpdv) {
-  constexpr S nan = std::numeric_limits<S>::quiet_NaN();
-  Frame<S> frame{{nan, nan, nan}, {nan, nan, nan}, {nan, nan, nan}, S(1), Status::no_frame};
-  if (!detail::finite(dpdu) || !detail::finite(dpdv)) {
-    frame.status |= Status::non_finite_input;
+  if constexpr (detail::Lanewise<S>) {
+    detail::ordinary_square(dpdv);
+    const Vec3<S> t = unit(dpdu), n = unit(accurate_cross(dpdu, dpdv));
+    return {t, accurate_cross(n, t), n, S(1), Status::regular};
+  } else {
+    Frame<S> frame = detail::no_frame<S>();
+    if (!detail::finite(dpdu) || !detail::finite(dpdv)) {
+      frame.status |= Status::non_finite_input;
+      return frame;
+    }
+    if (dpdu == Vec3<S>{}) frame.status |= Status::dpdu_zero;
+    if (dpdv == Vec3<S>{}) frame.status |= Status::dpdv_zero;
+    if (has(frame.status, Status::dpdu_zero | Status::dpdv_zero)) return frame;
+    const Vec3<S> a = detail::scaled_by_power_of_two(dpdu, -detail::scale_exponent(dpdu));
+    const Vec3<S> b = detail::scaled_by_power_of_two(dpdv, -detail::scale_exponent(dpdv));
+    const Vec3<S> normal = accurate_cross(a, b);
+    if (normal == Vec3<S>{}) {
+      frame.status |= Status::parallel;
+      return frame;
+    }
+    frame.t = unit(a);
+    frame.n = unit(normal);
+    frame.b = accurate_cross(frame.n, frame.t);
+    frame.status = Status::regular;
     return frame;
   }
-  if (dpdu == Vec3<S>{}) frame.status |= Status::dpdu_zero;
-  if (dpdv == Vec3<S>{}) frame.status |= Status::dpdv_zero;
-  if (has(frame.status, Status::dpdu_zero | Status::dpdv_zero)) return frame;
-  const Vec3<S> a = detail::scaled_by_power_of_two(dpdu, -detail::exponent(dpdu));
-  const Vec3<S> b = detail::scaled_by_power_of_two(dpdv, -detail::exponent(dpdv));
-  const Vec3<S> normal = accurate_cross(a, b);
-  if (normal == Vec3<S>{}) {
-    frame.status |= Status::parallel;
-    return frame;
-  }
-  frame.t = unit(a);
-  frame.n = unit(normal);
-  frame.b = accurate_cross(frame.n, frame.t);
-  frame.status = Status::regular;
-  return frame;
 }
 
 /// Orthonormal frame from a tangent, bitangent and unit normal that are nearly one:

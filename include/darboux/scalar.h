@@ -13,6 +13,9 @@
 #include <type_traits>
 #include <utility>
 
+#include <darboux/binary.h>
+#include <darboux/elementary.h>
+
 #if defined(__FAST_MATH__)
 #error "darboux: -ffast-math breaks exact range reduction and the difference of products, compile without it"
 #endif
@@ -79,9 +82,6 @@ struct QuarterTurn;
 
 template <>
 struct QuarterTurn<double> {
-  using Bits = std::uint64_t;
-  static constexpr double magic = 0x1.8p52;  // x + magic rounds x to an integer, left in the low bits
-  static constexpr double half_range = 0x1p51;
   static constexpr double hi = 0x1.921fb54442d18p0, lo = 0x1.1a62633145c07p-54;
   static constexpr std::array<double, 6> sin{-0x1.4abbce625be46p-1,  0x1.466bc67758c6ap-4,
                                              -0x1.32d2cce31fa29p-8,  0x1.5078300841253p-13,
@@ -93,53 +93,48 @@ struct QuarterTurn<double> {
 
 template <>
 struct QuarterTurn<float> {
-  using Bits = std::uint32_t;
-  static constexpr float magic = 0x1.8p23f;
-  static constexpr float half_range = 0x1p22f;
   static constexpr float hi = 0x1.921fb6p0f, lo = -0x1.777a5cp-25f;
   static constexpr std::array<float, 4> sin{-0x1.4abbcep-1f, 0x1.466b84p-4f, -0x1.32b5ap-8f, 0x1.46c086p-13f};
   static constexpr std::array<float, 4> cos{-0x1.3bd3ccp0f, 0x1.03c1b8p-2f, -0x1.55b7cep-6f, 0x1.d684aap-11f};
 };
 
-template <class T, std::size_t N>
-constexpr T horner(const std::array<T, N>& coefficients, T z) {
-  T sum = coefficients[N - 1];
-  for (std::size_t i = N - 1; i-- > 0;) sum = sum * z + coefficients[i];
-  return sum;
-}
-
-// sin, cos of (π/2) x for |x| <= 2, without a branch.
-template <std::floating_point T>
-constexpr Turn<T> sincos_quarters(T x) {
-  using Q = QuarterTurn<T>;
-  using Bits = typename Q::Bits;
-  const T shifted = x + Q::magic;
-  const Bits quadrant = std::bit_cast<Bits>(shifted);
-  const T r = x - (shifted - Q::magic), z = r * r;
-  const T s = r * Q::hi + r * (horner(Q::sin, z) * z + Q::lo);
-  const T c = horner(Q::cos, z) * z + T(1);
-  const Bits s_bits = std::bit_cast<Bits>(s), c_bits = std::bit_cast<Bits>(c);
-  const Bits swap = (s_bits ^ c_bits) & (Bits(0) - (quadrant & 1));
-  constexpr int sign_shift = 8 * sizeof(T) - 2;
+// sin, cos of (π/2) x for |x| < 2^51 (2^22 in float), without a branch.
+template <Binary S>
+constexpr Turn<S> sincos_quarters(const S& x) {
+  using Q = QuarterTurn<Element<S>>;
+  using Bits = decltype(to_bits(x));
+  const S magic(Format<Element<S>>::magic), shifted = x + magic;
+  const Bits quadrant = to_bits(shifted);
+  const S r = x - (shifted - magic), z = r * r;
+  const S s = r * S(Q::hi) + r * (horner(Q::sin, z) * z + S(Q::lo));
+  const S c = horner(Q::cos, z) * z + S(1);
+  const Bits s_bits = to_bits(s), c_bits = to_bits(c), one(1), two(2);
+  const Bits swap = (s_bits ^ c_bits) & (Bits(0) - (quadrant & one));
+  constexpr int sign_shift = 8 * sizeof(Element<S>) - 2;
   // + 0 turns the -0 of a quarter turn into +0.
-  return {std::bit_cast<T>(s_bits ^ swap ^ ((quadrant & 2) << sign_shift)) + T(0),
-          std::bit_cast<T>(c_bits ^ swap ^ (((quadrant + 1) & 2) << sign_shift)) + T(0)};
+  return {from_bits<S>(Bits(s_bits ^ swap ^ ((quadrant & two) << sign_shift))) + S(0),
+          from_bits<S>(Bits(c_bits ^ swap ^ (((quadrant + one) & two) << sign_shift))) + S(0)};
 }
 
-// The integer nearest to x (ties to even), for any finite x.
-template <std::floating_point T>
-T nearest_integer(T x) {
-  using Q = QuarterTurn<T>;
-  return std::abs(x) < Q::half_range ? (x + Q::magic) - Q::magic : std::nearbyint(x);
-}
-
-template <std::floating_point T>
+template <Binary S>
 struct HardwareScalar {
-  static constexpr T pi() { return std::numbers::pi_v<T>; }
-  static constexpr T lift(double x) { return static_cast<T>(x); }
-  static Turn<T> sincos_turns(T u) { return sincos_quarters(T(4) * (u - nearest_integer(u))); }
-  static Turn<T> sincos_half_turns(T v) {
-    return sincos_quarters(T(2) * (v - T(2) * nearest_integer(v / T(2))));
+  using T = Element<S>;
+  static constexpr S pi() { return S(std::numbers::pi_v<T>); }
+  static constexpr S lift(double x) { return S(static_cast<T>(x)); }
+  static Turn<S> sincos_turns(const S& u) { return of_quarters(u, T(4), T(1)); }
+  static Turn<S> sincos_half_turns(const S& v) { return of_quarters(v, T(2), T(2)); }
+
+ private:
+  // Of quarters · x quarter turns; beyond the range that sincos_quarters takes the period is removed first.
+  static Turn<S> of_quarters(const S& x, T quarters, T period) {
+    using std::abs;
+    if (abs(x) < S(Format<T>::half_range / 4)) return sincos_quarters(S(S(quarters) * x));
+    if constexpr (Lanewise<S>) {
+      S::diverge();
+      return {x, x};
+    } else {
+      return sincos_quarters(quarters * (x - period * nearest_integer(x / period)));
+    }
   }
 };
 
@@ -254,30 +249,18 @@ struct Dual {
     return chain(root, lift<T>(0.5) / root, x);
   }
   friend Dual exp(const Dual& x) {
-    using std::exp;
     const T value = exp(x.value);
     return chain(value, value, x);
   }
-  friend Dual log(const Dual& x) {
-    using std::log;
-    return chain(log(x.value), lift<T>(1.0) / x.value, x);
-  }
-  friend Dual sinh(const Dual& x) {
-    using std::cosh, std::sinh;
-    return chain(sinh(x.value), cosh(x.value), x);
-  }
-  friend Dual cosh(const Dual& x) {
-    using std::cosh, std::sinh;
-    return chain(cosh(x.value), sinh(x.value), x);
-  }
+  friend Dual log(const Dual& x) { return chain(log(x.value), lift<T>(1.0) / x.value, x); }
+  friend Dual sinh(const Dual& x) { return chain(sinh(x.value), cosh(x.value), x); }
+  friend Dual cosh(const Dual& x) { return chain(cosh(x.value), sinh(x.value), x); }
   friend Dual tanh(const Dual& x) {
-    using std::cosh, std::tanh;
     const T c = cosh(x.value);
     return chain(tanh(x.value), lift<T>(1.0) / c / c, x);
   }
   /// x to a constant power, x >= 0; its derivative for x > 0 only.
   friend Dual pow(const Dual& x, const Dual& constant) {
-    using std::pow;
     const T value = pow(x.value, constant.value);
     return chain(value, constant.value * pow(x.value, constant.value - lift<T>(1.0)), x);
   }

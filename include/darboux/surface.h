@@ -249,11 +249,28 @@ Turn<D> as_constant(const Turn<S>& x) {
 
 }  // namespace detail
 
+namespace detail {
+
+// Whether the formula of a surface or curve type runs over SIMD lanes: unless it says no.
+template <class X>
+constexpr bool in_lanes = [] {
+  if constexpr (requires { X::in_lanes; })
+    return X::in_lanes;
+  else
+    return true;
+}();
+
+}  // namespace detail
+
 /// A surface type: `info`, and jet(u, v) on prepared coordinates of any scalar. It may add
 ///   static constexpr auto parameters()    names, members, permitted ranges: an array of Parameter
 ///   std::string refusal()                 what is wrong with the parameters together, empty when nothing is
 ///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
 ///   Status singular(u, v)                 the bits of Status that hold at this point
+///   bool tangent_depends_on_u_alone()     whether t and handedness are the same at all v but the poles, with no status: where
+///                                         only they are asked for, batches then take no sines of v
+///   static constexpr bool in_lanes        false where the formula cannot run over SIMD lanes (it looks something up at each
+///                                         point): batches of the catalogue's surface then go point by point
 /// and independent facts, at least one, each from another source than jet():
 ///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, its gradient n there
 ///                                         (n or -n where the surface has one side)

@@ -116,12 +116,25 @@ int exponent(const V& a) {
   return m > 0 && std::isfinite(m) ? std::ilogb(m) : 0;
 }
 
-// The same, but 0 where the squares of the components that matter are ordinary numbers: nothing to scale.
+// Between small and 1/small lie the components whose squares are ordinary numbers: nothing to scale.
+template <class S>
+constexpr double small_component = std::same_as<S, float> ? 0x1p-38 : 0x1p-450;
+
+// The same, but 0 where there is nothing to scale.
 template <template <class> class V, class S>
 int scale_exponent(const V<S>& a) {
-  constexpr double small = std::same_as<S, float> ? 0x1p-38 : 0x1p-450, large = 1 / small;
   const double m = largest_component(a);
-  return small < m && m < large ? 0 : exponent(a);
+  return small_component<S> < m && m < 1 / small_component<S> ? 0 : exponent(a);
+}
+
+// a · a for lanes that are all certain to need no scaling; others diverge.
+template <template <class> class V, Lanewise S>
+S ordinary_square(const V<S>& a) {
+  using T = Element<S>;
+  constexpr T small = static_cast<T>(4 * small_component<T> * small_component<T>), large = T(4) / small;
+  const S square = dot(a, a);
+  if (!(S(small) < square && square < S(large))) S::diverge();
+  return square;
 }
 
 template <class S>
@@ -142,11 +155,12 @@ Vec3<S> scaled_by_power_of_two(const Vec3<S>& a, int exponent) {
 }
 
 // a b and its rounding error, by splitting (Dekker 1971). [Dekker1971]
-template <std::floating_point S>
+template <Binary S>
 struct Product {
   S value, error;
-  Product(S a, S b) : value(a * b) {
-    constexpr S splitter = S((std::uint64_t{1} << ((std::numeric_limits<S>::digits + 1) / 2)) + 1);
+  Product(const S& a, const S& b) : value(a * b) {
+    using T = Element<S>;
+    const S splitter(static_cast<T>((std::uint64_t{1} << ((std::numeric_limits<T>::digits + 1) / 2)) + 1));
     const S ca = splitter * a, cb = splitter * b;
     const S ah = ca - (ca - a), al = a - ah, bh = cb - (cb - b), bl = b - bh;
     error = ((ah * bh - value) + ah * bl + al * bh) + al * bl;
@@ -159,20 +173,28 @@ struct Product {
 template <template <class> class V, class S>
 requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) S norm(const V<S>& a) {
   using std::sqrt;
-  const int e = detail::scale_exponent(a);
-  if (e == 0) return sqrt(dot(a, a));
-  const V<S> scaled = detail::scaled_by_power_of_two(a, -e);
-  return detail::scaled_by_power_of_two(S(sqrt(dot(scaled, scaled))), e);
+  if constexpr (detail::Lanewise<S>) {
+    return sqrt(detail::ordinary_square(a));
+  } else {
+    const int e = detail::scale_exponent(a);
+    if (e == 0) return sqrt(dot(a, a));
+    const V<S> scaled = detail::scaled_by_power_of_two(a, -e);
+    return detail::scaled_by_power_of_two(S(sqrt(dot(scaled, scaled))), e);
+  }
 }
 
 /// a / |a|, each component within 2 ulp; the zero vector for a zero one. Any scalar.
 template <template <class> class V, class S>
 requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) V<S> unit(const V<S>& a) {
   using std::sqrt;
-  const int e = detail::scale_exponent(a);
-  const V<S> scaled = e == 0 ? a : detail::scaled_by_power_of_two(a, -e);
-  const S length = sqrt(dot(scaled, scaled));
-  return detail::size_of(length) == 0 ? scaled : scaled / length;
+  if constexpr (detail::Lanewise<S>) {
+    return a / sqrt(detail::ordinary_square(a));
+  } else {
+    const int e = detail::scale_exponent(a);
+    const V<S> scaled = e == 0 ? a : detail::scaled_by_power_of_two(a, -e);
+    const S length = sqrt(dot(scaled, scaled));
+    return detail::size_of(length) == 0 ? scaled : scaled / length;
+  }
 }
 
 /// a b - c d. Floating-point: with an error of at most 2 ulp of the result, whatever cancels, as both products are
@@ -180,7 +202,7 @@ requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) V<S> unit(c
 /// as written.
 template <class S>
 S difference_of_products(const S& a, const S& b, const S& c, const S& d) {
-  if constexpr (std::floating_point<S>) {
+  if constexpr (detail::Binary<S>) {
     const detail::Product<S> ab(a, b), cd(c, d);
     return (ab.value - cd.value) + (ab.error - cd.error);
   } else {

@@ -23,6 +23,7 @@ template <class T = double>
 class BezierPatch {
  public:
   using scalar = T;
+  static constexpr bool in_lanes = false;  // loops and spans for each point
   static constexpr SurfaceInfo info{"bezier-patch",
                                     "rational Bezier patch",
                                     Coordinate::linear,

@@ -24,6 +24,7 @@ template <class T = double>
 class BSplinePatch {
  public:
   using scalar = T;
+  static constexpr bool in_lanes = false;  // loops and spans for each point
   static constexpr SurfaceInfo info{
       "bspline-patch",
       "rational B-spline patch (NURBS)",

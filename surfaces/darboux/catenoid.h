@@ -27,7 +27,6 @@ struct Catenoid {
 
   template <class S>
   constexpr Jet2<S> jet(const Turn<S>& u, const S& v) const {
-    using std::cosh, std::sinh;
     const S c = lift<S>(waist_radius), zero = lift<S>(0.0), tau = two_pi<S>(), w = height(v);
     const S rate = lift<S>(2.0) * lift<S>(extent);  // dw/dv
     const S rho = c * cosh(w), drho = rate * (c * sinh(w));
@@ -41,7 +40,6 @@ struct Catenoid {
 
   template <class S>
   constexpr Frame<S> frame(const Turn<S>& u, const S& v) const {
-    using std::cosh, std::tanh;
     const S w = height(v), sech = lift<S>(1.0) / cosh(w), th = tanh(w);
     return {.t = {-u.sin, u.cos, lift<S>(0.0)},
             .b = {th * u.cos, th * u.sin, sech},
@@ -51,7 +49,6 @@ struct Catenoid {
   /// The distance from the surface to first order, sqrt(x² + y²) / cosh(z/c) - c.
   template <class S>
   S implicit(const Vec3<S>& p) const {
-    using std::cosh;
     const S c = lift<S>(waist_radius);
     return norm(Vec2<S>{p.x, p.y}) / cosh(S(p.z / c)) - c;
   }
@@ -59,7 +56,6 @@ struct Catenoid {
   /// K = -1/(c² cosh⁴ w)
   template <class S>
   constexpr S gaussian_curvature(const Turn<S>&, const S& v) const {
-    using std::cosh;
     const S ch = cosh(height(v)), k = lift<S>(1.0) / lift<S>(waist_radius) / ch / ch;
     return -(k * k);
   }
@@ -73,7 +69,6 @@ struct Catenoid {
   /// The catenary as the mean of two exponential curves, w between its ends -extent and extent.
   template <class S>
   constexpr Vec3<S> position_again(const Turn<S>& u, const S& v) const {
-    using std::exp;
     const S c = lift<S>(waist_radius), e = lift<S>(extent), w = v * e - (lift<S>(1.0) - v) * e;
     const S rho = lift<S>(0.5) * (c * exp(w) + c * exp(S(-w)));
     return {rho * u.cos, rho * u.sin, c * w};

@@ -55,6 +55,8 @@ struct Ellipsoid {
     return {.t = t, .b = unit(cross(n, t)), .n = n};  // nothing cancels: nx ty and -ny tx have one sign
   }
 
+  constexpr bool tangent_depends_on_u_alone() const { return true; }
+
   template <class S>
   constexpr Status singular(const Turn<S>&, const Turn<S>& v) const {
     return v.sin == lift<S>(0.0) ? Status::dpdu_zero : Status::regular;

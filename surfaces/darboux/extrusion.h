@@ -24,6 +24,7 @@ namespace darboux {
 template <class Curve = BSplineCurve<double>>
 struct Extrusion {
   using scalar = typename Curve::scalar;
+  static constexpr bool in_lanes = detail::in_lanes<Curve>;
   Curve curve{};
   Vec3<scalar> direction{scalar(0), scalar(0), scalar(1)};
 

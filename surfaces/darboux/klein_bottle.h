@@ -146,8 +146,8 @@ struct KleinBottle {
   constexpr S axis_distance(const Turn<S>& u, const Turn<S>& v) const {
     const S one = lift<S>(1.0), R = lift<S>(radius), r = lift<S>(tube_radius);
     const S inward = -(u.cos * v.sin), sideways = u.sin * detail::doubled(v).sin, c = u.cos * v.cos;
-    if (inward < lift<S>(0.5)) return R + r * (-inward - sideways);
-    return (R - r) + r * ((u.sin * u.sin + c * c) / (one + inward) - sideways);
+    return select(inward < lift<S>(0.5), S(R + r * (-inward - sideways)),
+                  S((R - r) + r * ((u.sin * u.sin + c * c) / (one + inward) - sideways)));
   }
   // f: half the derivative of the squared distance from the figure's centre along its length, over r
   template <class S>

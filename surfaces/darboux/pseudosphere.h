@@ -54,7 +54,6 @@ struct Pseudosphere {
 
   template <class S>
   constexpr Jet2<S> jet(const S& u, const S& v) const {
-    using std::log;
     const S zero = lift<S>(0.0), one = lift<S>(1.0), a = lift<S>(radius), b = lift<S>(pitch);
     const S rate = two_pi<S>() * lift<S>(turns), span = lift<S>(w1) - lift<S>(w0);  // dx/du, dw/dv
     const Turn<S> x = azimuth(u), w = profile_angle(v), half = half_profile_angle(v);
@@ -106,7 +105,6 @@ struct Pseudosphere {
   /// a (τ - tanh τ); turned twice by half the azimuth.
   template <class S>
   constexpr Vec3<S> position_again(const S& u, const S& v) const {
-    using std::cosh, std::log, std::tanh;
     const S one = lift<S>(1.0), two = lift<S>(2.0), a = lift<S>(radius), turned = lift<S>(turns) * u;
     const Turn<S> w = profile_angle(v), half = sincos_half_turns<S>(turned);
     const S tau = w.cos < lift<S>(0.0) ? log(S((one - w.cos) / w.sin)) : log(S(w.sin / (one + w.cos)));
@@ -138,8 +136,8 @@ struct Pseudosphere {
   template <class S>
   constexpr S side(const Turn<S>& w) const {
     const S zero = lift<S>(0.0), one = lift<S>(1.0);
-    if (w.cos < zero) return -one;
-    return zero < w.cos || zero < profile_angle(zero).cos ? one : -one;
+    const S at_edge = lift<S>(profile_angle(T(0)).cos > T(0) ? 1.0 : -1.0);
+    return select(w.cos < zero, S(-one), select(zero < w.cos, one, at_edge));
   }
   // a.x e_r + a.y e_t + a.z e_z
   template <class S>

@@ -25,6 +25,7 @@ struct RuledSurface {
   static_assert(CurveA::kind == CurveB::kind, "both curves must have parameters of one kind");
   static_assert(std::same_as<typename CurveA::scalar, typename CurveB::scalar>);
   using scalar = typename CurveA::scalar;
+  static constexpr bool in_lanes = detail::in_lanes<CurveA> && detail::in_lanes<CurveB>;
   CurveA a{};
   CurveB b{};
 

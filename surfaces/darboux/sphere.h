@@ -48,6 +48,8 @@ struct Sphere {
             .n = {s * u.cos, s * u.sin, c}};
   }
 
+  constexpr bool tangent_depends_on_u_alone() const { return true; }
+
   template <class S>
   constexpr Status singular(const Turn<S>&, const Turn<S>& v) const {
     return v.sin == lift<S>(0.0) ? Status::dpdu_zero : Status::regular;

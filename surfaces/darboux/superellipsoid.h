@@ -82,7 +82,8 @@ struct Superellipsoid {
     // The normal's parts away from the axis and along it, each a square.
     const S flat = norm(Vec2<S>{x * (x / a), y * (y / b)}), steep = up.second * round.common;
     Vec2<S> parts = unit(Vec2<S>{up.first * (up.first * flat), steep * (steep / c)});
-    if (dot(parts, parts) < lift<S>(0.5)) parts = {lift<S>(1.0), zero};
+    const auto nothing = dot(parts, parts) < lift<S>(0.5);
+    parts = {select(nothing, lift<S>(1.0), parts.x), select(nothing, zero, parts.y)};
     const S out = sign(v.sin) * parts.x, height = -(sign(v.cos) * parts.y);
     Frame<S> result{
         .t = {tx, ty, zero}, .b = {-(height * ty), height * tx, out}, .n = {out * ty, -(out * tx), height}};
@@ -126,7 +127,8 @@ struct Superellipsoid {
  private:
   template <class S>
   static S sign(const S& x) {
-    return lift<S>(x < lift<S>(0.0) ? -1.0 : 1.0);
+    const S one = lift<S>(1.0);
+    return select(x < lift<S>(0.0), S(-one), one);
   }
   template <class S>
   static bool is_zero(const S& x) {
@@ -140,7 +142,6 @@ struct Superellipsoid {
   // x^e, x >= 0
   template <class S>
   static S power(const S& x, const T& e) {
-    using std::pow;
     return e == T(0) ? lift<S>(1.0) : S(pow(x, lift<S>(e)));
   }
   // p q, and 0 where p is 0 for good and q infinite: p is no variable of the derivative q

@@ -24,6 +24,7 @@ namespace darboux {
 template <class Curve = BSplineCurve<double>>
 struct SurfaceOfRevolution {
   using scalar = typename Curve::scalar;
+  static constexpr bool in_lanes = detail::in_lanes<Curve>;
   Curve profile = example();
 
   static constexpr SurfaceInfo info{"surface-of-revolution",

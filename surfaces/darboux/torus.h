@@ -49,15 +49,18 @@ struct Torus {
   template <class S>
   constexpr Frame<S> frame(const Turn<S>& u, const Turn<S>& v) const {
     const S one = lift<S>(1.0);
-    const S side = axis_distance(v) < lift<S>(0.0) ? -one : one;
+    const S side = is_ring() ? one : select(axis_distance(v) < lift<S>(0.0), S(-one), one);
     return {.t = {-(side * u.sin), side * u.cos, lift<S>(0.0)},
             .b = {-(side * (v.sin * u.cos)), -(side * (v.sin * u.sin)), side * v.cos},
             .n = {v.cos * u.cos, v.cos * u.sin, v.sin},
             .handedness = side};
   }
 
+  constexpr bool tangent_depends_on_u_alone() const { return is_ring(); }
+
   template <class S>
   constexpr Status singular(const Turn<S>&, const Turn<S>& v) const {
+    if (is_ring()) return Status::regular;
     const S rho = axis_distance(v), zero = lift<S>(0.0);
     return rho == zero ? Status::dpdu_zero : rho < zero ? Status::self_intersecting : Status::regular;
   }
@@ -81,12 +84,15 @@ struct Torus {
   }
 
  private:
+  // Whether the tube stays a radius of its own away from the axis.
+  constexpr bool is_ring() const { return !(major_radius < minor_radius + minor_radius); }
   // ρ = R + r cos 2πv, negative on the inner part of a spindle torus
   template <class S>
   constexpr S axis_distance(const Turn<S>& v) const {
     const S R = lift<S>(major_radius), r = lift<S>(minor_radius), one = lift<S>(1.0);
+    if (is_ring()) return R + r * v.cos;
     // Near the axis of a horn torus R - r and 1 + cos = sin²/(1 - cos) keep their digits, R + r cos does not.
-    return v.cos < lift<S>(0.0) ? (R - r) + r * (v.sin * v.sin / (one - v.cos)) : R + r * v.cos;
+    return select(v.cos < lift<S>(0.0), S((R - r) + r * (v.sin * v.sin / (one - v.cos))), S(R + r * v.cos));
   }
 };
 Torus(double, double)->Torus<double>;

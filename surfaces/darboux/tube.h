@@ -27,6 +27,7 @@ namespace darboux {
 template <class Curve = HelixCurve<double>>
 struct Tube {
   using scalar = typename Curve::scalar;
+  static constexpr bool in_lanes = detail::in_lanes<Curve>;
   Curve curve{};
   scalar radius{scalar(1) / scalar(10)};
 
@@ -95,7 +96,7 @@ struct Tube {
     return {.t = unit(d.x * f.T + d.y * round),
             .b = unit(d.y * f.T - d.x * round),
             .n = y.cos * f.N - y.sin * f.B,
-            .handedness = along < zero ? -one : one};
+            .handedness = select(along < zero, S(-one), one)};
   }
 
   template <class P, class S>
@@ -135,12 +136,12 @@ struct Tube {
   // speed (1 - r κ cos 2πv). Near a focal curve speed - r bend and 1 - cos = sin²/(1 + cos) keep their digits.
   template <class P, class S>
   S remaining_speed(const P& u, const Turn<S>& v, const CurveFrame<S>& f) const {
-    const S r = lift<S>(radius), one = lift<S>(1.0);
-    if constexpr (requires { curve.remaining_speed(u, r); }) {
-      if (lift<S>(0.0) < v.cos)
-        return curve.remaining_speed(u, r) + (r * f.bend) * (v.sin * v.sin / (one + v.cos));
-    }
-    return f.speed - r * (f.bend * v.cos - f.side * v.sin);
+    const S r = lift<S>(radius), one = lift<S>(1.0), far = f.speed - r * (f.bend * v.cos - f.side * v.sin);
+    if constexpr (requires { curve.remaining_speed(u, r); })
+      return select(lift<S>(0.0) < v.cos,
+                    S(curve.remaining_speed(u, r) + (r * f.bend) * (v.sin * v.sin / (one + v.cos))), far);
+    else
+      return far;
   }
   // From the curve's closed form, or from its own derivatives: K'' · n / |K'|².
   template <class P, class S>

@@ -38,7 +38,6 @@ struct TwoSheetHyperboloid {
 
   template <class S>
   Jet2<S> jet(const Turn<S>& u, const S& v) const {
-    using std::cosh, std::sinh;
     const S a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), c = lift<S>(semi_axis_z), e = lift<S>(extent);
     const S zero = lift<S>(0.0), tau = two_pi<S>();
     const S sh = sinh(e * v), ch = cosh(e * v);
@@ -53,7 +52,6 @@ struct TwoSheetHyperboloid {
 
   template <class S>
   Frame<S> frame(const Turn<S>& u, const S& v) const {
-    using std::tanh;
     const S a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), c = lift<S>(semi_axis_z);
     const S th = tanh(lift<S>(extent) * v);
     const Vec2<S> along_u = unit(Vec2<S>{-(a * u.sin), b * u.cos});
@@ -104,7 +102,6 @@ struct TwoSheetHyperboloid {
   };
   template <class S>
   Place<S> on_unit_hyperboloid(const Turn<S>& u, const S& v) const {
-    using std::cosh, std::sinh;
     const S w = lift<S>(extent) * v, c = lift<S>(semi_axis_z), x = sinh(w) * u.cos, y = sinh(w) * u.sin;
     return {x, y, norm(Vec3<S>{c / lift<S>(semi_axis_x) * x, c / lift<S>(semi_axis_y) * y, cosh(w)})};
   }

@@ -279,7 +279,8 @@ class Workshop:
         self.mutant_flags = ["-O0", "-fpch-instantiate-templates"] if clang else ["-O1"]
         (self.folder / "shared.h").write_text(PRECOMPILED)
         self.objects = []
-        formulas = (ROOT / "src/many_digits.cpp", ROOT / "src/surface.cpp")  # all that the tests need
+        # All that the tests need.
+        formulas = (ROOT / "src/many_digits.cpp", ROOT / "src/surface.cpp", HERE / "no_batches.cpp")
         for source in (HERE / "check_mutant.cpp", ROOT / "src/testing.cpp", *sorted((ROOT / "src/laws").glob("*.cpp")),
                        *formulas):
             tell(f"compiling {source.name}")

@@ -1,0 +1,91 @@
+/// \file binary.h
+/// What float, double and SIMD lanes of them have in common: their bits, rounding to integers, and a choice that is made
+/// lane by lane.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+
+namespace darboux {
+
+/// condition ? a : b. A formula says so where lanes of a SIMD batch may differ in the condition: both a and b are then
+/// evaluated, and each lane takes its own.
+template <class S>
+constexpr S select(bool condition, const S& a, const S& b) {
+  return condition ? a : b;
+}
+
+namespace detail {
+
+// A number type that is many numbers at once, as the batch kernels use: its Element is float or double, and diverge()
+// leaves a batch whose lanes need different treatment to the functions for single points.
+template <class S>
+concept Lanewise = requires {
+  typename S::Element;
+  S::lanes;
+};
+// One or many binary floating-point numbers.
+template <class S>
+concept Binary = std::floating_point<S> || Lanewise<S>;
+
+template <class S>
+struct ElementOf {
+  using type = S;
+};
+template <Lanewise S>
+struct ElementOf<S> {
+  using type = typename S::Element;
+};
+template <class S>
+using Element = typename ElementOf<S>::type;
+
+template <class S>
+constexpr auto to_bits(const S& x) {
+  if constexpr (Lanewise<S>)
+    return x.bits();
+  else if constexpr (sizeof(S) == 8)
+    return std::bit_cast<std::uint64_t>(x);
+  else
+    return std::bit_cast<std::uint32_t>(x);
+}
+template <class S, class Bits>
+constexpr S from_bits(const Bits& bits) {
+  if constexpr (Lanewise<S>)
+    return S::from_bits(bits);
+  else
+    return std::bit_cast<S>(bits);
+}
+
+// x + magic rounds an |x| < half_range to an integer, which is left in the low bits.
+template <class T>
+struct Format;
+template <>
+struct Format<double> {
+  static constexpr double magic = 0x1.8p52, half_range = 0x1p51;
+};
+template <>
+struct Format<float> {
+  static constexpr float magic = 0x1.8p23f, half_range = 0x1p22f;
+};
+
+// The integer nearest to x (ties to even), for any finite x.
+template <std::floating_point T>
+T nearest_integer(T x) {
+  using F = Format<T>;
+  return std::abs(x) < F::half_range ? (x + F::magic) - F::magic : std::nearbyint(x);
+}
+
+template <class S, class T, std::size_t N>
+constexpr S horner(const std::array<T, N>& coefficients, const S& z) {
+  S sum(coefficients[N - 1]);
+  for (std::size_t i = N - 1; i-- > 0;) sum = sum * z + S(coefficients[i]);
+  return sum;
+}
+
+}  // namespace detail
+
+}  // namespace darboux

@@ -1,0 +1,562 @@
+#include "eval_input.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <istream>
+#include <limits>
+#include <streambuf>
+#include <utility>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <darboux/error.h>
+
+#include "command.h"
+
+namespace darboux {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "binary points are copied as they are");
+
+// ---- bytes ------------------------------------------------------------------------------------------------------
+
+struct Descriptor {
+  int value = -1;
+  Descriptor() = default;
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (value >= 0) ::close(value);
+  }
+};
+
+// A file, pipe or standard input as a stream buffer that keeps count. What goes wrong while reading ends it;
+// finish() says so.
+class InputBytes final : public std::streambuf {
+ public:
+  // \param kind what is permitted, "CSV file of u,v"
+  InputBytes(const std::string& path, std::string kind)
+      : path_(path == "-" ? "standard input" : path), kind_(std::move(kind)), buffer_(std::size_t{1} << 18) {
+    if (path == "-") {
+      descriptor_.value = ::dup(STDIN_FILENO);
+    } else {
+      std::error_code error;
+      if (std::filesystem::is_directory(path, error))
+        throw FileError(path, "is a folder, permitted is a " + kind_);
+      descriptor_.value = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    }
+    if (descriptor_.value < 0) throw FileError(path_, "cannot be opened, permitted is a readable " + kind_);
+    struct stat status {};
+    if (::fstat(descriptor_.value, &status) == 0 && S_ISREG(status.st_mode)) {
+      const auto at = std::max<off_t>(::lseek(descriptor_.value, 0, SEEK_CUR), 0);
+      size_ = static_cast<std::uint64_t>(std::max<off_t>(status.st_size - at, 0));
+    }
+  }
+
+  const std::string& path() const { return path_; }
+  // Bytes of a regular file from where it stood on.
+  std::optional<std::uint64_t> size() const { return size_; }
+  // Bytes taken from it.
+  std::uint64_t taken() const { return filled_ - static_cast<std::uint64_t>(egptr() - gptr()); }
+  std::optional<double> share() const {
+    if (!size_ || *size_ == 0) return std::nullopt;
+    return std::min(1.0, static_cast<double>(taken()) / static_cast<double>(*size_));
+  }
+  // Up to `count` bytes, fewer only at the end.
+  std::size_t take(char* to, std::size_t count) {
+    return static_cast<std::size_t>(sgetn(to, static_cast<std::streamsize>(count)));
+  }
+  // To be called at the end.
+  void finish() const {
+    if (error_ != 0)
+      throw FileError(path_, std::string("cannot be read to its end (") + std::strerror(error_) +
+                                 "), permitted is a readable " + kind_);
+  }
+
+ protected:
+  int_type underflow() override {
+    if (gptr() < egptr()) return traits_type::to_int_type(*gptr());
+    ssize_t count = -1;
+    do count = ::read(descriptor_.value, buffer_.data(), buffer_.size());
+    while (count < 0 && errno == EINTR);
+    if (count <= 0) {
+      if (count < 0) error_ = errno;
+      return traits_type::eof();
+    }
+    filled_ += static_cast<std::uint64_t>(count);
+    setg(buffer_.data(), buffer_.data(), buffer_.data() + count);
+    return traits_type::to_int_type(*gptr());
+  }
+
+ private:
+  std::string path_, kind_;
+  std::vector<char> buffer_;
+  Descriptor descriptor_;
+  int error_ = 0;
+  std::uint64_t filled_ = 0;
+  std::optional<std::uint64_t> size_;
+};
+
+// ---- csv --------------------------------------------------------------------------------------------------------
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t\r";
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  return text.substr(0, text.find_last_not_of(blanks) + 1);
+}
+
+// A field of a CSV line as a double; NaN and infinities are numbers here, their samples carry a status.
+std::optional<double> parse_field(std::string_view field) {
+  const std::string_view text = trimmed(field);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+class CsvInput final : public PointInput {
+ public:
+  explicit CsvInput(const std::string& path) : bytes_(path, "CSV file of u,v") {}
+  std::optional<double> share() const override { return bytes_.share(); }
+
+  void read(PointBlocks& points) override {
+    std::istream in(&bytes_);
+    std::string line;
+    std::size_t u_column = 0, v_column = 1;
+    std::uint64_t line_number = 0;
+    bool first = true;
+    const auto fail = [&](const std::string& why) {
+      throw FileError(bytes_.path() + ":" + std::to_string(line_number), why);
+    };
+    while (std::getline(in, line)) {
+      ++line_number;
+      if (line_number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
+      if (line.empty() || line == "\r" || line[0] == '#') continue;
+      if (std::exchange(first, false) && !parse_field(std::string_view(line).substr(0, line.find(',')))) {
+        const std::vector<std::string> names = split(line, ',');
+        const auto column = [&](const std::string& name) {
+          const auto found =
+              std::find_if(names.begin(), names.end(), [&](const auto& x) { return trimmed(x) == name; });
+          if (found == names.end())
+            fail("the header has no column '" + name + "', permitted is a header with u and v or none");
+          return static_cast<std::size_t>(found - names.begin());
+        };
+        u_column = column("u");
+        v_column = column("v");
+        continue;
+      }
+      std::optional<double> u, v;
+      std::string_view rest = line;
+      for (std::size_t k = 0; k <= std::max(u_column, v_column); ++k) {
+        const std::size_t end = rest.find(',');
+        if (k == u_column) u = parse_field(rest.substr(0, end));
+        if (k == v_column) v = parse_field(rest.substr(0, end));
+        if (end == std::string_view::npos) break;
+        rest.remove_prefix(end + 1);
+      }
+      if (!u || !v)
+        fail("'" + line.substr(0, 60) + "' does not hold two numbers u,v, permitted are lines like 0.25,0.5");
+      points.add(*u, *v);
+    }
+    bytes_.finish();
+    points.pass_on();
+  }
+
+ private:
+  InputBytes bytes_;
+};
+
+// ---- json -------------------------------------------------------------------------------------------------------
+
+// Hears a document and passes the u and v of each sample on. Only where it is in the document is remembered.
+class SampleListener final : public nlohmann::json_sax<Json> {
+ public:
+  SampleListener(const InputBytes& bytes, PointBlocks& points) : bytes_(bytes), points_(points) {}
+
+  bool null() override { return number_is(std::numeric_limits<double>::quiet_NaN()); }
+  bool boolean(bool) override { return other(); }
+  bool number_integer(number_integer_t x) override {
+    return number_is(x == 0 ? -0.0 : static_cast<double>(x));  // 0 without a sign is unsigned
+  }
+  bool number_unsigned(number_unsigned_t x) override { return number_is(static_cast<double>(x)); }
+  bool number_float(number_float_t x, const string_t&) override { return number_is(x); }
+  bool string(string_t&) override { return other(); }
+  bool binary(binary_t&) override { return other(); }
+
+  bool key(string_t& name) override {
+    if (depth_ == 1 && in_object_) samples_next_ = name == "samples";
+    if (in_sample()) wanted_ = name == "u" ? &u_ : name == "v" ? &v_ : nullptr;
+    return true;
+  }
+  bool start_object(std::size_t) override {
+    if (depth_ == 0) in_object_ = true;
+    if (at_sample())
+      u_ = v_ = std::nullopt;
+    else
+      other();
+    ++depth_;
+    return true;
+  }
+  bool end_object() override {
+    --depth_;
+    if (at_sample()) {
+      if (!u_ || !v_) fail("has not both u and v");
+      points_.add(*u_, *v_);
+      ++sample_;
+    }
+    wanted_ = nullptr;
+    return true;
+  }
+  bool start_array(std::size_t) override {
+    const bool list = depth_ == 0 || (depth_ == 1 && in_object_ && samples_next_);
+    if (!list) other();
+    ++depth_;
+    if (list) {
+      samples_depth_ = depth_;
+      found_ = true;
+    }
+    return true;
+  }
+  bool end_array() override {
+    if (depth_ == samples_depth_) samples_depth_ = 0;
+    --depth_;
+    wanted_ = nullptr;
+    return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override {
+    throw FileError(bytes_.path(),
+                    std::string("cannot be read (") + error.what() + "), permitted is one JSON document");
+  }
+
+  void finish() const {
+    if (!found_) throw FileError(bytes_.path(), "holds no samples, permitted are " + std::string(permitted));
+  }
+
+ private:
+  static constexpr const char* permitted =
+      "an array of objects with numbers u and v, or an object with that array as its samples";
+  [[noreturn]] void fail(const std::string& why) const {
+    throw FileError(bytes_.path(),
+                    "sample " + std::to_string(sample_) + " " + why + ", permitted are " + permitted);
+  }
+  bool at_sample() const { return samples_depth_ > 0 && depth_ == samples_depth_; }
+  bool in_sample() const { return samples_depth_ > 0 && depth_ == samples_depth_ + 1; }
+  bool number_is(double x) {
+    if (!in_sample() || wanted_ == nullptr) return other();
+    *wanted_ = x;
+    wanted_ = nullptr;
+    return true;
+  }
+  // A value that is not u or v of a sample, and must not stand for one.
+  bool other() const {
+    if (at_sample()) fail("is no object");
+    if (in_sample() && wanted_ != nullptr) fail("has a u or v that is no number");
+    return true;
+  }
+
+  const InputBytes& bytes_;
+  PointBlocks& points_;
+  std::size_t depth_ = 0, samples_depth_ = 0;  // of what is open: all, the array of samples
+  bool in_object_ = false, samples_next_ = false, found_ = false;
+  std::optional<double>* wanted_ = nullptr;
+  std::optional<double> u_, v_;
+  std::uint64_t sample_ = 0;
+};
+
+class JsonInput final : public PointInput {
+ public:
+  explicit JsonInput(const std::string& path) : bytes_(path, "JSON file of samples") {}
+  std::optional<double> share() const override { return bytes_.share(); }
+
+  void read(PointBlocks& points) override {
+    std::istream in(&bytes_);
+    SampleListener listener(bytes_, points);
+    Json::sax_parse(in, &listener);
+    bytes_.finish();
+    listener.finish();
+    points.pass_on();
+  }
+
+ private:
+  InputBytes bytes_;
+};
+
+// ---- pairs of numbers -------------------------------------------------------------------------------------------
+
+// The little that a .npy header may say: a dictionary of strings, booleans and tuples of whole numbers.
+class NpyHeader {
+ public:
+  std::string descr;
+  bool fortran_order = false;
+  std::vector<std::uint64_t> shape;
+
+  // Whether it is such a dictionary with these three keys.
+  bool parse(std::string_view text) {
+    rest_ = text;
+    unsigned seen = 0;
+    if (!take('{')) return false;
+    while (!take('}')) {
+      std::string key;
+      if (!string(key) || !take(':')) return false;
+      if (key == "descr" && string(descr))
+        seen |= 1;
+      else if (key == "fortran_order" && boolean(fortran_order))
+        seen |= 2;
+      else if (key == "shape" && tuple(shape))
+        seen |= 4;
+      else
+        return false;
+      if (!take(',') && !next_is('}')) return false;
+    }
+    skip();
+    return rest_.empty() && seen == 7;
+  }
+
+ private:
+  void skip() { rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r\n"), rest_.size())); }
+  bool next_is(char c) {
+    skip();
+    return rest_.starts_with(c);
+  }
+  bool take(char c) {
+    if (!next_is(c)) return false;
+    rest_.remove_prefix(1);
+    return true;
+  }
+  bool word(std::string_view text) {
+    skip();
+    if (!rest_.starts_with(text)) return false;
+    rest_.remove_prefix(text.size());
+    return true;
+  }
+  bool string(std::string& value) {
+    const char quote = next_is('\'') ? '\'' : '"';
+    if (!take(quote)) return false;
+    const std::size_t end = rest_.find(quote);
+    if (end == std::string_view::npos) return false;
+    value = rest_.substr(0, end);
+    rest_.remove_prefix(end + 1);
+    return true;
+  }
+  bool boolean(bool& value) {
+    value = word("True");
+    return value || word("False");
+  }
+  bool tuple(std::vector<std::uint64_t>& values) {
+    if (!take('(')) return false;
+    while (!take(')')) {
+      skip();
+      std::uint64_t value = 0;
+      const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
+      if (error != std::errc{}) return false;
+      rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
+      values.push_back(value);
+      if (!take(',') && !next_is(')')) return false;
+    }
+    return true;
+  }
+
+  std::string_view rest_;
+};
+
+std::string shape_text(const std::vector<std::uint64_t>& shape) {
+  std::string text;
+  for (const std::uint64_t n : shape) text += (text.empty() ? "" : ", ") + std::to_string(n);
+  return "(" + text + (shape.size() == 1 ? ",)" : ")");
+}
+
+// f32, f64 and npy.
+class BinaryInput final : public PointInput {
+ public:
+  BinaryInput(const std::string& path, std::string_view format)
+      : bytes_(path, std::string(format) + " file of pairs u, v"), number_bytes_(format == "f32" ? 4 : 8) {
+    if (format == "npy") read_npy_header();
+    if (const auto size = bytes_.size()) {
+      const std::uint64_t left = *size - bytes_.taken();
+      if (count_ ? left != *count_ * pair_bytes() : left % pair_bytes() != 0) wrong_size(left);
+      count_ = left / pair_bytes();
+    }
+  }
+  std::optional<std::uint64_t> count() const override { return count_; }
+  std::optional<double> share() const override { return bytes_.share(); }
+
+  void read(PointBlocks& points) override {
+    if (number_bytes_ == 4)
+      read_as<float>(points);
+    else
+      read_as<double>(points);
+  }
+
+ private:
+  std::uint64_t pair_bytes() const { return 2 * number_bytes_; }
+
+  [[noreturn]] void wrong_size(std::uint64_t bytes) const {
+    throw FileError(
+        bytes_.path(),
+        "holds " + std::to_string(bytes) + " bytes of numbers, permitted are " +
+            (count_ ? "the " + std::to_string(*count_ * pair_bytes()) + " that its header announces"
+                    : "multiples of " + std::to_string(pair_bytes()) + ", a pair u, v of " +
+                          std::to_string(number_bytes_) + " bytes each"));
+  }
+
+  void read_npy_header() {
+    const auto fail = [&](const std::string& why) {
+      throw FileError(bytes_.path(), "its header " + why +
+                                         ", permitted is .npy version 1 or 2 with '<f4' or '<f8', C order, "
+                                         "shape (n, 2)");
+    };
+    std::array<unsigned char, 8> start{};
+    if (bytes_.take(reinterpret_cast<char*>(start.data()), 8) != 8 ||
+        std::memcmp(start.data(), "\x93NUMPY", 6) != 0)
+      fail("does not begin as a .npy file's does");
+    if (start[6] != 1 && start[6] != 2) fail("has version " + std::to_string(start[6]));
+    const std::size_t length_bytes = start[6] == 1 ? 2 : 4;
+    std::array<unsigned char, 4> length{};
+    const bool whole = bytes_.take(reinterpret_cast<char*>(length.data()), length_bytes) == length_bytes;
+    std::size_t size = 0;
+    for (std::size_t k = 0; k < length_bytes; ++k) size |= static_cast<std::size_t>(length[k]) << (8 * k);
+    constexpr std::size_t most = 1 << 16;
+    if (size > most) fail("has " + std::to_string(size) + " bytes");
+    std::string text(size, '\0');
+    if (!whole || bytes_.take(text.data(), size) != size) fail("is cut off");
+    NpyHeader header;
+    if (!header.parse(text)) fail("is no dictionary of descr, fortran_order and shape");
+    if (header.descr != "<f4" && header.descr != "<f8")
+      fail("has descr '" + header.descr.substr(0, 20) + "'");
+    if (header.shape.size() != 2 || header.shape[1] != 2) fail("has shape " + shape_text(header.shape));
+    if (header.fortran_order && header.shape[0] > 1) fail("has Fortran order");
+    number_bytes_ = header.descr == "<f4" ? 4 : 8;
+    if (header.shape[0] > std::numeric_limits<std::uint64_t>::max() / pair_bytes())
+      fail("has shape " + shape_text(header.shape));
+    count_ = header.shape[0];
+  }
+
+  template <class T>
+  void read_as(PointBlocks& points) {
+    std::vector<T> pairs(8192);
+    std::uint64_t read = 0;  // bytes
+    while (true) {
+      const std::size_t bytes = bytes_.take(reinterpret_cast<char*>(pairs.data()), pairs.size() * sizeof(T));
+      read += bytes;
+      if (count_ && read > *count_ * pair_bytes()) wrong_size(read);
+      for (std::size_t i = 0; i + 1 < bytes / sizeof(T); i += 2)
+        points.add(static_cast<double>(pairs[i]), static_cast<double>(pairs[i + 1]));
+      if (bytes < pairs.size() * sizeof(T)) break;
+    }
+    bytes_.finish();
+    if (count_ ? read != *count_ * pair_bytes() : read % pair_bytes() != 0) wrong_size(read);
+    points.pass_on();
+  }
+
+  InputBytes bytes_;
+  std::uint64_t number_bytes_;
+  std::optional<std::uint64_t> count_;
+};
+
+// ---- points counted first ---------------------------------------------------------------------------------------
+
+class KeptInput final : public PointInput {
+ public:
+  KeptInput(PointInput& from, Progress& progress) {
+    name_ = (std::filesystem::temp_directory_path() / ".darboux-points-XXXXXX").string();
+    descriptor_.value = ::mkstemp(name_.data());
+    if (descriptor_.value < 0) fail();
+    ::unlink(name_.c_str());
+    std::vector<double> pairs;
+    PointBlocks blocks(8192, [&](std::span<const double> u, std::span<const double> v) {
+      pairs.resize(2 * u.size());
+      for (std::size_t i = 0; i < u.size(); ++i) {
+        pairs[2 * i] = u[i];
+        pairs[2 * i + 1] = v[i];
+      }
+      write(pairs);
+      count_ += u.size();
+      if (const auto share = from.share()) progress.update(*share);
+    });
+    from.read(blocks);
+  }
+
+  std::optional<std::uint64_t> count() const override { return count_; }
+  std::optional<double> share() const override {
+    return count_ == 0 ? 1.0 : static_cast<double>(done_) / static_cast<double>(count_);
+  }
+  void read(PointBlocks& points) override {
+    std::vector<double> pairs(16384);
+    const std::uint64_t all = count_ * 2 * sizeof(double);
+    for (std::uint64_t at = 0; at < all;) {
+      const std::size_t wanted = std::min<std::uint64_t>(pairs.size() * sizeof(double), all - at);
+      std::size_t got = 0;
+      while (got < wanted) {
+        const ssize_t n = ::pread(descriptor_.value, reinterpret_cast<char*>(pairs.data()) + got,
+                                  wanted - got, static_cast<off_t>(at + got));
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) fail();
+        got += static_cast<std::size_t>(n);
+      }
+      at += wanted;
+      done_ = at / (2 * sizeof(double));
+      for (std::size_t i = 0; i < wanted / sizeof(double); i += 2) points.add(pairs[i], pairs[i + 1]);
+    }
+    points.pass_on();
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw FileError(name_, std::string("the points cannot be kept there (") + std::strerror(errno) +
+                               "), permitted is a writable folder with 16 bytes a point of room");
+  }
+  void write(std::span<const double> numbers) {
+    const char* from = reinterpret_cast<const char*>(numbers.data());
+    for (std::size_t left = numbers.size_bytes(); left > 0;) {
+      const ssize_t n = ::write(descriptor_.value, from, left);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) fail();
+      from += n;
+      left -= static_cast<std::size_t>(n);
+    }
+  }
+
+  std::string name_;
+  Descriptor descriptor_;
+  std::uint64_t count_ = 0, done_ = 0;
+};
+
+}  // namespace
+
+std::string input_format_of(const std::string& path) {
+  if (path == "-") return "csv";
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::string known;
+  for (const std::string_view format : input_formats) {
+    if (extension == "." + std::string(format)) return std::string(format);
+    known += (known.empty() ? "." : ", .") + std::string(format);
+  }
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error))
+    throw FileError(path, "is a folder, permitted is a file of points: " + known);
+  throw FileError(path, "its extension names no format, permitted are " + known +
+                            ", or --input-format with one of these");
+}
+
+std::unique_ptr<PointInput> open_points(const std::string& path, std::string_view format) {
+  if (format == "csv") return std::make_unique<CsvInput>(path);
+  if (format == "json") return std::make_unique<JsonInput>(path);
+  return std::make_unique<BinaryInput>(path, format);
+}
+
+std::unique_ptr<PointInput> counted(std::unique_ptr<PointInput> points, Progress& progress) {
+  if (points->count()) return points;
+  return std::make_unique<KeptInput>(*points, progress);
+}
+
+}  // namespace darboux

@@ -1,0 +1,291 @@
+#include "eval_output.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <thread>
+#include <type_traits>
+
+#include "command.h"
+#include "parallel.h"
+
+namespace darboux {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "binary frames are copied as they are");
+
+std::size_t components(const std::vector<Attribute>& attributes) {
+  std::size_t sum = 0;
+  for (const Attribute a : attributes) sum += info_of(a).components;
+  return sum;
+}
+
+// ---- bare numbers -----------------------------------------------------------------------------------------------
+
+template <class T>
+class BinaryWriter final : public FrameWriter {
+ public:
+  BinaryWriter(OutputFile& file, const AnySurface& surface, const FrameWriterOptions& options)
+      : file_(file), surface_(surface), width_(components(options.attributes)), rows_(options.room * width_) {
+    evaluate_.threads = options.threads;
+    std::size_t at = 0;
+    for (const Attribute a : options.attributes) {
+      outputs_.member(a, rows_.data() + at, options.room, static_cast<std::ptrdiff_t>(width_ * sizeof(T)));
+      at += info_of(a).components;
+    }
+    if constexpr (std::same_as<T, float>) {
+      u_.resize(options.room);
+      v_.resize(options.room);
+    }
+    if (options.format == "npy") file_.write(npy_header(options.points, width_));
+  }
+
+  void write(std::span<const double> u, std::span<const double> v) override {
+    if constexpr (std::same_as<T, float>) {
+      const auto rounded = [](double x) { return static_cast<float>(x); };
+      std::transform(u.begin(), u.end(), u_.begin(), rounded);
+      std::transform(v.begin(), v.end(), v_.begin(), rounded);
+      write(Points<T>::arrays(std::span(u_).first(u.size()), std::span(v_).first(v.size())));
+    } else {
+      write(Points<T>::arrays(u, v));
+    }
+  }
+  void write_grid(std::size_t columns, std::size_t rows, std::size_t first, std::size_t count) override {
+    write(Points<T>::grid(columns, rows, first, count));
+  }
+
+ private:
+  void write(const Points<T>& points) {
+    surface_.evaluate(points, outputs_, evaluate_);
+    file_.write({reinterpret_cast<const char*>(rows_.data()), points.size() * width_ * sizeof(T)});
+  }
+
+  static std::string npy_header(std::uint64_t points, std::size_t width) {
+    constexpr std::size_t size = 128;  // room for 20 digits of each
+    std::string header("\x93NUMPY\x01\x00\x00\x00", 10);
+    header[8] = static_cast<char>(size - header.size());
+    header += "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(points) + ", " +
+              std::to_string(width) + "), }";
+    header.resize(size - 1, ' ');
+    return header + '\n';
+  }
+
+  OutputFile& file_;
+  const AnySurface& surface_;
+  std::size_t width_;
+  std::vector<T> rows_, u_, v_;
+  Outputs<T> outputs_;
+  EvaluateOptions evaluate_;
+};
+
+// ---- text -------------------------------------------------------------------------------------------------------
+
+// The names of the bits that are set.
+template <class Use>
+void for_each_status(Status status, Use use) {
+  if (status == Status::regular) return use("regular");
+  for (std::size_t k = 0; k < status_names.size(); ++k)
+    if (has(status, static_cast<Status>(1u << k))) use(status_names[k]);
+}
+
+void append_shortest(std::string& text, double x) {
+  if (std::isnan(x)) {
+    text += "nan";
+    return;
+  }
+  std::array<char, 32> digits;
+  text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr);
+}
+
+void append_joined_status(std::string& text, Status status) {
+  const char* separator = "";
+  for_each_status(status, [&](std::string_view name) {
+    text += separator;
+    text += name;
+    separator = "|";
+  });
+}
+
+// table, json or csv. The status is that of sample(): all partials are evaluated for it, asked for or not.
+class TextWriter final : public FrameWriter {
+ public:
+  TextWriter(OutputFile& file, const AnySurface& surface, const FrameWriterOptions& options)
+      : file_(file),
+        surface_(surface),
+        format_(options.format == "json"  ? &TextWriter::append_sample
+                : options.format == "csv" ? &TextWriter::append_csv
+                                          : &TextWriter::append_table),
+        json_(options.format == "json"),
+        chosen_(options.attributes),
+        status_(options.room),
+        threads_(options.threads > 0 ? options.threads
+                                     : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))) {
+    evaluate_.threads = options.threads;
+    Attributes asked;
+    const auto ask = [&](Attribute a) {
+      if (asked.has(a)) return;
+      asked |= a;
+      std::vector<double>& values = values_[static_cast<std::size_t>(a)];
+      values.resize(options.room * info_of(a).components);
+      outputs_.packed(a, values);
+    };
+    for (const Attribute a : chosen_) ask(a);
+    for (const Attribute a : {Attribute::position, Attribute::dpdu, Attribute::dpdv, Attribute::d2pdu2,
+                              Attribute::d2pduv, Attribute::d2pdv2})
+      ask(a);
+    outputs_.status(status_);
+
+    if (json_) {
+      file_.write(
+          "{\"surface\": " + surface_json(surface).dump(-1, ' ', false, Json::error_handler_t::replace) +
+          ",\n \"samples\": [");
+    } else if (options.format == "csv") {
+      std::string header = "u,v";
+      for (const Attribute a : chosen_)
+        for (const std::string_view column : columns(a))
+          header.append(",").append(info_of(a).name).append(column);
+      file_.write(header + ",status\n");
+    }
+  }
+
+  void write(std::span<const double> u, std::span<const double> v) override {
+    write(Points<double>::arrays(u, v));
+  }
+  void write_grid(std::size_t columns, std::size_t rows, std::size_t first, std::size_t count) override {
+    write(Points<double>::grid(columns, rows, first, count));
+  }
+  void finish() override {
+    if (json_) file_.write("]}\n");
+  }
+
+ private:
+  // What follows an attribute's name in a CSV header.
+  static std::vector<std::string_view> columns(Attribute a) {
+    if (a == Attribute::principal_curvatures) return {"_1", "_2"};
+    if (a == Attribute::principal_directions) return {"_1_x", "_1_y", "_1_z", "_2_x", "_2_y", "_2_z"};
+    if (info_of(a).components == 1) return {""};
+    std::vector<std::string_view> names{"_x", "_y", "_z", "_w"};
+    names.resize(info_of(a).components);
+    return names;
+  }
+
+  // Pieces of a block are put into words at once, each by one thread, and written in their order.
+  void write(const Points<double>& points) {
+    surface_.evaluate(points, outputs_, evaluate_);
+    constexpr std::size_t piece = 1024;
+    const std::size_t pieces = (points.size() + piece - 1) / piece;
+    texts_.resize(std::max(texts_.size(), pieces));
+    parallel_for(
+        pieces, threads_,
+        [&](std::size_t k) {
+          std::string& text = texts_[k];
+          text.clear();
+          const std::size_t end = std::min((k + 1) * piece, points.size());
+          for (std::size_t i = k * piece; i < end; ++i) (this->*format_)(text, i, points[i]);
+        },
+        [](double) {});
+    for (std::size_t k = 0; k < pieces; ++k) file_.write(texts_[k]);
+    if (points.size() > 0) first_ = false;
+  }
+
+  std::span<const double> values(Attribute a, std::size_t i) const {
+    const std::size_t n = info_of(a).components;
+    return std::span(values_[static_cast<std::size_t>(a)]).subspan(n * i, n);
+  }
+
+  static void append_json(std::string& text, std::span<const double> values) {
+    const char* separator = "[";
+    for (const double x : values) {
+      text += separator;
+      text += number(x).dump();
+      separator = ",";
+    }
+    text += ']';
+  }
+  void append_sample(std::string& text, std::size_t i, const Vec2<double>& at) const {
+    text += first_ && i == 0 ? "\n  " : ",\n  ";
+    text.append("{\"u\":").append(number(at.x).dump()).append(",\"v\":").append(number(at.y).dump());
+    const char* separator = ",\"status\":[\"";
+    for_each_status(status_[i], [&](std::string_view name) {
+      text += separator;
+      text += name;
+      separator = "\",\"";
+    });
+    text += "\"]";
+    for (const Attribute a : chosen_) {
+      text.append(",\"").append(info_of(a).name).append("\":");
+      const std::span<const double> x = values(a, i);
+      if (a == Attribute::principal_directions) {
+        text += '[';
+        append_json(text, x.first(3));
+        text += ',';
+        append_json(text, x.last(3));
+        text += ']';
+      } else if (x.size() == 1) {
+        text += number(x[0]).dump();
+      } else {
+        append_json(text, x);
+      }
+    }
+    text += '}';
+  }
+
+  void append_csv(std::string& text, std::size_t i, const Vec2<double>& at) const {
+    append_shortest(text, at.x);
+    text += ',';
+    append_shortest(text, at.y);
+    for (const Attribute a : chosen_)
+      for (const double x : values(a, i)) {
+        text += ',';
+        append_shortest(text, x);
+      }
+    text += ',';
+    append_joined_status(text, status_[i]);
+    text += '\n';
+  }
+
+  void append_table(std::string& text, std::size_t i, const Vec2<double>& at) const {
+    text.append("u = ").append(shortest(at.x)).append(", v = ").append(shortest(at.y)).append("    ");
+    append_joined_status(text, status_[i]);
+    text += '\n';
+    for (const Attribute a : chosen_) {
+      const std::string_view name = info_of(a).name;
+      text.append("    ").append(name).append(22 - name.size(), ' ');
+      for (const double x : values(a, i)) {
+        std::array<char, 32> digits;
+        std::snprintf(digits.data(), digits.size(), " %12.8g",
+                      std::isnan(x) ? std::numeric_limits<double>::quiet_NaN() : x);
+        text += digits.data();
+      }
+      text += '\n';
+    }
+  }
+
+  OutputFile& file_;
+  const AnySurface& surface_;
+  void (TextWriter::*format_)(std::string&, std::size_t, const Vec2<double>&) const;
+  bool json_, first_ = true;
+  std::vector<Attribute> chosen_;
+  std::array<std::vector<double>, attribute_count> values_;
+  std::vector<Status> status_;
+  std::vector<std::string> texts_;
+  Outputs<double> outputs_;
+  EvaluateOptions evaluate_;
+  int threads_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameWriter> make_frame_writer(OutputFile& file, const AnySurface& surface,
+                                               const FrameWriterOptions& options) {
+  if (options.format == "f32") return std::make_unique<BinaryWriter<float>>(file, surface, options);
+  if (options.format == "f64" || options.format == "npy")
+    return std::make_unique<BinaryWriter<double>>(file, surface, options);
+  return std::make_unique<TextWriter>(file, surface, options);
+}
+
+}  // namespace darboux

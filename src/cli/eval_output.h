@@ -1,0 +1,50 @@
+/// \file eval_output.h
+/// What `eval` writes: points evaluated block by block, as text or as bare numbers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <darboux/any_surface.h>
+#include <darboux/attributes.h>
+#include <darboux/io.h>
+
+namespace darboux {
+
+/// What --format permits.
+inline constexpr std::string_view output_formats[] = {"table", "json", "csv", "f32", "f64", "npy"};
+
+/// Evaluates points and writes them, in memory that does not grow with their number.
+///   table, json, csv  with u, v and the status, in double
+///   f32, f64          for each point the numbers of its attributes, little-endian, nothing else; f32 in single precision
+///                     throughout: u, v and the parameters are rounded first
+///   npy               the same as f64 after a header of 128 bytes, shape (points, numbers)
+class FrameWriter {
+ public:
+  virtual ~FrameWriter() = default;
+  /// At most `room` points. \throws FileError when they cannot be written
+  virtual void write(std::span<const double> u, std::span<const double> v) = 0;
+  /// Those of `count` rows of a grid, from row `first` on: see Points::grid().
+  virtual void write_grid(std::size_t columns, std::size_t rows, std::size_t first, std::size_t count) = 0;
+  /// What follows the last point.
+  virtual void finish() {}
+};
+
+struct FrameWriterOptions {
+  std::string_view format = "table";  ///< one of output_formats
+  std::vector<Attribute> attributes;  ///< in the order written
+  std::size_t room = 4096;            ///< points of a call
+  int threads = 1;                    ///< 0: as many as the machine has
+  std::uint64_t points = 0;           ///< all of them together; npy alone needs it
+};
+
+/// Writes what comes before the first point. `file` and `surface` must outlive the writer.
+std::unique_ptr<FrameWriter> make_frame_writer(OutputFile& file, const AnySurface& surface,
+                                               const FrameWriterOptions& options);
+
+}  // namespace darboux
