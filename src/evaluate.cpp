@@ -35,12 +35,9 @@ constexpr std::size_t block_room = block_points + group_size<T>;
 // Columns of a grid whose sines are taken at once.
 template <class T>
 constexpr std::size_t most_columns = 4096 / sizeof(T);
-// Points staged before they are written past the caches: four lines of each array.
+// Points staged before they are written past the caches: two lines of each array.
 template <class T>
-#ifndef LINES
-#define LINES 2
-#endif
-constexpr std::size_t staged_points = LINES* line / sizeof(T);
+constexpr std::size_t staged_points = 2 * line / sizeof(T);
 // From so many bytes of results on they are written past the caches: about where these no longer hold them
 // (docs/reports/evaluation.md).
 constexpr std::size_t past_caches_from = std::size_t{10} << 20;
@@ -188,7 +185,7 @@ class Batch {
                      !only(Attribute::tangent | Attribute::tangent4 | Attribute::handedness);
     }
     const bool past_caches =
-        layout_.without_gaps && kernel_ != nullptr &&
+        layout_.without_gaps && kernel_ != nullptr && set_->pass_caches &&
         (options.stores == Stores::past_caches ||
          (options.stores == Stores::automatic &&
           points.size() >= past_caches_from / std::max<std::size_t>(layout_.bytes_a_point, 1)));
@@ -202,7 +199,7 @@ class Batch {
     Turn_ turn(*this);
     if (kernel_ == nullptr)
       turn.singly(first, last);
-    else if (points_.is_grid())
+    else if (points_.is_grid() && first < last)
       turn.grid(first, last);
     else
       turn.arrays(first, last);
@@ -256,7 +253,7 @@ class Batch {
         fill(raw_u, batch.points_.u(), at, n);
         fill(raw_v, batch.points_.v(), at, n);
         prefetch(batch.points_.u(), at + n, last);
-        prefetch(batch.points_.v(), at + n, last);
+        if (batch.points_.v() != batch.points_.u() + 1) prefetch(batch.points_.v(), at + n, last);
         block(at, n, {raw_u.data()}, {raw_v.data()});
         at += n;
       }
@@ -266,21 +263,32 @@ class Batch {
     // The sines of the columns are taken once for all rows, or where these are long for the pieces of them that lie below each
     // other.
     void grid(std::size_t first, std::size_t last) {
-      work.in_domain = true;
       const std::size_t width = batch.points_.columns() + 1;
-      const std::size_t tile_width = std::min(width, most_columns<T>);
+      if (width < most_lanes) return short_rows(first, last);
+      work.in_domain = true;
+      const std::size_t tiles = (width + most_columns<T> - 1) / most_columns<T>;
+      const std::size_t tile_width =
+          (width + tiles - 1) / tiles;                    // as many in each, none too few for a kernel
       const std::size_t offset = batch.points_.offset();  // in the rows, of the call's first point
       const auto prepare = [&](Coordinate kind, const T* x, std::size_t count, T* sine, T* cosine) {
         batch.table_->prepare[static_cast<std::size_t>(kind)](x, count, sine, cosine);
       };
-      for (std::size_t left = 0; left < width; left += tile_width) {
+      const std::size_t first_row = (offset + first) / width, last_row = (offset + last - 1) / width;
+      if (last_row == first_row + 1) {  // no row is whole: each meets columns of its own
+        grid(first, last_row * width - offset);
+        return grid(last_row * width - offset, last);
+      }
+      const bool one_row = first_row == last_row;
+      std::size_t left = one_row ? (offset + first) % width / tile_width * tile_width : 0;
+      for (; left < width; left += tile_width) {
+        if (one_row && left > (offset + last - 1) % width) break;
         const std::size_t columns = std::min(tile_width, width - left);
         const std::size_t padded = (columns + most_lanes - 1) / most_lanes * most_lanes;
         for (std::size_t i = 0; i < padded; ++i)
           columns_u[i] = batch.points_.column(left + std::min(i, columns - 1));
         prepare(batch.surface_.u, columns_u.data(), padded, sine_u.data(), cosine_u.data());
         bool open = false;
-        for (std::size_t row = (offset + first) / width; row * width + left < offset + last; ++row) {
+        for (std::size_t row = first_row; row * width + left < offset + last; ++row) {
           const std::size_t row_begin = row * width + left;
           const std::size_t begin = std::max(offset + first, row_begin);
           const std::size_t end = std::min(offset + last, row_begin + columns);
@@ -303,6 +311,23 @@ class Batch {
       }
     }
 
+    // Rows of fewer points than a kernel takes: as if they were arrays.
+    void short_rows(std::size_t first, std::size_t last) {
+      work.in_domain = false;
+      begin_stages(first);
+      for (std::size_t at = first; at < last;) {
+        const std::size_t rest = last - at, n = rest < block_points + most_lanes ? rest : block_points;
+        for (std::size_t i = 0; i < block_room<T>; ++i) {
+          const auto [u, v] = batch.points_[at + std::min(i, n - 1)];
+          raw_u[i] = u;
+          raw_v[i] = v;
+        }
+        block(at, n, {raw_u.data()}, {raw_v.data()});
+        at += n;
+      }
+      end_stages();
+    }
+
     void singly(std::size_t first, std::size_t last) {
       work_first = first;
       for (std::size_t at = first; at < last; ++at) {
@@ -320,7 +345,8 @@ class Batch {
       const std::ptrdiff_t stride = batch.points_.stride();
       const char* source = reinterpret_cast<const char*>(from);
       const char* end = source + stride * static_cast<std::ptrdiff_t>(std::min(at + block_points, last));
-      for (source += stride * static_cast<std::ptrdiff_t>(at); source < end; source += line)
+      const std::ptrdiff_t step = std::max(stride, static_cast<std::ptrdiff_t>(line));
+      for (source += stride * static_cast<std::ptrdiff_t>(at); source < end; source += step)
         __builtin_prefetch(source);
     }
 
@@ -353,7 +379,7 @@ class Batch {
           if (to_line > 0) most = to_line + most_lanes;
         }
         const std::size_t rest = n - done;
-        const bool all = rest < most || (batch.way_ == Way::staged && rest < most + most_lanes);
+        const bool all = rest < most + most_lanes;  // a kernel takes no fewer
         work.count = all ? rest : most;
         work.u = moved(u, done);
         work.v = moved(v, done);
@@ -435,6 +461,7 @@ class Batch {
     // `count` points from the work's point `begin` on, by the single-point functions.
     void redo(std::size_t begin, std::size_t count) {
       detail::PointValues<T> values;
+      summary.point_by_point += count;
       for (std::size_t i = begin; i < begin + count; ++i) {
         const auto [u, v] = batch.points_[work_first + i];
         batch.surface_.point(batch.surface_.surface, u, v, batch.outputs_.attributes(), batch.sign_, values);
@@ -552,6 +579,7 @@ StatusSummary evaluate_all(const detail::ErasedSurface<T>& surface, const Points
   StatusSummary total;
   for (std::size_t k = 0; k < threads; ++k) {
     total.points += part[k].points;
+    total.point_by_point += part[k].point_by_point;
     for (std::size_t s = 0; s < total.count.size(); ++s) {
       if (total.count[s] == 0) total.first[s] = part[k].first[s];
       total.count[s] += part[k].count[s];
@@ -577,10 +605,11 @@ StatusSummary evaluate(const ErasedSurface<float>& surface, const Points<float>&
 
 StatusSummary& StatusSummary::operator+=(const StatusSummary& next) {
   for (std::size_t s = 0; s < count.size(); ++s) {
-    if (count[s] == 0) first[s] = next.first[s] + points;
+    if (count[s] == 0 && next.count[s] > 0) first[s] = next.first[s] + points;
     count[s] += next.count[s];
   }
   points += next.points;
+  point_by_point += next.point_by_point;
   return *this;
 }
 
@@ -623,7 +652,7 @@ Points<T> Points<T>::interleaved(const T* uv, std::size_t points, std::ptrdiff_t
                                        std::to_string(alignof(T)) + " bytes");
   Points result;
   result.u_ = uv;
-  result.v_ = uv + 1;
+  result.v_ = uv == nullptr ? nullptr : uv + 1;
   result.stride_ = stride;
   result.size_ = points;
   return result;
@@ -635,7 +664,7 @@ Points<T> Points<T>::grid(std::size_t columns, std::size_t rows, std::size_t fir
   if (columns < 1 || rows < 1 || columns > most || rows > most)
     throw ParameterError("grid", std::to_string(columns) + " columns and " + std::to_string(rows) +
                                      " rows, permitted are 1 to " + std::to_string(most) + " of each");
-  if (first > rows + 1)
+  if (first > rows)
     throw ParameterError(
         "grid", "row of points " + std::to_string(first) + ", permitted are 0 to " + std::to_string(rows));
   Points result;
@@ -724,9 +753,10 @@ Outputs<T>& Outputs<T>::status(Status* first, std::size_t points, std::ptrdiff_t
     throw ParameterError("status", "its array is null, permitted is the caller's memory");
   if (stride < static_cast<std::ptrdiff_t>(sizeof(Status)) ||
       stride % static_cast<std::ptrdiff_t>(alignof(Status)) != 0 || !aligned_to_own_size(first))
-    throw ParameterError("status", "a stride of " + std::to_string(stride) +
-                                       " bytes or an array that is not aligned, permitted are multiples of " +
-                                       std::to_string(sizeof(Status)));
+    throw ParameterError(
+        "status", (aligned_to_own_size(first) ? "a stride of " + std::to_string(stride) + " bytes"
+                                              : std::string("its array is not aligned to its values")) +
+                      ", permitted are multiples of " + std::to_string(sizeof(Status)) + " bytes");
   status_ = first;
   status_points_ = points;
   status_stride_ = stride;

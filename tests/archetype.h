@@ -22,12 +22,12 @@ class Archetype {
   friend Archetype operator/(Archetype a, Archetype b) { return Archetype(a.value_ / b.value_); }
   friend Archetype operator-(Archetype a) { return Archetype(-a.value_); }
   friend Archetype sqrt(Archetype a) { return Archetype(std::sqrt(a.value_)); }
-  friend Archetype exp(Archetype a) { return Archetype(std::exp(a.value_)); }
-  friend Archetype log(Archetype a) { return Archetype(std::log(a.value_)); }
-  friend Archetype sinh(Archetype a) { return Archetype(std::sinh(a.value_)); }
-  friend Archetype cosh(Archetype a) { return Archetype(std::cosh(a.value_)); }
-  friend Archetype tanh(Archetype a) { return Archetype(std::tanh(a.value_)); }
-  friend Archetype pow(Archetype a, Archetype b) { return Archetype(std::pow(a.value_, b.value_)); }
+  friend Archetype exp(Archetype a) { return Archetype(darboux::exp(a.value_)); }
+  friend Archetype log(Archetype a) { return Archetype(darboux::log(a.value_)); }
+  friend Archetype sinh(Archetype a) { return Archetype(darboux::sinh(a.value_)); }
+  friend Archetype cosh(Archetype a) { return Archetype(darboux::cosh(a.value_)); }
+  friend Archetype tanh(Archetype a) { return Archetype(darboux::tanh(a.value_)); }
+  friend Archetype pow(Archetype a, Archetype b) { return Archetype(darboux::pow(a.value_, b.value_)); }
   friend Archetype abs(Archetype a) { return Archetype(std::fabs(a.value_)); }
   friend bool operator<(Archetype a, Archetype b) requires ordered { return a.value_ < b.value_; }
   friend bool operator==(Archetype a, Archetype b) requires ordered { return a.value_ == b.value_; }

@@ -1,9 +1,11 @@
 // Batches give the bits of single points: for every surface, instruction set, layout, way of storing, number of threads and
 // place in the batch; and refuse what cannot be right.
-#include <bit>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <iostream>
 #include <limits>
 #include <new>
@@ -210,30 +212,36 @@ std::vector<std::pair<std::string, Attributes>> requests() {
           {"principal curvatures", Attribute::principal_curvatures}};
 }
 
+// Those that formulas have to look at.
+template <class T>
+std::vector<T> odd_values() {
+  return {T(0),
+          T(1),
+          T(0.5),
+          T(0.25),
+          -T(0),
+          std::numeric_limits<T>::denorm_min(),
+          std::nextafter(T(1), T(0)),
+          std::nextafter(T(1), T(2)),
+          T(-0.3),
+          T(1.7),
+          T(1e10),
+          T(-1e30),
+          std::numeric_limits<T>::max(),
+          std::numeric_limits<T>::infinity(),
+          nan_value<T>};
+}
+
 // Ordinary points, among them in every place of a batch those that lanes leave to the single-point functions.
 template <class T>
 std::pair<std::vector<T>, std::vector<T>> some_points(std::size_t n, std::uint64_t seed) {
   Random random(seed);
-  const std::vector<T> odd{T(0),
-                           T(1),
-                           T(0.5),
-                           T(0.25),
-                           -T(0),
-                           std::numeric_limits<T>::denorm_min(),
-                           std::nextafter(T(1), T(0)),
-                           std::nextafter(T(1), T(2)),
-                           T(-0.3),
-                           T(1.7),
-                           T(1e10),
-                           T(-1e30),
-                           std::numeric_limits<T>::max(),
-                           std::numeric_limits<T>::infinity(),
-                           nan_value<T>};
+  const std::vector<T> odd = odd_values<T>();
   std::vector<T> u(n), v(n);
   for (std::size_t i = 0; i < n; ++i)
     for (auto* x : {&u[i], &v[i]})
-      *x = i >= 64 && random.uniform() < 0.03 ? odd[random.bits() % odd.size()]
-                                              : static_cast<T>(random.uniform());
+      *x = random.uniform() < (i < 64 ? 0.01 : 0.03) ? odd[random.bits() % odd.size()]
+                                                     : static_cast<T>(random.uniform());
   // A run of points on the edges, as in the rows of a grid.
   for (std::size_t i = 100; i < std::min<std::size_t>(n, 140); ++i) v[i] = i < 120 ? T(0) : T(1);
   for (std::size_t i = 170; i < std::min<std::size_t>(n, 210); ++i) u[i] = i < 190 ? T(0.5) : T(0);
@@ -260,44 +268,56 @@ X other_parameters(Random& random, int kind) {
   }
 }
 
-template <class X>
-class SameBits : public ::testing::Test {
- protected:
-  // Every instruction set, layout and way of storing, for the first n of the points.
-  template <class Y, class T>
-  static void expect_same(const Y& surface, const std::vector<T>& u, const std::vector<T>& v,
-                          const std::vector<Truth<T>>& truths, std::size_t n, Attributes asked,
-                          const std::string& what) {
-    const auto points = Points<T>::arrays(std::span(u).first(n), std::span(v).first(n));
-    for (const InstructionSet set : instruction_sets())
-      for (const Layout layout : all_layouts)
-        for (const Stores stores : {Stores::cached, Stores::past_caches}) {
-          Memory<T> memory(layout, asked, n);
-          const StatusSummary summary =
-              evaluate(surface, points, memory.outputs, {.stores = stores, .instruction_set = set});
-          const std::string difference = memory.difference(truths, n);
-          ASSERT_EQ(difference, "") << X::info.name << ", " << what << ", " << name_of(set) << ", "
-                                    << name(layout)
-                                    << (stores == Stores::cached ? ", cached, " : ", past caches, ") << n
-                                    << " points, " << sizeof(T) << " bytes";
-          ASSERT_EQ(summary.points, n);
-          for (std::size_t k = 0; k < status_names.size(); ++k) {
-            std::size_t count = 0, first = 0;
-            for (std::size_t i = n; i-- > 0;)
-              if (has(memory.status()[i], static_cast<Status>(1u << k))) ++count, first = i;
-            ASSERT_EQ(summary.count[k], count) << what << ' ' << status_names[k];
-            ASSERT_EQ(summary.first[k], first) << what << ' ' << status_names[k];
-          }
-        }
-  }
-  template <class Y, class T>
-  static std::vector<Truth<T>> truths_of(const Y& surface, const std::vector<T>& u, const std::vector<T>& v) {
-    std::vector<Truth<T>> truths;
-    for (std::size_t i = 0; i < u.size(); ++i) truths.push_back(truth(surface, u[i], v[i]));
-    return truths;
+// A surface over T, its type erased so that the tests are compiled once: its batches and its single points.
+template <class T>
+struct Subject {
+  std::string_view name;
+  bool in_lanes;
+  std::function<StatusSummary(const Points<T>&, const Outputs<T>&, const EvaluateOptions&)> evaluate;
+  std::function<Truth<T>(T, T)> truth;
+
+  std::vector<Truth<T>> truths(const std::vector<T>& u, const std::vector<T>& v) const {
+    std::vector<Truth<T>> result;
+    for (std::size_t i = 0; i < u.size(); ++i) result.push_back(truth(u[i], v[i]));
+    return result;
   }
 };
-TYPED_TEST_SUITE(SameBits, EveryCatalogueSurface, SurfaceNames);
+template <class T, class X>
+Subject<T> subject(const X& standard) {
+  const auto surface = rebind<T>(standard);
+  return {X::info.name, detail::in_lanes<X>,
+          [surface](const Points<T>& points, const Outputs<T>& outputs, const EvaluateOptions& options) {
+            return evaluate(surface, points, outputs, options);
+          },
+          [surface](T u, T v) { return test::truth(surface, u, v); }};
+}
+
+// Every instruction set, layout and way of storing, for the first n of the points.
+template <class T>
+void expect_same(const Subject<T>& surface, const std::vector<T>& u, const std::vector<T>& v,
+                 const std::vector<Truth<T>>& truths, std::size_t n, Attributes asked,
+                 const std::string& what) {
+  const auto points = Points<T>::arrays(std::span(u).first(n), std::span(v).first(n));
+  for (const InstructionSet set : instruction_sets())
+    for (const Layout layout : all_layouts)
+      for (const Stores stores : {Stores::cached, Stores::past_caches}) {
+        Memory<T> memory(layout, asked, n);
+        const StatusSummary summary =
+            surface.evaluate(points, memory.outputs, {.stores = stores, .instruction_set = set});
+        ASSERT_EQ(memory.difference(truths, n), "")
+            << surface.name << ", " << what << ", " << name_of(set) << ", " << name(layout)
+            << (stores == Stores::cached ? ", cached, " : ", past caches, ") << n << " points, " << sizeof(T)
+            << " bytes";
+        ASSERT_EQ(summary.points, n);
+        for (std::size_t k = 0; k < status_names.size(); ++k) {
+          std::size_t count = 0, first = 0;
+          for (std::size_t i = n; i-- > 0;)
+            if (has(memory.status()[i], static_cast<Status>(1u << k))) ++count, first = i;
+          ASSERT_EQ(summary.count[k], count) << what << ' ' << status_names[k];
+          ASSERT_EQ(summary.first[k], first) << what << ' ' << status_names[k];
+        }
+      }
+}
 
 #ifdef DARBOUX_SHORT_TESTS
 constexpr std::size_t many = 280;
@@ -305,11 +325,10 @@ constexpr std::size_t many = 280;
 constexpr std::size_t many = 531;
 #endif
 
-template <class Test, class X, class T>
-void same_for_every_request(const auto& expect_same, const auto& truths_of) {
+template <class T>
+void expect_same_for_every_request(const Subject<T>& surface) {
   const auto [u, v] = some_points<T>(many, 41);
-  const auto surface = rebind<T>(X{});
-  const auto truths = truths_of(surface, u, v);
+  const auto truths = surface.truths(u, v);
   for (const auto& [what, asked] : requests()) expect_same(surface, u, v, truths, many, asked, what);
   // The ends of blocks, groups and registers.
   for (const std::size_t n :
@@ -317,12 +336,105 @@ void same_for_every_request(const auto& expect_same, const auto& truths_of) {
     expect_same(surface, u, v, truths, n, requests()[1].second, "first");
 }
 
+// Lanes do the work, where nothing is left to the single-point functions.
+template <class T>
+void expect_lanes(const Subject<T>& surface) {
+  const std::vector<T> u(200, T(0.3)), v(200, T(0.2));
+  for (const InstructionSet set : instruction_sets()) {
+    Memory<T> memory(Layout::packed, all_attributes(), u.size());
+    const StatusSummary summary =
+        surface.evaluate(Points<T>::arrays(u, v), memory.outputs, {.instruction_set = set});
+    const bool singly = set == InstructionSet::points || !surface.in_lanes;
+    EXPECT_EQ(summary.point_by_point, singly ? u.size() : 0U) << surface.name << ' ' << name_of(set);
+  }
+}
+
+// Every odd value all along a run, as in a row or column of a grid: there no lane beside it gives it away.
+template <class T>
+void expect_same_along_edges(const Subject<T>& surface) {
+  Random random(52);
+  std::vector<T> u, v;
+  for (const T x : odd_values<T>())
+    for (const bool along_u : {true, false})
+      for (int i = 0; i < 40; ++i) {
+        const T other = static_cast<T>(random.uniform());
+        u.push_back(along_u ? other : x);
+        v.push_back(along_u ? x : other);
+      }
+  const auto truths = surface.truths(u, v);
+  for (const auto& [what, asked] : requests())
+    expect_same(surface, u, v, truths, u.size(), asked, what + " along edges");
+}
+
+// Rows of a grid, whole, in parts, short, and wider than what is prepared at once.
+template <class T>
+void expect_same_on_grids(const Subject<T>& surface) {
+  for (const auto& [columns, rows, first, count] : {std::array<std::size_t, 4>{33, 9, 0, 10},
+                                                    {1, 1, 0, 2},
+                                                    {9, 30, 2, 25},
+                                                    {16, 40, 7, 30},
+                                                    {512, 3, 1, 3},
+                                                    {1100, 2, 1, 2}}) {
+    const auto grid = Points<T>::grid(columns, rows, first, count);
+    std::vector<Truth<T>> truths;
+    for (std::size_t j = first; j < first + count; ++j)
+      for (std::size_t i = 0; i <= columns; ++i)
+        truths.push_back(surface.truth(static_cast<T>(static_cast<double>(i) / static_cast<double>(columns)),
+                                       static_cast<T>(static_cast<double>(j) / static_cast<double>(rows))));
+    ASSERT_EQ(grid.size(), truths.size());
+    for (const InstructionSet set : instruction_sets())
+      for (const Layout layout : {Layout::separate, Layout::structs, Layout::misaligned})
+        for (const Stores stores : {Stores::cached, Stores::past_caches})
+          for (const Attributes asked : {requests()[1].second, requests()[3].second}) {
+            Memory<T> memory(layout, asked, grid.size());
+            surface.evaluate(grid, memory.outputs, {.stores = stores, .instruction_set = set});
+            ASSERT_EQ(memory.difference(truths, truths.size()), "")
+                << surface.name << ' ' << columns << 'x' << rows << name_of(set);
+            const std::size_t from = truths.size() / 3, n = truths.size() / 2;
+            Memory<T> of_part(layout, asked, n);
+            surface.evaluate(grid.part(from, n), of_part.outputs, {.stores = stores, .instruction_set = set});
+            ASSERT_EQ(
+                of_part.difference({truths.begin() + static_cast<std::ptrdiff_t>(from), truths.end()}, n), "")
+                << surface.name << ' ' << columns << 'x' << rows << name_of(set);
+          }
+  }
+}
+
+template <class T>
+void expect_same_on_several_threads(const Subject<T>& surface) {
+  const std::size_t n = 3 * 2048 + 77;
+  const auto [u, v] = some_points<T>(n, 44);
+  const auto truths = surface.truths(u, v);
+  for (const InstructionSet set : instruction_sets())
+    for (const int threads : {1, 2, 3, 0})
+      for (const Stores stores : {Stores::cached, Stores::past_caches})
+        for (const Layout layout : {Layout::packed, Layout::misaligned, Layout::structs}) {
+          Memory<T> memory(layout, requests()[1].second, n);
+          const StatusSummary summary =
+              surface.evaluate(Points<T>::arrays(u, v), memory.outputs,
+                               {.threads = threads, .stores = stores, .instruction_set = set});
+          ASSERT_EQ(memory.difference(truths, n), "")
+              << surface.name << ' ' << name_of(set) << ' ' << threads << name(layout);
+          const auto regular = static_cast<std::size_t>(
+              std::count(memory.status().begin(), memory.status().end() - 1, Status::regular));
+          ASSERT_EQ(summary.points, n);
+          ASSERT_EQ(summary.all_regular(), regular == n);
+        }
+}
+
+template <class X>
+class SameBits : public ::testing::Test {};
+TYPED_TEST_SUITE(SameBits, EveryCatalogueSurface, SurfaceNames);
+
 TYPED_TEST(SameBits, ForEveryRequestAndLayout) {
   std::cout << many << " points\n";
-  const auto expect = [](auto&&... x) { TestFixture::expect_same(x...); };
-  const auto truths = [](auto&&... x) { return TestFixture::truths_of(x...); };
-  same_for_every_request<TestFixture, TypeParam, double>(expect, truths);
-  same_for_every_request<TestFixture, TypeParam, float>(expect, truths);
+  expect_same_for_every_request(subject<double>(TypeParam{}));
+  expect_same_for_every_request(subject<float>(TypeParam{}));
+}
+
+TYPED_TEST(SameBits, ByLanes) {
+  expect_lanes(subject<double>(TypeParam{}));
+  expect_lanes(subject<float>(TypeParam{}));
 }
 
 TYPED_TEST(SameBits, ForOtherParameters) {
@@ -330,78 +442,29 @@ TYPED_TEST(SameBits, ForOtherParameters) {
   const auto each = [&]<class T>(T) {
     const auto [u, v] = some_points<T>(160, 43);
     for (int k = 0; k < 8; ++k) {
-      const auto surface = rebind<T>(other_parameters<TypeParam>(random, k % 4));
-      TestFixture::expect_same(surface, u, v, TestFixture::truths_of(surface, u, v), u.size(),
-                               all_attributes(), "other parameters");
-      TestFixture::expect_same(surface, u, v, TestFixture::truths_of(surface, u, v), u.size(),
-                               Attribute::tangent4, "tangent4, other parameters");
+      const Subject<T> other = subject<T>(other_parameters<TypeParam>(random, k % 4));
+      const auto truths = other.truths(u, v);
+      for (const Attributes asked : {all_attributes(), Attributes(Attribute::tangent4)})
+        expect_same(other, u, v, truths, u.size(), asked, "other parameters");
     }
   };
   each(double{});
   each(float{});
 }
 
-// Rows of a grid, whole, in parts, and wider than what is prepared at once.
+TYPED_TEST(SameBits, AlongEdges) {
+  expect_same_along_edges(subject<double>(TypeParam{}));
+  expect_same_along_edges(subject<float>(TypeParam{}));
+}
+
 TYPED_TEST(SameBits, OnGrids) {
-  const auto each = [&]<class T>(T) {
-    const auto surface = rebind<T>(TypeParam{});
-    for (const auto& [columns, rows, first, count] :
-         {std::array<std::size_t, 4>{33, 9, 0, 10}, {1, 1, 0, 2}, {16, 40, 7, 30}, {1100, 2, 1, 2}}) {
-      const auto grid = Points<T>::grid(columns, rows, first, count);
-      std::vector<Truth<T>> truths;
-      for (std::size_t j = first; j < first + count; ++j)
-        for (std::size_t i = 0; i <= columns; ++i)
-          truths.push_back(truth(surface,
-                                 static_cast<T>(static_cast<double>(i) / static_cast<double>(columns)),
-                                 static_cast<T>(static_cast<double>(j) / static_cast<double>(rows))));
-      ASSERT_EQ(grid.size(), truths.size());
-      for (const InstructionSet set : instruction_sets())
-        for (const Layout layout : {Layout::separate, Layout::structs, Layout::misaligned})
-          for (const Stores stores : {Stores::cached, Stores::past_caches})
-            for (const Attributes asked : {requests()[1].second, requests()[3].second}) {
-              Memory<T> memory(layout, asked, grid.size());
-              evaluate(surface, grid, memory.outputs, {.stores = stores, .instruction_set = set});
-              ASSERT_EQ(memory.difference(truths, truths.size()), "")
-                  << columns << 'x' << rows << name_of(set);
-              const std::size_t from = truths.size() / 3, n = truths.size() / 2;
-              Memory<T> of_part(layout, asked, n);
-              evaluate(surface, grid.part(from, n), of_part.outputs,
-                       {.stores = stores, .instruction_set = set});
-              ASSERT_EQ(
-                  of_part.difference(
-                      std::vector<Truth<T>>(truths.begin() + static_cast<std::ptrdiff_t>(from), truths.end()),
-                      n),
-                  "")
-                  << columns << 'x' << rows << name_of(set);
-            }
-    }
-  };
-  each(double{});
-  each(float{});
+  expect_same_on_grids(subject<double>(TypeParam{}));
+  expect_same_on_grids(subject<float>(TypeParam{}));
 }
 
 TYPED_TEST(SameBits, OnSeveralThreads) {
-  const auto each = [&]<class T>(T) {
-    const std::size_t n = 3 * 2048 + 77;
-    const auto [u, v] = some_points<T>(n, 44);
-    const auto surface = rebind<T>(TypeParam{});
-    const auto truths = TestFixture::truths_of(surface, u, v);
-    for (const InstructionSet set : instruction_sets())
-      for (const int threads : {1, 2, 3, 0})
-        for (const Stores stores : {Stores::cached, Stores::past_caches}) {
-          Memory<T> memory(Layout::packed, requests()[1].second, n);
-          const StatusSummary summary =
-              evaluate(surface, Points<T>::arrays(u, v), memory.outputs,
-                       {.threads = threads, .stores = stores, .instruction_set = set});
-          ASSERT_EQ(memory.difference(truths, n), "") << name_of(set) << threads;
-          const auto regular = static_cast<std::size_t>(
-              std::count(memory.status().begin(), memory.status().end() - 1, Status::regular));
-          ASSERT_EQ(summary.points, n);
-          ASSERT_EQ(summary.all_regular(), regular == n);
-        }
-  };
-  each(double{});
-  each(float{});
+  expect_same_on_several_threads(subject<double>(TypeParam{}));
+  expect_same_on_several_threads(subject<float>(TypeParam{}));
 }
 
 // What a surface says of its tangent holds: else batches of tangents alone would be wrong.
@@ -528,6 +591,45 @@ TEST(Batch, AllocatesNothing) {
   EXPECT_GT(allocations, before) << "nothing is counted";
 }
 
+// Points in double on a surface whose parameters are floats: no kernel is made for that.
+TEST(Batch, InDoubleOfASurfaceOverFloat) {
+  const std::vector<double> u(40, 0.1), v(40, 0.3);
+  const Torus<float> surface{1.5F, 0.5F};
+  std::vector<double> p(120);
+  Outputs<double> outputs;
+  outputs.packed(Attribute::position, p);
+  evaluate(surface, Points<double>::arrays(u, v), outputs);
+  EXPECT_EQ(p[117], sample(surface, 0.1, 0.3).jet.position.x);
+}
+
+// Sizes within what is proven of each, but not of their products.
+TEST(Batch, OverflowIsFlaggedInEveryLane) {
+  const std::vector<float> u(40, 0.3F), v(40, 0.5F);
+  const OneSheetHyperboloid<float> steep{1.0F, 1e-10F, 1e12F};
+  std::vector<float> p(120);
+  for (const InstructionSet set : instruction_sets()) {
+    Outputs<float> outputs;
+    outputs.packed(Attribute::d2pdv2, p);
+    const StatusSummary summary =
+        evaluate(steep, Points<float>::arrays(u, v), outputs, {.instruction_set = set});
+    EXPECT_EQ(summary.count[10], 40U) << name_of(set);
+    EXPECT_EQ(status_names[10], "overflow");
+  }
+}
+
+// The cost of a part of a grid does not grow with the width of its rows: this would take hours.
+TEST(Batch, PartsOfAVeryWideGrid) {
+  const auto grid = Points<double>::grid(std::size_t{1} << 30, 8);
+  std::vector<double> n(3 * 100);
+  Outputs<double> outputs;
+  outputs.packed(Attribute::normal, n);
+  for (const std::size_t first : {std::size_t{5}, std::size_t{1} << 29, (std::size_t{1} << 30) - 50}) {
+    for (int i = 0; i < 1000; ++i) evaluate(Sphere{}, grid.part(first, 100), outputs);
+    const auto [u, v] = grid[first + 99];
+    EXPECT_EQ(n[299], frame(Sphere{}, u, v).n.z);
+  }
+}
+
 // ---- blocks -------------------------------------------------------------------------------------------------------
 
 TEST(Blocks, HandEveryPointOnceInOrder) {
@@ -638,6 +740,8 @@ TEST(Refusals, ZeroPointsAreNone) {
   const StatusSummary summary = evaluate(Torus{}, Points<double>::arrays({}, {}), outputs);
   EXPECT_EQ(summary.points, 0U);
   EXPECT_TRUE(summary.all_regular());
+  EXPECT_EQ(evaluate(Torus{}, Points<double>::interleaved(std::span<const double>()), outputs).points, 0U);
+  EXPECT_EQ(evaluate(Torus{}, Points<double>::grid(3, 3, 1, 0), outputs).points, 0U);
 }
 
 TEST(InstructionSets, AreChosenByTheEnvironment) {
@@ -649,6 +753,8 @@ TEST(InstructionSets, AreChosenByTheEnvironment) {
   for (const InstructionSet set : instruction_sets()) {
     ASSERT_EQ(::setenv("DARBOUX_ISA", std::string(name_of(set)).c_str(), 1), 0);
     EXPECT_EQ(refusal_of([&] { evaluate(Torus{}, points, outputs); }), "") << name_of(set);
+    EXPECT_EQ(chosen_instruction_set(), set);
+    EXPECT_EQ(evaluate(Torus{}, points, outputs).point_by_point, set == InstructionSet::points ? 40U : 0U);
   }
   ASSERT_EQ(::setenv("DARBOUX_ISA", "altivec", 1), 0);
   EXPECT_REFUSED(evaluate(Torus{}, points, outputs), "DARBOUX_ISA: 'altivec' is no instruction set");
@@ -656,6 +762,7 @@ TEST(InstructionSets, AreChosenByTheEnvironment) {
       refusal_of([&] { evaluate(Torus{}, points, outputs, {.instruction_set = InstructionSet::points}); }),
       "");
   ASSERT_EQ(::unsetenv("DARBOUX_ISA"), 0);
+  EXPECT_EQ(chosen_instruction_set(), instruction_sets().back());
   EXPECT_REFUSED(evaluate(Torus{}, points, outputs, {.instruction_set = static_cast<InstructionSet>(77)}),
                  "permitted are points");
   std::cout << "instruction sets:";

@@ -83,7 +83,9 @@ constexpr Attributes operator|(Attribute a, Attribute b) {
   return Attributes(a) | Attributes(b);
 }
 
-/// Those that need the frame, the second partials, the curvature.
+/// Those that need the partials, the frame, no more than both to first order, the curvature.
+inline constexpr Attributes partial_attributes = Attribute::position | Attribute::dpdu | Attribute::dpdv |
+                                                 Attribute::d2pdu2 | Attribute::d2pduv | Attribute::d2pdv2;
 inline constexpr Attributes frame_attributes = Attribute::tangent | Attribute::bitangent | Attribute::normal |
                                                Attribute::handedness | Attribute::tangent4;
 inline constexpr Attributes first_attributes =

@@ -60,16 +60,17 @@ constexpr S from_bits(const Bits& bits) {
     return std::bit_cast<S>(bits);
 }
 
-// x + magic rounds an |x| < half_range to an integer, which is left in the low bits.
+// x + magic rounds an |x| < half_range to an integer, which is left in the low bits; half_range / 4 turns have fewer
+// quarters than that.
 template <class T>
 struct Format;
 template <>
 struct Format<double> {
-  static constexpr double magic = 0x1.8p52, half_range = 0x1p51;
+  static constexpr double magic = 0x1.8p52, half_range = 0x1p51, most_turns = 0x1p49;
 };
 template <>
 struct Format<float> {
-  static constexpr float magic = 0x1.8p23f, half_range = 0x1p22f;
+  static constexpr float magic = 0x1.8p23f, half_range = 0x1p22f, most_turns = 0x1p20f;
 };
 
 // The integer nearest to x (ties to even), for any finite x.

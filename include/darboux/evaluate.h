@@ -33,7 +33,7 @@ class Points {
   /// \throws ParameterError for a stride below that of a pair, or not a multiple of the numbers' alignment
   static Points interleaved(const T* uv, std::size_t points, std::ptrdiff_t stride);
   /// The corners of columns × rows cells: u = i/columns, v = j/rows, ends included, u running faster. Of the rows + 1 rows of
-  /// points `count` from `first` on. Their coordinates are rounded from double. Sines are taken once a row and column.
+  /// points `count` from `first` on, or as many as there are. Their coordinates are rounded from double. Sines are taken once a row and column.
   /// \throws ParameterError for no columns or rows, or rows of points that there are not
   static Points grid(std::size_t columns, std::size_t rows, std::size_t first = 0,
                      std::size_t count = std::numeric_limits<std::size_t>::max());
@@ -125,7 +125,10 @@ enum class InstructionSet : std::uint8_t {
 };
 /// Those that this build and this machine can run, best last.
 std::span<const InstructionSet> instruction_sets();
-/// "avx2", as in DARBOUX_ISA.
+/// What `automatic` means at this moment.
+/// \throws ParameterError when DARBOUX_ISA names none of instruction_sets()
+InstructionSet chosen_instruction_set();
+/// "avx2", as in DARBOUX_ISA; "unknown" for what is no instruction set.
 std::string_view name_of(InstructionSet set);
 
 /// Whether results are written past the caches. Worth it for more than these hold: about 1.8 times as fast then, twice as slow
@@ -142,6 +145,8 @@ struct EvaluateOptions {
 /// What happened at the points, as sample() flags it.
 struct StatusSummary {
   std::size_t points = 0;
+  std::size_t point_by_point =
+      0;  ///< how many of them the single-point functions did, for what lanes leave to them
   std::array<std::size_t, status_names.size()> count{};  ///< points with each bit
   std::array<std::size_t, status_names.size()> first{};  ///< the first of them
   bool all_regular() const {
@@ -182,7 +187,11 @@ void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConventi
   const Status at = status(surface, u, v);
   const auto pu = prepare<X::info.u>(u);
   const auto pv = prepare<X::info.v>(v);
-  const Frame<T> frame = frame_at<T>(surface, pu, pv, at);
+  // The status takes the frame, whatever is asked for.
+  const bool curved = asked.has_any(curvature_attributes);
+  Jet2<T> j{};
+  if (!HasClosedFrame<X> || curved || asked.has_any(partial_attributes)) j = surface.jet(pu, pv);
+  const Frame<T> frame = frame_at<T>(surface, pu, pv, at, j);
   result.status = frame.status;
   result.set(Attribute::tangent, frame.t);
   result.set(Attribute::bitangent, frame.b);
@@ -190,7 +199,6 @@ void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConventi
   result.set(Attribute::handedness, frame.handedness);
   const Vec4<T> stored = tangent4(frame, sign);
   result.values[static_cast<std::size_t>(Attribute::tangent4)] = {stored.x, stored.y, stored.z, stored.w};
-  const Jet2<T> j = surface.jet(pu, pv);
   const auto partial = [&](Attribute a, const Vec3<T>& x) {
     result.set(a, x);
     if (asked.has(a) && !finite(x) && !has(frame.status, Status::non_finite_input))
@@ -202,8 +210,16 @@ void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConventi
   partial(Attribute::d2pdu2, j.d2pdu2);
   partial(Attribute::d2pduv, j.d2pduv);
   partial(Attribute::d2pdv2, j.d2pdv2);
-  if (!asked.has_any(curvature_attributes)) return;
-  const Curvature<T> c = curvature(surface, u, v, j, frame);
+  if (!curved) return;
+  const Curvature<T> c = [&] {
+    using N = Dual<Dual<T, 2>, 2>;  // at poles; a user's formula may not run over it
+    if constexpr (requires(const Prepared<X::info.u, N>& nu, const Prepared<X::info.v, N>& nv) {
+                    surface.jet(nu, nv);
+                  })
+      return curvature(surface, u, v, j, frame);
+    else
+      return curvature(j, frame);
+  }();
   result.set(Attribute::gaussian_curvature, c.gaussian);
   result.set(Attribute::mean_curvature, c.mean);
   result.values[static_cast<std::size_t>(Attribute::principal_curvatures)] = {c.principal[0], c.principal[1]};
@@ -247,13 +263,15 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 }  // namespace detail
 
 /// Evaluates a surface type at all points: those of the catalogue by kernels over SIMD lanes where their formulas allow, any
-/// other point by point. What is not asked for is not computed, nothing is allocated but by threads. In float the parameters
-/// are rounded first. Numbers and statuses are to the bit those of sample() and curvature(), whatever the instruction set,
+/// other point by point. What is not asked for is not computed, but for the frame, which tells the status, where points go
+/// one by one. Nothing is allocated but by threads, and once for good by the first call. Results must not overlap one another
+/// or the points. In float the parameters
+/// are rounded first. Numbers and statuses are to the bit those of sample() and curvature() (NaN for NaN), whatever the instruction set,
 /// layout, number of threads and place in the batch; the status has overflow where a partial asked for is not finite, and
 /// umbilic only where principal directions are asked for. Where no frame exists vectors are NaN. About 3 ns a point for position,
 /// dpdu, dpdv, t, b, n of a torus in double; docs/reports/evaluation.md has the figures.
 /// \throws ParameterError when an output has room for fewer points than there are, the number of threads is negative, or the
-/// instruction set is not one of instruction_sets(); nothing is written then. Exceptions of a user's surface are passed on.
+/// instruction set, or what DARBOUX_ISA names, is not one of instruction_sets(); nothing is written then. Exceptions of a user's surface are passed on.
 template <ParametricSurface X, std::floating_point T>
 StatusSummary evaluate(const X& surface, const Points<T>& points, const Outputs<T>& outputs,
                        const EvaluateOptions& options = {}) {

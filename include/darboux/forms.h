@@ -110,7 +110,7 @@ Christoffel<S> christoffel(const Jet2<S>& j, const Frame<S>& frame) {
 
 namespace detail {
 
-// sqrt(x² + y²) without overflow or underflow in between, within 2 ulp.
+// sqrt(x² + y²) of finite numbers without overflow or underflow in between, within 2 ulp.
 template <Binary S>
 S hypotenuse(const S& x, const S& y) {
   using std::abs, std::sqrt;

@@ -76,9 +76,10 @@ Status declared(const X& surface, const PU& u, const PV& v) {
     return Status::regular;
 }
 
-// The frame at prepared coordinates, `at` what the surface and the domain say of the point.
+// The frame at prepared coordinates, `at` what the surface and the domain say of the point, j its jet where it has no closed
+// frame.
 template <class S, class X, class PU, class PV>
-Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
+Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at, const Jet2<S>& j) {
   Frame<S> result;
   if (has(at, Status::non_finite_input)) {
     result.t = result.b = result.n = nan_vector<S>();
@@ -91,7 +92,6 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
     }
     if (has(at, degenerate) && !has(result.status, Status::no_frame)) result.status |= Status::limit_frame;
   } else {
-    const Jet2<S> j = surface.jet(u, v);
     result = frame_from_partials(j.dpdu, j.dpdv);
     if (has(result.status,
             Status::non_finite_input))  // not the input's doing: overflow, or a user function's NaN
@@ -103,6 +103,14 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
   }
   result.status |= at;
   return result;
+}
+
+template <class S, class X, class PU, class PV>
+Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
+  if constexpr (HasClosedFrame<X>)
+    return frame_at<S>(surface, u, v, at, Jet2<S>{});
+  else
+    return frame_at<S>(surface, u, v, at, surface.jet(u, v));
 }
 
 // The direction to which x dpdu + y dpdv tends as frame() takes its limit, as a unit vector; zero where the series do not

@@ -1,6 +1,6 @@
 /// \file scalar.h
 /// What a formula may ask of its number type: constants at its own precision, sine and cosine of turns with
-/// exact range reduction, and dual numbers. A formula itself uses + - * / and sqrt only.
+/// exact range reduction, and dual numbers. A formula itself uses + - * / and sqrt, and the functions of elementary.h.
 #pragma once
 
 #include <array>
@@ -128,7 +128,7 @@ struct HardwareScalar {
   // Of quarters · x quarter turns; beyond the range that sincos_quarters takes the period is removed first.
   static Turn<S> of_quarters(const S& x, T quarters, T period) {
     using std::abs;
-    if (abs(x) < S(Format<T>::half_range / 4)) return sincos_quarters(S(S(quarters) * x));
+    if (abs(x) < S(Format<T>::most_turns)) return sincos_quarters(S(S(quarters) * x));
     if constexpr (Lanewise<S>) {
       S::diverge();
       return {x, x};

@@ -82,6 +82,7 @@ constexpr Turn<S> doubled(const Turn<S>& a) {
 // The size of a number as a double, for scaling only; 1 where its type does not tell (it then has no need of scaling).
 template <class S>
 double size_of(const S& x) {
+  static_assert(!Lanewise<S>, "lanes have no common size: see ordinary_square");
   if constexpr (std::floating_point<S>)
     return std::fabs(static_cast<double>(x));
   else if constexpr (requires { Scalar<S>::value(x); })
@@ -101,6 +102,7 @@ double largest_component(const Vec3<S>& a) {
 // What rounding leaves, relative, in a number of the type of x; 0 where that is not known.
 template <class S>
 double rounding_of() {
+  static_assert(!Lanewise<S>, "ask for that of Element<S>");
   if constexpr (requires(const S& x) { Scalar<S>::value(x); })
     return rounding_of<std::remove_cvref_t<decltype(Scalar<S>::value(std::declval<const S&>()))>>();
   else if constexpr (std::numeric_limits<S>::is_specialized)
@@ -154,19 +156,6 @@ Vec3<S> scaled_by_power_of_two(const Vec3<S>& a, int exponent) {
           scaled_by_power_of_two(a.z, exponent)};
 }
 
-// a b and its rounding error, by splitting (Dekker 1971). [Dekker1971]
-template <Binary S>
-struct Product {
-  S value, error;
-  Product(const S& a, const S& b) : value(a * b) {
-    using T = Element<S>;
-    const S splitter(static_cast<T>((std::uint64_t{1} << ((std::numeric_limits<T>::digits + 1) / 2)) + 1));
-    const S ca = splitter * a, cb = splitter * b;
-    const S ah = ca - (ca - a), al = a - ah, bh = cb - (cb - b), bl = b - bh;
-    error = ((ah * bh - value) + ah * bl + al * bh) + al * bl;
-  }
-};
-
 }  // namespace detail
 
 /// The length of a, without overflow or underflow in between. Any scalar.
@@ -203,8 +192,8 @@ requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) V<S> unit(c
 template <class S>
 S difference_of_products(const S& a, const S& b, const S& c, const S& d) {
   if constexpr (detail::Binary<S>) {
-    const detail::Product<S> ab(a, b), cd(c, d);
-    return (ab.value - cd.value) + (ab.error - cd.error);
+    const detail::HighLow<S> ab = detail::exact_product(a, b), cd = detail::exact_product(c, d);
+    return (ab.high - cd.high) + (ab.low - cd.low);
   } else {
     return a * b - c * d;
   }

@@ -90,9 +90,7 @@ void run(Arguments arguments, const Common& common) {
   options.format = arguments.format;
   options.attributes = choose(arguments.attributes, arguments.format);
   options.threads = common.threads;
-  options.room = most_points;
-  if (common.threads > 0)
-    options.room = std::min(points_per_thread * static_cast<std::size_t>(common.threads), most_points);
+  options.room = std::min(points_per_thread * static_cast<std::size_t>(common.threads), most_points);
 
   const std::vector<Vec2<double>> points = parse_points(arguments.at);
   const int sources = !points.empty() + !arguments.grid.empty() + !arguments.input.empty();

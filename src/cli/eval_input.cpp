@@ -137,8 +137,20 @@ class CsvInput final : public PointInput {
     const auto fail = [&](const std::string& why) {
       throw FileError(bytes_.path() + ":" + std::to_string(line_number), why);
     };
-    while (std::getline(in, line)) {
+    constexpr std::size_t longest_line = 65536;  // else a file without line ends would be read whole
+    const auto next_line = [&] {
+      line.clear();
       ++line_number;
+      int c = in.rdbuf()->sbumpc();
+      if (c == std::char_traits<char>::eof()) return false;
+      for (; c != '\n' && c != std::char_traits<char>::eof(); c = in.rdbuf()->sbumpc()) {
+        if (line.size() == longest_line)
+          fail("a line of more than 65536 characters, permitted are lines like 0.25,0.5");
+        line.push_back(static_cast<char>(c));
+      }
+      return true;
+    };
+    while (next_line()) {
       if (line_number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
       if (line.empty() || line == "\r" || line[0] == '#') continue;
       if (std::exchange(first, false) && !parse_field(std::string_view(line).substr(0, line.find(',')))) {

@@ -32,6 +32,7 @@ class BinaryWriter final : public FrameWriter {
   BinaryWriter(OutputFile& file, const AnySurface& surface, const FrameWriterOptions& options)
       : file_(file), surface_(surface), width_(components(options.attributes)), rows_(options.room * width_) {
     evaluate_.threads = options.threads;
+    evaluate_.stores = Stores::cached;  // they are read at once
     std::size_t at = 0;
     for (const Attribute a : options.attributes) {
       outputs_.member(a, rows_.data() + at, options.room, static_cast<std::ptrdiff_t>(width_ * sizeof(T)));
@@ -122,9 +123,9 @@ class TextWriter final : public FrameWriter {
         json_(options.format == "json"),
         chosen_(options.attributes),
         status_(options.room),
-        threads_(options.threads > 0 ? options.threads
-                                     : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))) {
+        threads_(options.threads) {
     evaluate_.threads = options.threads;
+    evaluate_.stores = Stores::cached;  // they are read at once
     Attributes asked;
     const auto ask = [&](Attribute a) {
       if (asked.has(a)) return;

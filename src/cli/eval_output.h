@@ -39,7 +39,7 @@ struct FrameWriterOptions {
   std::string_view format = "table";  ///< one of output_formats
   std::vector<Attribute> attributes;  ///< in the order written
   std::size_t room = 4096;            ///< points of a call
-  int threads = 1;                    ///< 0: as many as the machine has
+  int threads = 1;
   std::uint64_t points = 0;           ///< all of them together; npy alone needs it
 };
 

@@ -62,27 +62,13 @@ std::string permitted_names() {
   return text;
 }
 
-// What `automatic` means.
-InstructionSet chosen_set() {
-  const char* wanted = std::getenv("DARBOUX_ISA");
-  if (wanted == nullptr || *wanted == '\0') return instruction_sets().back();
-  for (const InstructionSet set : instruction_sets())
-    if (name_of(set) == wanted) return set;
-  throw ParameterError("DARBOUX_ISA",
-                       "'" + std::string(wanted) +
-                           "' is no instruction set of this machine and build, permitted are " +
-                           permitted_names());
-}
-
-// The catalogue's types over double and float, to their place in it.
+// The catalogue's types over T, to their place in it.
+template <class T>
 const std::map<std::type_index, std::size_t>& places() {
   static const auto map = [] {
     std::map<std::type_index, std::size_t> result;
     std::size_t k = 0;
-    Catalogue::for_each([&](const auto& surface) {
-      result.emplace(typeid(surface), k);
-      result.emplace(typeid(rebind<float>(surface)), k++);
-    });
+    Catalogue::for_each([&](const auto& surface) { result.emplace(typeid(rebind<T>(surface)), k++); });
     return result;
   }();
   return map;
@@ -100,18 +86,18 @@ const KernelTable<T>& table_over(const Kernels& kernels) {
 
 template <class T>
 Found<T> find_kernels(const std::type_info& type, InstructionSet set) {
-  if (set == InstructionSet::automatic) set = chosen_set();
+  if (set == InstructionSet::automatic) set = chosen_instruction_set();
   for (const Known& known : all_known())
     if (known.set == set && known.runs()) {
-      const auto place = places().find(type);
-      if (known.kernels == nullptr || place == places().end()) return {};
+      const auto place = places<T>().find(type);
+      if (known.kernels == nullptr || place == places<T>().end()) return {};
       const KernelTable<T>& table = table_over<T>(*known.kernels);
       const auto& kernels = table.surface.at(place->second);
       return {known.kernels, &table, kernels[0] == nullptr ? nullptr : &kernels};
     }
-  throw ParameterError(
-      "instruction set",
-      "this machine or build does not have the one asked for, permitted are " + permitted_names());
+  throw ParameterError("instruction set", "'" + std::string(name_of(set)) +
+                                              "' is none of this machine and build, permitted are " +
+                                              permitted_names());
 }
 template Found<double> find_kernels(const std::type_info&, InstructionSet);
 template Found<float> find_kernels(const std::type_info&, InstructionSet);
@@ -126,6 +112,17 @@ std::span<const InstructionSet> instruction_sets() {
     return result;
   }();
   return list;
+}
+
+InstructionSet chosen_instruction_set() {
+  const char* wanted = std::getenv("DARBOUX_ISA");
+  if (wanted == nullptr || *wanted == '\0') return instruction_sets().back();
+  for (const InstructionSet set : instruction_sets())
+    if (name_of(set) == wanted) return set;
+  throw ParameterError("DARBOUX_ISA",
+                       "'" + std::string(wanted) +
+                           "' is no instruction set of this machine and build, permitted are " +
+                           kernels::permitted_names());
 }
 
 std::string_view name_of(InstructionSet set) {

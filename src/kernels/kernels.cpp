@@ -49,7 +49,7 @@ template <Coordinate kind, class T>
       if constexpr (kind == Coordinate::half_turn)
         good = good && S(T(0)) <= value && value <= S(T(1));
       else
-        good = good && abs(value) < S(detail::Format<T>::half_range / 4);
+        good = good && abs(value) < S(detail::Format<T>::most_turns);
       const Turn<S> angle = prepare<kind>(value);
       angle.sin.store(sine + i);
       angle.cos.store(cosine + i);
@@ -69,7 +69,7 @@ template <Coordinate kind, class T>
     if constexpr (kind == Coordinate::linear || kind == Coordinate::half_turn)
       good = good && S(T(0)) < value && value < S(T(1));
     else
-      good = good && abs(value) < S(detail::Format<T>::half_range / 4);
+      good = good && abs(value) < S(detail::Format<T>::most_turns);
   }
   return xsimd::all(good.lanes());
 }
@@ -77,6 +77,11 @@ template <Coordinate kind, class T>
 template <class T>
 void put(const Target<T>& p, Attribute a, const Vec3<Lanes<T>>& x) {
   put(p, a, x.x, x.y, x.z);
+}
+
+template <class S>
+S components_sum(const Vec3<S>& a) {
+  return a.x + a.y + a.z;
 }
 
 // One batch of points; its status.
@@ -88,7 +93,12 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
   if constexpr (DeclaresSingularPoints<X>) status = surface.singular(u, v);
   Jet2<S> j;
   if constexpr (variant != Variant::frames || !HasClosedFrame<X>) j = surface.jet(u, v);
+  // A partial that is not finite has its status from the single-point functions.
   if constexpr (variant != Variant::frames) {
+    S sum = components_sum(j.position) + components_sum(j.dpdu) + components_sum(j.dpdv);
+    if constexpr (variant == Variant::everything)
+      sum = sum + (components_sum(j.d2pdu2) + components_sum(j.d2pduv) + components_sum(j.d2pdv2));
+    if (!(sum - sum == S(T(0)))) S::diverge();
     put(p, Attribute::position, j.position);
     put(p, Attribute::dpdu, j.dpdu);
     put(p, Attribute::dpdv, j.dpdv);
@@ -212,6 +222,9 @@ constexpr KernelTable<T> table_of(SurfaceList<X...>) {
 extern const Kernels DARBOUX_TABLE(DARBOUX_ISA);
 constinit const Kernels DARBOUX_TABLE(DARBOUX_ISA){table_of<double>(Catalogue{}),
                                                    table_of<float>(Catalogue{}),
-                                                   sizeof(Register<double>) == 64, &stream_lines, &fence};
+                                                   sizeof(Register<double>) == 64,
+                                                   stores_can_pass_caches,
+                                                   &stream_lines,
+                                                   &fence};
 
 }  // namespace darboux::kernels

@@ -98,6 +98,7 @@ struct Kernels {
   KernelTable<double> in_double;
   KernelTable<float> in_float;
   bool registers_are_lines;  ///< a register is 64 bytes
+  bool pass_caches;          ///< whether stores can
   /// Copies whole lines of 64 bytes past the caches; both addresses are aligned to them.
   void (*stream_lines)(void* to, const void* from, std::size_t lines);
   /// Orders what was streamed before what this thread writes next.

@@ -36,6 +36,11 @@ void store(T* to, const Vector<T>& x) {
   *reinterpret_cast<Vector<T>*>(to) = x;
 }
 
+#if defined(__SSE2__)
+constexpr bool stores_can_pass_caches = true;
+#else
+constexpr bool stores_can_pass_caches = false;
+#endif
 // Past the caches: worth it where the registers that follow one another fill lines of 64 bytes.
 template <class T>
 void store_past_caches(T* to, const Vector<T>& x) {

@@ -36,8 +36,8 @@ struct Pseudosphere {
         parameter<&Pseudosphere::pitch>("pitch", Range{}, "rise per radian, a length"),
         parameter<&Pseudosphere::turns>("turns", Range::positive(), "number of turns", {1e-3, 1e3}),
         parameter<&Pseudosphere::w0>(
-            "w0", below_pi, "angle of the tractrix with its asymptote at v = 0, radians", {1e-6, 1.5}),
-        parameter<&Pseudosphere::w1>("w1", below_pi, "the same at v = 1, radians", {1.51, 3.1})};
+            "w0", below_pi, "angle of the tractrix with its asymptote at v = 0, radians", {1e-6, 1.49}),
+        parameter<&Pseudosphere::w1>("w1", below_pi, "the same at v = 1, radians", {1.5, 3.1})};
   }
 
   /// What is wrong with w0 and w1 together; empty when nothing is.
