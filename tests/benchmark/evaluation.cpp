@@ -1,0 +1,672 @@
+// Times evaluate() against other ways and against the limits of the machine.
+//   benchmark_evaluation [Google Benchmark's options]    one way after the other, e.g. --benchmark_filter=torus/double
+//   benchmark_evaluation --table [--quick]               all in turns; writes the tables of docs/reports/evaluation.md
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include <benchmark/benchmark.h>
+
+#include <darboux/any_surface.h>
+#include <darboux/blocks.h>
+#include <darboux/catalogue.h>
+#include <darboux/evaluate.h>
+
+#include "measure.h"
+#include "ways.h"
+
+namespace darboux::bench {
+namespace {
+
+constexpr std::size_t many = std::size_t{1} << 20, few = 4096;
+constexpr std::array all_attributes{Attribute::position, Attribute::dpdu,      Attribute::dpdv,
+                                    Attribute::tangent,  Attribute::bitangent, Attribute::normal};
+
+template <class T>
+constexpr const char* scalar_name = std::same_as<T, double> ? "double" : "float";
+const char* name_of(ByHand surface) {
+  return surface == ByHand::torus ? "torus" : "sphere";
+}
+AnySurface surface_of(ByHand surface) {
+  return surface == ByHand::torus ? AnySurface(Torus{1.0, 0.25}) : AnySurface(Sphere{1.0});
+}
+std::string shape_name(Layout layout, Wanted wanted) {
+  if (wanted == Wanted::tangent4) return "tangent4";
+  return std::string(wanted == Wanted::all ? "18" : "t, b, n") +
+         (layout == Layout::separate  ? ", separate arrays"
+          : layout == Layout::vectors ? ", vec3 arrays"
+                                      : ", array of structs");
+}
+
+// ---- memory -----------------------------------------------------------------------------------------------------
+
+// Sets of outputs, one large buffer: each call takes the next, so that what it writes to is no longer in a cache.
+class Sets {
+ public:
+  static Sets& get() {
+    static Sets sets;
+    return sets;
+  }
+  char* next() { return buffer_.data() + (turn_++ % count_) * set_; }
+  std::size_t count() const { return count_; }
+  static constexpr std::size_t bytes() { return set_; }
+
+ private:
+  Sets() : count_(std::clamp<std::size_t>(available() / 2 / set_, 4, 16)), buffer_(count_ * set_) {}
+  static std::size_t available() {
+    std::ifstream file("/proc/meminfo");
+    std::string name, unit;
+    for (std::size_t kilobytes; file >> name >> kilobytes >> unit;)
+      if (name == "MemAvailable:") return kilobytes * 1024;
+    return 0;
+  }
+  static constexpr std::size_t set_ = 18 * (many * sizeof(double) + 320) + 4096 + 64;
+  std::size_t count_, turn_ = 0;
+  Buffer buffer_;
+};
+
+// One set that stays in the cache.
+char* reused() {
+  static const Buffer buffer(std::size_t{80} << 20);
+  return buffer.data();
+}
+
+template <class T>
+const RandomPoints<T>& inputs() {
+  static const RandomPoints<T> points(many);
+  return points;
+}
+template <class T>
+Points<T> random_points(std::size_t n) {
+  return Points<T>::arrays({inputs<T>().u(), n}, {inputs<T>().v(), n});
+}
+
+template <class T>
+Outputs<T> outputs(Layout layout, Wanted wanted, const Place& to, std::size_t n) {
+  Outputs<T> out;
+  const auto at = [&](std::size_t k) { return number_at<T>(layout, wanted, to, k, 0); };
+  if (wanted == Wanted::tangent4) return out.packed(Attribute::tangent4, {at(0), 4 * n});
+  const std::size_t first = wanted == Wanted::all ? 0 : 3;
+  for (std::size_t a = first; a < all_attributes.size(); ++a) {
+    const std::size_t k = 3 * (a - first);
+    if (layout == Layout::separate)
+      out.separate(all_attributes[a],
+                   {std::span<T>{at(k), n}, std::span<T>{at(k + 1), n}, std::span<T>{at(k + 2), n}});
+    else if (layout == Layout::vectors)
+      out.packed(all_attributes[a], {at(k), 3 * n});
+    else
+      out.member(all_attributes[a], at(k), n, static_cast<std::ptrdiff_t>(numbers_of(wanted) * sizeof(T)));
+  }
+  return out;
+}
+
+// ---- groups of ways that are timed in turns ---------------------------------------------------------------------
+
+struct Group {
+  std::string name;  // surface/scalar/regime
+  std::vector<Way> ways;
+
+  void add(const std::string& shape, const std::string& method, std::size_t points,
+           std::function<void()> run) {
+    ways.push_back({shape, method, points, std::move(run)});
+  }
+  const Way* find(const std::string& shape, const std::string& method) const {
+    for (const Way& way : ways)
+      if (way.shape == shape && way.method == method) return &way;
+    return nullptr;
+  }
+  const Way& at(const std::string& shape, const std::string& method) const {
+    if (const Way* way = find(shape, method)) return *way;
+    throw std::logic_error("no way " + shape + " / " + method + " in " + name);
+  }
+  // The fastest way to write what has this shape.
+  const Way& limit(const std::string& shape) const {
+    const Way* best = nullptr;
+    for (const Way& way : ways)
+      if (way.shape == shape && way.method.starts_with("limit") &&
+          (best == nullptr || median(way.ns) < median(best->ns)))
+        best = &way;
+    if (best == nullptr) throw std::logic_error("no limit for " + shape + " in " + name);
+    return *best;
+  }
+};
+
+std::string ours(InstructionSet set) {
+  return "Darboux, " + std::string(darboux::name_of(set));
+}
+std::string best_of_ours() {
+  return ours(instruction_sets().back());
+}
+
+// The naive loop, the limits, and the library's batch, for one shape of results.
+template <class T>
+void add_shape(Group& group, ByHand kind, Layout layout, Wanted wanted, std::size_t n, bool memory,
+               const std::vector<InstructionSet>& sets) {
+  const std::string shape = shape_name(layout, wanted);
+  const auto place = [=] { return place_of<T>(layout, wanted, memory ? Sets::get().next() : reused(), n); };
+  const auto by = [=](Method method) {
+    return
+        [=] { evaluate_by<T>(method, kind, layout, wanted, inputs<T>().u(), inputs<T>().v(), n, place()); };
+  };
+  group.add(shape, "naive Eigen loop", n, by(Method::naive));
+  if (layout == Layout::separate && wanted == Wanted::all) {
+    group.add(shape, "closed form, scalar", n, by(Method::closed_form));
+    group.add(shape, "dual numbers", n, by(Method::dual));
+    group.add(shape, "central differences", n, by(Method::differences));
+    if (with_occt && std::same_as<T, double>) {
+      group.add(shape, "OCCT, D1 and frame", n, by(Method::occt_d1));
+      group.add(shape, "OCCT, D2 and frame", n, by(Method::occt_d2));
+    }
+  }
+  for (const InstructionSet set : sets)
+    group.add(shape, ours(set), n,
+              [=, surface = surface_of(kind), points = random_points<T>(n),
+               fixed = outputs<T>(layout, wanted, place_of<T>(layout, wanted, reused(), n), n)] {
+                const EvaluateOptions options{.instruction_set = set};
+                if (memory)
+                  surface.evaluate(points, outputs<T>(layout, wanted, place(), n), options);
+                else
+                  surface.evaluate(points, fixed, options);
+              });
+  for (const Writer& writer : writers())
+    group.add(shape,
+              (memory ? "limit: non-temporal stores, " : "limit: plain stores, ") + std::string(writer.name),
+              n, [=] { (memory ? writer.past_caches : writer.cached)(place()); });
+  if (layout == Layout::separate && wanted == Wanted::all)
+    group.add(shape, "copy (memcpy)", n, [=] {
+      const Place from = place();
+      const Place to =
+          memory ? place() : place_of<T>(layout, wanted, reused() + from.arrays * from.stride, n);
+      for (std::size_t k = 0; k < to.arrays; ++k)
+        std::memcpy(to.base + k * to.stride, from.base + k * from.stride, to.bytes);
+    });
+}
+
+template <class T>
+void add_grid(Group& group, ByHand kind, Layout layout) {
+  group.add("grid: " + shape_name(layout, Wanted::all), best_of_ours(), many,
+            [=, surface = surface_of(kind), points = Points<T>::grid(1023, 1023)] {
+              surface.evaluate(points,
+                               outputs<T>(layout, Wanted::all,
+                                          place_of<T>(layout, Wanted::all, Sets::get().next(), many), many));
+            });
+}
+
+// Adds in eight chains, so that reading is what takes time.
+template <class T>
+void add_up(std::array<T, 8>& sums, std::span<const T> x) {
+  for (std::size_t i = 0; i + 8 <= x.size(); i += 8)  // sizes here are multiples of 8
+    for (std::size_t k = 0; k < 8; ++k) sums[k] += x[i + k];
+}
+
+// Who only wants the sum of the normals: evaluates all and then reads, or takes block by block.
+template <class T>
+void add_consumers(Group& group, ByHand kind) {
+  const std::string shape = "18, then the sum of the normals";
+  group.add(shape, "evaluate(), then read", many, [=, surface = surface_of(kind)] {
+    const Place to = place_of<T>(Layout::separate, Wanted::all, Sets::get().next(), many);
+    surface.evaluate(random_points<T>(many), outputs<T>(Layout::separate, Wanted::all, to, many));
+    std::array<std::array<T, 8>, 3> sums{};
+    for (std::size_t c = 0; c < 3; ++c)
+      add_up(sums[c], {number_at<T>(Layout::separate, Wanted::all, to, 15 + c, 0), many});
+    ::benchmark::DoNotOptimize(sums);
+  });
+  group.add(shape, "for_each_block()", many, [surface = surface_of(kind)] {
+    Attributes asked;
+    for (const Attribute a : all_attributes) asked |= a;
+    std::array<std::array<T, 8>, 3> sums{};
+    for_each_block(surface, random_points<T>(many), asked, [&](const Block<T>& block) {
+      for (std::size_t c = 0; c < 3; ++c) add_up(sums[c], block(Attribute::normal, c));
+    });
+    ::benchmark::DoNotOptimize(sums);
+  });
+}
+
+template <class T>
+Group by_hand_group(ByHand kind, bool memory) {
+  Group group{std::string(name_of(kind)) + "/" + scalar_name<T> + "/" + (memory ? "memory" : "L2"), {}};
+  const std::vector<InstructionSet> sets(instruction_sets().begin(), instruction_sets().end()),
+      best{instruction_sets().back()};
+  const std::size_t n = memory ? many : few;
+  add_shape<T>(group, kind, Layout::separate, Wanted::all, n, memory, sets);
+  add_shape<T>(group, kind, Layout::vectors, Wanted::all, n, memory, best);
+  add_shape<T>(group, kind, Layout::structs, Wanted::all, n, memory, best);
+  if (memory) {
+    add_grid<T>(group, kind, Layout::separate);
+    add_grid<T>(group, kind, Layout::structs);
+    add_consumers<T>(group, kind);
+  } else {
+    add_shape<T>(group, kind, Layout::separate, Wanted::frame, n, memory, best);
+    add_shape<T>(group, kind, Layout::vectors, Wanted::frame, n, memory, best);
+    add_shape<T>(group, kind, Layout::structs, Wanted::tangent4, n, memory, best);
+  }
+  return group;
+}
+
+constexpr std::array<std::size_t, 2> thread_sizes{many, std::size_t{1} << 14};
+std::string size_name(std::size_t n) {
+  return "2^" + std::to_string(static_cast<int>(std::log2(static_cast<double>(n))));
+}
+
+template <class T>
+Group threads_group(ByHand kind) {
+  Group group{std::string(name_of(kind)) + "/" + scalar_name<T> + "/threads", {}};
+  for (const std::size_t n : thread_sizes)
+    for (const int threads : {1, 2})
+      group.add(size_name(n), std::to_string(threads), n, [=, surface = surface_of(kind)] {
+        const Place to =
+            place_of<T>(Layout::separate, Wanted::all, n == many ? Sets::get().next() : reused(), n);
+        surface.evaluate(random_points<T>(n), outputs<T>(Layout::separate, Wanted::all, to, n),
+                         {.threads = threads});
+      });
+  return group;
+}
+
+constexpr std::array<std::size_t, 12> crossover_sizes{1, 2, 4, 6, 8, 10, 12, 16, 24, 32, 48, 64};
+
+// The same memory again and again, written only, or written and then read.
+template <class T>
+Group crossover_group() {
+  Group group{std::string("torus/") + scalar_name<T> + "/stores", {}};
+  for (const std::size_t megabytes : crossover_sizes) {
+    const std::size_t n = (megabytes << 20) / (18 * sizeof(T)) / 64 * 64;
+    for (const bool read : {false, true})
+      for (const auto& [method, stores] :
+           {std::pair{"cached", Stores::cached}, std::pair{"past_caches", Stores::past_caches}})
+        group.add(std::to_string(megabytes) + (read ? " MB, then read" : " MB"), method, n,
+                  [=, stores = stores, surface = surface_of(ByHand::torus)] {
+                    const Place to = place_of<T>(Layout::separate, Wanted::all, reused(), n);
+                    surface.evaluate(random_points<T>(n), outputs<T>(Layout::separate, Wanted::all, to, n),
+                                     {.stores = stores});
+                    if (!read) return;
+                    std::uint64_t sum = 0;
+                    for (std::size_t k = 0; k < to.arrays; ++k)
+                      for (std::size_t at = 0; at < to.bytes; at += 64) {
+                        std::uint64_t bits;
+                        std::memcpy(&bits, to.base + k * to.stride + at, sizeof bits);
+                        sum += bits;
+                      }
+                    ::benchmark::DoNotOptimize(sum);
+                  });
+  }
+  return group;
+}
+
+Group catalogue_group() {
+  Group group{"catalogue/double/L2", {}};
+  const std::vector<CatalogueLoops<double>>& loops = catalogue_loops<double>();
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    const auto place = [] { return place_of<double>(Layout::separate, Wanted::all, reused(), few); };
+    group.add(std::string(loops[k].surface), "naive", few, [=, naive = loops[k].naive] {
+      naive(inputs<double>().u(), inputs<double>().v(), few, place());
+    });
+    group.add(std::string(loops[k].surface), best_of_ours(), few, [=, surface = all_surfaces()[k]] {
+      surface.evaluate(random_points<double>(few),
+                       outputs<double>(Layout::separate, Wanted::all, place(), few));
+    });
+  }
+  return group;
+}
+
+std::vector<Group> all_groups() {
+  std::vector<Group> groups;
+  for (const ByHand kind : {ByHand::torus, ByHand::sphere})
+    for (const bool memory : {true, false}) {
+      groups.push_back(by_hand_group<double>(kind, memory));
+      groups.push_back(by_hand_group<float>(kind, memory));
+    }
+  for (const ByHand kind : {ByHand::torus, ByHand::sphere}) {
+    groups.push_back(threads_group<double>(kind));
+    groups.push_back(threads_group<float>(kind));
+  }
+  groups.push_back(crossover_group<double>());
+  groups.push_back(crossover_group<float>());
+  groups.push_back(catalogue_group());
+  return groups;
+}
+
+// All ways write the same numbers; what times something else would be of no use.
+template <class T>
+void check_numbers(const Group& group, ByHand kind) {
+  std::map<std::string, std::vector<double>> expected;
+  for (const Way& way : group.ways)
+    for (const Layout layout : {Layout::separate, Layout::vectors, Layout::structs})
+      for (const Wanted wanted : {Wanted::all, Wanted::frame, Wanted::tangent4}) {
+        if (way.shape != shape_name(layout, wanted) ||
+            (wanted == Wanted::tangent4 && layout != Layout::structs) || way.method.starts_with("limit") ||
+            way.method.starts_with("copy"))
+          continue;
+        const Place place = place_of<T>(layout, wanted, reused(), few);
+        std::memset(place.base, 0xff, place.arrays * place.stride);
+        way.run();
+        std::vector<double> numbers;
+        for (std::size_t i = 0; i < few; ++i)
+          for (std::size_t k = 0; k < numbers_of(wanted); ++k)
+            numbers.push_back(static_cast<double>(*number_at<T>(layout, wanted, place, k, i)));
+        const auto [first, is_new] = expected.try_emplace(way.shape, numbers);
+        const bool differences = way.method == "central differences";
+        const double tolerance =
+            std::same_as<T, double> ? (differences ? 1e-5 : 1e-10) : (differences ? 0.3 : 3e-2);
+        for (std::size_t k = 0; k < numbers.size(); ++k)
+          if (!(std::fabs(numbers[k] - first->second[k]) <= tolerance))
+            throw std::runtime_error(group.name + ", " + way.shape + ": number " + std::to_string(k) +
+                                     " by " + way.method + " is " + std::to_string(numbers[k]) + ", naive " +
+                                     std::to_string(first->second[k]) + " (" + name_of(kind) + ")");
+      }
+}
+
+// ---- tables -----------------------------------------------------------------------------------------------------
+
+std::string number(double x, int digits) {
+  std::ostringstream text;
+  text.precision(digits);
+  text << std::fixed << x;
+  return text.str();
+}
+std::string nanoseconds(const Way& way) {
+  return number(way.best(), 2) + " / " + number(median(way.ns), 2);
+}
+
+class Report {
+ public:
+  explicit Report(const std::vector<Group>& groups) : groups_(groups) {}
+
+  void write() const {
+    targets();
+    std::cout
+        << "\n### Torus and sphere\n\n"
+           "Columns, for each surface: nanoseconds a point, best / median; how many times as fast as the "
+           "naive loop\n"
+           "writing the same numbers to the same layout; the time over the write limit of the same layout.\n";
+    for (const std::string regime : {"memory", "L2"})
+      for (const std::string scalar : {"double", "float"}) by_hand(regime, scalar);
+    catalogue();
+    threads();
+    stores();
+  }
+
+ private:
+  const Group& group(const std::string& name) const {
+    for (const Group& g : groups_)
+      if (g.name == name) return g;
+    throw std::logic_error("no group " + name);
+  }
+
+  // The shape whose naive loop and limit a way is held against.
+  static std::string compared_with(const std::string& shape) {
+    if (shape.starts_with("grid: ")) return shape.substr(6);
+    return shape == "18, then the sum of the normals" ? "18, separate arrays" : shape;
+  }
+  static double over_naive(const Group& g, const Way& way) {
+    return ratio(g.at(compared_with(way.shape), "naive Eigen loop"), way);
+  }
+  static double over_limit(const Group& g, const Way& way) {
+    return ratio(way, g.limit(compared_with(way.shape)));
+  }
+
+  void by_hand(const std::string& regime, const std::string& scalar) const {
+    const Group &torus = group("torus/" + scalar + "/" + regime),
+                &sphere = group("sphere/" + scalar + "/" + regime);
+    std::cout << "\n#### " << scalar << ", " << regime << "\n\n"
+              << "| written | by | torus, ns | × naive | / limit | sphere, ns | × naive | / limit |\n"
+              << "|---|---|---:|---:|---:|---:|---:|---:|\n";
+    const auto row = [&](const std::string& shape, const std::string& method, auto&& way_of) {
+      std::cout << "| " << shape << " | " << method;
+      for (const Group* g : {&torus, &sphere}) {
+        const Way& x = way_of(*g);
+        std::cout << " | " << nanoseconds(x) << " | " << number(over_naive(*g, x), 2) << " | "
+                  << number(over_limit(*g, x), 2);
+      }
+      std::cout << " |\n";
+    };
+    std::string last_limit;
+    for (const Way& way : torus.ways) {
+      // The registers' widths are told apart for the first shape; of the others the fastest is shown.
+      if (!way.method.starts_with("limit") || way.shape == torus.ways.front().shape) {
+        row(way.shape, way.method, [&](const Group& g) -> const Way& { return g.at(way.shape, way.method); });
+      } else if (way.shape != last_limit) {
+        last_limit = way.shape;
+        row(way.shape, way.method.substr(0, way.method.find(',')),
+            [&](const Group& g) -> const Way& { return g.limit(way.shape); });
+      }
+    }
+    if (!with_occt && scalar == "double")
+      std::cout << "\nWithout OCCT: its development packages were not there when this was built.\n";
+  }
+
+  // "grid: 18, separate arrays" in double as "grid: 18 doubles, separate arrays".
+  static std::string titled(const std::string& scalar, std::string shape) {
+    const std::size_t at = shape.find("18");
+    return at == std::string::npos ? shape + " in " + scalar : shape.insert(at + 2, " " + scalar + "s");
+  }
+
+  // One row of the targets: the value on each surface, and whether all reach it.
+  static void target(const std::string& what, const std::string& required, const std::vector<double>& values,
+                     const std::function<bool(double)>& reached, const char* unit) {
+    bool all = true;
+    std::cout << "| " << what << " | " << required << " |";
+    for (const double value : values) {
+      std::cout << ' ' << number(value, 2) << unit << " |";
+      all = all && reached(value);
+    }
+    std::cout << (all ? " pass |\n" : " **missed** |\n");
+  }
+
+  void targets() const {
+    std::cout << "### Targets\n\n";
+    if (ours(InstructionSet::avx512) != best_of_ours())
+      std::cout << "The targets are for AVX-512, which this machine or build does not have.\n\n";
+    std::cout << "| what | required | torus | sphere | |\n|---|---|---:|---:|---|\n";
+    const auto both = [&](const std::string& scalar, const std::string& regime, auto&& value) {
+      return std::vector{value(group("torus/" + scalar + "/" + regime)),
+                         value(group("sphere/" + scalar + "/" + regime))};
+    };
+    const auto at_most_limit = [&](const std::string& scalar, const std::string& shape,
+                                   const std::string& method, double most) {
+      target(
+          titled(scalar, shape) + ", memory" + (method == best_of_ours() ? "" : ", " + method),
+          "<= " + number(most, 2) + " × limit",
+          both(scalar, "memory", [&](const Group& g) { return over_limit(g, g.at(shape, method)); }),
+          [=](double x) { return x <= most; }, "");
+    };
+    const auto times_naive = [&](const std::string& scalar, const std::string& regime,
+                                 const std::string& shape, const std::string& method, double least) {
+      target(
+          titled(scalar, shape) + ", " + regime + (method == best_of_ours() ? "" : ", " + method),
+          ">= " + number(least, 0) + " × naive",
+          both(scalar, regime, [&](const Group& g) { return over_naive(g, g.at(shape, method)); }),
+          [=](double x) { return x >= least; }, "");
+    };
+    const std::string separate = "18, separate arrays", vectors = "18, vec3 arrays",
+                      structs = "18, array of structs";
+    for (const std::string scalar : {"double", "float"}) {
+      at_most_limit(scalar, separate, best_of_ours(), 1.15);
+      times_naive(scalar, "memory", separate, best_of_ours(), scalar == "double" ? 7 : 8);
+      at_most_limit(scalar, vectors, best_of_ours(), 1.25);
+      at_most_limit(scalar, structs, best_of_ours(), 1.3);
+      at_most_limit(scalar, "grid: " + separate, best_of_ours(), 1.1);
+      at_most_limit(scalar, "grid: " + structs, best_of_ours(), 1.3);
+      times_naive(scalar, "L2", separate, best_of_ours(), scalar == "double" ? 14 : 16);
+    }
+    times_naive("float", "L2", "t, b, n, vec3 arrays", best_of_ours(), 30);
+    times_naive("float", "L2", "tangent4", best_of_ours(), 40);
+    for (const std::string scalar : {"double", "float"}) {
+      if (const std::string avx2 = ours(InstructionSet::avx2);
+          group("torus/double/L2").find(separate, avx2)) {
+        at_most_limit(scalar, separate, avx2, 1.25);
+        times_naive(scalar, "L2", separate, avx2, 10);
+      }
+      if (const std::string base = ours(InstructionSet::baseline);
+          group("torus/double/L2").find(separate, base))
+        times_naive(scalar, "L2", separate, base, 5);
+    }
+    for (const std::string scalar : {"double", "float"})
+      for (const std::size_t n : thread_sizes) {
+        const double least = n == many ? 1.9 : 1.8;
+        if (std::thread::hardware_concurrency() >= 2)
+          target(
+              scalar + ", two threads, " + size_name(n) + " points", ">= " + number(least, 1) + " × one",
+              both(scalar, "threads",
+                   [&](const Group& g) { return ratio(g.at(size_name(n), "1"), g.at(size_name(n), "2")); }),
+              [=](double x) { return x >= least; }, "");
+      }
+    const auto tangent4_share = [&](const Group& g) {
+      return ratio(g.at("tangent4", best_of_ours()), g.at(separate, best_of_ours()));
+    };
+    std::cout << "| float, tangent4 alone, L2 | torus: <= 0.25 × the 18 numbers | "
+              << number(tangent4_share(group("torus/float/L2")), 2) << " | "
+              << number(tangent4_share(group("sphere/float/L2")), 2) << " | "
+              << (tangent4_share(group("torus/float/L2")) <= 0.25 ? "pass" : "**missed**") << " |\n";
+    std::string below, exempt;
+    for (const CatalogueLoops<double>& x : catalogue_loops<double>()) {
+      if (catalogue_ratio(x) >= 5) continue;
+      std::string& names = x.in_lanes ? below : exempt;
+      names += (names.empty() ? "" : ", ") + std::string(x.surface);
+    }
+    std::cout << "| every surface of the catalogue, double, L2 | >= 5 × its own naive loop | see below | | "
+              << (below.empty() ? "pass" : "**missed**: " + below)
+              << (exempt.empty() ? "" : "; exempt, splines with a search at each point: " + exempt) << " |\n"
+              << "| accuracy | frames 4u or 8u, partials 8u, times 1 + condition, on every path | | | held "
+                 "by `darboux "
+                 "check` and, bit for bit on every instruction set, by tests/batch_test.cpp |\n";
+  }
+
+  double catalogue_ratio(const CatalogueLoops<double>& x) const {
+    const Group& g = group("catalogue/double/L2");
+    return ratio(g.at(std::string(x.surface), "naive"), g.at(std::string(x.surface), best_of_ours()));
+  }
+
+  void catalogue() const {
+    const Group& g = group("catalogue/double/L2");
+    std::cout
+        << "\n### Every surface\n\n18 doubles, separate arrays, L2; best / median nanoseconds a point.\n\n"
+           "| surface | its naive loop | Darboux | × naive | |\n|---|---:|---:|---:|---|\n";
+    for (const CatalogueLoops<double>& x : catalogue_loops<double>()) {
+      const std::string name(x.surface);
+      const double times = catalogue_ratio(x);
+      std::cout << "| " << name << " | " << nanoseconds(g.at(name, "naive")) << " | "
+                << nanoseconds(g.at(name, best_of_ours())) << " | " << number(times, 2) << " | "
+                << (times >= 5    ? ""
+                    : !x.in_lanes ? "a spline: point by point, with a search at each"
+                                  : "**below 5**")
+                << " |\n";
+    }
+  }
+
+  void threads() const {
+    std::cout
+        << "\n### Two threads\n\n18 separate arrays; 2^20 points into rotating sets, 2^14 into the same "
+           "arrays.\n\n"
+           "| surface | scalar | points | one thread, ns | two, ns | × one |\n|---|---|---|---:|---:|---:|\n";
+    for (const std::string surface : {"torus", "sphere"})
+      for (const std::string scalar : {"double", "float"})
+        for (const std::size_t n : thread_sizes) {
+          const Group& g = group(surface + "/" + scalar + "/threads");
+          const Way &one = g.at(size_name(n), "1"), &two = g.at(size_name(n), "2");
+          std::cout << "| " << surface << " | " << scalar << " | " << size_name(n) << " | "
+                    << nanoseconds(one) << " | " << nanoseconds(two) << " | " << number(ratio(one, two), 2)
+                    << " |\n";
+        }
+  }
+
+  void stores() const {
+    std::cout << "\n### Cached stores or past the caches\n\n"
+                 "Torus, 18 separate arrays, the same memory in each call; median nanoseconds a point.\n";
+    for (const std::string scalar : {"double", "float"}) {
+      const Group& g = group("torus/" + scalar + "/stores");
+      std::cout << "\n| " << scalar
+                << ", bytes written | cached | past the caches | past / cached | cached, then read | past, "
+                   "then read | past / "
+                   "cached |\n|---:|---:|---:|---:|---:|---:|---:|\n";
+      for (const std::size_t megabytes : crossover_sizes) {
+        std::cout << "| " << megabytes << " MB";
+        for (const std::string then : {"", ", then read"}) {
+          const std::string shape = std::to_string(megabytes) + " MB" + then;
+          const Way &cached = g.at(shape, "cached"), &past = g.at(shape, "past_caches");
+          std::cout << " | " << number(median(cached.ns), 2) << " | " << number(median(past.ns), 2) << " | "
+                    << number(ratio(past, cached), 2);
+        }
+        std::cout << " |\n";
+      }
+    }
+  }
+
+  const std::vector<Group>& groups_;
+};
+
+int table(std::vector<Group>& groups, bool quick) {
+  for (const Group& group : groups)
+    if (group.name.ends_with("/L2") && !group.name.starts_with("catalogue")) {
+      const ByHand kind = group.name.starts_with("torus") ? ByHand::torus : ByHand::sphere;
+      if (group.name.find("/double/") != std::string::npos)
+        check_numbers<double>(group, kind);
+      else
+        check_numbers<float>(group, kind);
+    }
+  const int rounds = quick ? 5 : 40;
+  for (Group& group : groups) {
+    const bool in_cache = group.name.ends_with("/L2");
+    std::cerr << group.name << " ...\n";
+    measure(group.ways, in_cache ? 2 * rounds : rounds);
+  }
+  std::cout << "- points: random, std::mt19937_64, seed " << seed
+            << "\n- memory regime: " << Sets::get().count() << " sets of " << Sets::bytes() / 1000000
+            << " MB in turn\n- rounds: " << rounds << " in memory, " << 2 * rounds << " in L2"
+            << (quick ? " (quick: not for the report)" : "") << "\n- instruction sets:";
+  for (const InstructionSet set : instruction_sets()) std::cout << ' ' << darboux::name_of(set);
+  std::cout << "; without a name Darboux ran on " << darboux::name_of(instruction_sets().back())
+            << "\n- OCCT: " << (with_occt ? "compared with" : "not there, not compared with") << "\n\n";
+  Report(groups).write();
+  return 0;
+}
+
+void add_benchmarks(std::vector<Group>& groups) {
+  for (Group& group : groups)
+    for (Way& way : group.ways) {
+      std::string name = group.name + "/" + way.shape + "/" + way.method;
+      std::replace(name.begin(), name.end(), ' ', '_');
+      ::benchmark::RegisterBenchmark(name.c_str(), [&way](::benchmark::State& state) {
+        for (auto _ : state) way.run();
+        state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(way.points));
+      })->UseRealTime();
+    }
+}
+
+int run(int argc, char** argv) {
+  bool as_table = false, quick = false;
+  int kept = 1;
+  for (int k = 1; k < argc; ++k) {
+    if (std::strcmp(argv[k], "--table") == 0)
+      as_table = true;
+    else if (std::strcmp(argv[k], "--quick") == 0)
+      quick = true;
+    else
+      argv[kept++] = argv[k];
+  }
+  std::vector<Group> groups = all_groups();
+  if (as_table) return table(groups, quick);
+  ::benchmark::Initialize(&kept, argv);
+  if (::benchmark::ReportUnrecognizedArguments(kept, argv)) return 2;
+  add_benchmarks(groups);
+  ::benchmark::RunSpecifiedBenchmarks();
+  ::benchmark::Shutdown();
+  return 0;
+}
+
+}  // namespace
+}  // namespace darboux::bench
+
+int main(int argc, char** argv) {
+  try {
+    return darboux::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "benchmark_evaluation: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,112 @@
+/// \file measure.h
+/// Times several ways of doing the same, in turns, so that a drift of the clock meets all of them.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace darboux::bench {
+
+inline constexpr std::uint64_t seed = 20240229;
+
+/// Memory that was written to, aligned to a page.
+class Buffer {
+ public:
+  Buffer() = default;
+  explicit Buffer(std::size_t bytes)
+      : memory_(static_cast<char*>(std::aligned_alloc(4096, (bytes + 4095) / 4096 * 4096)), &std::free) {
+    if (memory_ == nullptr) throw std::bad_alloc();
+    std::memset(memory_.get(), 1, bytes);
+  }
+  char* data() const { return memory_.get(); }
+
+ private:
+  std::unique_ptr<char, void (*)(void*)> memory_{nullptr, &std::free};
+};
+
+/// Random points in [0, 1)², the same in every run.
+template <class T>
+class RandomPoints {
+ public:
+  explicit RandomPoints(std::size_t count)
+      : buffer_((2 * count + gap) * sizeof(T)),
+        u_(reinterpret_cast<T*>(buffer_.data())),
+        v_(u_ + count + gap) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (std::size_t i = 0; i < count; ++i) {
+      u_[i] = static_cast<T>(uniform(random));
+      v_[i] = static_cast<T>(uniform(random));
+    }
+  }
+  const T* u() const { return u_; }
+  const T* v() const { return v_; }
+
+ private:
+  static constexpr std::size_t gap = 320 / sizeof(T);
+  Buffer buffer_;
+  T *u_, *v_;
+};
+
+inline double median(std::vector<double> x) {
+  if (x.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
+  std::nth_element(x.begin(), middle, x.end());
+  return *middle;
+}
+
+/// Something to be timed.
+struct Way {
+  std::string shape;   ///< what is written, e.g. "18, separate arrays"
+  std::string method;  ///< by whom
+  std::size_t points;  ///< in a call
+  std::function<void()> run;
+  std::vector<double> ns{};  ///< a point, in each round
+
+  double best() const { return ns.empty() ? median(ns) : *std::min_element(ns.begin(), ns.end()); }
+};
+
+/// The median over the rounds of a's time over b's in the same round.
+inline double ratio(const Way& a, const Way& b) {
+  std::vector<double> all;
+  for (std::size_t r = 0; r < std::min(a.ns.size(), b.ns.size()); ++r) all.push_back(a.ns[r] / b.ns[r]);
+  return median(all);
+}
+
+/// Times all ways one after the other, so many rounds. Each is called once untimed directly before it is timed, and then as
+/// often as takes half a millisecond.
+inline void measure(std::vector<Way>& ways, int rounds) {
+  using Clock = std::chrono::steady_clock;
+  const auto seconds = [](auto&& f) {
+    const auto from = Clock::now();
+    f();
+    return std::chrono::duration<double>(Clock::now() - from).count();
+  };
+  std::vector<int> calls;
+  for (Way& way : ways) {
+    way.run();
+    calls.push_back(std::clamp(static_cast<int>(0.5e-3 / std::max(seconds(way.run), 1e-7)), 1, 200));
+  }
+  for (int round = 0; round < rounds; ++round)
+    for (std::size_t k = 0; k < ways.size(); ++k) {
+      Way& way = ways[k];
+      way.run();
+      const double time = seconds([&] {
+        for (int i = 0; i < calls[k]; ++i) way.run();
+      });
+      way.ns.push_back(time * 1e9 / calls[k] / static_cast<double>(way.points));
+    }
+}
+
+}  // namespace darboux::bench

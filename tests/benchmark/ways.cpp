@@ -1,0 +1,430 @@
+#include "ways.h"
+
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include <Eigen/Dense>
+
+#include <darboux/catalogue.h>
+#include <darboux/point.h>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+#if defined(DARBOUX_BENCHMARK_OCCT)
+#include <Geom_SphericalSurface.hxx>
+#include <Geom_ToroidalSurface.hxx>
+#include <gp_Ax3.hxx>
+#endif
+
+namespace darboux::bench {
+namespace {
+
+template <class T>
+using Vector = Eigen::Matrix<T, 3, 1>;
+
+template <class T>
+struct Numbers {
+  Vector<T> position, dpdu, dpdv, t, b, n;
+};
+
+template <class T>
+Numbers<T> with_frame(const Vector<T>& position, const Vector<T>& dpdu, const Vector<T>& dpdv) {
+  const Vector<T> t = dpdu.normalized(), n = dpdu.cross(dpdv).normalized();
+  return {position, dpdu, dpdv, t, n.cross(t), n};
+}
+
+// f(u, v) at all points. What is not wanted is not computed: the compiler sees that nobody reads it.
+template <Layout layout, Wanted wanted, class T, class F>
+void loop(const F& f, const T* u, const T* v, std::size_t n, const Place& to) {
+  constexpr std::size_t numbers = numbers_of(wanted);
+  constexpr std::size_t step = layout == Layout::separate ? 1 : layout == Layout::vectors ? 3 : numbers;
+  std::array<T*, numbers> out;
+  for (std::size_t k = 0; k < numbers; ++k) out[k] = number_at<T>(layout, wanted, to, k, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Numbers<T> x = f(u[i], v[i]);
+    const auto put = [&](std::size_t k, const Vector<T>& a) {
+      for (std::size_t c = 0; c < 3; ++c) out[k + c][i * step] = a[static_cast<Eigen::Index>(c)];
+    };
+    if constexpr (wanted == Wanted::all) {
+      put(0, x.position);
+      put(3, x.dpdu);
+      put(6, x.dpdv);
+      put(9, x.t);
+      put(12, x.b);
+      put(15, x.n);
+    } else if constexpr (wanted == Wanted::frame) {
+      put(0, x.t);
+      put(3, x.b);
+      put(6, x.n);
+    } else {
+      put(0, x.t);
+      out[3][i * step] = x.b.dot(x.dpdv) > 0 ? T(-1) : T(1);  // glTF: its v runs the other way
+    }
+  }
+}
+
+// ---- by hand ----------------------------------------------------------------------------------------------------
+
+template <class T>
+struct TorusByHand {
+  static constexpr T R = 1, r = T(0.25), tau = T(2 * M_PI);
+  static constexpr T du = tau, dv = tau;
+
+  static Numbers<T> naive(T u, T v) {
+    const T su = std::sin(tau * u), cu = std::cos(tau * u), sv = std::sin(tau * v), cv = std::cos(tau * v);
+    return with_frame<T>({(R + r * cv) * cu, (R + r * cv) * su, r * sv},
+                         {-tau * (R + r * cv) * su, tau * (R + r * cv) * cu, 0},
+                         {-tau * r * sv * cu, -tau * r * sv * su, tau * r * cv});
+  }
+  static Numbers<T> closed_form(T u, T v) {
+    const T su = std::sin(tau * u), cu = std::cos(tau * u), sv = std::sin(tau * v), cv = std::cos(tau * v);
+    const T rho = R + r * cv, full = tau * rho, tube = tau * r;
+    return {{rho * cu, rho * su, r * sv},
+            {-full * su, full * cu, 0},
+            {-tube * sv * cu, -tube * sv * su, tube * cv},
+            {-su, cu, 0},
+            {-sv * cu, -sv * su, cv},
+            {cv * cu, cv * su, sv}};
+  }
+  template <class S>
+  static Vec3<S> position(const S& u, const S& v) {
+    const Turn<S> a = sincos_turns(u), b = sincos_turns(v);
+    const S rho = lift<S>(R) + lift<S>(r) * b.cos;
+    return {rho * a.cos, rho * a.sin, lift<S>(r) * b.sin};
+  }
+  static Vector<T> position_at(T u, T v) {
+    const T rho = R + r * std::cos(tau * v);
+    return {rho * std::cos(tau * u), rho * std::sin(tau * u), r * std::sin(tau * v)};
+  }
+#if defined(DARBOUX_BENCHMARK_OCCT)
+  static Handle(Geom_Surface) occt() {
+    return new Geom_ToroidalSurface(gp_Ax3(), R, r);
+  }
+  static double occt_v(double v) {
+    return 2 * M_PI * v;
+  }
+#endif
+};
+
+template <class T>
+struct SphereByHand {
+  static constexpr T r = 1, tau = T(2 * M_PI), pi = T(M_PI);
+  static constexpr T du = tau, dv = pi;
+
+  static Numbers<T> naive(T u, T v) {
+    const T su = std::sin(tau * u), cu = std::cos(tau * u), sv = std::sin(pi * v), cv = std::cos(pi * v);
+    return with_frame<T>({r * sv * cu, r * sv * su, -r * cv}, {-tau * r * sv * su, tau * r * sv * cu, 0},
+                         {pi * r * cv * cu, pi * r * cv * su, pi * r * sv});
+  }
+  static Numbers<T> closed_form(T u, T v) {
+    const T su = std::sin(tau * u), cu = std::cos(tau * u), sv = std::sin(pi * v), cv = std::cos(pi * v);
+    const T full = tau * r * sv, half = pi * r;
+    return {{r * sv * cu, r * sv * su, -r * cv},
+            {-full * su, full * cu, 0},
+            {half * cv * cu, half * cv * su, half * sv},
+            {-su, cu, 0},
+            {cv * cu, cv * su, sv},
+            {sv * cu, sv * su, -cv}};
+  }
+  template <class S>
+  static Vec3<S> position(const S& u, const S& v) {
+    const Turn<S> a = sincos_turns(u), b = sincos_half_turns(v);
+    const S s = lift<S>(r) * b.sin;
+    return {s * a.cos, s * a.sin, -(lift<S>(r) * b.cos)};
+  }
+  static Vector<T> position_at(T u, T v) {
+    const T s = r * std::sin(pi * v);
+    return {s * std::cos(tau * u), s * std::sin(tau * u), -r * std::cos(pi * v)};
+  }
+#if defined(DARBOUX_BENCHMARK_OCCT)
+  static Handle(Geom_Surface) occt() {
+    return new Geom_SphericalSurface(gp_Ax3(), r);
+  }
+  static double occt_v(double v) {
+    return M_PI * v - M_PI / 2;
+  }
+#endif
+};
+
+// Weights of f(x + k h) - f(x - k h), k = 1 ..., over h, for the first derivative.
+template <int order>
+constexpr std::array<double, order / 2> weights() {
+  if constexpr (order == 2)
+    return {1. / 2};
+  else if constexpr (order == 4)
+    return {2. / 3, -1. / 12};
+  else if constexpr (order == 6)
+    return {3. / 4, -3. / 20, 1. / 60};
+  else
+    return {4. / 5, -1. / 5, 4. / 105, -1. / 280};
+}
+// The step at which rounding and truncation are about equal for a function that is like sin 2πx, a power of two.
+template <class T, int order>
+T step() {
+  constexpr double truncation = order == 2 ? 1. / 6 : order == 4 ? 1. / 30 : order == 6 ? 1. / 140 : 1. / 630;
+  const double angle =
+      std::pow(static_cast<double>(std::numeric_limits<T>::epsilon()) / truncation, 1.0 / (order + 1));
+  return static_cast<T>(std::exp2(std::round(std::log2(angle / (2 * M_PI)))));
+}
+
+template <int order, class T, class P>
+Numbers<T> by_differences(const P& position, T u, T v, T h) {
+  constexpr auto w = weights<order>();
+  Vector<T> dpdu = Vector<T>::Zero(), dpdv = Vector<T>::Zero();
+  for (int k = 1; k <= order / 2; ++k) {
+    const T x = static_cast<T>(k) * h, weight = static_cast<T>(w[static_cast<std::size_t>(k - 1)]);
+    dpdu += weight * (position(u + x, v) - position(u - x, v));
+    dpdv += weight * (position(u, v + x) - position(u, v - x));
+  }
+  return with_frame<T>(position(u, v), dpdu / h, dpdv / h);
+}
+
+template <class T, class P>
+Numbers<T> by_dual(const P& position, T u, T v) {
+  using D = Dual<T, 2>;
+  const Vec3<D> p = position(D::variable(u, 0), D::variable(v, 1));
+  const auto part = [&](std::size_t k) {
+    return Vector<T>{p.x.derivative[k], p.y.derivative[k], p.z.derivative[k]};
+  };
+  return with_frame<T>({p.x.value, p.y.value, p.z.value}, part(0), part(1));
+}
+
+#if defined(DARBOUX_BENCHMARK_OCCT)
+template <class Surface>
+Numbers<double> by_occt(const Handle(Geom_Surface) & surface, bool second, double u, double v) {
+  gp_Pnt p;
+  gp_Vec a, b, aa, bb, ab;
+  if (second)
+    surface->D2(2 * M_PI * u, Surface::occt_v(v), p, a, b, aa, bb, ab);
+  else
+    surface->D1(2 * M_PI * u, Surface::occt_v(v), p, a, b);
+  const double du = Surface::du, dv = Surface::dv;
+  return with_frame<double>({p.X(), p.Y(), p.Z()}, {du * a.X(), du * a.Y(), du * a.Z()},
+                            {dv * b.X(), dv * b.Y(), dv * b.Z()});
+}
+#endif
+
+template <class Surface, class T>
+void by_hand(Method method, Layout layout, Wanted wanted, const T* u, const T* v, std::size_t n,
+             const Place& to) {
+  constexpr Layout separate = Layout::separate, vectors = Layout::vectors, structs = Layout::structs;
+  constexpr Wanted all = Wanted::all;
+  const auto naive = [](T x, T y) { return Surface::naive(x, y); };
+  switch (method) {
+    case Method::naive:
+      switch (wanted) {
+        case Wanted::all:
+          return layout == separate  ? loop<separate, all>(naive, u, v, n, to)
+                 : layout == vectors ? loop<vectors, all>(naive, u, v, n, to)
+                                     : loop<structs, all>(naive, u, v, n, to);
+        case Wanted::frame:
+          return layout == separate ? loop<separate, Wanted::frame>(naive, u, v, n, to)
+                                    : loop<vectors, Wanted::frame>(naive, u, v, n, to);
+        case Wanted::tangent4:
+          return loop<structs, Wanted::tangent4>(naive, u, v, n, to);
+      }
+      return;
+    case Method::closed_form:
+      return loop<separate, all>([](T x, T y) { return Surface::closed_form(x, y); }, u, v, n, to);
+    case Method::dual:
+      return loop<separate, all>(
+          [](T x, T y) {
+            return by_dual<T>([](const auto& a, const auto& b) { return Surface::position(a, b); }, x, y);
+          },
+          u, v, n, to);
+    case Method::differences: {
+      const T h = step<T, 2>();
+      return loop<separate, all>(
+          [h](T x, T y) {
+            return by_differences<2, T>([](T a, T b) { return Surface::position_at(a, b); }, x, y, h);
+          },
+          u, v, n, to);
+    }
+    case Method::occt_d1:
+    case Method::occt_d2:
+#if defined(DARBOUX_BENCHMARK_OCCT)
+      if constexpr (std::same_as<T, double>) {
+        static const Handle(Geom_Surface) surface = Surface::occt();
+        const bool second = method == Method::occt_d2;
+        return loop<separate, all>([second](T x, T y) { return by_occt<Surface>(surface, second, x, y); }, u,
+                                   v, n, to);
+      }
+#endif
+      return;
+  }
+}
+
+// ---- through the types of the catalogue -------------------------------------------------------------------------
+
+// A coordinate as prepare() hands it to formulas, by the sines of the C++ library.
+template <Coordinate kind, class T>
+auto prepare_naively(T x) {
+  if constexpr (kind == Coordinate::linear) {
+    return x;
+  } else {
+    const T angle = T(kind == Coordinate::turn ? 2 * M_PI : M_PI) * x;
+    return Turn<T>{std::sin(angle), std::cos(angle)};
+  }
+}
+
+template <class X, class T>
+const auto& instance() {
+  static const auto surface = rebind<T>(X{});
+  return surface;
+}
+
+template <class T>
+Vector<T> eigen(const Vec3<T>& a) {
+  return {a.x, a.y, a.z};
+}
+
+template <class X, class T>
+void naive_through(const T* u, const T* v, std::size_t n, const Place& to) {
+  const auto& surface = instance<X, T>();
+  loop<Layout::separate, Wanted::all>(
+      [&surface](T x, T y) {
+        const Jet2<T> j = surface.jet(prepare_naively<X::info.u>(x), prepare_naively<X::info.v>(y));
+        return with_frame<T>(eigen(j.position), eigen(j.dpdu), eigen(j.dpdv));
+      },
+      u, v, n, to);
+}
+
+template <class X, class T>
+void dual_through(const T* u, const T* v, std::size_t n, const Place& to) {
+  const auto& surface = instance<X, T>();
+  loop<Layout::separate, Wanted::all>(
+      [&surface](T x, T y) {
+        return by_dual<T>([&surface](const auto& a, const auto& b) { return jet(surface, a, b).position; }, x,
+                          y);
+      },
+      u, v, n, to);
+}
+
+template <int order, class X, class T>
+void differences_through(const T* u, const T* v, std::size_t n, const Place& to) {
+  const auto& surface = instance<X, T>();
+  const T h = step<T, order>();
+  loop<Layout::separate, Wanted::all>(
+      [&surface, h](T x, T y) {
+        return by_differences<order, T>(
+            [&surface](T a, T b) {
+              return eigen(Jet2<T>(surface.jet(prepare_naively<X::info.u>(a), prepare_naively<X::info.v>(b)))
+                               .position);
+            },
+            x, y, h);
+      },
+      u, v, n, to);
+}
+
+// ---- limits -----------------------------------------------------------------------------------------------------
+
+// Each line holds what was computed from its index.
+#if defined(__x86_64__)
+template <bool past_caches>
+void write_sse2(const Place& to) {
+  for (std::size_t at = 0; at < to.bytes; at += 64) {
+    const __m128i x = _mm_set1_epi64x(static_cast<long long>(at));
+    for (std::size_t k = 0; k < to.arrays; ++k) {
+      auto* line = reinterpret_cast<__m128i*>(to.base + k * to.stride + at);
+      for (int i = 0; i < 4; ++i)
+        if constexpr (past_caches)
+          _mm_stream_si128(line + i, x);
+        else
+          _mm_store_si128(line + i, x);
+    }
+  }
+  if constexpr (past_caches) _mm_sfence();
+}
+template <bool past_caches>
+__attribute__((target("avx2"))) void write_avx2(const Place& to) {
+  for (std::size_t at = 0; at < to.bytes; at += 64) {
+    const __m256i x = _mm256_set1_epi64x(static_cast<long long>(at));
+    for (std::size_t k = 0; k < to.arrays; ++k) {
+      auto* line = reinterpret_cast<__m256i*>(to.base + k * to.stride + at);
+      for (int i = 0; i < 2; ++i)
+        if constexpr (past_caches)
+          _mm256_stream_si256(line + i, x);
+        else
+          _mm256_store_si256(line + i, x);
+    }
+  }
+  if constexpr (past_caches) _mm_sfence();
+}
+template <bool past_caches>
+__attribute__((target("avx512f"))) void write_avx512(const Place& to) {
+  for (std::size_t at = 0; at < to.bytes; at += 64) {
+    const __m512i x = _mm512_set1_epi64(static_cast<long long>(at));
+    for (std::size_t k = 0; k < to.arrays; ++k) {
+      auto* line = reinterpret_cast<__m512i*>(to.base + k * to.stride + at);
+      if constexpr (past_caches)
+        _mm512_stream_si512(line, x);
+      else
+        _mm512_store_si512(line, x);
+    }
+  }
+  if constexpr (past_caches) _mm_sfence();
+}
+#else
+void write_plain(const Place& to) {
+  for (std::size_t at = 0; at < to.bytes; at += 64)
+    for (std::size_t k = 0; k < to.arrays; ++k) {
+      auto* line = reinterpret_cast<std::size_t*>(to.base + k * to.stride + at);
+      for (std::size_t i = 0; i < 64 / sizeof(std::size_t); ++i) line[i] = at;
+    }
+}
+#endif
+
+}  // namespace
+
+#if defined(DARBOUX_BENCHMARK_OCCT)
+const bool with_occt = true;
+#else
+const bool with_occt = false;
+#endif
+
+template <class T>
+void evaluate_by(Method method, ByHand surface, Layout layout, Wanted wanted, const T* u, const T* v,
+                 std::size_t n, const Place& to) {
+  if (surface == ByHand::torus)
+    by_hand<TorusByHand<T>>(method, layout, wanted, u, v, n, to);
+  else
+    by_hand<SphereByHand<T>>(method, layout, wanted, u, v, n, to);
+}
+template void evaluate_by(Method, ByHand, Layout, Wanted, const double*, const double*, std::size_t,
+                          const Place&);
+template void evaluate_by(Method, ByHand, Layout, Wanted, const float*, const float*, std::size_t,
+                          const Place&);
+
+template <class T>
+const std::vector<CatalogueLoops<T>>& catalogue_loops() {
+  static const std::vector<CatalogueLoops<T>> list = [] {
+    std::vector<CatalogueLoops<T>> loops;
+    Catalogue::for_each([&]<class X>(const X&) {
+      loops.push_back({X::info.name,
+                       detail::in_lanes<X>,
+                       naive_through<X, T>,
+                       dual_through<X, T>,
+                       {differences_through<2, X, T>, differences_through<4, X, T>,
+                        differences_through<6, X, T>, differences_through<8, X, T>}});
+    });
+    return loops;
+  }();
+  return list;
+}
+template const std::vector<CatalogueLoops<double>>& catalogue_loops();
+template const std::vector<CatalogueLoops<float>>& catalogue_loops();
+
+std::vector<Writer> writers() {
+#if defined(__x86_64__)
+  std::vector<Writer> list{{"sse2", write_sse2<true>, write_sse2<false>}};
+  if (__builtin_cpu_supports("avx2")) list.push_back({"avx2", write_avx2<true>, write_avx2<false>});
+  if (__builtin_cpu_supports("avx512f")) list.push_back({"avx512", write_avx512<true>, write_avx512<false>});
+  return list;
+#else
+  return {{"plain", write_plain, write_plain}};
+#endif
+}
+
+}  // namespace darboux::bench

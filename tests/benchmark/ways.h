@@ -1,0 +1,98 @@
+/// \file ways.h
+/// The other ways of evaluating a surface at many points, which the library is compared with, and the limits of the machine.
+/// ways.cpp is compiled at -O2 for the baseline of the architecture, whatever the rest of the build asks for.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+namespace darboux::bench {
+
+/// How the numbers of a point lie in memory.
+enum class Layout { separate, vectors, structs };
+/// Which numbers: position, dpdu, dpdv, t, b, n; or t, b, n; or t and the sign w.
+enum class Wanted { all, frame, tangent4 };
+
+constexpr std::size_t numbers_of(Wanted wanted) {
+  return wanted == Wanted::all ? 18 : wanted == Wanted::frame ? 9 : 4;
+}
+
+/// Where a loop writes: `arrays` arrays of `bytes` bytes each, `stride` bytes apart.
+struct Place {
+  char* base;
+  std::size_t arrays, bytes, stride;
+};
+
+/// The place of `points` points from `base` on: arrays of whole 64-byte lines, each 320 bytes further than without a gap, so
+/// that no two start a power of two apart.
+template <class T>
+Place place_of(Layout layout, Wanted wanted, char* base, std::size_t points) {
+  const std::size_t numbers = numbers_of(wanted), arrays = layout == Layout::structs    ? 1
+                                                           : layout == Layout::separate ? numbers
+                                                                                        : (numbers + 2) / 3;
+  const std::size_t bytes = points * (numbers / arrays) * sizeof(T);
+  return {base, arrays, bytes, (bytes + 63) / 64 * 64 + 320};
+}
+
+/// Where the k-th number of a point lies.
+template <class T>
+T* number_at(Layout layout, Wanted wanted, const Place& to, std::size_t k, std::size_t point) {
+  const std::size_t numbers = numbers_of(wanted);
+  const auto first = [&](std::size_t array) { return reinterpret_cast<T*>(to.base + array * to.stride); };
+  switch (layout) {
+    case Layout::separate:
+      return first(k) + point;
+    case Layout::vectors:
+      return first(k / 3) + 3 * point + k % 3;
+    default:
+      return first(0) + numbers * point + k;
+  }
+}
+
+/// The two surfaces for which the loops are written by hand: Torus{1, 0.25} and Sphere{1}.
+enum class ByHand { torus, sphere };
+
+/// What a user would write, or has at hand.
+enum class Method {
+  naive,        ///< Eigen: std::sin and std::cos of 2πu, partials by the formula, normalized() and cross()
+  closed_form,  ///< the same with the frame in closed form too: no square root, no division
+  dual,         ///< partials by dual numbers through the formula of the position, the frame as in naive
+  differences,  ///< partials by central differences of the second order, the frame as in naive
+  occt_d1,      ///< OCCT's D1, the frame as in naive
+  occt_d2,      ///< OCCT's D2, the frame as in naive
+};
+
+/// Whether OCCT is compiled in.
+extern const bool with_occt;
+
+/// Evaluates at n points. Only naive knows other layouts and fewer numbers than 18 separate arrays.
+template <class T>
+void evaluate_by(Method method, ByHand surface, Layout layout, Wanted wanted, const T* u, const T* v,
+                 std::size_t n, const Place& to);
+
+/// The loops that go through a surface type of the catalogue, 18 separate arrays.
+template <class T>
+struct CatalogueLoops {
+  using Loop = void (*)(const T* u, const T* v, std::size_t n, const Place& to);
+  std::string_view surface;
+  bool in_lanes;                    ///< whether the library's batches go over SIMD lanes
+  Loop naive;                       ///< the type's own formula at std::sin and std::cos, the frame by Eigen
+  Loop dual;                        ///< partials by dual numbers through the type's formula
+  std::array<Loop, 4> differences;  ///< of order 2, 4, 6, 8
+};
+/// In the catalogue's order.
+template <class T>
+const std::vector<CatalogueLoops<T>>& catalogue_loops();
+
+/// A way to fill memory with registers of one width.
+struct Writer {
+  std::string_view name;
+  void (*past_caches)(const Place& to);  ///< non-temporal stores, a whole line an array in turn
+  void (*cached)(const Place& to);       ///< the same with plain stores
+};
+/// Those this machine can run.
+std::vector<Writer> writers();
+
+}  // namespace darboux::bench
