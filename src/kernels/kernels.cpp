@@ -12,6 +12,13 @@
 #include "lanes.h"
 #include "layout.h"
 
+// A kernel has everything inlined; instrumented, that would take minutes to compile.
+#if defined(__SANITIZE_ADDRESS__)
+#define DARBOUX_FLATTEN
+#else
+#define DARBOUX_FLATTEN [[gnu::flatten]]
+#endif
+
 namespace darboux::kernels {
 namespace {
 
@@ -26,7 +33,7 @@ Prepared<kind, Lanes<T>> prepared(const Source<T>& x, std::size_t at) {
 }
 
 template <Coordinate kind, class T>
-[[gnu::flatten]] void prepare_all(const T* x, std::size_t count, T* sine, T* cosine) {
+DARBOUX_FLATTEN void prepare_all(const T* x, std::size_t count, T* sine, T* cosine) {
   if constexpr (kind != Coordinate::linear)
     for (std::size_t i = 0; i < count; i += Lanes<T>::lanes) {
       const Turn<Lanes<T>> angle = prepare<kind>(Lanes<T>::load(x + i));
@@ -37,7 +44,7 @@ template <Coordinate kind, class T>
 
 // Prepares a group; whether all of it may go through the formula.
 template <Coordinate kind, class T>
-[[gnu::flatten, gnu::noinline]] bool prepare_group(const T* x, T* sine, T* cosine) {
+DARBOUX_FLATTEN [[gnu::noinline]] bool prepare_group(const T* x, T* sine, T* cosine) {
   using S = Lanes<T>;
   Mask<T> good = S(T(0)) == S(T(0));
 #pragma GCC unroll 16
@@ -60,7 +67,7 @@ template <Coordinate kind, class T>
 
 // Of a group whose sines nobody needs: the ends of a half turn, the poles, are not good either.
 template <Coordinate kind, class T>
-[[gnu::flatten, gnu::noinline]] bool look_at_group(const T* x) {
+DARBOUX_FLATTEN [[gnu::noinline]] bool look_at_group(const T* x) {
   using S = Lanes<T>;
   Mask<T> good = S(T(0)) == S(T(0));
 #pragma GCC unroll 16
@@ -148,7 +155,7 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
 // A group at a time. The last of several is moved back to be a whole one, and so is the last batch of one that is not: some
 // points are done again, to the same bits.
 template <class X, class T, Variant variant>
-[[gnu::flatten]] bool kernel(const Work<T>& w) {
+DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
   constexpr std::size_t W = Lanes<T>::lanes, G = group_size<T>;
   const X& surface = *static_cast<const X*>(w.surface);
   alignas(64) T sine_u[G], cosine_u[G], sine_v[G], cosine_v[G];
