@@ -15,10 +15,13 @@
 namespace darboux::kernels {
 namespace {
 
-// The compiler's own vector type of a register: what __builtin_shufflevector takes.
+// The compiler's own vector type of a register: what __builtin_shufflevector takes; and the same in memory, where only its
+// numbers are aligned.
 template <class T>
 struct Native {
-  typedef T type __attribute__((vector_size(sizeof(T) * Lanes<T>::lanes), aligned(sizeof(T)), may_alias));
+  typedef T type __attribute__((vector_size(sizeof(T) * Lanes<T>::lanes)));
+  typedef T in_memory
+      __attribute__((vector_size(sizeof(T) * Lanes<T>::lanes), aligned(sizeof(T)), may_alias));
 };
 template <class T>
 using Vector = typename Native<T>::type;
@@ -33,7 +36,7 @@ Vector<T> native(const Lanes<T>& x) {
 }
 template <class T>
 void store(T* to, const Vector<T>& x) {
-  *reinterpret_cast<Vector<T>*>(to) = x;
+  *reinterpret_cast<typename Native<T>::in_memory*>(to) = x;
 }
 
 #if defined(__SSE2__)
@@ -219,7 +222,7 @@ void scatter(const Target<T>& place) {
       const std::size_t from = k + Q <= run.count ? k : run.count - Q;  // the last ones again, if need be
       Vector<T> row[Q], point[Q];
       for (std::size_t i = 0; i < Q; ++i)
-        row[i] = *reinterpret_cast<const Vector<T>*>(rows + (from + i) * most_lanes);
+        row[i] = *reinterpret_cast<const typename Native<T>::in_memory*>(rows + (from + i) * most_lanes);
       transpose(row, point);
       const auto to = [&](int p) { return reinterpret_cast<T*>(first + p * run.stride) + from; };
       [&]<int... p>(std::integer_sequence<int, p...>) {
