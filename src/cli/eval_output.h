@@ -40,7 +40,7 @@ struct FrameWriterOptions {
   std::vector<Attribute> attributes;  ///< in the order written
   std::size_t room = 4096;            ///< points of a call
   int threads = 1;
-  std::uint64_t points = 0;           ///< all of them together; npy alone needs it
+  std::uint64_t points = 0;  ///< all of them together; npy alone needs it
 };
 
 /// Writes what comes before the first point. `file` and `surface` must outlive the writer.
