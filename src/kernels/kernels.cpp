@@ -2,6 +2,7 @@
 // linkage.
 #include "kernels.h"
 
+#include <algorithm>
 #include <cstring>
 #include <type_traits>
 #include <utility>
@@ -22,14 +23,13 @@
 namespace darboux::kernels {
 namespace {
 
-// A coordinate of the points from `at` on, as the formula receives it.
-template <Coordinate kind, class T>
-Prepared<kind, Lanes<T>> prepared(const Source<T>& x, std::size_t at) {
-  at *= x.step;
+// A coordinate of a group's points from `at` on, as the formula receives it.
+template <Coordinate kind, class S, class T>
+Prepared<kind, S> prepared(const Source<T>& x, std::size_t at) {
   if constexpr (kind == Coordinate::linear)
-    return Lanes<T>::load(x.values + at);
+    return S::load(x.values + at);
   else
-    return {Lanes<T>::load(x.sine + at), Lanes<T>::load(x.cosine + at)};
+    return {S::load(x.sine + at), S::load(x.cosine + at)};
 }
 
 template <Coordinate kind, class T>
@@ -42,47 +42,46 @@ DARBOUX_FLATTEN void prepare_all(const T* x, std::size_t count, T* sine, T* cosi
     }
 }
 
+// Lanes that are prepared together.
+template <class T>
+using Together = Lanes<T, std::min<std::size_t>(4, group_size<T> / Register<T>::size)>;
+
 // Prepares a group; whether all of it may go through the formula.
 template <Coordinate kind, class T>
 DARBOUX_FLATTEN [[gnu::noinline]] bool prepare_group(const T* x, T* sine, T* cosine) {
-  using S = Lanes<T>;
-  Mask<T> good = S(T(0)) == S(T(0));
-#pragma GCC unroll 16
+  using S = Together<T>;
+  bool good = true;
+#pragma GCC unroll 4
   for (std::size_t i = 0; i < group_size<T>; i += S::lanes) {
     const S value = S::load(x + i);
     if constexpr (kind == Coordinate::linear) {
-      good = good && S(T(0)) <= value && value <= S(T(1));
+      good = good && (S(T(0)) <= value && value <= S(T(1))).all();
     } else {
       if constexpr (kind == Coordinate::half_turn)
-        good = good && S(T(0)) <= value && value <= S(T(1));
+        good = good && (S(T(0)) <= value && value <= S(T(1))).all();
       else
-        good = good && abs(value) < S(detail::Format<T>::most_turns);
+        good = good && (abs(value) < S(detail::Format<T>::most_turns)).all();
       const Turn<S> angle = prepare<kind>(value);
       angle.sin.store(sine + i);
       angle.cos.store(cosine + i);
     }
   }
-  return xsimd::all(good.lanes());
+  return good;
 }
 
 // Of a group whose sines nobody needs: the ends of a half turn, the poles, are not good either.
 template <Coordinate kind, class T>
 DARBOUX_FLATTEN [[gnu::noinline]] bool look_at_group(const T* x) {
-  using S = Lanes<T>;
-  Mask<T> good = S(T(0)) == S(T(0));
-#pragma GCC unroll 16
-  for (std::size_t i = 0; i < group_size<T>; i += S::lanes) {
-    const S value = S::load(x + i);
-    if constexpr (kind == Coordinate::linear || kind == Coordinate::half_turn)
-      good = good && S(T(0)) < value && value < S(T(1));
-    else
-      good = good && abs(value) < S(detail::Format<T>::most_turns);
-  }
-  return xsimd::all(good.lanes());
+  using S = Lanes<T, group_size<T> / Register<T>::size>;
+  const S value = S::load(x);
+  if constexpr (kind == Coordinate::linear || kind == Coordinate::half_turn)
+    return (S(T(0)) < value && value < S(T(1))).all();
+  else
+    return (abs(value) < S(detail::Format<T>::most_turns)).all();
 }
 
-template <class T>
-void put(const Target<T>& p, Attribute a, const Vec3<Lanes<T>>& x) {
+template <class T, class S>
+void put(const Target<T>& p, Attribute a, const Vec3<S>& x) {
   put(p, a, x.x, x.y, x.z);
 }
 
@@ -91,11 +90,19 @@ S components_sum(const Vec3<S>& a) {
   return a.x + a.y + a.z;
 }
 
+// What goes through the formula at once: a line, so that it can be written past the caches from the registers. Of two or more
+// for each, that makes kernels slow to compile, which is not worth it for all attributes and for four.
+template <class T, Variant variant>
+using Batch = Lanes<T, sizeof(Register<T>) * 2 == line && variant != Variant::everything ? 2 : 1>;
+
+template <Variant variant>
+constexpr bool writes_lines = Batch<double, variant>::lanes == batch_size<double>;
+
 // One batch of points; its status.
 template <class X, class T, Variant variant, class PU, class PV>
 Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
   const Work<T>& w = p.work;
-  using S = Lanes<T>;
+  using S = Batch<T, variant>;
   Status status = Status::regular;
   if constexpr (DeclaresSingularPoints<X>) status = surface.singular(u, v);
   Jet2<S> j;
@@ -148,7 +155,7 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
       if (directions) status = c.status;
     }
   }
-  if (w.run_count > 0) scatter(p);
+  if (w.run_count > 0) scatter<S::lanes>(p);
   return status;
 }
 
@@ -156,46 +163,45 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
 // points are done again, to the same bits.
 template <class X, class T, Variant variant>
 DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
-  constexpr std::size_t W = Lanes<T>::lanes, G = group_size<T>;
+  using S = Batch<T, variant>;
+  constexpr std::size_t W = S::lanes, G = group_size<T>;
   const X& surface = *static_cast<const X*>(w.surface);
   alignas(64) T sine_u[G], cosine_u[G], sine_v[G], cosine_v[G];
   if (!w.v_is_needed)  // any that is no pole
-    for (std::size_t i = 0; i < W; ++i) sine_v[i] = T(1), cosine_v[i] = T(0);
+    for (std::size_t i = 0; i < G; ++i) sine_v[i] = T(1), cosine_v[i] = T(0);
   bool any_status = false;
   for (std::size_t first = 0; first < w.count; first += G) {
     const bool whole = first + G <= w.count;
-    const std::size_t begin = whole || w.count < G ? first : w.count - G, n = w.count < G ? w.count : G;
-    Source<T> u = w.u, v = w.v;
-    for (Source<T>* x : {&u, &v}) {
-      x->values += begin * x->step;
-      if (x->sine != nullptr) x->sine += begin * x->step, x->cosine += begin * x->step;
-    }
+    const std::size_t begin = whole || w.count < G ? first : w.count - G;
+    const std::size_t n = w.count < G ? w.count : G;
+    Source<T> u = w.u.from(begin), v = w.v.from(begin);
+    bool good = true;
     if (!w.in_domain) {
-      bool good = prepare_group<X::info.u>(u.values, sine_u, cosine_u);
+      good = prepare_group<X::info.u>(u.values, sine_u, cosine_u);
       u.sine = sine_u, u.cosine = cosine_u;
       if (w.v_is_needed)
         good = prepare_group<X::info.v>(v.values, sine_v, cosine_v) && good;
       else
         good = look_at_group<X::info.v>(v.values) && good;
       v.sine = sine_v, v.cosine = cosine_v;
-      if (!w.v_is_needed) v.step = 0;
-      if (!good) {
-        w.redo(w.context, begin, n);
-        any_status = true;
-        continue;
-      }
     }
-    for (std::size_t i = 0; i < n; i += W) {
-      const std::size_t at = i + W <= n ? i : n - W;
-      diverged = false;
-      const Status status = batch<X, T, variant>(Target<T>{w, begin + at, w.past_caches && whole}, surface,
-                                                 prepared<X::info.u>(u, at), prepared<X::info.v>(v, at));
-      if (diverged) {
-        w.redo(w.context, begin + at, W);
-        any_status = true;
-      } else if (status != Status::regular) {
-        for (std::size_t k = 0; k < W; ++k) w.status[begin + at + k] = static_cast<std::uint32_t>(status);
-        any_status = true;
+    if (!good) {
+      w.redo(w.context, begin, n);
+      any_status = true;
+    } else {
+      for (std::size_t i = 0; i < n; i += W) {
+        const std::size_t at = i + W <= n ? i : n - W;
+        diverged = false;
+        const Status status =
+            batch<X, T, variant>(Target<T>{w, begin + at, w.past_caches && whole}, surface,
+                                 prepared<X::info.u, S>(u, at), prepared<X::info.v, S>(v, at));
+        if (diverged) {
+          w.redo(w.context, begin + at, W);
+          any_status = true;
+        } else if (status != Status::regular) {
+          for (std::size_t k = 0; k < W; ++k) w.status[begin + at + k] = static_cast<std::uint32_t>(status);
+          any_status = true;
+        }
       }
     }
   }
@@ -227,11 +233,12 @@ constexpr KernelTable<T> table_of(SurfaceList<X...>) {
 #define DARBOUX_TABLE_(isa) table_##isa
 #define DARBOUX_TABLE(isa) DARBOUX_TABLE_(isa)
 extern const Kernels DARBOUX_TABLE(DARBOUX_ISA);
-constinit const Kernels DARBOUX_TABLE(DARBOUX_ISA){table_of<double>(Catalogue{}),
-                                                   table_of<float>(Catalogue{}),
-                                                   sizeof(Register<double>) == 64,
-                                                   stores_can_pass_caches,
-                                                   &stream_lines,
-                                                   &fence};
+constinit const Kernels DARBOUX_TABLE(DARBOUX_ISA){
+    table_of<double>(Catalogue{}),
+    table_of<float>(Catalogue{}),
+    {writes_lines<Variant::frames>, writes_lines<Variant::first>, writes_lines<Variant::everything>},
+    stores_can_pass_caches,
+    &stream_lines,
+    &fence};
 
 }  // namespace darboux::kernels

@@ -33,20 +33,28 @@ struct Run {
   std::ptrdiff_t stride;  ///< in bytes
 };
 
+inline constexpr std::size_t line = 64;  ///< bytes that go to memory at once
+/// A line of numbers; no kernel takes more points at once.
+template <class T>
+inline constexpr std::size_t batch_size = line / sizeof(T);
 /// Points whose sines are taken at once, before their formulas run: few, so that the processor works on both. A group with a
 /// coordinate that is not finite or outside the domain goes point by point.
 template <class T>
-inline constexpr std::size_t group_size = 128 / sizeof(T);
-/// The most points a register of any instruction set holds, and the fewest a kernel takes at once.
-inline constexpr std::size_t most_lanes = 16;
+inline constexpr std::size_t group_size = 2 * batch_size<T>;
 
 /// Coordinates of points.
 template <class T>
 struct Source {
-  const T* values = nullptr;  ///< those of a group or less are there to be read to the group's end
+  const T* values = nullptr;  ///< may be read to the end of the last group
   /// Already prepared; else null and the kernel does so. For a linear coordinate the values are.
   const T *sine = nullptr, *cosine = nullptr;
-  std::size_t step = 1;  ///< 0: one for all points, most_lanes times in a row, prepared
+  std::size_t step = 1;  ///< 0: the same group for all points, prepared
+
+  Source from(std::size_t point) const {
+    const std::size_t by = point * step;
+    return {values + by, sine != nullptr ? sine + by : nullptr, cosine != nullptr ? cosine + by : nullptr,
+            step};
+  }
 };
 
 /// Some points of a surface, and where their attributes go.
@@ -54,17 +62,16 @@ template <class T>
 struct Work {
   const void* surface = nullptr;  ///< the surface type over T that the kernel was made for
   Source<T> u, v;
-  bool in_domain = false;   ///< nobody needs to look
+  bool in_domain = false;   ///< nobody needs to look; both coordinates are prepared
   bool v_is_needed = true;  ///< false: only what depends on u alone is asked for
-  std::size_t count = 0;    ///< of points, at least most_lanes
+  std::size_t count = 0;    ///< of points, at least batch_size
   std::array<Slot<T>, attribute_count> slots{};
-  T* tile = nullptr;  ///< most_lanes numbers a row, aligned to 64 bytes
+  T* tile = nullptr;  ///< batch_size numbers a row, aligned to lines
   const Run<T>* runs = nullptr;
   std::size_t run_count = 0;
   bool raw_sign = false;  ///< tangent4 in the raw sign convention
   bool past_caches =
-      false;  ///< separate and packed results go past them: where a register is a line of 64 bytes,
-              ///< and the first point's are aligned to lines
+      false;  ///< separate and packed results go past them: the first point's are aligned to lines
   std::uint32_t* status = nullptr;  ///< of every point; zero is written by the caller, others by the kernel
   void (*redo)(void* context, std::size_t first,
                std::size_t count) = nullptr;  ///< does these points by themselves
@@ -97,10 +104,10 @@ struct KernelTable {
 struct Kernels {
   KernelTable<double> in_double;
   KernelTable<float> in_float;
-  bool registers_are_lines;  ///< a register is 64 bytes
-  bool pass_caches;          ///< whether stores can
-  /// Copies whole lines of 64 bytes past the caches; both addresses are aligned to them.
-  void (*stream_lines)(void* to, const void* from, std::size_t lines);
+  std::array<bool, 3> writes_lines;  ///< whether a Variant's kernels can pass the caches
+  bool pass_caches;                  ///< whether stream_lines can
+  /// Copies whole lines past the caches; both addresses are aligned to them.
+  void (*stream_lines)(char* to, const char* from, std::size_t lines);
   /// Orders what was streamed before what this thread writes next.
   void (*fence)();
 };

@@ -19,19 +19,18 @@ namespace {
 // numbers are aligned.
 template <class T>
 struct Native {
-  typedef T type __attribute__((vector_size(sizeof(T) * Lanes<T>::lanes)));
+  typedef T type __attribute__((vector_size(sizeof(T) * Register<T>::size)));
   typedef T in_memory
-      __attribute__((vector_size(sizeof(T) * Lanes<T>::lanes), aligned(sizeof(T)), may_alias));
+      __attribute__((vector_size(sizeof(T) * Register<T>::size), aligned(sizeof(T)), may_alias));
 };
 template <class T>
 using Vector = typename Native<T>::type;
 
 template <class T>
-Vector<T> native(const Lanes<T>& x) {
+Vector<T> native(const Register<T>& x) {
   Vector<T> result;
-  const auto value = x.value().data;
-  static_assert(sizeof result == sizeof value);
-  std::memcpy(&result, &value, sizeof result);
+  static_assert(sizeof result == sizeof x.data);
+  std::memcpy(&result, &x.data, sizeof result);
   return result;
 }
 template <class T>
@@ -44,7 +43,7 @@ constexpr bool stores_can_pass_caches = true;
 #else
 constexpr bool stores_can_pass_caches = false;
 #endif
-// Past the caches: worth it where the registers that follow one another fill lines of 64 bytes.
+// Worth it where the registers that follow one another fill lines.
 template <class T>
 void store_past_caches(T* to, const Vector<T>& x) {
 #if defined(__AVX512F__)
@@ -57,11 +56,12 @@ void store_past_caches(T* to, const Vector<T>& x) {
   store(to, x);
 #endif
 }
-void stream_lines(void* to, const void* from, std::size_t lines) {
-  auto* out = static_cast<double*>(to);
-  const auto* in = static_cast<const double*>(from);
-  for (std::size_t i = 0; i < 8 * lines; i += Lanes<double>::lanes)
-    store_past_caches(out + i, native(Lanes<double>::load(in + i)));
+
+void stream_lines(char* to, const char* from, std::size_t lines) {
+  auto* out = reinterpret_cast<double*>(to);
+  const auto* in = reinterpret_cast<const double*>(from);
+  for (std::size_t i = 0; i < lines * batch_size<double>; i += Register<double>::size)
+    store_past_caches(out + i, native<double>(Register<double>::load_aligned(in + i)));
 }
 void fence() {
 #if defined(__SSE2__)
@@ -89,26 +89,27 @@ Vector<T> alternate(const Vector<T>& a, const Vector<T>& b, std::integer_sequenc
 }
 
 template <class T>
-using Sequence = std::make_integer_sequence<int, static_cast<int>(Lanes<T>::lanes)>;
+using Sequence = std::make_integer_sequence<int, static_cast<int>(Register<T>::size)>;
 
-// The vectors of a batch one after the other, in registers.
+// The vectors of registers one after the other, in registers.
 template <class T>
-std::array<Vector<T>, 1> packed(const Lanes<T>& x) {
+std::array<Vector<T>, 1> packed(const Register<T>& x) {
   return {native(x)};
 }
 template <class T>
-std::array<Vector<T>, 2> packed(const Lanes<T>& x, const Lanes<T>& y) {
+std::array<Vector<T>, 2> packed(const Register<T>& x, const Register<T>& y) {
   const Vector<T> a = native(x), b = native(y);
   return {alternate<T, 0>(a, b, Sequence<T>{}), alternate<T, 1>(a, b, Sequence<T>{})};
 }
 template <class T>
-std::array<Vector<T>, 3> packed(const Lanes<T>& x, const Lanes<T>& y, const Lanes<T>& z) {
+std::array<Vector<T>, 3> packed(const Register<T>& x, const Register<T>& y, const Register<T>& z) {
   const Vector<T> a = native(x), b = native(y), c = native(z);
   return {third<T, 0>(a, b, c, Sequence<T>{}), third<T, 1>(a, b, c, Sequence<T>{}),
           third<T, 2>(a, b, c, Sequence<T>{})};
 }
 template <class T>
-std::array<Vector<T>, 4> packed(const Lanes<T>& x, const Lanes<T>& y, const Lanes<T>& z, const Lanes<T>& w) {
+std::array<Vector<T>, 4> packed(const Register<T>& x, const Register<T>& y, const Register<T>& z,
+                                const Register<T>& w) {
   const Vector<T> a = native(x), b = native(y), c = native(z), d = native(w);
   const Vector<T> ac0 = alternate<T, 0>(a, c, Sequence<T>{}), ac1 = alternate<T, 1>(a, c, Sequence<T>{});
   const Vector<T> bd0 = alternate<T, 0>(b, d, Sequence<T>{}), bd1 = alternate<T, 1>(b, d, Sequence<T>{});
@@ -116,7 +117,7 @@ std::array<Vector<T>, 4> packed(const Lanes<T>& x, const Lanes<T>& y, const Lane
           alternate<T, 0>(ac1, bd1, Sequence<T>{}), alternate<T, 1>(ac1, bd1, Sequence<T>{})};
 }
 
-// Where a batch of points goes: to those of the work from `at` on, past the caches or not.
+// Where a batch of points goes: to those of the slots from `at` on.
 template <class T>
 struct Target {
   const Work<T>& work;
@@ -124,38 +125,42 @@ struct Target {
   bool past_caches;
 };
 
-// The components of one attribute.
-template <class T, std::same_as<Lanes<T>>... C>
-void put(const Target<T>& p, Attribute a, const C&... c) {
-  constexpr std::size_t W = Lanes<T>::lanes;
+// The components of one attribute. Past the caches the registers of a line follow one another.
+template <class T, std::size_t N, std::same_as<Lanes<T, N>>... C>
+void put(const Target<T>& p, Attribute a, const Lanes<T, N>& first, const C&... other) {
+  constexpr std::size_t W = Register<T>::size, components = 1 + sizeof...(C);
   const Slot<T>& slot = p.work.slots[static_cast<std::size_t>(a)];
   if (slot.arrangement == Arrangement::absent) return;
-  if (slot.arrangement == Arrangement::separate) {
-    std::size_t k = 0;
+  const auto write = [&](T* to, const Vector<T>& x) {
     if (p.past_caches)
-      (store_past_caches(slot.component[k++] + p.at, native(c)), ...);
+      store_past_caches(to, x);
     else
-      (store(slot.component[k++] + p.at, native(c)), ...);
+      store(to, x);
+  };
+  if (slot.arrangement == Arrangement::separate) {
+    const auto one = [&](T* to, const Lanes<T, N>& x) {
+      for (std::size_t i = 0; i < N; ++i) write(to + i * W, native<T>(x.value().at[i]));
+    };
+    one(slot.component[0] + p.at, first);
+    std::size_t k = 1;
+    (one(slot.component[k++] + p.at, other), ...);
   } else if (slot.arrangement == Arrangement::packed) {
-    if constexpr (sizeof...(C) <= 4) {
-      T* to = slot.component[0] + sizeof...(C) * p.at;
-      for (const Vector<T>& x : packed(c...)) {
-        if (p.past_caches)
-          store_past_caches(to, x);
-        else
-          store(to, x);
-        to += W;
-      }
+    if constexpr (components <= 4) {
+      T* to = slot.component[0] + components * p.at;
+      for (std::size_t i = 0; i < N; ++i)
+        for (const Vector<T>& x : packed<T>(first.value().at[i], other.value().at[i]...))
+          write(std::exchange(to, to + W), x);
     }
   } else {
-    T* to = p.work.tile + slot.row * most_lanes;
-    ((store(to, native(c)), to += most_lanes), ...);
+    T* to = p.work.tile + slot.row * batch_size<T>;
+    first.store(to);
+    (other.store(to += batch_size<T>), ...);
   }
 }
 
 // In each 128 bits of the rows, their transpose: rows become points.
 inline void transpose(const Vector<double>* row, Vector<double>* point) {
-  constexpr int W = Lanes<double>::lanes;
+  constexpr int W = Register<double>::size;
   const auto pick = [&]<int... j>(std::integer_sequence<int, j...>) {
     point[0] = __builtin_shufflevector(row[0], row[1], ((j % 2) * W + (j & ~1))...);
     point[1] = __builtin_shufflevector(row[0], row[1], ((j % 2) * W + (j | 1))...);
@@ -163,7 +168,7 @@ inline void transpose(const Vector<double>* row, Vector<double>* point) {
   pick(Sequence<double>{});
 }
 inline void transpose(const Vector<float>* row, Vector<float>* point) {
-  constexpr int W = Lanes<float>::lanes;
+  constexpr int W = Register<float>::size;
   const auto pick = [&]<int... j>(std::integer_sequence<int, j...>) {
     // a0 b0 a1 b1 and a2 b2 a3 b3 of each four, then halves of them.
     const auto low = [&](const Vector<float>& a, const Vector<float>& b) {
@@ -203,33 +208,32 @@ void store_part(T* to, const Vector<T>& x) {
 }
 
 // Writes the tile's rows to the structs: 16 bytes of a point at once where there are as many.
-template <class T>
+template <std::size_t points, class T>
 void scatter(const Target<T>& place) {
   const Work<T>& w = place.work;
-  constexpr int W = Lanes<T>::lanes, Q = 16 / sizeof(T);
+  constexpr int W = Register<T>::size, B = batch_size<T>, Q = 16 / sizeof(T);
   for (std::size_t r = 0; r < w.run_count; ++r) {
     const Run<T>& run = w.runs[r];
-    const T* rows = w.tile + run.row * most_lanes;
+    const T* rows = w.tile + run.row * B;
     char* first = reinterpret_cast<char*>(run.first) + run.stride * static_cast<std::ptrdiff_t>(place.at);
     if (run.count < Q) {
-      for (int p = 0; p < W; ++p)
-        for (std::size_t k = 0; k < run.count; ++k)
-          reinterpret_cast<T*>(first + p * run.stride)[k] =
-              rows[k * most_lanes + static_cast<std::size_t>(p)];
+      for (std::size_t p = 0; p < points; ++p, first += run.stride)
+        for (std::size_t k = 0; k < run.count; ++k) reinterpret_cast<T*>(first)[k] = rows[k * B + p];
       continue;
     }
-    for (std::size_t k = 0; k < run.count; k += Q) {
-      const std::size_t from = k + Q <= run.count ? k : run.count - Q;  // the last ones again, if need be
-      Vector<T> row[Q], point[Q];
-      for (std::size_t i = 0; i < Q; ++i)
-        row[i] = *reinterpret_cast<const typename Native<T>::in_memory*>(rows + (from + i) * most_lanes);
-      transpose(row, point);
-      const auto to = [&](int p) { return reinterpret_cast<T*>(first + p * run.stride) + from; };
-      [&]<int... p>(std::integer_sequence<int, p...>) {
-        (store_part<p / Q>(to(p), point[p % Q]), ...);
+    for (std::size_t part = 0; part < points; part += W, rows += W, first += W * run.stride)
+      for (std::size_t k = 0; k < run.count; k += Q) {
+        const std::size_t from = k + Q <= run.count ? k : run.count - Q;  // the last ones again, if need be
+        Vector<T> row[Q], point[Q];
+        for (std::size_t i = 0; i < Q; ++i)
+          row[i] = *reinterpret_cast<const typename Native<T>::in_memory*>(rows + (from + i) * B);
+        transpose(row, point);
+        const auto to = [&](int p) { return reinterpret_cast<T*>(first + p * run.stride) + from; };
+        [&]<int... p>(std::integer_sequence<int, p...>) {
+          (store_part<p / Q>(to(p), point[p % Q]), ...);
+        }
+        (Sequence<T>{});
       }
-      (Sequence<T>{});
-    }
   }
 }
 
