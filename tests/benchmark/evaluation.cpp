@@ -12,6 +12,8 @@
 #include <thread>
 
 #include <benchmark/benchmark.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
 
 #include <darboux/any_surface.h>
 #include <darboux/blocks.h>
@@ -254,17 +256,46 @@ std::string size_name(std::size_t n) {
   return "2^" + std::to_string(static_cast<int>(std::log2(static_cast<double>(n))));
 }
 
+// f(first point, place of that and the following) of as many equal parts.
+template <class T, class F>
+void in_parts(int parts, std::size_t n, const Place& to, const F& f) {
+  const auto part = [&](int k) {
+    const auto count = static_cast<std::size_t>(parts), first = n / count * static_cast<std::size_t>(k);
+    f(first, Place{to.base + first * sizeof(T), to.arrays, to.bytes / count, to.stride});
+  };
+  if (parts == 1)
+    part(0);
+  else
+    tbb::parallel_for(0, parts, part, tbb::simple_partitioner{});
+}
+
+// Beside ours, what two threads are worth on this machine: to the naive loop, which only computes, and to who only writes.
 template <class T>
 Group threads_group(ByHand kind) {
   Group group{std::string(name_of(kind)) + "/" + scalar_name<T> + "/threads", {}};
-  for (const std::size_t n : thread_sizes)
-    for (const int threads : {1, 2})
-      group.add(size_name(n), std::to_string(threads), n, [=, surface = surface_of(kind)] {
-        const Place to =
-            place_of<T>(Layout::separate, Wanted::all, n == many ? Sets::get().next() : reused(), n);
-        surface.evaluate(random_points<T>(n), outputs<T>(Layout::separate, Wanted::all, to, n),
+  for (const std::size_t n : thread_sizes) {
+    const auto place = [=] {
+      return place_of<T>(Layout::separate, Wanted::all, n == many ? Sets::get().next() : reused(), n);
+    };
+    for (const int threads : {1, 2}) {
+      const std::string number = std::to_string(threads);
+      group.add(size_name(n), number, n, [=, surface = surface_of(kind)] {
+        surface.evaluate(random_points<T>(n), outputs<T>(Layout::separate, Wanted::all, place(), n),
                          {.threads = threads});
       });
+      group.add(size_name(n), "naive " + number, n, [=] {
+        in_parts<T>(threads, n, place(), [&](std::size_t first, const Place& to) {
+          evaluate_by<T>(Method::naive, kind, Layout::separate, Wanted::all, inputs<T>().u() + first,
+                         inputs<T>().v() + first, n / static_cast<std::size_t>(threads), to);
+        });
+      });
+      group.add(size_name(n), "limit " + number, n, [=, writer = writers().back()] {
+        in_parts<T>(threads, n, place(), [&](std::size_t, const Place& to) {
+          (n == many ? writer.past_caches : writer.cached)(to);
+        });
+      });
+    }
+  }
   return group;
 }
 
@@ -562,16 +593,22 @@ class Report {
   void threads() const {
     std::cout
         << "\n### Two threads\n\n18 separate arrays; 2^20 points into rotating sets, 2^14 into the same "
-           "arrays.\n\n"
-           "| surface | scalar | points | one thread, ns | two, ns | × one |\n|---|---|---|---:|---:|---:|\n";
+           "arrays. Beside it what two threads are worth here to others: to the naive loop, which computes, "
+           "and to the "
+           "write limit.\n\n"
+           "| surface | scalar | points | one thread, ns | two, ns | × one | naive: × one | limit: × one |\n"
+           "|---|---|---|---:|---:|---:|---:|---:|\n";
     for (const std::string surface : {"torus", "sphere"})
       for (const std::string scalar : {"double", "float"})
         for (const std::size_t n : thread_sizes) {
           const Group& g = group(surface + "/" + scalar + "/threads");
           const Way &one = g.at(size_name(n), "1"), &two = g.at(size_name(n), "2");
           std::cout << "| " << surface << " | " << scalar << " | " << size_name(n) << " | "
-                    << nanoseconds(one) << " | " << nanoseconds(two) << " | " << number(ratio(one, two), 2)
-                    << " |\n";
+                    << nanoseconds(one) << " | " << nanoseconds(two) << " | " << number(ratio(one, two), 2);
+          for (const std::string by : {"naive ", "limit "})
+            std::cout << " | "
+                      << number(ratio(g.at(size_name(n), by + "1"), g.at(size_name(n), by + "2")), 2);
+          std::cout << " |\n";
         }
   }
 
