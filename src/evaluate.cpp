@@ -9,6 +9,8 @@
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <darboux/error.h>
 #include <darboux/evaluate.h>
@@ -25,10 +27,10 @@ using kernels::group_size;
 using kernels::line;
 using kernels::Variant;
 
-// Points a kernel is called with; a block may be longer by less than batch_size<T>, so that no kernel gets fewer.
+// The most points a kernel is called with, but for less than batch_size<T>, so that none gets fewer.
 constexpr std::size_t block_points = 1024;
 template <class T>
-constexpr std::size_t block_room = block_points + group_size<T>;
+constexpr std::size_t block_room = block_points + batch_size<T> + group_size<T>;
 // Columns of a grid whose sines are taken at once.
 template <class T>
 constexpr std::size_t most_columns = 4096 / sizeof(T);
@@ -314,7 +316,7 @@ class Batch {
       begin_stages(first);
       for (std::size_t at = first; at < last;) {
         const std::size_t rest = last - at, n = rest < block_points + batch_size<T> ? rest : block_points;
-        for (std::size_t i = 0; i < block_room<T>; ++i) {
+        for (std::size_t i = 0; i < n + group_size<T>; ++i) {
           const auto [u, v] = batch.points_[at + std::min(i, n - 1)];
           raw_u[i] = u;
           raw_v[i] = v;
@@ -343,11 +345,11 @@ class Batch {
       const char* source = reinterpret_cast<const char*>(from);
       const char* end = source + stride * static_cast<std::ptrdiff_t>(std::min(at + block_points, last));
       const std::ptrdiff_t step = std::max(stride, static_cast<std::ptrdiff_t>(line));
-      for (source += stride * static_cast<std::ptrdiff_t>(at); source < end; source += step)
+      for (source += stride * static_cast<std::ptrdiff_t>(std::min(at, last)); source < end; source += step)
         __builtin_prefetch(source);
     }
 
-    // The n values from `at` on, and the last again for groups that are not whole.
+    // The n values from `at` on, and the last again to the end of a group.
     void fill(std::array<T, block_room<T>>& to, const T* from, std::size_t at, std::size_t n) const {
       const std::ptrdiff_t stride = batch.points_.stride();
       const char* source = reinterpret_cast<const char*>(from) + stride * static_cast<std::ptrdiff_t>(at);
@@ -358,7 +360,7 @@ class Batch {
         for (std::size_t i = 0; i < n; ++i)
           to[i] = *reinterpret_cast<const T*>(source + stride * static_cast<std::ptrdiff_t>(i));
       }
-      std::fill(to.begin() + static_cast<std::ptrdiff_t>(n), to.end(), to[n - 1]);
+      std::fill_n(to.begin() + static_cast<std::ptrdiff_t>(n), group_size<T>, to[n - 1]);
     }
 
     // ---- blocks: as much of one as a kernel takes at once
@@ -554,14 +556,18 @@ StatusSummary evaluate_all(const detail::ErasedSurface<T>& surface, const Points
   const auto begin_of = [&](std::size_t k) {
     return k == threads ? n : n / threads * k / batch_size<T> * batch_size<T>;
   };
-  // In the caller's arena: as many chunks as threads keep no more busy, and the workers stay awake from call to call.
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, threads, 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t k = range.begin(); k < range.end(); ++k)
-          part[k] = batch.run(begin_of(k), begin_of(k + 1));
-      },
-      tbb::simple_partitioner{});
+  // In the caller's arena, whose workers stay awake from call to call; as many chunks as threads keep no more busy. Isolated: no
+  // other task of the caller begins here, and its cancellation leaves nothing out.
+  tbb::task_group_context context(tbb::task_group_context::isolated);
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, threads, 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          for (std::size_t k = range.begin(); k < range.end(); ++k)
+            part[k] = batch.run(begin_of(k), begin_of(k + 1));
+        },
+        tbb::simple_partitioner{}, context);
+  });
   StatusSummary total;
   for (std::size_t k = 0; k < threads; ++k) {
     total.points += part[k].points;

@@ -4,14 +4,15 @@
 #include <bit>
 #include <cfloat>
 #include <cmath>
-#include <cstring>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <utility>
 
-#include <tbb/blocked_range.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_group.h>
 
 #include <darboux/error.h>
 #include <darboux/mikktspace.h>
@@ -42,22 +43,29 @@ Vector across(const Vector& n, const Vector& a) {
   return normalised(a - dot(n, a) * n);
 }
 
-// f(begin, end) over pieces of [0, n).
+// f(begin, end) over pieces of [0, n), by so many threads: each takes the next piece when it is done with one.
 template <class F>
 void in_pieces(std::size_t n, std::size_t threads, const F& f, std::size_t least = 4096) {
   const std::size_t pieces = threads <= 1 ? 1 : std::min(n / least + 1, 16 * threads);
   if (pieces == 1) return f(std::size_t{0}, n);
-  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t k) { f(n * k / pieces, n * (k + 1) / pieces); });
+  std::atomic<std::size_t> taken = 0;
+  tbb::task_group_context context(tbb::task_group_context::isolated);
+  tbb::parallel_for(
+      std::size_t{0}, std::min(threads, pieces),
+      [&](std::size_t) {
+        for (std::size_t k; (k = taken++) < pieces;) f(n * k / pieces, n * (k + 1) / pieces);
+      },
+      tbb::simple_partitioner{}, context);
 }
 
 // ---- the mesh -----------------------------------------------------------------------------------------------------
 
 // What is known of a triangle that is not degenerate.
 struct Derivatives {
-  Vector s, t;  // unit directions in which u and v grow
+  Vector s, t;  // unit directions in which u and v grow, unless `any`
   float s_length = 0, t_length = 0;
   bool preserves = false;  // orientation: the uvs wind as the triangle does
-  bool any = false;        // joins groups of either orientation: its uvs have no area, or it has none
+  bool any = false;        // joins groups of either orientation: its uvs have no area, or s or t no length
 };
 
 class Mikk {
@@ -132,14 +140,14 @@ class Mikk {
   std::size_t threads_;
   float cosine_;
   bool negative_zeros_ = false;
-  std::vector<Index> same_as_;      // of each vertex: the first that equals it
+  std::vector<Index> same_as_;      // of each vertex: the one that stands for all equal to it
   std::vector<Index> corner_;       // of the triangles; empty: in order
   std::vector<Index> face_;         // of the triangles; empty: in order
   std::vector<Index> face_begin_;   // the first corner of each face; empty: all are triangles
   std::vector<Index> cut_;          // the corners of the triangles in the order of the faces; empty: in order
   std::size_t all_ = 0, good_ = 0;  // triangles; the degenerate ones come last
   std::vector<std::uint8_t>
-      alone_;  // of each triangle: whether the other one of its quad is the only degenerate of them
+      alone_;  // of each triangle: whether it is one of a quad of which one is degenerate
   std::vector<Derivatives> derivatives_;  // of the good triangles
   std::vector<Index> begin_, at_vertex_;  // of each welded vertex: its corners in good triangles, ascending
   std::vector<Index> neighbour_;          // of each good triangle: across the edges that begin at its corners
@@ -751,10 +759,14 @@ void Mikk::serve(Index v, Scratch& x, const Put& put) const {
              (dot(x.s[i], x.s[j]) > cosine_ && dot(x.t[i], x.t[j]) > cosine_);
     };
     // At the usual 180 degrees only opposite directions part: there are none where all are on one side.
-    bool all = true;
-    for (std::size_t i = 1; cosine_ <= -1 && all && i < x.at.size(); ++i)
-      all = dot(x.s[i], x.s[0]) > 0.1F && dot(x.t[i], x.t[0]) > 0.1F;
-    if (!(cosine_ <= -1 && all)) {
+    bool all = cosine_ <= -1;
+    std::size_t first = none;
+    for (std::size_t i = 0; all && i < x.at.size(); ++i) {
+      if (derivatives_[x.at[i] / 3].any) continue;
+      if (first == none) first = i;
+      all = i == first || (dot(x.s[i], x.s[first]) > 0.1F && dot(x.t[i], x.t[first]) > 0.1F);
+    }
+    if (!all) {
       all = true;
       for (std::size_t i = 0; all && i < x.at.size(); ++i)
         for (std::size_t j = 0; all && j < i; ++j) all = together(i, j);

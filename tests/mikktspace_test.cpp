@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -163,14 +164,14 @@ TEST(MikkTSpace, LengthsAreThoseOfTheDerivatives) {
     EXPECT_EQ(std::vector<float>(all[c].t, all[c].t + 3), std::vector<float>(&four[4 * c], &four[4 * c] + 3));
 }
 
-// A quad is its two triangles, along the shorter diagonal: on one that is flat and whose uvs are affine all agree.
+// A quad is its two triangles, along the diagonal that is shorter in the uvs: on one that is bent the others would differ.
 TEST(MikkTSpace, QuadsAreCutAlongTheShorterDiagonal) {
   for (const bool other : {false, true}) {
     Arrays quad;
     const float x =
         other ? 0.3F : 1.7F;  // makes the diagonal from corner 1 or that from corner 0 the shorter
     for (const auto& [u, v] : {std::pair{0.F, 0.F}, {1.F, 0.F}, {x, 1.F}, {x - 1, 1.F}})
-      quad.add({u, v, 0.2F * u * v, 0, 0, 1, u, v});
+      quad.add({u, v + 0.4F * u * v, 0.2F * u * v, 0, 0, 1, u, v});
     quad.face_sizes = {4};
     quad.corners = {0, 1, 2, 3};
     Arrays triangles = quad;

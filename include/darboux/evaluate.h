@@ -131,7 +131,7 @@ InstructionSet chosen_instruction_set();
 /// "avx2", as in DARBOUX_ISA; "unknown" for what is no instruction set.
 std::string_view name_of(InstructionSet set);
 
-/// Whether results are written past the caches. Worth it for more than these hold: about 1.8 times as fast then, twice as slow
+/// Whether results are written past the caches. Worth it for more than these hold: about 1.5 times as fast then, as much slower
 /// for less.
 enum class Stores : std::uint8_t { automatic, cached, past_caches };
 
@@ -268,7 +268,7 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 /// or the points. In float the parameters
 /// are rounded first. Numbers and statuses are to the bit those of sample() and curvature() (NaN for NaN), whatever the instruction set,
 /// layout, number of threads and place in the batch; the status has overflow where a partial asked for is not finite, and
-/// umbilic only where principal directions are asked for. Where no frame exists vectors are NaN. About 3 ns a point for position,
+/// umbilic only where principal directions are asked for. Where no frame exists vectors are NaN. About 5 ns a point for position,
 /// dpdu, dpdv, t, b, n of a torus in double; docs/reports/evaluation.md has the figures.
 /// \throws ParameterError when an output has room for fewer points than there are, the number of threads is negative, or the
 /// instruction set, or what DARBOUX_ISA names, is not one of instruction_sets(); nothing is written then. Exceptions of a user's surface are passed on.

@@ -34,9 +34,10 @@ struct MikkOptions {
 
 /// All that MikkTSpace tells of a corner.
 struct MikkTangent {
-  float t[3] = {1, 0, 0}, b[3] = {0, 1, 0};  ///< unit, across the normal; b is not n × t
-  float t_length = 1, b_length = 1;          ///< of the derivatives in u and v, averaged
-  float sign = -1;                           ///< raw: 1 where the uvs wind as the triangle does
+  float t[3] = {1, 0, 0},
+        b[3] = {0, 1, 0};  ///< unit, across the normal, or zero where directions cancel; b is not n × t
+  float t_length = 1, b_length = 1;  ///< of the derivatives in u and v, averaged
+  float sign = -1;                   ///< raw: 1 where the uvs wind as the triangle does
 };
 
 /// MikkTSpace's tangents, bit for bit those of the original in single precision. [Mikkelsen2008]
@@ -50,12 +51,12 @@ struct MikkTangent {
 /// nothing serves has t = (1, 0, 0), b = (0, 1, 0) and the sign -1. Quads are cut along the shorter diagonal in the uvs.
 ///
 /// glTF's w is the raw sign, negated. The bits do not depend on the order of the vertices of an indexed mesh, nor on threads.
-/// Cost: linear in the triangles but for vertices about which opposite directions meet, there quadratic in their number;
-/// under 200 bytes a triangle.
+/// Cost: linear in the triangles; quadratic in the number of those at one vertex whose directions are not all within 84 degrees of
+/// one of them, or with a threshold below 180; about 200 bytes a triangle.
 ///
 /// \param tangent4 x, y, z of t and the raw sign, four numbers a corner
 /// \throws MeshError for attributes of unequal length, faces of other than three or four corners, indices out of range, numbers
-/// that are not finite
+/// that are not finite; ParameterError for an option out of its range, or a tangent4 of another length
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options = {});
 /// The same with bitangents and lengths, of each corner.
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options = {});

@@ -90,8 +90,8 @@ S components_sum(const Vec3<S>& a) {
   return a.x + a.y + a.z;
 }
 
-// What goes through the formula at once: a line, so that it can be written past the caches from the registers. Of two or more
-// for each, that makes kernels slow to compile, which is not worth it for all attributes and for four.
+// What goes through the formula at once. A line of two registers can be written past the caches from them; but that makes
+// kernels slow to compile, so not where all attributes are, and not of four registers.
 template <class T, Variant variant>
 using Batch = Lanes<T, sizeof(Register<T>) * 2 == line && variant != Variant::everything ? 2 : 1>;
 

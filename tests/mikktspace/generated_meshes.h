@@ -3,7 +3,6 @@
 /// mikktspace_test compares.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
