@@ -29,7 +29,7 @@ std::string surface_headers(const Includes& tree) {
 
 std::vector<Rule> rules(const Includes& tree) {
   const std::string surfaces = surface_headers(tree);
-  const std::string mesh_core = "(mesh|mesh_frames|mesh_classes|mikktspace|weld)";
+  const std::string mesh_core = "(mesh|mesh_frames|mesh_classes|mikktspace|mikktspace/[a-z_]+|weld)";
   return {
       {"a surface knows no engine", "surfaces/darboux/(?!catalogue\\.h).*",
        std::string(standard) + "|darboux/(surface|scalar|vector|curve|spline)\\.h", ""},
@@ -47,7 +47,8 @@ std::vector<Rule> rules(const Includes& tree) {
       {"the core knows no files, no fit and no verdict",
        "(include/darboux|src)/"
        "(any_surface|testing|evaluate|point|limit|forms|frame|differentiate|adaptors|mesh|mesh_frames|"
-       "mesh_classes|mikktspace|weld|sample_mesh|converge|placed_surface|validate)\\.(h|cpp)",
+       "mesh_classes|mikktspace|mikktspace/"
+       "[a-z_]+|weld|sample_mesh|converge|placed_surface|validate)\\.(h|cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
       {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",
        std::string(standard) + "|darboux/(scalar|vector)\\.h", ""},
@@ -58,10 +59,11 @@ std::vector<Rule> rules(const Includes& tree) {
            "(scalar|vector|surface|attributes|frame|limit|point|forms|differentiate|evaluate)\\.h",
        ""},
       {"xsimd stays in the kernels", "(?!src/kernels/|tests/).*", "", "xsimd/.*"},
-      {"threads stay behind these", "(?!src/(evaluate|mikktspace)\\.cpp|tests/).*", "", "tbb/.*"},
+      {"threads stay behind these", "(?!src/evaluate\\.cpp|src/mikktspace/|tests/).*", "", "tbb/.*"},
       {"a mesh knows no parametric surface", "(include/darboux|src)/" + mesh_core + "\\.(h|cpp)",
        std::string(standard) + "|Eigen/.*|darboux/(scalar|vector|surface|frame|error)\\.h|darboux/" +
-           mesh_core + "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*",
+           mesh_core +
+           "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|(arithmetic|pieces|connectivity)\\.h",
        ""},
       {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",
        std::string(standard) + "|Eigen/.*|darboux/.*", ""},

@@ -16,6 +16,8 @@
 #include <darboux/surface_of_revolution.h>
 #include <darboux/tube.h>
 
+#include "refusal_of.h"
+
 namespace darboux::test {
 namespace {
 
@@ -23,16 +25,6 @@ using Vec = Vec3<double>;
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-template <class F>
-std::string refusal_of(F&& make) {
-  try {
-    make();
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 TEST(Refusals, OfDegreesKnotsPointsAndWeights) {
   struct Wrong {

@@ -12,20 +12,10 @@
 #include <darboux/error.h>
 #include <darboux/evaluate.h>
 
+#include "refusal_of.h"
+
 namespace darboux::test {
 namespace {
-
-template <class F>
-std::string refusal_of(F&& f) {
-  try {
-    f();
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  return "";
-}
-#define EXPECT_REFUSED(statement, words) \
-  EXPECT_NE(refusal_of([&] { statement; }).find(words), std::string::npos) << refusal_of([&] { statement; })
 
 TEST(Refusals, NameTheAttributeAndWhatIsPermitted) {
   std::vector<double> x(12);
@@ -97,7 +87,7 @@ TEST(InstructionSets, AreChosenByTheEnvironment) {
   const auto points = Points<double>::arrays(u, u);
   for (const InstructionSet set : instruction_sets()) {
     ASSERT_EQ(::setenv("DARBOUX_ISA", std::string(name_of(set)).c_str(), 1), 0);
-    EXPECT_EQ(refusal_of([&] { evaluate(Torus{}, points, outputs); }), "") << name_of(set);
+    EXPECT_EQ(refusal_of([&] { evaluate(Torus{}, points, outputs); }), "accepted") << name_of(set);
     EXPECT_EQ(chosen_instruction_set(), set);
     EXPECT_EQ(evaluate(Torus{}, points, outputs).point_by_point, set == InstructionSet::points ? 40U : 0U);
   }
@@ -105,7 +95,7 @@ TEST(InstructionSets, AreChosenByTheEnvironment) {
   EXPECT_REFUSED(evaluate(Torus{}, points, outputs), "DARBOUX_ISA: 'altivec' is no instruction set");
   EXPECT_EQ(
       refusal_of([&] { evaluate(Torus{}, points, outputs, {.instruction_set = InstructionSet::points}); }),
-      "");
+      "accepted");
   ASSERT_EQ(::unsetenv("DARBOUX_ISA"), 0);
   EXPECT_EQ(chosen_instruction_set(), instruction_sets().back());
   EXPECT_REFUSED(evaluate(Torus{}, points, outputs, {.instruction_set = static_cast<InstructionSet>(77)}),

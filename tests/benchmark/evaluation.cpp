@@ -20,13 +20,14 @@
 #include <darboux/catalogue.h>
 #include <darboux/evaluate.h>
 
+#include "groups.h"
 #include "measure.h"
+#include "tables.h"
 #include "ways.h"
 
 namespace darboux::bench {
 namespace {
 
-constexpr std::size_t many = std::size_t{1} << 20, few = 4096;
 constexpr std::array all_attributes{Attribute::position, Attribute::dpdu,      Attribute::dpdv,
                                     Attribute::tangent,  Attribute::bitangent, Attribute::normal};
 
@@ -109,42 +110,6 @@ Outputs<T> outputs(Layout layout, Wanted wanted, const Place& to, std::size_t n)
 }
 
 // ---- groups of ways that are timed in turns ---------------------------------------------------------------------
-
-struct Group {
-  std::string name;  // surface/scalar/regime
-  std::vector<Way> ways;
-
-  void add(const std::string& shape, const std::string& method, std::size_t points,
-           std::function<void()> run) {
-    ways.push_back({shape, method, points, std::move(run)});
-  }
-  const Way* find(const std::string& shape, const std::string& method) const {
-    for (const Way& way : ways)
-      if (way.shape == shape && way.method == method) return &way;
-    return nullptr;
-  }
-  const Way& at(const std::string& shape, const std::string& method) const {
-    if (const Way* way = find(shape, method)) return *way;
-    throw std::logic_error("no way " + shape + " / " + method + " in " + name);
-  }
-  // The fastest way to write what has this shape.
-  const Way& limit(const std::string& shape) const {
-    const Way* best = nullptr;
-    for (const Way& way : ways)
-      if (way.shape == shape && way.method.starts_with("limit") &&
-          (best == nullptr || median(way.ns) < median(best->ns)))
-        best = &way;
-    if (best == nullptr) throw std::logic_error("no limit for " + shape + " in " + name);
-    return *best;
-  }
-};
-
-std::string ours(InstructionSet set) {
-  return "Darboux, " + std::string(darboux::name_of(set));
-}
-std::string best_of_ours() {
-  return ours(instruction_sets().back());
-}
 
 // The naive loop, the limits, and the library's batch, for one shape of results.
 template <class T>
@@ -251,11 +216,6 @@ Group by_hand_group(ByHand kind, bool memory) {
   return group;
 }
 
-constexpr std::array<std::size_t, 2> thread_sizes{many, std::size_t{1} << 14};
-std::string size_name(std::size_t n) {
-  return "2^" + std::to_string(static_cast<int>(std::log2(static_cast<double>(n))));
-}
-
 // f(first point, place of that and the following) of as many equal parts.
 template <class T, class F>
 void in_parts(int parts, std::size_t n, const Place& to, const F& f) {
@@ -298,8 +258,6 @@ Group threads_group(ByHand kind) {
   }
   return group;
 }
-
-constexpr std::array<std::size_t, 12> crossover_sizes{1, 2, 4, 6, 8, 10, 12, 16, 24, 32, 48, 64};
 
 // The same memory again and again, written only, or written and then read.
 template <class T>
@@ -392,251 +350,6 @@ void check_numbers(const Group& group, ByHand kind) {
       }
 }
 
-// ---- tables -----------------------------------------------------------------------------------------------------
-
-std::string number(double x, int digits) {
-  std::ostringstream text;
-  text.precision(digits);
-  text << std::fixed << x;
-  return text.str();
-}
-std::string nanoseconds(const Way& way) {
-  return number(way.best(), 2) + " / " + number(median(way.ns), 2);
-}
-
-class Report {
- public:
-  explicit Report(const std::vector<Group>& groups) : groups_(groups) {}
-
-  void write() const {
-    targets();
-    std::cout
-        << "\n### Torus and sphere\n\n"
-           "Columns, for each surface: nanoseconds a point, best / median; how many times as fast as the "
-           "naive loop\n"
-           "writing the same numbers to the same layout; the time over the write limit of the same layout.\n";
-    for (const std::string regime : {"memory", "L2"})
-      for (const std::string scalar : {"double", "float"}) by_hand(regime, scalar);
-    catalogue();
-    threads();
-    stores();
-  }
-
- private:
-  const Group& group(const std::string& name) const {
-    for (const Group& g : groups_)
-      if (g.name == name) return g;
-    throw std::logic_error("no group " + name);
-  }
-
-  // The shape whose naive loop and limit a way is held against.
-  static std::string compared_with(const std::string& shape) {
-    if (shape.starts_with("grid: ")) return shape.substr(6);
-    return shape == "18, then the sum of the normals" ? "18, separate arrays" : shape;
-  }
-  static double over_naive(const Group& g, const Way& way) {
-    return ratio(g.at(compared_with(way.shape), "naive Eigen loop"), way);
-  }
-  static double over_limit(const Group& g, const Way& way) {
-    return ratio(way, g.limit(compared_with(way.shape)));
-  }
-
-  void by_hand(const std::string& regime, const std::string& scalar) const {
-    const Group &torus = group("torus/" + scalar + "/" + regime),
-                &sphere = group("sphere/" + scalar + "/" + regime);
-    std::cout << "\n#### " << scalar << ", " << regime << "\n\n"
-              << "| written | by | torus, ns | × naive | / limit | sphere, ns | × naive | / limit |\n"
-              << "|---|---|---:|---:|---:|---:|---:|---:|\n";
-    const auto row = [&](const std::string& shape, const std::string& method, auto&& way_of) {
-      std::cout << "| " << shape << " | " << method;
-      for (const Group* g : {&torus, &sphere}) {
-        const Way& x = way_of(*g);
-        std::cout << " | " << nanoseconds(x) << " | " << number(over_naive(*g, x), 2) << " | "
-                  << number(over_limit(*g, x), 2);
-      }
-      std::cout << " |\n";
-    };
-    std::string last_limit;
-    for (const Way& way : torus.ways) {
-      // The registers' widths are told apart for the first shape; of the others the fastest is shown.
-      if (!way.method.starts_with("limit") || way.shape == torus.ways.front().shape) {
-        row(way.shape, way.method, [&](const Group& g) -> const Way& { return g.at(way.shape, way.method); });
-      } else if (way.shape != last_limit) {
-        last_limit = way.shape;
-        row(way.shape, way.method.substr(0, way.method.find(',')),
-            [&](const Group& g) -> const Way& { return g.limit(way.shape); });
-      }
-    }
-    if (!with_occt && scalar == "double")
-      std::cout << "\nWithout OCCT: its development packages were not there when this was built.\n";
-  }
-
-  // "grid: 18, separate arrays" in double as "grid: 18 doubles, separate arrays".
-  static std::string titled(const std::string& scalar, std::string shape) {
-    const std::size_t at = shape.find("18");
-    return at == std::string::npos ? shape + " in " + scalar : shape.insert(at + 2, " " + scalar + "s");
-  }
-
-  // One row of the targets: the value on each surface, and whether all reach it.
-  static void target(const std::string& what, const std::string& required, const std::vector<double>& values,
-                     const std::function<bool(double)>& reached, const char* unit) {
-    bool all = true;
-    std::cout << "| " << what << " | " << required << " |";
-    for (const double value : values) {
-      std::cout << ' ' << number(value, 2) << unit << " |";
-      all = all && reached(value);
-    }
-    std::cout << (all ? " pass |\n" : " **missed** |\n");
-  }
-
-  void targets() const {
-    std::cout << "### Targets\n\n";
-    if (ours(InstructionSet::avx512) != best_of_ours())
-      std::cout << "The targets are for AVX-512, which this machine or build does not have.\n\n";
-    std::cout << "| what | required | torus | sphere | |\n|---|---|---:|---:|---|\n";
-    const auto both = [&](const std::string& scalar, const std::string& regime, auto&& value) {
-      return std::vector{value(group("torus/" + scalar + "/" + regime)),
-                         value(group("sphere/" + scalar + "/" + regime))};
-    };
-    const auto at_most_limit = [&](const std::string& scalar, const std::string& shape,
-                                   const std::string& method, double most) {
-      target(
-          titled(scalar, shape) + ", memory" + (method == best_of_ours() ? "" : ", " + method),
-          "<= " + number(most, 2) + " × limit",
-          both(scalar, "memory", [&](const Group& g) { return over_limit(g, g.at(shape, method)); }),
-          [=](double x) { return x <= most; }, "");
-    };
-    const auto times_naive = [&](const std::string& scalar, const std::string& regime,
-                                 const std::string& shape, const std::string& method, double least) {
-      target(
-          titled(scalar, shape) + ", " + regime + (method == best_of_ours() ? "" : ", " + method),
-          ">= " + number(least, 0) + " × naive",
-          both(scalar, regime, [&](const Group& g) { return over_naive(g, g.at(shape, method)); }),
-          [=](double x) { return x >= least; }, "");
-    };
-    const std::string separate = "18, separate arrays", vectors = "18, vec3 arrays",
-                      structs = "18, array of structs";
-    for (const std::string scalar : {"double", "float"}) {
-      at_most_limit(scalar, separate, best_of_ours(), 1.15);
-      times_naive(scalar, "memory", separate, best_of_ours(), scalar == "double" ? 7 : 8);
-      at_most_limit(scalar, vectors, best_of_ours(), 1.25);
-      at_most_limit(scalar, structs, best_of_ours(), 1.3);
-      at_most_limit(scalar, "grid: " + separate, best_of_ours(), 1.1);
-      at_most_limit(scalar, "grid: " + structs, best_of_ours(), 1.3);
-      times_naive(scalar, "L2", separate, best_of_ours(), scalar == "double" ? 14 : 16);
-    }
-    times_naive("float", "L2", "t, b, n, vec3 arrays", best_of_ours(), 30);
-    times_naive("float", "L2", "tangent4", best_of_ours(), 40);
-    for (const std::string scalar : {"double", "float"}) {
-      if (const std::string avx2 = ours(InstructionSet::avx2);
-          group("torus/double/L2").find(separate, avx2)) {
-        at_most_limit(scalar, separate, avx2, 1.25);
-        times_naive(scalar, "L2", separate, avx2, 10);
-      }
-      if (const std::string base = ours(InstructionSet::baseline);
-          group("torus/double/L2").find(separate, base))
-        times_naive(scalar, "L2", separate, base, 5);
-    }
-    for (const std::string scalar : {"double", "float"})
-      for (const std::size_t n : thread_sizes) {
-        const double least = n == many ? 1.9 : 1.8;
-        if (std::thread::hardware_concurrency() >= 2)
-          target(
-              scalar + ", two threads, " + size_name(n) + " points", ">= " + number(least, 1) + " × one",
-              both(scalar, "threads",
-                   [&](const Group& g) { return ratio(g.at(size_name(n), "1"), g.at(size_name(n), "2")); }),
-              [=](double x) { return x >= least; }, "");
-      }
-    const auto tangent4_share = [&](const Group& g) {
-      return ratio(g.at("tangent4", best_of_ours()), g.at(separate, best_of_ours()));
-    };
-    std::cout << "| float, tangent4 alone, L2 | torus: <= 0.25 × the 18 numbers | "
-              << number(tangent4_share(group("torus/float/L2")), 2) << " | "
-              << number(tangent4_share(group("sphere/float/L2")), 2) << " | "
-              << (tangent4_share(group("torus/float/L2")) <= 0.25 ? "pass" : "**missed**") << " |\n";
-    std::string below, exempt;
-    for (const CatalogueLoops<double>& x : catalogue_loops<double>()) {
-      if (catalogue_ratio(x) >= 5) continue;
-      std::string& names = x.in_lanes ? below : exempt;
-      names += (names.empty() ? "" : ", ") + std::string(x.surface);
-    }
-    std::cout << "| every surface of the catalogue, double, L2 | >= 5 × its own naive loop | see below | | "
-              << (below.empty() ? "pass" : "**missed**: " + below)
-              << (exempt.empty() ? "" : "; exempt, splines with a search at each point: " + exempt) << " |\n"
-              << "| accuracy | frames 4u or 8u, partials 8u, times 1 + condition, on every path | | | held "
-                 "by `darboux "
-                 "check` and, bit for bit on every instruction set, by tests/batch_test.cpp |\n";
-  }
-
-  double catalogue_ratio(const CatalogueLoops<double>& x) const {
-    const Group& g = group("catalogue/double/L2");
-    return ratio(g.at(std::string(x.surface), "naive"), g.at(std::string(x.surface), best_of_ours()));
-  }
-
-  void catalogue() const {
-    const Group& g = group("catalogue/double/L2");
-    std::cout
-        << "\n### Every surface\n\n18 doubles, separate arrays, L2; best / median nanoseconds a point.\n\n"
-           "| surface | its naive loop | Darboux | × naive | |\n|---|---:|---:|---:|---|\n";
-    for (const CatalogueLoops<double>& x : catalogue_loops<double>()) {
-      const std::string name(x.surface);
-      const double times = catalogue_ratio(x);
-      std::cout << "| " << name << " | " << nanoseconds(g.at(name, "naive")) << " | "
-                << nanoseconds(g.at(name, best_of_ours())) << " | " << number(times, 2) << " | "
-                << (times >= 5    ? ""
-                    : !x.in_lanes ? "a spline: point by point, with a search at each"
-                                  : "**below 5**")
-                << " |\n";
-    }
-  }
-
-  void threads() const {
-    std::cout
-        << "\n### Two threads\n\n18 separate arrays; 2^20 points into rotating sets, 2^14 into the same "
-           "arrays. Beside it what two threads are worth here to others: to the naive loop, which computes, "
-           "and to the "
-           "write limit.\n\n"
-           "| surface | scalar | points | one thread, ns | two, ns | × one | naive: × one | limit: × one |\n"
-           "|---|---|---|---:|---:|---:|---:|---:|\n";
-    for (const std::string surface : {"torus", "sphere"})
-      for (const std::string scalar : {"double", "float"})
-        for (const std::size_t n : thread_sizes) {
-          const Group& g = group(surface + "/" + scalar + "/threads");
-          const Way &one = g.at(size_name(n), "1"), &two = g.at(size_name(n), "2");
-          std::cout << "| " << surface << " | " << scalar << " | " << size_name(n) << " | "
-                    << nanoseconds(one) << " | " << nanoseconds(two) << " | " << number(ratio(one, two), 2);
-          for (const std::string by : {"naive ", "limit "})
-            std::cout << " | "
-                      << number(ratio(g.at(size_name(n), by + "1"), g.at(size_name(n), by + "2")), 2);
-          std::cout << " |\n";
-        }
-  }
-
-  void stores() const {
-    std::cout << "\n### Cached stores or past the caches\n\n"
-                 "Torus, 18 separate arrays, the same memory in each call; median nanoseconds a point.\n";
-    for (const std::string scalar : {"double", "float"}) {
-      const Group& g = group("torus/" + scalar + "/stores");
-      std::cout << "\n| " << scalar
-                << ", bytes written | cached | past the caches | past / cached | cached, then read | past, "
-                   "then read | past / "
-                   "cached |\n|---:|---:|---:|---:|---:|---:|---:|\n";
-      for (const std::size_t megabytes : crossover_sizes) {
-        std::cout << "| " << megabytes << " MB";
-        for (const std::string then : {"", ", then read"}) {
-          const std::string shape = std::to_string(megabytes) + " MB" + then;
-          const Way &cached = g.at(shape, "cached"), &past = g.at(shape, "past_caches");
-          std::cout << " | " << number(median(cached.ns), 2) << " | " << number(median(past.ns), 2) << " | "
-                    << number(ratio(past, cached), 2);
-        }
-        std::cout << " |\n";
-      }
-    }
-  }
-
-  const std::vector<Group>& groups_;
-};
-
 int table(std::vector<Group>& groups, bool quick) {
   for (const Group& group : groups)
     if (group.name.ends_with("/L2") && !group.name.starts_with("catalogue")) {
@@ -659,7 +372,7 @@ int table(std::vector<Group>& groups, bool quick) {
   for (const InstructionSet set : instruction_sets()) std::cout << ' ' << darboux::name_of(set);
   std::cout << "; without a name Darboux ran on " << darboux::name_of(instruction_sets().back())
             << "\n- OCCT: " << (with_occt ? "compared with" : "not there, not compared with") << "\n\n";
-  Report(groups).write();
+  write_tables(groups);
   return 0;
 }
 

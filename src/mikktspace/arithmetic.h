@@ -1,0 +1,30 @@
+/// \file arithmetic.h
+/// The arithmetic of the original MikkTSpace: single precision, sums from left to right.
+#pragma once
+
+#include <cfloat>
+#include <cmath>
+
+#include <darboux/vector.h>
+
+namespace darboux::mikk {
+
+using Vector = Vec3<float>;
+
+inline bool not_zero(float x) {
+  return std::fabs(x) > FLT_MIN;
+}
+inline bool not_zero(const Vector& a) {
+  return not_zero(a.x) || not_zero(a.y) || not_zero(a.z);
+}
+inline float length_of(const Vector& a) {
+  return std::sqrt(dot(a, a));
+}
+inline Vector normalised(const Vector& a) {
+  return not_zero(a) ? 1.0F / length_of(a) * a : a;
+}
+inline Vector across(const Vector& n, const Vector& a) {
+  return normalised(a - dot(n, a) * n);
+}
+
+}  // namespace darboux::mikk

@@ -1,0 +1,315 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include <darboux/error.h>
+#include <darboux/mikktspace.h>
+
+#include "connectivity.h"
+#include "pieces.h"
+
+namespace darboux {
+namespace {
+
+using mikk::across;
+using mikk::Derivatives;
+using mikk::in_pieces;
+using mikk::Index;
+using mikk::none;
+using mikk::normalised;
+using mikk::Vector;
+
+// Groups about each vertex and their averages.
+class Tangents : mikk::Connectivity {
+ public:
+  Tangents(const MikkMesh& mesh, const MikkOptions& options)
+      : Connectivity(mesh, options),
+        cosine_(static_cast<float>(
+            std::cos(static_cast<double>(options.angular_threshold * static_cast<float>(M_PI) / 180.0F)))) {}
+
+  // put(corner, tangent) for the corners that the groups serve, once for those of triangles; copy(from, to) for those that
+  // degenerate triangles take over.
+  template <class Put, class Copy>
+  void of_corners(const Put& put, const Copy& copy) const;
+
+ private:
+  struct Scratch;
+  template <class Put>
+  void serve(Index v, Scratch& scratch, const Put& put) const;
+  MikkTangent evaluate(const Scratch& scratch, std::span<const Index> members) const;
+
+  float cosine_;
+};
+
+struct Tangents::Scratch {
+  std::vector<Index> group, reached, first, next, order, members;
+  // Of the members of a group: what they add.
+  std::vector<Index> at;
+  std::vector<Vector> s, t;
+  std::vector<float> angle;
+};
+
+// The average over some members, weighted by the angle between a triangle's edges as seen along the normal.
+MikkTangent Tangents::evaluate(const Scratch& scratch, std::span<const Index> members) const {
+  Vector s{0, 0, 0}, t{0, 0, 0};
+  float s_length = 0, t_length = 0, sum = 0;
+  for (const Index i : members) {
+    const Derivatives& d = derivatives_[scratch.at[i] / 3];
+    if (d.any) continue;
+    const float angle = scratch.angle[i];
+    s += angle * scratch.s[i];
+    t += angle * scratch.t[i];
+    s_length += angle * d.s_length;
+    t_length += angle * d.t_length;
+    sum += angle;
+  }
+  s = normalised(s);
+  t = normalised(t);
+  if (sum > 0) {
+    s_length /= sum;
+    t_length /= sum;
+  }
+  return {{s.x, s.y, s.z}, {t.x, t.y, t.z}, s_length, t_length, 1};
+}
+
+template <class Put>
+void Tangents::serve(Index v, Scratch& x, const Put& put) const {
+  const std::span<const Index> corners = corners_at(v);
+  // Groups: corners joined by edges at v between triangles of one orientation; numbered by their first.
+  x.group.assign(corners.size(), none);
+  Index groups = 0;
+  const bool labelled = !labelled_.empty() && labelled_[v] != 0;
+  const auto place_of = [&](Index at) {
+    return static_cast<std::size_t>(std::lower_bound(corners.begin(), corners.end(), at) - corners.begin());
+  };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (labelled) {
+      if (const Index label = label_[corners[i]]; label != none)
+        x.group[i] = label == corners[i] ? groups++ : none - 1;
+      continue;
+    }
+    if (x.group[i] != none) continue;
+    const bool preserves = derivatives_[corners[i] / 3].preserves;
+    x.group[i] = groups;
+    x.reached.assign(1, corners[i]);
+    while (!x.reached.empty()) {
+      const Index at = x.reached.back();
+      x.reached.pop_back();
+      for (const Index t : {neighbour_[at], neighbour_[previous(at)]}) {
+        if (t == none || derivatives_[t].preserves != preserves) continue;
+        const Index there = corner_at(v, t);
+        Index& group = x.group[place_of(there)];
+        if (group != none) continue;
+        group = groups;
+        x.reached.push_back(there);
+      }
+    }
+    ++groups;
+  }
+  if (labelled)
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      if (x.group[i] == none - 1) x.group[i] = x.group[place_of(label_[corners[i]])];
+
+  // The corners of each group, ascending.
+  x.first.assign(groups, none);
+  x.next.resize(corners.size());
+  for (std::size_t i = corners.size(); i-- > 0;)
+    if (x.group[i] != none) x.next[i] = std::exchange(x.first[x.group[i]], static_cast<Index>(i));
+
+  for (Index g = 0; g < groups; ++g) {
+    x.at.clear(), x.s.clear(), x.t.clear(), x.angle.clear(), x.order.clear();
+    for (Index i = x.first[g]; i != none; i = x.next[i]) {
+      const std::size_t at = corners[i];
+      const Vector n = vector(mesh_.normals, source(at)), p = position(source(at));
+      const Derivatives& d = derivatives_[at / 3];
+      const Vector before = across(n, position(source(previous(at))) - p);
+      const Vector after = across(n, position(source(next(at))) - p);
+      const float cosine = std::min(1.0F, std::max(-1.0F, dot(before, after)));
+      x.order.push_back(static_cast<Index>(x.at.size()));
+      x.at.push_back(static_cast<Index>(at));
+      x.s.push_back(across(n, d.s));
+      x.t.push_back(across(n, d.t));
+      x.angle.push_back(static_cast<float>(std::acos(static_cast<double>(cosine))));
+    }
+    const bool preserves = derivatives_[x.at[0] / 3].preserves;
+    const auto write = [&](std::size_t i, MikkTangent tangent) {
+      tangent.sign = preserves ? 1.0F : -1.0F;
+      put(corner(x.at[i]), tangent);
+    };
+    const auto together = [&](std::size_t i, std::size_t j) {
+      const std::size_t a = x.at[i] / 3, b = x.at[j] / 3;
+      return derivatives_[a].any || derivatives_[b].any || face(a) == face(b) ||
+             (dot(x.s[i], x.s[j]) > cosine_ && dot(x.t[i], x.t[j]) > cosine_);
+    };
+    // At the usual 180 degrees only opposite directions part: there are none where all are on one side.
+    bool all = cosine_ <= -1;
+    std::size_t first = none;
+    for (std::size_t i = 0; all && i < x.at.size(); ++i) {
+      if (derivatives_[x.at[i] / 3].any) continue;
+      if (first == none) first = i;
+      all = i == first || (dot(x.s[i], x.s[first]) > 0.1F && dot(x.t[i], x.t[first]) > 0.1F);
+    }
+    if (!all) {
+      all = true;
+      for (std::size_t i = 0; all && i < x.at.size(); ++i)
+        for (std::size_t j = 0; all && j < i; ++j) all = together(i, j);
+    }
+    if (all) {
+      const MikkTangent tangent = evaluate(x, x.order);
+      for (std::size_t i = 0; i < x.at.size(); ++i) write(i, tangent);
+    } else {
+      for (std::size_t i = 0; i < x.at.size(); ++i) {
+        x.members.clear();
+        for (std::size_t j = 0; j < x.at.size(); ++j)
+          if (together(i, j)) x.members.push_back(static_cast<Index>(j));
+        write(i, evaluate(x, x.members));
+      }
+    }
+  }
+}
+
+template <class Put, class Copy>
+void Tangents::of_corners(const Put& put, const Copy& copy) const {
+  in_pieces(mesh_.vertex_count(), threads_, [&](std::size_t begin, std::size_t end) {
+    Scratch scratch;
+    for (std::size_t v = begin; v < end; ++v)
+      if (begin_[v] != begin_[v + 1]) serve(static_cast<Index>(v), scratch, put);
+  });
+  // A degenerate triangle takes over what the first good corner at the vertex has.
+  for (std::size_t at = 3 * good_; at < 3 * all_; ++at)
+    if (alone_[at / 3] == 0)
+      if (const auto corners = corners_at(welded(at)); !corners.empty()) copy(corner(corners[0]), corner(at));
+  // The fourth corner of a quad, one of whose triangles is degenerate: from the corner in the same place.
+  for (std::size_t t = 0; good_ < all_ && t < good_; ++t) {
+    if (alone_[t] == 0) continue;
+    const std::size_t begin = face_begin_[face(t)];
+    const auto at = [&](std::size_t k) { return corner(3 * t + k); };
+    for (std::size_t missing = begin; missing < begin + 4; ++missing) {
+      if (missing == at(0) || missing == at(1) || missing == at(2)) continue;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (position(vertex(at(k))) == position(vertex(missing))) {
+          copy(at(k), missing);
+          break;
+        }
+    }
+  }
+}
+
+// ---- input --------------------------------------------------------------------------------------------------------
+
+void check(const MikkMesh& mesh, const MikkOptions& options) {
+  const std::size_t n = mesh.positions.size() / 3;
+  const auto refuse = [](const std::string& why) { throw MeshError("mesh", why); };
+  if (mesh.positions.size() % 3 != 0)
+    refuse("has " + std::to_string(mesh.positions.size()) +
+           " numbers of positions, permitted are three a vertex");
+  if (mesh.normals.size() != 3 * n)
+    refuse("has " + std::to_string(mesh.normals.size()) +
+           " numbers of normals, permitted are three for each of its " + std::to_string(n) + " vertices");
+  if (mesh.uvs.size() != 2 * n)
+    refuse("has " + std::to_string(mesh.uvs.size()) + " numbers of uvs, permitted are two for each of its " +
+           std::to_string(n) + " vertices");
+  const std::size_t corners = mesh.corner_count();
+  if (corners >= none / 3)
+    refuse("has " + std::to_string(corners) + " corners, permitted are up to " +
+           std::to_string(none / 3 - 1));
+  for (std::size_t c = 0; c < mesh.corners.size(); ++c)
+    if (mesh.corners[c] >= n)
+      refuse("corner " + std::to_string(c) + " is vertex " + std::to_string(mesh.corners[c]) +
+             ", permitted are 0 to " + std::to_string(n) + " - 1");
+  std::size_t sum = 0;
+  for (std::size_t f = 0; f < mesh.face_sizes.size(); ++f) {
+    if (mesh.face_sizes[f] != 3 && mesh.face_sizes[f] != 4)
+      refuse("face " + std::to_string(f) + " has " + std::to_string(mesh.face_sizes[f]) +
+             " corners, permitted are 3 and 4");
+    sum += mesh.face_sizes[f];
+  }
+  if (mesh.face_sizes.empty() ? corners % 3 != 0 : sum != corners)
+    refuse("has " + std::to_string(corners) + " corners, permitted are those of its faces, " +
+           (mesh.face_sizes.empty() ? "three each" : std::to_string(sum)));
+  const auto check_finite = [&](std::span<const float> x, std::size_t components, const char* name) {
+    float zero = 0;
+    for (const float value : x) zero += value * 0;
+    if (zero == 0) return;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (!std::isfinite(x[i]))
+        refuse(std::string(name) + " of vertex " + std::to_string(i / components) + " is " +
+               std::to_string(x[i]) + ", permitted are finite numbers");
+  };
+  check_finite(mesh.positions, 3, "position");
+  check_finite(mesh.normals, 3, "normal");
+  check_finite(mesh.uvs, 2, "uv");
+  if (options.threads < 0)
+    throw ParameterError("threads",
+                         std::to_string(options.threads) + " threads, permitted is 0 (all) or more");
+  if (!(options.angular_threshold >= 0 && options.angular_threshold <= 180))
+    throw ParameterError("angular threshold",
+                         std::to_string(options.angular_threshold) + " degrees, permitted are 0 to 180");
+}
+
+bool has_quads(const MikkMesh& mesh) {
+  return std::any_of(mesh.face_sizes.begin(), mesh.face_sizes.end(), [](auto n) { return n == 4; });
+}
+
+// The average of what two triangles of a quad give to a corner.
+MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    return std::equal(std::begin(x), std::end(x), std::begin(y));
+  };
+  if (a.t_length == b.t_length && a.b_length == b.b_length && same(a.t, b.t) && same(a.b, b.b)) {
+    MikkTangent both = a;
+    both.sign = b.sign;
+    return both;
+  }
+  const auto mean = [](const auto& x, const auto& y) {
+    return normalised(Vector{x[0], x[1], x[2]} + Vector{y[0], y[1], y[2]});
+  };
+  const Vector t = mean(a.t, b.t), bt = mean(a.b, b.b);
+  return {{t.x, t.y, t.z},
+          {bt.x, bt.y, bt.z},
+          0.5F * (a.t_length + b.t_length),
+          0.5F * (a.b_length + b.b_length),
+          b.sign};
+}
+
+}  // namespace
+
+std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options) {
+  check(mesh, options);
+  std::vector<MikkTangent> result(mesh.corner_count());
+  std::vector<std::uint8_t> written(has_quads(mesh) ? result.size() : 0);
+  Tangents(mesh, options)
+      .of_corners(
+          [&](std::size_t corner, const MikkTangent& tangent) {
+            result[corner] = !written.empty() && std::exchange(written[corner], 1) != 0
+                                 ? average(result[corner], tangent)
+                                 : tangent;
+          },
+          [&](std::size_t from, std::size_t to) { result[to] = result[from]; });
+  return result;
+}
+
+void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options) {
+  check(mesh, options);
+  if (tangent4.size() != 4 * mesh.corner_count())
+    throw ParameterError("tangent4", std::to_string(tangent4.size()) +
+                                         " numbers, permitted are four for each of the " +
+                                         std::to_string(mesh.corner_count()) + " corners");
+  const auto put = [&](std::size_t corner, const MikkTangent& x) {
+    float* to = &tangent4[4 * corner];
+    to[0] = x.t[0], to[1] = x.t[1], to[2] = x.t[2], to[3] = x.sign;
+  };
+  if (has_quads(mesh)) {
+    const std::vector<MikkTangent> all = mikktspace(mesh, options);
+    for (std::size_t c = 0; c < all.size(); ++c) put(c, all[c]);
+    return;
+  }
+  for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{});
+  Tangents(mesh, options).of_corners(put, [&](std::size_t from, std::size_t to) {
+    std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
+  });
+}
+
+}  // namespace darboux
