@@ -20,11 +20,14 @@ constexpr MeshFamily families[] = {
     {"jittered-diagonals", "the same, every cell cut along a diagonal chosen at random", 0, 0.15, true},
 };
 
-constexpr double above_floor = 10;         // a level is used where its rms is this many times its floor
-constexpr int asymptotic_from = 16;        // coarser levels are left out where enough remain
-constexpr std::size_t fit_least = 3;       // levels without which there is no interval
-constexpr double tolerance = 0.15;         // of an order
-constexpr double orthogonal_below = 1e-9;  // |cos| between dpdu and dpdv, far above its rounding
+constexpr double above_floor = 10;    // a level is used where its rms is this many times its floor
+constexpr int asymptotic_from = 16;   // coarser levels are left out where enough remain
+constexpr std::size_t fit_least = 3;  // levels without which there is no interval
+constexpr double tolerance = 0.15;    // of an order
+constexpr double orthogonal_below =
+    1e-9;  // |cos| between dpdu and dpdv, and what their lengths differ by: far above rounding
+// Positions and uvs rounded once to float: an edge errs by 2^-24 |P|, a tangent by twice that over the edge.
+constexpr double single_precision_floor = 0x1p26;
 
 constexpr std::array<std::string_view, 3> quantities{"tangent", "bitangent", "normal"};
 enum Quantity : std::size_t { tangent, bitangent, normal };
@@ -43,7 +46,7 @@ struct Reference {
   std::vector<VertexClass> vertex_class;
   std::vector<Truth> truth;
   double floor_deg;
-  bool oblique = false;  // dpdu and dpdv by the stored uvs are not orthogonal somewhere
+  Chart chart = Chart::conformal;  // the narrowest kind that holds everywhere, by the stored uvs
   bool has_pole = false;
 };
 
@@ -85,7 +88,12 @@ Reference make_reference(const AnySurface& surface, const MeshFamily& family, co
          !has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero)});
     is_pole.push_back(has(status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel));
     r.has_pole = r.has_pole || is_pole.back();
-    if (!is_pole.back() && std::fabs(dot(sample.frame.t, unit(along_v))) > orthogonal_below) r.oblique = true;
+    if (is_pole.back()) continue;
+    if (std::fabs(dot(sample.frame.t, unit(along_v))) > orthogonal_below)
+      r.chart = Chart::any;
+    else if (r.chart == Chart::conformal &&
+             std::fabs(norm(along_v) / norm(sample.jet.dpdu) - 1) > orthogonal_below)
+      r.chart = Chart::orthogonal;
   }
   r.vertex_class = classify(r.mesh, is_pole).of_vertex;
   r.floor_deg = floor_deg(r.mesh);
@@ -117,25 +125,21 @@ bool answers(const FrameMethod& method, std::size_t quantity) {
 
 double expected_order(const FrameMethod& method, const MeshFamily& family, VertexClass vertex_class,
                       std::size_t quantity, const Reference& reference) {
-  const bool near_pole = vertex_class == VertexClass::pole || vertex_class == VertexClass::pole_ring;
   const bool irregular = family.jitter > 0 || family.random_diagonals;
-  // Triangles at a pole are h² wide and h high. Where one is not symmetric, the surface's curvature along v
-  // lifts its far side by h² too, so its own plane does not converge; methods that project onto the vertex
-  // normal remove that.
-  const bool in_plane_of_triangle = method.bitangent_order_oblique > 0;
-  if (near_pole && irregular && in_plane_of_triangle && quantity != bitangent) return 0;
-  if (quantity == normal) return 1;
-  // Towards a pole dpdu vanishes, and with it the shear.
-  const bool oblique = reference.oblique && !near_pole;
-  if (oblique) {
-    if (quantity == bitangent && method.bitangent_order_oblique == 0) return 0;
-    if (quantity == tangent && method.tangent_order_oblique == 0) return 0;
+  if (vertex_class == VertexClass::pole || vertex_class == VertexClass::pole_ring)
+    return irregular ? method.at_poles.jittered : method.at_poles.regular;
+  const Chart chart = quantity == normal      ? Chart::any
+                      : quantity == bitangent ? method.bitangent_chart
+                                              : method.tangent_chart;
+  if (static_cast<int>(reference.chart) < static_cast<int>(chart)) return 0;
+  double order = method.direction.jittered;
+  if (vertex_class == VertexClass::interior && !irregular) {
+    order = method.direction.regular;
+    // Vertices next to a border see beyond it, where there is nothing: their share falls like h.
+    if (method.reach > 1) order = std::min(order, method.direction.jittered + 0.5);
   }
-  if (vertex_class != VertexClass::interior) return 1;
-  const int order = oblique && quantity == bitangent ? method.bitangent_order_oblique
-                    : irregular                      ? method.order_jittered
-                                                     : method.order_regular;
-  return reference.has_pole ? std::min(1.5, static_cast<double>(order)) : order;
+  const bool converges_at_poles = (irregular ? method.at_poles.jittered : method.at_poles.regular) > 0;
+  return reference.has_pole && (order > 1 || !converges_at_poles) ? order - 0.5 : order;
 }
 
 OrderVerdict judge_order(const Study& study) {
@@ -209,8 +213,10 @@ void measure(const Reference& reference, const FrameMethod& method, int n, Study
       Errors& errors = of_class[k];
       if (errors.deg[q].empty()) continue;
       const Statistics s = summarise(errors.deg[q]);
-      studies[k][q].levels.push_back({n, 1.0 / n, s.max, s.rms, s.p95, reference.floor_deg, seconds,
-                                      errors.corners, errors.fallback, false});
+      const double floor_deg =
+          method.single_precision ? single_precision_floor * reference.floor_deg : reference.floor_deg;
+      studies[k][q].levels.push_back(
+          {n, 1.0 / n, s.max, s.rms, s.p95, floor_deg, seconds, errors.corners, errors.fallback, false});
     }
 }
 

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <darboux/error.h>
 #include <darboux/mesh.h>
 
@@ -18,6 +20,19 @@ void check_consistent(const Mesh& mesh, const std::string& name) {
       if (index >= n)
         throw MeshError(name, "index " + std::to_string(index) + " in triangle " + std::to_string(t) +
                                   " is out of range, permitted are 0 to " + std::to_string(n) + " exclusive");
+}
+
+void check_finite(const Mesh& mesh, const std::string& name) {
+  const auto check = [&](const char* attribute, const auto& values, const auto& finite) {
+    for (std::size_t v = 0; v < values.size(); ++v)
+      if (!finite(values[v]))
+        throw MeshError(name, std::string(attribute) + " of vertex " + std::to_string(v) +
+                                  " is not finite, permitted are finite numbers");
+  };
+  const auto finite3 = [](const Vec3<double>& x) { return detail::finite(x); };
+  check("position", mesh.positions, finite3);
+  check("normal", mesh.normals, finite3);
+  check("uv", mesh.uvs, [](const Vec2<double>& x) { return std::isfinite(x.x) && std::isfinite(x.y); });
 }
 
 }  // namespace darboux

@@ -29,7 +29,9 @@ std::string surface_headers(const Includes& tree) {
 
 std::vector<Rule> rules(const Includes& tree) {
   const std::string surfaces = surface_headers(tree);
-  const std::string mesh_core = "(mesh|mesh_frames|mesh_classes|mikktspace|mikktspace/[a-z_]+|weld)";
+  const std::string mesh_core =
+      "(mesh|mesh_frames|mesh_frames/[a-z_]+|fragments|vertex_normals|mesh_classes|mikktspace|mikktspace/"
+      "[a-z_]+|weld)";
   return {
       {"a surface knows no engine", "surfaces/darboux/(?!catalogue\\.h).*",
        std::string(standard) + "|darboux/(surface|scalar|vector|curve|spline)\\.h", ""},
@@ -46,7 +48,8 @@ std::vector<Rule> rules(const Includes& tree) {
       {"boost stays behind many_digits", "(?!src/many_digits\\.cpp|tests/).*", "", "boost/.*"},
       {"the core knows no files, no fit and no verdict",
        "(include/darboux|src)/"
-       "(any_surface|testing|evaluate|point|limit|forms|frame|differentiate|adaptors|mesh|mesh_frames|"
+       "(any_surface|testing|evaluate|point|limit|forms|frame|differentiate|adaptors|mesh|mesh_frames|mesh_"
+       "frames/[a-z_]+|fragments|vertex_normals|pieces|"
        "mesh_classes|mikktspace|mikktspace/"
        "[a-z_]+|weld|sample_mesh|converge|placed_surface|validate)\\.(h|cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
@@ -59,11 +62,12 @@ std::vector<Rule> rules(const Includes& tree) {
            "(scalar|vector|surface|attributes|frame|limit|point|forms|differentiate|evaluate)\\.h",
        ""},
       {"xsimd stays in the kernels", "(?!src/kernels/|tests/).*", "", "xsimd/.*"},
-      {"threads stay behind these", "(?!src/evaluate\\.cpp|src/mikktspace/|tests/).*", "", "tbb/.*"},
+      {"threads stay behind these", "(?!src/evaluate\\.cpp|src/pieces\\.h|tests/).*", "", "tbb/.*"},
       {"a mesh knows no parametric surface", "(include/darboux|src)/" + mesh_core + "\\.(h|cpp)",
        std::string(standard) + "|Eigen/.*|darboux/(scalar|vector|surface|frame|error)\\.h|darboux/" +
            mesh_core +
-           "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|(arithmetic|pieces|connectivity)\\.h",
+           "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|(arithmetic|connectivity|triangle|\\.\\./"
+           "pieces)\\.h",
        ""},
       {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",
        std::string(standard) + "|Eigen/.*|darboux/.*", ""},
@@ -136,7 +140,7 @@ TEST(Arrows, EveryWrongArrowIsFound) {
       {"include/darboux/mesh.h", "darboux/evaluate.h"},
       {"include/darboux/mesh_frames.h", "darboux/torus.h"},
       {"include/darboux/weld.h", "darboux/any_surface.h"},
-      {"src/mesh_frames.cpp", "darboux/evaluate.h"},
+      {"src/mesh_frames/averages.cpp", "darboux/evaluate.h"},
       {"include/darboux/scalar.h", "darboux/vector.h"},
       {"include/darboux/evaluate.h", "xsimd/xsimd.hpp"},
       {"src/validate.cpp", "tbb/parallel_for.h"},

@@ -89,11 +89,10 @@ struct ConvergeOptions {
 };
 
 /// Runs every combination; classes without corners give no study. Orders expected in the interior: the
-/// method's own, on irregular meshes its order_jittered; where the mesh holds a pole, 1.5 in place of 2 (the
-/// error grows like h²/θ towards it, θ the distance, so that its mean square over the rows falls like h³).
-/// Everywhere else one-sided triangles make it 1; next to a pole of an irregular mesh, methods that stay in
-/// the triangles' planes do not converge. Bitangents on charts that are not orthogonal: the method's
-/// bitangent_order_oblique.
+/// method's own, FrameMethod::direction, half an order less where the method looks two edges far, so that vertices next to a
+/// border lack neighbours, and where the mesh holds a pole (the error grows like h^p/θ towards it, θ the distance, so that its
+/// mean square over the rows falls like h^(2p-1)). At borders and seams: that of irregular meshes. Next to poles:
+/// FrameMethod::at_poles. 0 on charts that the method is not made for.
 /// \param progress called with the share done, in [0, 1]
 /// \throws ParameterError when
 /// the resolutions or the range of v are not as above

@@ -30,4 +30,8 @@ struct Mesh {
 /// \param name what the message calls the mesh
 void check_consistent(const Mesh& mesh, const std::string& name);
 
+/// Throws MeshError naming the first position, normal or uv that is NaN or infinite.
+/// \param name what the message calls the mesh
+void check_finite(const Mesh& mesh, const std::string& name);
+
 }  // namespace darboux

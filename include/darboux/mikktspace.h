@@ -38,6 +38,7 @@ struct MikkTangent {
         b[3] = {0, 1, 0};  ///< unit, across the normal, or zero where directions cancel; b is not n × t
   float t_length = 1, b_length = 1;  ///< of the derivatives in u and v, averaged
   float sign = -1;                   ///< raw: 1 where the uvs wind as the triangle does
+  bool served = false;               ///< by a triangle; else the values above, which stand for nothing
 };
 
 /// MikkTSpace's tangents, bit for bit those of the original in single precision. [Mikkelsen2008]

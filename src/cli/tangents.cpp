@@ -55,12 +55,12 @@ void list(const Common& common) {
                    {"summary", m.summary},
                    {"formula", m.formula},
                    {"needs_normals", m.needs_normals},
-                   {"order_regular", m.order_regular},
-                   {"order_jittered", m.order_jittered}});
+                   {"order_regular", m.direction.regular},
+                   {"order_jittered", m.direction.jittered}});
     if (!common.json)
       std::cout << m.name << "\n    " << m.summary << "\n    " << m.formula
-                << "\n    error falls with the mesh width to the power " << m.order_regular
-                << " on regular grids, " << m.order_jittered << " on irregular meshes\n";
+                << "\n    error falls with the mesh width to the power " << m.direction.regular
+                << " on regular grids, " << m.direction.jittered << " on irregular meshes\n";
   }
   if (common.json) print_json({{"methods", all}});
 }

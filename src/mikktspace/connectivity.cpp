@@ -9,8 +9,6 @@
 #include <memory>
 #include <utility>
 
-#include "pieces.h"
-
 namespace darboux::mikk {
 
 // ---- welding ------------------------------------------------------------------------------------------------------

@@ -8,10 +8,9 @@
 #include <span>
 #include <vector>
 
-#include <tbb/info.h>
-
 #include <darboux/mikktspace.h>
 
+#include "../pieces.h"
 #include "arithmetic.h"
 
 namespace darboux::mikk {
@@ -30,9 +29,7 @@ struct Derivatives {
 // All of it stands when the constructor is done, and is only read then.
 struct Connectivity {
   Connectivity(const MikkMesh& mesh, const MikkOptions& options)
-      : mesh_(mesh),
-        threads_(options.threads == 0 ? static_cast<std::size_t>(tbb::info::default_concurrency())
-                                      : static_cast<std::size_t>(options.threads)) {
+      : mesh_(mesh), threads_(thread_count(options.threads)) {
     weld();
     list_triangles();
     name_as_the_original();

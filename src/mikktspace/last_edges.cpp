@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "connectivity.h"
-#include "pieces.h"
 
 namespace darboux::mikk {
 namespace {

@@ -8,14 +8,12 @@
 #include <darboux/mikktspace.h>
 
 #include "connectivity.h"
-#include "pieces.h"
 
 namespace darboux {
 namespace {
 
 using mikk::across;
 using mikk::Derivatives;
-using mikk::in_pieces;
 using mikk::Index;
 using mikk::none;
 using mikk::normalised;
@@ -71,7 +69,7 @@ MikkTangent Tangents::evaluate(const Scratch& scratch, std::span<const Index> me
     s_length /= sum;
     t_length /= sum;
   }
-  return {{s.x, s.y, s.z}, {t.x, t.y, t.z}, s_length, t_length, 1};
+  return {{s.x, s.y, s.z}, {t.x, t.y, t.z}, s_length, t_length, 1, true};
 }
 
 template <class Put>
@@ -271,7 +269,8 @@ MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
           {bt.x, bt.y, bt.z},
           0.5F * (a.t_length + b.t_length),
           0.5F * (a.b_length + b.b_length),
-          b.sign};
+          b.sign,
+          true};
 }
 
 }  // namespace

@@ -6,12 +6,18 @@
 #include <atomic>
 #include <cstddef>
 
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
-namespace darboux::mikk {
+namespace darboux {
+
+// 0 stands for all.
+inline std::size_t thread_count(int threads) {
+  return static_cast<std::size_t>(threads == 0 ? tbb::info::default_concurrency() : threads);
+}
 
 // f(begin, end) over pieces of [0, n), by so many threads: each takes the next piece when it is done with one.
 template <class F>
@@ -28,4 +34,4 @@ void in_pieces(std::size_t n, std::size_t threads, const F& f, std::size_t least
       tbb::simple_partitioner{}, context);
 }
 
-}  // namespace darboux::mikk
+}  // namespace darboux

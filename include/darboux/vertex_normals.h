@@ -1,0 +1,26 @@
+/// \file vertex_normals.h
+/// Vertex normals of triangle meshes, as tools make them where a file has none.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <darboux/mesh.h>
+#include <darboux/vector.h>
+
+namespace darboux {
+
+/// How the normals of the triangles at a vertex are weighted.
+enum class NormalWeight : std::uint8_t {
+  uniform,
+  area,   ///< order 2 on regular grids, 1 elsewhere, as uniform and angle; the safe choice on slivers
+  angle,  ///< by the angle at the vertex
+  max,    ///< by sin(angle)/(|e1| |e2|) [Max1999]: exact where the vertices lie on a sphere
+};
+
+/// Unit normals of the vertices: unit(Σ weight unit((p1 - p0) × (p2 - p0))) over the triangles that name the vertex. Vertices
+/// at one place with different indices keep normals of their own. NaN for a vertex of no triangle with area.
+/// \throws MeshError as mesh_frames does; uvs are not needed
+std::vector<Vec3<double>> vertex_normals(const Mesh& mesh, NormalWeight weight);
+
+}  // namespace darboux

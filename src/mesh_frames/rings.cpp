@@ -1,0 +1,230 @@
+// Methods that look at the vertices about a vertex: least-squares polynomials and the Procrustes rotation.
+#include <algorithm>
+#include <limits>
+#include <unordered_map>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "../pieces.h"
+#include "triangle.h"
+
+namespace darboux {
+namespace {
+
+using Index = std::uint32_t;
+
+// Nodes are vertices, joined where they agree in position, uv and normal, apart where the triangles' uvs wind differently.
+class Rings {
+ public:
+  explicit Rings(const Mesh& mesh);
+
+  std::size_t size() const { return 2 * mesh_.positions.size(); }
+  bool used(Index node) const { return begin_[node] != begin_[node + 1]; }
+  const Vec3<double>& position(Index node) const { return mesh_.positions[node / 2]; }
+  const Vec2<double>& uv(Index node) const { return mesh_.uvs[node / 2]; }
+  static double sign(Index node) { return node % 2 == 1 ? 1 : -1; }
+
+  // Nodes up to so many edges away from `near.front()`, appended ring by ring; ends[r] is where ring r ends.
+  struct Walk {
+    std::vector<Index> near;
+    std::vector<std::size_t> ends;
+    std::vector<Index> seen;  // of each node: the last centre that reached it
+  };
+  void start(Index node, Walk& walk) const;
+  void grow(Walk& walk) const;
+
+  MeshFrames frames;  // counts and of_corner; frames of all nodes, to be filled in
+
+ private:
+  const Mesh& mesh_;
+  std::vector<Index> begin_, triangles_;  // of each node: its triangles
+  std::vector<Triangle> nodes_;           // of each triangle
+};
+
+std::vector<Index> join_equal_vertices(const Mesh& mesh) {
+  struct Key {
+    std::array<double, 8> x;
+    bool operator==(const Key&) const = default;
+  };
+  struct Hash {
+    std::size_t operator()(const Key& key) const {
+      std::size_t h = 0;
+      for (const double x : key.x) {
+        h = (h ^ std::hash<double>()(x)) * 0x9e3779b97f4a7c15ULL;
+        h ^= h >> 32;
+      }
+      return h;
+    }
+  };
+  std::unordered_map<Key, Index, Hash> first;
+  first.reserve(mesh.positions.size());
+  std::vector<Index> joined(mesh.positions.size());
+  for (std::size_t v = 0; v < joined.size(); ++v) {
+    const Vec3<double>&p = mesh.positions[v], n = mesh.normals.empty() ? Vec3<double>{} : mesh.normals[v];
+    const Vec2<double>& uv = mesh.uvs[v];
+    joined[v] =
+        first.try_emplace({{p.x, p.y, p.z, n.x, n.y, n.z, uv.x, uv.y}}, static_cast<Index>(v)).first->second;
+  }
+  return joined;
+}
+
+Rings::Rings(const Mesh& mesh) : mesh_(mesh) {
+  const std::vector<Index> joined = join_equal_vertices(mesh);
+  begin_.assign(size() + 1, 0);
+  nodes_.reserve(mesh.triangles.size());
+  frames.of_corner.reserve(mesh.corners());
+  std::vector<bool> good;
+  for (const Triangle& triangle : mesh.triangles) {
+    const Face face(mesh, triangle);
+    count_degenerate(face, frames);
+    good.push_back(face.solved.has_value());
+    Triangle& nodes = nodes_.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      nodes[k] = 2 * joined[triangle[k]] + (face.sign > 0 ? 1 : 0);
+      frames.of_corner.push_back(nodes[k]);
+      if (good.back()) ++begin_[nodes[k] + 1];
+    }
+  }
+  for (std::size_t i = 0; i < size(); ++i) begin_[i + 1] += begin_[i];
+  triangles_.resize(begin_.back());
+  std::vector<Index> next(begin_.begin(), begin_.end() - 1);
+  for (std::size_t t = 0; t < nodes_.size(); ++t)
+    for (int k = 0; good[t] && k < 3; ++k) triangles_[next[nodes_[t][k]]++] = static_cast<Index>(t);
+  frames.frames.resize(size());
+}
+
+void Rings::start(Index node, Walk& walk) const {
+  if (walk.seen.empty()) walk.seen.assign(size(), std::numeric_limits<Index>::max());
+  walk.near.assign(1, node);
+  walk.ends.assign(1, 1);
+  walk.seen[node] = node;
+}
+
+void Rings::grow(Walk& walk) const {
+  const std::size_t first = walk.ends.size() == 1 ? 0 : walk.ends[walk.ends.size() - 2],
+                    last = walk.ends.back();
+  for (std::size_t i = first; i < last; ++i)
+    for (Index at = begin_[walk.near[i]]; at < begin_[walk.near[i] + 1]; ++at)
+      for (const Index node : nodes_[triangles_[at]]) {
+        if (walk.seen[node] == walk.near.front()) continue;
+        walk.seen[node] = walk.near.front();
+        walk.near.push_back(node);
+      }
+  walk.ends.push_back(walk.near.size());
+}
+
+// What is near a node, relative to it, in units of the greatest distance in u, in v and in space.
+struct Neighbourhood {
+  Eigen::Matrix<double, Eigen::Dynamic, 2> uv;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> p;
+  double u_unit, v_unit, p_unit;
+
+  Neighbourhood(const Rings& rings, const Rings::Walk& walk)
+      : uv(walk.near.size() - 1, 2), p(walk.near.size() - 1, 3) {
+    const Index centre = walk.near.front();
+    for (std::size_t i = 1; i < walk.near.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i - 1);
+      const Vec3<double> d = rings.position(walk.near[i]) - rings.position(centre);
+      p.row(row) << d.x, d.y, d.z;
+      uv.row(row) << rings.uv(walk.near[i]).x - rings.uv(centre).x,
+          rings.uv(walk.near[i]).y - rings.uv(centre).y;
+    }
+    u_unit = uv.col(0).cwiseAbs().maxCoeff(), v_unit = uv.col(1).cwiseAbs().maxCoeff();
+    p_unit = p.cwiseAbs().maxCoeff();
+  }
+};
+
+// Directions of dpdu and dpdv at uv = 0 of the polynomial through 0 that is nearest to the neighbours in the mean square;
+// nothing where they leave it open, or nearly so.
+std::optional<TangentPair> fit_polynomial(const Neighbourhood& near, int degree) {
+  constexpr double well_conditioned = 1e-3;  // smallest pivot to largest; a grid's two rings give 0.1
+  const Eigen::Index unknowns = degree == 3 ? 9 : degree == 2 ? 5 : 2;
+  if (near.p.rows() < unknowns || near.u_unit == 0 || near.v_unit == 0 || near.p_unit == 0)
+    return std::nullopt;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, Eigen::Dynamic, 9> a(near.p.rows(), unknowns);
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    const double x = near.uv(i, 0) / near.u_unit, y = near.uv(i, 1) / near.v_unit;
+    a(i, 0) = x, a(i, 1) = y;
+    if (degree >= 2) a(i, 2) = x * x, a(i, 3) = x * y, a(i, 4) = y * y;
+    if (degree >= 3) a(i, 5) = x * x * x, a(i, 6) = x * x * y, a(i, 7) = x * y * y, a(i, 8) = y * y * y;
+  }
+  const Eigen::ColPivHouseholderQR<decltype(a)> qr(a);
+  const auto pivots = qr.matrixR().diagonal().cwiseAbs();
+  if (!(pivots(unknowns - 1) > well_conditioned * pivots(0))) return std::nullopt;
+  const Eigen::Matrix<double, Eigen::Dynamic, 3> c = qr.solve(near.p / near.p_unit);
+  return TangentPair{{c(0, 0), c(0, 1), c(0, 2)}, {c(1, 0), c(1, 1), c(1, 2)}};
+}
+
+// frame(walk) of each node that a triangle uses.
+template <class FrameOf>
+MeshFrames of_nodes(const Mesh& mesh, int threads, const FrameOf& frame) {
+  Rings rings(mesh);
+  std::vector<CornerFrame>& frames = rings.frames.frames;
+  in_pieces(
+      rings.size(), thread_count(threads),
+      [&](std::size_t begin, std::size_t end) {
+        Rings::Walk walk;
+        for (auto node = static_cast<Index>(begin); node < end; ++node) {
+          std::optional<TangentPair> pair;
+          if (rings.used(node)) {
+            rings.start(node, walk);
+            pair = frame(rings, walk);
+          }
+          const double sign = Rings::sign(node);
+          const Vec3<double> own = mesh.normals.empty() ? Vec3<double>{} : mesh.normals[node / 2];
+          frames[node] =
+              pair ? frame_or_fallback(unit(pair->t), unit(pair->b),
+                                       unit(sign * accurate_cross(unit(pair->t), unit(pair->b))), sign)
+                   : fallback_frame(own, sign);
+        }
+      },
+      1024);
+  count_fallbacks(rings.frames);
+  return std::move(rings.frames);
+}
+
+MeshFrames compute_polynomial(const Mesh& mesh, int threads, int degree) {
+  constexpr int most_rings = 4;
+  return of_nodes(
+      mesh, threads, [degree](const Rings& rings, Rings::Walk& walk) -> std::optional<TangentPair> {
+        rings.grow(walk);
+        for (int d = degree; d > 0; --d)
+          for (int ring = 2; ring <= most_rings; ++ring) {
+            if (walk.ends.size() == static_cast<std::size_t>(ring)) rings.grow(walk);
+            Rings::Walk part{
+                {walk.near.begin(), walk.near.begin() + static_cast<std::ptrdiff_t>(walk.ends[ring])},
+                {},
+                {}};
+            if (const auto pair = fit_polynomial(Neighbourhood(rings, part), d)) return pair;
+          }
+        return std::nullopt;
+      });
+}
+
+}  // namespace
+
+MeshFrames compute_quadratic(const Mesh& mesh, int threads) {
+  return compute_polynomial(mesh, threads, 2);
+}
+MeshFrames compute_cubic(const Mesh& mesh, int threads) {
+  return compute_polynomial(mesh, threads, 3);
+}
+
+// With A = Σ Δp (Δu, Δv)ᵀ over the neighbours, [t b] is the nearest matrix of orthonormal columns: W Vᵀ of A = W S Vᵀ.
+MeshFrames compute_procrustes(const Mesh& mesh, int threads) {
+  return of_nodes(mesh, threads, [](const Rings& rings, Rings::Walk& walk) -> std::optional<TangentPair> {
+    constexpr double parallel_below = 8 * 0x1p-53;
+    rings.grow(walk);
+    const Neighbourhood near(rings, walk);
+    const double uv_unit = std::max(near.u_unit, near.v_unit);
+    if (uv_unit == 0 || near.p_unit == 0) return std::nullopt;
+    const Eigen::Matrix<double, 3, 2> a = (near.p / near.p_unit).transpose() * (near.uv / uv_unit);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    if (!(svd.singularValues()(1) > parallel_below * svd.singularValues()(0))) return std::nullopt;
+    const Eigen::Matrix<double, 3, 2> r = svd.matrixU() * svd.matrixV().transpose();
+    return TangentPair{{r(0, 0), r(1, 0), r(2, 0)}, {r(0, 1), r(1, 1), r(2, 1)}};
+  });
+}
+
+}  // namespace darboux

@@ -1,0 +1,98 @@
+#include "triangle.h"
+
+#include <darboux/frame.h>
+
+namespace darboux {
+namespace {
+
+constexpr double parallel_below = 8 * 0x1p-53;
+
+bool is_direction(const Vec3<double>& a) {
+  return detail::finite(a) && !(a == Vec3<double>{});
+}
+
+// An arbitrary unit direction across n: from the coordinate axis farthest from it.
+Vec3<double> any_perpendicular(const Vec3<double>& n) {
+  const double ax = std::fabs(n.x), ay = std::fabs(n.y), az = std::fabs(n.z);
+  const Vec3<double> axis = ax <= ay && ax <= az ? Vec3<double>{1, 0, 0}
+                            : ay <= az           ? Vec3<double>{0, 1, 0}
+                                                 : Vec3<double>{0, 0, 1};
+  return unit(axis - dot(axis, n) * n);
+}
+
+}  // namespace
+
+Face::Face(const Mesh& mesh, const Triangle& triangle) {
+  for (int k = 0; k < 3; ++k) {
+    p[k] = mesh.positions[triangle[k]];
+    uv[k] = mesh.uvs[triangle[k]];
+  }
+  solved = solve_triangle(p, uv);
+  sign = signed_uv_area2(uv[0], uv[1], uv[2]) > 0 ? 1 : -1;
+}
+
+double corner_angle(const std::array<Vec3<double>, 3>& p, int corner) {
+  return angle_between(p[(corner + 1) % 3] - p[corner], p[(corner + 2) % 3] - p[corner]);
+}
+
+double corner_max_weight(const std::array<Vec3<double>, 3>& p, int corner) {
+  const Vec3<double> a = p[(corner + 1) % 3] - p[corner], b = p[(corner + 2) % 3] - p[corner];
+  return norm(accurate_cross(unit(a), unit(b))) / norm(a) / norm(b);
+}
+
+double triangle_area(const std::array<Vec3<double>, 3>& p) {
+  return norm(accurate_cross(p[1] - p[0], p[2] - p[0])) / 2;
+}
+
+Vec3<double> face_normal(const std::array<Vec3<double>, 3>& p) {
+  return unit(accurate_cross(unit(p[1] - p[0]), unit(p[2] - p[0])));
+}
+
+CornerFrame fallback_frame(const Vec3<double>& n, double sign) {
+  const Vec3<double> normal = is_direction(unit(n)) ? unit(n) : Vec3<double>{0, 0, 1};
+  const Vec3<double> t = any_perpendicular(normal);
+  return {t, sign * cross(normal, t), normal, sign, true};
+}
+
+CornerFrame frame_or_fallback(const Vec3<double>& t, const Vec3<double>& b, const Vec3<double>& n,
+                              double sign) {
+  return is_direction(t) && is_direction(b) && is_direction(n) ? CornerFrame{t, b, n, sign, false}
+                                                               : fallback_frame(n, sign);
+}
+
+void count_degenerate(const Face& face, MeshFrames& result) {
+  if (is_degenerate(face.p[0], face.p[1], face.p[2]))
+    ++result.degenerate_triangles;
+  else if (is_degenerate(face.uv[0], face.uv[1], face.uv[2]))
+    ++result.degenerate_uv_triangles;
+}
+
+void count_fallbacks(MeshFrames& result) {
+  for (const std::uint32_t f : result.of_corner) result.fallback_corners += result.frames[f].fallback;
+}
+
+bool is_degenerate(const Vec3<double>& p0, const Vec3<double>& p1, const Vec3<double>& p2) {
+  const Vec3<double> a = unit(p1 - p0), b = unit(p2 - p0);
+  return !(norm(accurate_cross(a, b)) > parallel_below);
+}
+
+bool is_degenerate(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2) {
+  return is_degenerate(Vec3<double>{uv0.x, uv0.y, 0}, {uv1.x, uv1.y, 0}, {uv2.x, uv2.y, 0});
+}
+
+double signed_uv_area2(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2) {
+  return difference_of_products(uv1.x - uv0.x, uv2.y - uv0.y, uv2.x - uv0.x, uv1.y - uv0.y);
+}
+
+std::optional<TangentPair> solve_triangle(const std::array<Vec3<double>, 3>& p,
+                                          const std::array<Vec2<double>, 3>& uv) {
+  if (is_degenerate(p[0], p[1], p[2]) || is_degenerate(uv[0], uv[1], uv[2])) return std::nullopt;
+  const Vec3<double> e1 = p[1] - p[0], e2 = p[2] - p[0];
+  const double du1 = uv[1].x - uv[0].x, dv1 = uv[1].y - uv[0].y;
+  const double du2 = uv[2].x - uv[0].x, dv2 = uv[2].y - uv[0].y;
+  const double det = difference_of_products(du1, dv2, du2, dv1);
+  if (det == 0 || !std::isfinite(det)) return std::nullopt;
+  return TangentPair{(dv2 / det) * e1 - (dv1 / det) * e2, (du1 / det) * e2 - (du2 / det) * e1};
+}
+
+}  // namespace darboux
