@@ -1,20 +1,81 @@
+#include <algorithm>
 #include <cmath>
-#include <random>
 #include <string>
 
 #include <darboux/error.h>
-#include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
 
+#include "sample_mesh/chart_mesh.h"
 #include "text.h"
 
 namespace darboux {
 namespace {
 
-void check(const AnySurface& surface, const SampleMeshOptions& o) {
-  const auto require = [](bool holds, const char* option, double value, const char* permitted) {
-    if (!holds) throw ParameterError(option, shortest(value) + " is out of range, permitted is " + permitted);
+void require(bool holds, const char* option, double value, const char* permitted) {
+  if (!holds) throw ParameterError(option, shortest(value) + " is out of range, permitted is " + permitted);
+}
+
+const char* name_of(MeshTopology topology) {
+  switch (topology) {
+    case MeshTopology::icosphere:
+      return "icosphere";
+    case MeshTopology::cube_sphere:
+      return "cube-sphere";
+    case MeshTopology::lantern:
+      return "lantern";
+    default:
+      return "grid";
+  }
+}
+
+bool is_sphere(const SampleMeshOptions& o) {
+  return o.topology == MeshTopology::icosphere || o.topology == MeshTopology::cube_sphere;
+}
+
+// The topology, for this surface and with the options that belong to others.
+void check_topology(const AnySurface& surface, const SampleMeshOptions& o) {
+  const SurfaceInfo& info = surface.info();
+  const auto permit = [&](bool holds, const std::string& wrong, const char* permitted) {
+    if (!holds)
+      throw ParameterError(std::string("topology ") + name_of(o.topology),
+                           wrong + ", permitted " + permitted);
   };
+  const std::string name(info.name);
+  if (is_sphere(o)) {
+    permit(info.u == Coordinate::turn && info.v == Coordinate::half_turn && is_pole(surface, 0) &&
+               is_pole(surface, 1),
+           name + " does not run from pole to pole like a sphere",
+           "are surfaces whose u is a turn and v a half turn, such as sphere, ellipsoid, superellipsoid");
+    permit(!o.shared_seam, "has no shared seam", "is seam split");
+    permit(o.v_first == 0 && o.v_last == 1, "covers the whole surface", "is v from 0 to 1");
+    require(o.subdivisions >= 1 && o.subdivisions <= 2000, "subdivisions", o.subdivisions,
+            "1 <= subdivisions <= 2000");
+    if (o.topology == MeshTopology::cube_sphere && o.subdivisions % 2 != 0)
+      throw ParameterError("subdivisions",
+                           std::to_string(o.subdivisions) +
+                               " of a cube-sphere puts the poles inside triangles, permitted is "
+                               "an even number");
+  }
+  if (o.topology == MeshTopology::lantern) {
+    permit(info.u == Coordinate::turn && info.v == Coordinate::linear && !is_pole(surface, o.v_first) &&
+               !is_pole(surface, o.v_last),
+           name + " is no tube",
+           "are surfaces whose u is a turn and v linear, without a pole, such as cylinder");
+    require(o.columns >= 3, "grid", o.columns, "at least 3 columns of a lantern");
+  }
+  if (o.topology != MeshTopology::grid) {
+    permit(o.pole == PolePlacement::per_column, "has no choice of pole", "is a grid for that");
+    permit(o.jitter == 0, "has no jitter", "is a grid for that");
+    permit(!o.random_diagonals, "has no random diagonals", "is a grid for that");
+    permit(!o.mirror, "has no mirrored half", "is a grid for that");
+  } else if (o.pole != PolePlacement::per_column && !is_pole(surface, o.v_first) &&
+             !is_pole(surface, o.v_last)) {
+    throw ParameterError("pole", "neither end of v is one point on " + name +
+                                     ", permitted are surfaces with a pole, such as sphere");
+  }
+}
+
+void check(const AnySurface& surface, const SampleMeshOptions& o) {
   require(o.columns >= 1 && o.rows >= 1, "grid", std::min(o.columns, o.rows), "at least 1 segment each way");
   require(static_cast<double>(o.columns) * o.rows <= 5e7, "grid", static_cast<double>(o.columns) * o.rows,
           "at most 5e7 cells (a GLB holds 4 GiB)");
@@ -29,85 +90,65 @@ void check(const AnySurface& surface, const SampleMeshOptions& o) {
                          "shared with " + std::to_string(o.columns) + " columns, permitted are at least 3");
   if (o.shared_seam && surface.info().v == Coordinate::turn && o.rows < 3)
     throw ParameterError("seam", "shared with " + std::to_string(o.rows) + " rows, permitted are at least 3");
+  for (const double s : {o.scale.x, o.scale.y, o.scale.z})
+    require(std::isfinite(s) && s != 0, "scale", s, "a finite number other than 0");
+  require(o.degenerate >= 0, "degenerate", o.degenerate, "0 or more triangles");
+  require(o.degenerate_uvs >= 0, "degenerate uvs", o.degenerate_uvs, "0 or more triangles");
+  if (o.degenerate > 0 && (o.shared_seam || o.pole == PolePlacement::shared))
+    throw ParameterError("degenerate",
+                         "edges at a shared seam or pole have no middle in uv, permitted are a "
+                         "split seam and unshared poles");
+  check_topology(surface, o);
 }
 
 }  // namespace
 
+VertexMaker::VertexMaker(const AnySurface& surface, const SampleMeshOptions& options)
+    : surface_(surface), options_(options) {
+  if (options.scale != Vec3<double>{1, 1, 1})
+    scale_.emplace(FrameTransform<double>::Matrix(to_eigen(options.scale).asDiagonal()));
+}
+
+void VertexMaker::append(Mesh& mesh, const ChartVertex& vertex) const {
+  const SampleMeshOptions& o = options_;
+  const auto [u, v] = vertex.uv;
+  const Sample<double> s = surface_.sample(u, v);
+  const double along = vertex.second_half ? -1 : 1;  // sign of d(stored u)/du
+  Vec3<double> position = s.jet.position;
+  Frame<double> frame = s.frame;
+  frame.t = along * frame.t;
+  frame.handedness = along * frame.handedness;
+  if (scale_) {
+    position = {o.scale.x * position.x, o.scale.y * position.y, o.scale.z * position.z};
+    frame = (*scale_)(frame);
+  }
+  const double mirrored = o.mirror ? 1 - std::fabs(2 * u - 1) : u;
+  mesh.positions.push_back(position);
+  mesh.normals.push_back(frame.n);
+  mesh.uvs.push_back({mirrored + o.shear * v, v});
+  mesh.tangents.push_back(tangent4(frame, o.sign));
+}
+
 Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
   check(surface, o);
-  const int columns = o.columns, rows = o.rows;
-  const bool wrap_u = o.shared_seam && surface.info().u == Coordinate::turn;
-  const bool wrap_v =
-      o.shared_seam && surface.info().v == Coordinate::turn && o.v_first == 0 && o.v_last == 1;
-  std::mt19937_64 random(o.seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-
-  // The grid of (u, v), before any vertex is doubled.
-  const auto at = [&](int i, int j) { return static_cast<std::size_t>(j) * (columns + 1) + i; };
-  std::vector<Vec2<double>> grid(static_cast<std::size_t>(columns + 1) * (rows + 1));
-  for (int j = 0; j <= rows; ++j)
-    for (int i = 0; i <= columns; ++i) {
-      const bool interior = i > 0 && i < columns && j > 0 && j < rows;
-      const double du = o.jitter > 0 && interior ? o.jitter * uniform(random) : 0;
-      const double dv = o.jitter > 0 && interior ? o.jitter * uniform(random) : 0;
-      const double share = j == rows ? 1 : (j + dv) / rows;  // the last row is v_last to the bit
-      grid[at(i, j)] = {(i + du) / columns, o.v_first + (o.v_last - o.v_first) * share};
-      if (j == rows) grid[at(i, j)].y = o.v_last;
-    }
-
+  const VertexMaker make(surface, o);
+  ChartMesh chart = is_sphere(o) ? sphere_mesh(surface, o) : grid_mesh(surface, o);
   Mesh mesh;
-  constexpr auto unused = static_cast<std::uint32_t>(-1);
-  // Vertices by grid point and, on the fold of a mirrored mesh, by half.
-  std::vector<std::uint32_t> index(2 * grid.size(), unused);
-  const auto vertex = [&](int i, int j, bool right) {
-    const int gi = wrap_u ? i % columns : i, gj = wrap_v ? j % rows : j;
-    const bool second = o.mirror && right;
-    std::uint32_t& known = index[2 * at(gi, gj) + second];
-    if (known != unused) return known;
-    known = static_cast<std::uint32_t>(mesh.positions.size());
-    const auto [u, v] = grid[at(gi, gj)];
-    const Sample<double> s = surface.sample(u, v);
-    const double along = second ? -1 : 1;  // sign of d(stored u)/du
-    Frame<double> frame = s.frame;
-    frame.t = along * frame.t;
-    frame.handedness = along * frame.handedness;
-    const double mirrored = o.mirror ? 1 - std::fabs(2 * u - 1) : u;
-    mesh.positions.push_back(s.jet.position);
-    mesh.normals.push_back(frame.n);
-    mesh.uvs.push_back({mirrored + o.shear * v, v});
-    mesh.tangents.push_back(tangent4(frame, o.sign));
-    return known;
+  for (const ChartVertex& vertex : chart.vertices) make.append(mesh, vertex);
+  mesh.triangles = std::move(chart.triangles);
+  const bool mirrors = ((o.scale.x < 0) + (o.scale.y < 0) + (o.scale.z < 0)) % 2 == 1;
+  if (mirrors)
+    for (Triangle& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  const std::size_t sound = mesh.triangles.size();
+  const auto at_most = [&](int count, const char* option) {
+    if (static_cast<std::size_t>(count) > sound)
+      throw ParameterError(option, std::to_string(count) + " of " + std::to_string(sound) +
+                                       " triangles, permitted are at most as many");
   };
-
-  const auto add = [&](std::array<std::array<int, 2>, 3> corners, bool right) {
-    std::array<Vec3<double>, 3> p;
-    for (int k = 0; k < 3; ++k) {
-      const Vec2<double> uv = grid[at(corners[k][0], corners[k][1])];
-      p[k] = surface.jet(uv.x, uv.y).position;
-    }
-    if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) return;  // at a pole
-    // Wound so that its normal agrees with n: the other way round where the chart turns over.
-    Vec2<double> centre{};
-    for (const auto& [i, j] : corners) {
-      centre.x += grid[at(i, j)].x / 3;
-      centre.y += grid[at(i, j)].y / 3;
-    }
-    if (surface.frame(centre.x, centre.y).handedness < 0) std::swap(corners[1], corners[2]);
-    Triangle triangle;
-    for (int k = 0; k < 3; ++k) triangle[k] = vertex(corners[k][0], corners[k][1], right);
-    mesh.triangles.push_back(triangle);
-  };
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < columns; ++i) {
-      const bool right = 2 * i >= columns;
-      if (o.random_diagonals && uniform(random) < 0) {
-        add({{{i, j}, {i + 1, j}, {i + 1, j + 1}}}, right);
-        add({{{i, j}, {i + 1, j + 1}, {i, j + 1}}}, right);
-      } else {
-        add({{{i, j}, {i + 1, j}, {i, j + 1}}}, right);
-        add({{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}}, right);
-      }
-    }
+  at_most(o.degenerate, "degenerate");
+  at_most(o.degenerate_uvs, "degenerate uvs");
+  if (o.degenerate > 0) add_degenerate_triangles(mesh, chart.vertices, make, o.degenerate);
+  if (o.degenerate_uvs > 0) collapse_uvs(mesh, sound, o.degenerate_uvs);
   return mesh;
 }
 

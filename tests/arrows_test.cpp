@@ -51,7 +51,7 @@ std::vector<Rule> rules(const Includes& tree) {
        "(any_surface|testing|evaluate|point|limit|forms|frame|differentiate|adaptors|mesh|mesh_frames|mesh_"
        "frames/[a-z_]+|fragments|vertex_normals|pieces|"
        "mesh_classes|mikktspace|mikktspace/"
-       "[a-z_]+|weld|sample_mesh|converge|placed_surface|validate)\\.(h|cpp)",
+       "[a-z_]+|weld|sample_mesh|sample_mesh/[a-z_]+|converge|placed_surface|validate)\\.(h|cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
       {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",
        std::string(standard) + "|darboux/(scalar|vector)\\.h", ""},

@@ -1,5 +1,6 @@
 /// \file sample_mesh.h
-/// Reference meshes: a grid over a surface with exact positions, normals, uvs and tangents.
+/// Reference meshes: a surface cut into triangles, with exact positions, normals, uvs and tangents, and with defects
+/// where they are asked for.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +11,28 @@
 
 namespace darboux {
 
-/// How a reference mesh is laid over the uv square.
+/// How the surface is cut into triangles.
+enum class MeshTopology {
+  grid,  ///< columns × rows cells of the uv square, two triangles each
+  icosphere,  ///< 20 n² triangles: an icosahedron's, each edge cut into n = subdivisions, two corners at the poles
+  cube_sphere,  ///< 12 n² triangles: a cube's, each edge cut into n equal angles, n even, the poles amid two faces
+  lantern,  ///< Schwarz's lantern: a grid in which every second row is turned by half a cell
+};
+
+/// Which u the vertices at a pole have: at an end of v that is one point.
+enum class PolePlacement {
+  per_column,  ///< one vertex a column, u = i/n, as the rows have it: its triangle is askew in uv
+  half_cell,   ///< one vertex a triangle, in the middle of its column, u = (i + 1/2)/n
+  shared,      ///< one vertex for all, u = 1/2 (each half of a mirrored mesh has its own)
+};
+
+/// How a reference mesh is laid over the surface, and what is wrong with it.
 struct SampleMeshOptions {
-  int columns = 32,
-      rows = 16;  ///< segments along u and v, each at least 1 (3 along a shared periodic direction)
+  MeshTopology topology = MeshTopology::grid;
+  int columns = 32, rows = 16;  ///< grid and lantern: segments along u and v, each at least 1 (3 columns of a
+                                ///< lantern; 3 along a shared periodic direction)
+  int subdivisions = 8;         ///< icosphere and cube_sphere: segments an edge, at least 1, at most 2000
+  PolePlacement pole = PolePlacement::per_column;
   bool shared_seam =
       false;          ///< vertices of a periodic direction are shared, their uv jumps back inside a triangle
   double jitter = 0;  ///< interior vertices move by up to ± this share of a cell in u and in v, in [0, 0.5)
@@ -23,12 +42,46 @@ struct SampleMeshOptions {
   bool mirror = false;             ///< stores 1 - |2u - 1|; columns even; vertices on the fold are doubled
   double v_first = 0, v_last = 1;  ///< the rows span [v_first, v_last]
   SignConvention sign = SignConvention::gltf;
+  Vec3<double> scale{1, 1, 1};  ///< along x, y, z, none 0, baked: see below
+  int degenerate = 0;      ///< triangles without area that are added, at most as many as there are others
+  int degenerate_uvs = 0;  ///< triangles that lose their area in uv, at most all
 };
 
 /// The mesh. Positions, normals and tangents are the surface's own at each vertex's (u, v), in double; the
-/// tangent is the direction of the derivative by the *stored* u. At a pole each column has its own vertex
-/// with the limit frame of its u, triangles without area are left out, and so is the vertex that none of them
-/// uses.
+/// tangent is the direction of the derivative by the *stored* u. Triangles are wound as n: counter-clockwise where
+/// seen from the side to which n points.
+///
+/// grid: each column has its own vertex at a pole, with the limit frame of its u, unless `pole` says otherwise;
+/// triangles without area are left out, and so is the vertex that none of them uses. A shared pole has the frame of u
+/// = 1/2 alone (at the apex of a cone the normal of that side).
+///
+/// icosphere, cube_sphere: for surfaces whose u is a turn and whose v a half turn with a pole at each end: sphere,
+/// ellipsoid, superellipsoid. Each vertex of the unit sphere's mesh gives the (u, v) of its direction, rounded to
+/// multiples of 2^-23, so that a file of floats holds them exactly. No triangle's uvs jump: one that crosses the seam has
+/// vertices of its own with u up to 1.5. A pole's vertex belongs to one triangle and has the mean u of its other two.
+///
+/// lantern: for surfaces whose u is a turn, v linear, without a pole. Rows 1, 3, ... have u = (i + 1/2)/columns. On a
+/// cylinder of radius r and height h with m columns and n rows all triangles are congruent, and
+///   area = 2 m n r sin(π/m) sqrt((h/n)² + r² (1 - cos(π/m))²)
+/// tends to the cylinder's 2πrh only where n/m² -> 0; at n = m² to 2πr sqrt(h² + π⁴r²/4). What is computed from the
+/// triangles does not converge there, the stored normals and tangents are the cylinder's all the same. [Schwarz1890]
+///
+/// scale, M = diag(x, y, z): positions and tangents by M, normals by its inverse transpose, w by the sign of det M; a
+/// mirror (det M < 0) reverses the winding, so that it agrees with n.
+///
+/// degenerate, spread over the mesh, three kinds in turn, each along an edge (a, b) of a triangle of its own:
+///   (a, m, b)   collinear: m is a vertex of its own in the middle of the chord, off the surface by its sag, with the
+///               surface's normal and tangent at the edge's middle uv
+///   (a, b, a')  three vertices, two of them in one place: a' is a copy of a
+///   (a, b, b)   one vertex twice
+/// So that the middle of a chord is one exactly, in float files too, positions are rounded to multiples of 2^-22 of the
+/// power of two below the largest coordinate, that is by at most one unit of the last digit of a float of that size.
+///
+/// degenerate_uvs, spread likewise, two kinds in turn: all three corners at the first one's uv; the third at the first one's.
+/// Such a triangle has vertices of its own: positions, normals and tangents stay those of the place, the uvs do not name it.
+///
+/// Cost: linear in the triangles, three evaluations each and one a vertex. Options that a topology does not have are
+/// refused: pole, jitter, random_diagonals, mirror for all but grid, shared_seam and a part of v for the two spheres.
 /// \throws ParameterError naming the option and what is permitted
 Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& options);
 

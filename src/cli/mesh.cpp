@@ -1,3 +1,4 @@
+#include <array>
 #include <iostream>
 
 #include <darboux/io.h>
@@ -8,35 +9,83 @@
 namespace darboux {
 namespace {
 
+// A choice on the command line: its names, in the order of the enumeration.
+template <class E, std::size_t N>
+struct Choice {
+  std::array<const char*, N> names;
+
+  CLI::IsMember check() const { return CLI::IsMember(std::vector<std::string>(names.begin(), names.end())); }
+  E of(const std::string& name) const {
+    return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
+  }
+};
+constexpr Choice<MeshTopology, 4> topologies{{"grid", "icosphere", "cube-sphere", "lantern"}};
+constexpr Choice<PolePlacement, 3> poles{{"per-column", "half-cell", "shared"}};
+constexpr Choice<SignConvention, 2> signs{{"gltf", "raw"}};
+
 struct Arguments {
-  std::string surface, grid, output, seam = "split", diagonal = "regular", sign = "gltf";
+  std::string surface, topology = "grid", grid, pole = "per-column", scale = "1,1,1", output, seam = "split",
+                       diagonal = "regular", sign = "gltf";
+  int subdivisions = 0;  // 0: not given
   SampleMeshOptions options;
   bool no_tangents = false;
 };
 
-void run(Arguments arguments, const Common& common) {
+Vec3<double> parse_scale(const std::string& text) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 3)
+    throw ParameterError("--scale", "'" + text + "' is no scale, permitted is SX,SY,SZ such as -1,1,1");
+  return {parse_finite("--scale", parts[0]), parse_finite("--scale", parts[1]),
+          parse_finite("--scale", parts[2])};
+}
+
+// What the strings mean.
+SampleMeshOptions parse(const Arguments& arguments) {
+  SampleMeshOptions o = arguments.options;
+  o.topology = topologies.of(arguments.topology);
+  const bool sphere = o.topology == MeshTopology::icosphere || o.topology == MeshTopology::cube_sphere;
+  const bool grid_given = !arguments.grid.empty(), subdivisions_given = arguments.subdivisions > 0;
+  if (sphere && (grid_given || !subdivisions_given))
+    throw ParameterError("--topology " + arguments.topology, "needs --subdivisions N and no --grid");
+  if (!sphere && (!grid_given || subdivisions_given))
+    throw ParameterError("--topology " + arguments.topology, "needs --grid NxM and no --subdivisions");
+  if (sphere)
+    o.subdivisions = arguments.subdivisions;
+  else
+    std::tie(o.columns, o.rows) = parse_grid("--grid", arguments.grid);
+  o.pole = poles.of(arguments.pole);
+  o.shared_seam = arguments.seam == "shared";
+  o.random_diagonals = arguments.diagonal == "random";
+  o.scale = parse_scale(arguments.scale);
+  o.sign = signs.of(arguments.sign);
+  return o;
+}
+
+void run(const Arguments& arguments, const Common& common) {
   if (arguments.output == "-" && common.json)
     throw ParameterError("-", "standard output is asked for twice, permitted is one of -o - and --json");
   const AnySurface surface = surface_argument(arguments.surface);
-  SampleMeshOptions& o = arguments.options;
-  std::tie(o.columns, o.rows) = parse_grid("--grid", arguments.grid);
-  o.shared_seam = arguments.seam == "shared";
-  o.random_diagonals = arguments.diagonal == "random";
-  o.sign = arguments.sign == "raw" ? SignConvention::raw : SignConvention::gltf;
+  const SampleMeshOptions o = parse(arguments);
   Mesh mesh = sample_mesh(surface, o);
   if (arguments.no_tangents) mesh.tangents.clear();
-  const Json extras{{"darboux",
-                     {{"surface", surface.specification()},
-                      {"grid", arguments.grid},
-                      {"seam", arguments.seam},
-                      {"diagonal", arguments.diagonal},
-                      {"jitter", o.jitter},
-                      {"seed", o.seed},
-                      {"shear", o.shear},
-                      {"mirror", o.mirror},
-                      {"sign", arguments.sign}}}};
+  Json how{{"surface", surface.specification()}, {"topology", arguments.topology}};
+  if (arguments.grid.empty())
+    how["subdivisions"] = o.subdivisions;
+  else
+    how["grid"] = arguments.grid;
+  how.update({{"pole", arguments.pole},
+              {"seam", arguments.seam},
+              {"diagonal", arguments.diagonal},
+              {"jitter", o.jitter},
+              {"seed", o.seed},
+              {"shear", o.shear},
+              {"mirror", o.mirror},
+              {"scale", array(o.scale)},
+              {"degenerate", o.degenerate},
+              {"degenerate_uvs", o.degenerate_uvs},
+              {"sign", arguments.sign}});
   write_glb(arguments.output, mesh, std::string(surface.info().name),
-            extras.dump(-1, ' ', false, Json::error_handler_t::replace));
+            Json{{"darboux", how}}.dump(-1, ' ', false, Json::error_handler_t::replace));
   if (common.json)
     print_json({{"file", arguments.output},
                 {"surface", surface_json(surface)},
@@ -54,8 +103,25 @@ void add_mesh(CLI::App& app, Common& common) {
   auto arguments = std::make_shared<Arguments>();
   SampleMeshOptions& o = arguments->options;
   sub.add_option("SURFACE", arguments->surface, surface_help)->required();
-  sub.add_option("--grid", arguments->grid, "NxM segments along u and v")->required();
-  sub.add_option("-o,--output", arguments->output, "the .glb to write")->required();
+  sub.add_option("-o,--output", arguments->output, "the .glb to write, - for standard output")->required();
+  sub.add_option("--topology", arguments->topology,
+                 "how the surface is cut into triangles. grid: rows and columns of cells. icosphere, "
+                 "cube-sphere: as an "
+                 "icosahedron or a cube blown up, of a sphere, ellipsoid or superellipsoid. lantern: a tube "
+                 "whose rows "
+                 "are turned by half a cell in turn; its triangles need not approach the tube (Schwarz)")
+      ->capture_default_str()
+      ->check(topologies.check());
+  sub.add_option("--grid", arguments->grid, "NxM segments along u and v, for grid and lantern");
+  sub.add_option("--subdivisions", arguments->subdivisions,
+                 "segments along each edge of the icosahedron or cube (even)")
+      ->check(CLI::Range(1, 2000));
+  sub.add_option("--pole", arguments->pole,
+                 "at a point where all columns meet: a vertex for each column with the column's u "
+                 "(per-column), with u "
+                 "in the middle of the column as three.js has it (half-cell), or one vertex for all (shared)")
+      ->capture_default_str()
+      ->check(poles.check());
   sub.add_option("--seam", arguments->seam,
                  "split: vertices of their own at u = 0 and 1; shared: one vertex, uv jumps")
       ->capture_default_str()
@@ -70,10 +136,26 @@ void add_mesh(CLI::App& app, Common& common) {
       ->check(CLI::IsMember({"regular", "random"}));
   sub.add_option("--shear", o.shear, "K: store u + K v instead of u")->capture_default_str();
   sub.add_flag("--mirror", o.mirror, "store 1 - |2u - 1|: the second half mirrored, N even");
+  sub.add_option(
+         "--scale", arguments->scale,
+         "SX,SY,SZ: stretch the mesh along x, y and z, normals and tangents along with it; an odd number of "
+         "negative ones mirrors it")
+      ->capture_default_str();
+  sub.add_option(
+         "--degenerate", o.degenerate,
+         "add this many triangles without area: collinear, with two vertices in one place, with one vertex "
+         "twice, in turn")
+      ->capture_default_str()
+      ->check(whole_number);
+  sub.add_option(
+         "--degenerate-uvs", o.degenerate_uvs,
+         "take the uv area from this many triangles: all corners at one uv, two corners at one uv, in turn")
+      ->capture_default_str()
+      ->check(whole_number);
   sub.add_flag("--no-tangents", arguments->no_tangents, "leave TANGENT out");
   sub.add_option("--sign", arguments->sign, "sign convention of w: gltf or raw")
       ->capture_default_str()
-      ->check(CLI::IsMember({"gltf", "raw"}));
+      ->check(signs.check());
   add_common(sub, common, "darboux mesh sphere --grid 64x32 -o sphere.glb");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

@@ -55,7 +55,7 @@ TEST_F(Cli, RefusesWrongUsageInOneLine) {
   refused("darboux eval sphere", {"--at", "--grid", "--input"});
   refused("darboux eval sphere --at 0,0 --grid 2x2", {"--at", "--grid", "--input"});
   refused("darboux check --points 0", {"--points"});
-  refused("darboux mesh sphere", {"--grid"});
+  refused("darboux mesh sphere -o x.glb", {"--grid"});
   refused("darboux mesh sphere --grid 4x4", {"--output"});
   refused("darboux tangents", {"--list"});
   refused("darboux validate", {"FILES"});

@@ -1,0 +1,57 @@
+// The stages of a reference mesh: triangles over the uv square, what their vertices store, defects.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <darboux/sample_mesh.h>
+
+namespace darboux {
+
+/// A vertex before anything is computed there.
+struct ChartVertex {
+  Vec2<double> uv;           ///< of the surface
+  bool second_half = false;  ///< of a mirrored mesh
+};
+
+/// Triangles over the uv square, wound as the surface's n.
+struct ChartMesh {
+  std::vector<ChartVertex> vertices;
+  std::vector<Triangle> triangles;
+};
+
+/// Whether a triangle that is counter-clockwise in uv is clockwise seen along n: where the chart turns over.
+inline bool turned_over(const AnySurface& surface, const Vec2<double>& uv) {
+  return surface.frame(uv.x, uv.y).handedness < 0;
+}
+
+/// Whether the whole row at v is one point.
+inline bool is_pole(const AnySurface& surface, double v) {
+  const Vec3<double> p = surface.jet(0.0, v).position;
+  return p == surface.jet(0.25, v).position && p == surface.jet(0.5, v).position;
+}
+
+ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& options);
+ChartMesh sphere_mesh(const AnySurface& surface, const SampleMeshOptions& options);
+
+/// Computes what a vertex stores.
+class VertexMaker {
+ public:
+  VertexMaker(const AnySurface& surface, const SampleMeshOptions& options);
+  void append(Mesh& mesh, const ChartVertex& vertex) const;
+
+ private:
+  const AnySurface& surface_;
+  const SampleMeshOptions& options_;
+  std::optional<FrameTransform<double>> scale_;
+};
+
+/// Adds triangles without area and rounds the positions.
+/// \param chart where the mesh's vertices lie
+void add_degenerate_triangles(Mesh& mesh, const std::vector<ChartVertex>& chart, const VertexMaker& make,
+                              int count);
+
+/// Takes their uv area from triangles among the first `of` of the mesh.
+void collapse_uvs(Mesh& mesh, std::size_t of, int count);
+
+}  // namespace darboux

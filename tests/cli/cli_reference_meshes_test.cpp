@@ -1,0 +1,99 @@
+// The kinds of meshes that `darboux mesh` writes beside plain grids, and what validate says of them.
+#include "cli.h"
+
+namespace darboux::test {
+namespace {
+
+class ReferenceMeshes : public Cli {
+ protected:
+  Json validated(const std::string& arguments, int status = 0) const {
+    SCOPED_TRACE(arguments);
+    good("darboux mesh " + arguments + " --quiet -o m.glb");
+    return only_mesh(json("darboux validate m.glb --json", status));
+  }
+};
+
+TEST_F(ReferenceMeshes, ValidateRecognisesAndPassesThem) {
+  struct Case {
+    std::string arguments, surface, convention = "gltf";
+  };
+  const std::string ellipsoid = "ellipsoid:semi_axis_x=1,semi_axis_y=0.7,semi_axis_z=0.5";
+  for (const Case& c :
+       {Case{"sphere --topology icosphere --subdivisions 12", "sphere"},
+        {"sphere --topology cube-sphere --subdivisions 12", "sphere"},
+        {"sphere:radius=3 --topology icosphere --subdivisions 12 --sign raw", "sphere", "raw"},
+        {ellipsoid + " --topology cube-sphere --subdivisions 12", "ellipsoid"},
+        {"cylinder --topology lantern --grid 24x12", "cylinder"},
+        {"cylinder --topology lantern --grid 16x256", "cylinder"},
+        {"sphere --grid 32x16 --pole half-cell", "sphere"},
+        {"sphere --grid 32x16 --pole shared", "sphere"},
+        {"sphere --grid 32x16 --scale 1,0.7,0.5", "ellipsoid"},
+        {"sphere --grid 32x16 --scale -2,2,2", "sphere"},
+        {"torus --grid 32x16 --scale 3,3,3", "torus"},
+        {"sphere --grid 64x32 --degenerate 6", "sphere"},
+        {"cylinder --topology lantern --grid 24x12 --degenerate 6", "cylinder"}}) {
+    const Json mesh = validated(c.arguments);
+    EXPECT_EQ(mesh["surface"]["name"], c.surface) << c.arguments;
+    EXPECT_EQ(mesh["handedness"]["convention"], c.convention) << c.arguments;
+    EXPECT_EQ(mesh["handedness"]["wrong"], 0) << c.arguments;
+    for (const auto& [name, statistics] : mesh["classes"].items())
+      for (const char* quantity : {"normal_deg", "tangent_deg"})
+        EXPECT_LT(statistics[quantity]["max"].get<double>(), 1e-3) << c.arguments << ' ' << name;
+    EXPECT_EQ(mesh["degenerate_triangles"], c.arguments.find("--degenerate 6") != std::string::npos ? 6 : 0)
+        << c.arguments;
+    EXPECT_EQ(mesh["degenerate_uv_triangles"], 0) << c.arguments;
+    for (const Json& finding : mesh["findings"]) EXPECT_EQ(finding["severity"], "info") << finding;
+  }
+}
+
+// Uvs that do not name the place leave nothing to recognise a surface by, but the triangles are counted.
+TEST_F(ReferenceMeshes, ValidateCountsDegenerateUvs) {
+  const Json mesh = validated("torus --grid 32x16 --degenerate-uvs 5 --degenerate 3", 1);
+  EXPECT_EQ(mesh["degenerate_triangles"], 3);
+  EXPECT_EQ(mesh["degenerate_uv_triangles"], 5);
+}
+
+TEST_F(ReferenceMeshes, RepeatThemselvesByteForByte) {
+  for (const std::string arguments :
+       {"sphere --topology icosphere --subdivisions 6", "sphere --topology cube-sphere --subdivisions 6",
+        "cylinder --topology lantern --grid 8x5", "sphere --grid 9x5 --pole half-cell --scale 1,-2,3",
+        "sphere --grid 9x5 --degenerate 4 --degenerate-uvs 3"}) {
+    const std::string once = good("darboux mesh " + arguments + " -o -");
+    EXPECT_EQ(once.substr(0, 4), "glTF") << arguments;
+    EXPECT_EQ(once, good("darboux mesh " + arguments + " -o -")) << arguments;
+  }
+}
+
+// The file says how it was made.
+TEST_F(ReferenceMeshes, FilesSayHowTheyWereMade) {
+  const std::string file =
+      good("darboux mesh sphere --topology icosphere --subdivisions 6 --scale -1,2,1 --degenerate 2 -o -");
+  for (const char* part : {R"("topology":"icosphere")", R"("subdivisions":6)", R"("scale":[-1.0,2.0,1.0])",
+                           R"("degenerate":2)", R"("degenerate_uvs":0)", R"("pole":"per-column")"})
+    EXPECT_NE(file.find(part), std::string::npos) << part;
+}
+
+TEST_F(ReferenceMeshes, RefuseWrongUsageInOneLine) {
+  const auto mesh = [](const std::string& arguments) { return "darboux mesh " + arguments + " -o x.glb"; };
+  refused(mesh("sphere --topology geodesic --subdivisions 4"), {"--topology", "icosphere", "lantern"});
+  refused(mesh("sphere --topology icosphere"), {"icosphere", "--subdivisions"});
+  refused(mesh("sphere --topology icosphere --grid 8x4 --subdivisions 4"), {"icosphere", "--grid"});
+  refused(mesh("sphere --grid 8x4 --subdivisions 4"), {"grid", "--subdivisions"});
+  refused(mesh("sphere --topology icosphere --subdivisions 0"), {"--subdivisions"});
+  refused(mesh("sphere --topology icosphere --subdivisions 4000"), {"--subdivisions"});
+  refused(mesh("sphere --topology cube-sphere --subdivisions 3"), {"subdivisions", "even"});
+  refused(mesh("torus --topology icosphere --subdivisions 4"), {"torus", "sphere"});
+  refused(mesh("torus --grid 8x4 --pole shared"), {"pole", "torus"});
+  refused(mesh("sphere --grid 8x4 --pole north"), {"--pole", "half-cell"});
+  for (const std::string scale : {"2", "1,2", "1,2,3,4", "1,x,1", "1,,1", "1,inf,1"})
+    refused(mesh("sphere --grid 8x4 --scale " + scale), {"--scale"});
+  refused(mesh("sphere --grid 8x4 --scale 1,0,1"), {"scale", "0"});
+  refused(mesh("sphere --grid 8x4 --degenerate -1"), {"--degenerate"});
+  refused(mesh("sphere --grid 8x4 --degenerate 99"), {"degenerate", "99", "48"});
+  refused(mesh("sphere --grid 8x4 --degenerate-uvs x"), {"--degenerate-uvs"});
+  refused(mesh("sphere --grid 8x4 --degenerate 99999999999"), {"--degenerate"});
+  EXPECT_FALSE(fs::exists(path("x.glb")));
+}
+
+}  // namespace
+}  // namespace darboux::test
