@@ -133,6 +133,7 @@ Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
   check(surface, o);
   const VertexMaker make(surface, o);
   ChartMesh chart = is_sphere(o) ? sphere_mesh(surface, o) : grid_mesh(surface, o);
+  if (o.degenerate > 0) round_uvs(chart);
   Mesh mesh;
   for (const ChartVertex& vertex : chart.vertices) make.append(mesh, vertex);
   mesh.triangles = std::move(chart.triangles);

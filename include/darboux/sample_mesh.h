@@ -69,13 +69,15 @@ struct SampleMeshOptions {
 /// scale, M = diag(x, y, z): positions and tangents by M, normals by its inverse transpose, w by the sign of det M; a
 /// mirror (det M < 0) reverses the winding, so that it agrees with n.
 ///
-/// degenerate, spread over the mesh, three kinds in turn, each along an edge (a, b) of a triangle of its own:
+/// degenerate, spread over the mesh, three kinds in turn, each along the shortest edge (a, b) of one of the others:
 ///   (a, m, b)   collinear: m is a vertex of its own in the middle of the chord, off the surface by its sag, with the
 ///               surface's normal and tangent at the edge's middle uv
 ///   (a, b, a')  three vertices, two of them in one place: a' is a copy of a
 ///   (a, b, b)   one vertex twice
-/// So that the middle of a chord is one exactly, in float files too, positions are rounded to multiples of 2^-22 of the
-/// power of two below the largest coordinate, that is by at most one unit of the last digit of a float of that size.
+/// They have no area in uv either. So that middles are exact, in float files too, all (u, v) are rounded to multiples of
+/// 2^-20 before anything is computed there (exact with shears that are multiples of 1/4), and afterwards positions to
+/// multiples of 2^-22 of the power of two below the largest coordinate: by at most one unit of the last digit of a float
+/// of that size.
 ///
 /// degenerate_uvs, spread likewise, two kinds in turn: all three corners at the first one's uv; the third at the first one's.
 /// Such a triangle has vertices of its own: positions, normals and tangents stay those of the place, the uvs do not name it.

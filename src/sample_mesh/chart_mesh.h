@@ -46,6 +46,9 @@ class VertexMaker {
   std::optional<FrameTransform<double>> scale_;
 };
 
+/// To multiples of 2^-20, so that a float holds the middle of any two, sheared by a multiple of 1/4 too.
+void round_uvs(ChartMesh& chart);
+
 /// Adds triangles without area and rounds the positions.
 /// \param chart where the mesh's vertices lie
 void add_degenerate_triangles(Mesh& mesh, const std::vector<ChartVertex>& chart, const VertexMaker& make,

@@ -19,6 +19,16 @@ std::size_t spread(int k, int count, std::size_t of) {
   return static_cast<std::size_t>(k) * of / static_cast<std::size_t>(count);
 }
 
+std::pair<std::uint32_t, std::uint32_t> shortest_edge(const Mesh& mesh, const Triangle& triangle) {
+  const auto length = [&](int k) {
+    return norm(mesh.positions[triangle[(k + 1) % 3]] - mesh.positions[triangle[k]]);
+  };
+  int shortest = 0;
+  for (const int k : {1, 2})
+    if (length(k) < length(shortest)) shortest = k;
+  return {triangle[shortest], triangle[(shortest + 1) % 3]};
+}
+
 // To multiples of a step so large that a float holds the middle of any two.
 void round_positions(Mesh& mesh) {
   double largest = 0;
@@ -32,13 +42,17 @@ void round_positions(Mesh& mesh) {
 
 }  // namespace
 
+void round_uvs(ChartMesh& chart) {
+  const auto rounded = [](double x) { return std::nearbyint(x * 0x1p20) * 0x1p-20; };
+  for (ChartVertex& vertex : chart.vertices) vertex.uv = {rounded(vertex.uv.x), rounded(vertex.uv.y)};
+}
+
 void add_degenerate_triangles(Mesh& mesh, const std::vector<ChartVertex>& chart, const VertexMaker& make,
                               int count) {
   round_positions(mesh);
   const std::size_t sound = mesh.triangles.size();
   for (int k = 0; k < count; ++k) {
-    const Triangle& triangle = mesh.triangles[spread(k, count, sound)];
-    const std::uint32_t a = triangle[0], b = triangle[1];
+    const auto [a, b] = shortest_edge(mesh, mesh.triangles[spread(k, count, sound)]);
     switch (k % 3) {
       case 0: {
         const ChartVertex &from = chart[a], &to = chart[b];
