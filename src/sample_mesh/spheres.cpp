@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <unordered_map>
@@ -43,23 +44,19 @@ class SphereBuilder {
     const Vec2<double> centre{(p[0].u + p[1].u + p[2].u) / 3, (p[0].v + p[1].v + p[2].v) / 3};
     if (turned_over(surface_, centre)) std::swap(p[1], p[2]);
     Triangle triangle;
-    // A pole's vertex is its triangle's own: another one may have the same mean u.
-    for (int k = 0; k < 3; ++k) triangle[k] = p[k].pole ? append({p[k].u, p[k].v}) : vertex({p[k].u, p[k].v});
+    for (int k = 0; k < 3; ++k) triangle[k] = vertex({p[k].u, p[k].v});
     mesh_.triangles.push_back(triangle);
   }
 
   ChartMesh take() { return std::move(mesh_); }
 
  private:
-  std::uint32_t append(const Vec2<double>& uv) {
-    mesh_.vertices.push_back({uv});
-    return static_cast<std::uint32_t>(mesh_.vertices.size() - 1);
-  }
   std::uint32_t vertex(const Vec2<double>& uv) {
     const auto key =
         static_cast<std::uint64_t>(uv.x * steps) << 32 | static_cast<std::uint64_t>(uv.y * steps);
-    const auto [known, fresh] = index_.try_emplace(key, 0);
-    if (fresh) known->second = append(uv);
+    const auto next = static_cast<std::uint32_t>(mesh_.vertices.size());
+    const auto [known, fresh] = index_.try_emplace(key, next);
+    if (fresh) mesh_.vertices.push_back({uv});
     return known->second;
   }
 
