@@ -66,7 +66,8 @@ std::vector<Rule> rules(const Includes& tree) {
       {"a mesh knows no parametric surface", "(include/darboux|src)/" + mesh_core + "\\.(h|cpp)",
        std::string(standard) + "|Eigen/.*|darboux/(scalar|vector|surface|frame|error)\\.h|darboux/" +
            mesh_core +
-           "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|(arithmetic|connectivity|triangle|\\.\\./"
+           "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|sys/"
+           "mman\\.h|(arithmetic|buffer|connectivity|triangle|\\.\\./"
            "pieces)\\.h",
        ""},
       {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",

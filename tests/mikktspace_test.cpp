@@ -210,6 +210,27 @@ TEST(MikkTSpace, AThresholdPartsGroups) {
   EXPECT_TRUE(same_bits(fold.tangents({.angular_threshold = 179}), fold.tangents()));
 }
 
+// Powers of two far beyond what squares in single precision can hold change nothing.
+TEST(MikkTSpace, ScaleDoesNotMatter) {
+  for (std::uint32_t k = 0; k < generated_meshes; k += 3) {
+    const Arrays plain(generated_mesh(k));
+    const std::vector<float> tangents = plain.tangents();
+    for (const auto& [position, uv] :
+         {std::pair{100, 0}, {-100, 0}, {0, 100}, {0, -100}, {100, 100}, {-100, -100}, {100, -100}}) {
+      Arrays scaled = plain;
+      for (float& x : scaled.positions) x = std::ldexp(x, position);
+      for (float& x : scaled.uvs) x = std::ldexp(x, uv);
+      EXPECT_TRUE(same_bits(scaled.tangents(), tangents))
+          << "mesh " << k << ", 2^" << position << ", 2^" << uv;
+    }
+  }
+  Arrays plane;
+  for (const auto& [u, v] : {std::pair{0.F, 0.F}, {1.F, 0.F}, {1.F, 1.F}})
+    plane.add(
+        {std::ldexp(3 * u, 60), std::ldexp(2 * v, 60), 0, 0, 0, 1, std::ldexp(u, -40), std::ldexp(v, -40)});
+  EXPECT_EQ(mikktspace(plane.mesh())[0].t_length, std::ldexp(3.F, 100));
+}
+
 TEST(MikkTSpace, SmallMeshes) {
   EXPECT_TRUE(Arrays().tangents().empty());
   Arrays point(Soup(3, Corner{1, 2, 3, 0, 0, 1, 0, 0}));
@@ -251,6 +272,7 @@ TEST(MikkTSpace, RefusesWhatCannotBeRight) {
   has(refusal([](Arrays& a) { a.face_sizes = {4}; }), "3 corners");
   has(refusal([](Arrays& a) { a.normals[4] = std::numeric_limits<float>::quiet_NaN(); }),
       "normal of vertex 1 is");
+  has(refusal([](Arrays& a) { a.normals[7] = 1e30F; }), "normal of vertex 2 has a component 1");
   has(refusal([](Arrays& a) { a.uvs[4] = std::numeric_limits<float>::infinity(); }), "uv of vertex 2 is inf");
   std::vector<float> tangents(11);
   has(refusal_of<Error>([&] { mikktspace(good.mesh(), tangents); }), "11 numbers");

@@ -51,13 +51,17 @@ struct MikkTangent {
 /// nothing; those with two corners in one place take the tangents of the first other triangle at the vertex; a corner that
 /// nothing serves has t = (1, 0, 0), b = (0, 1, 0) and the sign -1. Quads are cut along the shorter diagonal in the uvs.
 ///
+/// Positions or uvs whose largest number is beyond 2^±28 are multiplied by a power of two first, so that nothing overflows or
+/// vanishes as it does in the original; within that range this would not change a bit.
+///
 /// glTF's w is the raw sign, negated. The bits do not depend on the order of the vertices of an indexed mesh, nor on threads.
 /// Cost: linear in the triangles; quadratic in the number of those at one vertex whose directions are not all within 84 degrees of
-/// one of them, or with a threshold below 180; about 200 bytes a triangle.
+/// one of them, or with a threshold below 180; at most 130 bytes a triangle beyond
+/// input and output.
 ///
 /// \param tangent4 x, y, z of t and the raw sign, four numbers a corner
 /// \throws MeshError for attributes of unequal length, faces of other than three or four corners, indices out of range, numbers
-/// that are not finite; ParameterError for an option out of its range, or a tangent4 of another length
+/// that are not finite, a normal with a component beyond ±2^28; ParameterError for an option out of its range, or a tangent4 of another length
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options = {});
 /// The same with bitangents and lengths, of each corner.
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options = {});

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -12,18 +13,17 @@
 namespace darboux {
 namespace {
 
-using mikk::across;
-using mikk::Derivatives;
 using mikk::Index;
 using mikk::none;
 using mikk::normalised;
+using mikk::Part;
 using mikk::Vector;
 
 // Groups about each vertex and their averages.
 class Tangents : mikk::Connectivity {
  public:
-  Tangents(const MikkMesh& mesh, const MikkOptions& options)
-      : Connectivity(mesh, options),
+  Tangents(const MikkMesh& mesh, const MikkOptions& options, bool lengths)
+      : Connectivity(mesh, options, lengths),
         cosine_(static_cast<float>(
             std::cos(static_cast<double>(options.angular_threshold * static_cast<float>(M_PI) / 180.0F)))) {}
 
@@ -35,33 +35,35 @@ class Tangents : mikk::Connectivity {
  private:
   struct Scratch;
   template <class Put>
-  void serve(Index v, Scratch& scratch, const Put& put) const;
-  MikkTangent evaluate(const Scratch& scratch, std::span<const Index> members) const;
+  void serve(Index id, Scratch& scratch, const Put& put) const;
+  template <class Put>
+  void serve_group(std::span<const Index> group, Scratch& scratch, const Put& put) const;
+  bool are_one_group(Index id) const;
+  MikkTangent evaluate(std::span<const Index> members) const;
+  bool any(std::size_t at) const { return orientation_[at / 3].any != 0; }
+  bool preserves(std::size_t at) const { return orientation_[at / 3].preserves != 0; }
 
   float cosine_;
 };
 
 struct Tangents::Scratch {
-  std::vector<Index> group, reached, first, next, order, members;
-  // Of the members of a group: what they add.
-  std::vector<Index> at;
-  std::vector<Vector> s, t;
-  std::vector<float> angle;
+  std::vector<Index> group, reached, first, next, corners, members;
 };
 
-// The average over some members, weighted by the angle between a triangle's edges as seen along the normal.
-MikkTangent Tangents::evaluate(const Scratch& scratch, std::span<const Index> members) const {
+// The average over some corners, weighted by the angle between a triangle's edges as seen along the normal.
+MikkTangent Tangents::evaluate(std::span<const Index> members) const {
   Vector s{0, 0, 0}, t{0, 0, 0};
   float s_length = 0, t_length = 0, sum = 0;
-  for (const Index i : members) {
-    const Derivatives& d = derivatives_[scratch.at[i] / 3];
-    if (d.any) continue;
-    const float angle = scratch.angle[i];
-    s += angle * scratch.s[i];
-    t += angle * scratch.t[i];
-    s_length += angle * d.s_length;
-    t_length += angle * d.t_length;
-    sum += angle;
+  for (const Index at : members) {
+    if (any(at)) continue;
+    const Part& part = part_[at];
+    s += part.angle * part.s;
+    t += part.angle * part.t;
+    if (!lengths_.empty()) {
+      s_length += part.angle * lengths_[at / 3].s;
+      t_length += part.angle * lengths_[at / 3].t;
+    }
+    sum += part.angle;
   }
   s = normalised(s);
   t = normalised(t);
@@ -72,13 +74,68 @@ MikkTangent Tangents::evaluate(const Scratch& scratch, std::span<const Index> me
   return {{s.x, s.y, s.z}, {t.x, t.y, t.z}, s_length, t_length, 1, true};
 }
 
+// Neighbours about a vertex make paths and rings: whether one of them has all its corners, and they have one orientation.
+bool Tangents::are_one_group(Index id) const {
+  const std::span<const Index> corners = corners_at(id);
+  const Index start = corners[0];
+  std::size_t reached = 1;
+  for (const bool leaving : {true, false})
+    for (Index at = start;;) {
+      const Index t = neighbour_[leaving ? at : previous(at)];
+      if (t == none || preserves(3 * std::size_t{t}) != preserves(start)) break;
+      at = corner_at(id, t);
+      if (at == start) return reached == corners.size();
+      ++reached;
+    }
+  return reached == corners.size();
+}
+
 template <class Put>
-void Tangents::serve(Index v, Scratch& x, const Put& put) const {
-  const std::span<const Index> corners = corners_at(v);
-  // Groups: corners joined by edges at v between triangles of one orientation; numbered by their first.
+void Tangents::serve_group(std::span<const Index> group, Scratch& x, const Put& put) const {
+  const float sign = preserves(group[0]) ? 1.0F : -1.0F;
+  const auto write = [&](Index at, MikkTangent tangent) {
+    tangent.sign = sign;
+    put(corner(at), tangent);
+  };
+  const auto together = [&](Index a, Index b) {
+    return any(a) || any(b) || face(a / 3) == face(b / 3) ||
+           (dot(part_[a].s, part_[b].s) > cosine_ && dot(part_[a].t, part_[b].t) > cosine_);
+  };
+  // At the usual 180 degrees only opposite directions part: there are none where all are on one side.
+  bool all = cosine_ <= -1;
+  Index first = none;
+  for (std::size_t i = 0; all && i < group.size(); ++i) {
+    if (any(group[i])) continue;
+    if (first == none) first = group[i];
+    const Part &a = part_[group[i]], &b = part_[first];
+    all = group[i] == first || (dot(a.s, b.s) > 0.1F && dot(a.t, b.t) > 0.1F);
+  }
+  if (!all) {
+    all = true;
+    for (std::size_t i = 0; all && i < group.size(); ++i)
+      for (std::size_t j = 0; all && j < i; ++j) all = together(group[i], group[j]);
+  }
+  if (all) {
+    const MikkTangent tangent = evaluate(group);
+    for (const Index at : group) write(at, tangent);
+    return;
+  }
+  for (const Index a : group) {
+    x.members.clear();
+    for (const Index b : group)
+      if (together(a, b)) x.members.push_back(b);
+    write(a, evaluate(x.members));
+  }
+}
+
+template <class Put>
+void Tangents::serve(Index id, Scratch& x, const Put& put) const {
+  const std::span<const Index> corners = corners_at(id);
+  const bool labelled = !labelled_.empty() && labelled_[id] != 0;
+  if (!labelled && are_one_group(id)) return serve_group(corners, x, put);
+  // Groups: corners joined by edges at the vertex between triangles of one orientation; numbered by their first.
   x.group.assign(corners.size(), none);
   Index groups = 0;
-  const bool labelled = !labelled_.empty() && labelled_[v] != 0;
   const auto place_of = [&](Index at) {
     return static_cast<std::size_t>(std::lower_bound(corners.begin(), corners.end(), at) - corners.begin());
   };
@@ -89,15 +146,14 @@ void Tangents::serve(Index v, Scratch& x, const Put& put) const {
       continue;
     }
     if (x.group[i] != none) continue;
-    const bool preserves = derivatives_[corners[i] / 3].preserves;
     x.group[i] = groups;
     x.reached.assign(1, corners[i]);
     while (!x.reached.empty()) {
       const Index at = x.reached.back();
       x.reached.pop_back();
       for (const Index t : {neighbour_[at], neighbour_[previous(at)]}) {
-        if (t == none || derivatives_[t].preserves != preserves) continue;
-        const Index there = corner_at(v, t);
+        if (t == none || preserves(3 * std::size_t{t}) != preserves(corners[i])) continue;
+        const Index there = corner_at(id, t);
         Index& group = x.group[place_of(there)];
         if (group != none) continue;
         group = groups;
@@ -115,65 +171,19 @@ void Tangents::serve(Index v, Scratch& x, const Put& put) const {
   x.next.resize(corners.size());
   for (std::size_t i = corners.size(); i-- > 0;)
     if (x.group[i] != none) x.next[i] = std::exchange(x.first[x.group[i]], static_cast<Index>(i));
-
   for (Index g = 0; g < groups; ++g) {
-    x.at.clear(), x.s.clear(), x.t.clear(), x.angle.clear(), x.order.clear();
-    for (Index i = x.first[g]; i != none; i = x.next[i]) {
-      const std::size_t at = corners[i];
-      const Vector n = vector(mesh_.normals, source(at)), p = position(source(at));
-      const Derivatives& d = derivatives_[at / 3];
-      const Vector before = across(n, position(source(previous(at))) - p);
-      const Vector after = across(n, position(source(next(at))) - p);
-      const float cosine = std::min(1.0F, std::max(-1.0F, dot(before, after)));
-      x.order.push_back(static_cast<Index>(x.at.size()));
-      x.at.push_back(static_cast<Index>(at));
-      x.s.push_back(across(n, d.s));
-      x.t.push_back(across(n, d.t));
-      x.angle.push_back(static_cast<float>(std::acos(static_cast<double>(cosine))));
-    }
-    const bool preserves = derivatives_[x.at[0] / 3].preserves;
-    const auto write = [&](std::size_t i, MikkTangent tangent) {
-      tangent.sign = preserves ? 1.0F : -1.0F;
-      put(corner(x.at[i]), tangent);
-    };
-    const auto together = [&](std::size_t i, std::size_t j) {
-      const std::size_t a = x.at[i] / 3, b = x.at[j] / 3;
-      return derivatives_[a].any || derivatives_[b].any || face(a) == face(b) ||
-             (dot(x.s[i], x.s[j]) > cosine_ && dot(x.t[i], x.t[j]) > cosine_);
-    };
-    // At the usual 180 degrees only opposite directions part: there are none where all are on one side.
-    bool all = cosine_ <= -1;
-    std::size_t first = none;
-    for (std::size_t i = 0; all && i < x.at.size(); ++i) {
-      if (derivatives_[x.at[i] / 3].any) continue;
-      if (first == none) first = i;
-      all = i == first || (dot(x.s[i], x.s[first]) > 0.1F && dot(x.t[i], x.t[first]) > 0.1F);
-    }
-    if (!all) {
-      all = true;
-      for (std::size_t i = 0; all && i < x.at.size(); ++i)
-        for (std::size_t j = 0; all && j < i; ++j) all = together(i, j);
-    }
-    if (all) {
-      const MikkTangent tangent = evaluate(x, x.order);
-      for (std::size_t i = 0; i < x.at.size(); ++i) write(i, tangent);
-    } else {
-      for (std::size_t i = 0; i < x.at.size(); ++i) {
-        x.members.clear();
-        for (std::size_t j = 0; j < x.at.size(); ++j)
-          if (together(i, j)) x.members.push_back(static_cast<Index>(j));
-        write(i, evaluate(x, x.members));
-      }
-    }
+    x.corners.clear();
+    for (Index i = x.first[g]; i != none; i = x.next[i]) x.corners.push_back(corners[i]);
+    serve_group(x.corners, x, put);
   }
 }
 
 template <class Put, class Copy>
 void Tangents::of_corners(const Put& put, const Copy& copy) const {
-  in_pieces(mesh_.vertex_count(), threads_, [&](std::size_t begin, std::size_t end) {
+  in_pieces(stands_for_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     Scratch scratch;
-    for (std::size_t v = begin; v < end; ++v)
-      if (begin_[v] != begin_[v + 1]) serve(static_cast<Index>(v), scratch, put);
+    for (std::size_t id = begin; id < end; ++id)
+      if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, put);
   });
   // A degenerate triangle takes over what the first good corner at the vertex has.
   for (std::size_t at = 3 * good_; at < 3 * all_; ++at)
@@ -196,6 +206,8 @@ void Tangents::of_corners(const Put& put, const Copy& copy) const {
 }
 
 // ---- input --------------------------------------------------------------------------------------------------------
+
+constexpr float longest_normal = 0x1p28F;
 
 void check(const MikkMesh& mesh, const MikkOptions& options) {
   const std::size_t n = mesh.positions.size() / 3;
@@ -228,9 +240,10 @@ void check(const MikkMesh& mesh, const MikkOptions& options) {
     refuse("has " + std::to_string(corners) + " corners, permitted are those of its faces, " +
            (mesh.face_sizes.empty() ? "three each" : std::to_string(sum)));
   const auto check_finite = [&](std::span<const float> x, std::size_t components, const char* name) {
-    float zero = 0;
-    for (const float value : x) zero += value * 0;
-    if (zero == 0) return;
+    constexpr std::uint32_t infinity = 0x7f800000;  // all exponent bits, as in NaN
+    std::uint32_t found = 0;
+    for (const float value : x) found |= (std::bit_cast<std::uint32_t>(value) & infinity) == infinity ? 1 : 0;
+    if (found == 0) return;
     for (std::size_t i = 0; i < x.size(); ++i)
       if (!std::isfinite(x[i]))
         refuse(std::string(name) + " of vertex " + std::to_string(i / components) + " is " +
@@ -238,6 +251,10 @@ void check(const MikkMesh& mesh, const MikkOptions& options) {
   };
   check_finite(mesh.positions, 3, "position");
   check_finite(mesh.normals, 3, "normal");
+  for (std::size_t i = 0; i < mesh.normals.size(); ++i)
+    if (std::fabs(mesh.normals[i]) > longest_normal)
+      refuse("normal of vertex " + std::to_string(i / 3) + " has a component " +
+             std::to_string(mesh.normals[i]) + ", permitted are unit normals");
   check_finite(mesh.uvs, 2, "uv");
   if (options.threads < 0)
     throw ParameterError("threads",
@@ -246,6 +263,37 @@ void check(const MikkMesh& mesh, const MikkOptions& options) {
     throw ParameterError("angular threshold",
                          std::to_string(options.angular_threshold) + " degrees, permitted are 0 to 180");
 }
+
+// The mesh with positions and uvs each multiplied by a power of two where products of them and their squares might leave the
+// range of float. Within it that changes no bit of a direction.
+class InRange {
+ public:
+  explicit InRange(const MikkMesh& mesh) : mesh_(mesh) {
+    position_exponent_ = bring(mesh_.positions, positions_);
+    uv_exponent_ = bring(mesh_.uvs, uvs_);
+  }
+  const MikkMesh& mesh() const { return mesh_; }
+  // Lengths are those of positions by uvs.
+  float length(float of_scaled) const { return std::ldexp(of_scaled, position_exponent_ - uv_exponent_); }
+
+ private:
+  // The exponent that was taken out.
+  static int bring(std::span<const float>& x, std::vector<float>& copy) {
+    constexpr float large = 0x1p28F;
+    float greatest = 0;
+    for (const float value : x) greatest = std::max(greatest, std::fabs(value));
+    if (greatest == 0 || (greatest <= large && greatest >= 1 / large)) return 0;
+    const int exponent = std::ilogb(greatest);
+    copy.reserve(x.size());
+    for (const float value : x) copy.push_back(std::ldexp(value, -exponent));
+    x = copy;
+    return exponent;
+  }
+
+  MikkMesh mesh_;
+  std::vector<float> positions_, uvs_;
+  int position_exponent_ = 0, uv_exponent_ = 0;
+};
 
 bool has_quads(const MikkMesh& mesh) {
   return std::any_of(mesh.face_sizes.begin(), mesh.face_sizes.end(), [](auto n) { return n == 4; });
@@ -277,9 +325,10 @@ MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
 
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options) {
   check(mesh, options);
+  const InRange in_range(mesh);
   std::vector<MikkTangent> result(mesh.corner_count());
   std::vector<std::uint8_t> written(has_quads(mesh) ? result.size() : 0);
-  Tangents(mesh, options)
+  Tangents(in_range.mesh(), options, true)
       .of_corners(
           [&](std::size_t corner, const MikkTangent& tangent) {
             result[corner] = !written.empty() && std::exchange(written[corner], 1) != 0
@@ -287,6 +336,8 @@ std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& opt
                                  : tangent;
           },
           [&](std::size_t from, std::size_t to) { result[to] = result[from]; });
+  for (MikkTangent& x : result)
+    if (x.served) x.t_length = in_range.length(x.t_length), x.b_length = in_range.length(x.b_length);
   return result;
 }
 
@@ -306,7 +357,7 @@ void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptio
     return;
   }
   for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{});
-  Tangents(mesh, options).of_corners(put, [&](std::size_t from, std::size_t to) {
+  Tangents(InRange(mesh).mesh(), options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
     std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
   });
 }
