@@ -31,7 +31,7 @@ std::vector<Rule> rules(const Includes& tree) {
   const std::string surfaces = surface_headers(tree);
   const std::string mesh_core =
       "(mesh|mesh_frames|mesh_frames/[a-z_]+|fragments|vertex_normals|mesh_classes|mikktspace|mikktspace/"
-      "[a-z_]+|weld)";
+      "[a-z_]+|split_vertices|weld)";
   return {
       {"a surface knows no engine", "surfaces/darboux/(?!catalogue\\.h).*",
        std::string(standard) + "|darboux/(surface|scalar|vector|curve|spline)\\.h", ""},
@@ -51,7 +51,8 @@ std::vector<Rule> rules(const Includes& tree) {
        "(any_surface|testing|evaluate|point|limit|forms|frame|differentiate|adaptors|mesh|mesh_frames|mesh_"
        "frames/[a-z_]+|fragments|vertex_normals|pieces|"
        "mesh_classes|mikktspace|mikktspace/"
-       "[a-z_]+|weld|sample_mesh|sample_mesh/[a-z_]+|converge|placed_surface|validate)\\.(h|cpp)",
+       "[a-z_]+|split_vertices|weld|sample_mesh|sample_mesh/"
+       "[a-z_]+|converge|placed_surface|validate)\\.(h|cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
       {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",
        std::string(standard) + "|darboux/(scalar|vector)\\.h", ""},

@@ -525,7 +525,7 @@ TEST(Rewrite, RemapCopiesEveryAttributeBitForBit) {
   EXPECT_TRUE(glb.bin.starts_with(before.bin));
   EXPECT_EQ(glb.json["meshes"][0]["primitives"][1], before.json["meshes"][0]["primitives"][1]);
   const Json& primitive = glb.json["meshes"][0]["primitives"][0];
-  EXPECT_FALSE(primitive.contains("mode"));
+  EXPECT_EQ(primitive["mode"], 4);
   EXPECT_FALSE(primitive.contains("extensions"));
   const auto accessor = [&](const Json& attributes, const char* name) {
     return glb.json["accessors"].at(attributes.at(name).get<std::size_t>());

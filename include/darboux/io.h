@@ -25,9 +25,13 @@ struct Primitive {
   std::size_t mesh = 0;       ///< index of the mesh in the file
   std::size_t primitive = 0;  ///< index within the mesh
   std::string name;           ///< the mesh's name, may be empty
-  /// Which TEXCOORD set `data.uvs` holds: the one the material's normal texture uses where the primitive has
-  /// it, else 0; -1 when there is none.
+  /// Which TEXCOORD set `data.uvs` holds: that of the first texture of the material that reads the tangent frame, where the
+  /// primitive has it, else 0; -1 when there is none. The normal texture is the first, then those of needs_tangents.
   int texcoord = -1;
+  /// Whether something in its material, or in one of its KHR_materials_variants, reads the tangent frame: a normalTexture, the
+  /// clearcoatNormalTexture of KHR_materials_clearcoat, KHR_materials_anisotropy, the normal maps of
+  /// MSFT_packing_normalRoughnessMetallic and MSFT_packing_occlusionRoughnessMetallic.
+  bool needs_tangents = false;
   /// In the mesh's own space; vertex i is the file's vertex i. Normalised integers are read as the numbers
   /// they stand for, NaN and infinities as they are; strips and fans become triangles in glTF's winding.
   Mesh data;
@@ -35,7 +39,13 @@ struct Primitive {
   std::vector<Eigen::Matrix4d> instances;
 };
 
-/// A piece of a file that holds no triangles and was passed over.
+/// What a morph target of a primitive adds to its vertices at weight 1, one entry a vertex; empty where it adds nothing.
+struct MorphTarget {
+  std::vector<Vec3<double>> positions, normals;
+  std::vector<Vec2<double>> uvs;  ///< of the set that Primitive::texcoord names
+};
+
+/// A piece of a file that was passed over.
 struct SkippedPrimitive {
   std::size_t mesh = 0, primitive = 0;
   std::string reason;  ///< e.g. "mode 1 (lines) has no triangles"
@@ -76,20 +86,31 @@ class GltfDocument {
   GltfDocument& operator=(GltfDocument&&) noexcept;
   ~GltfDocument();
 
+  /// The file it was loaded from.
+  const std::string& path() const;
+
   /// The triangles in it, edits included. \throws FileError
   Asset asset() const;
 
+  /// The morph targets of a primitive that asset() gave. \throws FileError
+  std::vector<MorphTarget> morph_targets(const Primitive& primitive) const;
+
   /// Gives one primitive a TANGENT accessor (float VEC4, one a vertex), appended to the binary chunk; an old
   /// one is left where it is, unreferenced by this primitive. Values are stored bit for bit and not judged.
-  /// \throws MeshError when the primitive does not exist or the count differs from POSITION's
-  void set_tangents(std::size_t mesh, std::size_t primitive, std::span<const Vec4<float>> tangents);
+  /// \param deltas what each morph target adds to x, y and z: a TANGENT accessor (float VEC3) for each; none at all: the
+  /// targets are left as they are
+  /// \throws MeshError when the primitive does not exist, a count differs from POSITION's or that of deltas from the targets'
+  void set_tangents(std::size_t mesh, std::size_t primitive, std::span<const Vec4<float>> tangents,
+                    std::span<const std::vector<Vec3<float>>> deltas = {});
 
   /// Gives one primitive new vertices: every attribute, morph targets included, is copied so that new vertex
   /// i is old vertex source[i], bit for bit, and the primitive becomes the triangle list `indices`. min and
-  /// max are computed anew where they stood. \throws MeshError when the primitive does not exist, source
+  /// max are computed anew where they stood. Other primitives keep the old accessors, shared ones too.
+  /// \param without_tangents TANGENT is not copied, and does not fit until set_tangents() replaces it, the morph targets' too
+  /// \throws MeshError when the primitive does not exist, source
   /// names no old vertex, or indices no new one \throws FileError when an attribute cannot be read
   void remap_vertices(std::size_t mesh, std::size_t primitive, std::span<const std::uint32_t> source,
-                      std::span<const std::uint32_t> indices);
+                      std::span<const std::uint32_t> indices, bool without_tangents = false);
 
   /// Writes a self-contained GLB, whole or not at all. The bytes of buffer 0 begin the binary chunk, all that
   /// was added follows. Files that other buffers and images name by relative URI are embedded as data URIs,

@@ -1,9 +1,7 @@
+#include <algorithm>
 #include <iostream>
-#include <map>
 
-#include <darboux/frame.h>
-#include <darboux/io.h>
-#include <darboux/mesh_frames.h>
+#include <darboux/file_tangents.h>
 
 #include "command.h"
 
@@ -11,128 +9,144 @@ namespace darboux {
 namespace {
 
 struct Arguments {
-  std::string input, output, method, sign = "gltf";
+  std::string input, output, method = FileTangentOptions{}.method, sign = "gltf", only;
   bool list = false;
 };
 
-// Vertices of their own for every distinct (vertex, frame): vertex i of the new mesh is `source[i]` with
-// `frame[i]`.
-struct SplitVertices {
-  std::vector<std::uint32_t> source, frame, indices;
-  bool changed = false;
-};
+const char* error_left(int order) {
+  constexpr const char* words[] = {"the same error", "half the error", "a quarter of the error",
+                                   "an eighth of the error", "a sixteenth of the error"};
+  return words[std::clamp(order, 0, 4)];
+}
 
-SplitVertices split_vertices(const Mesh& mesh, const MeshFrames& frames) {
-  SplitVertices result;
-  constexpr auto none = static_cast<std::uint32_t>(-1);
-  // The first frame a vertex is used with stays with the vertex; every further one gets a new vertex.
-  result.source.resize(mesh.positions.size());
-  result.frame.assign(mesh.positions.size(), none);
-  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) result.source[v] = v;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> further;
-  for (std::size_t c = 0; c < mesh.corners(); ++c) {
-    const std::uint32_t v = mesh.triangles[c / 3][c % 3], f = frames.of_corner[c];
-    if (result.frame[v] == none) result.frame[v] = f;
-    if (result.frame[v] == f) {
-      result.indices.push_back(v);
-      continue;
+std::string errors_left(const ExpectedOrders& orders) {
+  if (orders.regular == orders.jittered) return error_left(orders.regular);
+  return std::string(error_left(orders.regular)) + " on regular grids, " + error_left(orders.jittered) +
+         " on irregular meshes";
+}
+
+const char* chart_name(Chart chart) {
+  return chart == Chart::any ? "any" : chart == Chart::orthogonal ? "orthogonal" : "conformal";
+}
+
+std::string uvs_it_suits(Chart chart) {
+  if (chart == Chart::any) return "all, sheared and stretched ones too";
+  return std::string(chart == Chart::orthogonal ? "those that are not sheared"
+                                                : "those that are neither sheared nor stretched") +
+         "; on others an error stays, however fine the mesh";
+}
+
+// "    label    text", broken between words before column 100.
+void print_paragraph(const std::string& label, std::string_view text) {
+  constexpr std::size_t indent = 14, width = 100;
+  std::string line = "    " + label;
+  line.resize(indent, ' ');
+  for (const std::string& word : split(text, ' ')) {
+    if (line.size() + word.size() > width) {
+      std::cout << line.substr(0, line.find_last_not_of(' ') + 1) << '\n';
+      line.assign(indent, ' ');
     }
-    const auto [it, inserted] = further.try_emplace({v, f}, static_cast<std::uint32_t>(result.source.size()));
-    if (inserted) {
-      result.source.push_back(v);
-      result.frame.push_back(f);
-      result.changed = true;
-    }
-    result.indices.push_back(it->second);
+    line += word + ' ';
   }
-  return result;
+  std::cout << line.substr(0, line.find_last_not_of(' ') + 1) << '\n';
 }
 
 void list(const Common& common) {
-  Json all = Json::array();
-  for (const FrameMethod& m : frame_methods()) {
-    all.push_back({{"name", m.name},
-                   {"summary", m.summary},
-                   {"formula", m.formula},
-                   {"needs_normals", m.needs_normals},
-                   {"order_regular", m.direction.regular},
-                   {"order_jittered", m.direction.jittered}});
-    if (!common.json)
-      std::cout << m.name << "\n    " << m.summary << "\n    " << m.formula
-                << "\n    error falls with the mesh width to the power " << m.direction.regular
-                << " on regular grids, " << m.direction.jittered << " on irregular meshes\n";
+  if (common.json) {
+    Json all = Json::array();
+    for (const FrameMethod& m : frame_methods())
+      all.push_back({{"name", m.name},
+                     {"summary", m.summary},
+                     {"formula", m.formula},
+                     {"needs_normals", m.needs_normals},
+                     {"order_regular", m.direction.regular},
+                     {"order_jittered", m.direction.jittered},
+                     {"order_poles_regular", m.at_poles.regular},
+                     {"order_poles_jittered", m.at_poles.jittered},
+                     {"tangent_charts", chart_name(m.tangent_chart)},
+                     {"bitangent_charts", chart_name(m.bitangent_chart)},
+                     {"single_precision", m.single_precision}});
+    return print_json({{"methods", all}});
   }
-  if (common.json) print_json({{"methods", all}});
+  std::cout
+      << "Each method gives every corner of every triangle a tangent, the direction in which u grows, and a\n"
+         "sign for the bitangent. 'accuracy' is what is left of the error, against the smooth surface that\n"
+         "the mesh stands for, when its triangles are made half as wide; borders and seams count as\n"
+         "irregular. Not sure? Take "
+      << FileTangentOptions{}.method << ": normal maps are baked for it, and glTF names it.\n";
+  for (const FrameMethod& m : frame_methods()) {
+    std::cout << '\n' << m.name << '\n';
+    print_paragraph("what", m.summary);
+    print_paragraph("formula", m.formula);
+    print_paragraph("accuracy", errors_left(m.direction) + "; beside poles " + errors_left(m.at_poles));
+    print_paragraph("uvs", uvs_it_suits(m.tangent_chart));
+  }
+}
+
+Json primitive_json(const PrimitiveTangents& p) {
+  return {{"mesh", p.mesh},
+          {"primitive", p.primitive},
+          {"name", p.name},
+          {"corners", p.corners},
+          {"old_vertices", p.old_vertices},
+          {"vertices", p.vertices},
+          {"morph_targets", p.morph_targets},
+          {"degenerate_triangles", p.degenerate_triangles},
+          {"degenerate_uv_triangles", p.degenerate_uv_triangles},
+          {"fallback_corners", p.fallback_corners}};
+}
+
+void print_text(const FileTangents& result, std::ostream& out) {
+  for (const PrimitiveTangents& p : result.primitives) {
+    out << "mesh " << p.mesh << " primitive " << p.primitive << ": " << p.corners << " corners, "
+        << p.vertices << " vertices";
+    if (p.vertices != p.old_vertices)
+      out << " (" << p.old_vertices << " before: those whose corners have several tangents were split)";
+    if (p.morph_targets != 0) out << ", " << p.morph_targets << " morph targets";
+    if (p.fallback_corners != 0)
+      out << "; at " << p.fallback_corners << " corners the method has no direction: some other was written";
+    out << '\n';
+  }
+  for (const SkippedPrimitive& s : result.skipped)
+    out << "mesh " << s.mesh << " primitive " << s.primitive << " left alone: " << s.reason << '\n';
 }
 
 void run(const Arguments& arguments, Common& common) {
   if (arguments.list) return list(common);
   if (arguments.input.empty()) throw ParameterError("tangents", "needs a .glb or .gltf to read, or --list");
   if (arguments.output.empty()) throw ParameterError("tangents", "needs -o OUT.glb");
-  if (arguments.method.empty())
-    throw ParameterError("tangents", "needs --method, see darboux tangents --list");
-  if (arguments.output == "-" && common.json)
+  const bool to_stdout = arguments.output == "-";
+  if (to_stdout && common.json)
     throw ParameterError("-", "standard output is asked for twice, permitted is one of -o - and --json");
-  const FrameMethod& method = find_frame_method(arguments.method);
-  GltfDocument document = GltfDocument::load(arguments.input);
-  const Asset asset = document.asset();
-  Json primitives = Json::array(), skipped = Json::array();
-  const auto skip = [&](std::size_t mesh, std::size_t primitive, const std::string& reason) {
-    skipped.push_back({{"mesh", mesh}, {"primitive", primitive}, {"reason", reason}});
-  };
-  for (const SkippedPrimitive& s : asset.skipped) skip(s.mesh, s.primitive, s.reason);
-  Progress progress("tangents", common);
-  std::size_t done = 0;
-  for (const Primitive& p : asset.primitives) {
-    progress.update(static_cast<double>(done++) / static_cast<double>(asset.primitives.size()));
-    if (p.data.uvs.empty() || (method.needs_normals && p.data.normals.empty())) {
-      skip(p.mesh, p.primitive, p.data.uvs.empty() ? "has no uvs" : "has no normals");
-      continue;
-    }
-    const MeshFrames frames = mesh_frames(p.data, method);
-    const SplitVertices vertices = split_vertices(p.data, frames);
-    if (vertices.changed) document.remap_vertices(p.mesh, p.primitive, vertices.source, vertices.indices);
-    std::vector<Vec4<float>> tangents;
-    tangents.reserve(vertices.frame.size());
-    const float to_stored = arguments.sign == "raw" ? 1 : -1;
-    for (const std::uint32_t f : vertices.frame) {
-      // A vertex no triangle uses gets a valid direction that nothing reads.
-      const CornerFrame frame =
-          f < frames.frames.size() ? frames.frames[f] : CornerFrame{{1, 0, 0}, {}, {}, 1, true};
-      tangents.push_back({static_cast<float>(frame.t.x), static_cast<float>(frame.t.y),
-                          static_cast<float>(frame.t.z), to_stored * static_cast<float>(frame.sign)});
-    }
-    document.set_tangents(p.mesh, p.primitive, tangents);
-    primitives.push_back({{"mesh", p.mesh},
-                          {"primitive", p.primitive},
-                          {"name", p.name},
-                          {"corners", p.data.corners()},
-                          {"vertices", vertices.source.size()},
-                          {"degenerate_triangles", frames.degenerate_triangles},
-                          {"degenerate_uv_triangles", frames.degenerate_uv_triangles},
-                          {"fallback_corners", frames.fallback_corners}});
+  FileTangentOptions options;
+  options.method = find_frame_method(arguments.method).name;
+  options.sign = arguments.sign == "raw" ? SignConvention::raw : SignConvention::gltf;
+  options.only_needed = !arguments.only.empty();
+  options.threads = common.threads;
+  FileTangents result;
+  {
+    Progress progress("tangents", common);
+    options.progress = [&](double share) { progress.update(share); };
+    GltfDocument document = GltfDocument::load(arguments.input);
+    result = add_tangents(document, options);
+    document.save_glb(arguments.output);
   }
-  document.save_glb(arguments.output);
-  common.exit_status = primitives.empty() ? 1 : 0;  // tangents were asked for, and none could be made
-  if (common.json)
-    return print_json({{"file", arguments.output},
-                       {"method", method.name},
-                       {"sign", arguments.sign},
-                       {"primitives", primitives},
-                       {"skipped", skipped}});
-  if (common.quiet) return;
-  for (const Json& p : primitives) {
-    std::cout << "mesh " << p["mesh"] << " primitive " << p["primitive"] << ": " << p["corners"]
-              << " corners";
-    if (p["fallback_corners"] != 0)
-      std::cout << ", " << p["fallback_corners"]
-                << " of them served by no triangle: an arbitrary direction was written";
-    std::cout << '\n';
+  // Tangents were asked for, and none could be made.
+  if (result.primitives.empty() && (!options.only_needed || result.incapable != 0)) common.exit_status = 1;
+  if (common.json) {
+    Json primitives = Json::array(), skipped = Json::array();
+    for (const PrimitiveTangents& p : result.primitives) primitives.push_back(primitive_json(p));
+    for (const SkippedPrimitive& s : result.skipped)
+      skipped.push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
+    print_json({{"file", arguments.output},
+                {"method", options.method},
+                {"sign", arguments.sign},
+                {"primitives", primitives},
+                {"skipped", skipped}});
+  } else if (!common.quiet) {
+    print_text(result, to_stdout ? std::cerr : std::cout);
+    if (!to_stdout) std::cout << arguments.output << '\n';
   }
-  for (const Json& s : skipped)
-    std::cout << "mesh " << s["mesh"] << " primitive " << s["primitive"]
-              << " left alone: " << s["reason"].get<std::string>() << '\n';
-  std::cout << arguments.output << '\n';
 }
 
 }  // namespace
@@ -142,12 +156,16 @@ void add_tangents(CLI::App& app, Common& common) {
   auto arguments = std::make_shared<Arguments>();
   sub.add_option("INPUT", arguments->input, "the .glb or .gltf to read");
   sub.add_option("-o,--output", arguments->output, "the .glb to write");
-  sub.add_option("--method", arguments->method, "see --list");
+  sub.add_option("--method", arguments->method, "see --list")->capture_default_str();
   sub.add_option("--sign", arguments->sign, "sign convention of w: gltf or raw")
       ->capture_default_str()
       ->check(CLI::IsMember({"gltf", "raw"}));
+  sub.add_option("--only", arguments->only,
+                 "needed: leave primitives alone whose materials read no tangents (no normal map, no "
+                 "anisotropy)")
+      ->check(CLI::IsMember({"needed"}));
   sub.add_flag("--list", arguments->list, "name and explain the methods");
-  add_common(sub, common, "darboux tangents in.glb -o out.glb --method angle");
+  add_common(sub, common, "darboux tangents in.glb -o out.glb");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }
 

@@ -54,6 +54,8 @@ enum ComponentType : std::uint64_t {
   component_u32 = 5125,
   component_f32 = 5126
 };
+/// Its numbers for the modes of primitives that have triangles.
+enum Mode : std::uint64_t { triangles = 4, triangle_strip = 5, triangle_fan = 6 };
 /// Types of a GLB's chunks: "JSON" and "BIN".
 constexpr std::uint32_t json_chunk = 0x4E4F534A, bin_chunk = 0x004E4942;
 
@@ -68,6 +70,10 @@ Json parse_json(const std::string& file, std::string_view text);
 
 /// All triangles of the document. \throws FileError
 Asset read_gltf(const GltfFile& file);
+
+/// What the morph targets of a primitive add to positions, normals and one TEXCOORD set. \throws FileError
+std::vector<MorphTarget> read_targets(const GltfFile& file, const Place& primitive, int texcoord,
+                                      std::size_t vertices);
 
 /// An OBJ's triangles, by assimp. \throws FileError
 Asset read_obj(const std::string& path, const std::string& bytes);

@@ -1,17 +1,18 @@
 // Meshes and nodes of a glTF document as an Asset.
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include <Eigen/Geometry>
 
 #include <darboux/error.h>
 
 #include "accessor.h"
+#include "tangent_space.h"
 
 namespace darboux::io {
 namespace {
 
-enum Mode : std::uint64_t { triangles = 4, triangle_strip = 5, triangle_fan = 6 };
 constexpr std::array mode_names = {"points",    "lines",          "line loop",   "line strip",
                                    "triangles", "triangle strip", "triangle fan"};
 
@@ -27,19 +28,9 @@ Accessor read_attribute(const GltfFile& file, const Place& attributes, const std
   return accessor;
 }
 
-/// The TEXCOORD set that the normal texture of the primitive's material uses, 0 when it has none.
-std::uint64_t normal_texcoord(const GltfFile& file, const Place& primitive) {
-  constexpr std::uint64_t most_sets = 1000;
-  if (!primitive.has("material")) return 0;
-  const Place material = file.element("materials", primitive.at("material"));
-  if (!material.has("normalTexture")) return 0;
-  const Place texture = material.at("normalTexture");
-  if (texture.has("extensions") && texture.at("extensions").has("KHR_texture_transform")) {
-    const Place transform = texture.at("extensions").at("KHR_texture_transform");
-    if (transform.has("texCoord")) return transform.at("texCoord").integer(0, most_sets);
-  }
-  return texture.has("texCoord") ? texture.at("texCoord").integer(0, most_sets) : 0;
-}
+// Primitives and morph targets may share accessors, so that the file's size does not bound their sum. This is what a GLB of 4
+// GiB holds at 16 bytes an element.
+constexpr std::size_t most_elements = std::size_t{1} << 28;
 
 std::vector<std::uint32_t> read_indices(const GltfFile& file, const Place& primitive,
                                         std::uint64_t vertices) {
@@ -113,7 +104,9 @@ void read_triangles(const GltfFile& file, const Place& place, std::uint64_t mode
   if (attributes.has("TANGENT"))
     mesh.tangents =
         gather<Vec4<double>>(read_attribute(file, attributes, "TANGENT", "VEC4", vertices), make_vec4);
-  for (const std::uint64_t set : {normal_texcoord(file, place), std::uint64_t{0}}) {
+  const TangentSpace space = tangent_space(file, place);
+  primitive.needs_tangents = space.needed;
+  for (const std::uint64_t set : {space.texcoord, std::uint64_t{0}}) {
     const std::string name = "TEXCOORD_" + std::to_string(set);
     if (primitive.texcoord >= 0 || !attributes.has(name.c_str())) continue;
     mesh.uvs = gather<Vec2<double>>(read_attribute(file, attributes, name, "VEC2", vertices), make_vec2);
@@ -230,9 +223,6 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, s
 }  // namespace
 
 Asset read_gltf(const GltfFile& file) {
-  // Primitives may share accessors, so that the file's size does not bound their sum. This is what a GLB of 4
-  // GiB holds at 16 bytes an element.
-  constexpr std::size_t most_elements = std::size_t{1} << 28;
   std::size_t elements = 0;
   Asset asset;
   const Place root = file.root();
@@ -262,6 +252,29 @@ Asset read_gltf(const GltfFile& file) {
     }
   }
   return asset;
+}
+
+std::vector<MorphTarget> read_targets(const GltfFile& file, const Place& primitive, int texcoord,
+                                      std::size_t vertices) {
+  if (!primitive.has("targets")) return {};
+  const Place targets = primitive.at("targets");
+  if (targets.size() > most_elements / vertices)
+    targets.fail("are " + std::to_string(targets.size()) + " for " + std::to_string(vertices) +
+                 " vertices, permitted are " + std::to_string(most_elements) + " vertices in all");
+  std::vector<MorphTarget> result(targets.size());
+  const std::string uvs = "TEXCOORD_" + std::to_string(texcoord);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const Place target = targets.at(i);
+    const auto read = [&](const std::string& name, const char* type, auto make, auto& into) {
+      if (target.has(name.c_str()))
+        into = gather<typename std::remove_reference_t<decltype(into)>::value_type>(
+            read_attribute(file, target, name, type, vertices), make);
+    };
+    read("POSITION", "VEC3", make_vec3, result[i].positions);
+    read("NORMAL", "VEC3", make_vec3, result[i].normals);
+    read(uvs, "VEC2", make_vec2, result[i].uvs);
+  }
+  return result;
 }
 
 }  // namespace darboux::io

@@ -212,31 +212,54 @@ GltfDocument GltfDocument::load(const std::string& path) {
   return GltfDocument(std::make_unique<GltfFile>(io::load_gltf(path, io::read_file(path))));
 }
 
+const std::string& GltfDocument::path() const {
+  return file_->path;
+}
+
 Asset GltfDocument::asset() const {
   return io::read_gltf(*file_);
 }
 
+std::vector<MorphTarget> GltfDocument::morph_targets(const Primitive& primitive) const {
+  return io::read_targets(*file_, find_primitive(*file_, primitive.mesh, primitive.primitive),
+                          primitive.texcoord, primitive.data.positions.size());
+}
+
 void GltfDocument::set_tangents(std::size_t mesh, std::size_t primitive,
-                                std::span<const Vec4<float>> tangents) {
-  static_assert(sizeof(Vec4<float>) == 16);
-  const Place position = find_primitive(*file_, mesh, primitive).at("attributes").at("POSITION");
+                                std::span<const Vec4<float>> tangents,
+                                std::span<const std::vector<Vec3<float>>> deltas) {
+  static_assert(sizeof(Vec4<float>) == 16 && sizeof(Vec3<float>) == 12);
+  const Place place = find_primitive(*file_, mesh, primitive);
+  const Place position = place.at("attributes").at("POSITION");
   const std::uint64_t vertices = file_->element("accessors", position).at("count").integer(1);
-  if (tangents.size() != vertices)
-    throw MeshError(file_->path, primitive_name(mesh, primitive) + " is given " +
-                                     std::to_string(tangents.size()) +
-                                     " tangents, permitted is one for each of its " +
-                                     std::to_string(vertices) + " vertices");
-  const std::size_t view = file_->append_view(as_bytes(tangents), 0, io::vertex_target);
-  const std::size_t accessor = file_->append_accessor({{"bufferView", view},
-                                                       {"componentType", io::component_f32},
-                                                       {"count", tangents.size()},
-                                                       {"type", "VEC4"}});
-  editable_primitive(*file_, mesh, primitive)["attributes"]["TANGENT"] = accessor;
+  const auto check_count = [&](std::size_t given, std::uint64_t permitted, const char* what,
+                               const char* of_what) {
+    if (given != permitted)
+      throw MeshError(file_->path, primitive_name(mesh, primitive) + " is given " + std::to_string(given) +
+                                       what + ", permitted is one for each of its " +
+                                       std::to_string(permitted) + of_what);
+  };
+  check_count(tangents.size(), vertices, " tangents", " vertices");
+  const std::size_t targets = place.has("targets") ? place.at("targets").size() : 0;
+  if (!deltas.empty()) check_count(deltas.size(), targets, " lists of deltas", " morph targets");
+  for (const auto& list : deltas) check_count(list.size(), vertices, " deltas", " vertices");
+
+  const auto append = [&](std::string_view bytes, const char* type) {
+    const std::size_t view = file_->append_view(bytes, 0, io::vertex_target);
+    return file_->append_accessor(
+        {{"bufferView", view}, {"componentType", io::component_f32}, {"count", vertices}, {"type", type}});
+  };
+  const std::size_t base = append(as_bytes(tangents), "VEC4");
+  std::vector<std::size_t> of_targets;
+  for (const auto& list : deltas) of_targets.push_back(append(as_bytes(std::span(list)), "VEC3"));
+  Json& json = editable_primitive(*file_, mesh, primitive);
+  json["attributes"]["TANGENT"] = base;
+  for (std::size_t i = 0; i < of_targets.size(); ++i) json["targets"][i]["TANGENT"] = of_targets[i];
 }
 
 void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
                                   std::span<const std::uint32_t> source,
-                                  std::span<const std::uint32_t> indices) {
+                                  std::span<const std::uint32_t> indices, bool without_tangents) {
   const Place place = find_primitive(*file_, mesh, primitive);
   const std::string name = primitive_name(mesh, primitive);
   const Place position = place.at("attributes").at("POSITION");
@@ -257,8 +280,10 @@ void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
 
   // Everything is read before anything is changed. An accessor that serves twice is copied once.
   std::map<std::uint64_t, io::Accessor> old;
+  const auto copied = [&](const std::string& key) { return !without_tangents || key != "TANGENT"; };
   const auto collect = [&](const Place& attributes) {
     for (const auto& [key, index] : attributes.json().items()) {
+      if (!copied(key)) continue;
       const Place attribute = attributes.at(key.c_str());
       const io::Accessor accessor = io::read_accessor(*file_, attribute);
       if (accessor.count != vertices)
@@ -275,14 +300,15 @@ void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
   for (const auto& [index, accessor] : old)
     renewed[index] = append_remapped(*file_, index, accessor, index == position.integer(), source);
   const auto renew = [&](Json& attributes) {
-    for (auto& [key, index] : attributes.items()) index = renewed.at(index.get<std::uint64_t>());
+    for (auto& [key, index] : attributes.items())
+      if (copied(key)) index = renewed.at(index.get<std::uint64_t>());
   };
   const std::size_t new_indices = file_->append_indices(indices);
   Json& json = editable_primitive(*file_, mesh, primitive);
   renew(json["attributes"]);
   for (std::size_t i = 0; i < targets; ++i) renew(json["targets"][i]);
   json["indices"] = new_indices;
-  json.erase("mode");  // 4, triangles, is the default
+  if (json.contains("mode")) json["mode"] = io::triangles;
 }
 
 void GltfDocument::save_glb(const std::string& path) const {

@@ -1,0 +1,59 @@
+/// \file file_tangents.h
+/// Tangents for the meshes of a glTF file.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <darboux/frame.h>
+#include <darboux/io.h>
+#include <darboux/mesh_frames.h>
+
+namespace darboux {
+
+struct FileTangentOptions {
+  std::string method = "mikktspace";  ///< one of frame_methods()
+  SignConvention sign = SignConvention::gltf;
+  bool only_needed = false;  ///< only primitives whose Primitive::needs_tangents
+  int threads = 1;           ///< as mesh_frames() takes it; the file does not depend on it
+  /// Called with the share of primitives that are done, in [0, 1].
+  std::function<void(double)> progress;
+};
+
+/// What one primitive was given.
+struct PrimitiveTangents {
+  std::size_t mesh = 0, primitive = 0;
+  std::string name;  ///< the mesh's
+  std::size_t corners = 0;
+  std::size_t old_vertices = 0, vertices = 0;                         ///< before and after splitting
+  std::size_t morph_targets = 0;                                      ///< that were given deltas
+  std::size_t degenerate_triangles = 0, degenerate_uv_triangles = 0;  ///< as MeshFrames
+  std::size_t fallback_corners = 0;  ///< likewise: the method has no direction there, some other was written
+};
+
+/// What was done with each primitive, in the order of the file.
+struct FileTangents {
+  std::vector<PrimitiveTangents> primitives;
+  std::vector<SkippedPrimitive> skipped;  ///< left alone, and why
+  std::size_t incapable = 0;              ///< of skipped: those that lack normals or uvs
+};
+
+/// Gives the primitives of a document TANGENT by a method of mesh_frames.h, from positions, normals and the uvs that
+/// Primitive::texcoord names, as stored (quantised data as the numbers they stand for; nothing is renormalised). Old tangents
+/// are replaced. Vertices are split where tangents differ (split_vertices.h); every other attribute, skins included, goes
+/// along bit for bit, and triangles keep their order. Every tangent in the file is finite and of unit length, w = ±1.
+///
+/// Morph targets: with t the method's tangents of the mesh and t_k those of the mesh with target k applied at weight 1 (to
+/// positions, normals and uvs; normals then made unit), target k gets the TANGENT t_k - t, and vertices are split where any of
+/// them differ. Where the method has no direction for t_k (CornerFrame::fallback) the delta is zero. w is the base's.
+///
+/// Left alone, with a reason: points and lines, primitives without normals (glTF has their tangents ignored) or uvs, and with
+/// only_needed those that nothing needs tangents for.
+///
+/// \throws FileError when the file's data cannot be read \throws MeshError naming file, primitive and vertex for the first
+/// position, normal or uv that is not finite, a morph target's included \throws ParameterError for an unknown method
+FileTangents add_tangents(GltfDocument& document, const FileTangentOptions& options = {});
+
+}  // namespace darboux

@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include <darboux/file_tangents.h>
+#include <darboux/split_vertices.h>
+
+namespace darboux {
+namespace {
+
+template <class Vector>
+void add(std::vector<Vector>& values, const std::vector<Vector>& deltas) {
+  for (std::size_t i = 0; i < deltas.size(); ++i) values[i] = values[i] + deltas[i];
+}
+
+// The mesh with a target applied at weight 1.
+Mesh morphed(const Mesh& mesh, const MorphTarget& target) {
+  Mesh result = mesh;
+  add(result.positions, target.positions);
+  add(result.uvs, target.uvs);
+  add(result.normals, target.normals);
+  if (!target.normals.empty())
+    for (auto& n : result.normals)
+      if (const double length = norm(n); length > 0) n = n / length;
+  return result;
+}
+
+Vec3<float> to_float(const Vec3<double>& a) {
+  return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
+}
+
+// The numbers of all corners of a primitive: x, y, z, w of the tangent, then x, y, z of each target's delta.
+class CornerTangents {
+ public:
+  CornerTangents(std::size_t corners, std::size_t targets)
+      : width_(4 + 3 * targets), values_(corners * width_) {}
+
+  void set_base(std::size_t corner, const Vec3<float>& t, float w) {
+    float* p = values_.data() + corner * width_;
+    std::tie(p[0], p[1], p[2], p[3]) = std::tie(t.x, t.y, t.z, w);
+  }
+  Vec4<float> base(std::size_t corner) const {
+    const float* p = values_.data() + corner * width_;
+    return {p[0], p[1], p[2], p[3]};
+  }
+  void set_delta(std::size_t corner, std::size_t target, const Vec3<float>& delta) {
+    float* p = values_.data() + corner * width_ + 4 + 3 * target;
+    std::tie(p[0], p[1], p[2]) = std::tie(delta.x, delta.y, delta.z);
+  }
+  Vec3<float> delta(std::size_t corner, std::size_t target) const {
+    const float* p = values_.data() + corner * width_ + 4 + 3 * target;
+    return {p[0], p[1], p[2]};
+  }
+  std::span<const float> values() const { return values_; }
+
+ private:
+  std::size_t width_;
+  std::vector<float> values_;
+};
+
+void store(GltfDocument& document, const Primitive& p, const CornerTangents& tangents, std::size_t targets,
+           const SplitVertices& split) {
+  const std::size_t vertices = split.source.size();
+  // A vertex no corner uses gets a valid direction that nothing reads.
+  std::vector<Vec4<float>> base(vertices, {1, 0, 0, 1});
+  std::vector<std::vector<Vec3<float>>> deltas(targets, std::vector<Vec3<float>>(vertices));
+  for (std::size_t i = 0; i < vertices; ++i) {
+    if (split.corner[i] == SplitVertices::no_corner) continue;
+    base[i] = tangents.base(split.corner[i]);
+    for (std::size_t k = 0; k < targets; ++k) deltas[k][i] = tangents.delta(split.corner[i], k);
+  }
+  if (vertices > p.data.positions.size())
+    document.remap_vertices(p.mesh, p.primitive, split.source, split.indices, true);
+  document.set_tangents(p.mesh, p.primitive, base, deltas);
+}
+
+PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
+                                const FileTangentOptions& options) {
+  const Mesh& mesh = p.data;
+  const FrameMethod& method = find_frame_method(options.method);
+  const std::string name = document.path() + ": meshes[" + std::to_string(p.mesh) + "].primitives[" +
+                           std::to_string(p.primitive) + "]";
+  check_finite(mesh, name);
+  const std::vector<MorphTarget> targets = document.morph_targets(p);
+
+  const MeshFrames frames = mesh_frames(mesh, method, options.threads);
+  CornerTangents tangents(mesh.corners(), targets.size());
+  const float to_stored = options.sign == SignConvention::raw ? 1.0f : -1.0f;
+  for (std::size_t c = 0; c < mesh.corners(); ++c)
+    tangents.set_base(c, to_float(frames.corner(c).t), to_stored * static_cast<float>(frames.corner(c).sign));
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const Mesh moved = morphed(mesh, targets[k]);
+    check_finite(moved, name + " with targets[" + std::to_string(k) + "]");
+    const MeshFrames moved_frames = mesh_frames(moved, method, options.threads);
+    for (std::size_t c = 0; c < mesh.corners(); ++c)
+      if (const CornerFrame& frame = moved_frames.corner(c); !frame.fallback)
+        tangents.set_delta(c, k, to_float(frame.t) - tangents.base(c).xyz());
+  }
+
+  const std::span corners(mesh.triangles.front().data(), mesh.corners());
+  const SplitVertices split = split_vertices(mesh.positions.size(), corners, tangents.values());
+  store(document, p, tangents, targets.size(), split);
+  return {.mesh = p.mesh,
+          .primitive = p.primitive,
+          .name = p.name,
+          .corners = mesh.corners(),
+          .old_vertices = mesh.positions.size(),
+          .vertices = split.source.size(),
+          .morph_targets = targets.size(),
+          .degenerate_triangles = frames.degenerate_triangles,
+          .degenerate_uv_triangles = frames.degenerate_uv_triangles,
+          .fallback_corners = frames.fallback_corners};
+}
+
+}  // namespace
+
+FileTangents add_tangents(GltfDocument& document, const FileTangentOptions& options) {
+  find_frame_method(options.method);  // unknown names are refused in files without primitives too
+  const Asset asset = document.asset();
+  FileTangents result;
+  result.skipped = asset.skipped;
+  std::size_t done = 0;
+  for (const Primitive& p : asset.primitives) {
+    const auto skip = [&](const char* reason) { result.skipped.push_back({p.mesh, p.primitive, reason}); };
+    if (options.only_needed && !p.needs_tangents) {
+      skip("its material reads no tangents");
+    } else if (p.data.uvs.empty() || p.data.normals.empty()) {
+      skip(p.data.uvs.empty() ? "has no uvs" : "has no normals");
+      ++result.incapable;
+    } else {
+      result.primitives.push_back(give_tangents(document, p, options));
+    }
+    if (options.progress)
+      options.progress(static_cast<double>(++done) / static_cast<double>(asset.primitives.size()));
+  }
+  std::sort(result.skipped.begin(), result.skipped.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.mesh, a.primitive) < std::pair(b.mesh, b.primitive);
+  });
+  return result;
+}
+
+}  // namespace darboux

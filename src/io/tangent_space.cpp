@@ -1,0 +1,64 @@
+#include "tangent_space.h"
+
+namespace darboux::io {
+namespace {
+
+/// A property of a material that reads the tangent frame: the texture, in the extension or, where that is null, in the
+/// material itself.
+struct Reader {
+  const char *extension, *texture;
+  bool without_texture;  ///< the extension reads it, with the texture or not
+};
+constexpr Reader readers[] = {
+    {nullptr, "normalTexture", false},
+    {"KHR_materials_clearcoat", "clearcoatNormalTexture", false},
+    {"KHR_materials_anisotropy", "anisotropyTexture", true},
+    {"MSFT_packing_normalRoughnessMetallic", "normalRoughnessMetallicTexture", false},
+    {"MSFT_packing_occlusionRoughnessMetallic", "normalTexture", false},
+};
+
+bool has_extension(const Place& place, const char* name) {
+  return place.has("extensions") && place.at("extensions").has(name);
+}
+
+std::uint64_t texcoord(const Place& texture) {
+  constexpr std::uint64_t most_sets = 1000;
+  if (has_extension(texture, "KHR_texture_transform")) {
+    const Place transform = texture.at("extensions").at("KHR_texture_transform");
+    if (transform.has("texCoord")) return transform.at("texCoord").integer(0, most_sets);
+  }
+  return texture.has("texCoord") ? texture.at("texCoord").integer(0, most_sets) : 0;
+}
+
+TangentSpace of_material(const Place& material) {
+  TangentSpace result;
+  bool found = false;
+  for (const Reader& reader : readers) {
+    if (reader.extension != nullptr && !has_extension(material, reader.extension)) continue;
+    const Place owner =
+        reader.extension == nullptr ? material : material.at("extensions").at(reader.extension);
+    const bool has_texture = owner.has(reader.texture);
+    result.needed = result.needed || has_texture || reader.without_texture;
+    if (has_texture && !found) result.texcoord = texcoord(owner.at(reader.texture));
+    found = found || has_texture;
+  }
+  return result;
+}
+
+}  // namespace
+
+TangentSpace tangent_space(const GltfFile& file, const Place& primitive) {
+  TangentSpace result;
+  const auto look_at = [&](const Place& owner) {
+    if (!result.needed && owner.has("material"))
+      result = of_material(file.element("materials", owner.at("material")));
+  };
+  look_at(primitive);
+  if (has_extension(primitive, "KHR_materials_variants")) {
+    const Place mappings = primitive.at("extensions").at("KHR_materials_variants").at("mappings");
+    for (std::size_t i = 0; i < mappings.size(); ++i) look_at(mappings.at(i));
+  }
+  return result;
+}
+
+}  // namespace darboux::io

@@ -1,0 +1,87 @@
+// `tangents` against its contract.
+#include "cli.h"
+#include "generated_gltf.h"
+
+namespace darboux::test {
+namespace {
+
+TEST_F(Cli, TangentsOfMikkTSpaceInGltfsSignAreTheDefault) {
+  const Json written = json("darboux tangents data/torus_016.none.glb -o out.glb --json");
+  EXPECT_EQ(written["file"], "out.glb");
+  EXPECT_EQ(written["method"], "mikktspace");
+  EXPECT_EQ(written["sign"], "gltf");
+  EXPECT_TRUE(written["skipped"].empty());
+  ASSERT_EQ(written["primitives"].size(), 1u);
+  expect_keys(written["primitives"][0],
+              {"mesh", "primitive", "name", "corners", "old_vertices", "vertices", "morph_targets",
+               "degenerate_triangles", "degenerate_uv_triangles", "fallback_corners"});
+  EXPECT_EQ(written["primitives"][0]["corners"], 3072);
+  EXPECT_EQ(written["primitives"][0]["fallback_corners"], 0);
+  good("darboux tangents data/torus_016.none.glb -o named.glb --method mikktspace --sign gltf --threads 2");
+  EXPECT_EQ(read_bytes(path("out.glb")), read_bytes(path("named.glb")));
+  const Json mesh = only_mesh(Json::parse(sh("darboux validate out.glb --json").out));
+  EXPECT_EQ(mesh["handedness"]["convention"], "gltf");
+  EXPECT_EQ(good("darboux tangents data/torus_016.none.glb -o - --quiet"), read_bytes(path("out.glb")));
+  EXPECT_EQ(sh("darboux tangents data/torus_016.none.glb -o -").out, read_bytes(path("out.glb")))
+      << "words among the bytes";
+}
+
+TEST_F(Cli, TangentsSaysWhatItLeavesAlone) {
+  write_bytes(path("made.glb"), generated_gltf().glb());
+  EXPECT_EQ(
+      good("darboux tangents made.glb -o out.glb"),
+      "mesh 0 primitive 0: 24 corners, 12 vertices (9 before: those whose corners have several tangents were "
+      "split), 2 morph targets\n"
+      "mesh 0 primitive 1: 6 corners, 9 vertices, 2 morph targets\n"
+      "mesh 1 primitive 0: 12 corners, 9 vertices\n"
+      "out.glb\n");
+  const std::string only = good("darboux tangents made.glb -o out.glb --only needed");
+  EXPECT_NE(only.find("mesh 0 primitive 1 left alone: its material reads no tangents\n"), std::string::npos);
+  EXPECT_NE(only.find("mesh 1 primitive 0 left alone: its material reads no tangents\n"), std::string::npos);
+  // Nothing needs them: that holds. Something does, and has no uvs: it does not.
+  Builder b = generated_gltf();
+  b.json["materials"][0].erase("normalTexture");
+  write_bytes(path("unneeded.glb"), b.glb());
+  EXPECT_TRUE(json("darboux tangents unneeded.glb -o out.glb --only needed --json")["primitives"].empty());
+  b = generated_gltf();
+  b.json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
+  write_bytes(path("no_uvs.glb"), b.glb());
+  EXPECT_EQ(json("darboux tangents no_uvs.glb -o out.glb --only needed --json", 1)["skipped"][0]["reason"],
+            "has no uvs");
+  refused("darboux tangents made.glb -o out.glb --only some", {"--only", "needed"});
+}
+
+TEST_F(Cli, TangentsOfAnimatedMorphSphereAreLeftAlone) {
+  const std::string sphere = DARBOUX_SHARED "/meshes/khronos/AnimatedMorphSphere.glb";
+  if (!fs::exists(sphere)) GTEST_SKIP() << sphere << " is not here";
+  EXPECT_EQ(good("darboux tangents '" + sphere + "' -o out.glb", 1),
+            "mesh 0 primitive 0 left alone: has no uvs\nout.glb\n");
+}
+
+TEST_F(Cli, TangentsRefusesNumbersThatAreNotFinite) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Builder b;
+  const auto position = b.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const auto normal = b.packed<float>("VEC3", 5126, 3, {0, 0, 1, 0, 0, 1, 0, nan, 1});
+  const auto uv = b.packed<float>("VEC2", 5126, 3, {0, 0, 1, 0, 0, 1});
+  b.primitive({{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", uv}});
+  write_bytes(path("nan.glb"), b.glb());
+  refused("darboux tangents nan.glb -o x.glb",
+          {"nan.glb: meshes[0].primitives[0]: normal of vertex 2 is not finite"});
+  EXPECT_FALSE(fs::exists(path("x.glb")));
+}
+
+TEST_F(Cli, TangentsExplainsEveryMethod) {
+  const std::string text = good("darboux tangents --list");
+  const Json methods = json("darboux tangents --list --json")["methods"];
+  for (const Json& m : methods) {
+    expect_keys(m, {"name", "summary", "formula", "order_regular", "order_jittered", "tangent_charts",
+                    "bitangent_charts"});
+    EXPECT_NE(text.find("\n" + m["name"].get<std::string>() + "\n    what      "), std::string::npos)
+        << m["name"];
+  }
+  for (const std::string& line : lines(text)) EXPECT_LE(line.size(), 120u) << line;
+}
+
+}  // namespace
+}  // namespace darboux::test

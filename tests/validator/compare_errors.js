@@ -1,0 +1,29 @@
+// node compare_errors.js IN OUT: for every file of OUT the validator's errors, and those that the file of the same name in IN
+// lacks. Exit status 1 where there is one.
+const fs = require('fs');
+const path = require('path');
+const { validateBytes } = require('gltf-validator');
+
+async function errors(file) {
+  const bytes = new Uint8Array(fs.readFileSync(file));
+  const counts = new Map();
+  for (const m of (await validateBytes(bytes, { maxIssues: 0 })).issues.messages)
+    if (m.severity === 0) counts.set(m.code, (counts.get(m.code) || 0) + 1);
+  return counts;
+}
+
+(async () => {
+  const [, , before, after] = process.argv;
+  const files = fs.readdirSync(after).sort();
+  let fresh = 0;
+  for (const file of files) {
+    const old = await errors(path.join(before, file));
+    for (const [code, count] of await errors(path.join(after, file)))
+      if (count > (old.get(code) || 0)) {
+        ++fresh;
+        console.log(`FAILED: ${file}: ${code} ${count} times, ${old.get(code) || 0} before`);
+      }
+  }
+  console.log(`${files.length} files, ${fresh} new errors`);
+  process.exit(fresh > 0 || files.length === 0 ? 1 : 0);
+})();
