@@ -1,0 +1,248 @@
+// The tables of docs/reports/mesh-tangents.md, for mesh_tangents.sh:
+//   --table FOLDER NODE [--quick]   all of them; NODE is the command before mesh_tangents.mjs's MAKER, or "-REASON" why there is none
+//   --methods [--quick]             that of the methods of mesh_frames.h, in this process
+//   --measure MAKER MESH [TANGENTS] one maker in C++, for --table
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <darboux/mesh.h>
+#include <darboux/mesh_frames.h>
+
+#include "contest.h"
+#include "measure.h"
+#include "tangent_makers.h"
+#include "torus_file.h"
+
+namespace darboux::bench {
+namespace {
+
+const Size small{"10^4", 100, 50}, medium{"10^5", 250, 200}, large{"10^6", 1000, 500},
+    huge{"10^7", 2500, 2000};
+
+std::string number(double x, int digits) {
+  std::ostringstream text;
+  text.precision(digits);
+  text << std::fixed << x;
+  return text.str();
+}
+std::string millions_a_second(double triangles, double seconds) {
+  const double x = triangles / seconds * 1e-6;
+  return number(x, x < 1 ? 3 : 2);
+}
+
+// "| by | NAME... |" and the line below it.
+void header(const std::string& first, const std::vector<Size>& sizes, const std::string& after_each = "") {
+  std::cout << "| " << first << " |";
+  for (const Size& size : sizes) std::cout << ' ' << size.name << " |" << after_each;
+  std::cout << "\n|---|";
+  for (std::size_t k = 0; k < sizes.size(); ++k) std::cout << (after_each.empty() ? "---:|" : "---:|---:|");
+  std::cout << '\n';
+}
+void rows(const Contest& contest, const std::function<std::string(const Result&, const Size&)>& cell) {
+  for (std::size_t k = 0; k < contest.makers().size(); ++k) {
+    std::cout << "| " << contest.makers()[k].name << " |";
+    for (std::size_t s = 0; s < contest.sizes().size(); ++s)
+      std::cout << ' ' << cell(contest.result(k, s), contest.sizes()[s]) << " |";
+    std::cout << '\n';
+  }
+}
+
+void speed(const Contest& contest) {
+  header("by", contest.sizes(), " × time |");
+  rows(contest, [](const Result& x, const Size& size) {
+    if (x.samples.empty()) return std::string("not measured |");
+    return millions_a_second(size.triangles(), x.seconds()) + " | " + number(x.ratio(), 2);
+  });
+  for (std::size_t s = 0; s < contest.sizes().size(); ++s)
+    for (std::size_t k = 0; k < contest.makers().size(); ++k)
+      if (const std::string& why = contest.result(k, s).refusal; !why.empty())
+        std::cout << "\nNot measured: " << contest.makers()[k].name << " at " << contest.sizes()[s].name
+                  << ": " << why << ".\n";
+}
+
+void memory(const Contest& contest) {
+  header("by", contest.sizes());
+  rows(contest, [](const Result& x, const Size& size) {
+    return x.samples.empty() ? "not measured" : number(x.bytes() / size.triangles(), 0);
+  });
+}
+
+void differences(const Contest& contest) {
+  std::cout
+      << "| by | corners with Darboux's bits | angle to Darboux's, largest | corners beyond 0.1° | other "
+         "signs | angle to dpdu, rms | largest |\n|---|---:|---:|---:|---:|---:|---:|\n";
+  std::cout.precision(2);
+  std::cout << std::defaultfloat;
+  for (std::size_t k = 0; k < contest.makers().size(); ++k)
+    if (const Difference* d = contest.compared(k))
+      std::cout << "| " << contest.makers()[k].name << " | " << d->same_bits << " of " << d->corners << " | "
+                << d->largest << "° | " << d->far << " | " << d->other_signs << " | " << d->rms_from_dpdu
+                << "° | " << d->from_dpdu << "° |\n";
+    else
+      std::cout << "| " << contest.makers()[k].name << " | not measured | | | | | |\n";
+}
+
+// The makers of triangle soup, in this order.
+enum { one_thread, two_threads, compatible, mikktspace_npm };
+
+void target(const std::string& what, const std::string& required, const Result& needed,
+            const std::string& value, bool met) {
+  std::cout << "| " << what << " | " << required << " | ";
+  if (needed.samples.empty())
+    std::cout << "not measured: " << needed.refusal << " | |\n";
+  else
+    std::cout << value << " | " << (met ? "met" : "**missed**") << " |\n";
+}
+
+// The targets that this measures, at the size that tangents are compared at.
+void targets(const Contest& soup, std::size_t main) {
+  const std::string at = ", " + soup.sizes()[main].name + " triangles";
+  const std::size_t last = soup.sizes().size() - 1;
+  std::cout << "| what | required | measured | |\n|---|---|---:|---|\n";
+  const Result &npm = soup.result(mikktspace_npm, main), &two = soup.result(two_threads, main);
+  const Difference* bits = soup.compared(mikktspace_npm);
+  target("the bits of npm mikktspace" + at, "all corners", npm,
+         bits == nullptr ? "" : std::to_string(bits->same_bits) + " of " + std::to_string(bits->corners),
+         bits != nullptr && bits->same_bits == bits->corners);
+  const auto speed = [&](std::size_t maker, const std::string& name, double least) {
+    const Result& x = soup.result(maker, main);
+    target("one thread" + at, ">= " + number(least, 0) + " × " + name, x, number(x.ratio(), 2),
+           x.ratio() >= least);
+  };
+  speed(compatible, "npm meshoptimizer, 'Compatible'", 2);
+  speed(mikktspace_npm, "npm mikktspace", 12);
+  target("two threads" + at, ">= 1.8 × one", two, number(1 / two.ratio(), 2), 1 / two.ratio() >= 1.8);
+  const auto each = [&](std::size_t s) {
+    return soup.result(one_thread, s).seconds() / soup.sizes()[s].triangles();
+  };
+  target("time per triangle, one thread, " + soup.sizes()[last].name + " triangles",
+         "< 1.5 × that at " + soup.sizes()[0].name, soup.result(one_thread, last),
+         number(each(last) / each(0), 2), each(last) / each(0) < 1.5);
+  double bytes = 0;
+  for (const std::size_t maker : {one_thread, two_threads})
+    for (std::size_t s = main; s <= last; ++s)
+      bytes = std::fmax(bytes, soup.result(maker, s).bytes() / soup.sizes()[s].triangles());
+  target("memory beyond input and output, one thread and two, from " + soup.sizes()[main].name + " triangles",
+         "<= 150 bytes a triangle", soup.result(one_thread, main), number(bytes, 0), bytes <= 150);
+  std::cout
+      << "| the bits of npm mikktspace, other meshes | all corners | | held by tests/mikktspace_test.cpp |\n"
+         "| orders of the methods of mesh_frames.h | within 0.15 | | held by tests/mesh_frames_test.cpp |\n";
+}
+
+int methods(bool quick) {
+  const std::vector<Size> sizes = quick ? std::vector{small, medium} : std::vector{small, medium, large};
+  header("method", sizes);
+  std::vector<std::vector<Way>> measured;  // of each size
+  for (const Size& size : sizes) {
+    std::cerr << size.name << ": methods ...\n";
+    const MeshArrays torus = bench::torus(size.columns, size.rows);
+    Mesh mesh;
+    for (std::size_t v = 0; v < torus.vertex_count(); ++v) {
+      const float *p = &torus.positions[3 * v], *n = &torus.normals[3 * v], *uv = &torus.uvs[2 * v];
+      mesh.positions.push_back({p[0], p[1], p[2]});
+      mesh.normals.push_back({n[0], n[1], n[2]});
+      mesh.uvs.push_back({uv[0], uv[1]});
+    }
+    for (std::size_t c = 0; c < torus.corner_count(); c += 3)
+      mesh.triangles.push_back({torus.corners[c], torus.corners[c + 1], torus.corners[c + 2]});
+    std::vector<Way> ways;
+    for (const FrameMethod& method : frame_methods())
+      ways.push_back({"", std::string(method.name), mesh.triangles.size(),
+                      [&mesh, &method] { mesh_frames(mesh, method); }});
+    measure(ways, quick ? 3 : 5);
+    measured.push_back(std::move(ways));
+  }
+  for (std::size_t k = 0; k < frame_methods().size(); ++k) {
+    std::cout << "| `" << frame_methods()[k].name << "` |";
+    for (const std::vector<Way>& ways : measured)
+      std::cout << ' ' << millions_a_second(1, median(ways[k].ns) * 1e-9) << " |";
+    std::cout << '\n';
+  }
+  return 0;
+}
+
+int table(const std::string& self, const std::filesystem::path& folder, const std::string& node, bool quick) {
+  const auto own = [&](const std::string& name, const std::string& key, int threads) {
+    return Maker{name, key, self + " --measure " + key, threads};
+  };
+  const auto npm = [&](const std::string& name, const std::string& key) {
+    return Maker{name, key, node + " " + key, 1, node.starts_with("-") ? node.substr(1) : ""};
+  };
+  const Maker ours = own("Darboux, one thread", "darboux-1", 1),
+              ours_twice = own("Darboux, two threads", "darboux-2", 2),
+              compatible = npm("npm meshoptimizer, 'Compatible'", "meshoptimizer-compatible"),
+              meshoptimizer = npm("npm meshoptimizer, default", "meshoptimizer"),
+              original = npm("npm mikktspace", "mikktspace"),
+              assimp = own("assimp, CalcTangentSpace", "assimp", 1);
+  const std::vector<Size> sizes =
+      quick ? std::vector{small, medium} : std::vector{small, medium, large, huge};
+  const std::size_t main = quick ? 1 : 2;
+  const int rounds = quick ? 3 : 5;
+  Contest soup({ours, ours_twice, compatible, original, meshoptimizer, assimp}, sizes, false),
+      indexed({ours, ours_twice, compatible, meshoptimizer, assimp}, {sizes[main]}, true);
+  soup.run(folder, rounds, sizes[main].name);
+  indexed.run(folder, rounds, sizes[main].name);
+
+  std::cout << "- assimp: " << DARBOUX_BENCHMARK_ASSIMP << " by its own account"
+            << "\n- pairs: " << rounds << (quick ? " (quick: not for the report)" : "")
+            << "\n\n### Targets\n\n";
+  targets(soup, main);
+  std::cout << "\n### Triangle soup\n\nMillions of triangles a second; × time is that of Darboux with one "
+               "thread.\n\n";
+  speed(soup);
+  std::cout << "\n### Indexed triangles\n\nThe same, vertices shared but at the seams of the uvs.\n\n";
+  speed(indexed);
+  std::cout << "\n### Memory\n\nBytes a triangle at the peak, beyond input and output; triangle soup.\n\n";
+  memory(soup);
+  std::cout << "\n### What they make of " << sizes[main].name << " triangles\n\nTriangle soup:\n\n";
+  differences(soup);
+  std::cout << "\nIndexed:\n\n";
+  differences(indexed);
+  std::cout << "\n### Methods of mesh_frames.h\n\nMillions of triangles a second on the indexed torus, one "
+               "thread.\n\n"
+            << std::flush;
+  const std::string command = "taskset -c " + std::to_string(allowed_cores().front()) + " " + self +
+                              " --methods" + (quick ? " --quick" : "");
+  return std::system(command.c_str()) == 0 ? 0 : 1;
+}
+
+int run(const std::string& self, std::vector<std::string> arguments) {
+  const bool quick = std::erase(arguments, "--quick") > 0;
+  const std::string mode = arguments.empty() ? "" : arguments[0];
+  if (mode == "--table" && arguments.size() == 3) return table(self, arguments[1], arguments[2], quick);
+  if (mode == "--methods" && arguments.size() == 1) return methods(quick);
+  if (mode == "--measure" && (arguments.size() == 3 || arguments.size() == 4)) {
+    try {
+      const Sample x =
+          measure_maker(arguments[1], arguments[2], arguments.size() == 4 ? arguments[3] : std::string());
+      std::cout << x.seconds << ' ' << x.bytes << '\n';
+      return 0;
+    } catch (const std::exception& error) {
+      std::cout << error.what() << '\n';  // where --table looks for it
+      return 1;
+    }
+  }
+  std::cerr << "usage: mesh_tangents.sh [--quick]\n";
+  return 2;
+}
+
+}  // namespace
+}  // namespace darboux::bench
+
+int main(int argc, char** argv) {
+  try {
+    return darboux::bench::run(argv[0], {argv + 1, argv + argc});
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "benchmark_mesh_tangents: %s\n", error.what());
+    return 1;
+  }
+}
