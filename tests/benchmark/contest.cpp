@@ -48,7 +48,8 @@ std::optional<Sample> measure(const Maker& maker, const std::filesystem::path& m
   std::istringstream output(output_of(command.str(), refusal));
   if (!refusal.empty()) return {};
   Sample result{};
-  if (!(output >> result.seconds >> result.bytes)) throw std::runtime_error(maker.name + ": no numbers");
+  if (!(output >> result.seconds >> result.first_seconds >> result.bytes))
+    throw std::runtime_error(maker.name + ": no numbers");
   return result;
 }
 
@@ -57,6 +58,11 @@ std::optional<Sample> measure(const Maker& maker, const std::filesystem::path& m
 double Result::seconds() const {
   std::vector<double> all;
   for (const Sample& x : samples) all.push_back(x.seconds);
+  return median(all);
+}
+double Result::first_seconds() const {
+  std::vector<double> all;
+  for (const Sample& x : samples) all.push_back(x.first_seconds);
   return median(all);
 }
 double Result::bytes() const {

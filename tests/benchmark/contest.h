@@ -25,7 +25,7 @@ struct Size {
 struct Maker {
   std::string name;     ///< as written in tables
   std::string key;      ///< the file that it writes its tangents to
-  std::string command;  ///< takes the files of mesh and tangents, prints seconds a call and bytes
+  std::string command;  ///< takes the files of mesh and tangents, prints the numbers of a Sample
   int threads = 1;
   std::string missing{};  ///< why it cannot be had; empty: it can
 };
@@ -37,9 +37,10 @@ struct Result {
       over{};             ///< of each round: its time over that of the one that all are against, just before
   std::string refusal{};  ///< why there are none
 
-  double seconds() const;  ///< median; NaN where there are none
-  double bytes() const;    ///< the most
-  double ratio() const;    ///< median of `over`; 1 of the one that all are against
+  double seconds() const;        ///< median; NaN where there are none
+  double first_seconds() const;  ///< median
+  double bytes() const;          ///< the most
+  double ratio() const;          ///< median of `over`; 1 of the one that all are against
 };
 
 /// Makers on tori of several sizes, all against the first: for each of the others so many pairs, the first and then the other,

@@ -69,6 +69,13 @@ void speed(const Contest& contest) {
                   << ": " << why << ".\n";
 }
 
+void first_calls(const Contest& contest) {
+  header("by", contest.sizes());
+  rows(contest, [](const Result& x, const Size& size) {
+    return x.samples.empty() ? "not measured" : millions_a_second(size.triangles(), x.first_seconds());
+  });
+}
+
 void memory(const Contest& contest) {
   header("by", contest.sizes());
   rows(contest, [](const Result& x, const Size& size) {
@@ -135,7 +142,7 @@ void targets(const Contest& soup, std::size_t main) {
          "<= 150 bytes a triangle", soup.result(one_thread, main), number(bytes, 0), bytes <= 150);
   std::cout
       << "| the bits of npm mikktspace, other meshes | all corners | | held by tests/mikktspace_test.cpp |\n"
-         "| orders of the methods of mesh_frames.h | within 0.15 | | held by tests/mesh_frames_test.cpp |\n";
+         "| orders of the methods of mesh_frames.h | within 0.15 | | held by tests/converge_test.cpp |\n";
 }
 
 int methods(bool quick) {
@@ -199,6 +206,9 @@ int table(const std::string& self, const std::filesystem::path& folder, const st
   std::cout << "\n### Triangle soup\n\nMillions of triangles a second; × time is that of Darboux with one "
                "thread.\n\n";
   speed(soup);
+  std::cout << "\n### The first call\n\nMillions of triangles a second in a process's first call; triangle "
+               "soup.\n\n";
+  first_calls(soup);
   std::cout << "\n### Indexed triangles\n\nThe same, vertices shared but at the seams of the uvs.\n\n";
   speed(indexed);
   std::cout << "\n### Memory\n\nBytes a triangle at the peak, beyond input and output; triangle soup.\n\n";
@@ -224,7 +234,7 @@ int run(const std::string& self, std::vector<std::string> arguments) {
     try {
       const Sample x =
           measure_maker(arguments[1], arguments[2], arguments.size() == 4 ? arguments[3] : std::string());
-      std::cout << x.seconds << ' ' << x.bytes << '\n';
+      std::cout << x.seconds << ' ' << x.first_seconds << ' ' << x.bytes << '\n';
       return 0;
     } catch (const std::exception& error) {
       std::cout << error.what() << '\n';  // where --table looks for it

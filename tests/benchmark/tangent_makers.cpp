@@ -40,14 +40,14 @@ void reset_peak() {
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 
-// Memory of the first call; then calls for half a second, at least one, then those that are timed, for a fifth of one.
+// Time and memory of the first call; then calls for half a second, at least one, then those that are timed, for a fifth of one.
 // call() returns the seconds that count; output_bytes are those that a call itself allocates for its results.
 template <class Call>
 Sample sample(double output_bytes, Call&& call) {
   reset_peak();
   const double before = peak_bytes();
-  call();
-  Sample result{0, peak_bytes() - before - output_bytes};
+  const double first = call();
+  Sample result{0, first, peak_bytes() - before - output_bytes};
   for (double passed = 0; passed < 0.5;) passed += call();
   int calls = 0;
   for (; result.seconds < 0.2; ++calls) result.seconds += call();

@@ -10,8 +10,9 @@ namespace darboux::bench {
 
 /// What a process tells of the maker that it ran.
 struct Sample {
-  double seconds;  ///< a call
-  double bytes;    ///< at the peak of the first call, beyond input and output
+  double seconds;        ///< a call, when it has been called before
+  double first_seconds;  ///< the first call
+  double bytes;          ///< at the peak of the first call, beyond input and output
 };
 
 /// Runs a maker in C++ on a file's triangles: "darboux-1" and "darboux-2", mikktspace() with so many threads, or "assimp".
