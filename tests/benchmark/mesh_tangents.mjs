@@ -1,6 +1,6 @@
-// node mesh_tangents.mjs PACKAGES MAKER MESH [TANGENTS]: runs a maker of tangents from npm on the triangles of a file that
-// torus_file.cpp wrote, "mikktspace", "meshoptimizer" or "meshoptimizer-compatible", and prints the
-// numbers of a Sample (tangent_makers.h), measured as measure_maker() does.
+// node mesh_tangents.mjs PACKAGES MAKER MESH [TANGENTS]: runs a maker of tangents from npm, "mikktspace", "meshoptimizer" or
+// "meshoptimizer-compatible", on the triangles of a file that torus_file.cpp wrote, and prints the numbers of a Sample
+// (tangent_makers.h), measured as measure_maker() does. PACKAGES is the folder of node_modules.
 import fs from 'fs';
 import { createRequire } from 'module';
 import path from 'path';
