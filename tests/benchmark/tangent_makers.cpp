@@ -40,7 +40,8 @@ void reset_peak() {
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 
-// Time and memory of the first call; then calls for half a second, at least one, then those that are timed, for a fifth of one.
+// Time and memory of the first call; then calls until half a second has passed in all, then those that are timed, for a fifth
+// of one.
 // call() returns the seconds that count; output_bytes are those that a call itself allocates for its results.
 template <class Call>
 Sample sample(double output_bytes, Call&& call) {
@@ -48,7 +49,7 @@ Sample sample(double output_bytes, Call&& call) {
   const double before = peak_bytes();
   const double first = call();
   Sample result{0, first, peak_bytes() - before - output_bytes};
-  for (double passed = 0; passed < 0.5;) passed += call();
+  for (double passed = first; passed < 0.5;) passed += call();
   int calls = 0;
   for (; result.seconds < 0.2; ++calls) result.seconds += call();
   result.seconds /= calls;
