@@ -85,6 +85,13 @@ std::vector<int> allowed_cores() {
   return cores;
 }
 
+void allow_cores(const std::vector<int>& cores) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int k : cores) CPU_SET(k, &set);
+  if (sched_setaffinity(0, sizeof set, &set) != 0) throw std::runtime_error("these cores may not be used");
+}
+
 std::vector<Result> Contest::pairs(const std::filesystem::path& mesh, int rounds,
                                    const std::filesystem::path& tangents) const {
   std::vector<Result> results(makers_.size());

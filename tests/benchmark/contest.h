@@ -74,5 +74,7 @@ class Contest {
 
 /// The cores that this process may run on.
 std::vector<int> allowed_cores();
+/// Those that this thread, and threads and processes that it starts from now on, run on.
+void allow_cores(const std::vector<int>& cores);
 
 }  // namespace darboux::bench

@@ -1,10 +1,9 @@
 // The tables of docs/reports/mesh-tangents.md, for mesh_tangents.sh:
-//   --table FOLDER NODE [--quick]   all of them; NODE is the command before mesh_tangents.mjs's MAKER, or "-REASON" why there is none
-//   --methods [--quick]             that of the methods of mesh_frames.h, in this process
-//   --measure MAKER MESH [TANGENTS] one maker in C++, for --table
+//   --table FOLDER NODE [--quick]    all of them; NODE is the command of mesh_tangents.mjs up to MAKER, or "-REASON" why
+//                                    there is none
+//   --measure MAKER MESH [TANGENTS]  one maker in C++, for --table
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -40,12 +39,18 @@ std::string millions_a_second(double triangles, double seconds) {
 }
 
 // "| by | NAME... |" and the line below it.
-void header(const std::string& first, const std::vector<Size>& sizes, const std::string& after_each = "") {
+void header(const std::string& first, const std::vector<std::string>& names,
+            const std::string& after_each = "") {
   std::cout << "| " << first << " |";
-  for (const Size& size : sizes) std::cout << ' ' << size.name << " |" << after_each;
+  for (const std::string& name : names) std::cout << ' ' << name << " |" << after_each;
   std::cout << "\n|---|";
-  for (std::size_t k = 0; k < sizes.size(); ++k) std::cout << (after_each.empty() ? "---:|" : "---:|---:|");
+  for (std::size_t k = 0; k < names.size(); ++k) std::cout << (after_each.empty() ? "---:|" : "---:|---:|");
   std::cout << '\n';
+}
+std::vector<std::string> names_of(const std::vector<Size>& sizes) {
+  std::vector<std::string> names;
+  for (const Size& size : sizes) names.push_back(size.name);
+  return names;
 }
 void rows(const Contest& contest, const std::function<std::string(const Result&, const Size&)>& cell) {
   for (std::size_t k = 0; k < contest.makers().size(); ++k) {
@@ -57,7 +62,7 @@ void rows(const Contest& contest, const std::function<std::string(const Result&,
 }
 
 void speed(const Contest& contest) {
-  header("by", contest.sizes(), " × time |");
+  header("by", names_of(contest.sizes()), " × time |");
   rows(contest, [](const Result& x, const Size& size) {
     if (x.samples.empty()) return std::string("not measured |");
     return millions_a_second(size.triangles(), x.seconds()) + " | " + number(x.ratio(), 2);
@@ -70,14 +75,14 @@ void speed(const Contest& contest) {
 }
 
 void first_calls(const Contest& contest) {
-  header("by", contest.sizes());
+  header("by", names_of(contest.sizes()));
   rows(contest, [](const Result& x, const Size& size) {
     return x.samples.empty() ? "not measured" : millions_a_second(size.triangles(), x.first_seconds());
   });
 }
 
 void memory(const Contest& contest) {
-  header("by", contest.sizes());
+  header("by", names_of(contest.sizes()));
   rows(contest, [](const Result& x, const Size& size) {
     return x.samples.empty() ? "not measured" : number(x.bytes() / size.triangles(), 0);
   });
@@ -142,42 +147,59 @@ void targets(const Contest& soup, std::size_t main) {
          "<= 150 bytes a triangle", soup.result(one_thread, main), number(bytes, 0), bytes <= 150);
   std::cout
       << "| the bits of npm mikktspace, other meshes | all corners | | held by tests/mikktspace_test.cpp |\n"
-         "| orders of the methods of mesh_frames.h | within 0.15 | | held by tests/converge_test.cpp |\n";
+         "| orders of the methods of mesh_frames.h | within 0.15 | | held by tests/converge_test.cpp, "
+         "tests/mesh_orders_test.cpp |\n";
 }
 
-int methods(bool quick) {
-  const std::vector<Size> sizes = quick ? std::vector{small, medium} : std::vector{small, medium, large};
-  header("method", sizes);
-  std::vector<std::vector<Way>> measured;  // of each size
+Mesh mesh_of(const MeshArrays& arrays) {
+  Mesh mesh;
+  for (std::size_t v = 0; v < arrays.vertex_count(); ++v) {
+    const float *p = &arrays.positions[3 * v], *n = &arrays.normals[3 * v], *uv = &arrays.uvs[2 * v];
+    mesh.positions.push_back({p[0], p[1], p[2]});
+    mesh.normals.push_back({n[0], n[1], n[2]});
+    mesh.uvs.push_back({uv[0], uv[1]});
+  }
+  for (std::size_t c = 0; c < arrays.corner_count(); c += 3)
+    mesh.triangles.push_back({arrays.vertex(c), arrays.vertex(c + 1), arrays.vertex(c + 2)});
+  return mesh;
+}
+
+// All methods, in turns in this process, by one thread and at one size by two.
+void methods(const std::vector<Size>& sizes, const Size& twice_at, int rounds) {
+  const std::vector<int> cores = allowed_cores();
+  std::vector<std::string> titles;
+  std::vector<std::vector<Way>> columns;
   for (const Size& size : sizes) {
     std::cerr << size.name << ": methods ...\n";
-    const MeshArrays torus = bench::torus(size.columns, size.rows);
-    Mesh mesh;
-    for (std::size_t v = 0; v < torus.vertex_count(); ++v) {
-      const float *p = &torus.positions[3 * v], *n = &torus.normals[3 * v], *uv = &torus.uvs[2 * v];
-      mesh.positions.push_back({p[0], p[1], p[2]});
-      mesh.normals.push_back({n[0], n[1], n[2]});
-      mesh.uvs.push_back({uv[0], uv[1]});
-    }
-    for (std::size_t c = 0; c < torus.corner_count(); c += 3)
-      mesh.triangles.push_back({torus.corners[c], torus.corners[c + 1], torus.corners[c + 2]});
+    const Mesh mesh = mesh_of(torus(size.columns, size.rows));
     std::vector<Way> ways;
-    for (const FrameMethod& method : frame_methods())
-      ways.push_back({"", std::string(method.name), mesh.triangles.size(),
-                      [&mesh, &method] { mesh_frames(mesh, method); }});
-    measure(ways, quick ? 3 : 5);
-    measured.push_back(std::move(ways));
+    const std::size_t most_threads = size.name == twice_at.name && cores.size() > 1 ? 2 : 1;
+    for (std::size_t threads = 1; threads <= most_threads; ++threads) {
+      const std::vector<int> run_on(cores.begin(), cores.begin() + static_cast<std::ptrdiff_t>(threads));
+      for (const FrameMethod& method : frame_methods())
+        ways.push_back({"", std::string(method.name), mesh.triangles.size(), [&, run_on] {
+                          allow_cores(run_on);
+                          mesh_frames(mesh, method, static_cast<int>(run_on.size()));
+                        }});
+      titles.push_back(size.name + (threads == 2 ? ", two threads" : ""));
+    }
+    measure(ways, rounds);
+    for (auto at = ways.begin(); at != ways.end(); at += std::ssize(frame_methods()))
+      columns.emplace_back(at, at + std::ssize(frame_methods()));
   }
+  allow_cores(cores);
+  header("method", titles);
   for (std::size_t k = 0; k < frame_methods().size(); ++k) {
     std::cout << "| `" << frame_methods()[k].name << "` |";
-    for (const std::vector<Way>& ways : measured)
-      std::cout << ' ' << millions_a_second(1, median(ways[k].ns) * 1e-9) << " |";
+    for (const std::vector<Way>& column : columns)
+      std::cout << ' ' << millions_a_second(1, median(column[k].ns) * 1e-9) << " |";
     std::cout << '\n';
   }
-  return 0;
+  if (cores.size() < 2) std::cout << "\nNot measured: two threads: there are too few cores.\n";
 }
 
-int table(const std::string& self, const std::filesystem::path& folder, const std::string& node, bool quick) {
+void table(const std::string& self, const std::filesystem::path& folder, const std::string& node,
+           bool quick) {
   const auto own = [&](const std::string& name, const std::string& key, int threads) {
     return Maker{name, key, self + " --measure " + key, threads};
   };
@@ -217,19 +239,17 @@ int table(const std::string& self, const std::filesystem::path& folder, const st
   differences(soup);
   std::cout << "\nIndexed:\n\n";
   differences(indexed);
-  std::cout << "\n### Methods of mesh_frames.h\n\nMillions of triangles a second on the indexed torus, one "
-               "thread.\n\n"
-            << std::flush;
-  const std::string command = "taskset -c " + std::to_string(allowed_cores().front()) + " " + self +
-                              " --methods" + (quick ? " --quick" : "");
-  return std::system(command.c_str()) == 0 ? 0 : 1;
+  std::cout << "\n### Methods of mesh_frames.h\n\nMillions of triangles a second on the indexed torus.\n\n";
+  methods(quick ? sizes : std::vector{small, medium, large}, medium, rounds);
 }
 
 int run(const std::string& self, std::vector<std::string> arguments) {
   const bool quick = std::erase(arguments, "--quick") > 0;
   const std::string mode = arguments.empty() ? "" : arguments[0];
-  if (mode == "--table" && arguments.size() == 3) return table(self, arguments[1], arguments[2], quick);
-  if (mode == "--methods" && arguments.size() == 1) return methods(quick);
+  if (mode == "--table" && arguments.size() == 3) {
+    table(self, arguments[1], arguments[2], quick);
+    return 0;
+  }
   if (mode == "--measure" && (arguments.size() == 3 || arguments.size() == 4)) {
     try {
       const Sample x =
