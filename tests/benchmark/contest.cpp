@@ -19,6 +19,8 @@
 namespace darboux::bench {
 namespace {
 
+constexpr double longest_call = 20;  // seconds; a maker that takes longer is measured once
+
 // What a command prints; where it fails, `refusal` is its last line, or else how it ended.
 std::string output_of(const std::string& command, std::string& refusal) {
   std::FILE* pipe = popen(command.c_str(), "r");
@@ -107,6 +109,7 @@ std::vector<Result> Contest::pairs(const std::filesystem::path& mesh, int rounds
       if (!after) break;
       other.samples.push_back(*after);
       other.over.push_back(after->seconds / before->seconds);
+      if (after->seconds > longest_call) break;
     }
   }
   return results;
