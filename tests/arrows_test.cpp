@@ -68,7 +68,7 @@ std::vector<Rule> rules(const Includes& tree) {
        std::string(standard) + "|Eigen/.*|darboux/(scalar|vector|surface|frame|error)\\.h|darboux/" +
            mesh_core +
            "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|sys/"
-           "mman\\.h|(arithmetic|buffer|connectivity|triangle|\\.\\./"
+           "mman\\.h|(arithmetic|buffer|connectivity|input|triangle|\\.\\./"
            "pieces)\\.h",
        ""},
       {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",

@@ -29,6 +29,7 @@ Connectivity::Connectivity(const MikkMesh& mesh, const MikkOptions& options, boo
   list_corners();
   find_neighbours();
   if (!options.sort_all_edges && good_ > 0) find_last_neighbours();
+  name_ = {};
   differentiate(lengths);
   orient_any();
 }

@@ -59,9 +59,7 @@ struct Connectivity {
   std::size_t corner(std::size_t at) const { return corner_.empty() ? at : corner_[at]; }
   Index welded(std::size_t at) const { return id_[vertex(corner(at))]; }
   // Whose values a corner has: those of the vertex that stands for all welded to it, whose zeros may have other signs.
-  Index source(std::size_t at) const {
-    return negative_zeros_ ? stands_for_[welded(at)] : vertex(corner(at));
-  }
+  Index source(std::size_t at) const { return mixed_zeros_ ? stands_for_[welded(at)] : vertex(corner(at)); }
   std::size_t face(std::size_t triangle) const { return face_.empty() ? triangle : face_[triangle]; }
   static std::size_t next(std::size_t at) { return at % 3 == 2 ? at - 2 : at + 1; }
   static std::size_t previous(std::size_t at) { return at % 3 == 0 ? at + 2 : at - 1; }
@@ -75,11 +73,12 @@ struct Connectivity {
   std::size_t listed(std::size_t entry) const { return cut_.empty() ? entry : cut_[entry]; }
 
   void weld();
+  void number(std::span<Index> first, std::span<const Index> table);
   void list_triangles();
   void set_degenerate_apart();
   void list_corners();
   void find_neighbours();
-  void name(std::span<Index> names);
+  void name(std::span<const Index> wanted);
   void name_as_the_original();
   void find_last_neighbours();
   void differentiate(bool lengths);
@@ -87,8 +86,9 @@ struct Connectivity {
 
   const MikkMesh& mesh_;
   std::size_t threads_;
-  Room room_;  // of the welding, then of the names, then of the parts
-  bool negative_zeros_ = false, any_ = false;
+  Room room_;                       // of the welding, then of the names, then of the parts
+  bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs
+  bool any_ = false;                // some triangle is `any`
   Buffer<Index> id_;                // of each vertex: equal ones have one; in the order of the first of each
   Buffer<Index> stands_for_;        // of each id: the vertex whose values count
   std::vector<Index> corner_;       // of the triangles; empty: in order
@@ -97,7 +97,8 @@ struct Connectivity {
   std::vector<Index> cut_;          // the corners of the triangles in the order of the faces; empty: in order
   std::size_t all_ = 0, good_ = 0;  // triangles; the degenerate ones come last
   std::vector<std::uint8_t>
-      alone_;  // of each triangle: whether it is one of a quad of which one is degenerate
+      alone_;           // of each triangle: whether it is one of a quad of which one is degenerate
+  Buffer<Index> name_;  // of each id, while that is needed: the corner that the original names it by
   Buffer<Index> begin_, at_vertex_;     // of each id: its corners in good triangles, ascending
   Buffer<Index> neighbour_;             // of each good triangle: across the edges that begin at its corners
   std::span<Part> part_;                // of each corner of the good triangles

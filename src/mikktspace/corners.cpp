@@ -17,13 +17,13 @@ using Mask = std::int32_t __attribute__((vector_size(4 * lanes)));
 struct Vectors {
   Floats x, y, z;
 };
-Vectors operator-(const Vectors& a, const Vectors& b) {
+inline Vectors operator-(const Vectors& a, const Vectors& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-Vectors operator*(const Floats& a, const Vectors& b) {
+inline Vectors operator*(const Floats& a, const Vectors& b) {
   return {a * b.x, a * b.y, a * b.z};
 }
-Floats dot(const Vectors& a, const Vectors& b) {
+inline Floats dot(const Vectors& a, const Vectors& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 Floats square_root(Floats a) {
@@ -39,11 +39,11 @@ Mask not_zero(const Floats& a) {
 Vectors select(const Mask& where, const Vectors& a, const Vectors& b) {
   return {where ? a.x : b.x, where ? a.y : b.y, where ? a.z : b.z};
 }
-Vectors normalised(const Vectors& a) {
+inline Vectors normalised(const Vectors& a) {
   const Mask some = not_zero(a.x) | not_zero(a.y) | not_zero(a.z);
   return select(some, 1.0F / square_root(dot(a, a)) * a, a);
 }
-Vectors across(const Vectors& n, const Vectors& a) {
+[[gnu::always_inline]] inline Vectors across(const Vectors& n, const Vectors& a) {
   return normalised(a - dot(n, a) * n);
 }
 Vector lane(const Vectors& a, std::size_t i) {
@@ -63,7 +63,7 @@ struct Found {
   Floats s_length, t_length;
 };
 
-Found find(const Triangles& x) {
+inline Found find(const Triangles& x) {
   Found found;
   const Floats u1 = x.u[1] - x.u[0], v1 = x.v[1] - x.v[0], u2 = x.u[2] - x.u[0], v2 = x.v[2] - x.v[0];
   const Vectors d1 = x.p[1] - x.p[0], d2 = x.p[2] - x.p[0];

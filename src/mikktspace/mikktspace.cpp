@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -9,6 +8,7 @@
 #include <darboux/mikktspace.h>
 
 #include "connectivity.h"
+#include "input.h"
 
 namespace darboux {
 namespace {
@@ -205,96 +205,6 @@ void Tangents::of_corners(const Put& put, const Copy& copy) const {
   }
 }
 
-// ---- input --------------------------------------------------------------------------------------------------------
-
-constexpr float longest_normal = 0x1p28F;
-
-void check(const MikkMesh& mesh, const MikkOptions& options) {
-  const std::size_t n = mesh.positions.size() / 3;
-  const auto refuse = [](const std::string& why) { throw MeshError("mesh", why); };
-  if (mesh.positions.size() % 3 != 0)
-    refuse("has " + std::to_string(mesh.positions.size()) +
-           " numbers of positions, permitted are three a vertex");
-  if (mesh.normals.size() != 3 * n)
-    refuse("has " + std::to_string(mesh.normals.size()) +
-           " numbers of normals, permitted are three for each of its " + std::to_string(n) + " vertices");
-  if (mesh.uvs.size() != 2 * n)
-    refuse("has " + std::to_string(mesh.uvs.size()) + " numbers of uvs, permitted are two for each of its " +
-           std::to_string(n) + " vertices");
-  const std::size_t corners = mesh.corner_count();
-  if (corners >= none / 3)
-    refuse("has " + std::to_string(corners) + " corners, permitted are up to " +
-           std::to_string(none / 3 - 1));
-  for (std::size_t c = 0; c < mesh.corners.size(); ++c)
-    if (mesh.corners[c] >= n)
-      refuse("corner " + std::to_string(c) + " is vertex " + std::to_string(mesh.corners[c]) +
-             ", permitted are 0 to " + std::to_string(n) + " - 1");
-  std::size_t sum = 0;
-  for (std::size_t f = 0; f < mesh.face_sizes.size(); ++f) {
-    if (mesh.face_sizes[f] != 3 && mesh.face_sizes[f] != 4)
-      refuse("face " + std::to_string(f) + " has " + std::to_string(mesh.face_sizes[f]) +
-             " corners, permitted are 3 and 4");
-    sum += mesh.face_sizes[f];
-  }
-  if (mesh.face_sizes.empty() ? corners % 3 != 0 : sum != corners)
-    refuse("has " + std::to_string(corners) + " corners, permitted are those of its faces, " +
-           (mesh.face_sizes.empty() ? "three each" : std::to_string(sum)));
-  const auto check_finite = [&](std::span<const float> x, std::size_t components, const char* name) {
-    constexpr std::uint32_t infinity = 0x7f800000;  // all exponent bits, as in NaN
-    std::uint32_t found = 0;
-    for (const float value : x) found |= (std::bit_cast<std::uint32_t>(value) & infinity) == infinity ? 1 : 0;
-    if (found == 0) return;
-    for (std::size_t i = 0; i < x.size(); ++i)
-      if (!std::isfinite(x[i]))
-        refuse(std::string(name) + " of vertex " + std::to_string(i / components) + " is " +
-               std::to_string(x[i]) + ", permitted are finite numbers");
-  };
-  check_finite(mesh.positions, 3, "position");
-  check_finite(mesh.normals, 3, "normal");
-  for (std::size_t i = 0; i < mesh.normals.size(); ++i)
-    if (std::fabs(mesh.normals[i]) > longest_normal)
-      refuse("normal of vertex " + std::to_string(i / 3) + " has a component " +
-             std::to_string(mesh.normals[i]) + ", permitted are unit normals");
-  check_finite(mesh.uvs, 2, "uv");
-  if (options.threads < 0)
-    throw ParameterError("threads",
-                         std::to_string(options.threads) + " threads, permitted is 0 (all) or more");
-  if (!(options.angular_threshold >= 0 && options.angular_threshold <= 180))
-    throw ParameterError("angular threshold",
-                         std::to_string(options.angular_threshold) + " degrees, permitted are 0 to 180");
-}
-
-// The mesh with positions and uvs each multiplied by a power of two where products of them and their squares might leave the
-// range of float. Within it that changes no bit of a direction.
-class InRange {
- public:
-  explicit InRange(const MikkMesh& mesh) : mesh_(mesh) {
-    position_exponent_ = bring(mesh_.positions, positions_);
-    uv_exponent_ = bring(mesh_.uvs, uvs_);
-  }
-  const MikkMesh& mesh() const { return mesh_; }
-  // Lengths are those of positions by uvs.
-  float length(float of_scaled) const { return std::ldexp(of_scaled, position_exponent_ - uv_exponent_); }
-
- private:
-  // The exponent that was taken out.
-  static int bring(std::span<const float>& x, std::vector<float>& copy) {
-    constexpr float large = 0x1p28F;
-    float greatest = 0;
-    for (const float value : x) greatest = std::max(greatest, std::fabs(value));
-    if (greatest == 0 || (greatest <= large && greatest >= 1 / large)) return 0;
-    const int exponent = std::ilogb(greatest);
-    copy.reserve(x.size());
-    for (const float value : x) copy.push_back(std::ldexp(value, -exponent));
-    x = copy;
-    return exponent;
-  }
-
-  MikkMesh mesh_;
-  std::vector<float> positions_, uvs_;
-  int position_exponent_ = 0, uv_exponent_ = 0;
-};
-
 bool has_quads(const MikkMesh& mesh) {
   return std::any_of(mesh.face_sizes.begin(), mesh.face_sizes.end(), [](auto n) { return n == 4; });
 }
@@ -324,11 +234,10 @@ MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
 }  // namespace
 
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options) {
-  check(mesh, options);
-  const InRange in_range(mesh);
+  const mikk::Input input(mesh, options);
   std::vector<MikkTangent> result(mesh.corner_count());
   std::vector<std::uint8_t> written(has_quads(mesh) ? result.size() : 0);
-  Tangents(in_range.mesh(), options, true)
+  Tangents(input.mesh(), options, true)
       .of_corners(
           [&](std::size_t corner, const MikkTangent& tangent) {
             result[corner] = !written.empty() && std::exchange(written[corner], 1) != 0
@@ -337,12 +246,12 @@ std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& opt
           },
           [&](std::size_t from, std::size_t to) { result[to] = result[from]; });
   for (MikkTangent& x : result)
-    if (x.served) x.t_length = in_range.length(x.t_length), x.b_length = in_range.length(x.b_length);
+    if (x.served) x.t_length = input.length(x.t_length), x.b_length = input.length(x.b_length);
   return result;
 }
 
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options) {
-  check(mesh, options);
+  const mikk::Input input(mesh, options);
   if (tangent4.size() != 4 * mesh.corner_count())
     throw ParameterError("tangent4", std::to_string(tangent4.size()) +
                                          " numbers, permitted are four for each of the " +
@@ -357,7 +266,7 @@ void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptio
     return;
   }
   for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{});
-  Tangents(InRange(mesh).mesh(), options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
+  Tangents(input.mesh(), options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
     std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
   });
 }
