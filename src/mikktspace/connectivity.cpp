@@ -15,7 +15,7 @@ namespace {
 std::size_t room_for(const MikkMesh& mesh) {
   const std::size_t corners =
       mesh.face_sizes.empty() ? mesh.corner_count() : 6 * mesh.face_sizes.size();  // a quad is two triangles
-  return std::max(weld_bytes(mesh.vertex_count()), sizeof(Part) * corners);
+  return std::max(weld_places(mesh.vertex_count()) * sizeof(Index), sizeof(Part) * corners);
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ void Connectivity::set_degenerate_apart() {
 }
 
 void Connectivity::list_corners() {
-  const std::size_t ids = stands_for_.size();
+  const std::size_t ids = ids_;
   begin_ = Buffer<Index>(ids + 1);
   at_vertex_ = Buffer<Index>(3 * good_);
   // Each thread has some of the ids and looks at all corners.
@@ -151,7 +151,7 @@ void Connectivity::find_neighbours() {
     Index other, at;  // the corner where it begins in its triangle
     bool leaves;      // the vertex
   };
-  in_pieces(stands_for_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+  in_pieces(ids_, threads_, [&](std::size_t begin, std::size_t end) {
     std::vector<Edge> edges;
     for (std::size_t v = begin; v < end; ++v) {
       edges.clear();
@@ -195,7 +195,7 @@ void Connectivity::orient_any() {
   if (!any_) return;
   std::vector<Index> reached;
   label_.assign(3 * good_, none);
-  labelled_.assign(stands_for_.size(), 0);
+  labelled_.assign(ids_, 0);
   for (std::size_t at = 0; at < 3 * good_; ++at)
     if (orientation_[at / 3].any != 0) labelled_[welded(at)] = 1;
   for (std::size_t first = 0; first < 3 * good_; ++first) {

@@ -35,12 +35,9 @@ struct Lengths {
   float s, t;
 };
 
-// Of a hash table with a place for each vertex, and of what is found in it.
+// Of a hash table that has room for all vertices.
 constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
-}
-constexpr std::size_t weld_bytes(std::size_t vertices) {
-  return sizeof(Index) * (weld_places(vertices) + vertices);
 }
 
 // All of it stands when the constructor is done, and is only read then.
@@ -73,7 +70,7 @@ struct Connectivity {
   std::size_t listed(std::size_t entry) const { return cut_.empty() ? entry : cut_[entry]; }
 
   void weld();
-  void number(std::span<Index> first, std::span<const Index> table);
+  bool weld_with(std::span<Index> table, std::size_t most_steps);
   void list_triangles();
   void set_degenerate_apart();
   void list_corners();
@@ -87,10 +84,11 @@ struct Connectivity {
   const MikkMesh& mesh_;
   std::size_t threads_;
   Room room_;                       // of the welding, then of the names, then of the parts
+  std::size_t ids_ = 0;             // some may not be used
   bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs
   bool any_ = false;                // some triangle is `any`
-  Buffer<Index> id_;                // of each vertex: equal ones have one; in the order of the first of each
-  Buffer<Index> stands_for_;        // of each id: the vertex whose values count
+  Buffer<Index> id_;                // of each vertex: equal ones have the same; which, no result depends on
+  Buffer<Index> stands_for_;        // of each id: a vertex that has it, whose values count
   std::vector<Index> corner_;       // of the triangles; empty: in order
   std::vector<Index> face_;         // of the triangles; empty: in order
   std::vector<Index> face_begin_;   // the first corner of each face; empty: all are triangles

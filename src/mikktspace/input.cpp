@@ -32,6 +32,8 @@ void check_sizes(const MikkMesh& mesh) {
     refuse("has " + std::to_string(mesh.uvs.size()) + " numbers of uvs, permitted are two for each of its " +
            std::to_string(n) + " vertices");
   const std::size_t corners = mesh.corner_count();
+  if (n >= most_corners)
+    refuse("has " + std::to_string(n) + " vertices, permitted are up to " + std::to_string(most_corners - 1));
   if (corners >= most_corners)
     refuse("has " + std::to_string(corners) + " corners, permitted are up to " +
            std::to_string(most_corners - 1));

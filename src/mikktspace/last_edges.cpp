@@ -99,7 +99,7 @@ class Halving {
 
 // Names of the ids wanted, or of all: the first corner in the order in which halving a cell, again and again, leaves them.
 void Connectivity::name(std::span<const Index> wanted) {
-  if (name_.empty()) name_ = Buffer<Index>(stands_for_.size());
+  if (name_.empty()) name_ = Buffer<Index>(ids_);
   std::fill(name_.data(), name_.data() + name_.size(), none);
   const std::size_t entries = 3 * all_;
   if (entries == 0) return;
@@ -193,7 +193,7 @@ void Connectivity::name_as_the_original() {
 }
 
 void Connectivity::find_last_neighbours() {
-  const std::size_t ids = stands_for_.size(), edges_count = 3 * good_;
+  const std::size_t ids = ids_, edges_count = 3 * good_;
   // The last run by the smaller name: bounds first, then names where these leave it open.
   Buffer<Index> first(ids), last(ids);
   if (corner_.empty()) {

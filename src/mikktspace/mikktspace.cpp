@@ -180,7 +180,7 @@ void Tangents::serve(Index id, Scratch& x, const Put& put) const {
 
 template <class Put, class Copy>
 void Tangents::of_corners(const Put& put, const Copy& copy) const {
-  in_pieces(stands_for_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+  in_pieces(ids_, threads_, [&](std::size_t begin, std::size_t end) {
     Scratch scratch;
     for (std::size_t id = begin; id < end; ++id)
       if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, put);

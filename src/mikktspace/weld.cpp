@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstring>
 #include <span>
-#include <vector>
 
 #include "connectivity.h"
 
@@ -50,45 +49,67 @@ struct Vertices {
   }
 };
 
-// A hash table with one place for each value. Whichever thread comes first, the smallest index stays. found(v, at, there): v is
-// at that place, with `there` so far the smallest of its value. False when so much room does not do.
-template <class Found>
-bool fill(const Vertices& vertices, std::size_t n, std::size_t threads, std::span<Index> table,
-          std::size_t most_steps, std::atomic<bool>& mixed_zeros, const Found& found) {
+// Hands out numbers: a few at a time to each thread, so that some are left unused.
+class Numbers {
+ public:
+  static constexpr Index at_a_time = 256;
+  explicit Numbers(std::atomic<Index>& all) : all_(all) {}
+  Index next() {
+    if (next_ == end_) next_ = all_.fetch_add(at_a_time, std::memory_order_relaxed), end_ = next_ + at_a_time;
+    return next_;
+  }
+  void take() { ++next_; }
+
+ private:
+  std::atomic<Index>& all_;
+  Index next_ = 0, end_ = 0;
+};
+
+}  // namespace
+
+// A hash table of ids, one for each value. False when so much room does not do.
+bool Connectivity::weld_with(std::span<Index> table, std::size_t most_steps) {
+  const Vertices vertices{mesh_};
   const std::size_t mask = table.size() - 1;
-  in_pieces(table.size(), threads, [&](std::size_t begin, std::size_t end) {
+  in_pieces(table.size(), threads_, [&](std::size_t begin, std::size_t end) {
     std::fill(&table[begin], &table[begin] + (end - begin), none);
   });
-  std::atomic<bool> full = false;
-  in_pieces(n, threads, [&](std::size_t begin, std::size_t end) {
+  std::atomic<bool> full = false, mixed_zeros = false;
+  std::atomic<Index> ids = 0;
+  in_pieces(id_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     constexpr std::size_t ahead = 32, vertex_ahead = 12;
     std::array<std::size_t, ahead> places{};
+    Numbers numbers(ids);
     bool mixed = false;
     for (std::size_t i = begin; i < end + ahead; ++i) {
       if (i >= begin + ahead - vertex_ahead) {
-        const Index there =
-            std::atomic_ref(table[places[(i + vertex_ahead) % ahead]]).load(std::memory_order_relaxed);
-        if (there != none) vertices.prefetch(there);
+        const std::size_t soon = places[(i + vertex_ahead) % ahead];
+        const Index there = std::atomic_ref(table[soon]).load(std::memory_order_acquire);
+        if (there != none) vertices.prefetch(stands_for_[there]);
       }
       std::size_t& first = places[i % ahead];
       if (i >= begin + ahead) {
-        const auto v = static_cast<Index>(i - ahead);
+        const std::size_t v = i - ahead;
         for (std::size_t at = first, steps = 0;; at = (at + 1) & mask, ++steps) {
           if (steps > most_steps) {
             full = true;
             return;
           }
           const std::atomic_ref held(table[at]);
-          Index there = held.load(std::memory_order_relaxed);
-          if (there == none && held.compare_exchange_strong(there, v, std::memory_order_relaxed)) there = v;
-          if (there != v) {
-            const int same = vertices.compare(there, v);
-            if (same == 0) continue;
-            mixed = mixed || same == 2;
+          Index there = held.load(std::memory_order_acquire);
+          if (there == none) {
+            const Index id = numbers.next();
+            stands_for_[id] = static_cast<Index>(v);
+            if (held.compare_exchange_strong(there, id, std::memory_order_acq_rel)) {
+              numbers.take();
+              id_[v] = id;
+              break;
+            }
           }
-          while (v < there && !held.compare_exchange_weak(there, v, std::memory_order_relaxed)) {
-          }
-          found(v, at, there);
+          const int same = vertices.compare(stands_for_[there], v);
+          if (same == 0) continue;
+          mixed = mixed || same == 2;
+          id_[v] = there;
           break;
         }
       }
@@ -99,75 +120,19 @@ bool fill(const Vertices& vertices, std::size_t n, std::size_t threads, std::spa
     }
     if (mixed) mixed_zeros = true;
   });
+  ids_ = ids;
+  mixed_zeros_ = mixed_zeros;
   return !full;
 }
-
-}  // namespace
 
 void Connectivity::weld() {
   const std::size_t n = mesh_.vertex_count(), enough = weld_places(n);
   id_ = Buffer<Index>(n);
-  const std::span<Index> first = room_.as<Index>(n);
-  const std::span<Index> places = room_.as<Index>(enough, first.size_bytes());
-  std::atomic<bool> mixed_zeros = false;
-  std::size_t ids = 0;
-  const auto fill_places = [&](std::size_t size, std::size_t most_steps) {
-    ids = 0;
-    const auto fill_with = [&](const auto& found) {
-      return fill(Vertices{mesh_}, n, threads_, places.first(size), most_steps, mixed_zeros, found);
-    };
-    if (threads_ > 1)
-      return fill_with([&](Index v, std::size_t at, Index) { id_[v] = static_cast<Index>(at); });
-    return fill_with([&](Index v, std::size_t, Index there) {  // in order, so that `there` is the smallest
-      id_[v] = there == v ? static_cast<Index>(ids) : id_[there];
-      if (there == v) first[ids++] = v;
-    });
-  };
+  stands_for_ = Buffer<Index>(n + Numbers::at_a_time * most_pieces(threads_));
+  const std::span<Index> table = room_.as<Index>(enough);
   // Vertices of a triangle soup are mostly sixfold.
-  std::size_t size = mesh_.corners.empty() && n > 4096 ? enough / 8 : enough;
-  if (!fill_places(size, size < enough ? 64 : enough)) fill_places(size = enough, enough);
-  mixed_zeros_ = mixed_zeros;
-  if (threads_ > 1) return number(first, places.first(size));
-  stands_for_ = Buffer<Index>(ids);
-  std::copy_n(first.data(), ids, stands_for_.data());
-}
-
-// id_ holds places of the table, which knows the smallest vertex of each value: numbered block by block.
-void Connectivity::number(std::span<Index> first, std::span<const Index> table) {
-  const std::size_t n = mesh_.vertex_count();
-  constexpr std::size_t block = 1 << 16;
-  const std::size_t blocks = (n + block - 1) / block;
-  const auto in_blocks = [&](const auto& f) {
-    in_pieces(
-        blocks, threads_,
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t b = begin; b < end; ++b) f(b, b * block, std::min(n, (b + 1) * block));
-        },
-        1);
-  };
-  std::vector<std::size_t> before(blocks + 1, 0);
-  in_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
-    std::size_t count = 0;
-    for (std::size_t v = begin; v < end; ++v) {
-      first[v] = table[id_[v]];
-      count += first[v] == v ? 1 : 0;
-    }
-    before[b + 1] = count;
-  });
-  for (std::size_t b = 0; b < blocks; ++b) before[b + 1] += before[b];
-  stands_for_ = Buffer<Index>(before[blocks]);
-  in_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
-    std::size_t next = before[b];
-    for (std::size_t v = begin; v < end; ++v)
-      if (first[v] == v) {
-        stands_for_[next] = static_cast<Index>(v);
-        id_[v] = static_cast<Index>(next++);
-      }
-  });
-  in_blocks([&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v)
-      if (first[v] != v) id_[v] = id_[first[v]];
-  });
+  if (mesh_.corners.empty() && n > 4096 && weld_with(table.first(enough / 8), 64)) return;
+  weld_with(table, enough);
 }
 
 }  // namespace darboux::mikk
