@@ -69,7 +69,7 @@ std::vector<Rule> rules(const Includes& tree) {
            mesh_core +
            "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|sys/"
            "mman\\.h|(arithmetic|buffer|connectivity|input|triangle|\\.\\./"
-           "pieces)\\.h",
+           "(pieces|text))\\.h",
        ""},
       {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",
        std::string(standard) + "|Eigen/.*|darboux/.*", ""},

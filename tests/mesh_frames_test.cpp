@@ -249,6 +249,20 @@ TEST(FrameMethods, NeverGiveNaNForTinyData) {
   }
 }
 
+// MikkTSpace computes in single precision: far below its range nothing changes, above it the reason is said.
+TEST(FrameMethods, MikkTSpaceTakesDoubles) {
+  const Mesh plain = sample_mesh(Torus{1.0, 0.4}, {.columns = 16, .rows = 8});
+  const FrameMethod& method = find_frame_method("mikktspace");
+  Mesh tiny = plain, huge = plain;
+  for (auto& p : tiny.positions) p = 0x1p-300 * p;
+  const MeshFrames expected = mesh_frames(plain, method), found = mesh_frames(tiny, method);
+  for (std::size_t c = 0; c < plain.corners(); ++c) EXPECT_EQ(found.corner(c).t, expected.corner(c).t);
+  huge.positions[5].y = 1e40;
+  EXPECT_NE(
+      test::refusal_of<MeshError>([&] { mesh_frames(huge, method); }).find("position of vertex 5 is beyond"),
+      std::string::npos);
+}
+
 TEST(FrameMethods, ThreadsDoNotMatter) {
   const Mesh mesh = sample_mesh(Torus{1.0, 0.4}, {.columns = 90, .rows = 60, .jitter = 0.2});
   for (const FrameMethod& method : frame_methods()) {

@@ -254,6 +254,24 @@ TEST(MikkTSpace, ScaleDoesNotMatter) {
   EXPECT_EQ(mikktspace(plane.mesh())[0].t_length, std::ldexp(3.F, 100));
 }
 
+// One vertex far out, even at the end of the range, changes nothing elsewhere.
+TEST(MikkTSpace, AnOutlierLeavesTheOthersAlone) {
+  const Arrays plain(torus_soup(20, 10));
+  const std::vector<float> tangents = plain.tangents();
+  for (const float far : {1e25F, -3e38F, 1e30F})
+    for (const bool in_uv : {false, true}) {
+      Arrays with = plain;
+      (in_uv ? with.uvs[2 * 600] : with.positions[3 * 600]) = far;
+      const std::vector<float> changed = with.tangents();
+      std::size_t others = 0;
+      for (std::size_t c = 0; c < plain.mesh().corner_count(); ++c) {
+        for (std::size_t k = 0; k < 4; ++k) EXPECT_TRUE(std::isfinite(changed[4 * c + k]));
+        others += std::memcmp(&changed[4 * c], &tangents[4 * c], 16) != 0 ? 1 : 0;
+      }
+      EXPECT_LE(others, 18U) << far;  // the corners at the three vertices of its triangle
+    }
+}
+
 TEST(MikkTSpace, SmallMeshes) {
   EXPECT_TRUE(Arrays().tangents().empty());
   Arrays point(Soup(3, Corner{1, 2, 3, 0, 0, 1, 0, 0}));
@@ -261,19 +279,39 @@ TEST(MikkTSpace, SmallMeshes) {
   EXPECT_EQ(point.tangents()[0], 1);
 }
 
-// 10^5 triangles at one vertex: nothing is quadratic.
-TEST(MikkTSpace, AFan) {
-  Arrays fan;
-  fan.add({0, 0, 0, 0, 0, 1, 0, 0});
-  constexpr std::uint32_t n = 100000;
-  for (std::uint32_t k = 0; k <= n; ++k) {
-    const double angle = 2 * std::numbers::pi * k / n;
-    const auto x = static_cast<float>(std::cos(angle)), y = static_cast<float>(std::sin(angle));
-    fan.add({x, y, 0, 0, 0, 1, x, y});
+// Triangles at one vertex: 10^5 whose directions agree, and of those that turn all round, as at a pole, where every pair is looked
+// at, fewer.
+TEST(MikkTSpace, Fans) {
+  for (const bool polar : {false, true}) {
+    Arrays fan;
+    const std::uint32_t n = polar ? 5000 : 100000;
+    fan.add({0, 0, 0, 0, 0, 1, polar ? 0.5F : 0, 0});
+    for (std::uint32_t k = 0; k <= n; ++k) {
+      const double angle = 2 * std::numbers::pi * k / n;
+      const auto x = static_cast<float>(std::cos(angle)), y = static_cast<float>(std::sin(angle));
+      if (polar)
+        fan.add({x, y, 0, 0, 0, 1, static_cast<float>(k) / static_cast<float>(n), 1});
+      else
+        fan.add({x, y, 0, 0, 0, 1, x, y});
+    }
+    for (std::uint32_t k = 1; k <= n; ++k) fan.corners.insert(fan.corners.end(), {0, k, k + 1});
+    const std::vector<float> tangents = fan.tangents();
+    if (!polar) {
+      EXPECT_NEAR(tangents[0], 1, 1e-6);
+    }
+    for (const float x : tangents) ASSERT_TRUE(std::isfinite(x));
   }
-  for (std::uint32_t k = 1; k <= n; ++k) fan.corners.insert(fan.corners.end(), {0, k, k + 1});
-  const std::vector<float> tangents = fan.tangents();
-  EXPECT_NEAR(tangents[0], 1, 1e-6);
+}
+
+// 10^5 copies of one triangle: their edges are all equal, and none finds a neighbour.
+TEST(MikkTSpace, CopiesOfOneTriangle) {
+  Arrays copies;
+  for (const auto& [u, v] : {std::pair{0.F, 0.F}, {1.F, 0.F}, {0.F, 1.F}})
+    copies.add({u, v, 0, 0, 0, 1, u, v});
+  for (int k = 0; k < 100000; ++k) copies.corners.insert(copies.corners.end(), {0, 1, 2});
+  const std::vector<float> tangents = copies.tangents();
+  for (std::size_t c = 0; c < 300000; ++c)
+    ASSERT_EQ(std::vector<float>(&tangents[4 * c], &tangents[4 * c] + 4), (std::vector<float>{1, 0, 0, 1}));
 }
 
 TEST(MikkTSpace, RefusesWhatCannotBeRight) {
@@ -294,10 +332,10 @@ TEST(MikkTSpace, RefusesWhatCannotBeRight) {
   has(refusal([](Arrays& a) { a.face_sizes = {5}; }), "face 0 has 5 corners");
   has(refusal([](Arrays& a) { a.face_sizes = {4}; }), "3 corners");
   has(refusal([](Arrays& a) { a.normals[4] = std::numeric_limits<float>::quiet_NaN(); }),
-      "normal of vertex 1 has a component nan");
-  has(refusal([](Arrays& a) { a.normals[7] = 1e30F; }), "normal of vertex 2 has a component 1");
+      "normal of vertex 1 has the component nan");
+  has(refusal([](Arrays& a) { a.normals[7] = 1e30F; }), "normal of vertex 2 has the component 1");
   has(refusal([](Arrays& a) { a.uvs[4] = std::numeric_limits<float>::infinity(); }),
-      "uv of vertex 2 has a component inf");
+      "uv of vertex 2 has the component inf");
   std::vector<float> tangents(11);
   has(refusal_of<Error>([&] { mikktspace(good.mesh(), tangents); }), "11 numbers");
   has(refusal_of<Error>([&] { mikktspace(good.mesh(), {.threads = -1}); }), "-1 threads");

@@ -1,4 +1,10 @@
 // MikkTSpace as one of the methods.
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include <darboux/error.h>
 #include <darboux/mikktspace.h>
 
 #include "triangle.h"
@@ -6,20 +12,39 @@
 namespace darboux {
 namespace {
 
+// All numbers in single precision; those below its range, where only directions matter, times a power of two.
+template <class Vector>
+std::vector<float> to_floats(const std::vector<Vector>& values, const char* name, bool any_scale) {
+  constexpr std::size_t components = sizeof(Vector) / sizeof(double);
+  const auto component = [&](std::size_t i) {
+    double x;
+    std::memcpy(&x, reinterpret_cast<const char*>(values.data()) + i * sizeof x, sizeof x);
+    return x;
+  };
+  double greatest = 0;
+  for (std::size_t i = 0; i < components * values.size(); ++i) {
+    greatest = std::fmax(greatest, std::fabs(component(i)));
+    if (greatest > static_cast<double>(std::numeric_limits<float>::max()))
+      throw MeshError(
+          "mesh", std::string(name) + " of vertex " + std::to_string(i / components) +
+                      " is beyond single precision, permitted for mikktspace are magnitudes up to 3.4e38");
+  }
+  const double small = 0x1p-100;
+  const int exponent = any_scale && greatest > 0 && greatest < small ? std::ilogb(greatest) : 0;
+  std::vector<float> result;
+  result.reserve(components * values.size());
+  for (std::size_t i = 0; i < components * values.size(); ++i)
+    result.push_back(static_cast<float>(std::ldexp(component(i), -exponent)));
+  return result;
+}
+
 MeshFrames compute(const Mesh& mesh, int threads, bool own_bitangent) {
   MeshFrames result;
-  std::vector<float> positions, normals, uvs;
-  positions.reserve(3 * mesh.positions.size());
-  normals.reserve(3 * mesh.positions.size());
-  uvs.reserve(2 * mesh.positions.size());
+  const std::vector<float> positions = to_floats(mesh.positions, "position", true),
+                           normals = to_floats(mesh.normals, "normal", false),
+                           uvs = to_floats(mesh.uvs, "uv", true);
   std::vector<std::uint32_t> corners;
   corners.reserve(mesh.corners());
-  const auto append = [](std::vector<float>& to, std::initializer_list<double> values) {
-    for (const double x : values) to.push_back(static_cast<float>(x));
-  };
-  for (const Vec3<double>& p : mesh.positions) append(positions, {p.x, p.y, p.z});
-  for (const Vec3<double>& n : mesh.normals) append(normals, {n.x, n.y, n.z});
-  for (const Vec2<double>& uv : mesh.uvs) append(uvs, {uv.x, uv.y});
   for (const Triangle& triangle : mesh.triangles) {
     count_degenerate(Face(mesh, triangle), result);
     corners.insert(corners.end(), triangle.begin(), triangle.end());

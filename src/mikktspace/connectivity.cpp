@@ -20,8 +20,8 @@ std::size_t room_for(const MikkMesh& mesh) {
 
 }  // namespace
 
-Connectivity::Connectivity(const MikkMesh& mesh, const MikkOptions& options, bool lengths)
-    : mesh_(mesh), threads_(thread_count(options.threads)), room_(room_for(mesh)) {
+Connectivity::Connectivity(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths)
+    : mesh_(mesh), range_(range), threads_(thread_count(options.threads)), room_(room_for(mesh)) {
   weld();
   list_triangles();
   name_as_the_original();
@@ -122,8 +122,9 @@ void Connectivity::list_corners() {
   const std::size_t ids = ids_;
   begin_ = Buffer<Index>(ids + 1);
   at_vertex_ = Buffer<Index>(3 * good_);
-  // Each thread has some of the ids and looks at all corners.
-  const auto of_ids = [&](const auto& f) { in_pieces(ids, threads_, f, ids / threads_ + 1); };
+  // Each thread has some of the ids and looks at all corners; many threads would look too often.
+  const std::size_t parts = std::min<std::size_t>(threads_, 8);
+  const auto of_ids = [&](const auto& f) { in_pieces(ids, parts, f, ids / parts + 1); };
   of_ids([&](std::size_t first, std::size_t last) {
     std::fill(&begin_[first], &begin_[last], 0);
     for (std::size_t at = 0; at < 3 * good_; ++at)
@@ -140,6 +141,21 @@ void Connectivity::list_corners() {
   });
 }
 
+void Connectivity::pair_up(std::span<const Edge> run) {
+  std::array<std::size_t, 2> ahead{0, 0};  // of either direction, the first that may be left
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    const Edge& a = run[i];
+    if (neighbour_[a.at] != none) continue;
+    std::size_t& j = ahead[a.leaves ? 1 : 0];
+    for (j = std::max(j, i + 1);
+         j < run.size() && (run[j].leaves == a.leaves || neighbour_[run[j].at] != none);)
+      ++j;
+    if (j == run.size()) continue;
+    neighbour_[a.at] = run[j].at / 3;
+    neighbour_[run[j].at] = a.at / 3;
+  }
+}
+
 // Triangles are neighbours across an edge that they pass in opposite directions; of more than two each takes the first that
 // is left, in the order of the triangles. An edge is looked at from its smaller vertex.
 void Connectivity::find_neighbours() {
@@ -147,10 +163,6 @@ void Connectivity::find_neighbours() {
   in_pieces(3 * good_, threads_, [&](std::size_t begin, std::size_t end) {
     std::fill(neighbour_.data() + begin, neighbour_.data() + end, none);
   });
-  struct Edge {
-    Index other, at;  // the corner where it begins in its triangle
-    bool leaves;      // the vertex
-  };
   in_pieces(ids_, threads_, [&](std::size_t begin, std::size_t end) {
     std::vector<Edge> edges;
     for (std::size_t v = begin; v < end; ++v) {
@@ -172,18 +184,7 @@ void Connectivity::find_neighbours() {
       }
       for (std::size_t first = 0, last; first < edges.size(); first = last) {
         for (last = first; last < edges.size() && edges[last].other == edges[first].other;) ++last;
-        std::array<std::size_t, 2> ahead{first, first};  // of either direction, the first that may be left
-        for (std::size_t i = first; i < last; ++i) {
-          const Edge& a = edges[i];
-          if (neighbour_[a.at] != none) continue;
-          std::size_t& j = ahead[a.leaves ? 1 : 0];
-          for (j = std::max(j, i + 1);
-               j < last && (edges[j].leaves == a.leaves || neighbour_[edges[j].at] != none);)
-            ++j;
-          if (j == last) continue;
-          neighbour_[a.at] = edges[j].at / 3;
-          neighbour_[edges[j].at] = a.at / 3;
-        }
+        pair_up(std::span(edges).subspan(first, last - first));
       }
     }
   });

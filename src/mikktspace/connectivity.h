@@ -14,6 +14,7 @@
 #include "../pieces.h"
 #include "arithmetic.h"
 #include "buffer.h"
+#include "input.h"
 
 namespace darboux::mikk {
 
@@ -43,7 +44,7 @@ constexpr std::size_t weld_places(std::size_t vertices) {
 // All of it stands when the constructor is done, and is only read then.
 struct Connectivity {
   // `lengths` says whether these are wanted.
-  Connectivity(const MikkMesh& mesh, const MikkOptions& options, bool lengths);
+  Connectivity(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths);
 
   Index vertex(std::size_t corner) const {
     return mesh_.corners.empty() ? static_cast<Index>(corner) : mesh_.corners[corner];
@@ -75,6 +76,12 @@ struct Connectivity {
   void set_degenerate_apart();
   void list_corners();
   void find_neighbours();
+  struct Edge {
+    Index other, at;  // the vertex at its other end; the corner where it begins in its triangle
+    bool leaves;      // the vertex at this end
+  };
+  // Each edge of a run of equal ones takes the first after it that is left and passes the other way.
+  void pair_up(std::span<const Edge> run);
   void name(std::span<const Index> wanted);
   void name_as_the_original();
   void find_last_neighbours();
@@ -82,6 +89,7 @@ struct Connectivity {
   void orient_any();
 
   const MikkMesh& mesh_;
+  Range range_;
   std::size_t threads_;
   Room room_;                       // of the welding, then of the names, then of the parts
   std::size_t ids_ = 0;             // some may not be used

@@ -50,6 +50,17 @@ Vector lane(const Vectors& a, std::size_t i) {
   return {a.x[i], a.y[i], a.z[i]};
 }
 
+// The power of two that brings x to [1, 2), or as near as float has one.
+Floats to_one(const Floats& x) {
+  return reinterpret_cast<Floats>(0x7f000000 - (reinterpret_cast<Mask>(x) & 0x7f800000));
+}
+Floats greater(const Floats& a, const Floats& b) {
+  return a < b ? b : a;
+}
+Floats greatest_of(const Vectors& a) {
+  return greater(greater(magnitude(a.x), magnitude(a.y)), magnitude(a.z));
+}
+
 // Triangles side by side: corners k of positions, normals, uvs.
 struct Triangles {
   std::array<Vectors, 3> p, n;
@@ -61,28 +72,40 @@ struct Found {
   std::array<Floats, 3> cosine;  // of the angle
   Mask preserves, any;
   Floats s_length, t_length;
+  Floats edge_scale, uv_scale;  // lengths are to be multiplied by uv_scale / edge_scale
 };
 
+// With `scaled` edges and differences of uvs are brought to about 1, triangle by triangle.
+template <bool scaled>
 inline Found find(const Triangles& x) {
   Found found;
-  const Floats u1 = x.u[1] - x.u[0], v1 = x.v[1] - x.v[0], u2 = x.u[2] - x.u[0], v2 = x.v[2] - x.v[0];
-  const Vectors d1 = x.p[1] - x.p[0], d2 = x.p[2] - x.p[0];
+  Floats u1 = x.u[1] - x.u[0], v1 = x.v[1] - x.v[0], u2 = x.u[2] - x.u[0], v2 = x.v[2] - x.v[0];
+  Vectors d1 = x.p[1] - x.p[0], d2 = x.p[2] - x.p[0], d12 = x.p[2] - x.p[1];
+  const Floats one = Floats{} + 1.0F;
+  found.edge_scale = found.uv_scale = one;
+  if constexpr (scaled) {
+    found.edge_scale = to_one(greater(greatest_of(d1), greatest_of(d2)));
+    found.uv_scale = to_one(greater(greatest_of({u1, v1, u2}), magnitude(v2)));
+    d1 = found.edge_scale * d1, d2 = found.edge_scale * d2, d12 = found.edge_scale * d12;
+    u1 = found.uv_scale * u1, v1 = found.uv_scale * v1, u2 = found.uv_scale * u2, v2 = found.uv_scale * v2;
+  }
   const Floats area = u1 * v2 - v1 * u2;
   const Vectors raw_s = v2 * d1 - v1 * d2, raw_t = u1 * d2 - u2 * d1;
   const Floats s_size = square_root(dot(raw_s, raw_s)), t_size = square_root(dot(raw_t, raw_t));
   found.preserves = area > 0;
   const Mask has_area = not_zero(area);
-  const Floats one = Floats{} + 1.0F, sign = found.preserves ? one : -one;
+  const Floats sign = found.preserves ? one : -one;
   const Vectors s = select(not_zero(s_size), sign / s_size * raw_s, raw_s);
   const Vectors t = select(not_zero(t_size), sign / t_size * raw_t, raw_t);
   found.s_length = has_area ? s_size / magnitude(area) : Floats{};
   found.t_length = has_area ? t_size / magnitude(area) : Floats{};
   found.any = ~(not_zero(found.s_length) & not_zero(found.t_length));
+  const std::array<Vectors, 3> from_before{d2, -one * d1, -one * d12}, to_after{d1, d12, -one * d2};
   for (std::size_t k = 0; k < 3; ++k) {
     const Vectors& n = x.n[k];
     found.s[k] = across(n, s);
     found.t[k] = across(n, t);
-    const Vectors before = across(n, x.p[(k + 2) % 3] - x.p[k]), after = across(n, x.p[(k + 1) % 3] - x.p[k]);
+    const Vectors before = across(n, from_before[k]), after = across(n, to_after[k]);
     const Floats raw = dot(before, after), above = -one < raw ? raw : -one;
     found.cosine[k] = above < one ? above : one;
   }
@@ -95,6 +118,7 @@ void Connectivity::differentiate(bool lengths) {
   part_ = room_.as<Part>(3 * good_);
   orientation_ = Buffer<Orientation>(good_);
   if (lengths) lengths_ = Buffer<Lengths>(good_);
+  const Floats quarter = Floats{} + 0.25F;  // so that differences do not overflow
   std::atomic<bool> any = false;
   in_pieces(good_, threads_, [&](std::size_t begin, std::size_t end) {
     bool any_here = false;
@@ -110,7 +134,11 @@ void Connectivity::differentiate(bool lengths) {
           x.n[k].x[i] = n[0], x.n[k].y[i] = n[1], x.n[k].z[i] = n[2];
           x.u[k][i] = uv[0], x.v[k][i] = uv[1];
         }
-      const Found found = find(x);
+      if (range_.shrink_positions)
+        for (Vectors& p : x.p) p = quarter * p;
+      if (range_.shrink_uvs)
+        for (std::size_t k = 0; k < 3; ++k) x.u[k] = quarter * x.u[k], x.v[k] = quarter * x.v[k];
+      const Found found = range_.scale ? find<true>(x) : find<false>(x);
       for (std::size_t i = 0; i < count; ++i) {
         const std::size_t triangle = first + i;
         for (std::size_t k = 0; k < 3; ++k)
@@ -120,6 +148,12 @@ void Connectivity::differentiate(bool lengths) {
         orientation_[triangle].any = found.any[i] != 0;
         any_here = any_here || found.any[i] != 0;
         if (lengths) lengths_[triangle] = {found.s_length[i], found.t_length[i]};
+        if (lengths && range_.scale) {
+          const double unit = (range_.shrink_positions ? 4.0 : 1.0) / (range_.shrink_uvs ? 4.0 : 1.0) *
+                              double{found.uv_scale[i]} / double{found.edge_scale[i]};
+          lengths_[triangle] = {static_cast<float>(unit * double{found.s_length[i]}),
+                                static_cast<float>(unit * double{found.t_length[i]})};
+        }
       }
     }
     if (any_here) any = true;

@@ -10,6 +10,7 @@
 #include <darboux/error.h>
 
 #include "../pieces.h"
+#include "../text.h"
 
 namespace darboux::mikk {
 namespace {
@@ -40,7 +41,7 @@ void check_sizes(const MikkMesh& mesh) {
   for (std::size_t c = 0; c < mesh.corners.size(); ++c)
     if (mesh.corners[c] >= n)
       refuse("corner " + std::to_string(c) + " is vertex " + std::to_string(mesh.corners[c]) +
-             ", permitted are 0 to " + std::to_string(n) + " - 1");
+             ", permitted are " + (n == 0 ? "none: there are no vertices" : "0 to " + std::to_string(n - 1)));
   std::size_t sum = 0;
   for (std::size_t f = 0; f < mesh.face_sizes.size(); ++f) {
     if (mesh.face_sizes[f] != 3 && mesh.face_sizes[f] != 4)
@@ -80,39 +81,31 @@ float greatest_magnitude(std::span<const float> x, int threads) {
 }
 
 // The greatest number of an attribute, which may not be above `most`.
-float check(const char* name, std::span<const float> x, std::size_t components, float most,
-            const char* permitted, int threads) {
+float check(const char* name, std::span<const float> x, std::size_t components, float most, int threads) {
   const float greatest = greatest_magnitude(x, threads);
   if (magnitude_bits(greatest) <= magnitude_bits(most)) return greatest;
   std::size_t i = 0;
   while (magnitude_bits(x[i]) <= magnitude_bits(most)) ++i;
-  refuse(std::string(name) + " of vertex " + std::to_string(i / components) + " has a component " +
-         std::to_string(x[i]) + ", permitted are " + permitted);
+  refuse(std::string(name) + " of vertex " + std::to_string(i / components) + " has the component " +
+         shortest(static_cast<double>(x[i])) + ", permitted are magnitudes up to " +
+         shortest(static_cast<double>(most)));
 }
 
 constexpr float large = 0x1p28F;
 
-// The exponent that is taken out of the numbers.
-int bring_into_range(std::span<const float>& x, float greatest, std::vector<float>& copy) {
-  if (greatest == 0 || (greatest <= large && greatest >= 1 / large)) return 0;
-  const int exponent = std::ilogb(greatest);
-  copy.reserve(x.size());
-  for (const float value : x) copy.push_back(std::ldexp(value, -exponent));
-  x = copy;
-  return exponent;
-}
-
 }  // namespace
 
-Input::Input(const MikkMesh& mesh, const MikkOptions& options) : mesh_(mesh) {
-  constexpr float most = std::numeric_limits<float>::max();
+Range check(const MikkMesh& mesh, const MikkOptions& options) {
+  constexpr float most = std::numeric_limits<float>::max(), longest_normal = large;
   check(options);
   check_sizes(mesh);
-  const float position = check("position", mesh.positions, 3, most, "finite numbers", options.threads);
-  check("normal", mesh.normals, 3, large, "unit normals", options.threads);
-  const float uv = check("uv", mesh.uvs, 2, most, "finite numbers", options.threads);
-  position_exponent_ = bring_into_range(mesh_.positions, position, positions_);
-  uv_exponent_ = bring_into_range(mesh_.uvs, uv, uvs_);
+  const float position = check("position", mesh.positions, 3, most, options.threads);
+  check("normal", mesh.normals, 3, longest_normal, options.threads);
+  const float uv = check("uv", mesh.uvs, 2, most, options.threads);
+  const auto ordinary = [](float greatest) {
+    return greatest == 0 || (greatest <= large && greatest >= 1 / large);
+  };
+  return {!ordinary(position) || !ordinary(uv), position > large, uv > large};
 }
 
 }  // namespace darboux::mikk

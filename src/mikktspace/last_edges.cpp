@@ -260,10 +260,10 @@ void Connectivity::find_last_neighbours() {
   if (run.size() < 3 || std::adjacent_find(others.begin(), others.end()) == others.end()) return;
   if (!mixed_zeros_) name({});
   // The original's first sort, of which only what leads to the last run is followed.
-  struct Edge {
+  struct NamedEdge {
     Index name, edge;
   };
-  const std::span<Edge> edges = room_.as<Edge>(edges_count);
+  const std::span<NamedEdge> edges = room_.as<NamedEdge>(edges_count);
   in_pieces(edges_count, threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) edges[e] = {smaller(name_, e), static_cast<Index>(e)};
   });
@@ -293,21 +293,16 @@ void Connectivity::find_last_neighbours() {
     if (left < end) parts.push_back({left, end, seed});
   }
   for (std::size_t i = 0; i < run.size(); ++i) run[i] = edges[edges.size() - run.size() + i].edge;
-  const auto same = [&](std::size_t i, std::size_t j) { return other(run[i]) == other(run[j]); };
+  for (const Index e : run) neighbour_[e] = none;
+  std::vector<Edge> equal;
   for (std::size_t i = 0, j; i < run.size(); i = j) {
-    for (j = i; j < run.size() && same(i, j);) ++j;
+    for (j = i; j < run.size() && other(run[j]) == other(run[i]);) ++j;
     if (j < run.size())
       std::sort(run.begin() + static_cast<std::ptrdiff_t>(i), run.begin() + static_cast<std::ptrdiff_t>(j));
-  }
-  for (const Index e : run) neighbour_[e] = none;
-  for (std::size_t i = 0; i < run.size(); ++i) {
-    if (neighbour_[run[i]] != none) continue;
-    for (std::size_t j = i + 1; j < run.size() && same(i, j); ++j)
-      if (neighbour_[run[j]] == none && welded(run[j]) == welded(next(run[i]))) {
-        neighbour_[run[i]] = run[j] / 3;
-        neighbour_[run[j]] = run[i] / 3;
-        break;
-      }
+    equal.clear();
+    for (std::size_t k = i; k < j; ++k)
+      equal.push_back({other(run[k]), run[k], welded(run[k]) < welded(next(run[k]))});
+    pair_up(equal);
   }
 }
 

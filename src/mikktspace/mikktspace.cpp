@@ -8,7 +8,6 @@
 #include <darboux/mikktspace.h>
 
 #include "connectivity.h"
-#include "input.h"
 
 namespace darboux {
 namespace {
@@ -17,13 +16,14 @@ using mikk::Index;
 using mikk::none;
 using mikk::normalised;
 using mikk::Part;
+using mikk::Range;
 using mikk::Vector;
 
 // Groups about each vertex and their averages.
 class Tangents : mikk::Connectivity {
  public:
-  Tangents(const MikkMesh& mesh, const MikkOptions& options, bool lengths)
-      : Connectivity(mesh, options, lengths),
+  Tangents(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths)
+      : Connectivity(mesh, range, options, lengths),
         cosine_(static_cast<float>(
             std::cos(static_cast<double>(options.angular_threshold * static_cast<float>(M_PI) / 180.0F)))) {}
 
@@ -234,10 +234,10 @@ MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
 }  // namespace
 
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options) {
-  const mikk::Input input(mesh, options);
+  const mikk::Range range = mikk::check(mesh, options);
   std::vector<MikkTangent> result(mesh.corner_count());
   std::vector<std::uint8_t> written(has_quads(mesh) ? result.size() : 0);
-  Tangents(input.mesh(), options, true)
+  Tangents(mesh, range, options, true)
       .of_corners(
           [&](std::size_t corner, const MikkTangent& tangent) {
             result[corner] = !written.empty() && std::exchange(written[corner], 1) != 0
@@ -245,13 +245,11 @@ std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& opt
                                  : tangent;
           },
           [&](std::size_t from, std::size_t to) { result[to] = result[from]; });
-  for (MikkTangent& x : result)
-    if (x.served) x.t_length = input.length(x.t_length), x.b_length = input.length(x.b_length);
   return result;
 }
 
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options) {
-  const mikk::Input input(mesh, options);
+  const mikk::Range range = mikk::check(mesh, options);
   if (tangent4.size() != 4 * mesh.corner_count())
     throw ParameterError("tangent4", std::to_string(tangent4.size()) +
                                          " numbers, permitted are four for each of the " +
@@ -266,7 +264,7 @@ void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptio
     return;
   }
   for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{});
-  Tangents(input.mesh(), options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
+  Tangents(mesh, range, options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
     std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
   });
 }

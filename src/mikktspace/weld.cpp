@@ -128,7 +128,7 @@ bool Connectivity::weld_with(std::span<Index> table, std::size_t most_steps) {
 void Connectivity::weld() {
   const std::size_t n = mesh_.vertex_count(), enough = weld_places(n);
   id_ = Buffer<Index>(n);
-  stands_for_ = Buffer<Index>(n + Numbers::at_a_time * most_pieces(threads_));
+  stands_for_ = Buffer<Index>(n + Numbers::at_a_time * pieces_of(n, threads_));
   const std::span<Index> table = room_.as<Index>(enough);
   // Vertices of a triangle soup are mostly sixfold.
   if (mesh_.corners.empty() && n > 4096 && weld_with(table.first(enough / 8), 64)) return;
