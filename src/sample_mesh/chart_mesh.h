@@ -1,6 +1,8 @@
 // The stages of a reference mesh: triangles over the uv square, what their vertices store, defects.
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -25,10 +27,24 @@ inline bool turned_over(const AnySurface& surface, const Vec2<double>& uv) {
   return surface.frame(uv.x, uv.y).handedness < 0;
 }
 
+/// The largest coordinate's size.
+inline double largest(const Vec3<double>& p) {
+  return std::fmax(std::fabs(p.x), std::fmax(std::fabs(p.y), std::fabs(p.z)));
+}
+
+/// Whether two points are one but for rounding: 8 ulps of numbers as large as the surface's coordinates about them. A
+/// formula's sin(pi*v) is 1.2e-16 at v = 1, not 0.
+inline bool same_place(const Vec3<double>& a, const Vec3<double>& b, double scale) {
+  return largest(a - b) <= 8 * std::numeric_limits<double>::epsilon() * scale;
+}
+
 /// Whether the whole row at v is one point.
 inline bool is_pole(const AnySurface& surface, double v) {
-  const Vec3<double> p = surface.jet(0.0, v).position;
-  return p == surface.jet(0.25, v).position && p == surface.jet(0.5, v).position;
+  const auto at = [&](double u, double w) { return surface.jet(u, w).position; };
+  const double scale =
+      std::fmax(largest(at(0, 0.25)), std::fmax(largest(at(0.25, 0.5)), largest(at(0.5, 0.75))));
+  const Vec3<double> p = at(0, v);
+  return same_place(p, at(0.25, v), scale) && same_place(p, at(0.5, v), scale);
 }
 
 ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& options);

@@ -22,10 +22,11 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
   std::vector<Vec2<double>> grid(static_cast<std::size_t>(columns + 1) * (rows + 1));
   for (int j = 0; j <= rows; ++j)
     for (int i = 0; i <= columns; ++i) {
-      const bool interior = i > 0 && i < columns && j > 0 && j < rows;
+      const bool moves = o.jitter > 0 && i > 0 && i < columns && j > 0 && j < rows;
+      const bool on_fold = o.mirror && 2 * i == columns;  // stays at u = 1/2
       const double turned = staggered && j % 2 == 1 ? 0.5 : 0;
-      const double du = o.jitter > 0 && interior ? o.jitter * uniform(random) : turned;
-      const double dv = o.jitter > 0 && interior ? o.jitter * uniform(random) : 0;
+      const double du = moves && !on_fold ? o.jitter * uniform(random) : turned;
+      const double dv = moves ? o.jitter * uniform(random) : 0;
       const double share = j == rows ? 1 : (j + dv) / rows;  // the last row is v_last to the bit
       grid[at(i, j)] = {(i + du) / columns, o.v_first + (o.v_last - o.v_first) * share};
       if (j == rows) grid[at(i, j)].y = o.v_last;
@@ -61,7 +62,9 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
       p[k] = surface.jet(uv.x, uv.y).position;
       centre = centre + uv / 3.0;
     }
-    if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) return;  // at a pole
+    const double scale = std::fmax(largest(p[0]), std::fmax(largest(p[1]), largest(p[2])));
+    const auto together = [&](int k, int l) { return same_place(p[k], p[l], scale); };
+    if (together(0, 1) || together(1, 2) || together(2, 0)) return;  // at a pole
     if (turned_over(surface, centre)) std::swap(corners[1], corners[2]);
     Triangle triangle;
     for (int k = 0; k < 3; ++k) triangle[k] = vertex(corners[k][0], corners[k][1], column);
