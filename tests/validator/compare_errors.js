@@ -1,5 +1,5 @@
 // node compare_errors.js IN OUT: for every file of OUT the validator's errors, and those that the file of the same name in IN
-// lacks. Exit status 1 where there is one.
+// lacks: an error is its code, message and place. Exit status 1 where there is one.
 const fs = require('fs');
 const path = require('path');
 const { validateBytes } = require('gltf-validator');
@@ -7,8 +7,11 @@ const { validateBytes } = require('gltf-validator');
 async function errors(file) {
   const bytes = new Uint8Array(fs.readFileSync(file));
   const counts = new Map();
-  for (const m of (await validateBytes(bytes, { maxIssues: 0 })).issues.messages)
-    if (m.severity === 0) counts.set(m.code, (counts.get(m.code) || 0) + 1);
+  for (const m of (await validateBytes(bytes, { maxIssues: 0 })).issues.messages) {
+    if (m.severity !== 0) continue;
+    const error = `${m.code} ${m.message} ${m.pointer || m.offset}`;
+    counts.set(error, (counts.get(error) || 0) + 1);
+  }
   return counts;
 }
 
@@ -18,10 +21,10 @@ async function errors(file) {
   let fresh = 0;
   for (const file of files) {
     const old = await errors(path.join(before, file));
-    for (const [code, count] of await errors(path.join(after, file)))
-      if (count > (old.get(code) || 0)) {
+    for (const [error, count] of await errors(path.join(after, file)))
+      if (count > (old.get(error) || 0)) {
         ++fresh;
-        console.log(`FAILED: ${file}: ${code} ${count} times, ${old.get(code) || 0} before`);
+        console.log(`FAILED: ${file}: ${error}, ${count} times, ${old.get(error) || 0} before`);
       }
   }
   console.log(`${files.length} files, ${fresh} new errors`);
