@@ -76,8 +76,8 @@ struct GltfFile;  // the JSON document and its buffers: src/io/gltf_file.h
 
 /// A glTF or GLB file held as its JSON document and its buffers, to be rewritten with everything else
 /// preserved: only accessors, bufferViews, buffer lengths and the references of the rewritten primitives
-/// change. Values stay the same, doubles to the bit, and unknown properties, chunks and the order of keys are
-/// kept.
+/// change, and KHR_draco_mesh_compression, whose data do not follow, is taken from them. Values stay the same,
+/// doubles to the bit, and unknown properties, chunks and the order of keys are kept.
 class GltfDocument {
  public:
   /// \throws FileError as read_asset does; errors in meshes and nodes are found by asset()
