@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -30,6 +31,10 @@ const char* name_of(MeshTopology topology) {
 
 bool is_sphere(const SampleMeshOptions& o) {
   return o.topology == MeshTopology::icosphere || o.topology == MeshTopology::cube_sphere;
+}
+
+std::string grid_text(const SampleMeshOptions& o) {
+  return std::to_string(o.columns) + "x" + std::to_string(o.rows);
 }
 
 // The topology, for this surface and with the options that belong to others.
@@ -76,11 +81,12 @@ void check_topology(const AnySurface& surface, const SampleMeshOptions& o) {
 }
 
 void check(const AnySurface& surface, const SampleMeshOptions& o) {
-  require(o.columns >= 1 && o.rows >= 1, "grid", std::min(o.columns, o.rows), "at least 1 segment each way");
-  require(static_cast<double>(o.columns) * o.rows <= 5e7, "grid", static_cast<double>(o.columns) * o.rows,
-          "at most 5e7 cells (a GLB holds 4 GiB)");
+  if (o.columns < 1 || o.rows < 1 || static_cast<double>(o.columns) * o.rows > 5e7)
+    throw ParameterError("grid", grid_text(o) +
+                                     " is out of range, permitted is at least 1 segment each way and at "
+                                     "most 5e7 cells (a GLB holds 4 GiB)");
   require(o.jitter >= 0 && o.jitter < 0.5, "jitter", o.jitter, "0 <= jitter < 0.5");
-  require(std::isfinite(o.shear), "shear", o.shear, "a finite number");
+  require(std::fabs(o.shear) <= 1000, "shear", o.shear, "-1000 <= shear <= 1000");
   require(o.v_first >= 0 && o.v_first < o.v_last && o.v_last <= 1, "v range", o.v_first,
           "0 <= first < last <= 1");
   if (o.mirror && o.columns % 2 != 0)
@@ -90,10 +96,15 @@ void check(const AnySurface& surface, const SampleMeshOptions& o) {
                          "shared with " + std::to_string(o.columns) + " columns, permitted are at least 3");
   if (o.shared_seam && surface.info().v == Coordinate::turn && o.rows < 3)
     throw ParameterError("seam", "shared with " + std::to_string(o.rows) + " rows, permitted are at least 3");
-  for (const double s : {o.scale.x, o.scale.y, o.scale.z})
-    require(std::isfinite(s) && s != 0, "scale", s, "a finite number other than 0");
+  const std::array sizes{std::fabs(o.scale.x), std::fabs(o.scale.y), std::fabs(o.scale.z)};
+  for (const double s : sizes) require(s >= 1e-30 && s <= 1e30, "scale", s, "1e-30 <= |s| <= 1e30 for each");
+  const auto [least, most] = std::minmax_element(sizes.begin(), sizes.end());
+  if (*most > 1e12 * *least)
+    throw ParameterError("scale",
+                         shortest(*most) + " beside " + shortest(*least) +
+                             " is out of range, permitted is at most 1e12 times the least of the three");
   require(o.degenerate >= 0, "degenerate", o.degenerate, "0 or more triangles");
-  require(o.degenerate_uvs >= 0, "degenerate uvs", o.degenerate_uvs, "0 or more triangles");
+  require(o.degenerate_uvs >= 0, "degenerate-uvs", o.degenerate_uvs, "0 or more triangles");
   if (o.degenerate > 0 && (o.shared_seam || o.pole == PolePlacement::shared))
     throw ParameterError("degenerate",
                          "edges at a shared seam or pole have no middle in uv, permitted are a "
@@ -133,6 +144,9 @@ Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
   check(surface, o);
   const VertexMaker make(surface, o);
   ChartMesh chart = is_sphere(o) ? sphere_mesh(surface, o) : grid_mesh(surface, o);
+  if (chart.triangles.empty())
+    throw ParameterError("grid", grid_text(o) + " gives no triangle with area on " +
+                                     std::string(surface.info().name) + ", permitted are finer ones");
   if (o.degenerate > 0) round_uvs(chart);
   Mesh mesh;
   for (const ChartVertex& vertex : chart.vertices) make.append(mesh, vertex);
@@ -147,7 +161,7 @@ Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
                                        " triangles, permitted are at most as many");
   };
   at_most(o.degenerate, "degenerate");
-  at_most(o.degenerate_uvs, "degenerate uvs");
+  at_most(o.degenerate_uvs, "degenerate-uvs");
   if (o.degenerate > 0) add_degenerate_triangles(mesh, chart.vertices, make, o.degenerate);
   if (o.degenerate_uvs > 0) collapse_uvs(mesh, sound, o.degenerate_uvs);
   return mesh;

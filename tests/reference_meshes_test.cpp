@@ -416,12 +416,17 @@ TEST(ReferenceMeshes, RefuseWhatDoesNotGoTogether) {
   refused(Sphere{}, {.pole = PolePlacement::shared, .v_first = 0.1, .v_last = 0.9}, {"pole", "sphere"});
   refused(Sphere{}, {.scale = {1, 0, 1}}, {"scale", "0"});
   refused(Sphere{}, {.scale = {1, NAN, 1}}, {"scale", "nan"});
-  refused(Sphere{}, {.scale = {1, 1e-200, 1}}, {"transform", "singular"});
+  refused(Sphere{}, {.scale = {1, 9e-31, 1}}, {"scale", "9e-31", "1e-30"});
+  refused(Sphere{}, {.scale = {1, 1, -2e30}}, {"scale", "2e+30", "1e30"});
+  refused(Sphere{}, {.scale = {1e-6, 1, 2e6}}, {"scale", "2e+06", "1e-06", "1e12"});
+  refused(Sphere{}, {.shear = -1001}, {"shear", "-1001", "1000"});
+  refused(Torus{}, {.columns = 1, .rows = 1}, {"grid", "1x1", "torus", "finer"});
+  refused(Torus{}, {.columns = 100000, .rows = 501}, {"grid", "100000x501", "5e7"});
   refused(Sphere{}, {.degenerate = -1}, {"degenerate", "-1"});
   refused(Sphere{}, {.columns = 4, .rows = 4, .degenerate = 25}, {"degenerate", "25", "24"});
   refused(Sphere{}, {.shared_seam = true, .degenerate = 1}, {"degenerate", "split"});
-  refused(Sphere{}, {.degenerate_uvs = -1}, {"degenerate uvs", "-1"});
-  refused(Sphere{}, {.columns = 4, .rows = 4, .degenerate_uvs = 25}, {"degenerate uvs", "25", "24"});
+  refused(Sphere{}, {.degenerate_uvs = -1}, {"degenerate-uvs", "-1"});
+  refused(Sphere{}, {.columns = 4, .rows = 4, .degenerate_uvs = 25}, {"degenerate-uvs", "25", "24"});
 }
 
 }  // namespace

@@ -34,15 +34,17 @@ struct SampleMeshOptions {
   int subdivisions = 8;         ///< icosphere and cube_sphere: segments an edge, at least 1, at most 2000
   PolePlacement pole = PolePlacement::per_column;
   bool shared_seam =
-      false;          ///< vertices of a periodic direction are shared, their uv jumps back inside a triangle
-  double jitter = 0;  ///< interior vertices move by up to ± this share of a cell in u and in v, in [0, 0.5)
+      false;  ///< vertices of a periodic direction are shared, their uv jumps back inside a triangle
+  /// In [0, 0.5): interior vertices move by up to ± this share of a cell in u and in v, those on the fold of a mirrored mesh
+  /// in v alone.
+  double jitter = 0;
   bool random_diagonals = false;
   std::uint64_t seed = 1;          ///< of jitter and diagonals
-  double shear = 0;                ///< K: stores (u + K v, v)
+  double shear = 0;                ///< K: stores (u + K v, v), |K| <= 1000
   bool mirror = false;             ///< stores 1 - |2u - 1|; columns even; vertices on the fold are doubled
   double v_first = 0, v_last = 1;  ///< the rows span [v_first, v_last]
   SignConvention sign = SignConvention::gltf;
-  Vec3<double> scale{1, 1, 1};  ///< along x, y, z, none 0, baked: see below
+  Vec3<double> scale{1, 1, 1};  ///< along x, y, z, baked: see below
   int degenerate = 0;      ///< triangles without area that are added, at most as many as there are others
   int degenerate_uvs = 0;  ///< triangles that lose their area in uv, at most all
 };
@@ -52,8 +54,9 @@ struct SampleMeshOptions {
 /// seen from the side to which n points.
 ///
 /// grid: each column has its own vertex at a pole, with the limit frame of its u, unless `pole` says otherwise;
-/// triangles without area are left out, and so is the vertex that none of them uses. A shared pole has the frame of u
-/// = 1/2 alone (at the apex of a cone the normal of that side).
+/// triangles without area (two corners in one place, up to 8 ulps of the triangle's largest coordinate) are left out, and
+/// so is the vertex that none of them uses. A shared pole has the frame of u = 1/2 alone (at the apex of a cone the normal
+/// of that side).
 ///
 /// icosphere, cube_sphere: for surfaces whose u is a turn and whose v a half turn with a pole at each end: sphere,
 /// ellipsoid, superellipsoid. Each vertex of the unit sphere's mesh gives the (u, v) of its direction, rounded to
@@ -66,8 +69,11 @@ struct SampleMeshOptions {
 /// tends to the cylinder's 2πrh only where n/m² -> 0; at n = m² to 2πr sqrt(h² + π⁴r²/4). What is computed from the
 /// triangles does not converge there, the stored normals and tangents are the cylinder's all the same. [Schwarz1890]
 ///
-/// scale, M = diag(x, y, z): positions and tangents by M, normals by its inverse transpose, w by the sign of det M; a
-/// mirror (det M < 0) reverses the winding, so that it agrees with n.
+/// shear: at its bound a float of u + K v keeps u to 2^-15.
+///
+/// scale, M = diag(x, y, z), each 1e-30 to 1e30 in size, none more than 1e12 times another: positions and tangents by M,
+/// normals by its inverse transpose, w by the sign of det M; a mirror (det M < 0) reverses the winding, so that it agrees
+/// with n.
 ///
 /// degenerate, spread over the mesh, three kinds in turn, each along the shortest edge (a, b) of one of the others:
 ///   (a, m, b)   collinear: m is a vertex of its own in the middle of the chord, off the surface by its sag, with the
@@ -84,7 +90,7 @@ struct SampleMeshOptions {
 ///
 /// Cost: linear in the triangles, three evaluations each and one a vertex. Options that a topology does not have are
 /// refused: pole, jitter, random_diagonals, mirror for all but grid, shared_seam and a part of v for the two spheres.
-/// \throws ParameterError naming the option and what is permitted
+/// \throws ParameterError naming the option and what is permitted: for a grid too that leaves no triangle, as 1x1 on a torus
 Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& options);
 
 }  // namespace darboux

@@ -1,6 +1,7 @@
 #include "command.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -22,6 +23,24 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
   sub.footer("\nExample:\n  " + example + "\n");
+}
+
+CLI::Validator whole_number_up_to(std::uint64_t most) {
+  const auto check = [most](const std::string& text) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool good = error == std::errc{} && end == text.data() + text.size() && value <= most;
+    return good ? std::string()
+                : "'" + text + "' is refused, permitted are whole numbers from 0 to " + std::to_string(most);
+  };
+  return {check, ""};
+}
+
+void check_glb_name(const std::string& output) {
+  std::string name = output;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (name.ends_with(".gltf"))
+    throw ParameterError(output, "is written as GLB, permitted is a name that does not end in .gltf");
 }
 
 Json number(double x) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,13 +33,12 @@ struct Common {
 /// Adds --json, --quiet, --threads to a subcommand, and the example that ends its help.
 void add_common(CLI::App& sub, Common& common, const std::string& example);
 
-/// A check for options: digits only.
-inline const CLI::Validator whole_number(
-    [](std::string& text) {
-      const bool good = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-      return good ? std::string() : "'" + text + "' is no whole number, permitted is 0 or more";
-    },
-    "");
+/// A check for options: digits only, and no number above `most`.
+CLI::Validator whole_number_up_to(std::uint64_t most);
+inline const CLI::Validator whole_number = whole_number_up_to(std::numeric_limits<std::uint64_t>::max());
+
+/// \throws ParameterError for the name of a file to which a GLB is to be written and that readers would take for JSON
+void check_glb_name(const std::string& output);
 
 // One file a subcommand; each adds itself to the tool.
 void add_surfaces(CLI::App& app, Common& common);

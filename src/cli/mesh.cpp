@@ -1,5 +1,6 @@
 #include <array>
 #include <iostream>
+#include <stdexcept>
 
 #include <darboux/io.h>
 #include <darboux/sample_mesh.h>
@@ -45,10 +46,18 @@ SampleMeshOptions parse(const Arguments& arguments) {
   o.topology = topologies.of(arguments.topology);
   const bool sphere = o.topology == MeshTopology::icosphere || o.topology == MeshTopology::cube_sphere;
   const bool grid_given = !arguments.grid.empty(), subdivisions_given = arguments.subdivisions > 0;
-  if (sphere && (grid_given || !subdivisions_given))
-    throw ParameterError("--topology " + arguments.topology, "needs --subdivisions N and no --grid");
-  if (!sphere && (!grid_given || subdivisions_given))
-    throw ParameterError("--topology " + arguments.topology, "needs --grid NxM and no --subdivisions");
+  const auto takes = [&](const char* needed, const char* example, const char* other, bool given,
+                         bool other_given) {
+    if (other_given)
+      throw ParameterError(
+          other, arguments.topology + " takes none, permitted is " + needed + ", such as " + example);
+    if (!given)
+      throw ParameterError("mesh", arguments.topology + " needs " + needed + ", such as " + example);
+  };
+  if (sphere)
+    takes("--subdivisions N", "16", "--grid", subdivisions_given, grid_given);
+  else
+    takes("--grid NxM", "64x32", "--subdivisions", grid_given, subdivisions_given);
   if (sphere)
     o.subdivisions = arguments.subdivisions;
   else
@@ -61,12 +70,20 @@ SampleMeshOptions parse(const Arguments& arguments) {
   return o;
 }
 
+// The library's errors name the option, here with the dashes that it was typed with.
+Mesh make(const AnySurface& surface, const SampleMeshOptions& o) try {
+  return sample_mesh(surface, o);
+} catch (const ParameterError& error) {
+  throw std::invalid_argument(std::string("--") + error.what());
+}
+
 void run(const Arguments& arguments, const Common& common) {
   if (arguments.output == "-" && common.json)
     throw ParameterError("-", "standard output is asked for twice, permitted is one of -o - and --json");
+  check_glb_name(arguments.output);
   const AnySurface surface = surface_argument(arguments.surface);
   const SampleMeshOptions o = parse(arguments);
-  Mesh mesh = sample_mesh(surface, o);
+  Mesh mesh = make(surface, o);
   if (arguments.no_tangents) mesh.tangents.clear();
   Json how{{"surface", surface.specification()}, {"topology", arguments.topology}};
   if (arguments.grid.empty())
@@ -102,6 +119,7 @@ void add_mesh(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("mesh", "Write a reference mesh with exact normals, uvs and tangents");
   auto arguments = std::make_shared<Arguments>();
   SampleMeshOptions& o = arguments->options;
+  const CLI::Validator triangle_count = whole_number_up_to(std::numeric_limits<int>::max());
   sub.add_option("SURFACE", arguments->surface, surface_help)->required();
   sub.add_option("-o,--output", arguments->output, "the .glb to write, - for standard output")->required();
   sub.add_option("--topology", arguments->topology,
@@ -134,24 +152,25 @@ void add_mesh(CLI::App& app, Common& common) {
   sub.add_option("--diagonal", arguments->diagonal, "regular or random")
       ->capture_default_str()
       ->check(CLI::IsMember({"regular", "random"}));
-  sub.add_option("--shear", o.shear, "K: store u + K v instead of u")->capture_default_str();
+  sub.add_option("--shear", o.shear, "K: store u + K v instead of u, K from -1000 to 1000")
+      ->capture_default_str();
   sub.add_flag("--mirror", o.mirror, "store 1 - |2u - 1|: the second half mirrored, N even");
   sub.add_option(
          "--scale", arguments->scale,
          "SX,SY,SZ: stretch the mesh along x, y and z, normals and tangents along with it; an odd number of "
-         "negative ones mirrors it")
+         "negative ones mirrors it; each 1e-30 to 1e30 in size, none more than 1e12 times another")
       ->capture_default_str();
   sub.add_option(
          "--degenerate", o.degenerate,
          "add this many triangles without area: collinear, with two vertices in one place, with one vertex "
          "twice, in turn")
       ->capture_default_str()
-      ->check(whole_number);
+      ->check(triangle_count);
   sub.add_option(
          "--degenerate-uvs", o.degenerate_uvs,
          "take the uv area from this many triangles: all corners at one uv, two corners at one uv, in turn")
       ->capture_default_str()
-      ->check(whole_number);
+      ->check(triangle_count);
   sub.add_flag("--no-tangents", arguments->no_tangents, "leave TANGENT out");
   sub.add_option("--sign", arguments->sign, "sign convention of w: gltf or raw")
       ->capture_default_str()

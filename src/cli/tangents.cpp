@@ -115,6 +115,7 @@ void run(const Arguments& arguments, Common& common) {
   if (arguments.list) return list(common);
   if (arguments.input.empty()) throw ParameterError("tangents", "needs a .glb or .gltf to read, or --list");
   if (arguments.output.empty()) throw ParameterError("tangents", "needs -o OUT.glb");
+  check_glb_name(arguments.output);
   const bool to_stdout = arguments.output == "-";
   if (to_stdout && common.json)
     throw ParameterError("-", "standard output is asked for twice, permitted is one of -o - and --json");

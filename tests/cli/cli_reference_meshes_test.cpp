@@ -64,6 +64,18 @@ TEST_F(ReferenceMeshes, RepeatThemselvesByteForByte) {
   }
 }
 
+// A formula's pole is not one point to the bit: sin(pi) is 1.2e-16. Its triangles are left out all the same.
+TEST_F(ReferenceMeshes, FormulasHavePolesUpToRounding) {
+  write_bytes(path("ball.surface"), "x = cos(2*pi*u)*sin(pi*v)\ny = sin(2*pi*u)*sin(pi*v)\nz = -cos(pi*v)\n");
+  for (const std::string pole : {"per-column", "half-cell"}) {
+    const std::string options = " --grid 16x8 -o m.glb --json --pole " + pole;
+    const Json formula = json("darboux mesh formula:file=ball.surface" + options);
+    const Json sphere = json("darboux mesh sphere" + options);
+    EXPECT_EQ(sphere["triangles"], 2 * 16 * 7);
+    for (const char* count : {"triangles", "vertices"}) EXPECT_EQ(formula[count], sphere[count]) << pole;
+  }
+}
+
 // The file says how it was made.
 TEST_F(ReferenceMeshes, FilesSayHowTheyWereMade) {
   const std::string file =
@@ -91,7 +103,18 @@ TEST_F(ReferenceMeshes, RefuseWrongUsageInOneLine) {
   refused(mesh("sphere --grid 8x4 --degenerate -1"), {"--degenerate"});
   refused(mesh("sphere --grid 8x4 --degenerate 99"), {"degenerate", "99", "48"});
   refused(mesh("sphere --grid 8x4 --degenerate-uvs x"), {"--degenerate-uvs"});
-  refused(mesh("sphere --grid 8x4 --degenerate 99999999999"), {"--degenerate"});
+  refused(mesh("sphere --grid 8x4 --degenerate 99999999999"), {"--degenerate", "0 to 2147483647"});
+  refused(mesh("sphere --grid 8x4 --jitter 0.1 --seed 18446744073709551616"),
+          {"--seed", "0 to 18446744073709551615"});
+  // Errors of the library name the option as it was typed.
+  refused(mesh("sphere --grid 8x4 --jitter 0.7"), {"darboux: --jitter: 0.7"});
+  refused(mesh("sphere --grid 8x4 --degenerate-uvs 99"), {"darboux: --degenerate-uvs: 99"});
+  refused(mesh("torus --grid 1x1"), {"darboux: --grid: 1x1"});
+  refused(mesh("sphere --grid 8x4 --shear 1e300"), {"--shear", "1000"});
+  refused(mesh("sphere --grid 8x4 --scale 1,1e31,1"), {"--scale", "1e30"});
+  refused(mesh("sphere"), {"--grid NxM", "64x32"});
+  for (const char* name : {"x.gltf", "X.GLTF"})
+    refused(std::string("darboux mesh sphere --grid 8x4 -o ") + name, {name, "GLB", ".gltf"});
   EXPECT_FALSE(fs::exists(path("x.glb")));
 }
 
