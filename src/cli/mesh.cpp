@@ -54,14 +54,13 @@ SampleMeshOptions parse(const Arguments& arguments) {
     if (!given)
       throw ParameterError("mesh", arguments.topology + " needs " + needed + ", such as " + example);
   };
-  if (sphere)
+  if (sphere) {
     takes("--subdivisions N", "16", "--grid", subdivisions_given, grid_given);
-  else
-    takes("--grid NxM", "64x32", "--subdivisions", grid_given, subdivisions_given);
-  if (sphere)
     o.subdivisions = arguments.subdivisions;
-  else
+  } else {
+    takes("--grid NxM", "64x32", "--subdivisions", grid_given, subdivisions_given);
     std::tie(o.columns, o.rows) = parse_grid("--grid", arguments.grid);
+  }
   o.pole = poles.of(arguments.pole);
   o.shared_seam = arguments.seam == "shared";
   o.random_diagonals = arguments.diagonal == "random";

@@ -33,9 +33,11 @@ inline double largest(const Vec3<double>& p) {
 }
 
 /// Whether two points are one but for rounding: 8 ulps of numbers as large as the surface's coordinates about them. A
-/// formula's sin(pi*v) is 1.2e-16 at v = 1, not 0.
+/// formula's sin(pi*v) is 1.2e-16 at v = 1, not 0. NaN is nowhere.
 inline bool same_place(const Vec3<double>& a, const Vec3<double>& b, double scale) {
-  return largest(a - b) <= 8 * std::numeric_limits<double>::epsilon() * scale;
+  const Vec3<double> d = a - b;
+  const double most = 8 * std::numeric_limits<double>::epsilon() * scale;
+  return std::fabs(d.x) <= most && std::fabs(d.y) <= most && std::fabs(d.z) <= most;
 }
 
 /// Whether the whole row at v is one point.
