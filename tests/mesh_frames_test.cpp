@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -315,6 +316,114 @@ TEST(FrameMethods, PolynomialsAreExactOnPolynomials) {
         EXPECT_LE(norm(frames.corner(k).t - unit(at(u, v, 1, 0))), 1e-11);
         EXPECT_LE(norm(frames.corner(k).b - unit(at(u, v, 0, 1))), 1e-11);
       }
+    }
+  }
+}
+
+// The polynomials that are nearest do not depend on the chart's scales, shear and turn: nor may the choice of their degree.
+TEST(FrameMethods, PolynomialsFollowAffineMapsOfTheChart) {
+  struct Map {
+    double uu, uv, vu, vv;
+    bool same_t, same_b;  // t is parallel to the map's where vu = 0, b where uv = 0
+  };
+  std::vector<Map> maps{{100, 0, 0, 1, true, true},
+                        {1, 0, 0, 100, true, true},
+                        {-1, 0, 0, 1, true, true},
+                        {0.6, -0.8, 0.8, 0.6, false, false},
+                        {0.6, 0.8, 0.8, -0.6, false, false}};
+  for (const double shear : {0.0, 1.0, 5.0, 20.0, 50.0})
+    for (const double reversed : {1.0, -1.0}) {
+      maps.push_back({reversed, shear, 0, 1, true, shear == 0});
+      maps.push_back({1, 0, shear, reversed, shear == 0, true});
+    }
+  constexpr int rows = 12;
+  const Mesh mesh = sample_mesh(make_surface("ellipsoid"), {.columns = 2 * rows,
+                                                            .rows = rows,
+                                                            .jitter = 0.15,
+                                                            .random_diagonals = true,
+                                                            .seed = 5,
+                                                            .v_first = 0.2,
+                                                            .v_last = 0.8});
+  for (const char* name : {"quadratic", "cubic"}) {
+    const FrameMethod& method = find_frame_method(name);
+    const MeshFrames plain = mesh_frames(mesh, method);
+    for (const Map& map : maps) {
+      Mesh mapped = mesh;
+      for (Vec2<double>& uv : mapped.uvs) uv = {map.uu * uv.x + map.uv * uv.y, map.vu * uv.x + map.vv * uv.y};
+      const MeshFrames frames = mesh_frames(mapped, method);
+      // A mapped uv is rounded by 2u of its size, over an edge of 1/(2 rows); the fit's condition is below 10^3.
+      const double size = std::max({1.0, std::fabs(map.uv), std::fabs(map.vu)});
+      const double tolerance = 1e3 * 4 * 0x1p-53 * size * 2 * rows;
+      double t = 0, b = 0, n = 0;
+      for (std::size_t c = 0; c < mesh.corners(); ++c) {
+        const CornerFrame &before = plain.corner(c), &after = frames.corner(c);
+        n = std::max(n, norm(after.n - before.n));
+        if (map.same_t) t = std::max(t, norm(after.t - (map.uu < 0 ? -1.0 : 1.0) * before.t));
+        if (map.same_b) b = std::max(b, norm(after.b - (map.vv < 0 ? -1.0 : 1.0) * before.b));
+      }
+      EXPECT_LE(std::max({t, b, n}), tolerance)
+          << name << ", map " << map.uu << ' ' << map.uv << ' ' << map.vu << ' ' << map.vv;
+    }
+  }
+}
+
+// The hub of a fan over a disk, and its rim, where P(u, v) = (u, v, bend (u² - v² + u)).
+Mesh fan(std::uint32_t triangles, double bend) {
+  Mesh mesh;
+  for (std::uint32_t k = 0; k <= triangles; ++k) {
+    const double angle = 2 * std::numbers::pi * k / triangles;
+    const Vec2<double> uv = k == 0 ? Vec2<double>{0, 0} : Vec2<double>{std::cos(angle), std::sin(angle)};
+    mesh.uvs.push_back(uv);
+    mesh.positions.push_back({uv.x, uv.y, bend * (uv.x * uv.x - uv.y * uv.y + uv.x)});
+    mesh.normals.push_back(unit(Vec3<double>{-bend * (2 * uv.x + 1), bend * 2 * uv.y, 1}));
+    if (k > 0) mesh.triangles.push_back({0, k, k % triangles + 1});
+  }
+  return mesh;
+}
+
+// Linear in the triangles: every vertex of the rim is two edges from every other, the square of them would take minutes.
+TEST(FrameMethods, AFanOfManyTrianglesEnds) {
+  constexpr std::uint32_t triangles = 100000;
+  constexpr double edge = 2 * std::numbers::pi / triangles;
+  const Mesh flat = fan(triangles, 0), bent = fan(triangles, 0.25);
+  for (const FrameMethod& method : frame_methods()) {
+    const MeshFrames frames = mesh_frames(flat, method);
+    EXPECT_EQ(frames.fallback_corners, 0u) << method.name;
+    // Edges of the rim err by 4u; in float 2^-29 of their number remains after the mean.
+    const double tolerance =
+        method.single_precision ? 0x1p-22 / edge / std::sqrt(triangles) : 4 * 0x1p-53 / edge;
+    EXPECT_LE(norm(frames.corner(0).t - Vec3<double>{1, 0, 0}), tolerance) << method.name;
+  }
+  for (const char* name : {"quadratic", "cubic"}) {
+    const MeshFrames one = mesh_frames(bent, find_frame_method(name)),
+                     two = mesh_frames(bent, find_frame_method(name), 2);
+    double greatest = 0;
+    for (std::size_t c = 0; c < bent.corners(); ++c) {
+      const auto [u, v] = bent.uvs[bent.triangles[c / 3][c % 3]];
+      greatest = std::max(greatest, norm(one.corner(c).t - unit(Vec3<double>{1, 0, 0.25 * (2 * u + 1)})));
+      ASSERT_EQ(one.corner(c).t, two.corner(c).t);
+    }
+    EXPECT_LE(greatest, 1e-12) << name;  // exact on a quadratic, but for a condition of up to 10^3
+  }
+}
+
+// A triangle without area in uv has no winding; where its vertices are served, its corners are.
+TEST(FrameMethods, CornersWithoutUvAreaTakeTheFramesOfTheirVertices) {
+  for (const double mirror : {1.0, -1.0}) {
+    Mesh mesh = one_triangle({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0, 0}, {mirror, 0}, {0, 1}}});
+    mesh.positions.push_back({1, 1, 0});
+    mesh.normals.push_back({0, 0, 1});
+    mesh.uvs.push_back({mirror, 0});
+    mesh.triangles.push_back({1, 3, 0});
+    for (const char* name : {"average", "procrustes", "quadratic", "cubic"}) {
+      const MeshFrames frames = mesh_frames(mesh, find_frame_method(name));
+      EXPECT_EQ(frames.degenerate_uv_triangles, 1u);
+      for (const std::size_t c : {3u, 5u}) {
+        EXPECT_FALSE(frames.corner(c).fallback) << name;
+        EXPECT_LE(norm(frames.corner(c).t - Vec3<double>{mirror, 0, 0}), 8 * 0x1p-53) << name;
+        EXPECT_EQ(frames.corner(c).sign, mirror) << name;
+      }
+      EXPECT_TRUE(frames.corner(4).fallback) << name;
     }
   }
 }

@@ -95,7 +95,9 @@ struct FrameMethod {
 ///
 /// `procrustes`, `quadratic` and `cubic` join vertices that agree in position, uv and normal, and keep triangles apart whose
 /// uvs wind differently. Where the vertices within two edges do not determine the polynomial, those within three and four are
-/// taken, then the next lower degree.
+/// taken, then the next lower degree; neither depends on affine changes of the uvs. Of a vertex's neighbours all count; of
+/// those farther away about 128, and of a neighbour of more than 32 triangles only as many of these, spread evenly: the
+/// time is linear also where 10^5 triangles meet.
 std::span<const FrameMethod> frame_methods();
 
 /// \throws ParameterError listing the known names

@@ -1,5 +1,6 @@
 // Methods that look at the vertices about a vertex: least-squares polynomials and the Procrustes rotation.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <unordered_map>
 
@@ -25,7 +26,9 @@ class Rings {
   const Vec2<double>& uv(Index node) const { return mesh_.uvs[node / 2]; }
   static double sign(Index node) { return node % 2 == 1 ? 1 : -1; }
 
-  // Nodes up to so many edges away from `near.front()`, appended ring by ring; ends[r] is where ring r ends.
+  // Nodes up to so many edges away from `near.front()`, appended ring by ring; ends[r] is where ring r ends. The first
+  // ring is whole. Those after it stop at most_nodes, and go on from a node over at most most_triangles of its triangles,
+  // spread evenly over them: a fan is seen by all its rim, and would cost its square.
   struct Walk {
     std::vector<Index> near;
     std::vector<std::size_t> ends;
@@ -33,6 +36,7 @@ class Rings {
   };
   void start(Index node, Walk& walk) const;
   void grow(Walk& walk) const;
+  static constexpr std::size_t most_nodes = 128, most_triangles = 32;
 
   MeshFrames frames;  // counts and of_corner; frames of all nodes, to be filled in
 
@@ -91,6 +95,11 @@ Rings::Rings(const Mesh& mesh) : mesh_(mesh) {
   std::vector<Index> next(begin_.begin(), begin_.end() - 1);
   for (std::size_t t = 0; t < nodes_.size(); ++t)
     for (int k = 0; good[t] && k < 3; ++k) triangles_[next[nodes_[t][k]]++] = static_cast<Index>(t);
+  // A triangle without area in uv has no winding: its corners go with the triangles that have one.
+  for (std::size_t c = 0; c < frames.of_corner.size(); ++c) {
+    Index& node = frames.of_corner[c];
+    if (!good[c / 3] && !used(node) && used(node ^ 1)) node ^= 1;
+  }
   frames.frames.resize(size());
 }
 
@@ -104,13 +113,17 @@ void Rings::start(Index node, Walk& walk) const {
 void Rings::grow(Walk& walk) const {
   const std::size_t first = walk.ends.size() == 1 ? 0 : walk.ends[walk.ends.size() - 2],
                     last = walk.ends.back();
-  for (std::size_t i = first; i < last; ++i)
-    for (Index at = begin_[walk.near[i]]; at < begin_[walk.near[i] + 1]; ++at)
-      for (const Index node : nodes_[triangles_[at]]) {
+  const bool whole = walk.ends.size() == 1;
+  for (std::size_t i = first; i < last; ++i) {
+    const std::size_t begin = begin_[walk.near[i]], count = begin_[walk.near[i] + 1] - begin,
+                      taken = whole ? count : std::min(count, most_triangles);
+    for (std::size_t k = 0; k < taken && (whole || walk.near.size() < most_nodes); ++k)
+      for (const Index node : nodes_[triangles_[begin + k * count / taken]]) {
         if (walk.seen[node] == walk.near.front()) continue;
         walk.seen[node] = walk.near.front();
         walk.near.push_back(node);
       }
+  }
   walk.ends.push_back(walk.near.size());
 }
 
@@ -138,22 +151,44 @@ struct Neighbourhood {
 // Directions of dpdu and dpdv at uv = 0 of the polynomial through 0 that is nearest to the neighbours in the mean square;
 // nothing where they leave it open, or nearly so.
 std::optional<TangentPair> fit_polynomial(const Neighbourhood& near, int degree) {
-  constexpr double well_conditioned = 1e-3;  // smallest pivot to largest; a grid's two rings give 0.1
+  using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 9, 9>;
+  constexpr double worst_condition = 1e3;
+  constexpr double parallel_below = 8 * 0x1p-53;
   const Eigen::Index unknowns = degree == 3 ? 9 : degree == 2 ? 5 : 2;
   if (near.p.rows() < unknowns || near.u_unit == 0 || near.v_unit == 0 || near.p_unit == 0)
     return std::nullopt;
+  // Orthonormal columns w, [du dv] = w [[r00, r01], [0, r11]]: two affine charts of one neighbourhood give the same w but
+  // for a rotation.
+  const Eigen::VectorXd du = near.uv.col(0) / near.u_unit, dv = near.uv.col(1) / near.v_unit;
+  Eigen::Matrix<double, Eigen::Dynamic, 2> w(near.p.rows(), 2);
+  const double r00 = du.norm();
+  w.col(0) = du / r00;
+  const double r01 = w.col(0).dot(dv);
+  w.col(1) = dv - r01 * w.col(0);
+  const double r11 = w.col(1).norm();
+  if (!(r11 > parallel_below * dv.norm())) return std::nullopt;
+  w.col(1) /= r11;
+  w /= w.rowwise().norm().maxCoeff();
+  // Monomials so weighted that a rotation of w rotates those of one degree.
+  const double sqrt2 = std::sqrt(2.0), sqrt3 = std::sqrt(3.0);
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, Eigen::Dynamic, 9> a(near.p.rows(), unknowns);
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
-    const double x = near.uv(i, 0) / near.u_unit, y = near.uv(i, 1) / near.v_unit;
+    const double x = w(i, 0), y = w(i, 1);
     a(i, 0) = x, a(i, 1) = y;
-    if (degree >= 2) a(i, 2) = x * x, a(i, 3) = x * y, a(i, 4) = y * y;
-    if (degree >= 3) a(i, 5) = x * x * x, a(i, 6) = x * x * y, a(i, 7) = x * y * y, a(i, 8) = y * y * y;
+    if (degree >= 2) a(i, 2) = x * x, a(i, 3) = sqrt2 * x * y, a(i, 4) = y * y;
+    if (degree >= 3)
+      a(i, 5) = x * x * x, a(i, 6) = sqrt3 * x * x * y, a(i, 7) = sqrt3 * x * y * y, a(i, 8) = y * y * y;
   }
-  const Eigen::ColPivHouseholderQR<decltype(a)> qr(a);
-  const auto pivots = qr.matrixR().diagonal().cwiseAbs();
-  if (!(pivots(unknowns - 1) > well_conditioned * pivots(0))) return std::nullopt;
+  // Frobenius norms: no rotation changes them.
+  const Eigen::HouseholderQR<decltype(a)> qr(a);
+  const Coefficients r = qr.matrixQR().topRows(unknowns).template triangularView<Eigen::Upper>();
+  const Coefficients inverse =
+      r.template triangularView<Eigen::Upper>().solve(Coefficients::Identity(unknowns, unknowns));
+  if (!(r.norm() * inverse.norm() < worst_condition)) return std::nullopt;
   const Eigen::Matrix<double, Eigen::Dynamic, 3> c = qr.solve(near.p / near.p_unit);
-  return TangentPair{{c(0, 0), c(0, 1), c(0, 2)}, {c(1, 0), c(1, 1), c(1, 2)}};
+  // dpdu = (c0 - r01/r11 c1) / r00, dpdv = c1 / r11.
+  const Eigen::Vector3d t = c.row(0) - (r01 / r11) * c.row(1), b = c.row(1);
+  return TangentPair{from_eigen(t), from_eigen(b)};
 }
 
 // frame(walk) of each node that a triangle uses.
@@ -192,6 +227,7 @@ MeshFrames compute_polynomial(const Mesh& mesh, int threads, int degree) {
         for (int d = degree; d > 0; --d)
           for (int ring = 2; ring <= most_rings; ++ring) {
             if (walk.ends.size() == static_cast<std::size_t>(ring)) rings.grow(walk);
+            if (ring > 2 && walk.ends[ring] == walk.ends[ring - 1]) break;
             Rings::Walk part{
                 {walk.near.begin(), walk.near.begin() + static_cast<std::ptrdiff_t>(walk.ends[ring])},
                 {},
