@@ -92,6 +92,37 @@ TEST(FragmentForms, AgreeOnlyOnAnOrthogonalChartWithTheFaceNormal) {
   EXPECT_NEAR(disagreement(chart(90), tilted), 20, 1e-12);
 }
 
+// Where unit vectors cancel but for rounding, there is no direction: a fallback, and said so.
+TEST(FragmentForms, RoundingIsNoDirection) {
+  const Points p{{{0, 0, 0}, {1, 0.7, 0.3}, {0.2, 1, 0.4}}};
+  const Uvs uv{{{0, 0}, {1, 0.1}, {0.2, 1}}};
+  const Vec3<double> t = unit(solve_triangle(p, uv)->t), n = unit(Vec3<double>{-0.3, 0.1, 1});
+  const std::array<double, 3> thirds{1.0 / 3, 1.0 / 3, 1.0 / 3}, tenths{0.1, 0.2, 0.7};
+  const auto with = [&](const std::array<Vec3<double>, 3>& ts, const std::array<Vec3<double>, 3>& ns) {
+    TriangleFrames result{p, uv, {}};
+    for (std::size_t k = 0; k < 3; ++k) result.frames[k] = {ts[k], {}, ns[k], 1, false};
+    return result;
+  };
+  const auto turned = [](double turns) {  // unit vectors that add up to zero, but for rounding
+    const double angle = 0.4 + 2 * std::numbers::pi * turns;
+    return unit(std::cos(angle) * unit(Vec3<double>{1, 2, 3}) +
+                std::sin(angle) * unit(Vec3<double>{3, 0, -1}));
+  };
+  const TriangleFrames along_n = with({t, t, t}, {t, t, t}),
+                       cancelled_t = with({turned(0), turned(1.0 / 3), turned(2.0 / 3)}, {n, n, n}),
+                       cancelled_n = with({t, t, t}, {turned(0), turned(1.0 / 3), turned(2.0 / 3)}),
+                       good = with({t, t, t}, {n, n, n});
+  for (const FragmentForm form :
+       {FragmentForm::projected, FragmentForm::interpolated, FragmentForm::interpolated_raw}) {
+    for (const auto& weights : {thirds, tenths}) {
+      EXPECT_TRUE(fragment_frame(form, along_n, weights).fallback);
+      EXPECT_FALSE(fragment_frame(form, good, weights).fallback);
+    }
+    EXPECT_EQ(fragment_frame(form, cancelled_t, thirds).fallback, form != FragmentForm::projected);
+    EXPECT_TRUE(fragment_frame(form, cancelled_n, thirds).fallback);
+  }
+}
+
 TEST(FrameMethods, AllReturnTheAxesOnAFlatSquare) {
   constexpr double tolerance = 8 * 0x1p-53;  // of the few roundings of a 2x2 solve
   const auto near = [](const Vec3<double>& a, double x, double y, double z) {
@@ -404,6 +435,23 @@ TEST(FrameMethods, AFanOfManyTrianglesEnds) {
       ASSERT_EQ(one.corner(c).t, two.corner(c).t);
     }
     EXPECT_LE(greatest, 1e-12) << name;  // exact on a quadratic, but for a condition of up to 10^3
+  }
+}
+
+// Weights are areas and their inverses: they stay within range where the mesh is very small or very large.
+TEST(FrameMethods, WeightsDoNotDependOnTheScale) {
+  const Mesh mesh = sample_mesh(Torus{1.0, 0.4}, {.columns = 12, .rows = 8, .jitter = 0.2});
+  for (const char* name : {"area", "max"}) {
+    const MeshFrames plain = mesh_frames(mesh, find_frame_method(name));
+    for (const int exponent : {-1000, -570, -515, 515, 570, 1000}) {
+      Mesh changed = mesh;
+      for (Vec3<double>& p : changed.positions) p = std::ldexp(1.0, exponent) * p;
+      const MeshFrames frames = mesh_frames(changed, find_frame_method(name));
+      for (std::size_t c = 0; c < mesh.corners(); ++c) {
+        EXPECT_FALSE(frames.corner(c).fallback) << name << " 2^" << exponent;
+        EXPECT_LE(norm(frames.corner(c).t - plain.corner(c).t), 64 * 0x1p-53) << name << " 2^" << exponent;
+      }
+    }
   }
 }
 

@@ -44,7 +44,8 @@ struct TriangleFrames {
 /// surface with exact frames at the corners, t errs by order 1 for the first three forms (`gradient`: on orthogonal charts
 /// only), by order 2 for the interpolated ones; n by order 2.
 /// \param weights barycentric coordinates, of sum 1
-/// \returns a frame with `fallback` where the triangle or the interpolated directions give none
+/// \returns a frame with `fallback` where the triangle or the interpolated directions give none: where a sum of the
+/// corners' unit vectors, or the part of t across n, is below 16u (u = 2^-53), which is what rounding leaves of nothing
 CornerFrame fragment_frame(FragmentForm form, const TriangleFrames& triangle,
                            const std::array<double, 3>& weights);
 

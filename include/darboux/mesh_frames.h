@@ -27,7 +27,8 @@ double signed_uv_area2(const Vec2<double>& uv0, const Vec2<double>& uv1, const V
 
 /// The linear map of a triangle from uv to space, [p1 - p0, p2 - p0] = [T B] [[Δu1, Δu2], [Δv1, Δv2]]:
 /// T and B approximate dpdu and dpdv, lengths included.
-/// \returns nothing where either triangle is degenerate
+/// \returns nothing where either triangle is degenerate, or where the determinant in uv, of the order of the square of
+/// its edges, under- or overflows
 struct TangentPair {
   Vec3<double> t, b;
 };

@@ -62,13 +62,17 @@ MeshFrames compute_unit(const Mesh& mesh, int) {
   return average<false>(mesh, [](const Face&, int) { return 1.0; });
 }
 MeshFrames compute_area(const Mesh& mesh, int) {
-  return average<false>(mesh, [](const Face& face, int) { return triangle_area(face.p); });
+  const double scale = scale_below_one(mesh);
+  return average<false>(mesh,
+                        [scale](const Face& face, int) { return triangle_area(scaled(face.p, scale)); });
 }
 MeshFrames compute_angle(const Mesh& mesh, int) {
   return average<false>(mesh, [](const Face& face, int k) { return corner_angle(face.p, k); });
 }
 MeshFrames compute_max(const Mesh& mesh, int) {
-  return average<false>(mesh, [](const Face& face, int k) { return corner_max_weight(face.p, k); });
+  const double scale = scale_below_one(mesh);
+  return average<false>(
+      mesh, [scale](const Face& face, int k) { return corner_max_weight(scaled(face.p, scale), k); });
 }
 
 }  // namespace darboux

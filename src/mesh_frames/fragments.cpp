@@ -22,6 +22,20 @@ std::optional<TangentPair> fragment_gradients(const std::array<Vec3<double>, 3>&
   return TangentPair{from_eigen(i), from_eigen(j)};
 }
 
+namespace {
+
+// The direction of what is left of unit vectors; zero where that is rounding only, as gram_schmidt has it.
+Vec3<double> direction(const Vec3<double>& rest) {
+  constexpr double nothing_below = 16 * 0x1p-53;
+  return norm(rest) > nothing_below ? unit(rest) : Vec3<double>{};
+}
+
+Vec3<double> across(const Vec3<double>& n, const Vec3<double>& unit_t) {
+  return direction(unit_t - dot(n, unit_t) * n);
+}
+
+}  // namespace
+
 CornerFrame fragment_frame(FragmentForm form, const TriangleFrames& triangle,
                            const std::array<double, 3>& weights) {
   const std::array<Vec3<double>, 3>& p = triangle.p;
@@ -30,20 +44,21 @@ CornerFrame fragment_frame(FragmentForm form, const TriangleFrames& triangle,
   const auto interpolated = [&](Vec3<double> CornerFrame::*of) {
     return weights[0] * (frames[0].*of) + weights[1] * (frames[1].*of) + weights[2] * (frames[2].*of);
   };
-  const Vec3<double> raw_n = interpolated(&CornerFrame::n), n = unit(raw_n);
+  const Vec3<double> raw_n = interpolated(&CornerFrame::n), n = direction(raw_n);
   if (form == FragmentForm::interpolated || form == FragmentForm::interpolated_raw) {
     const double sign = frames[0].sign;
     const Vec3<double> raw_t = interpolated(&CornerFrame::t);
-    if (form == FragmentForm::interpolated_raw)
-      return frame_or_fallback(raw_t, sign * cross(raw_n, raw_t), raw_n, sign);
-    const Vec3<double> t = unit(raw_t - dot(n, raw_t) * n);
-    return frame_or_fallback(t, sign * cross(n, t), n, sign);
+    const Vec3<double> along = direction(raw_t), t = across(n, along);
+    const CornerFrame frame = frame_or_fallback(t, sign * cross(n, t), n, sign);
+    return frame.fallback || form == FragmentForm::interpolated
+               ? frame
+               : CornerFrame{raw_t, sign * cross(raw_n, raw_t), raw_n, sign, false};
   }
   const double sign = signed_uv_area2(uv[0], uv[1], uv[2]) > 0 ? 1 : -1;
   const std::optional<TangentPair> solved = solve_triangle(p, uv);
   if (!solved) return fallback_frame(n, sign);
   if (form == FragmentForm::projected) {
-    const Vec3<double> along = unit(solved->t), t = unit(along - dot(n, along) * n);
+    const Vec3<double> t = across(n, unit(solved->t));
     return frame_or_fallback(t, sign * cross(n, t), n, sign);
   }
   const std::optional<TangentPair> pair =

@@ -1,5 +1,7 @@
 #include "triangle.h"
 
+#include <algorithm>
+
 #include <darboux/frame.h>
 
 namespace darboux {
@@ -29,6 +31,17 @@ Face::Face(const Mesh& mesh, const Triangle& triangle) {
   }
   solved = solve_triangle(p, uv);
   sign = signed_uv_area2(uv[0], uv[1], uv[2]) > 0 ? 1 : -1;
+}
+
+double scale_below_one(const Mesh& mesh) {
+  double largest = 0;
+  for (const Vec3<double>& p : mesh.positions)
+    largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  return std::ldexp(1.0, -std::clamp(std::ilogb(largest) + 1, -1000, 1024));
+}
+
+std::array<Vec3<double>, 3> scaled(const std::array<Vec3<double>, 3>& p, double scale) {
+  return {scale * p[0], scale * p[1], scale * p[2]};
 }
 
 double corner_angle(const std::array<Vec3<double>, 3>& p, int corner) {

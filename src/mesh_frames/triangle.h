@@ -19,6 +19,10 @@ struct Face {
   Face(const Mesh& mesh, const Triangle& triangle);
 };
 
+// A power of two that takes the largest coordinate below 1, so that areas and their inverses stay within range.
+double scale_below_one(const Mesh& mesh);
+std::array<Vec3<double>, 3> scaled(const std::array<Vec3<double>, 3>& p, double scale);
+
 // The angle at a corner, and Max's weight there.
 double corner_angle(const std::array<Vec3<double>, 3>& p, int corner);
 double corner_max_weight(const std::array<Vec3<double>, 3>& p, int corner);
