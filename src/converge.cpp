@@ -46,7 +46,8 @@ struct Reference {
   std::vector<VertexClass> vertex_class;
   std::vector<Truth> truth;
   double floor_deg;
-  Chart chart = Chart::conformal;  // the narrowest kind that holds everywhere, by the stored uvs
+  Chart chart = Chart::conformal;            // the narrowest kind that holds everywhere, by the stored uvs
+  Chart unsheared_chart = Chart::conformal;  // the same by u and v themselves
   bool has_pole = false;
 };
 
@@ -63,6 +64,12 @@ double floor_deg(const Mesh& mesh) {
       largest_uv = std::max(largest_uv, std::hypot(mesh.uvs[a].x, mesh.uvs[a].y));
     }
   return degrees(16 * 0x1p-53 * std::max(largest / shortest, largest_uv / shortest_uv));
+}
+
+Chart chart_at(const Sample<double>& sample, const Vec3<double>& along_v) {
+  if (std::fabs(dot(sample.frame.t, unit(along_v))) > orthogonal_below) return Chart::any;
+  return std::fabs(norm(along_v) / norm(sample.jet.dpdu) - 1) > orthogonal_below ? Chart::orthogonal
+                                                                                 : Chart::conformal;
 }
 
 Reference make_reference(const AnySurface& surface, const MeshFamily& family, const ConvergeOptions& options,
@@ -89,11 +96,8 @@ Reference make_reference(const AnySurface& surface, const MeshFamily& family, co
     is_pole.push_back(has(status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel));
     r.has_pole = r.has_pole || is_pole.back();
     if (is_pole.back()) continue;
-    if (std::fabs(dot(sample.frame.t, unit(along_v))) > orthogonal_below)
-      r.chart = Chart::any;
-    else if (r.chart == Chart::conformal &&
-             std::fabs(norm(along_v) / norm(sample.jet.dpdu) - 1) > orthogonal_below)
-      r.chart = Chart::orthogonal;
+    r.chart = std::min(r.chart, chart_at(sample, along_v));
+    r.unsheared_chart = std::min(r.unsheared_chart, chart_at(sample, sample.jet.dpdv));
   }
   r.vertex_class = classify(r.mesh, is_pole).of_vertex;
   r.floor_deg = floor_deg(r.mesh);
@@ -126,20 +130,36 @@ bool answers(const FrameMethod& method, std::size_t quantity) {
 double expected_order(const FrameMethod& method, const MeshFamily& family, VertexClass vertex_class,
                       std::size_t quantity, const Reference& reference) {
   const bool irregular = family.jitter > 0 || family.random_diagonals;
-  if (vertex_class == VertexClass::pole || vertex_class == VertexClass::pole_ring)
-    return irregular ? method.at_poles.jittered : method.at_poles.regular;
-  const Chart chart = quantity == normal      ? Chart::any
-                      : quantity == bitangent ? method.bitangent_chart
-                                              : method.tangent_chart;
-  if (static_cast<int>(reference.chart) < static_cast<int>(chart)) return 0;
+  const auto of_family = [&](const ExpectedOrders& orders) {
+    return irregular ? orders.jittered : orders.regular;
+  };
+  const Chart needed = quantity == normal      ? Chart::any
+                       : quantity == bitangent ? method.bitangent_chart
+                                               : method.tangent_chart;
+  const bool suits = reference.chart >= needed;
+  const double beside_poles = of_family(quantity == normal      ? method.at_poles.normal
+                                        : quantity == bitangent ? method.at_poles.bitangent
+                                                                : method.at_poles.tangent);
+  if (vertex_class == VertexClass::pole || vertex_class == VertexClass::pole_ring) {
+    if (reference.unsheared_chart < needed) return 0;
+    // Towards a pole dpdu vanishes, and what a shear makes oblique with it: like h.
+    const double order = suits ? beside_poles : std::min(beside_poles, 1.0);
+    if (vertex_class == VertexClass::pole_ring) return order;
+    // A pole's triangles lie on one side of it. Where dpdu = 0 a polynomial's derivative is of any direction.
+    if (method.reach > 1) return quantity == bitangent ? order : 0;
+    return std::min(order, 1.0);
+  }
+  if (!suits) return 0;
   double order = method.direction.jittered;
   if (vertex_class == VertexClass::interior && !irregular) {
     order = method.direction.regular;
     // Vertices next to a border see beyond it, where there is nothing: their share falls like h.
     if (method.reach > 1) order = std::min(order, method.direction.jittered + 0.5);
   }
-  const bool converges_at_poles = (irregular ? method.at_poles.jittered : method.at_poles.regular) > 0;
-  return reference.has_pole && (order > 1 || !converges_at_poles) ? order - 0.5 : order;
+  if (!reference.has_pole) return order;
+  // Seams and borders that end in poles: what is one-sided there keeps half an order less.
+  if (vertex_class != VertexClass::interior && order > 1) order -= 0.5;
+  return beside_poles == 0 ? 0 : std::min(order, beside_poles + 0.5);
 }
 
 OrderVerdict judge_order(const Study& study) {

@@ -90,9 +90,11 @@ struct ConvergeOptions {
 
 /// Runs every combination; classes without corners give no study. Orders expected in the interior: the
 /// method's own, FrameMethod::direction, half an order less where the method looks two edges far, so that vertices next to a
-/// border lack neighbours, and where the mesh holds a pole (the error grows like h^p/θ towards it, θ the distance, so that its
-/// mean square over the rows falls like h^(2p-1)). At borders and seams: that of irregular meshes. Next to poles:
-/// FrameMethod::at_poles. 0 on charts that the method is not made for.
+/// border lack neighbours. At borders and seams: that of irregular meshes. Next to poles: FrameMethod::at_poles, at the poles
+/// themselves at most 1, and 0 for t and n of methods that look two edges far. Elsewhere on a mesh with poles at most half an
+/// order more than next to them (the rows next to poles are a share h of all), 0 where it does not converge next to them; at seams and borders
+/// half an order less than 2 or 3, as measured. 0 on
+/// charts that the method is not made for; at poles these are the charts without the family's shear, which vanishes there.
 /// \param progress called with the share done, in [0, 1]
 /// \throws ParameterError when
 /// the resolutions or the range of v are not as above

@@ -61,8 +61,14 @@ enum class Chart : std::uint8_t { any, orthogonal, conformal };
 
 /// Orders of an error in the mesh width, in the interior of a smooth surface.
 struct ExpectedOrders {
-  int regular;   ///< on grids whose errors on opposite sides cancel
-  int jittered;  ///< on irregular meshes, and at borders and seams
+  double regular;   ///< on grids whose errors on opposite sides cancel
+  double jittered;  ///< on irregular meshes, and at borders and seams
+};
+
+/// The same at vertices that share a triangle with a pole, a point with dpdu = 0; 0: does not converge. Measured on
+/// spheres, ellipsoids, paraboloids, disks and cones: the least of them.
+struct PoleOrders {
+  ExpectedOrders tangent{1, 1}, bitangent{1, 1}, normal{1, 1};
 };
 
 /// A named method.
@@ -74,10 +80,12 @@ struct FrameMethod {
   bool needs_normals = true;         ///< its n are then the mesh's own; the others make theirs
   bool single_precision = false;     ///< computes in float: errors below about 1e-6 of a radian are rounding
   ExpectedOrders direction{2, 1};    ///< of t and b, and of n where the method makes it
-  ExpectedOrders at_poles{1, 1};     ///< of the same next to a pole; 0: does not converge
+  PoleOrders at_poles{};             ///< next to a pole
   Chart tangent_chart = Chart::any;  ///< t converges on these
   Chart bitangent_chart = Chart::orthogonal;  ///< b does
   int reach = 1;                              ///< so many edges away vertices matter
+  std::string_view source;                    ///< a key of docs/references.bib, or the program that does it
+  std::string_view cost;                      ///< of one thread, measured on a torus of 10^6 triangles
 };
 
 /// All of them:
@@ -105,7 +113,7 @@ std::span<const FrameMethod> frame_methods();
 const FrameMethod& find_frame_method(std::string_view name);
 
 /// Frames of every corner by one method. Degenerate triangles are counted and left out; corners no triangle
-/// serves are flagged `fallback`. Cost: linear in the triangles; about 1 µs a triangle, `cubic` 5.
+/// serves are flagged `fallback`. Cost: linear in the triangles, FrameMethod::cost.
 /// \param threads 0: all; used by mikktspace, procrustes, quadratic and cubic; results do not depend on it
 /// \throws MeshError when the mesh is inconsistent, has numbers that are not finite, or lacks uvs or, where the method needs
 /// them, normals

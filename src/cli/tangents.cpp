@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 #include <darboux/file_tangents.h>
@@ -13,10 +14,13 @@ struct Arguments {
   bool list = false;
 };
 
-const char* error_left(int order) {
-  constexpr const char* words[] = {"the same error", "half the error", "a quarter of the error",
-                                   "an eighth of the error", "a sixteenth of the error"};
-  return words[std::clamp(order, 0, 4)];
+const char* error_left(double order) {
+  // In half orders.
+  constexpr const char* words[] = {
+      "the same error",         "0.7 of the error",       "half the error",
+      "0.35 of the error",      "a quarter of the error", "0.18 of the error",
+      "an eighth of the error", "0.09 of the error",      "a sixteenth of the error"};
+  return words[std::clamp(static_cast<int>(std::lround(2 * order)), 0, 8)];
 }
 
 std::string errors_left(const ExpectedOrders& orders) {
@@ -61,11 +65,15 @@ void list(const Common& common) {
                      {"needs_normals", m.needs_normals},
                      {"order_regular", m.direction.regular},
                      {"order_jittered", m.direction.jittered},
-                     {"order_poles_regular", m.at_poles.regular},
-                     {"order_poles_jittered", m.at_poles.jittered},
+                     {"order_poles_regular", m.at_poles.tangent.regular},
+                     {"order_poles_jittered", m.at_poles.tangent.jittered},
+                     {"order_poles_bitangent_regular", m.at_poles.bitangent.regular},
+                     {"order_poles_bitangent_jittered", m.at_poles.bitangent.jittered},
                      {"tangent_charts", chart_name(m.tangent_chart)},
                      {"bitangent_charts", chart_name(m.bitangent_chart)},
-                     {"single_precision", m.single_precision}});
+                     {"single_precision", m.single_precision},
+                     {"source", m.source},
+                     {"cost", m.cost}});
     return print_json({{"methods", all}});
   }
   std::cout
@@ -78,8 +86,11 @@ void list(const Common& common) {
     std::cout << '\n' << m.name << '\n';
     print_paragraph("what", m.summary);
     print_paragraph("formula", m.formula);
-    print_paragraph("accuracy", errors_left(m.direction) + "; beside poles " + errors_left(m.at_poles));
+    print_paragraph("accuracy",
+                    errors_left(m.direction) + "; beside poles " + errors_left(m.at_poles.tangent));
     print_paragraph("uvs", uvs_it_suits(m.tangent_chart));
+    print_paragraph("source", m.source);
+    print_paragraph("cost", m.cost);
   }
 }
 

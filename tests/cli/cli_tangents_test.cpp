@@ -77,7 +77,7 @@ TEST_F(Cli, TangentsExplainsEveryMethod) {
   const Json methods = json("darboux tangents --list --json")["methods"];
   for (const Json& m : methods) {
     expect_keys(m, {"name", "summary", "formula", "order_regular", "order_jittered", "tangent_charts",
-                    "bitangent_charts"});
+                    "bitangent_charts", "source", "cost"});
     EXPECT_NE(text.find("\n" + m["name"].get<std::string>() + "\n    what      "), std::string::npos)
         << m["name"];
   }
