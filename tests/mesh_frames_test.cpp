@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <random>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -245,6 +248,17 @@ TEST(FrameMethods, BadMeshesAreRefused) {
   } catch (const ParameterError& e) {
     EXPECT_NE(std::string(e.what()).find("average"), std::string::npos)
         << "the message lists the known methods";
+  }
+}
+
+TEST(FrameMethods, NameTheirSourcesAndCosts) {
+  std::ifstream file(DARBOUX_SOURCE "/docs/references.bib");
+  const std::string references{std::istreambuf_iterator<char>(file), {}};
+  for (const FrameMethod& method : frame_methods()) {
+    EXPECT_TRUE(method.source == "Darboux" ||
+                references.find('{' + std::string(method.source) + ',') != std::string::npos)
+        << method.name << ": " << method.source;
+    EXPECT_TRUE(method.cost.starts_with("linear, about ")) << method.name;
   }
 }
 
