@@ -19,13 +19,13 @@ inline std::size_t thread_count(int threads) {
   return static_cast<std::size_t>(threads == 0 ? tbb::info::default_concurrency() : threads);
 }
 
-constexpr std::size_t pieces_of(std::size_t n, std::size_t threads, std::size_t least = 4096) {
+constexpr std::size_t pieces_of(std::size_t n, std::size_t threads, std::size_t least = 1 << 15) {
   return threads <= 1 ? 1 : std::min(n / least + 1, 16 * threads);
 }
 
 // f(begin, end) over pieces of [0, n), by so many threads: each takes the next piece when it is done with one.
 template <class F>
-void in_pieces(std::size_t n, std::size_t threads, const F& f, std::size_t least = 4096) {
+void in_pieces(std::size_t n, std::size_t threads, const F& f, std::size_t least = 1 << 15) {
   const std::size_t pieces = pieces_of(n, threads, least);
   if (pieces == 1) return f(std::size_t{0}, n);
   std::atomic<std::size_t> taken = 0;
