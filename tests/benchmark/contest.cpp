@@ -19,7 +19,9 @@
 namespace darboux::bench {
 namespace {
 
-constexpr double longest_call = 20;  // seconds; a maker that takes longer is measured once
+// Seconds: a maker that takes longer for a call is measured once, one whose process takes longer not at all.
+constexpr double longest_call = 20;
+constexpr int longest_process = 90;
 
 // What a command prints; where it fails, `refusal` is its last line, or else how it ended.
 std::string output_of(const std::string& command, std::string& refusal) {
@@ -30,6 +32,11 @@ std::string output_of(const std::string& command, std::string& refusal) {
     output += piece.data();
   const int status = pclose(pipe);
   if (status == 0) return output;
+  constexpr int timed_out = 124;  // of timeout
+  if (WEXITSTATUS(status) == timed_out) {
+    refusal = "takes more than " + std::to_string(longest_process) + " seconds";
+    return output;
+  }
   refusal = "ended with status " + std::to_string(WEXITSTATUS(status));
   std::istringstream lines(output);
   for (std::string line; std::getline(lines, line);) refusal = line;
@@ -43,7 +50,7 @@ std::optional<Sample> measure(const Maker& maker, const std::filesystem::path& m
   if (static_cast<std::size_t>(maker.threads) > cores.size()) refusal = "there are too few cores";
   if (!refusal.empty()) return {};
   std::ostringstream command;
-  command << "timeout 600 taskset -c ";
+  command << "timeout " << longest_process << " taskset -c ";
   for (int k = 0; k < maker.threads; ++k) command << (k > 0 ? "," : "") << cores[static_cast<std::size_t>(k)];
   command << ' ' << maker.command << ' ' << mesh;
   if (!tangents.empty()) command << ' ' << tangents / maker.key;

@@ -44,8 +44,8 @@ struct Result {
 };
 
 /// Makers on tori of several sizes, all against the first: for each of the others so many pairs, the first and then the other,
-/// each in a process of its own, on as many cores as it has threads. A maker that fails on a mesh is not run on it again, nor
-/// one whose call takes more than 20 seconds.
+/// each in a process of its own, on as many cores as it has threads. A maker that fails on a mesh, or takes
+/// more than 90 seconds, is not run on it again, nor one whose call takes more than 20.
 class Contest {
  public:
   Contest(std::vector<Maker> makers, std::vector<Size> sizes, bool indexed)

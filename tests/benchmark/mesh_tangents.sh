@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # mesh_tangents.sh [--quick]: builds the benchmark of mesh tangents in build/benchmark, installs the npm packages that it compares
-# with in build/benchmark/node, runs it, and writes the measured part of docs/reports/mesh-tangents.md. Takes about half an hour
+# with in build/benchmark/node, runs it, and writes the measured part of docs/reports/mesh-tangents.md. Takes about twenty minutes
 # beside the build, 8 GB of memory and 2 GB of disk; the machine should do nothing else. With --quick about a minute, small
 # meshes, and the report goes to build/benchmark/quick.
 # Needs what .ci/packages lists as build and benchmark; without node or npm the report says what was not compared.
