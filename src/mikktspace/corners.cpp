@@ -1,4 +1,5 @@
 // What each corner adds to the sums: four triangles at a time.
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cfloat>
@@ -147,8 +148,7 @@ void Connectivity::differentiate(bool lengths) {
         orientation_[triangle].preserves = found.preserves[i] != 0;
         orientation_[triangle].any = found.any[i] != 0;
         any_here = any_here || found.any[i] != 0;
-        if (lengths) lengths_[triangle] = {found.s_length[i], found.t_length[i]};
-        if (lengths && range_.scale) {
+        if (lengths) {
           const double unit = (range_.shrink_positions ? 4.0 : 1.0) / (range_.shrink_uvs ? 4.0 : 1.0) *
                               double{found.uv_scale[i]} / double{found.edge_scale[i]};
           lengths_[triangle] = {static_cast<float>(unit * double{found.s_length[i]}),
