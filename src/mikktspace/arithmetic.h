@@ -23,8 +23,5 @@ inline float length_of(const Vector& a) {
 inline Vector normalised(const Vector& a) {
   return not_zero(a) ? 1.0F / length_of(a) * a : a;
 }
-inline Vector across(const Vector& n, const Vector& a) {
-  return normalised(a - dot(n, a) * n);
-}
 
 }  // namespace darboux::mikk

@@ -49,10 +49,10 @@ struct Connectivity {
   Index vertex(std::size_t corner) const {
     return mesh_.corners.empty() ? static_cast<Index>(corner) : mesh_.corners[corner];
   }
-  static Vector vector(std::span<const float> x, std::size_t i) {
-    return {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
+  Vector position(Index v) const {
+    const float* p = &mesh_.positions[3 * std::size_t{v}];
+    return {p[0], p[1], p[2]};
   }
-  Vector position(Index v) const { return vector(mesh_.positions, v); }
   // `at` is 3 t + k for the k-th corner of the t-th triangle, in the order in which the original works on them.
   std::size_t corner(std::size_t at) const { return corner_.empty() ? at : corner_[at]; }
   Index welded(std::size_t at) const { return id_[vertex(corner(at))]; }
