@@ -1,0 +1,98 @@
+/// \file fit_points.h
+/// Recovers a surface, its placement and so the frame at every point from sampled points, with its uncertainty.
+/// Target darboux::fit. The method and its laws: docs/theory/fit.md.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <darboux/placed_surface.h>
+#include <darboux/point_cloud.h>
+
+namespace darboux {
+
+struct PointFitOptions {
+  std::string surface = "auto";  ///< the kind; auto: whichever of found_kinds() explains the points best
+  std::optional<double> noise;   ///< standard deviation of each coordinate, where it is known; else it is estimated
+  bool with_uv = false;          ///< each point is surface(uv) + noise, uv as stored under one convention for all
+  std::optional<PlacedSurface> guess;  ///< tried beside the starts that the points themselves give
+  std::uint64_t seed = 1;              ///< of the random samples: same points, same seed, same bits
+  std::function<void(double)> progress;  ///< called now and then with the share that is done, from this thread
+};
+
+struct StandardError {
+  std::string name;  ///< a parameter of the surface, "axis_deg" (angle of the axis, or of the normal) or "centre"
+  double value;      ///< in the units of the points, degrees for axis_deg
+};
+
+/// One kind of surface that was tried.
+struct FitCandidate {
+  std::string name;
+  double bic = 0;  ///< Bayesian information criterion, smaller is better; comparable among the candidates of one fit
+  double rms = 0;  ///< of the inliers' distances, in the units of the points
+};
+
+/// What a fit found. Only a usable one has a surface.
+struct PointFit {
+  bool usable = false;
+  std::string reason;                    ///< one line: why it is usable or not
+  std::optional<PlacedSurface> surface;  ///< lengths that only bound the patch (height, width, depth) enclose the inliers
+  double sigma = 0;                      ///< estimated noise of one coordinate, in the units of the points
+  double rms = 0;                        ///< of the inliers' distances
+  std::size_t inliers = 0, outliers = 0;
+  std::size_t ignored = 0;        ///< points that are not finite, counted in neither
+  std::vector<bool> is_inlier;    ///< one entry a point
+  bool mirrored = false;          ///< with uvs: they follow the mirror image of the surface; not usable then
+  std::vector<StandardError> standard_errors;
+  std::vector<FitCandidate> candidates;  ///< best first
+  int iterations = 0;                    ///< of Ceres, over all candidates
+  double seconds = 0;
+
+  /// Covariance of δ = (ω, τ, δp): the fitted surface's place and parameters are those of the true one after
+  /// x -> centre + exp(ω) (x - centre) + τ, ω in radians, τ in the units of the points, both along the axes of the
+  /// points' space; then the parameters in their order. What the points cannot tell because of a symmetry, and lengths
+  /// that only bound the patch, are fixed by convention: their variance is zero.
+  Eigen::MatrixXd covariance;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+};
+
+/// The kinds that are found without a guess and without uvs: plane, sphere, cylinder, cone, torus, ellipsoid.
+const std::vector<std::string_view>& found_kinds();
+
+/// Fits a surface to points, most of which lie on it up to isotropic Gaussian noise of unknown size; the others may lie
+/// anywhere. No start is needed. The estimate is that of maximum likelihood over orthogonal distances d for a mixture
+/// of inliers N(σ² H, σ²) and outliers of locally constant density, H = (k1 + k2) / 2 the curvature that moves the mean
+/// distance, found by Ceres. Lengths and place of the points do not matter: they are centred and scaled first.
+/// The gauge, where the surface has symmetries (docs/theory/fit.md): the axis points along the positive side of its
+/// largest component; the u origin is the world axis x, y or z least parallel to the axis, in that order, projected.
+/// Cost: linear in the points.
+/// \throws ParameterError for an unknown kind, a noise that is not positive, a guess of another kind or not finite;
+/// MeshError for attributes of another length than positions, or with_uv without uvs. Points that do not determine
+/// a surface give a fit that is not usable, and say why.
+PointFit fit_points(const PointCloud& points, const PointFitOptions& options = {});
+
+/// A frame of a fitted surface with its uncertainty.
+struct UncertainFrame {
+  Vec2<double> uv;        ///< of the surface
+  Vec3<double> position;  ///< on the surface
+  Vec3<double> t, b, n;   ///< orthonormal, in the points' space
+  Status status;
+  /// Covariance of the rotation vector (radians) that takes the true frame to this one, in the axes t, b, n.
+  Eigen::Matrix3d covariance;
+  double normal_deg = 0;   ///< standard deviation of the angle of n: sqrt(var t + var b)
+  double tangent_deg = 0;  ///< of t: sqrt(var b + var n); infinite where the chart has a pole within the uncertainty
+};
+
+/// The frame at the surface point nearest to p: p is fixed, the surface uncertain.
+UncertainFrame frame_near(const PointFit& fit, const Vec3<double>& p);
+
+/// The frame at the surface's own (u, v).
+UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv);
+
+}  // namespace darboux
