@@ -1,0 +1,220 @@
+// The estimate of maximum likelihood of one shape from a start, with Ceres.
+//
+// Model: a point's distance d from the surface is N(sigma^2 H, sigma^2) for an inlier, H = (k1 + k2) / 2 at the foot (isotropic
+// noise moves the mean distance from a curved surface by that much), and of constant density for an outlier. With e = d -
+// sigma^2 H, E = exp(-e^2 / 2 sigma^2) and the density `outliers` of outliers relative to the inliers' at e = 0, a point is an inlier with
+// probability w = E / (E + outliers).
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <ceres/ceres.h>
+
+#include "manifolds.h"
+#include "model.h"
+
+namespace darboux::fit {
+
+struct Noise {
+  double sigma, outliers;
+  bool sigma_known = false;
+};
+
+// Rounding of points scaled to size 1.
+inline constexpr double least_sigma = 1e-15;
+
+// What is known of each point at the current estimate.
+struct PointStates {
+  std::vector<double> d, curvature;   // signed distance, k1 + k2
+  std::vector<double> bias;           // sigma^2 H: what the distance of an inlier is on average
+  std::vector<unsigned char> kept;    // by the gate
+
+  explicit PointStates(std::size_t n) : d(n), curvature(n), bias(n, 0), kept(n, 1) {}
+  double error(std::size_t i) const { return d[i] - bias[i]; }
+};
+
+inline double inlier_probability(double error, const Noise& noise) {
+  const double r = error / noise.sigma, likelihood = std::exp(-0.5 * r * r);
+  return likelihood / (likelihood + noise.outliers);
+}
+
+// One step of expectation and maximisation of the noise. The outliers' density is that of a window six sigma wide.
+inline void update(Noise& noise, const PointStates& points) {
+  double inliers = 0, squares = 0, others = 0;
+  for (std::size_t i = 0; i < points.d.size(); ++i) {
+    if (!points.kept[i]) continue;
+    const double e = points.error(i), r = e / noise.sigma;
+    if (std::fabs(r) > 40) continue;
+    const double w = inlier_probability(e, noise);
+    inliers += w;
+    squares += w * e * e;
+    others += (1 - w) * std::exp(-r * r / 72);
+  }
+  if (!(inliers > 0)) return;
+  noise.outliers = std::fmax(others / (6 * inliers), 1e-12);
+  if (!noise.sigma_known) noise.sigma = std::fmax(std::sqrt(squares / inliers), least_sigma);
+}
+
+inline void update_bias(const Noise& noise, PointStates& points) {
+  for (std::size_t i = 0; i < points.d.size(); ++i) {
+    const double bias = 0.5 * noise.sigma * noise.sigma * points.curvature[i];
+    points.bias[i] = std::fabs(bias) < noise.sigma ? bias : 0;
+  }
+}
+
+// A cost function of all points that Ceres sees as few residuals: with H = V D V^T the matrix of the normal equations and g the
+// gradient, over the tangent (rotation vector, shape's parameters), the residuals are D^(-1/2) V^T g.
+//   descend: one more residual, for what is left of the weighted sum of squares; the weights are fixed: robust, from afar
+//   score: g is the gradient of the likelihood and V, D stay those of the first evaluation: a root, found to the last digits,
+//   where differences of the likelihood would drown in its rounding
+enum class Phase { descend, score };
+
+template <class Shape>
+class BatchedCost final : public ceres::CostFunction {
+ public:
+  static constexpr int S = Shape::size, N = 3 + S;
+  using Matrix = Eigen::Matrix<double, N, N>;
+  using Vector = Eigen::Matrix<double, N, 1>;
+
+  BatchedCost(Phase phase, const Eigen::Matrix3Xd& cloud, const Vector3d& origin, const Noise& noise, PointStates& states,
+              const std::vector<double>& weights)
+      : phase_(phase), cloud_(cloud), origin_(origin), noise_(noise), states_(states), weights_(weights) {
+    set_num_residuals(phase == Phase::descend ? N + 1 : N);
+    mutable_parameter_block_sizes()->push_back(4);
+    mutable_parameter_block_sizes()->push_back(S);
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    if constexpr (requires { Shape::permitted(parameters[1]); })
+      if (!Shape::permitted(parameters[1])) return false;
+    accumulate(parameters[0], parameters[1]);
+    if (!gradient_.allFinite() || !hessian_.allFinite()) return false;
+    if (phase_ == Phase::descend || !decomposed_) decompose();
+    const Vector r = roots_inverse_.cwiseProduct(vectors_.transpose() * gradient_);
+    Eigen::Map<Vector>(residuals, N) = r;
+    if (first_step_ < 0) first_step_ = r.norm();
+    if (phase_ == Phase::descend) residuals[N] = std::sqrt(std::fmax(0, squares_ - r.squaredNorm()));
+    if (jacobians != nullptr) {
+      const Matrix j = roots_inverse_.asDiagonal() * (vectors_.transpose() * hessian_);
+      if (jacobians[0] != nullptr) {
+        // Over the ambient quaternion: tangent derivatives times the left inverse of PlusJacobian.
+        Eigen::Matrix<double, 3, 4, Eigen::RowMajor> minus;
+        RotationManifold().MinusJacobian(parameters[0], minus.data());
+        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>> to(jacobians[0], num_residuals(), 4);
+        to.setZero();
+        to.topRows(N) = j.template leftCols<3>() * minus;
+      }
+      if (jacobians[1] != nullptr) {
+        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, S, S == 1 ? Eigen::ColMajor : Eigen::RowMajor>> to(
+            jacobians[1], num_residuals(), S);
+        to.setZero();
+        to.topRows(N) = j.template rightCols<S>();
+      }
+    }
+    return true;
+  }
+
+  const Matrix& hessian() const { return hessian_; }
+  // How far the first Newton step moves the surface: the root of the weighted sum of squares of its movements at the points.
+  double first_step() const { return first_step_; }
+
+ private:
+  // Leaves the distances and curvatures in the states.
+  void accumulate(const double* quaternion, const double* s) const {
+    if (std::equal(quaternion, quaternion + 4, at_.begin()) && std::equal(s, s + S, at_.begin() + 4)) return;
+    std::copy(quaternion, quaternion + 4, at_.begin());
+    std::copy(s, s + S, at_.begin() + 4);
+    const Matrix3d to_local = Eigen::Map<const Eigen::Quaterniond>(quaternion).conjugate().toRotationMatrix();
+    hessian_.setZero();
+    gradient_.setZero();
+    squares_ = 0;
+    Matrix likelihood_hessian = Matrix::Zero();
+    Local<S> local;
+    Vector row;
+    for (std::size_t i = 0; i < states_.d.size(); ++i) {
+      const Vector3d p = to_local * (cloud_.col(static_cast<Eigen::Index>(i)) - origin_);
+      Shape::at(s, p, local);
+      states_.d[i] = local.d;
+      states_.curvature[i] = local.curvature;
+      double w, curvature;
+      const double e = states_.error(i);
+      if (phase_ == Phase::descend) {
+        w = curvature = weights_[i];
+      } else {
+        const double r = e / noise_.sigma;
+        if (!states_.kept[i] || std::fabs(r) > 40) continue;
+        w = inlier_probability(e, noise_);
+        curvature = w - w * (1 - w) * r * r;
+      }
+      if (w < 1e-12) continue;
+      // Turning the frame by r moves the local point by p x r.
+      row.template head<3>() = local.gradient.cross(p);
+      for (int k = 0; k < S; ++k) row[3 + k] = local.by[k];
+      hessian_.noalias() += (w * row) * row.transpose();
+      if (phase_ == Phase::score) likelihood_hessian.noalias() += (curvature * row) * row.transpose();
+      gradient_ += w * e * row;
+      squares_ += w * e * e;
+    }
+    if (phase_ == Phase::score && Eigen::SelfAdjointEigenSolver<Matrix>(likelihood_hessian, Eigen::EigenvaluesOnly)
+                                          .eigenvalues()[0] > -1e-9 * likelihood_hessian.trace())
+      hessian_ = likelihood_hessian;
+  }
+
+  void decompose() const {
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(hessian_);
+    const double largest = eigen.eigenvalues()[N - 1];
+    vectors_ = eigen.eigenvectors();
+    for (int k = 0; k < N; ++k) {
+      const double lambda = eigen.eigenvalues()[k];
+      roots_inverse_[k] = lambda > 1e-15 * largest ? 1 / std::sqrt(lambda) : 0;
+    }
+    decomposed_ = true;
+  }
+
+  Phase phase_;
+  const Eigen::Matrix3Xd& cloud_;
+  Vector3d origin_;
+  const Noise& noise_;
+  PointStates& states_;
+  const std::vector<double>& weights_;
+  // Ceres calls from one thread; the last evaluation is kept.
+  mutable std::array<double, 4 + S> at_{std::numeric_limits<double>::quiet_NaN()};
+  mutable Matrix hessian_, vectors_;
+  mutable Vector gradient_, roots_inverse_;
+  mutable double squares_ = 0, first_step_ = -1;
+  mutable bool decomposed_ = false;
+};
+
+struct Solved {
+  bool converged = false;
+  int iterations = 0;
+};
+
+template <class Shape>
+Solved solve(BatchedCost<Shape>& cost, Model<Shape>& model, int most_iterations, double parameter_tolerance) {
+  static const RotationManifold manifold;
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  double* rotation = model.rotation.coeffs().data();
+  problem.AddResidualBlock(&cost, nullptr, rotation, model.s.data());
+  problem.SetManifold(rotation, const_cast<RotationManifold*>(&manifold));
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = most_iterations;
+  options.function_tolerance = 1e-20;
+  options.gradient_tolerance = 1e-30;
+  options.parameter_tolerance = parameter_tolerance;
+  options.initial_trust_region_radius = 1e8;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size())};
+}
+
+}  // namespace darboux::fit

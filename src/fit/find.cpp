@@ -1,0 +1,236 @@
+#include "find.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "estimate.h"
+#include "gate.h"
+
+namespace darboux::fit {
+namespace {
+
+using Eigen::Matrix3Xd;
+
+constexpr Eigen::Index scored_points = 600, refined_points = 800;
+constexpr std::size_t refined_starts = 5;
+
+Matrix3Xd evenly_chosen(const Matrix3Xd& cloud, Eigen::Index count, std::mt19937_64& random) {
+  if (cloud.cols() <= count) return cloud;
+  Matrix3Xd chosen(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index from = i * cloud.cols() / count, to = (i + 1) * cloud.cols() / count;
+    chosen.col(i) = cloud.col(from + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(to - from)));
+  }
+  return chosen;
+}
+
+// How well distances look like a narrow band of inliers among outliers of constant density, without knowing how narrow: the log
+// likelihood of k of n points spread evenly over |d| < band and the others over the size of the cloud, at the best band. Bands
+// are a factor of the square root of two apart.
+struct Score {
+  double value = -std::numeric_limits<double>::infinity(), band = 0;
+};
+class Scorer {
+ public:
+  explicit Scorer(std::size_t n) : n_(n), k_log_k_(n + 1, 0) {
+    for (std::size_t k = 1; k <= n; ++k) k_log_k_[k] = static_cast<double>(k) * std::log(static_cast<double>(k));
+  }
+  template <class Shape>
+  Score operator()(const Matrix3Xd& cloud, const Model<Shape>& model) {
+    constexpr int lowest = -100, highest = 4;  // halves of powers of two
+    std::array<std::size_t, highest - lowest + 1> count{};
+    const Matrix3d to_local = model.rotation.conjugate().toRotationMatrix();
+    for (Eigen::Index i = 0; i < cloud.cols(); ++i) {
+      const double d = Shape::distance(model.s.data(), to_local * (cloud.col(i) - model.origin));
+      const double square = d * d;
+      // Twice the binary logarithm of |d|, rounded down: the exponent of its square.
+      const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(square) >> 52) - 1023;
+      ++count[static_cast<std::size_t>(std::clamp(exponent, lowest, highest) - lowest)];
+    }
+    Score best;
+    std::size_t k = 0;
+    for (int e = lowest; e < highest; ++e) {
+      k += count[static_cast<std::size_t>(e - lowest)];
+      if (10 * k < n_) continue;
+      const double log_band = 0.5 * (e + 1) * std::numbers::ln2;
+      const double value = k_log_k_[k] + k_log_k_[n_ - k] - static_cast<double>(k) * log_band;
+      if (value > best.value) best = {value, std::exp(log_band)};
+    }
+    return best;
+  }
+
+ private:
+  std::size_t n_;
+  std::vector<double> k_log_k_;
+};
+
+template <class Shape>
+struct Candidate {
+  Model<Shape> model;
+  Score score;
+  Noise noise{};
+};
+
+// Expectation and maximisation on a part of the cloud, from afar: weighted least squares by Ceres, then the noise.
+template <class Shape>
+int descend(const Matrix3Xd& part, Candidate<Shape>& candidate, std::optional<double> sigma) {
+  const auto n = static_cast<std::size_t>(part.cols());
+  PointStates states(n);
+  std::vector<double> weights(n, 1);
+  Noise& noise = candidate.noise;
+  noise = {std::fmax(0.7 * candidate.score.band, least_sigma), 0.05, false};
+  int iterations = 0;
+  for (int round = 0; round < 25; ++round) {
+    const Matrix3d to_local = candidate.model.rotation.conjugate().toRotationMatrix();
+    Local<Shape::size> local;
+    for (std::size_t i = 0; i < n; ++i) {
+      Shape::at(candidate.model.s.data(), to_local * (part.col(static_cast<Eigen::Index>(i)) - candidate.model.origin),
+                local);
+      states.d[i] = local.d;
+      states.curvature[i] = local.curvature;
+    }
+    update_bias(noise, states);
+    for (int k = 0; k < 2; ++k) update(noise, states);
+    if (sigma) noise.sigma = std::fmax(noise.sigma, *sigma);
+    for (std::size_t i = 0; i < n; ++i) weights[i] = inlier_probability(states.error(i), noise);
+    BatchedCost<Shape> cost(Phase::descend, part, candidate.model.origin, noise, states, weights);
+    const Solved solved = solve(cost, candidate.model, 4, 1e-9);
+    iterations += solved.iterations;
+    const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
+    // Later movements are small beside what the part's size leaves open.
+    if (cost.first_step() <= 0.2 * noise.sigma * std::sqrt(Shape::freedom) + 1e-14 * std::sqrt(inliers)) break;
+  }
+  return iterations;
+}
+
+// Numerical derivatives of the natural description by the local tangent, and so its covariance.
+template <class Shape>
+Covariance natural_covariance(const Model<Shape>& model, const Eigen::MatrixXd& covariance, const Vector3d& reference) {
+  constexpr int n = 3 + Shape::size;
+  Eigen::Matrix<double, 9, n> by;
+  const Natural centre = natural(model);
+  for (int k = 0; k < n; ++k) {
+    std::array<Natural, 2> moved;
+    constexpr double h = 1e-5;
+    for (int side = 0; side < 2; ++side) {
+      Model<Shape> m = model;
+      const double step = side == 0 ? -h : h;
+      if (k < 3)
+        m.rotation = m.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(step, Vector3d::Unit(k)));
+      else
+        m.s[static_cast<std::size_t>(k - 3)] += step;
+      moved[static_cast<std::size_t>(side)] = natural(m);
+    }
+    Vector3d turn;
+    if constexpr (std::is_same_v<Shape, EllipsoidShape>) {
+      const Eigen::AngleAxisd rotation(Matrix3d(moved[1].axes * moved[0].axes.transpose()));
+      turn = rotation.angle() * rotation.axis();
+    } else {  // a turn about the axis means nothing
+      turn = centre.axes.col(2).cross(moved[1].axes.col(2) - moved[0].axes.col(2));
+      if (std::is_same_v<Shape, SphereShape>) turn.setZero();
+    }
+    turn /= 2 * h;
+    const Vector3d shift = (moved[1].centre - moved[0].centre) / (2 * h);
+    by.col(k).template head<3>() = turn;
+    by.col(k).template segment<3>(3) = shift - turn.cross(centre.centre - reference);
+    for (int l = 0; l < 3; ++l)
+      by(6 + l, k) = (moved[1].lengths[static_cast<std::size_t>(l)] - moved[0].lengths[static_cast<std::size_t>(l)]) / (2 * h);
+  }
+  return by * covariance * by.transpose();
+}
+
+}  // namespace
+
+template <class Shape>
+std::optional<Found> find(const Search& search) {
+  std::mt19937_64 random(search.seed);
+  const Matrix3Xd scored = evenly_chosen(search.cloud, scored_points, random);
+  const Matrix3Xd part = evenly_chosen(search.cloud, refined_points, random);
+  Scorer scorer(static_cast<std::size_t>(scored.cols()));
+
+  std::vector<Candidate<Shape>> candidates;
+  const auto consider = [&](const Natural& n, const Vector3d& at) {
+    const Model<Shape> model = localise<Shape>(n, at);
+    if (!model.origin.allFinite() || !model.rotation.coeffs().allFinite()) return;
+    candidates.push_back({model, scorer(scored, model)});
+  };
+  if (search.guess) consider(*search.guess, scored.col(0));
+  const auto m = search.oriented.points.cols();
+  constexpr int least = least_sample<Shape>;
+  for (const auto& [size, tries] : {std::pair{least, 100}, {least + 8, 60}, {3 * least + 20, 30}}) {
+    if (m < size) continue;
+    Oriented sample{Matrix3Xd(3, size), Matrix3Xd(3, size)};
+    for (int k = 0; k < tries; ++k) {
+      for (int j = 0; j < size; ++j) {
+        const auto i = static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(m));
+        sample.points.col(j) = search.oriented.points.col(i);
+        sample.normals.col(j) = search.oriented.normals.col(i);
+      }
+      if (const auto n = start<Shape>(sample)) consider(*n, sample.points.col(0));
+    }
+  }
+  if (candidates.empty()) return std::nullopt;
+  const auto better = [](const Candidate<Shape>& a, const Candidate<Shape>& b) { return a.score.value > b.score.value; };
+  const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(std::min(refined_starts, candidates.size()));
+  std::partial_sort(candidates.begin(), end, candidates.end(), better);
+  candidates.erase(end, candidates.end());
+
+  Found found;
+  found.kind = Shape::name;
+  found.freedom = Shape::freedom;
+  Scorer part_scorer(static_cast<std::size_t>(part.cols()));
+  for (Candidate<Shape>& c : candidates) {
+    found.iterations += descend(part, c, search.sigma);
+    c.score = part_scorer(part, c.model);
+  }
+  Candidate<Shape>& best = *std::min_element(candidates.begin(), candidates.end(), better);
+
+  // All points: noise, bias and gate by what the last estimate says, then a Newton step or two, until nothing moves.
+  const auto n = static_cast<std::size_t>(search.cloud.cols());
+  PointStates states(n);
+  Noise noise = best.noise;
+  if (search.sigma) noise = {*search.sigma, noise.outliers, true};
+  const std::vector<double> no_weights;
+  Model<Shape> model = best.model;
+  typename BatchedCost<Shape>::Matrix hessian;
+  for (int round = 0; round < 30 && !found.converged; ++round) {
+    BatchedCost<Shape> cost(Phase::score, search.cloud, model.origin, noise, states, no_weights);
+    const Solved solved = solve(cost, model, round == 0 ? 4 : 2, 1e-15);
+    found.iterations += solved.iterations;
+    if (!solved.converged) break;
+    hessian = cost.hessian();
+    const double inliers = std::fmax(hessian.trace(), 1e-300);
+    found.converged = round > 3 && cost.first_step() <= (1e-15 + 1e-10 * noise.sigma / std::sqrt(inliers)) * std::sqrt(inliers);
+    update_bias(noise, states);
+    for (int k = 0; k < 3; ++k) update(noise, states);
+    if (round < 4) gate<Shape>(search.cloud, natural(model), noise, states);
+  }
+
+  found.surface = natural(model);
+  found.sigma = noise.sigma;
+  found.outliers = noise.outliers;
+  using Matrix = typename BatchedCost<Shape>::Matrix;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(hessian);
+  Matrix covariance = Matrix::Zero();
+  constexpr int unobservable = 3 + Shape::size - Shape::freedom;  // turns about the normal that change nothing
+  for (int k = unobservable; k < 3 + Shape::size; ++k) {
+    const double variance = noise.sigma * noise.sigma / std::fmax(eigen.eigenvalues()[k], 1e-300);
+    covariance += variance * eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose();
+    if (k == unobservable) found.least_known = std::sqrt(1 / std::fmax(eigen.eigenvalues()[k], 1e-300));
+  }
+  found.reference = model.origin;
+  found.covariance = natural_covariance<Shape>(model, covariance, found.reference);
+  found.error.resize(n);
+  for (std::size_t i = 0; i < n; ++i) found.error[i] = states.error(i);
+  found.kept = std::move(states.kept);
+  return found;
+}
+
+template std::optional<Found> find<PlaneShape>(const Search&);
+template std::optional<Found> find<SphereShape>(const Search&);
+template std::optional<Found> find<CylinderShape>(const Search&);
+template std::optional<Found> find<ConeShape>(const Search&);
+template std::optional<Found> find<TorusShape>(const Search&);
+template std::optional<Found> find<EllipsoidShape>(const Search&);
+
+}  // namespace darboux::fit

@@ -1,0 +1,53 @@
+// One kind of surface found in a cloud of points that is centred and scaled to size 1, without a guess.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "starts.h"
+
+namespace darboux::fit {
+
+using Covariance = Eigen::Matrix<double, 9, 9>;
+
+// A surface with its uncertainty and what it says of every point.
+struct Found {
+  std::string_view kind;
+  int freedom = 0;
+  bool converged = false;
+  Natural surface;
+  double sigma = 0, outliers = 0;   // see estimate.h
+  Covariance covariance;            // of (rotation vector, movement of the point `reference`, lengths)
+  Vector3d reference;
+  double least_known = 0;           // standard deviation of the least known movement of the surface at the points
+  std::vector<double> error;        // signed distance less its bias
+  std::vector<unsigned char> kept;  // by the gate
+  int iterations = 0;
+};
+
+struct Search {
+  const Eigen::Matrix3Xd& cloud;
+  const Oriented& oriented;
+  std::optional<double> sigma;    // where it is known
+  std::optional<Natural> guess;
+  std::uint64_t seed;
+};
+
+// Calls f<Shape>() for each kind, in the order of preference.
+template <class F>
+void for_each_shape(F f) {
+  f.template operator()<PlaneShape>();
+  f.template operator()<SphereShape>();
+  f.template operator()<CylinderShape>();
+  f.template operator()<ConeShape>();
+  f.template operator()<TorusShape>();
+  f.template operator()<EllipsoidShape>();
+}
+
+// Nothing where no start leads to a surface.
+template <class Shape>
+std::optional<Found> find(const Search& search);
+
+}  // namespace darboux::fit
