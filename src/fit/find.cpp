@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 
 #include "estimate.h"
 #include "gate.h"
@@ -71,35 +72,56 @@ struct Candidate {
   Noise noise{};
 };
 
-// Expectation and maximisation on a part of the cloud, from afar: weighted least squares by Ceres, then the noise.
+// Distances and curvatures of all points.
+template <class Shape>
+void measure(const Matrix3Xd& cloud, const Model<Shape>& model, PointStates& states) {
+  const Matrix3d to_local = model.rotation.conjugate().toRotationMatrix();
+  Local<Shape::size> local;
+  for (std::size_t i = 0; i < states.d.size(); ++i) {
+    Shape::at(model.s.data(), to_local * (cloud.col(static_cast<Eigen::Index>(i)) - model.origin), local);
+    states.d[i] = local.d;
+    states.curvature[i] = local.curvature;
+  }
+}
+
+std::vector<double> inlier_probabilities(const PointStates& states, const Noise& noise) {
+  std::vector<double> w(states.d.size());
+  for (std::size_t i = 0; i < w.size(); ++i)
+    w[i] = states.kept[i] ? inlier_probability(states.error(i), noise) : 0;
+  return w;
+}
+
+// From afar: noise by the distances, then weighted least squares by Ceres, until the surface stays about where it is. Leaves it
+// in the local coordinates at an inlier near the middle.
 template <class Shape>
 int descend(const Matrix3Xd& part, Candidate<Shape>& candidate, std::optional<double> sigma) {
-  const auto n = static_cast<std::size_t>(part.cols());
-  PointStates states(n);
-  std::vector<double> weights(n, 1);
   Noise& noise = candidate.noise;
-  noise = {std::fmax(0.7 * candidate.score.band, least_sigma), 0.05, false};
+  noise = {std::max(0.7 * candidate.score.band, least_sigma), 0.05};
+  PointStates states(static_cast<std::size_t>(part.cols()));
+  std::vector<double> weights;
   int iterations = 0;
   for (int round = 0; round < 25; ++round) {
-    const Matrix3d to_local = candidate.model.rotation.conjugate().toRotationMatrix();
-    Local<Shape::size> local;
-    for (std::size_t i = 0; i < n; ++i) {
-      Shape::at(candidate.model.s.data(), to_local * (part.col(static_cast<Eigen::Index>(i)) - candidate.model.origin),
-                local);
-      states.d[i] = local.d;
-      states.curvature[i] = local.curvature;
-    }
+    measure(part, candidate.model, states);
     update_bias(noise, states);
-    for (int k = 0; k < 2; ++k) update(noise, states);
-    if (sigma) noise.sigma = std::fmax(noise.sigma, *sigma);
-    for (std::size_t i = 0; i < n; ++i) weights[i] = inlier_probability(states.error(i), noise);
+    update(noise, states);
+    if (sigma) noise.sigma = std::max(noise.sigma, *sigma);
+    weights = inlier_probabilities(states, noise);
     BatchedCost<Shape> cost(Phase::descend, part, candidate.model.origin, noise, states, weights);
-    const Solved solved = solve(cost, candidate.model, 4, 1e-9);
+    const Solved solved = solve(cost, candidate.model, 2, 1e-9);
     iterations += solved.iterations;
     const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
-    // Later movements are small beside what the part's size leaves open.
-    if (cost.first_step() <= 0.2 * noise.sigma * std::sqrt(Shape::freedom) + 1e-14 * std::sqrt(inliers)) break;
+    // What is left is small beside what so few points leave open.
+    if (cost.first_step() <= 0.3 * noise.sigma * std::sqrt(Shape::freedom) + 1e-14 * std::sqrt(inliers)) break;
   }
+  const Eigen::Map<const Eigen::VectorXd> w(weights.data(), part.cols());
+  const Vector3d mean = part * w / w.sum();
+  double nearest = std::numeric_limits<double>::infinity();
+  Vector3d at = mean;
+  for (Eigen::Index i = 0; i < part.cols(); ++i) {
+    const double square = (part.col(i) - mean).squaredNorm();
+    if (w[i] > 0.5 && square < nearest) nearest = square, at = part.col(i);
+  }
+  candidate.model = localise<Shape>(natural(candidate.model), at);
   return iterations;
 }
 
@@ -195,15 +217,21 @@ std::optional<Found> find(const Search& search) {
   typename BatchedCost<Shape>::Matrix hessian;
   for (int round = 0; round < 30 && !found.converged; ++round) {
     BatchedCost<Shape> cost(Phase::score, search.cloud, model.origin, noise, states, no_weights);
-    const Solved solved = solve(cost, model, round == 0 ? 4 : 2, 1e-15);
+    const Solved solved = solve(cost, model, 1, 1e-15);
     found.iterations += solved.iterations;
-    if (!solved.converged) break;
+    if (!solved.usable) break;
     hessian = cost.hessian();
-    const double inliers = std::fmax(hessian.trace(), 1e-300);
-    found.converged = round > 3 && cost.first_step() <= (1e-15 + 1e-10 * noise.sigma / std::sqrt(inliers)) * std::sqrt(inliers);
+    const double movement = cost.first_step() / std::sqrt(hessian.trace());  // rms, about
+
+    found.converged = round > 3 && movement <= 1e-15 + 1e-10 * noise.sigma / std::sqrt(hessian.trace());
+    if (!solved.moved && !found.converged) {
+      const std::vector<double> weights = inlier_probabilities(states, noise);
+      BatchedCost<Shape> robust(Phase::descend, search.cloud, model.origin, noise, states, weights);
+      found.iterations += solve(robust, model, 10, 1e-12).iterations;
+    }
     update_bias(noise, states);
-    for (int k = 0; k < 3; ++k) update(noise, states);
-    if (round < 4) gate<Shape>(search.cloud, natural(model), noise, states);
+    update(noise, states);
+    if (round < 3) gate<Shape>(search.cloud, natural(model), noise, states);
   }
 
   found.surface = natural(model);
@@ -214,9 +242,9 @@ std::optional<Found> find(const Search& search) {
   Matrix covariance = Matrix::Zero();
   constexpr int unobservable = 3 + Shape::size - Shape::freedom;  // turns about the normal that change nothing
   for (int k = unobservable; k < 3 + Shape::size; ++k) {
-    const double variance = noise.sigma * noise.sigma / std::fmax(eigen.eigenvalues()[k], 1e-300);
+    const double variance = noise.sigma * noise.sigma / std::max(eigen.eigenvalues()[k], 1e-300);
     covariance += variance * eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose();
-    if (k == unobservable) found.least_known = std::sqrt(1 / std::fmax(eigen.eigenvalues()[k], 1e-300));
+    if (k == unobservable) found.least_known = std::sqrt(1 / std::max(eigen.eigenvalues()[k], 1e-300));
   }
   found.reference = model.origin;
   found.covariance = natural_covariance<Shape>(model, covariance, found.reference);

@@ -4,6 +4,7 @@
 // kappa = 0. Signed distance is positive on the side z < rho.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -42,12 +43,12 @@ struct SphereShape {
   static double distance(const double* s, const Vector3d& p) {
     const double zeta = p.z() - s[0];
     const double q = s[1] * (p.x() * p.x() + p.y() * p.y() + zeta * zeta) - 2 * zeta;
-    return q / (1 + std::sqrt(std::fmax(0, 1 + s[1] * q)));
+    return q / (1 + std::sqrt(std::max(0.0, 1 + s[1] * q)));
   }
   static void at(const double* s, const Vector3d& p, Local<size>& out) {
     const double kappa = s[1], zeta = p.z() - s[0];
     const double square = p.x() * p.x() + p.y() * p.y() + zeta * zeta, q = kappa * square - 2 * zeta;
-    const double root = std::fmax(std::sqrt(std::fmax(0, 1 + kappa * q)), 1e-150);
+    const double root = std::max(std::sqrt(std::max(0.0, 1 + kappa * q)), 1e-150);
     out.d = q / (1 + root);
     out.gradient = Vector3d(kappa * p.x(), kappa * p.y(), kappa * zeta - 1) / root;
     out.by = {-out.gradient.z(), (square + zeta * out.d) / ((1 + root) * root)};
@@ -84,7 +85,7 @@ struct ConeShape {
     r.sine = std::sin(s[2]), r.cosine = std::cos(s[2]);
     r.zeta = p.z() - s[0];
     r.m = r.cosine + s[1] * (p.x() * r.sine - r.zeta * r.cosine);
-    r.root = std::fmax(std::sqrt(s[1] * p.y() * s[1] * p.y() + r.m * r.m), 1e-150);
+    r.root = std::max(std::sqrt(s[1] * p.y() * s[1] * p.y() + r.m * r.m), 1e-150);
     r.y_part = r.m > 0 ? p.y() * p.y() / (r.root + r.m) : (r.root - r.m) / (s[1] * s[1]);
     r.f = s[1] * r.y_part;
     return r;
@@ -101,7 +102,7 @@ struct ConeShape {
     const double w = p.x() * c + r.zeta * r.sine;
     out.by = {-out.gradient.z(), c * c * r.y_part / r.root,
               r.f * (-r.sine + c / r.root * (r.sine - s[1] * w))};
-    out.curvature = c * s[1] / std::fmax(r.root - s[1] * out.d * c, 1e-6);
+    out.curvature = c * s[1] / std::max(r.root - s[1] * out.d * c, 1e-6);
   }
 };
 
@@ -121,7 +122,7 @@ struct TorusShape {
     const double z = p.z() - s[0] - 1 / s[1];
     r.h = p.x() * r.cosine + z * r.sine;
     r.u = z * r.cosine - p.x() * r.sine - s[2];
-    r.from_axis = std::fmax(std::sqrt(r.u * r.u + p.y() * p.y()), 1e-150);
+    r.from_axis = std::max(std::sqrt(r.u * r.u + p.y() * p.y()), 1e-150);
     r.side = 1;
     r.to_circle = r.from_axis - s[2];
     r.tube = std::sqrt(r.to_circle * r.to_circle + r.h * r.h);
@@ -131,7 +132,7 @@ struct TorusShape {
       if (std::fabs(far_tube * s[1] - 1) < std::fabs(r.tube * s[1] - 1))
         r.side = -1, r.to_circle = far_to_circle, r.tube = far_tube;
     }
-    r.tube = std::fmax(r.tube, 1e-150);
+    r.tube = std::max(r.tube, 1e-150);
     return r;
   }
   static double distance(const double* s, const Vector3d& p) { return parts(s, p).tube - 1 / s[1]; }
@@ -145,7 +146,7 @@ struct TorusShape {
     out.by = {-out.gradient.z(), (1 + out.gradient.z()) / (s[1] * s[1]),
               radial * (-r.u / r.from_axis - r.side), axial * (r.u + s[2]) - along_u * r.h};
     const double foot = r.from_axis - out.d * radial;
-    out.curvature = s[1] + radial / std::copysign(std::fmax(std::fabs(foot), 1e-6), foot);
+    out.curvature = s[1] + radial / std::copysign(std::max(std::fabs(foot), 1e-6), foot);
   }
   static bool permitted(const double* s) { return s[1] > 1e-9 && s[2] >= 0; }
 };
@@ -180,7 +181,7 @@ struct EllipsoidShape {
       if (std::fabs(step) <= 1e-16 * (std::fabs(r.t) + r.square.minCoeff()) || (k > 0 && step <= 0)) break;
     }
     r.over = q.cwiseQuotient((r.square.array() + r.t).max(1e-300).matrix());
-    r.length = std::fmax(r.over.norm(), 1e-150);
+    r.length = std::max(r.over.norm(), 1e-150);
     return r;
   }
   static double distance(const double* s, const Vector3d& p) {
