@@ -82,13 +82,13 @@ class Fit {
     // The fitted value is (f R⁻¹)(Qᵀ values): what comes of each degree.
     const Eigen::Matrix<double, 1, M> gain = f * inverse_.template topRows<jet>();
     const Eigen::Matrix<double, M - N, 1> next = b_.template bottomRows<M - N>() * s;
-    const auto gain_next = gain.template tail<M - N>();
-    const double freedom = static_cast<double>(n_ - M), noise = (rest_ * s).squaredNorm() / freedom;
-    const double change = gain_next.dot(next);  // of the value, by the next degree
-    const double next_change = std::fmax(0.0, change * change - noise * gain_next.squaredNorm());
-    const double size = std::fmax(0.0, next.squaredNorm() / (M - N) - noise);  // of a term of the next degree
-    return freedom / (freedom - 2) * noise * gain.template head<N>().squaredNorm() + next_change +
-           size * gain.template segment<degree + 1>(N - degree - 1).squaredNorm();
+    const double noise = (rest_ * s).squaredNorm() / static_cast<double>(n_ - M - 2);
+    const double change = gain.template tail<M - N>().dot(next);
+    // Neighbours that lie symmetrically hide from the next degree what has the other parity: a term as large as those of the
+    // next degree, seen through the highest degree here.
+    const double hidden = next.squaredNorm() / (M - N);
+    return noise * gain.squaredNorm() + change * change +
+           hidden * gain.template segment<degree + 1>(N - degree - 1).squaredNorm();
   }
 
  private:
@@ -183,6 +183,9 @@ class LocalFit {
     points_.resize(n, 3);
     for (Eigen::Index i = 0; i < n; ++i)
       points_.row(i) = to_eigen((neighbours[static_cast<std::size_t>(i)] - at) / radius);
+    const double size = std::sqrt(points_.rowwise().squaredNorm().maxCoeff());
+    points_ /= size;
+    radius *= size;
 
     // The plane of least squares: across it the covariance is smallest.
     const Eigen::RowVector3d mean = points_.colwise().mean();

@@ -70,7 +70,8 @@ void add_noise(Patch& patch, Random& random, double sigma) {
 }
 
 const std::array<const char*, 3> specifications{"torus:major_radius=1,minor_radius=0.4",
-                                                "ellipsoid:a=1,b=1.3,c=0.8", "sphere:radius=1"};
+                                                "ellipsoid:semi_axis_x=1,semi_axis_y=1.3,semi_axis_z=0.8",
+                                                "sphere:radius=1"};
 
 // The angle between two directions without sign.
 double line_angle(const Vec3<double>& a, const Vec3<double>& b) {
@@ -90,7 +91,9 @@ double rms(const std::vector<double>& x) {
   return std::sqrt(sum / static_cast<double>(x.size()));
 }
 
-double largest(const Vec3<double>& a) { return detail::largest_component(a); }
+double largest(const Vec3<double>& a) {
+  return detail::largest_component(a);
+}
 
 // The foot of the fit lies off the query by O(h^(d + 1)): truth is that at the query.
 TEST(LocalJets, NormalsOfOrderDAndCurvaturesOfOrderDMinus1) {
@@ -128,7 +131,9 @@ TEST(LocalJets, NormalsOfOrderDAndCurvaturesOfOrderDMinus1) {
       EXPECT_LT(n, degree + above) << specification << degree;
       EXPECT_GT(k, degree - 1.2) << specification << degree;
       EXPECT_LT(k, degree - 1 + above) << specification << degree;
-      if (above < 1) { EXPECT_NEAR(d, degree - 1, 0.2) << specification << degree; }
+      if (above < 1) {
+        EXPECT_NEAR(d, degree - 1, 0.2) << specification << degree;
+      }
     }
 }
 
@@ -210,7 +215,7 @@ TEST(LocalJets, ExactOnGraphsOfPolynomials) {
       const auto turned = [&](const Vec3<double>& p) { return from_eigen(pose.linear() * to_eigen(p)); };
       Points points;
       for (const auto& [x, y] : places) points.push_back(placed({x, y, z(x, y)}));
-      const Jet2<double> truth{{0, 0, z.c[0][0]},  {1, 0, z.c[1][0]}, {0, 1, z.c[0][1]},
+      const Jet2<double> truth{{0, 0, z.c[0][0]},     {1, 0, z.c[1][0]}, {0, 1, z.c[0][1]},
                                {0, 0, 2 * z.c[2][0]}, {0, 0, z.c[1][1]}, {0, 0, 2 * z.c[0][2]}};
       const Frame<double> frame = frame_from_partials(truth.dpdu, truth.dpdv);
       const auto k = curvature(truth, frame);
@@ -220,7 +225,8 @@ TEST(LocalJets, ExactOnGraphsOfPolynomials) {
       const double tolerance = 40 * 0x1p-53 * jet.condition;
       EXPECT_LT(largest(jet.position - placed(truth.position)), tolerance) << degree;
       EXPECT_LT(angle_between(jet.n, turned(frame.n)), tolerance) << degree;
-      for (int i = 0; i < 2; ++i) EXPECT_NEAR(jet.curvature.principal[i], k.principal[i], tolerance) << degree;
+      for (int i = 0; i < 2; ++i)
+        EXPECT_NEAR(jet.curvature.principal[i], k.principal[i], tolerance) << degree;
       EXPECT_LT(line_angle(jet.curvature.directions[0], turned(k.directions[0])),
                 tolerance / (k.principal[0] - k.principal[1]))
           << degree;
@@ -233,7 +239,8 @@ TEST(UvJets, ExactOnPolynomials) {
   Random random(8);
   for (int degree = 2; degree <= 4; ++degree)
     for (int repeat = 0; repeat < 100; ++repeat) {
-      const std::array<Polynomial, 3> p{Polynomial::random(random, degree), Polynomial::random(random, degree),
+      const std::array<Polynomial, 3> p{Polynomial::random(random, degree),
+                                        Polynomial::random(random, degree),
                                         Polynomial::random(random, degree)};
       // A sheared chart of unequal sizes about a place of its own: u = 3 + 1e-3 x, v = -2 + 50 (x + y).
       const auto uv_of = [](double x, double y) { return Vec2<double>{3 + 1e-3 * x, -2 + 50 * (x + y)}; };
@@ -245,7 +252,9 @@ TEST(UvJets, ExactOnPolynomials) {
         points.push_back({p[0](x, y), p[1](x, y), p[2](x, y)});
       }
       const UvJet jet = uv_jet(uvs, points, uv_of(0, 0), {.degree = degree});
-      const auto coefficient = [&](int i, int j) { return Vec3<double>{p[0].c[i][j], p[1].c[i][j], p[2].c[i][j]}; };
+      const auto coefficient = [&](int i, int j) {
+        return Vec3<double>{p[0].c[i][j], p[1].c[i][j], p[2].c[i][j]};
+      };
       // x = (u - 3)/1e-3, y = (v + 2)/50 - x.
       const Vec3<double> x = coefficient(1, 0), y = coefficient(0, 1), xx = 2.0 * coefficient(2, 0),
                          xy = coefficient(1, 1), yy = 2.0 * coefficient(0, 2);
@@ -314,7 +323,8 @@ class Coverage {
   }
   double within() const { return within_ / count_; }
   double median() {
-    std::nth_element(ratios_.begin(), ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2), ratios_.end());
+    std::nth_element(ratios_.begin(), ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2),
+                     ratios_.end());
     return ratios_[ratios_.size() / 2];
   }
   double count() const { return count_; }
@@ -354,8 +364,8 @@ TEST(LocalJets, ErrorsCoverNoiseAndTruncation) {
           if (jet.direction_error < 0.2)  // radians: it is of first order
             directions.add(line_angle(jet.curvature.directions[0], truth.directions[0]), jet.direction_error);
         }
-        const std::string what =
-            std::string(specification).substr(0, 9) + " degree " + std::to_string(degree) + " noise " + std::to_string(sigma);
+        const std::string what = std::string(specification).substr(0, 9) + " degree " +
+                                 std::to_string(degree) + " noise " + std::to_string(sigma);
         expect_honest(what + " normal", normals);
         expect_honest(what + " k1", k1);
         expect_honest(what + " k2", k2);
@@ -392,10 +402,12 @@ TEST(UvJets, ErrorsCoverNoiseAndTruncation) {
             us.add(norm(jet.jet.dpdu - truth.dpdu), jet.dpdu_error);
             vs.add(norm(jet.jet.dpdv - truth.dpdv), jet.dpdv_error);
             tangents.add(angle_between(jet.jet.dpdu, truth.dpdu), jet.tangent_error);
-            normals.add(angle_between(jet.frame.n, frame_from_partials(truth.dpdu, truth.dpdv).n), jet.normal_error);
+            normals.add(angle_between(jet.frame.n, frame_from_partials(truth.dpdu, truth.dpdv).n),
+                        jet.normal_error);
           }
-          const std::string what = std::string(specification).substr(0, 9) + " degree " + std::to_string(degree) +
-                                   " jitter " + std::to_string(jitter) + " noise " + std::to_string(sigma);
+          const std::string what = std::string(specification).substr(0, 9) + " degree " +
+                                   std::to_string(degree) + " jitter " + std::to_string(jitter) + " noise " +
+                                   std::to_string(sigma);
           expect_honest(what + " dpdu", us);
           expect_honest(what + " dpdv", vs);
           expect_honest(what + " t", tangents);
