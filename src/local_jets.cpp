@@ -188,12 +188,16 @@ class LocalFit {
     radius *= size;
 
     // The plane of least squares: across it the covariance is smallest.
-    const Eigen::RowVector3d mean = points_.colwise().mean();
+    weights_.setOnes(n);
+    if (!weights.empty()) weights_ = Eigen::Map<const Eigen::VectorXd>(weights.data(), n);
+    weights_ /= weights_.maxCoeff();
+    const Eigen::RowVector3d mean = weights_.transpose() * points_ / weights_.sum();
     Eigen::Matrix3d covariance;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j <= i; ++j)
         covariance(i, j) = covariance(j, i) =
-            (points_.col(i).array() - mean(i)).matrix().dot((points_.col(j).array() - mean(j)).matrix());
+            (weights_.array() * (points_.col(i).array() - mean(i)) * (points_.col(j).array() - mean(j)))
+                .sum();
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
     eigen.computeDirect(covariance);
     const Eigen::Vector3d up = eigen.eigenvectors().col(0).normalized();
@@ -243,6 +247,7 @@ class LocalFit {
  private:
   Fit<degree, 1> fit_;
   Eigen::Matrix<double, Eigen::Dynamic, 3> points_;
+  Eigen::VectorXd weights_;
 };
 
 template <int degree>

@@ -52,7 +52,7 @@ std::vector<Rule> rules(const Includes& tree) {
        "frames/[a-z_]+|fragments|vertex_normals|pieces|"
        "mesh_classes|mikktspace|mikktspace/"
        "[a-z_]+|split_vertices|weld|sample_mesh|sample_mesh/"
-       "[a-z_]+|converge|placed_surface|validate)\\.(h|cpp)",
+       "[a-z_]+|converge|placed_surface|validate|point_cloud|local_jets|neighbours)\\.(h|cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
       {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",
        std::string(standard) + "|darboux/(scalar|vector)\\.h", ""},
@@ -64,6 +64,13 @@ std::vector<Rule> rules(const Includes& tree) {
        ""},
       {"xsimd stays in the kernels", "(?!src/kernels/|tests/).*", "", "xsimd/.*"},
       {"threads stay behind these", "(?!src/evaluate\\.cpp|src/pieces\\.h|tests/).*", "", "tbb/.*"},
+      {"local jets know no parametric surface and no mesh",
+       "(include/darboux|src)/(point_cloud|local_jets|neighbours)\\.(h|cpp)",
+       std::string(standard) +
+           "|Eigen/.*|nanoflann\\.hpp|darboux/(vector|surface|forms|point_cloud|local_jets|error)\\.h|(neighbours|"
+           "pieces)\\.h",
+       ""},
+      {"nanoflann stays behind neighbours.h", "(?!src/neighbours\\.h|tests/).*", "", "nanoflann\\.hpp"},
       {"a mesh knows no parametric surface", "(include/darboux|src)/" + mesh_core + "\\.(h|cpp)",
        std::string(standard) + "|Eigen/.*|darboux/(scalar|vector|surface|frame|error)\\.h|darboux/" +
            mesh_core +
@@ -139,6 +146,9 @@ TEST(Arrows, EveryWrongArrowIsFound) {
       {"include/darboux/curve.h", "darboux/frame.h"},
       {"include/darboux/testing.h", "boost/multiprecision/cpp_bin_float.hpp"},
       {"src/validate.cpp", "darboux/fit.h"},
+      {"src/fit/start.cpp", "nanoflann.hpp"},
+      {"src/local_jets.cpp", "darboux/torus.h"},
+      {"include/darboux/local_jets.h", "darboux/mesh.h"},
       {"include/darboux/mesh.h", "darboux/evaluate.h"},
       {"include/darboux/mesh_frames.h", "darboux/torus.h"},
       {"include/darboux/weld.h", "darboux/any_surface.h"},

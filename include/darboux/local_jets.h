@@ -63,7 +63,7 @@ struct UvJet {
 /// polynomials over their neighbours' plane. Neighbours that determine no polynomial (too few, coincident, collinear, on one
 /// curve of that degree: condition above 1e12) give NaN with the status no_frame, NaN or infinite ones non_finite_input
 /// beside it.
-/// Cost: linear in the neighbours; about 3, 7 and 14 µs for 20, 30 and 42 of them and degree 2, 3, 4.
+/// Cost: linear in the neighbours; about 5, 8 and 12 µs for 20, 30 and 42 of them and degree 2, 3, 4.
 /// \throws ParameterError for a degree outside 2 to 4, and for weights that are not positive and finite or not one a neighbour
 LocalJet local_jet(std::span<const Vec3<double>> neighbours, const Vec3<double>& at,
                    const JetOptions& options = {});
