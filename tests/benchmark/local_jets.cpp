@@ -85,7 +85,8 @@ void table(bool quick) {
       "| degree | neighbours | Darboux, fits/s | CGAL, fits/s | × CGAL | normal error, Darboux | CGAL | "
       "curvature error, "
       "Darboux | CGAL |\n|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
-  for (const auto& [degree, k] : {std::pair{2, 12}, {2, 20}, {3, 20}, {3, 30}, {4, 31}, {4, 42}}) {
+  for (const auto& row : {std::pair{2, 12}, {2, 20}, {3, 20}, {3, 30}, {4, 31}, {4, 42}}) {
+    const int degree = row.first, k = row.second;
     const auto size = static_cast<std::size_t>(k);
     std::vector<std::uint32_t> near(size);
     std::vector<double> squared(size);
