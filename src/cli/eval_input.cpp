@@ -10,118 +10,22 @@
 #include <filesystem>
 #include <istream>
 #include <limits>
-#include <streambuf>
 #include <utility>
 
-#include <fcntl.h>
 #include <nlohmann/json.hpp>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <darboux/error.h>
 
 #include "command.h"
+#include "io/input.h"
 
 namespace darboux {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary points are copied as they are");
 
-// ---- bytes ------------------------------------------------------------------------------------------------------
-
-struct Descriptor {
-  int value = -1;
-  Descriptor() = default;
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (value >= 0) ::close(value);
-  }
-};
-
-// A file, pipe or standard input as a stream buffer that keeps count. What goes wrong while reading ends it;
-// finish() says so.
-class InputBytes final : public std::streambuf {
- public:
-  // \param kind what is permitted, "CSV file of u,v"
-  InputBytes(const std::string& path, std::string kind)
-      : path_(path == "-" ? "standard input" : path), kind_(std::move(kind)), buffer_(std::size_t{1} << 18) {
-    if (path == "-") {
-      descriptor_.value = ::dup(STDIN_FILENO);
-    } else {
-      std::error_code error;
-      if (std::filesystem::is_directory(path, error))
-        throw FileError(path, "is a folder, permitted is a " + kind_);
-      descriptor_.value = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    }
-    if (descriptor_.value < 0) throw FileError(path_, "cannot be opened, permitted is a readable " + kind_);
-    struct stat status {};
-    if (::fstat(descriptor_.value, &status) == 0 && S_ISREG(status.st_mode)) {
-      const auto at = std::max<off_t>(::lseek(descriptor_.value, 0, SEEK_CUR), 0);
-      size_ = static_cast<std::uint64_t>(std::max<off_t>(status.st_size - at, 0));
-    }
-  }
-
-  const std::string& path() const { return path_; }
-  // Bytes of a regular file from where it stood on.
-  std::optional<std::uint64_t> size() const { return size_; }
-  // Bytes taken from it.
-  std::uint64_t taken() const { return filled_ - static_cast<std::uint64_t>(egptr() - gptr()); }
-  std::optional<double> share() const {
-    if (!size_ || *size_ == 0) return std::nullopt;
-    return std::min(1.0, static_cast<double>(taken()) / static_cast<double>(*size_));
-  }
-  // Up to `count` bytes, fewer only at the end.
-  std::size_t take(char* to, std::size_t count) {
-    return static_cast<std::size_t>(sgetn(to, static_cast<std::streamsize>(count)));
-  }
-  // To be called at the end.
-  void finish() const {
-    if (error_ != 0)
-      throw FileError(path_, std::string("cannot be read to its end (") + std::strerror(error_) +
-                                 "), permitted is a readable " + kind_);
-  }
-
- protected:
-  int_type underflow() override {
-    if (gptr() < egptr()) return traits_type::to_int_type(*gptr());
-    ssize_t count = -1;
-    do count = ::read(descriptor_.value, buffer_.data(), buffer_.size());
-    while (count < 0 && errno == EINTR);
-    if (count <= 0) {
-      if (count < 0) error_ = errno;
-      return traits_type::eof();
-    }
-    filled_ += static_cast<std::uint64_t>(count);
-    setg(buffer_.data(), buffer_.data(), buffer_.data() + count);
-    return traits_type::to_int_type(*gptr());
-  }
-
- private:
-  std::string path_, kind_;
-  std::vector<char> buffer_;
-  Descriptor descriptor_;
-  int error_ = 0;
-  std::uint64_t filled_ = 0;
-  std::optional<std::uint64_t> size_;
-};
-
 // ---- csv --------------------------------------------------------------------------------------------------------
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r";
-  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
-  return text.substr(0, text.find_last_not_of(blanks) + 1);
-}
-
-// A field of a CSV line as a double; NaN and infinities are numbers here, their samples carry a status.
-std::optional<double> parse_field(std::string_view field) {
-  const std::string_view text = trimmed(field);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 class CsvInput final : public PointInput {
  public:
@@ -129,37 +33,20 @@ class CsvInput final : public PointInput {
   std::optional<double> share() const override { return bytes_.share(); }
 
   void read(PointBlocks& points) override {
-    std::istream in(&bytes_);
-    std::string line;
+    io::Lines lines(bytes_, "lines like 0.25,0.5");
     std::size_t u_column = 0, v_column = 1;
-    std::uint64_t line_number = 0;
     bool first = true;
-    const auto fail = [&](const std::string& why) {
-      throw FileError(bytes_.path() + ":" + std::to_string(line_number), why);
-    };
-    constexpr std::size_t longest_line = 65536;  // else a file without line ends would be read whole
-    const auto next_line = [&] {
-      line.clear();
-      ++line_number;
-      int c = in.rdbuf()->sbumpc();
-      if (c == std::char_traits<char>::eof()) return false;
-      for (; c != '\n' && c != std::char_traits<char>::eof(); c = in.rdbuf()->sbumpc()) {
-        if (line.size() == longest_line)
-          fail("a line of more than 65536 characters, permitted are lines like 0.25,0.5");
-        line.push_back(static_cast<char>(c));
-      }
-      return true;
-    };
-    while (next_line()) {
-      if (line_number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
-      if (line.empty() || line == "\r" || line[0] == '#') continue;
-      if (std::exchange(first, false) && !parse_field(std::string_view(line).substr(0, line.find(',')))) {
+    while (lines.next()) {
+      const std::string_view line = lines.text();
+      if (std::exchange(first, false) && !io::parse_number(line.substr(0, line.find(',')))) {
         const std::vector<std::string> names = split(line, ',');
         const auto column = [&](const std::string& name) {
           const auto found =
-              std::find_if(names.begin(), names.end(), [&](const auto& x) { return trimmed(x) == name; });
+              std::find_if(names.begin(), names.end(), [&](const auto& x) { return io::trimmed(x) == name; });
           if (found == names.end())
-            fail("the header has no column '" + name + "', permitted is a header with u and v or none");
+            throw FileError(
+                bytes_.path() + ":" + std::to_string(lines.number()),
+                "the header has no column '" + name + "', permitted is a header with u and v or none");
           return static_cast<std::size_t>(found - names.begin());
         };
         u_column = column("u");
@@ -170,13 +57,12 @@ class CsvInput final : public PointInput {
       std::string_view rest = line;
       for (std::size_t k = 0; k <= std::max(u_column, v_column); ++k) {
         const std::size_t end = rest.find(',');
-        if (k == u_column) u = parse_field(rest.substr(0, end));
-        if (k == v_column) v = parse_field(rest.substr(0, end));
+        if (k == u_column) u = io::parse_number(rest.substr(0, end));
+        if (k == v_column) v = io::parse_number(rest.substr(0, end));
         if (end == std::string_view::npos) break;
         rest.remove_prefix(end + 1);
       }
-      if (!u || !v)
-        fail("'" + line.substr(0, 60) + "' does not hold two numbers u,v, permitted are lines like 0.25,0.5");
+      if (!u || !v) lines.fail("'" + std::string(line.substr(0, 60)) + "' does not hold two numbers u,v");
       points.add(*u, *v);
     }
     bytes_.finish();
@@ -184,7 +70,7 @@ class CsvInput final : public PointInput {
   }
 
  private:
-  InputBytes bytes_;
+  io::InputBytes bytes_;
 };
 
 // ---- json -------------------------------------------------------------------------------------------------------
@@ -192,7 +78,7 @@ class CsvInput final : public PointInput {
 // Hears a document and passes the u and v of each sample on. Only where it is in the document is remembered.
 class SampleListener final : public nlohmann::json_sax<Json> {
  public:
-  SampleListener(const InputBytes& bytes, PointBlocks& points) : bytes_(bytes), points_(points) {}
+  SampleListener(const io::InputBytes& bytes, PointBlocks& points) : bytes_(bytes), points_(points) {}
 
   bool null() override { return number_is(std::numeric_limits<double>::quiet_NaN()); }
   bool boolean(bool) override { return other(); }
@@ -275,7 +161,7 @@ class SampleListener final : public nlohmann::json_sax<Json> {
     return true;
   }
 
-  const InputBytes& bytes_;
+  const io::InputBytes& bytes_;
   PointBlocks& points_;
   std::size_t depth_ = 0, samples_depth_ = 0;  // of what is open: all, the array of samples
   bool in_object_ = false, samples_next_ = false, found_ = false;
@@ -299,7 +185,7 @@ class JsonInput final : public PointInput {
   }
 
  private:
-  InputBytes bytes_;
+  io::InputBytes bytes_;
 };
 
 // ---- pairs of numbers -------------------------------------------------------------------------------------------
@@ -469,7 +355,7 @@ class BinaryInput final : public PointInput {
     points.pass_on();
   }
 
-  InputBytes bytes_;
+  io::InputBytes bytes_;
   std::uint64_t number_bytes_;
   std::optional<std::uint64_t> count_;
 };
@@ -538,7 +424,7 @@ class KeptInput final : public PointInput {
   }
 
   std::string name_;
-  Descriptor descriptor_;
+  io::Descriptor descriptor_;
   std::uint64_t count_ = 0, done_ = 0;
 };
 

@@ -1,0 +1,106 @@
+#include "input.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <darboux/error.h>
+
+namespace darboux::io {
+
+Descriptor::~Descriptor() {
+  if (value >= 0) ::close(value);
+}
+
+InputBytes::InputBytes(const std::string& path, std::string kind)
+    : path_(path == "-" ? "standard input" : path), kind_(std::move(kind)), buffer_(std::size_t{1} << 18) {
+  if (path == "-") {
+    descriptor_.value = ::dup(STDIN_FILENO);
+  } else {
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error))
+      throw FileError(path, "is a folder, permitted is a " + kind_);
+    descriptor_.value = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  }
+  if (descriptor_.value < 0) throw FileError(path_, "cannot be opened, permitted is a readable " + kind_);
+  struct stat status {};
+  if (::fstat(descriptor_.value, &status) == 0 && S_ISREG(status.st_mode)) {
+    const auto at = std::max<off_t>(::lseek(descriptor_.value, 0, SEEK_CUR), 0);
+    size_ = static_cast<std::uint64_t>(std::max<off_t>(status.st_size - at, 0));
+  }
+}
+
+std::optional<double> InputBytes::share() const {
+  if (!size_ || *size_ == 0) return std::nullopt;
+  return std::min(1.0, static_cast<double>(taken()) / static_cast<double>(*size_));
+}
+
+void InputBytes::finish() const {
+  if (error_ != 0)
+    throw FileError(path_, std::string("cannot be read to its end (") + std::strerror(error_) +
+                               "), permitted is a readable " + kind_);
+}
+
+InputBytes::int_type InputBytes::underflow() {
+  if (gptr() < egptr()) return traits_type::to_int_type(*gptr());
+  ssize_t count = -1;
+  do count = ::read(descriptor_.value, buffer_.data(), buffer_.size());
+  while (count < 0 && errno == EINTR);
+  if (count <= 0) {
+    if (count < 0) error_ = errno;
+    return traits_type::eof();
+  }
+  filled_ += static_cast<std::uint64_t>(count);
+  setg(buffer_.data(), buffer_.data(), buffer_.data() + count);
+  return traits_type::to_int_type(*gptr());
+}
+
+bool Lines::next() {
+  constexpr std::size_t longest = 65536;
+  constexpr int end = InputBytes::traits_type::eof();
+  do {
+    line_.clear();
+    ++number_;
+    int c = bytes_.sbumpc();
+    if (c == end) return false;
+    for (; c != '\n' && c != end; c = bytes_.sbumpc()) {
+      if (line_.size() == longest) fail("a line of more than 65536 characters");
+      line_.push_back(static_cast<char>(c));
+    }
+    text_ = line_;
+    if (number_ == 1) {
+      if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
+      if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
+        throw FileError(bytes_.path(), "is UTF-16, permitted is UTF-8 or ASCII");
+    }
+    text_ = trimmed(text_);
+  } while (text_.empty() || text_[0] == '#');
+  return true;
+}
+
+void Lines::fail(const std::string& why) const {
+  throw FileError(bytes_.path() + ":" + std::to_string(number_), why + ", permitted are " + permitted_);
+}
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t\r";
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  return text.substr(0, text.find_last_not_of(blanks) + 1);
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  text = trimmed(text);
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace darboux::io

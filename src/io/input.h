@@ -1,0 +1,85 @@
+/// \file input.h
+/// Reading in pieces: the bytes of a file, and the lines of a text. Memory does not grow with the file.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <streambuf>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace darboux::io {
+
+/// A file descriptor that is closed with its owner.
+struct Descriptor {
+  int value = -1;
+  Descriptor() = default;
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor();
+};
+
+/// A file, pipe or standard input ("-") as a stream buffer that keeps count. What goes wrong while reading ends it;
+/// finish() says so.
+class InputBytes final : public std::streambuf {
+ public:
+  /// \param kind what is permitted, "CSV file of u,v" \throws FileError when it cannot be opened
+  InputBytes(const std::string& path, std::string kind);
+
+  const std::string& path() const { return path_; }
+  /// Bytes of a regular file from where it stood on.
+  std::optional<std::uint64_t> size() const { return size_; }
+  /// Bytes taken from it.
+  std::uint64_t taken() const { return filled_ - static_cast<std::uint64_t>(egptr() - gptr()); }
+  std::optional<double> share() const;
+  /// Up to `count` bytes, fewer only at the end.
+  std::size_t take(char* to, std::size_t count) {
+    return static_cast<std::size_t>(sgetn(to, static_cast<std::streamsize>(count)));
+  }
+  /// To be called at the end. \throws FileError when it was not the end, but an error
+  void finish() const;
+
+ protected:
+  int_type underflow() override;
+
+ private:
+  std::string path_, kind_;
+  std::vector<char> buffer_;
+  Descriptor descriptor_;
+  int error_ = 0;
+  std::uint64_t filled_ = 0;
+  std::optional<std::uint64_t> size_;
+};
+
+/// The lines of a text in UTF-8. Empty lines and those that begin with # are passed over.
+class Lines {
+ public:
+  /// \param permitted ends the messages: "lines like 0.25,0.5"
+  Lines(InputBytes& bytes, std::string permitted) : bytes_(bytes), permitted_(std::move(permitted)) {}
+
+  /// The next line, false at the end. \throws FileError for a line of more than 65536 bytes, so that a file without line
+  /// ends is not read whole, and for UTF-16
+  bool next();
+  /// It, without blanks at its ends, nor a byte order mark.
+  std::string_view text() const { return text_; }
+  /// Of the line in the file, from 1.
+  std::uint64_t number() const { return number_; }
+  /// \throws FileError "FILE:LINE: why, permitted are ..."
+  [[noreturn]] void fail(const std::string& why) const;
+
+ private:
+  InputBytes& bytes_;
+  std::string permitted_, line_;
+  std::string_view text_;
+  std::uint64_t number_ = 0;
+};
+
+/// Without blanks, tabs and carriage returns at its ends.
+std::string_view trimmed(std::string_view text);
+
+/// The whole text, but for blanks at its ends, as a double, whatever the locale. NaN and infinities are numbers here;
+/// what is beyond the range of double is none.
+std::optional<double> parse_number(std::string_view text);
+
+}  // namespace darboux::io
