@@ -1,10 +1,11 @@
 /// \file io.h
-/// Files: glTF and GLB over the JSON document itself, OBJ through assimp; surfaces that a user wrote down. Every float
-/// of a glTF keeps its bits.
+/// Files: glTF and GLB over the JSON document itself, OBJ through assimp; sampled points; surfaces that a user wrote down.
+/// Every float of a glTF keeps its bits.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -16,6 +17,7 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/mesh.h>
+#include <darboux/point_cloud.h>
 #include <darboux/vector.h>
 
 namespace darboux {
@@ -132,6 +134,34 @@ class GltfDocument {
 /// object
 void write_glb(const std::string& path, const Mesh& mesh, const std::string& name,
                const std::string& extras_json = {});
+
+/// Points read from a file.
+struct PointFile {
+  PointCloud cloud;
+  /// Where the first position that is not finite stands: "line 7", "vertex 3" (from 0). Empty where all are finite.
+  std::string first_not_finite;
+};
+
+/// Reads sampled points, in the order of the file, by its extension:
+///   .xyz .txt .csv .tsv  a point a line, columns between semicolons, else commas, else blanks or tabs (the first line
+///                        decides). A header, which begins with a name, names them in any order and case: x y z, nx ny
+///                        nz, u v; columns of other names, and groups that are not complete, are passed over. Without one:
+///                        3 columns x y z, 5 x y z u v, 6 x y z nx ny nz, 8 all.
+///   .ply  the vertices, ASCII or binary of either byte order, normals and uvs included
+///   .pcd  ASCII or binary; compressed is refused, the viewpoint is not applied
+///   .obj  the vertices that faces use, or all where there are no faces
+///   .stl  the corners, ASCII or binary, without the triangles' normals
+///   .glb .gltf  the vertices that triangles use, all primitives together, normals and uvs where every primitive has
+///         them; nodes are not applied: the mesh's own space
+/// Other names of columns: position_x ..., normal_x ..., s t, texture_u texture_v. Where there are triangles, vertices at the
+/// same place (within 1e-6 of the diagonal) are one point, the first of them: one measurement, split for its attributes. Empty lines and
+/// those that begin with # are passed over. NaN and infinities are read as they are.
+///
+/// Numbers are read in double, correctly rounded (glTF: float, as stored). Tables, PLY and PCD are read in pieces: memory is
+/// at most three times the cloud. A count the file states is checked against what it holds.
+/// \param progress called now and then with the share that is read
+/// \throws FileError naming the file, its line or vertex, what is wrong and what is permitted; a file without points is wrong
+PointFile read_points(const std::string& path, const std::function<void(double)>& progress = {});
 
 /// A file that is written whole or not at all, piece by piece: to a temporary beside it, renamed by commit(), so that
 /// an old file stays until the new one is complete (a process that is killed leaves the temporary). A symbolic link stays, the file it names is replaced. The path

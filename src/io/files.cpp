@@ -75,7 +75,7 @@ bool has_scheme(std::string_view uri) {
 
 }  // namespace
 
-std::string read_file(const std::string& path) {
+void expect_regular_file(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found)
@@ -83,11 +83,16 @@ std::string read_file(const std::string& path) {
   if (std::filesystem::is_directory(status)) throw FileError(path, "is a folder, permitted is a file");
   if (!error && !std::filesystem::is_regular_file(status))
     throw FileError(path, "is a device or a pipe, permitted is a regular file");
+}
+
+std::string read_file(const std::string& path) {
+  expect_regular_file(path);
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   if (!stream)
     throw FileError(
         path, std::string("cannot be opened (") + std::strerror(errno) + "), permitted is a readable file");
+  std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   std::string bytes(error ? 0 : size, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));

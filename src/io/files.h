@@ -7,6 +7,9 @@
 
 namespace darboux::io {
 
+/// \throws FileError for what does not exist, folders, devices and pipes
+void expect_regular_file(const std::string& path);
+
 /// The bytes of a regular file. \throws FileError
 std::string read_file(const std::string& path);
 

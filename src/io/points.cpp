@@ -1,0 +1,187 @@
+// What all files of points share, and which is read how.
+#include "points.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include <Eigen/Geometry>
+
+#include <darboux/error.h>
+#include <darboux/weld.h>
+
+#include "files.h"
+
+namespace darboux::io {
+namespace {
+
+// Names of what belongs together, and its first place among the PointNumbers.
+struct Group {
+  std::vector<std::string_view> names;
+  int first;
+};
+const std::vector<Group> groups{{{"x", "y", "z"}, 0},
+                                {{"position_x", "position_y", "position_z"}, 0},
+                                {{"nx", "ny", "nz"}, 3},
+                                {{"normal_x", "normal_y", "normal_z"}, 3},
+                                {{"u", "v"}, 6},
+                                {{"s", "t"}, 6},
+                                {{"texture_u", "texture_v"}, 6}};
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+PointFile read_gltf_points(const std::string& path) {
+  const Asset asset = read_asset(path);
+  PointFile result;
+  bool normals = true, uvs = true;
+  for (const Primitive& p : asset.primitives) {
+    normals = normals && !p.data.normals.empty();
+    uvs = uvs && !p.data.uvs.empty();
+  }
+  for (const Primitive& p : asset.primitives) {
+    std::vector<bool> used(p.data.positions.size());
+    for (const Triangle& t : p.data.triangles)
+      for (const std::uint32_t i : t) used[i] = true;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      if (!used[i]) continue;
+      result.cloud.positions.push_back(p.data.positions[i]);
+      if (normals) result.cloud.normals.push_back(p.data.normals[i]);
+      if (uvs) result.cloud.uvs.push_back(p.data.uvs[i]);
+      if (result.first_not_finite.empty() && !detail::finite(p.data.positions[i]))
+        result.first_not_finite = "mesh " + std::to_string(p.mesh) + " primitive " +
+                                  std::to_string(p.primitive) + " vertex " + std::to_string(i);
+    }
+  }
+  if (result.cloud.positions.empty())
+    throw FileError(path, "holds no triangles" +
+                              (asset.skipped.empty() ? "" : " (" + asset.skipped[0].reason + ")") +
+                              ", permitted is a glTF whose triangles use its vertices");
+  keep_distinct(result.cloud);
+  return result;
+}
+
+}  // namespace
+
+PointColumns PointColumns::named(std::span<const std::string> names, const std::string& where) {
+  PointColumns columns;
+  columns.slots.assign(names.size(), -1);
+  std::array<bool, 8> taken{};
+  for (const Group& group : groups) {
+    if (taken[static_cast<std::size_t>(group.first)]) continue;
+    std::vector<std::size_t> found;
+    for (const std::string_view wanted : group.names)
+      for (std::size_t k = 0; k < names.size(); ++k)
+        if (lower(names[k]) == wanted) {
+          if (found.size() > 0 && lower(names[found.back()]) == wanted)
+            throw FileError(where, "names the column '" + std::string(wanted) + "' twice, permitted is once");
+          found.push_back(k);
+        }
+    if (found.size() != group.names.size()) continue;
+    taken[static_cast<std::size_t>(group.first)] = true;
+    for (std::size_t k = 0; k < found.size(); ++k)
+      columns.slots[found[k]] = group.first + static_cast<int>(k);
+  }
+  if (!taken[0])
+    throw FileError(where, "names no columns x, y and z, permitted are x y z with nx ny nz, u v and others");
+  columns.normals = taken[3];
+  columns.uvs = taken[6];
+  return columns;
+}
+
+PointReader::PointReader(const std::string& path, const std::string& kind,
+                         const std::function<void(double)>& progress)
+    : bytes_((expect_regular_file(path), path), kind), progress_(progress) {}
+
+void PointReader::add(const PointColumns& columns, const PointNumbers& point, std::string_view where,
+                      std::uint64_t number) {
+  PointCloud& cloud = result_.cloud;
+  cloud.positions.push_back({point[0], point[1], point[2]});
+  if (columns.normals) cloud.normals.push_back({point[3], point[4], point[5]});
+  if (columns.uvs) cloud.uvs.push_back({point[6], point[7]});
+  if (result_.first_not_finite.empty() && !detail::finite(cloud.positions.back()))
+    result_.first_not_finite = std::string(where) + std::to_string(number);
+  if (progress_ && cloud.positions.size() % 65536 == 0) progress_(bytes_.share().value_or(0));
+}
+
+PointFile PointReader::finish() {
+  bytes_.finish();
+  if (result_.cloud.positions.empty()) throw FileError(path(), "holds no points, permitted is at least one");
+  return std::move(result_);
+}
+
+void split_fields(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  fields.clear();
+  if (separator != ' ') {
+    for (std::size_t end = line.find(separator); end != std::string_view::npos; end = line.find(separator)) {
+      fields.push_back(trimmed(line.substr(0, end)));
+      line.remove_prefix(end + 1);
+    }
+    fields.push_back(trimmed(line));
+    return;
+  }
+  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+    fields.push_back(line.substr(0, line.find_first_of(" \t\r")));
+    line.remove_prefix(fields.back().size());
+  }
+}
+
+double number_of(std::string_view field, const Lines& lines) {
+  const auto value = parse_number(field);
+  if (!value) lines.fail(in_quotes(field) + " is no number of double's range");
+  return *value;
+}
+
+void keep_distinct(PointCloud& cloud) {
+  constexpr double same = 1e-6;  // of the diagonal, as in mesh_classes.h
+  Eigen::AlignedBox3d box;
+  for (const Vec3<double>& p : cloud.positions)
+    if (detail::finite(p)) box.extend(to_eigen(p));
+  const std::vector<std::uint32_t> place =
+      weld(cloud.positions, box.isEmpty() ? 0 : same * box.diagonal().norm());
+  const auto keep = [&](auto& values) {
+    if (values.empty()) return;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (place[i] == i) values[kept++] = values[i];
+    values.resize(kept);
+  };
+  keep(cloud.positions);
+  keep(cloud.normals);
+  keep(cloud.uvs);
+}
+
+}  // namespace darboux::io
+
+namespace darboux {
+
+PointFile read_points(const std::string& path, const std::function<void(double)>& progress) {
+  const std::string extension = io::lower(std::filesystem::path(path).extension().string());
+  if (extension == ".glb" || extension == ".gltf") return io::read_gltf_points(path);
+  struct Format {
+    std::vector<std::string_view> extensions;
+    const char* kind;
+    PointFile (*read)(io::PointReader&);
+  };
+  static const std::vector<Format> formats{
+      {{".xyz", ".txt", ".csv", ".tsv"}, "text with a point a line", io::read_table},
+      {{".obj"}, "OBJ file", io::read_obj_points},
+      {{".ply"}, "PLY file", io::read_ply_points},
+      {{".pcd"}, "PCD file", io::read_pcd_points},
+      {{".stl"}, "STL file", io::read_stl_points}};
+  for (const Format& format : formats)
+    if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end()) {
+      io::PointReader reader(path, format.kind, progress);
+      return format.read(reader);
+    }
+  io::expect_regular_file(path);
+  throw FileError(
+      path,
+      "its extension names no format of points, permitted are .xyz, .txt, .csv, .tsv, .ply, .pcd, .obj, "
+      ".stl, .glb and .gltf");
+}
+
+}  // namespace darboux

@@ -1,0 +1,68 @@
+/// \file points.h
+/// Points on their way from a file into a cloud.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <darboux/io.h>
+
+#include "input.h"
+
+namespace darboux::io {
+
+/// What a point may have: x y z, nx ny nz, u v.
+using PointNumbers = std::array<double, 8>;
+
+/// What the columns of a file hold.
+struct PointColumns {
+  std::vector<int> slots;  ///< for each column its place among the PointNumbers, or -1
+  bool normals = false, uvs = false;
+
+  /// From the columns' names. \throws FileError with the subject `where` when x, y or z is missing or one is there twice
+  static PointColumns named(std::span<const std::string> names, const std::string& where);
+};
+
+/// An open file and the points read from it so far.
+class PointReader {
+ public:
+  /// \param kind what is permitted, "PLY file" \throws FileError when it is not a regular file that can be read
+  PointReader(const std::string& path, const std::string& kind, const std::function<void(double)>& progress);
+
+  InputBytes& bytes() { return bytes_; }
+  const std::string& path() const { return bytes_.path(); }
+  /// \param where where it stands, "line " or "vertex ", and its number
+  void add(const PointColumns& columns, const PointNumbers& point, std::string_view where,
+           std::uint64_t number);
+  /// What was read. \throws FileError when the file was not read to its end for an error, or holds no points
+  PointFile finish();
+
+ private:
+  InputBytes bytes_;
+  const std::function<void(double)>& progress_;
+  PointFile result_;
+};
+
+/// The fields of a line between `separator`, or between runs of blanks and tabs where it is a blank.
+void split_fields(std::string_view line, char separator, std::vector<std::string_view>& fields);
+
+/// A number of a line. \throws FileError with file and line when it is none
+double number_of(std::string_view field, const Lines& lines);
+
+/// Leaves one point at each place, the first; places are the same within 1e-6 of the diagonal.
+void keep_distinct(PointCloud& cloud);
+
+// One function a family of formats.
+PointFile read_table(PointReader& reader);
+PointFile read_obj_points(PointReader& reader);
+PointFile read_stl_points(PointReader& reader);
+PointFile read_ply_points(PointReader& reader);
+PointFile read_pcd_points(PointReader& reader);
+
+}  // namespace darboux::io
