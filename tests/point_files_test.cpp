@@ -269,7 +269,8 @@ TEST_F(PointFiles, Gltf) {
   const PointFile torus = read_points(DARBOUX_TEST_DATA "/torus_016.none.glb");
   EXPECT_EQ(torus.cloud.uvs.size(), torus.cloud.positions.size());
   EXPECT_EQ(torus.cloud.normals.size(), torus.cloud.positions.size());
-  const auto& from = read_asset(DARBOUX_TEST_DATA "/torus_016.none.glb").primitives.at(0).data;
+  const Asset asset = read_asset(DARBOUX_TEST_DATA "/torus_016.none.glb");
+  const Mesh& from = asset.primitives.at(0).data;
   EXPECT_EQ(from.positions.size(), 33u * 17u);
   EXPECT_EQ(torus.cloud.positions.size(), 32u * 16u);
   EXPECT_EQ(torus.cloud.positions[0], from.positions[0]);
@@ -311,7 +312,7 @@ TEST_F(PointFiles, RefusesWhatIsNoTableOfNumbers) {
   for (const std::string bad : {"1 2 x", "1 2 0x1p3", "1 2 1,5", "1 2 1e", "1 2 --1", "1 2 +-1", "1 2 1_000",
                                 "1 2 1e400", "1 2 -1e999", "1 2 3f"})
     refused("a.xyz", good + bad + "\n", {"a.xyz:2: "});
-  refused("a.xyz", good + "1 2 1e400\n", {"1e400", "double's range"});
+  refused("a.xyz", good + "1 2 1e400\n", {"1e400", "the range of double"});
   refused("a.xyz", good + std::string("1 2 \0", 5) + "3\n", {"a.xyz:2: "});
   for (const std::string bad : {"1 2", "1 2 3 4", "1", "1 2 3 4 5 6 7 8 9"}) {
     refused("a.xyz", good + bad + "\n", {"a.xyz:2: ", "columns", "3 numbers x y z"});
@@ -329,6 +330,7 @@ TEST_F(PointFiles, RefusesWhatIsNoTableOfNumbers) {
     refused("a.xyz", nothing, {"no points"});
   refused("a.xyz", std::string("\xFF\xFE\x31\0\x20\0", 6), {"UTF-16"});
   refused("a.csv", std::string("\xFE\xFF\0\x31\0\x20", 6), {"UTF-16"});
+  refused("a.xyz", "1 2 3\r4 5 6\r", {"a.xyz:1: ", "carriage return"});
   refused("a.xyz", std::string(70000, '1'), {"a.xyz:1: ", "65536"});
   refused("a.xyz", std::string(1 << 20, '\0'), {"a.xyz:1: ", "65536"});
 }

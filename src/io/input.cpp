@@ -81,6 +81,8 @@ bool Lines::next() {
     }
     text_ = trimmed(text_);
   } while (text_.empty() || text_[0] == '#');
+  if (text_.find('\r') != std::string_view::npos)
+    fail("a carriage return within a line, where old Macs end theirs");
   return true;
 }
 

@@ -59,7 +59,7 @@ class Lines {
   Lines(InputBytes& bytes, std::string permitted) : bytes_(bytes), permitted_(std::move(permitted)) {}
 
   /// The next line, false at the end. \throws FileError for a line of more than 65536 bytes, so that a file without line
-  /// ends is not read whole, and for UTF-16
+  /// ends is not read whole, a carriage return within one, and UTF-16
   bool next();
   /// It, without blanks at its ends, nor a byte order mark.
   std::string_view text() const { return text_; }

@@ -131,7 +131,7 @@ void split_fields(std::string_view line, char separator, std::vector<std::string
 
 double number_of(std::string_view field, const Lines& lines) {
   const auto value = parse_number(field);
-  if (!value) lines.fail(in_quotes(field) + " is no number of double's range");
+  if (!value) lines.fail(in_quotes(field) + " is no number within the range of double");
   return *value;
 }
 
