@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <type_traits>
 
 #include "command.h"
+#include "csv_text.h"
 #include "parallel.h"
 
 namespace darboux {
@@ -83,32 +83,6 @@ class BinaryWriter final : public FrameWriter {
 };
 
 // ---- text -------------------------------------------------------------------------------------------------------
-
-// The names of the bits that are set.
-template <class Use>
-void for_each_status(Status status, Use use) {
-  if (status == Status::regular) return use("regular");
-  for (std::size_t k = 0; k < status_names.size(); ++k)
-    if (has(status, static_cast<Status>(1u << k))) use(status_names[k]);
-}
-
-void append_shortest(std::string& text, double x) {
-  if (std::isnan(x)) {
-    text += "nan";
-    return;
-  }
-  std::array<char, 32> digits;
-  text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr);
-}
-
-void append_joined_status(std::string& text, Status status) {
-  const char* separator = "";
-  for_each_status(status, [&](std::string_view name) {
-    text += separator;
-    text += name;
-    separator = "|";
-  });
-}
 
 // table, json or csv. The status is that of sample(): all partials are evaluated for it, asked for or not.
 class TextWriter final : public FrameWriter {
