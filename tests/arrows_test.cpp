@@ -52,7 +52,7 @@ std::vector<Rule> rules(const Includes& tree) {
        "frames/[a-z_]+|fragments|vertex_normals|pieces|"
        "mesh_classes|mikktspace|mikktspace/"
        "[a-z_]+|split_vertices|weld|sample_mesh|sample_mesh/"
-       "[a-z_]+|converge|placed_surface|validate|point_cloud|local_jets|neighbours)\\.(h|cpp)",
+       "[a-z_]+|converge|placed_surface|project|validate|point_cloud|local_jets|neighbours)\\.(h|cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
       {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",
        std::string(standard) + "|darboux/(scalar|vector)\\.h", ""},
