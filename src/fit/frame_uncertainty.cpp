@@ -120,11 +120,11 @@ void add_covariance(const PointFit& fit, const Vec2<double>& given_uv, const Vec
   turn.row(1) = -d.dpdu.row(2) / s.e;
   turn.row(0) = (d.dpdv.row(2) + s.f * turn.row(1)) / s.g;
   turn.row(2) = d.dpdu.row(1) / s.e;
-  const Columns spread = turn * fit.covariance;
-  result.covariance = spread * turn.transpose();
+  const Columns spread = turn.lazyProduct(fit.covariance);
+  result.covariance = spread.lazyProduct(turn.transpose());
   const auto root = [](double x) { return std::sqrt(std::fmax(x, 0)); };
   // First order holds where three standard deviations change dpdu by less than its length, and n by less than a radian.
-  const double change = root((d.dpdu * fit.covariance).cwiseProduct(d.dpdu).sum());
+  const double change = root(Columns(d.dpdu.lazyProduct(fit.covariance)).cwiseProduct(d.dpdu).sum());
   const bool tangent = !at_pole && 3 * change < s.e;
   const double normal_deviation = root(result.covariance(0, 0) + result.covariance(1, 1));
   const bool normal = 3 * normal_deviation < 1 && (tangent || pole_has_normal(surface, uv, j));
