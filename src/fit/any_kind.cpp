@@ -117,18 +117,18 @@ struct Feet {
   std::vector<double> distance, curvature;  // signed; k1 + k2 of the surface's n
 };
 
-// The feet of all points, from those of a shape nearby, or searched for.
 Projection foot(const Projector& projector, const Shape& shape, const Eigen::Vector3d& x,
                 const Vec2<double>* start) {
   const Vec3<double> p = from_eigen(shape.placement.inverse() * x);
   return start ? projector(p, *start) : projector(p);
 }
 
-Feet feet_of(const Shape& shape, const Positions& points) {
+// The feet of all points, from those of a shape nearby, or searched for.
+Feet feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts) {
   const Projector projector(shape.surface);
   Feet result;
-  for (const Eigen::Vector3d& x : points) {
-    const Projection f = foot(projector, shape, x, nullptr);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Projection f = foot(projector, shape, points[i], starts.empty() ? nullptr : &starts[i]);
     const Sample<double> s = shape.surface.sample(f.uv.x, f.uv.y);
     const ShapeOperator<double> form = shape_operator(s.jet, s.frame);
     result.uv.push_back(f.uv);
@@ -309,15 +309,17 @@ void expect(Estimate& e, double size) {
                  m.outlier());
 }
 
-// Ceres with the weights held, then new feet and weights, until neither changes.
-void refine(Estimate& e, const Positions& points, const std::vector<double>& typical, double size, int rounds,
-            int steps) {
-  e.feet = feet_of(e.shape, points);
+// Ceres with the weights held, then new feet and weights, until neither changes. A draft stops early and follows the feet
+// that it found first.
+void refine(Estimate& e, const Positions& points, const std::vector<double>& typical, double size,
+            bool draft) {
+  e.feet = feet_of(e.shape, points, {});
   if (!e.mixture.sigma_known)
     e.mixture.sigma = std::fmax(1.5 * quantile(sizes(e.feet.distance), 0.5), 1e-15 * size);
   e.mixture.window = 2 * size;
   e.mixture.outlier_share = 0.2;
   expect(e, size);
+  const int rounds = draft ? 3 : 20, steps = draft ? 8 : 30;
   for (int round = 0; round < rounds; ++round) {
     const Unknowns u = unknowns(e.shape, typical, size);
     std::vector<double> x(static_cast<std::size_t>(u.units.size()), 0);
@@ -342,7 +344,7 @@ void refine(Estimate& e, const Positions& points, const std::vector<double>& typ
     const std::optional<Shape> next = moved(e.shape, delta.cwiseProduct(u.units));
     if (!next) return;
     e.shape = *next;
-    e.feet = feet_of(e.shape, points);
+    e.feet = feet_of(e.shape, points, draft ? e.feet.uv : std::vector<Vec2<double>>{});
     const double before = e.log_likelihood;
     expect(e, size);
     e.converged = summary.termination_type == ceres::CONVERGENCE &&
@@ -517,7 +519,14 @@ void add_covariance(const Estimate& e, const Positions& points, const std::vecto
   for (Eigen::Index k = 6; k < n; ++k) {
     const std::string name(parameters[static_cast<std::size_t>(k - 6)].name);
     // The share of the parameter in directions that are not told.
-    if (unknown(k, k) > 1e-6) (unknown(k, k) > 1 - 1e-6 ? alone : combined).push_back(name);
+    const bool is_alone = unknown(k, k) > 1 - 1e-6;
+    if (is_alone) {
+      alone.push_back(name);
+      fit.covariance.row(k).setZero();
+      fit.covariance.col(k).setZero();
+    } else if (unknown(k, k) > 1e-6) {
+      combined.push_back(name);
+    }
     fit.standard_errors.push_back({name, std::sqrt(std::fmax(fit.covariance(k, k), 0))});
   }
   if (!alone.empty()) held += "; " + joined(alone) + " not told by the points, held";
@@ -593,7 +602,7 @@ PointFit fit_any_kind(const PointCloud& cloud, const std::string& kind, const Po
 
   const std::vector<bool> lengths = lengths_of(standard);
   std::vector<Start> starts = starts_of(standard, lengths, points);
-  constexpr std::size_t sample_size = 300, most_starts = 40, most_finalists = 3;
+  constexpr std::size_t sample_size = 200, most_starts = 40, most_finalists = 3;
   if (starts.size() > most_starts) starts.erase(starts.begin() + most_starts, starts.end());
   if (options.guess) {
     Shape guess{options.guess->surface, options.guess->placement};
@@ -629,7 +638,7 @@ PointFit fit_any_kind(const PointCloud& cloud, const std::string& kind, const Po
   for (std::size_t k = 0; k < starts.size(); ++k) {
     Estimate e = begin(starts[k].shape);
     e.mixture.sigma_known = false;  // from afar
-    refine(e, sample, typical, size, 3, 8);
+    refine(e, sample, typical, size, true);
     fit.iterations += e.iterations;
     if (std::isfinite(e.log_likelihood)) estimates.push_back(std::move(e));
     if (options.progress)
@@ -640,7 +649,7 @@ PointFit fit_any_kind(const PointCloud& cloud, const std::string& kind, const Po
   std::optional<Estimate> best;
   for (std::size_t k = 0; k < std::min(estimates.size(), most_finalists); ++k) {
     Estimate e = begin(estimates[k].shape);
-    refine(e, points, typical, size, 20, 30);
+    refine(e, points, typical, size, false);
     fit.iterations += e.iterations;
     if (!best || std::pair(e.converged, e.log_likelihood) > std::pair(best->converged, best->log_likelihood))
       best = std::move(e);
