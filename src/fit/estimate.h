@@ -29,11 +29,18 @@ inline constexpr double least_sigma = 1e-15;
 
 // What is known of each point at the current estimate.
 struct PointStates {
-  std::vector<double> d, curvature;   // signed distance, k1 + k2
-  std::vector<double> bias;           // sigma^2 H: what the distance of an inlier is on average
-  std::vector<unsigned char> kept;    // by the gate
+  std::vector<double> d, curvature;    // signed distance, k1 + k2
+  std::vector<double> bias;            // sigma^2 H: what the distance of an inlier is on average
+  std::vector<unsigned char> regular;  // not near where distances have a kink, which would hold the estimate
+  std::vector<unsigned char> kept;     // by the gate
 
-  explicit PointStates(std::size_t n) : d(n), curvature(n), bias(n, 0), kept(n, 1) {}
+  explicit PointStates(std::size_t n) : d(n), curvature(n), bias(n, 0), regular(n, 1), kept(n, 1) {}
+  template <int S>
+  void set(std::size_t i, const Local<S>& local) {
+    d[i] = local.d;
+    curvature[i] = local.curvature;
+    regular[i] = local.stretch > 0.2;
+  }
   double error(std::size_t i) const { return d[i] - bias[i]; }
 };
 
@@ -60,9 +67,12 @@ inline void update(Noise& noise, const PointStates& points) {
     return Noise{from.sigma_known ? from.sigma : std::max(std::sqrt(squares / inliers), least_sigma),
                  std::max(others / (6 * inliers), 1e-12), from.sigma_known};
   };
-  const auto logarithms = [](const Noise& x) { return Eigen::Array2d(std::log(x.sigma), std::log(x.outliers)); };
+  const auto logarithms = [](const Noise& x) {
+    return Eigen::Array2d(std::log(x.sigma), std::log(x.outliers));
+  };
   const Noise once = step(noise), twice = step(once);
-  const Eigen::Array2d first = logarithms(once) - logarithms(noise), second = logarithms(twice) - logarithms(once);
+  const Eigen::Array2d first = logarithms(once) - logarithms(noise),
+                       second = logarithms(twice) - logarithms(once);
   noise = twice;
   const double ratio = (first * second).sum() / first.square().sum();
   if (!(ratio > 0 && ratio < 0.8)) return;
@@ -92,8 +102,8 @@ class BatchedCost final : public ceres::CostFunction {
   using Matrix = Eigen::Matrix<double, N, N>;
   using Vector = Eigen::Matrix<double, N, 1>;
 
-  BatchedCost(Phase phase, const Eigen::Matrix3Xd& cloud, const Vector3d& origin, const Noise& noise, PointStates& states,
-              const std::vector<double>& weights)
+  BatchedCost(Phase phase, const Eigen::Matrix3Xd& cloud, const Vector3d& origin, const Noise& noise,
+              PointStates& states, const std::vector<double>& weights)
       : phase_(phase), cloud_(cloud), origin_(origin), noise_(noise), states_(states), weights_(weights) {
     set_num_residuals(phase == Phase::descend ? N + 1 : N);
     mutable_parameter_block_sizes()->push_back(4);
@@ -116,7 +126,8 @@ class BatchedCost final : public ceres::CostFunction {
         // Over the ambient quaternion: tangent derivatives times the left inverse of PlusJacobian.
         Eigen::Matrix<double, 3, 4, Eigen::RowMajor> minus;
         RotationManifold().MinusJacobian(parameters[0], minus.data());
-        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>> to(jacobians[0], num_residuals(), 4);
+        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>> to(jacobians[0],
+                                                                                 num_residuals(), 4);
         to.setZero();
         to.topRows(N) = j.template leftCols<3>() * minus;
       }
@@ -130,6 +141,9 @@ class BatchedCost final : public ceres::CostFunction {
     return true;
   }
 
+  // Leaves the states as they are at the model.
+  void settle(const Model<Shape>& model) const { accumulate(model.rotation.coeffs().data(), model.s.data()); }
+  Phase phase() const { return phase_; }
   const Matrix& hessian() const { return hessian_; }
   // How far the first Newton step moves the surface: the root of the weighted sum of squares of its movements at the points.
   double first_step() const { return first_step_; }
@@ -152,8 +166,7 @@ class BatchedCost final : public ceres::CostFunction {
     for (std::size_t i = 0; i < states_.d.size(); ++i) {
       const Vector3d p = to_local * (cloud_.col(static_cast<Eigen::Index>(i)) - origin_);
       Shape::at(s, p, local);
-      states_.d[i] = local.d;
-      states_.curvature[i] = local.curvature;
+      states_.set(i, local);
       double w, curvature;
       const double e = states_.error(i);
       if (phase_ == Phase::descend) {
@@ -231,11 +244,14 @@ Solved solve(BatchedCost<Shape>& cost, Model<Shape>& model, int most_iterations,
   options.function_tolerance = 1e-20;
   options.gradient_tolerance = 1e-30;
   options.parameter_tolerance = parameter_tolerance;
-  options.initial_trust_region_radius = 1e16;  // Newton first: the damping of a smaller one would show in long valleys
+  // Near the root the damping would show in long valleys.
+  options.initial_trust_region_radius = cost.phase() == Phase::score ? 1e16 : 1e4;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return {summary.IsSolutionUsable(), summary.num_successful_steps > 0, static_cast<int>(summary.iterations.size())};
+  cost.settle(model);
+  return {summary.IsSolutionUsable(), summary.num_successful_steps > 1,
+          static_cast<int>(summary.iterations.size())};
 }
 
 }  // namespace darboux::fit

@@ -20,7 +20,8 @@ Matrix3Xd evenly_chosen(const Matrix3Xd& cloud, Eigen::Index count, std::mt19937
   Matrix3Xd chosen(3, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Index from = i * cloud.cols() / count, to = (i + 1) * cloud.cols() / count;
-    chosen.col(i) = cloud.col(from + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(to - from)));
+    chosen.col(i) =
+        cloud.col(from + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(to - from)));
   }
   return chosen;
 }
@@ -34,7 +35,8 @@ struct Score {
 class Scorer {
  public:
   explicit Scorer(std::size_t n) : n_(n), k_log_k_(n + 1, 0) {
-    for (std::size_t k = 1; k <= n; ++k) k_log_k_[k] = static_cast<double>(k) * std::log(static_cast<double>(k));
+    for (std::size_t k = 1; k <= n; ++k)
+      k_log_k_[k] = static_cast<double>(k) * std::log(static_cast<double>(k));
   }
   template <class Shape>
   Score operator()(const Matrix3Xd& cloud, const Model<Shape>& model) {
@@ -79,9 +81,9 @@ void measure(const Matrix3Xd& cloud, const Model<Shape>& model, PointStates& sta
   Local<Shape::size> local;
   for (std::size_t i = 0; i < states.d.size(); ++i) {
     Shape::at(model.s.data(), to_local * (cloud.col(static_cast<Eigen::Index>(i)) - model.origin), local);
-    states.d[i] = local.d;
-    states.curvature[i] = local.curvature;
+    states.set(i, local);
   }
+  states.kept = states.regular;
 }
 
 std::vector<double> inlier_probabilities(const PointStates& states, const Noise& noise) {
@@ -111,7 +113,8 @@ int descend(const Matrix3Xd& part, Candidate<Shape>& candidate, std::optional<do
     iterations += solved.iterations;
     const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
     // What is left is small beside what so few points leave open.
-    if (cost.first_step() <= 0.3 * noise.sigma * std::sqrt(Shape::freedom) + 1e-14 * std::sqrt(inliers)) break;
+    if (cost.first_step() <= 0.3 * noise.sigma * std::sqrt(Shape::freedom) + 1e-14 * std::sqrt(inliers))
+      break;
   }
   const Eigen::Map<const Eigen::VectorXd> w(weights.data(), part.cols());
   const Vector3d mean = part * w / w.sum();
@@ -127,7 +130,8 @@ int descend(const Matrix3Xd& part, Candidate<Shape>& candidate, std::optional<do
 
 // Numerical derivatives of the natural description by the local tangent, and so its covariance.
 template <class Shape>
-Covariance natural_covariance(const Model<Shape>& model, const Eigen::MatrixXd& covariance, const Vector3d& reference) {
+Covariance natural_covariance(const Model<Shape>& model, const Eigen::MatrixXd& covariance,
+                              const Vector3d& reference) {
   constexpr int n = 3 + Shape::size;
   Eigen::Matrix<double, 9, n> by;
   const Natural centre = natural(model);
@@ -156,7 +160,9 @@ Covariance natural_covariance(const Model<Shape>& model, const Eigen::MatrixXd& 
     by.col(k).template head<3>() = turn;
     by.col(k).template segment<3>(3) = shift - turn.cross(centre.centre - reference);
     for (int l = 0; l < 3; ++l)
-      by(6 + l, k) = (moved[1].lengths[static_cast<std::size_t>(l)] - moved[0].lengths[static_cast<std::size_t>(l)]) / (2 * h);
+      by(6 + l, k) =
+          (moved[1].lengths[static_cast<std::size_t>(l)] - moved[0].lengths[static_cast<std::size_t>(l)]) /
+          (2 * h);
   }
   return by * covariance * by.transpose();
 }
@@ -192,8 +198,11 @@ std::optional<Found> find(const Search& search) {
     }
   }
   if (candidates.empty()) return std::nullopt;
-  const auto better = [](const Candidate<Shape>& a, const Candidate<Shape>& b) { return a.score.value > b.score.value; };
-  const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(std::min(refined_starts, candidates.size()));
+  const auto better = [](const Candidate<Shape>& a, const Candidate<Shape>& b) {
+    return a.score.value > b.score.value;
+  };
+  const auto end =
+      candidates.begin() + static_cast<std::ptrdiff_t>(std::min(refined_starts, candidates.size()));
   std::partial_sort(candidates.begin(), end, candidates.end(), better);
   candidates.erase(end, candidates.end());
 
@@ -207,31 +216,43 @@ std::optional<Found> find(const Search& search) {
   }
   Candidate<Shape>& best = *std::min_element(candidates.begin(), candidates.end(), better);
 
-  // All points: noise, bias and gate by what the last estimate says, then a Newton step or two, until nothing moves.
+  // All points: noise, bias and gate by what the last estimate says, then a step or two, until nothing moves.
   const auto n = static_cast<std::size_t>(search.cloud.cols());
   PointStates states(n);
   Noise noise = best.noise;
   if (search.sigma) noise = {*search.sigma, noise.outliers, true};
-  const std::vector<double> no_weights;
   Model<Shape> model = best.model;
   typename BatchedCost<Shape>::Matrix hessian;
-  for (int round = 0; round < 30 && !found.converged; ++round) {
-    BatchedCost<Shape> cost(Phase::score, search.cloud, model.origin, noise, states, no_weights);
-    const Solved solved = solve(cost, model, 1, 1e-15);
+  Phase phase = Phase::descend;
+  std::vector<double> weights;
+  int gates = 0;
+  // In standard errors: how near the root is sought. A root that cannot be stepped to is left to the descent.
+  double near = 1;
+  measure(search.cloud, model, states);
+  for (int round = 0; round < 40; ++round) {
+    if (gates == 0) states.kept = states.regular;
+    update_bias(noise, states);
+    update(noise, states);
+    weights = inlier_probabilities(states, noise);
+    const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
+    BatchedCost<Shape> cost(phase, search.cloud, model.origin, noise, states, weights);
+    const Solved solved = solve(cost, model, phase == Phase::score ? 1 : 12, 1e-15);
     found.iterations += solved.iterations;
     if (!solved.usable) break;
     hessian = cost.hessian();
-    const double movement = cost.first_step() / std::sqrt(hessian.trace());  // rms, about
-
-    found.converged = round > 3 && movement <= 1e-15 + 1e-10 * noise.sigma / std::sqrt(hessian.trace());
-    if (!solved.moved && !found.converged) {
-      const std::vector<double> weights = inlier_probabilities(states, noise);
-      BatchedCost<Shape> robust(Phase::descend, search.cloud, model.origin, noise, states, weights);
-      found.iterations += solve(robust, model, 10, 1e-12).iterations;
+    const double standard_error = noise.sigma * std::sqrt(Shape::freedom / inliers);
+    const double movement = cost.first_step() / std::sqrt(inliers);
+    if (gates < 3 && movement <= 3 * standard_error + 1e-14) {
+      gate<Shape>(search.cloud, natural(model), noise, states);
+      ++gates;
+    } else if (movement <= 1e-15 + (phase == Phase::score ? 1e-10 : 1e-6) * standard_error) {
+      found.converged = true;
+      break;
+    } else if (phase == Phase::score && !solved.moved) {
+      phase = Phase::descend;
+      near *= 1e-3;
     }
-    update_bias(noise, states);
-    update(noise, states);
-    if (round < 3) gate<Shape>(search.cloud, natural(model), noise, states);
+    if (phase == Phase::descend && movement <= near * standard_error + 1e-14) phase = Phase::score;
   }
 
   found.surface = natural(model);
@@ -240,7 +261,8 @@ std::optional<Found> find(const Search& search) {
   using Matrix = typename BatchedCost<Shape>::Matrix;
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(hessian);
   Matrix covariance = Matrix::Zero();
-  constexpr int unobservable = 3 + Shape::size - Shape::freedom;  // turns about the normal that change nothing
+  constexpr int unobservable =
+      3 + Shape::size - Shape::freedom;  // turns about the normal that change nothing
   for (int k = unobservable; k < 3 + Shape::size; ++k) {
     const double variance = noise.sigma * noise.sigma / std::max(eigen.eigenvalues()[k], 1e-300);
     covariance += variance * eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose();

@@ -18,11 +18,11 @@ struct Found {
   int freedom = 0;
   bool converged = false;
   Natural surface;
-  double sigma = 0, outliers = 0;   // see estimate.h
-  Covariance covariance;            // of (rotation vector, movement of the point `reference`, lengths)
+  double sigma = 0, outliers = 0;  // see estimate.h
+  Covariance covariance;           // of (rotation vector, movement of the point `reference`, lengths)
   Vector3d reference;
-  double least_known = 0;           // standard deviation of the least known movement of the surface at the points
-  std::vector<double> error;        // signed distance less its bias
+  double least_known = 0;     // standard deviation of the least known movement of the surface at the points
+  std::vector<double> error;  // signed distance less its bias
   std::vector<unsigned char> kept;  // by the gate
   int iterations = 0;
 };
@@ -30,7 +30,7 @@ struct Found {
 struct Search {
   const Eigen::Matrix3Xd& cloud;
   const Oriented& oriented;
-  std::optional<double> sigma;    // where it is known
+  std::optional<double> sigma;  // where it is known
   std::optional<Natural> guess;
   std::uint64_t seed;
 };

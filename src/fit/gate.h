@@ -27,16 +27,19 @@ class Charted {
   Charted(const Natural& n, const Vector3d& mean, const Matrix3d& scatter) : n_(n), axes_(n.axes) {
     const Vector3d q = mean - n.centre;
     if constexpr (std::is_same_v<Shape, PlaneShape> || std::is_same_v<Shape, SphereShape>) {
-      const Vector3d z = std::is_same_v<Shape, PlaneShape> ? Vector3d(n.axes.col(2)) : Vector3d(q.normalized());
+      const Vector3d z =
+          std::is_same_v<Shape, PlaneShape> ? Vector3d(n.axes.col(2)) : Vector3d(q.normalized());
       const Matrix3d across = Matrix3d::Identity() - z * z.transpose();
-      const Vector3d x = Eigen::SelfAdjointEigenSolver<Matrix3d>(across * scatter * across).eigenvectors().col(2);
+      const Vector3d x =
+          Eigen::SelfAdjointEigenSolver<Matrix3d>(across * scatter * across).eigenvectors().col(2);
       set(x, z);
     } else if constexpr (!std::is_same_v<Shape, EllipsoidShape>) {
       const Vector3d z = n.axes.col(2), x = q - q.dot(z) * z;
       set(x, z);
     }
     if constexpr (std::is_same_v<Shape, PlaneShape> || std::is_same_v<Shape, CylinderShape>) n_.centre = mean;
-    if constexpr (std::is_same_v<Shape, CylinderShape>) n_.centre = n.centre + q.dot(n.axes.col(2)) * n.axes.col(2);
+    if constexpr (std::is_same_v<Shape, CylinderShape>)
+      n_.centre = n.centre + q.dot(n.axes.col(2)) * n.axes.col(2);
   }
 
   Chart at(const Vector3d& x) const {
@@ -91,13 +94,13 @@ void gate(const Eigen::Matrix3Xd& cloud, const Natural& surface, const Noise& no
   double total = 0;
   Vector3d mean = Vector3d::Zero();
   for (std::size_t i = 0; i < states.d.size(); ++i) {
-    if (std::fabs(states.error(i)) > 20 * noise.sigma) continue;
+    if (!states.regular[i] || std::fabs(states.error(i)) > 20 * noise.sigma) continue;
     near.push_back({i, inlier_probability(states.error(i), noise), {}, 0});
     total += near.back().weight;
     mean += near.back().weight * cloud.col(static_cast<Eigen::Index>(i));
   }
   const int cells = std::min(24, 2 * static_cast<int>(std::sqrt(total / 60)));
-  std::fill(states.kept.begin(), states.kept.end(), 1);
+  states.kept = states.regular;
   if (cells < 4) return;
   mean /= total;
   Matrix3d scatter = Matrix3d::Zero();

@@ -82,7 +82,8 @@ inline Natural natural(const Model<PlaneShape>& m) {
 template <>
 inline Model<SphereShape> localise(const Natural& n, const Vector3d& at) {
   Model<SphereShape> m;
-  const Vector3d q = at - n.centre, outward = q.norm() > 0 ? Vector3d(q.normalized()) : Vector3d(n.axes.col(2));
+  const Vector3d q = at - n.centre,
+                 outward = q.norm() > 0 ? Vector3d(q.normalized()) : Vector3d(n.axes.col(2));
   const Matrix3d r = axes_with_z(-outward);
   local::set_frame(n.centre + n.lengths[0] * outward, r.col(0), r.col(2), m.origin, m.rotation);
   m.s = {0, 1 / n.lengths[0]};
@@ -99,7 +100,8 @@ template <>
 inline Model<CylinderShape> localise(const Natural& n, const Vector3d& at) {
   Model<CylinderShape> m;
   const Vector3d a = n.axes.col(2), outward = local::radial(n, at);
-  local::set_frame(n.centre + (at - n.centre).dot(a) * a + n.lengths[0] * outward, a, -outward, m.origin, m.rotation);
+  local::set_frame(n.centre + (at - n.centre).dot(a) * a + n.lengths[0] * outward, a, -outward, m.origin,
+                   m.rotation);
   m.s = {0, 1 / n.lengths[0]};
   return m;
 }
@@ -144,8 +146,8 @@ inline Model<TorusShape> localise(const Natural& n, const Vector3d& at) {
   const Vector3d from_circle = q - n.lengths[0] * e;
   const Vector3d outward = from_circle.norm() > 0 ? Vector3d(from_circle.normalized()) : e;
   const double radial = outward.dot(e), axial = outward.dot(a);
-  local::set_frame(n.centre + n.lengths[0] * e + n.lengths[1] * outward, radial * a - axial * e, -outward, m.origin,
-                    m.rotation);
+  local::set_frame(n.centre + n.lengths[0] * e + n.lengths[1] * outward, radial * a - axial * e, -outward,
+                   m.origin, m.rotation);
   m.s = {0, 1 / n.lengths[1], n.lengths[0], std::atan2(-axial, radial)};
   return m;
 }

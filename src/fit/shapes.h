@@ -18,19 +18,21 @@ using Eigen::Vector3d;
 // What a shape says of one point.
 template <int S>
 struct Local {
-  double d;                    // signed orthogonal distance
-  Vector3d gradient;           // of d by the point: the unit normal at its foot
-  std::array<double, S> by;    // derivatives of d by the shape's parameters
-  double curvature;            // k1 + k2 at the foot, positive where the side d < 0 is convex
+  double d;                  // signed orthogonal distance
+  Vector3d gradient;         // of d by the point: the unit normal at its foot
+  std::array<double, S> by;  // derivatives of d by the shape's parameters
+  double curvature;          // k1 + k2 at the foot, positive where the side d < 0 is convex
+  // The least of 1 + k1 d and 1 + k2 d: 0 where the point lies on a focal surface, an axis or at an apex, and its foot jumps.
+  double stretch;
 };
 
 struct PlaneShape {
   static constexpr std::string_view name = "plane";
-  static constexpr int size = 1, freedom = 3;   // own parameters: rho; all observable ones with the pose
-  static constexpr bool spins = true;           // turning about z changes nothing
+  static constexpr int size = 1, freedom = 3;  // own parameters: rho; all observable ones with the pose
+  static constexpr bool spins = true;          // turning about z changes nothing
   static double distance(const double* s, const Vector3d& p) { return s[0] - p.z(); }
   static void at(const double* s, const Vector3d& p, Local<size>& out) {
-    out = {distance(s, p), {0, 0, -1}, {1}, 0};
+    out = {distance(s, p), {0, 0, -1}, {1}, 0, 1};
   }
 };
 
@@ -53,6 +55,7 @@ struct SphereShape {
     out.gradient = Vector3d(kappa * p.x(), kappa * p.y(), kappa * zeta - 1) / root;
     out.by = {-out.gradient.z(), (square + zeta * out.d) / ((1 + root) * root)};
     out.curvature = 2 * kappa;
+    out.stretch = root;
   }
 };
 
@@ -102,7 +105,11 @@ struct ConeShape {
     const double w = p.x() * c + r.zeta * r.sine;
     out.by = {-out.gradient.z(), c * c * r.y_part / r.root,
               r.f * (-r.sine + c / r.root * (r.sine - s[1] * w))};
-    out.curvature = c * s[1] / std::max(r.root - s[1] * out.d * c, 1e-6);
+    const double foot =
+        r.root -
+        s[1] * out.d * c;  // times 1 / kappa: its distance from the axis, negative on the other nappe
+    out.curvature = c * s[1] / std::max(foot, 1e-6);
+    out.stretch = foot > 0 ? r.root / foot : -1;
   }
 };
 
@@ -114,7 +121,7 @@ struct TorusShape {
   static constexpr bool spins = false;
   struct Parts {
     double sine, cosine, h, u, from_axis, to_circle, tube;  // tube: distance from the tube's centre circle
-    double side;                                            // 1; -1 where the far side of the circle is nearer
+    double side;  // 1; -1 where the far side of the circle is nearer
   };
   static Parts parts(const double* s, const Vector3d& p) {
     Parts r;
@@ -147,13 +154,14 @@ struct TorusShape {
               radial * (-r.u / r.from_axis - r.side), axial * (r.u + s[2]) - along_u * r.h};
     const double foot = r.from_axis - out.d * radial;
     out.curvature = s[1] + radial / std::copysign(std::max(std::fabs(foot), 1e-6), foot);
+    out.stretch = std::min(r.tube * s[1], foot > 0 ? r.from_axis / foot : r.side < 0 ? 1 : -1);
   }
   static bool permitted(const double* s) { return s[1] > 1e-9 && s[2] >= 0; }
 };
 
 // Centre and logarithms of the semi-axes, in the frame of the axes: no point of the surface is special enough to start from.
-// The foot is a_i^2 q_i / (a_i^2 + t), t the largest root of sum (a_i q_i / (a_i^2 + t))^2 = 1 [Eberly2013]; the sum is convex and
-// falls there, so Newton from a point where it is at least 1 converges from one side.
+// The foot is a_i^2 q_i / (a_i^2 + t), t the largest root of S = sum (a_i q_i / (a_i^2 + t))^2 = 1 [Eberly2013]. 1 / sqrt(S) is nearly
+// linear in t, exactly so for a sphere: Newton's method on it takes two or three steps.
 struct EllipsoidShape {
   static constexpr std::string_view name = "ellipsoid";
   static constexpr int size = 6, freedom = 9;
@@ -168,17 +176,17 @@ struct EllipsoidShape {
     const Vector3d a = Eigen::Map<const Eigen::Array3d>(s + 3).exp().matrix();
     r.square = a.cwiseProduct(a);
     const Vector3d aq = a.cwiseProduct(q);
-    // Where the sum is at least 1: at 0 for a point outside, else where one term alone is 1.
-    const double at_zero = q.cwiseQuotient(a).squaredNorm();
-    r.t = at_zero >= 1 ? 0 : (aq.cwiseAbs() - r.square).maxCoeff();
-    for (int k = 0; k < 50; ++k) {
-      const Vector3d denominator = (r.square.array() + r.t).max(1e-300), terms = aq.cwiseQuotient(denominator);
-      const double f = terms.squaredNorm() - 1;
-      const double slope = -2 * terms.cwiseAbs2().cwiseQuotient(denominator).sum();
-      if (!(slope < 0)) break;
-      const double step = -f / slope;
-      r.t += step;
-      if (std::fabs(step) <= 1e-16 * (std::fabs(r.t) + r.square.minCoeff()) || (k > 0 && step <= 0)) break;
+    // One term alone is 1 here, so the root is not below.
+    const double low = (aq.cwiseAbs() - r.square).maxCoeff();
+    r.t = std::max(0.0, low);
+    for (int k = 0; k < 30; ++k) {
+      const Vector3d inverse = (r.square.array() + r.t).max(1e-300).inverse(),
+                     terms = aq.cwiseProduct(inverse).cwiseAbs2();
+      const double sum = terms.sum(), half_slope = terms.dot(inverse);
+      if (!(half_slope > 0)) break;
+      const double before = r.t;
+      r.t = std::max(r.t + sum * (std::sqrt(sum) - 1) / half_slope, low);
+      if (std::fabs(r.t - before) <= 4e-16 * (std::fabs(r.t) + r.square.minCoeff())) break;
     }
     r.over = q.cwiseQuotient((r.square.array() + r.t).max(1e-300).matrix());
     r.length = std::max(r.over.norm(), 1e-150);
@@ -199,6 +207,8 @@ struct EllipsoidShape {
     }
     const Vector3d a = r.square.cwiseInverse();
     out.curvature = (a.sum() - n.cwiseAbs2().dot(a)) / r.length;
+    out.stretch =
+        1 + std::min(r.t, 0.0) / r.square.minCoeff();  // at the ends of the longest axis, less elsewhere
   }
 };
 

@@ -1,10 +1,10 @@
+#include "starts.h"
+
 #include <algorithm>
 #include <numeric>
 
 #include <Eigen/Dense>
 #include <nanoflann.hpp>
-
-#include "starts.h"
 
 namespace darboux::fit {
 namespace {
@@ -30,7 +30,8 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<do
 
 bool usable(const Natural& n) {
   return n.centre.allFinite() && n.axes.allFinite() &&
-         std::all_of(n.lengths.begin(), n.lengths.end(), [](double x) { return std::isfinite(x) && x < 1e6; });
+         std::all_of(n.lengths.begin(), n.lengths.end(),
+                     [](double x) { return std::isfinite(x) && x < 1e6; });
 }
 
 // The eigenvector of the smallest eigenvalue.
@@ -72,7 +73,8 @@ Oriented oriented_points(const Matrix3Xd& cloud, std::mt19937_64& random) {
   Matrix3Xd chosen(3, n);
   for (Eigen::Index i = 0; i < n; ++i) {  // one at random of each stretch
     const Eigen::Index from = i * cloud.cols() / n, to = (i + 1) * cloud.cols() / n;
-    chosen.col(i) = cloud.col(from + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(to - from)));
+    chosen.col(i) =
+        cloud.col(from + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(to - from)));
   }
   const Columns columns{chosen};
   const Tree tree(3, columns, nanoflann::KDTreeSingleIndexAdaptorParams(10));
@@ -197,7 +199,8 @@ std::optional<Natural> start<TorusShape>(const Oriented& sample) {
   }
   const auto circle = round<2>(half_plane);
   if (!circle) return std::nullopt;
-  const Natural n{on_axis + circle->first.y() * a, axes_with_z(a), {std::fmax(circle->first.x(), 0), circle->second}};
+  const Natural n{
+      on_axis + circle->first.y() * a, axes_with_z(a), {std::fmax(circle->first.x(), 0), circle->second}};
   return usable(n) ? std::optional(n) : std::nullopt;
 }
 
@@ -216,10 +219,10 @@ std::optional<Natural> start<EllipsoidShape>(const Oriented& sample) {
     if (n.dot(sample.points.col(i) - sphere->first) < 0) n = -n;
     // Q = sum of the unknowns times x^2, y^2, z^2, 2yz, 2xz, 2xy, 2x, 2y, 2z, 1
     Eigen::Matrix<double, 4, 10> rows;
-    rows << p.x() * p.x(), p.y() * p.y(), p.z() * p.z(), 2 * p.y() * p.z(), 2 * p.x() * p.z(), 2 * p.x() * p.y(), 2 * p.x(),
-        2 * p.y(), 2 * p.z(), 1,                                                 //
-        2 * p.x(), 0, 0, 0, 2 * p.z(), 2 * p.y(), 2, 0, 0, 0,                    //
-        0, 2 * p.y(), 0, 2 * p.z(), 0, 2 * p.x(), 0, 2, 0, 0,                    //
+    rows << p.x() * p.x(), p.y() * p.y(), p.z() * p.z(), 2 * p.y() * p.z(), 2 * p.x() * p.z(),
+        2 * p.x() * p.y(), 2 * p.x(), 2 * p.y(), 2 * p.z(), 1,  //
+        2 * p.x(), 0, 0, 0, 2 * p.z(), 2 * p.y(), 2, 0, 0, 0,   //
+        0, 2 * p.y(), 0, 2 * p.z(), 0, 2 * p.x(), 0, 2, 0, 0,   //
         0, 0, 2 * p.z(), 2 * p.y(), 2 * p.x(), 0, 0, 0, 2, 0;
     rows.row(0) *= 3 / sphere->second;
     normal += rows.transpose() * rows;
