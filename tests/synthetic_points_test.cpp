@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "statistics/rows.h"
+
 namespace darboux {
 namespace {
 
@@ -247,6 +249,40 @@ TEST(SyntheticPoints, NoiseAndOutliersAreAsAsked) {
           << kind;
     }
   }
+}
+
+// The true frame under every name of a surface, against the catalogue's frame of the surface so named.
+TEST(SyntheticPoints, TheTrueFrameIsTheCatalogues) {
+  Random random(seed);
+  for (const std::string_view kind : kinds)
+    for (std::uint64_t k = 0; k < 40; ++k) {
+      const SyntheticPoints points =
+          make_points(kind, {.count = 1, .random_shape = true, .scale = 1e3, .seed = seed + k});
+      const PlacedSurface named =
+          surface_at(points, Eigen::VectorXd::Zero(TrueShape(points).parameters()), random);
+      const Eigen::Vector3d at =
+          named.placement.inverse() * (points.truth.placement * (points.scale * points.feet[0]));
+      const auto over = [&](std::string_view a, double x) { return x / parameter_of(named.surface, a); };
+      constexpr double pi = std::numbers::pi;
+      double u = std::atan2(at.y(), at.x()) / (2 * pi), v = 0.5;
+      if (kind == "ellipsoid") {
+        u = std::atan2(over("semi_axis_y", at.y()), over("semi_axis_x", at.x())) / (2 * pi);
+        v = std::acos(-over("semi_axis_z", at.z())) / pi;
+      } else if (kind == "sphere") {
+        v = std::acos(-over("radius", at.z())) / pi;
+      } else if (kind == "torus") {
+        v = std::atan2(at.z(), std::hypot(at.x(), at.y()) - parameter_of(named.surface, "major_radius")) /
+            (2 * pi);
+      }
+      const Frame<double> frame = named.surface.frame(u, v);
+      Eigen::Matrix3d expected, found = true_frame(points, named, points.feet[0]);
+      expected << to_eigen(frame.t), to_eigen(frame.b), to_eigen(frame.n);
+      expected = named.placement.linear() * expected;
+      if (kind == "plane" || kind == "sphere")
+        expected.leftCols<2>().setZero(), found.leftCols<2>().setZero();
+      // Offset 10 over a size of 0.2: some 50 roundings, ten of them.
+      EXPECT_LE((found - expected).norm(), 500 * 0x1p-53) << kind << ", seed " << seed + k;
+    }
 }
 
 // What the seed promises: the same points from the same seed.
