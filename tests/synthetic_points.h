@@ -60,7 +60,8 @@ struct SyntheticOptions {
   // major radius of the torus, the base radius of the cone, the middle semi-axis of the ellipsoid, half the shorter side of
   // the plane.
   double sigma = 0;
-  // Outliers are uniform in the box of the inliers' feet, its sides along the axes of the points' space, 1.25 times as long.
+  // Outliers are uniform in the box of the inliers' feet, its sides along the axes of the points' space, 1.25 times as long, and
+  // none shorter than a third of the longest: a plane along two axes would else have its outliers within the noise.
   double outlier_share = 0;
   // Share of the chart that the inliers cover: with equal odds its square root along both u and v, or all of it along u
   // and the whole of v; anywhere in the chart, over a seam too. Of a cone's chart only v in [0, 0.8] is used.
@@ -188,10 +189,10 @@ inline SyntheticPoints make_points(std::string_view kind, const SyntheticOptions
     box.extend(turned);
     made.push_back({turned + options.sigma * random.normals(), uv, true});
   }
+  const Eigen::Vector3d sides = 1.25 * box.sizes().cwiseMax(box.sizes().maxCoeff() / 3);
   for (std::size_t k = 0; k < outliers; ++k) {
     const double x = random.uniform(-1, 1), y = random.uniform(-1, 1), z = random.uniform(-1, 1);
-    made.push_back(
-        {box.center() + 1.25 / 2 * Eigen::Vector3d(x, y, z).cwiseProduct(box.sizes()), somewhere(), false});
+    made.push_back({box.center() + Eigen::Vector3d(x, y, z).cwiseProduct(sides) / 2, somewhere(), false});
   }
   random.shuffle(made);
 
