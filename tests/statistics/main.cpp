@@ -166,7 +166,7 @@ Report frames(std::size_t sets) {
                 {"kind", "runs", "n", "95 % interval", "t, b, n", "95 % interval", "worst seeds"});
   for (const auto& [group, seeds] : groups("frames", sets)) {
     // Share of true frames inside; a failed fit does not cover.
-    const auto covered = [&](std::size_t degrees, std::optional<double> Outcome::*distance) {
+    const auto covered = [&, &seeds = seeds](std::size_t degrees, std::optional<double> Outcome::*distance) {
       std::size_t inside = 0, all = 0;
       for (const std::size_t s : seeds) {
         const std::optional<double>& d = outcomes[s].*distance;
@@ -176,7 +176,7 @@ Report frames(std::size_t sets) {
       }
       return std::pair(share(inside, all), all);
     };
-    const auto add = [&](const std::string& what, const Estimate& e) {
+    const auto add = [&, &group = group](const std::string& what, const Estimate& e) {
       report.targets.push_back({"95 % of " + what + ", " + group, "93 to 97 %",
                                 fixed(100 * e.value, 1) + " % (" + interval(e, 1, 100) + ")",
                                 e.value >= 0.93 && e.value <= 0.97});
