@@ -1,27 +1,28 @@
 #include <algorithm>
 #include <cmath>
-#include <random>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
-#include <ceres/ceres.h>
+#include <Eigen/Eigenvalues>
 
-#include <darboux/catalogue.h>
-#include <darboux/ceres_jet.h>
 #include <darboux/error.h>
 #include <darboux/fit.h>
+
+#include "fit/uv_starts.h"
 
 namespace darboux {
 namespace {
 
-constexpr std::size_t most_points = 4096;
+// Vertices that a fit looks at before all of them: for a linear start, and to see whether a surface fits at all.
+constexpr std::size_t start_points = 256, trial_points = 2048;
+
+// A start this far off is another convention's mesh; refining it would only confirm that.
+constexpr double hopeless = 0.2;
+
+// An affine map is so free that it must fit better: this share of fits_below.
+constexpr double affine_share = 1e-2;
 
 // Usable vertices, centred and scaled to a bounding box of diagonal 1.
 struct Data {
-  std::vector<Vec3<double>> positions;
-  std::vector<Vec2<double>> uvs;
-  Eigen::Vector3d centre;
-  double diagonal;
+  UvPoints all, trial, few;
 };
 
 Data usable_vertices(const Mesh& mesh) {
@@ -41,268 +42,157 @@ Data usable_vertices(const Mesh& mesh) {
   if (usable.size() < 4)
     throw MeshError("mesh", std::to_string(usable.size()) + " usable vertices, a fit needs at least 4");
   Data data;
-  data.centre = box.center();
-  data.diagonal = box.diagonal().norm();
-  if (!(data.diagonal > 0)) throw MeshError("mesh", "all vertices are at one point, a fit needs an extent");
+  data.all.centre = box.center();
+  data.all.size = box.diagonal().stableNorm();
+  if (!(data.all.size > 0)) throw MeshError("mesh", "all vertices are at one point, a fit needs an extent");
   for (const std::uint32_t v : usable) {
-    data.positions.push_back(from_eigen((to_eigen(mesh.positions[v]) - data.centre) / data.diagonal));
-    data.uvs.push_back(mesh.uvs[v]);
+    data.all.positions.push_back(from_eigen((to_eigen(mesh.positions[v]) - data.all.centre) / data.all.size));
+    data.all.uvs.push_back(mesh.uvs[v]);
   }
+  data.trial = data.all.chosen(trial_points, 1);
+  data.few = data.trial.chosen(start_points, 1);
   return data;
 }
 
-Data evenly_chosen(const Data& all) {
-  if (all.positions.size() <= most_points) return all;
-  Data chosen{{}, {}, all.centre, all.diagonal};
-  // One of each stretch, at random within it: a fixed stride could keep step with the rows of a grid.
-  std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  for (std::size_t i = 0; i < most_points; ++i) {
-    const double share = (static_cast<double>(i) + uniform(random)) / static_cast<double>(most_points);
-    const std::size_t v =
-        std::min(all.positions.size() - 1,
-                 static_cast<std::size_t>(share * static_cast<double>(all.positions.size())));
-    chosen.positions.push_back(all.positions[v]);
-    chosen.uvs.push_back(all.uvs[v]);
-  }
-  return chosen;
-}
-
-// The kinds whose position is linear in their parameters, all of them lengths: the linear start takes both for granted.
-// The order is that of preference: a sphere is an ellipsoid too.
-template <template <class> class... Surfaces>
-struct Kinds {
-  template <class F>
-  static void for_each(F f) {
-    (f.template operator()<Surfaces>(), ...);
-  }
-};
-using FittedKinds = Kinds<Plane, Disk, Sphere, Cylinder, Cone, Torus, Ellipsoid>;
-
-template <class X>
-constexpr int parameter_count = static_cast<int>(X::parameters().size());
-
-// Placement and parameters in the units of the scaled data.
-template <int N>
-struct Pose {
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-  std::array<double, N> parameters{};
-};
-
-template <template <class> class Surface, class S>
-Vec3<S> local_position(const S* parameters, const Vec2<double>& uv) {
-  using X = Surface<S>;
-  X surface;
-  constexpr auto list = X::parameters();
-  for (std::size_t k = 0; k < list.size(); ++k) list[k].of(surface) = parameters[k];
-  return jet(surface, lift<S>(uv.x), lift<S>(uv.y)).position;
-}
-
-// Position of the placed surface minus the data's.
-template <template <class> class Surface>
-struct Residual {
-  Vec2<double> uv;
-  Vec3<double> target;
-
-  template <class S>
-  bool operator()(const S* rotation, const S* translation, const S* parameters, S* residual) const {
-    const Vec3<S> local = local_position<Surface>(parameters, uv);
-    const Eigen::Map<const Eigen::Quaternion<S>> q(rotation);
-    Eigen::Map<Eigen::Matrix<S, 3, 1>> r(residual);
-    r = q * to_eigen(local) + Eigen::Map<const Eigen::Matrix<S, 3, 1>>(translation) -
-        to_eigen(target).cast<S>();
-    return true;
-  }
-};
-
-template <template <class> class Surface, int N>
-double rms(const Data& data, const UvConvention& convention, const Pose<N>& pose) {
-  double sum = 0;
-  for (std::size_t i = 0; i < data.positions.size(); ++i) {
-    const Vec2<double> uv = convention.surface_uv(data.uvs[i]);
-    const Vec3<double> local = local_position<Surface>(pose.parameters.data(), uv);
-    sum += (pose.rotation * to_eigen(local) + pose.translation - to_eigen(data.positions[i])).squaredNorm();
-  }
-  return std::sqrt(sum / static_cast<double>(data.positions.size()));
-}
-
-// The linear start: P = O + sum_k A_k B_k(u, v) with B_k = ∂P/∂p_k, and A_k = p_k Q on the span of B_k.
-template <template <class> class Surface>
-std::optional<Pose<parameter_count<Surface<double>>>> linear_start(const Data& data,
-                                                                   const UvConvention& convention) {
-  constexpr int N = parameter_count<Surface<double>>;
-  using D = Dual<double, N>;
-  std::array<D, N> variables;
-  for (int k = 0; k < N; ++k) {
-    constexpr auto list = Surface<double>::parameters();
-    variables[k] = D::variable(list[k].of(Surface<double>{}), k);
-  }
-  const auto n = static_cast<Eigen::Index>(data.positions.size());
-  Eigen::MatrixXd design(n, 1 + 3 * N), right(n, 3);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Vec3<D> p = local_position<Surface>(variables.data(), convention.surface_uv(data.uvs[i]));
-    design(i, 0) = 1;
-    for (int k = 0; k < N; ++k)
-      design.block<1, 3>(i, 1 + 3 * k) << p.x.derivative[k], p.y.derivative[k], p.z.derivative[k];
-    right.row(i) = to_eigen(data.positions[i]).transpose();
-  }
-  // Minimum norm where the data leave a direction open: A_k is then zero there.
-  const Eigen::MatrixXd solution = design.completeOrthogonalDecomposition().solve(right);
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (int k = 0; k < N; ++k) sum += solution.middleRows<3>(1 + 3 * k).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
-  // A direction that nothing determines may be turned either way; one that is determined may not.
-  if (rotation.determinant() < 0) {
-    Eigen::Matrix3d u = svd.matrixU();
-    u.col(2) *= -1;
-    rotation = u * svd.matrixV().transpose();
-  }
-  Pose<N> pose;
-  pose.rotation = Eigen::Quaterniond(rotation).normalized();
-  pose.translation = solution.row(0).transpose();
-  for (int k = 0; k < N; ++k) {
-    const Eigen::Matrix3d a = rotation.transpose() * solution.middleRows<3>(1 + 3 * k).transpose();
-    double trace = 0, directions = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      if (design.col(1 + 3 * k + axis).cwiseAbs().maxCoeff() > 1e-9) trace += a(axis, axis), ++directions;
-    constexpr auto list = Surface<double>::parameters();
-    pose.parameters[k] = directions > 0 ? trace / directions : list[k].of(Surface<double>{});
-    if (!list[k].permitted.contains(pose.parameters[k])) {
-      // A limit value is permitted data (R = 0) that rounding may push across; anything else is another
-      // convention.
-      if (!list[k].permitted.minimum_included || pose.parameters[k] < list[k].permitted.minimum - 1e-3)
-        return std::nullopt;
-      pose.parameters[k] = list[k].permitted.minimum;
-    }
-  }
-  return pose;
-}
-
-struct Refined {
-  bool converged;
+// A surface that Ceres fitted to the trial points.
+struct Trial {
+  UvModel model;
+  UvState state;
+  double rms;
+  bool fits;
   int iterations;
+  std::vector<std::string_view> equivalent{};
 };
 
-template <template <class> class Surface, int N>
-Refined refine(const Data& data, const UvConvention& convention, const std::array<bool, N>& held,
-               bool placement_held, Pose<N>& pose) {
-  ceres::Problem problem;
-  double* rotation = pose.rotation.coeffs().data();
-  double* translation = pose.translation.data();
-  double* parameters = pose.parameters.data();
-  for (std::size_t i = 0; i < data.positions.size(); ++i)
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<Residual<Surface>, 3, 4, 3, N>(
-            new Residual<Surface>{convention.surface_uv(data.uvs[i]), data.positions[i]}),
-        nullptr, rotation, translation, parameters);
-  problem.SetManifold(rotation, new ceres::EigenQuaternionManifold);
-  if (placement_held) {
-    problem.SetParameterBlockConstant(rotation);
-    problem.SetParameterBlockConstant(translation);
-  }
-  constexpr auto list = Surface<double>::parameters();
-  std::vector<int> constant;
-  for (int k = 0; k < N; ++k) {
-    if (held[k])
-      constant.push_back(k);
-    else
-      problem.SetParameterLowerBound(
-          parameters, k,
-          list[k].permitted.minimum_included ? list[k].permitted.minimum : list[k].permitted.minimum + 1e-12);
-  }
-  if (static_cast<int>(constant.size()) == N)
-    problem.SetParameterBlockConstant(parameters);
-  else if (!constant.empty())
-    problem.SetManifold(parameters, new ceres::SubsetManifold(N, constant));
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 50;
-  options.function_tolerance = 1e-15;  // to the last digits: data are scaled to size 1
-  options.gradient_tolerance = 1e-16;
-  options.parameter_tolerance = 1e-14;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return {summary.IsSolutionUsable() && summary.termination_type == ceres::CONVERGENCE,
-          static_cast<int>(summary.iterations.size())};
+double rms(const UvModel& model, const UvState& state) {
+  const std::vector<double> squares = model.squares(state);
+  double sum = 0;
+  for (const double s : squares) sum += s;
+  return std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
-template <template <class> class Surface>
-MeshFit fit_kind(const Data& all, const SurfaceSpecification& kind,
-                 const std::optional<Eigen::Isometry3d>& placement) {
-  using X = Surface<double>;
-  constexpr int N = parameter_count<X>;
-  constexpr auto list = X::parameters();
-  const Data data = evenly_chosen(all);
-  std::array<bool, N> held{};
-  X start;
-  for (const auto& [name, value] : kind.parameters)
-    for (int k = 0; k < N; ++k)
-      if (list[k].name == name) {
-        held[k] = true;
-        list[k].of(start) = value;
-      }
-  checked(start);
+std::optional<AnySurface> surface_of(const UvModel& model, const UvState& state, double size,
+                                     const SurfaceSpecification& given) {
+  const UvKind& kind = *model.kind;
+  SurfaceSpecification result{std::string(kind.name), {}};
+  for (std::size_t k = 0; k < state.parameters.size(); ++k) {
+    const ParameterValue& p = kind.parameters[k];
+    if (!model.held[k] && kind.vanishes(static_cast<int>(k), state.parameters[k])) return std::nullopt;
+    const auto held = std::find_if(given.parameters.begin(), given.parameters.end(),
+                                   [&](const auto& g) { return g.first == p.name; });
+    result.parameters.emplace_back(p.name, held != given.parameters.end()
+                                               ? held->second
+                                               : state.parameters[k] * (kind.length[k] ? size : 1));
+  }
+  try {
+    return make_surface(result);
+  } catch (const ParameterError&) {
+    return std::nullopt;  // the values do not go together
+  }
+}
 
-  // Lengths of the data are scaled by 1 / diagonal, so every parameter that is a length is too.
-  const double scale = 1 / data.diagonal;
-  std::optional<MeshFit> best;
-  for (const UvConvention& convention : uv_conventions()) {
-    std::optional<Pose<N>> pose = linear_start<Surface>(data, convention);
-    if (!pose) continue;
-    for (int k = 0; k < N; ++k)
-      if (held[k]) pose->parameters[k] = list[k].of(start) * scale;
-    if (placement) {
-      pose->rotation = Eigen::Quaterniond(placement->linear());
-      pose->translation = (placement->translation() - data.centre) * scale;
-    }
-    // A start this far off is another convention's mesh; refining it would only confirm that.
-    constexpr double hopeless = 0.2;
-    Refined refined{false, 0};
-    if (rms<Surface>(data, convention, *pose) < hopeless)
-      refined = refine<Surface, N>(data, convention, held, placement.has_value(), *pose);
-    X surface;
-    bool permitted = true, degenerate = false;
-    for (int k = 0; k < N; ++k) {
-      // At its open bound a parameter has shrunk the surface to a line or a point.
-      degenerate = degenerate || (!held[k] && !list[k].permitted.minimum_included &&
-                                  pose->parameters[k] < list[k].permitted.minimum + 1e-6);
-      list[k].of(surface) = held[k] ? list[k].of(start) : pose->parameters[k] * data.diagonal;
-      permitted = permitted && list[k].permitted.contains(list[k].of(surface));
-    }
-    if constexpr (RefusesCombinations<X>) permitted = permitted && surface.refusal().empty();
-    if (!permitted) continue;
-    MeshFit fit{.surface = {AnySurface(surface), Eigen::Isometry3d::Identity(), convention},
-                .equivalent = {}};
-    fit.rms_relative = rms<Surface>(all, convention, *pose);
-    fit.rms = fit.rms_relative * data.diagonal;
-    fit.fits = refined.converged && !degenerate && fit.rms_relative <= fits_below;
-    fit.iterations = refined.iterations;
-    if (placement) {
-      fit.surface.placement = *placement;
-    } else {
-      fit.surface.placement.linear() = pose->rotation.normalized().toRotationMatrix();
-      fit.surface.placement.translation() = pose->translation * data.diagonal + data.centre;
-    }
+UvHeld held_values(const Data& data, const UvKind& kind, const SurfaceSpecification& given,
+                   const std::optional<Eigen::Isometry3d>& placement) {
+  UvHeld held;
+  held.parameters.resize(kind.parameters.size());
+  for (const auto& [name, value] : given.parameters)
+    for (std::size_t k = 0; k < kind.parameters.size(); ++k)
+      if (kind.parameters[k].name == name) held.parameters[k] = value / (kind.length[k] ? data.all.size : 1);
+  if (placement) {
+    held.placement = *placement;
+    held.placement->translation() = (placement->translation() - data.all.centre) / data.all.size;
+  }
+  return held;
+}
+
+// Whether the points tell every direction of what is estimated: those on a line lie on a thin strip in any position.
+bool determined(const UvModel& model, const UvState& state) {
+  const UvSums sums = model.sums(state, Mixture{});
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index k = model.placement_held ? 6 : 0; k < model.columns(); ++k) free.push_back(k);
+  const std::vector<int> parameters = model.free_parameters();
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const auto p = static_cast<std::size_t>(parameters[k]);
+    const Range& permitted = model.kind->parameters[p].permitted;
+    if (permitted.minimum_included && state.parameters[p] <= permitted.minimum)
+      std::erase(free, static_cast<Eigen::Index>(6 + k));  // at its limit it is held
+  }
+  if (free.empty()) return true;
+  const Eigen::MatrixXd information = sums.hessian(free, free);
+  const Eigen::VectorXd scale =
+      information.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      scale.asDiagonal() * information * scale.asDiagonal(), Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()[0] > 1e-13;
+}
+
+// From one start; nothing where the parameters that come out are not permitted.
+std::optional<Trial> tried(const Data& data, UvStart start, const SurfaceSpecification& given) {
+  start.model.points = &data.trial;
+  Solved solved;
+  if (start.median < hopeless) solved = start.model.solve(start.state, Mixture{}, 1e-14);
+  if (!surface_of(start.model, start.state, data.all.size, given)) return std::nullopt;
+  const double error = rms(start.model, start.state);
+  const double permitted = fits_below * (start.model.free_affine.empty() ? 1 : affine_share);
+  const bool fits = solved.converged && error <= permitted && determined(start.model, start.state);
+  return Trial{start.model, start.state, error, fits, solved.iterations};
+}
+
+void keep_better(std::optional<Trial>& best, std::optional<Trial> trial) {
+  if (trial &&
+      (!best || (trial->fits && !best->fits) || (trial->fits == best->fits && trial->rms < best->rms)))
+    best = std::move(trial);
+}
+
+// The first of uv_conventions() that fits, else the best.
+std::optional<Trial> try_conventions(const Data& data, const UvKind& kind, const SurfaceSpecification& given,
+                                     const UvHeld& held) {
+  std::optional<Trial> best;
+  for (UvStart& start : convention_starts(kind, data.few, held, false).proper) {
+    std::optional<Trial> trial = tried(data, std::move(start), given);
     if (best && best->fits) {
-      if (fit.fits) best->equivalent.push_back(convention.name);
-    } else if (!best || fit.fits || fit.rms_relative < best->rms_relative) {
-      best = std::move(fit);
+      if (trial && trial->fits) best->equivalent.push_back(trial->model.convention.name);
+    } else {
+      keep_better(best, std::move(trial));
     }
   }
-  if (!best)
-    throw MeshError("mesh",
-                    "no uv convention lets a " + kind.name + " start, the positions do not follow the uvs");
-  return *best;
+  return best;
 }
 
-template <class F>
-void for_each_kind(F f) {
-  FittedKinds::for_each([&]<template <class> class Surface>() {
-    f(Surface<double>::info.name, [](const auto&... arguments) { return fit_kind<Surface>(arguments...); });
-  });
+std::optional<Trial> try_affine(const Data& data, const UvKind& kind, const SurfaceSpecification& given,
+                                const UvHeld& held) {
+  std::optional<Trial> best;
+  for (UvStart& start : affine_starts(kind, data.few, held, false)) {
+    keep_better(best, tried(data, std::move(start), given));
+    if (best && best->fits) break;
+  }
+  return best;
+}
+
+// The answer from all vertices.
+MeshFit completed(const Data& data, Trial trial, const SurfaceSpecification& given,
+                  const std::optional<Eigen::Isometry3d>& placement) {
+  trial.model.points = &data.all;
+  if (trial.fits) {
+    Mixture squares;
+    UvState state = trial.state;
+    trial.model.polish(state, squares, std::nullopt, 6);
+    if (surface_of(trial.model, state, data.all.size, given)) trial.state = state;
+  }
+  MeshFit fit{.surface = {*surface_of(trial.model, trial.state, data.all.size, given),
+                          Eigen::Isometry3d::Identity(), trial.model.whole_convention(trial.state)},
+              .equivalent = trial.equivalent};
+  fit.rms_relative = rms(trial.model, trial.state);
+  fit.rms = fit.rms_relative * data.all.size;
+  fit.fits = trial.fits && fit.rms_relative <= fits_below;
+  fit.iterations = trial.iterations;
+  if (placement) {
+    fit.surface.placement = *placement;
+  } else {
+    fit.surface.placement.linear() = trial.state.rotation.toRotationMatrix();
+    fit.surface.placement.translation() = trial.state.translation * data.all.size + data.all.centre;
+  }
+  return fit;
 }
 
 }  // namespace
@@ -310,40 +200,50 @@ void for_each_kind(F f) {
 const std::vector<std::string_view>& fitted_kinds() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> list;
-    for_each_kind([&](std::string_view name, auto) { list.push_back(name); });
+    for (const UvKind& kind : uv_kinds()) list.push_back(kind.name);
     return list;
   }();
   return names;
 }
 
-MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
+MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
                     const std::optional<Eigen::Isometry3d>& placement) {
-  make_surface(kind);  // refuses unknown names and values out of range
-  std::optional<MeshFit> result;
-  std::string known;
-  for_each_kind([&](std::string_view name, auto fit) {
-    known += (known.empty() ? "" : ", ") + std::string(name);
-    if (name == kind.name) result = fit(usable_vertices(mesh), kind, placement);
-  });
-  if (!result) throw ParameterError(kind.name, "cannot be fitted to a mesh, permitted are " + known);
-  return *result;
+  make_surface(given);  // refuses unknown names and values out of range
+  const UvKind* kind = find_uv_kind(given.name);
+  if (!kind) throw ParameterError(given.name, "cannot be fitted to a mesh, permitted are " + uv_kind_names());
+  const Data data = usable_vertices(mesh);
+  const UvHeld held = held_values(data, *kind, given, placement);
+  std::optional<Trial> best = try_conventions(data, *kind, given, held);
+  if (!best || !best->fits) {
+    // What another kind explains under a plain convention is that kind, and no limit of this one with bent uvs: a torus
+    // of major radius 0 is a sphere.
+    const bool another = std::any_of(uv_kinds().begin(), uv_kinds().end(), [&](const UvKind& other) {
+      if (&other == kind) return false;
+      const SurfaceSpecification any{std::string(other.name), {}};
+      const auto trial = try_conventions(data, other, any, held_values(data, other, any, placement));
+      return trial && trial->fits;
+    });
+    if (!another) keep_better(best, try_affine(data, *kind, given, held));
+  }
+  if (!best)
+    throw MeshError("mesh",
+                    "no uv convention lets a " + given.name + " start, the positions do not follow the uvs");
+  return completed(data, *best, given, placement);
 }
 
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
   const Data data = usable_vertices(mesh);
-  std::optional<MeshFit> best;
-  for_each_kind([&](std::string_view name, auto fit_this) {
-    if (best && best->fits) return;
-    try {
-      MeshFit fit = fit_this(data, SurfaceSpecification{std::string(name), {}}, placement);
-      if (!best || std::pair(!fit.fits, fit.rms_relative) < std::pair(!best->fits, best->rms_relative))
-        best = std::move(fit);
-    } catch (const MeshError&) {
-      // Not this kind: no convention even starts.
+  std::optional<Trial> best;
+  for (const auto attempt : {try_conventions, try_affine})
+    for (const UvKind& kind : uv_kinds()) {
+      const SurfaceSpecification given{std::string(kind.name), {}};
+      std::optional<Trial> trial = attempt(data, kind, given, held_values(data, kind, given, placement));
+      if (trial && trial->fits)
+        if (MeshFit fit = completed(data, *trial, given, placement); fit.fits) return fit;
+      keep_better(best, std::move(trial));
     }
-  });
   if (!best) throw MeshError("mesh", "is none of the surfaces that can be fitted");
-  return *best;
+  return completed(data, *best, {std::string(best->model.kind->name), {}}, placement);
 }
 
 }  // namespace darboux

@@ -27,21 +27,24 @@ struct MeshFit {
 };
 
 /// Fits a surface of known kind: proper rigid placement (det +1), the parameters not fixed, and the uv
-/// convention; the first of uv_conventions() that fits is taken, the best one where none does. Start in
-/// closed form from least squares on P = O + sum_k A_k ∂P/∂p_k(u, v), linear in O and the A_k for a surface
-/// linear in its parameters; then Ceres minimises the sum of squared distances over at most 4096 vertices,
-/// evenly chosen. Scale and offset of the data do not matter.
+/// convention. The first of uv_conventions() that fits is taken; where none does, and no other kind fits under one either, an
+/// affine map of the stored uvs, named "affine", if with it the rms is below fits_below / 100; else the best of what was
+/// tried. Start in closed form from least squares on P = O + sum_k A_k ∂P/∂p_k(u, v), linear in O and the A_k; then Ceres
+/// minimises the sum of squared distances over at most 2048 vertices at random; what fits these is refined on all vertices.
+/// Scale and offset of the data do not matter. Method: docs/theory/fit-with-uvs.md.
 /// \param kind name, with the parameters that are held
 /// \param placement held when given
-/// \throws ParameterError for an unknown kind or parameter, or a kind other than those of fit_any_surface(); MeshError without uvs or with fewer than four usable vertices
+/// \throws ParameterError for an unknown kind or parameter, or a kind other than those of fitted_kinds(); MeshError without uvs or with fewer than four usable vertices
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
 /// The kinds of surface that can be fitted, in the order in which they are tried.
 const std::vector<std::string_view>& fitted_kinds();
 
-/// Fits the fitted_kinds() in order and returns the first that fits: plane, disk, sphere, cylinder, cone, torus, ellipsoid. When
-/// none does, the best of them, `fits` false.
+/// Fits the fitted_kinds() in order and returns the first that fits, under the plain conventions first, then with affine uvs:
+/// plane, disk, sphere, cylinder, cone, torus, ellipsoid, then elliptic-paraboloid, hyperbolic-paraboloid,
+/// one-sheet-hyperboloid, two-sheet-hyperboloid, helicoid, catenoid, moebius-strip, klein-bottle, enneper. When none does, the
+/// best of them, `fits` false. About 10 passes over the vertices where one fits.
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
 }  // namespace darboux

@@ -1,0 +1,415 @@
+#include "uv_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <Eigen/Eigenvalues>
+#include <ceres/ceres.h>
+
+#include "manifolds.h"
+
+namespace darboux {
+namespace {
+
+constexpr std::size_t block_size = 64;
+constexpr double two_pi_ = 6.283185307179586;
+
+double log_ratio(const Mixture& m) {
+  return std::log(m.outliers / m.volume) - std::log1p(-m.outliers) +
+         1.5 * std::log(two_pi_ * m.sigma * m.sigma);
+}
+
+// log(e^a + e^b)
+double log_add(double a, double b) {
+  const double apart = std::fabs(a - b);
+  return std::fmax(a, b) + (apart < 40 ? std::log1p(std::exp(-apart)) : 0);
+}
+
+// The sums of all points as one Ceres cost function whose size does not grow with them: with H = V D V^T and y =
+// D^(-1/2) V^T g the residuals are y and one number for the rest of the cost, the Jacobian D^(1/2) V^T, so that cost,
+// gradient and Gauss-Newton matrix are the sums'.
+class Compressed final : public ceres::CostFunction {
+ public:
+  Compressed(const UvModel& model, const Mixture& mixture, const UvState& start)
+      : model_(model), mixture_(mixture), state_(start), columns_(model.columns()) {
+    set_num_residuals(columns_ + 1);
+    *mutable_parameter_block_sizes() = {4, 3};
+    if (columns_ > 6) mutable_parameter_block_sizes()->push_back(columns_ - 6);
+  }
+
+  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
+    std::vector<double> x(blocks[0], blocks[0] + 4);
+    x.insert(x.end(), blocks[1], blocks[1] + 3);
+    if (columns_ > 6) x.insert(x.end(), blocks[2], blocks[2] + columns_ - 6);
+    // Ceres asks for the cost of a step first and for its Jacobian after: one pass serves both.
+    if (x != at_) {
+      at_ = x;
+      compress(state_of(model_, state_, x));
+    }
+    if (!residuals_.allFinite() || !root_.allFinite()) return false;
+    Eigen::Map<Eigen::VectorXd>(residuals, columns_ + 1) = residuals_;
+    if (!jacobians) return true;
+    if (jacobians[0]) {
+      Eigen::Matrix<double, 3, 4, Eigen::RowMajor> minus;
+      fit::RotationManifold().MinusJacobian(blocks[0], minus.data());
+      store(jacobians[0], root_.leftCols<3>() * minus);
+    }
+    if (jacobians[1]) store(jacobians[1], root_.middleCols<3>(3));
+    if (columns_ > 6 && jacobians[2]) store(jacobians[2], root_.rightCols(columns_ - 6));
+    return true;
+  }
+
+  static UvState state_of(const UvModel& model, UvState state, const std::vector<double>& x) {
+    state.rotation.coeffs() = Eigen::Map<const Eigen::Vector4d>(x.data());
+    state.translation = Eigen::Map<const Eigen::Vector3d>(x.data() + 4);
+    std::size_t next = 7;
+    for (const int k : model.free_parameters()) state.parameters[static_cast<std::size_t>(k)] = x[next++];
+    for (const int k : model.free_affine) state.affine[static_cast<std::size_t>(k)] = x[next++];
+    return state;
+  }
+
+ private:
+  void compress(const UvState& state) const {
+    const UvSums sums = model_.sums(state, mixture_);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(sums.hessian);
+    const Eigen::VectorXd d = eigen.eigenvalues();
+    const Eigen::VectorXd along = eigen.eigenvectors().transpose() * sums.gradient;
+    residuals_ = Eigen::VectorXd::Zero(columns_ + 1);
+    root_ = Eigen::MatrixXd::Zero(columns_ + 1, columns_);
+    for (int k = 0; k < columns_; ++k) {
+      if (!(d[k] > 1e-15 * d[columns_ - 1])) continue;  // nothing is known in this direction
+      residuals_[k] = along[k] / std::sqrt(d[k]);
+      root_.row(k) = std::sqrt(d[k]) * eigen.eigenvectors().col(k).transpose();
+    }
+    residuals_[columns_] = std::sqrt(std::fmax(0, 2 * sums.cost - residuals_.squaredNorm()));
+  }
+
+  template <class Matrix>
+  static void store(double* target, const Matrix& m) {
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(target, m.rows(),
+                                                                                       m.cols()) = m;
+  }
+
+  const UvModel& model_;
+  const Mixture& mixture_;
+  const UvState& state_;
+  int columns_;
+  mutable std::vector<double> at_;
+  mutable Eigen::VectorXd residuals_;
+  mutable Eigen::MatrixXd root_;
+};
+
+// A little inside an open bound: there the surface is a line or a point.
+double least(const Range& permitted) {
+  return permitted.minimum_included ? permitted.minimum : permitted.minimum + 1e-12;
+}
+
+}  // namespace
+
+UvPoints UvPoints::chosen(std::size_t most, std::uint64_t seed) const {
+  if (count() <= most) return *this;
+  UvPoints result{{}, {}, centre, size};
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (std::size_t i = 0; i < most; ++i) {
+    const double share = (static_cast<double>(i) + uniform(random)) / static_cast<double>(most);
+    const auto k = std::min(count() - 1, static_cast<std::size_t>(share * static_cast<double>(count())));
+    result.positions.push_back(positions[k]);
+    result.uvs.push_back(uvs[k]);
+  }
+  return result;
+}
+
+double UvPoints::least_sigma() const {
+  return 1e-13 + 0x1p-52 * (centre / size).stableNorm();
+}
+
+std::vector<int> UvModel::free_parameters() const {
+  std::vector<int> list;
+  for (int k = 0; k < kind->parameter_count(); ++k)
+    if (!held[static_cast<std::size_t>(k)]) list.push_back(k);
+  return list;
+}
+
+UvConvention UvModel::whole_convention(const UvState& state) const {
+  if (state.affine == identity_map) return convention;
+  const auto& a = state.affine;
+  const auto& c = convention.affine;
+  return {"affine",
+          {a[0] * c[0] + a[1] * c[2], a[0] * c[1] + a[1] * c[3], a[2] * c[0] + a[3] * c[2],
+           a[2] * c[1] + a[3] * c[3], a[0] * c[4] + a[1] * c[5] + a[4], a[2] * c[4] + a[3] * c[5] + a[5]}};
+}
+
+UvState UvModel::moved(const UvState& state, const Eigen::VectorXd& step) const {
+  UvState result = state;
+  fit::RotationManifold().Plus(state.rotation.coeffs().data(), step.data(), result.rotation.coeffs().data());
+  result.rotation.normalize();
+  result.translation += step.segment<3>(3);
+  Eigen::Index next = 6;
+  for (const int k : free_parameters()) {
+    const Range& permitted = kind->parameters[static_cast<std::size_t>(k)].permitted;
+    double& p = result.parameters[static_cast<std::size_t>(k)];
+    p = std::clamp(p + step[next++], least(permitted), permitted.maximum);
+  }
+  for (const int k : free_affine) result.affine[static_cast<std::size_t>(k)] += step[next++];
+  return result;
+}
+
+// Residuals and Jacobian of a block of points in the body's axes; the translation's columns are the body's too.
+void UvModel::fill(const UvState& state, std::size_t first, std::size_t count, UvBlock& block,
+                   std::vector<Vec2<double>>& uvs, Eigen::MatrixXd& jacobian,
+                   Eigen::VectorXd& residual) const {
+  const auto rows = static_cast<Eigen::Index>(3 * count);
+  if (block.position.size() < rows) {
+    block = {Eigen::VectorXd(rows), Eigen::MatrixXd(rows, kind->parameter_count()),
+             Eigen::MatrixXd(free_affine.empty() ? 0 : rows, 2)};
+    jacobian = Eigen::MatrixXd::Zero(rows, columns());
+    residual.resize(rows);
+  }
+  const UvConvention affine{"", state.affine};
+  uvs.resize(count);
+  for (std::size_t i = 0; i < count; ++i)
+    uvs[i] = affine.surface_uv(convention.surface_uv(points->uvs[first + i]));
+  kind->evaluate(state.parameters.data(), uvs, block);
+  const Eigen::Matrix3d inverse = state.rotation.toRotationMatrix().transpose();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = static_cast<Eigen::Index>(3 * i);
+    const Eigen::Vector3d p = block.position.segment<3>(row);
+    residual.segment<3>(row) = p + inverse * (state.translation - to_eigen(points->positions[first + i]));
+    jacobian(row + 1, 0) = -p.z(), jacobian(row + 2, 0) = p.y();
+    jacobian(row, 1) = p.z(), jacobian(row + 2, 1) = -p.x();
+    jacobian(row, 2) = -p.y(), jacobian(row + 1, 2) = p.x();
+    jacobian(row, 3) = jacobian(row + 1, 4) = jacobian(row + 2, 5) = 1;
+  }
+  Eigen::Index next = 6;
+  for (const int k : free_parameters())
+    jacobian.col(next++).head(rows) = block.by_parameter.col(k).head(rows);
+  for (const int k : free_affine) {
+    const int along = k == 0 || k == 1 || k == 4 ? 0 : 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec2<double> uv = convention.surface_uv(points->uvs[first + i]);
+      const double factor = k > 3 ? 1 : k % 2 == 0 ? uv.x : uv.y;
+      const auto row = static_cast<Eigen::Index>(3 * i);
+      jacobian.block<3, 1>(row, next) = factor * block.by_uv.block<3, 1>(row, along);
+    }
+    ++next;
+  }
+}
+
+UvSums UvModel::sums(const UvState& state, const Mixture& mixture, std::vector<double>* squares) const {
+  const int m = columns();
+  UvSums result{0, Eigen::VectorXd::Zero(m), Eigen::MatrixXd::Zero(m, m)};
+  if (squares) squares->resize(points->count());
+  const double precision = 1 / (mixture.sigma * mixture.sigma);
+  const double ratio = mixture.robust ? log_ratio(mixture) : 0, top = mixture.robust ? log_add(0, ratio) : 0;
+  UvBlock block;
+  std::vector<Vec2<double>> uvs;
+  Eigen::MatrixXd jacobian;
+  Eigen::VectorXd residual;
+  for (std::size_t first = 0; first < points->count(); first += block_size) {
+    const std::size_t count = std::min(block_size, points->count() - first);
+    const auto rows = static_cast<Eigen::Index>(3 * count);
+    fill(state, first, count, block, uvs, jacobian, residual);
+    double cost = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto row = static_cast<Eigen::Index>(3 * i);
+      const double square = residual.segment<3>(row).squaredNorm(), half = 0.5 * precision * square;
+      if (squares) (*squares)[first + i] = square;
+      if (!mixture.robust) {
+        cost += half;
+        continue;
+      }
+      // - log of the density over that at distance 0; its derivative by half is the posterior weight.
+      const double weight = 1 / (1 + std::exp(ratio + half));
+      cost += top - log_add(-half, ratio);
+      if (weight > 1e-30) {
+        const double root = std::sqrt(weight);
+        residual.segment<3>(row) *= root;
+        jacobian.middleRows<3>(row) *= root;
+      } else {
+        residual.segment<3>(row).setZero();
+        jacobian.middleRows<3>(row).setZero();
+      }
+    }
+    result.cost += cost;
+    result.hessian.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.topRows(rows).transpose());
+    result.gradient.noalias() += jacobian.topRows(rows).transpose() * residual.head(rows);
+  }
+  result.hessian.triangularView<Eigen::StrictlyUpper>() = result.hessian.transpose();
+  result.hessian *= precision;
+  result.gradient *= precision;
+  // The translation's columns from the body's axes to those of the points.
+  const Eigen::Matrix3d rotation = state.rotation.toRotationMatrix();
+  result.gradient.segment<3>(3) = rotation * result.gradient.segment<3>(3);
+  result.hessian.middleCols<3>(3) *= rotation.transpose();
+  result.hessian.middleRows<3>(3) = rotation * result.hessian.middleRows<3>(3).eval();
+  return result;
+}
+
+std::vector<double> UvModel::squares(const UvState& state) const {
+  std::vector<double> result(points->count());
+  UvBlock block;
+  std::vector<Vec2<double>> uvs;
+  Eigen::MatrixXd jacobian;
+  Eigen::VectorXd residual;
+  for (std::size_t first = 0; first < points->count(); first += block_size) {
+    const std::size_t count = std::min(block_size, points->count() - first);
+    fill(state, first, count, block, uvs, jacobian, residual);
+    for (std::size_t i = 0; i < count; ++i)
+      result[first + i] = residual.segment<3>(static_cast<Eigen::Index>(3 * i)).squaredNorm();
+  }
+  return result;
+}
+
+Eigen::MatrixXd UvModel::jacobian(const UvState& state, std::size_t most) const {
+  UvBlock block;
+  std::vector<Vec2<double>> uvs;
+  Eigen::MatrixXd result;
+  Eigen::VectorXd residual;
+  fill(state, 0, std::min(most, points->count()), block, uvs, result, residual);
+  return result;
+}
+
+Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance) const {
+  const std::vector<int> free = free_parameters();
+  std::vector<double> rest;
+  for (const int k : free) {
+    const Range& permitted = kind->parameters[static_cast<std::size_t>(k)].permitted;
+    rest.push_back(
+        std::clamp(state.parameters[static_cast<std::size_t>(k)], least(permitted), permitted.maximum));
+  }
+  for (const int k : free_affine) rest.push_back(state.affine[static_cast<std::size_t>(k)]);
+  double* const rotation = state.rotation.coeffs().data();
+  double* const translation = state.translation.data();
+  if (placement_held && rest.empty()) return {true, 0};
+
+  ceres::Problem problem;
+  std::vector<double*> blocks{rotation, translation};
+  if (!rest.empty()) blocks.push_back(rest.data());
+  const UvState start = state;
+  problem.AddResidualBlock(new Compressed(*this, mixture, start), nullptr, blocks);
+  problem.SetManifold(rotation, new fit::RotationManifold);
+  if (placement_held) {
+    problem.SetParameterBlockConstant(rotation);
+    problem.SetParameterBlockConstant(translation);
+  }
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const Range& permitted = kind->parameters[static_cast<std::size_t>(free[i])].permitted;
+    if (std::isfinite(permitted.minimum))
+      problem.SetParameterLowerBound(rest.data(), static_cast<int>(i), least(permitted));
+    if (std::isfinite(permitted.maximum))
+      problem.SetParameterUpperBound(rest.data(), static_cast<int>(i), permitted.maximum);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = 50;
+  options.function_tolerance = tolerance * tolerance;
+  options.gradient_tolerance = 1e-16;
+  options.parameter_tolerance = tolerance;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  std::vector<double> x(rotation, rotation + 4);
+  x.insert(x.end(), translation, translation + 3);
+  x.insert(x.end(), rest.begin(), rest.end());
+  state = Compressed::state_of(*this, start, x);
+  state.rotation.normalize();
+  return {summary.IsSolutionUsable() && summary.termination_type == ceres::CONVERGENCE,
+          static_cast<int>(summary.iterations.size())};
+}
+
+void UvModel::polish(UvState& state, Mixture& mixture, const std::optional<double>& sigma, int most) const {
+  const std::vector<int> free = free_parameters();
+  constexpr double last_digits = 1e-13;
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < most; ++i) {
+    std::vector<double> squares;
+    UvSums sums = this->sums(state, mixture, &squares);
+    // What is held, or presses against its bound, stays.
+    std::vector<Eigen::Index> still;
+    if (placement_held) still = {0, 1, 2, 3, 4, 5};
+    for (std::size_t k = 0; k < free.size(); ++k) {
+      const auto p = static_cast<std::size_t>(free[k]);
+      const auto column = static_cast<Eigen::Index>(6 + k);
+      if (state.parameters[p] <= least(kind->parameters[p].permitted) && sums.gradient[column] >= 0)
+        still.push_back(column);
+    }
+    for (const Eigen::Index k : still) {
+      sums.hessian.row(k).setZero();
+      sums.hessian.col(k).setZero();
+      sums.gradient[k] = 0;
+    }
+    const Eigen::VectorXd scale =
+        sums.hessian.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.hessian * scale.asDiagonal();
+    const Eigen::VectorXd step =
+        -(scale.asDiagonal() *
+          scaled.completeOrthogonalDecomposition().solve(scale.asDiagonal() * sums.gradient).eval());
+    const double length = step.norm();
+    if (!(length < last)) return;  // rounding is all that is left
+    state = moved(state, step);
+    if (mixture.robust) update(mixture, squares, *points, sigma);
+    if (length < last_digits) return;
+    last = length;
+  }
+}
+
+Solved UvModel::maximise(UvState& state, Mixture& mixture, const std::optional<double>& sigma) const {
+  Solved result;
+  for (int round = 0; round < 20; ++round) {
+    const Mixture before = mixture;
+    const Solved solved = solve(state, mixture, round == 0 ? 1e-6 : 1e-8);
+    result = {solved.converged, result.iterations + solved.iterations};
+    update(mixture, squares(state), *points, sigma);
+    if (!solved.converged) break;
+    if (std::fabs(mixture.sigma - before.sigma) < 1e-3 * mixture.sigma &&
+        std::fabs(mixture.outliers - before.outliers) < 1e-3)
+      break;
+  }
+  return result;
+}
+
+double inlier_weight(const Mixture& mixture, double square) {
+  return 1 / (1 + std::exp(log_ratio(mixture) + 0.5 * square / (mixture.sigma * mixture.sigma)));
+}
+
+double log_likelihood(const Mixture& mixture, const std::vector<double>& squares) {
+  const double inlier =
+      std::log1p(-mixture.outliers) - 1.5 * std::log(two_pi_ * mixture.sigma * mixture.sigma);
+  const double outlier = std::log(mixture.outliers / mixture.volume);
+  double sum = 0;
+  for (const double s : squares) sum += log_add(inlier - 0.5 * s / (mixture.sigma * mixture.sigma), outlier);
+  return sum;
+}
+
+void update(Mixture& mixture, const std::vector<double>& squares, const UvPoints& points,
+            const std::optional<double>& sigma) {
+  const auto n = static_cast<double>(squares.size());
+  for (int round = 0; round < 50; ++round) {
+    const Mixture before = mixture;
+    double weights = 0, weighted = 0, spread = 0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      const double w = inlier_weight(mixture, squares[i]);
+      if (!(w > 1e-30)) continue;
+      const Eigen::Vector3d p = to_eigen(points.positions[i]);
+      weights += w;
+      weighted += w * squares[i];
+      mean += w * p;
+      spread += w * p.squaredNorm();
+    }
+    if (!(weights > 0)) return;  // none is near: left as it was
+    mean /= weights;
+    const double extent = std::sqrt(std::fmax(spread / weights - mean.squaredNorm(), 1e-20));
+    mixture.volume = two_pi_ * 2 / 3 * std::pow(2 * extent, 3);
+    mixture.outliers = (n - weights + 0.5) / (n + 1);
+    mixture.sigma = sigma ? *sigma : std::fmax(std::sqrt(weighted / (3 * weights)), points.least_sigma());
+    if (std::fabs(mixture.sigma - before.sigma) < 1e-15 * mixture.sigma &&
+        std::fabs(mixture.outliers - before.outliers) < 1e-15)
+      return;
+    if (round >= 3 && std::fabs(mixture.sigma - before.sigma) < 1e-6 * mixture.sigma) return;
+  }
+}
+
+}  // namespace darboux
