@@ -50,22 +50,24 @@ inline double inlier_probability(double error, const Noise& noise) {
 }
 
 // Noise by expectation and maximisation at fixed distances; two steps, and on to where they lead, as each gains about the same
-// factor. The outliers' density is that of a window six sigma wide.
+// factor. The outliers' density is that in a smooth window some six sigma wide.
 inline void update(Noise& noise, const PointStates& points) {
   std::vector<double> near;
   for (std::size_t i = 0; i < points.d.size(); ++i)
     if (points.kept[i] && std::fabs(points.error(i)) < 40 * noise.sigma) near.push_back(points.error(i));
+  // The integral of (1 + r^2 / 72)^-2 over that of exp(-r^2 / 2): (pi / 2) sqrt(72) / sqrt(2 pi).
+  constexpr double window = 5.31736155271655;
   const auto step = [&](const Noise& from) {
     double inliers = 0, squares = 0, others = 0;
     for (const double e : near) {
       const double r = e / from.sigma, w = inlier_probability(e, from);
       inliers += w;
       squares += w * e * e;
-      others += (1 - w) * std::exp(-r * r / 72);
+      others += (1 - w) / ((1 + r * r / 72) * (1 + r * r / 72));
     }
     if (!(inliers > 0)) return from;
     return Noise{from.sigma_known ? from.sigma : std::max(std::sqrt(squares / inliers), least_sigma),
-                 std::max(others / (6 * inliers), 1e-12), from.sigma_known};
+                 std::max(others / (window * inliers), 1e-12), from.sigma_known};
   };
   const auto logarithms = [](const Noise& x) {
     return Eigen::Array2d(std::log(x.sigma), std::log(x.outliers));
@@ -161,11 +163,26 @@ class BatchedCost final : public ceres::CostFunction {
     hessian_.setZero();
     gradient_.setZero();
     squares_ = 0;
+    const Shape shape(s);
     Local<S> local;
-    Vector row;
+    constexpr int block = 64;  // points at a time, so that sums run over vectors
+    Eigen::Matrix<double, block, N> rows;
+    Eigen::Matrix<double, block, 1> slopes, curvatures;
+    int filled = 0;
+    const auto add = [&] {
+      rows.bottomRows(block - filled).setZero();
+      slopes.tail(block - filled).setZero();
+      curvatures.tail(block - filled).setZero();
+      for (int k = 0; k < N; ++k) {
+        const Eigen::Matrix<double, block, 1> scaled = curvatures.cwiseProduct(rows.col(k));
+        for (int l = k; l < N; ++l) hessian_(l, k) += scaled.dot(rows.col(l));
+        gradient_[k] += slopes.dot(rows.col(k));
+      }
+      filled = 0;
+    };
     for (std::size_t i = 0; i < states_.d.size(); ++i) {
       const Vector3d p = to_local * (cloud_.col(static_cast<Eigen::Index>(i)) - origin_);
-      Shape::at(s, p, local);
+      shape.at(p, local);
       states_.set(i, local);
       double w, curvature;
       const double e = states_.error(i);
@@ -178,16 +195,16 @@ class BatchedCost final : public ceres::CostFunction {
         curvature = convex_ ? w : w - w * (1 - w) * r * r;
       }
       if (w < 1e-12) continue;
-      // Turning the frame by r moves the local point by p x r.
-      row.template head<3>() = local.gradient.cross(p);
-      for (int k = 0; k < S; ++k) row[3 + k] = local.by[k];
-      for (int k = 0; k < N; ++k) {  // the lower half
-        const double scaled = curvature * row[k];
-        for (int l = k; l < N; ++l) hessian_(l, k) += scaled * row[l];
-      }
-      gradient_ += w * e * row;
       squares_ += w * e * e;
+      slopes[filled] = w * e;
+      curvatures[filled] = curvature;
+      // Turning the frame by r moves the local point by p x r.
+      const Vector3d turn = local.gradient.cross(p);
+      for (int k = 0; k < 3; ++k) rows(filled, k) = turn[k];
+      for (int k = 0; k < S; ++k) rows(filled, 3 + k) = local.by[static_cast<std::size_t>(k)];
+      if (++filled == block) add();
     }
+    add();
     hessian_.template triangularView<Eigen::StrictlyUpper>() = hessian_.transpose();
     // Far from the maximum the likelihood may curve the wrong way; the weighted squares never do.
     if (!convex_ && phase_ == Phase::score &&
@@ -241,7 +258,7 @@ Solved solve(BatchedCost<Shape>& cost, Model<Shape>& model, int most_iterations,
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = most_iterations;
-  options.function_tolerance = 1e-20;
+  options.function_tolerance = cost.phase() == Phase::score ? 1e-20 : 1e-7;
   options.gradient_tolerance = 1e-30;
   options.parameter_tolerance = parameter_tolerance;
   // Near the root the damping would show in long valleys.

@@ -43,8 +43,9 @@ class Scorer {
     constexpr int lowest = -100, highest = 4;  // halves of powers of two
     std::array<std::size_t, highest - lowest + 1> count{};
     const Matrix3d to_local = model.rotation.conjugate().toRotationMatrix();
+    const Shape shape(model.s.data());
     for (Eigen::Index i = 0; i < cloud.cols(); ++i) {
-      const double d = Shape::distance(model.s.data(), to_local * (cloud.col(i) - model.origin));
+      const double d = shape.distance(to_local * (cloud.col(i) - model.origin));
       const double square = d * d;
       // Twice the binary logarithm of |d|, rounded down: the exponent of its square.
       const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(square) >> 52) - 1023;
@@ -78,9 +79,10 @@ struct Candidate {
 template <class Shape>
 void measure(const Matrix3Xd& cloud, const Model<Shape>& model, PointStates& states) {
   const Matrix3d to_local = model.rotation.conjugate().toRotationMatrix();
+  const Shape shape(model.s.data());
   Local<Shape::size> local;
   for (std::size_t i = 0; i < states.d.size(); ++i) {
-    Shape::at(model.s.data(), to_local * (cloud.col(static_cast<Eigen::Index>(i)) - model.origin), local);
+    shape.at(to_local * (cloud.col(static_cast<Eigen::Index>(i)) - model.origin), local);
     states.set(i, local);
   }
   states.kept = states.regular;
