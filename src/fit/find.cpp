@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Matrix3Xd;
 
-constexpr Eigen::Index scored_points = 600, refined_points = 800;
-constexpr std::size_t refined_starts = 5;
+constexpr Eigen::Index scored_points = 600, refined_points = 700;
+constexpr std::size_t refined_starts = 4;
 
 Matrix3Xd evenly_chosen(const Matrix3Xd& cloud, Eigen::Index count, std::mt19937_64& random) {
   if (cloud.cols() <= count) return cloud;
@@ -45,7 +45,12 @@ class Scorer {
     const Matrix3d to_local = model.rotation.conjugate().toRotationMatrix();
     const Shape shape(model.s.data());
     for (Eigen::Index i = 0; i < cloud.cols(); ++i) {
-      const double d = shape.distance(to_local * (cloud.col(i) - model.origin));
+      const Vector3d p = to_local * (cloud.col(i) - model.origin);
+      double d;
+      if constexpr (requires { shape.rough_distance(p); })
+        d = shape.rough_distance(p);
+      else
+        d = shape.distance(p);
       const double square = d * d;
       // Twice the binary logarithm of |d|, rounded down: the exponent of its square.
       const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(square) >> 52) - 1023;
