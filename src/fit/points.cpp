@@ -1,12 +1,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
 #include <numeric>
 
 #include <darboux/catalogue.h>
 #include <darboux/error.h>
 #include <darboux/fit_points.h>
 
+#include "any_kind.h"
+#include "choose.h"
 #include "estimate.h"
 #include "find.h"
 
@@ -48,23 +53,11 @@ Scaled scaled(const PointCloud& points) {
     values[i] = q.stableNorm();
     result.cloud.col(static_cast<Eigen::Index>(i)) = q;
   }
-  const double size = median(values);
+  std::erase(values, 0.0);  // more than half of the points may be one and the same
+  const double size = values.empty() ? 0 : median(values);
   result.scale = size > 0 ? std::exp2(std::rint(std::log2(size))) : 0;
   if (result.scale > 0) result.cloud /= result.scale;
   return result;
-}
-
-std::string listed(const std::vector<std::string_view>& names) {
-  std::string list;
-  for (const std::string_view name : names) list += (list.empty() ? "" : ", ") + std::string(name);
-  return list;
-}
-
-// The side of a direction whose largest component is positive.
-Vector3d positive_side(const Vector3d& a) {
-  Eigen::Index largest;
-  a.cwiseAbs().maxCoeff(&largest);
-  return a[largest] < 0 ? Vector3d(-a) : a;
 }
 
 // The frame with this z whose x is the world axis least parallel to z, projected.
@@ -155,17 +148,40 @@ Natural natural_of(const PlacedSurface& placed, const Scaled& data) {
   return n;
 }
 
+// From the covariance of (rotation vector, movement of `reference`, parameters) in scaled units.
+std::vector<StandardError> standard_errors(std::string_view kind, const Named& surface,
+                                           const Eigen::MatrixXd& covariance, const Scaled& data,
+                                           const Vector3d& reference) {
+  std::vector<StandardError> result;
+  const auto root = [](double x) { return std::sqrt(std::fmax(x, 0)); };
+  const std::vector<ParameterValue> parameters = surface.placed.surface.parameters();
+  for (Eigen::Index k = 0; k < surface.by.rows(); ++k)
+    if (!surface.by.row(k).isZero(0))
+      result.push_back({std::string(parameters[static_cast<std::size_t>(k)].name),
+                        data.scale * root(covariance(6 + k, 6 + k))});
+  const Vector3d axis = surface.placed.placement.linear().col(2);
+  const Matrix3d across = Matrix3d::Identity() - axis * axis.transpose();
+  if (kind != "sphere")
+    result.push_back({"axis_deg", root((across * covariance.topLeftCorner<3, 3>() * across).trace()) * 180 /
+                                      std::numbers::pi});
+  const Vector3d arm = (surface.placed.placement.translation() - data.centre) / data.scale - reference;
+  Eigen::Matrix<double, 3, 6> moves;  // turn x arm + movement
+  moves << 0, arm.z(), -arm.y(), 1, 0, 0, -arm.z(), 0, arm.x(), 0, 1, 0, arm.y(), -arm.x(), 0, 0, 0, 1;
+  if (kind == "cylinder") moves = (across * moves).eval();
+  result.push_back(
+      {"centre", data.scale * root((moves * covariance.topLeftCorner<6, 6>() * moves.transpose()).trace())});
+  return result;
+}
+
 void check(const PointCloud& points, const PointFitOptions& options) {
   const auto same = [&](std::size_t count, const char* what) {
     if (count != 0 && count != points.positions.size())
-      throw MeshError("points", std::to_string(count) + " " + what + " for " + std::to_string(points.positions.size()) +
+      throw MeshError("points", std::to_string(count) + " " + what + " for " +
+                                    std::to_string(points.positions.size()) +
                                     " positions, permitted are as many or none");
   };
   same(points.normals.size(), "normals");
   same(points.uvs.size(), "uvs");
-  const auto& kinds = found_kinds();
-  if (options.surface != "auto" && std::find(kinds.begin(), kinds.end(), options.surface) == kinds.end())
-    throw ParameterError(options.surface, "cannot be found in points, permitted are auto, " + listed(kinds));
   if (options.noise && !(*options.noise > 0 && std::isfinite(*options.noise)))
     throw ParameterError("noise", "must be a positive length, permitted is noise > 0");
   if (options.guess && options.guess->surface.info().name != options.surface)
@@ -173,6 +189,72 @@ void check(const PointCloud& points, const PointFitOptions& options) {
                                       ", permitted is a surface of the kind to be found, " + options.surface);
   if (options.guess && !options.guess->placement.matrix().allFinite())
     throw ParameterError("guess", "its placement is not finite, permitted is a rigid placement");
+}
+
+// Points at different places, as far as `most`.
+std::size_t different(const Matrix3Xd& cloud, std::size_t most) {
+  std::vector<Vector3d> places;
+  for (Eigen::Index i = 0; i < cloud.cols() && places.size() < most; ++i)
+    if (std::find(places.begin(), places.end(), cloud.col(i)) == places.end())
+      places.emplace_back(cloud.col(i));
+  return places.size();
+}
+
+bool on_a_line(const Matrix3Xd& cloud) {
+  Eigen::Index i;
+  const double length = cloud.colwise().norm().maxCoeff(&i);
+  const Vector3d along = cloud.col(i) / length;
+  return (cloud - along * (along.transpose() * cloud)).colwise().norm().maxCoeff() < 1e-14 * length;
+}
+
+struct Chosen {
+  std::size_t index = 0;
+  bool usable = false;
+  std::string reason{};
+};
+
+// "plane or cylinder of radius > 3"
+std::string either(const Found& a, const Found& b, double scale) {
+  std::string text = std::string(a.kind) + " or " + std::string(b.kind);
+  if (a.kind == "plane" && (b.kind == "sphere" || b.kind == "cylinder")) {
+    char radius[32];
+    std::snprintf(radius, sizeof radius, "%.3g", scale * least_length(b, 0));
+    text += std::string(" of radius > ") + radius;
+  }
+  return text;
+}
+
+// The kind with the smallest criterion, where nothing speaks for another. `best_first` becomes the candidates' order.
+Chosen choose(const std::vector<Found>& tried, const std::vector<Verdict>& verdicts,
+              const std::vector<double>& bic, const std::vector<std::size_t>& best_first, double scale) {
+  const auto good = [&](std::size_t i) {
+    return verdicts[i].kind == Verdict::Kind::good && (tried.size() == 1 || !crosses_itself(tried[i]));
+  };
+  const auto found = std::find_if(best_first.begin(), best_first.end(), good);
+  if (found == best_first.end()) {
+    const std::size_t i = best_first.front();
+    return {i, false, with_article(tried[i].kind) + " " + verdicts[i].why};
+  }
+  const std::size_t best = *found;
+  std::string remark;
+  for (const std::size_t i : best_first) {
+    if (i == best || verdicts[i].kind == Verdict::Kind::none || crosses_itself(tried[i])) continue;
+    const auto undetermined = [&](const std::string& why) {
+      const bool simpler = tried[best].freedom < tried[i].freedom;
+      const Found &a = tried[simpler ? best : i], &b = tried[simpler ? i : best];
+      return Chosen{best, false, "undetermined: " + either(a, b, scale) + why};
+    };
+    // Better, but it is no surface that could be given.
+    if (bic[i] < bic[best] - margin)
+      return undetermined(": the points speak for " + with_article(tried[i].kind) + ", which " +
+                          verdicts[i].why);
+    if (tried[i].freedom < tried[best].freedom && bic[i] < bic[best] + margin)
+      return undetermined("; points over a larger part of it or less noise help");
+    if (tried[best].kind == "plane" && tried[i].kind == "cylinder" && tried[i].converged &&
+        bic[i] < bic[best] + 2 * margin + 20)
+      remark = "; a cylinder fits as well: " + either(tried[best], tried[i], scale);
+  }
+  return {best, true, "converged" + remark};
 }
 
 }  // namespace
@@ -189,6 +271,12 @@ const std::vector<std::string_view>& found_kinds() {
 PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   check(points, options);
+  if (options.with_uv) throw ParameterError("with_uv", "is not there yet, permitted is a fit without uvs");
+  const auto& kinds = found_kinds();
+  const bool automatic = options.surface == "auto";
+  if (!automatic && std::find(kinds.begin(), kinds.end(), options.surface) == kinds.end())
+    return fit_any_kind(points, options.surface, options);
+
   const Scaled data = scaled(points);
   const auto n = static_cast<std::size_t>(data.cloud.cols());
   PointFit fit;
@@ -199,7 +287,21 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
     fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     return fit;
   };
-  if (n < 3 || data.scale == 0) return done("too few points");
+  std::size_t fewest = 0;  // for the first kind that is to be found: one more than would fit exactly
+  for_each_shape([&]<class Shape>() {
+    if (fewest == 0 && (automatic || options.surface == Shape::name)) fewest = Shape::freedom + 1;
+  });
+  if (n == 0) return done("no point is finite");
+  if (!data.cloud.allFinite())
+    return done("the points are farther apart than numbers reach; other units help");
+  if (const std::size_t places = different(data.cloud, fewest); places < fewest)
+    return done(places == 1
+                    ? "all points are at one place"
+                    : "underdetermined: " + std::to_string(places) + (places < n ? " different" : "") +
+                          " points, " +
+                          with_article(automatic ? kinds.front() : std::string_view(options.surface)) +
+                          " needs at least " + std::to_string(fewest));
+  if (on_a_line(data.cloud)) return done("all points lie on one line; points beside it help");
 
   std::mt19937_64 random(options.seed);
   const Oriented oriented = oriented_points(data.cloud, random);
@@ -207,36 +309,78 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   if (options.noise) search.sigma = *options.noise / data.scale;
   if (options.guess) search.guess = natural_of(*options.guess, data);
   std::vector<Found> tried;
+  const double to_try = automatic ? static_cast<double>(kinds.size()) : 1;
+  double share = 0;
   for_each_shape([&]<class Shape>() {
-    if (options.surface != "auto" && options.surface != Shape::name) return;
-    if (auto found = find<Shape>(search)) tried.push_back(std::move(*found));
-    fit.iterations += tried.empty() ? 0 : tried.back().iterations;
+    if (!automatic && options.surface != Shape::name) return;
+    if (n > Shape::freedom)
+      if (auto found = find<Shape>(search)) {
+        fit.iterations += found->iterations;
+        tried.push_back(std::move(*found));
+      }
+    share += 1 / to_try;
+    if (options.progress) options.progress(std::fmin(share, 1));
   });
   if (tried.empty()) return done("no surface goes through the points");
-  const Found& best = tried.front();
 
-  const Noise noise{best.sigma, best.outliers};
-  double squares = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const bool inlier = best.kept[i] && inlier_probability(best.error[i], noise) > 0.5;
-    fit.is_inlier[data.index[i]] = inlier;
-    fit.inliers += inlier;
-    if (inlier) squares += best.error[i] * best.error[i];
+  std::vector<Verdict> verdicts;
+  std::size_t reference = 0;
+  std::pair<bool, double> most{false, -std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    verdicts.push_back(judge(tried[i]));
+    const std::pair likely(verdicts[i].kind == Verdict::Kind::good && !crosses_itself(tried[i]),
+                           evidence(tried[i]));
+    if (likely > most) most = likely, reference = i;
   }
+  const std::vector<double> bic = criteria(tried, reference);
+  std::vector<std::size_t> best_first(tried.size());
+  std::iota(best_first.begin(), best_first.end(), 0);
+  std::stable_sort(best_first.begin(), best_first.end(),
+                   [&](std::size_t a, std::size_t b) { return bic[a] < bic[b]; });
+  const auto inliers = [&](const Found& f) {
+    std::vector<bool> is_inlier(n);
+    for (std::size_t i = 0; i < n; ++i)
+      is_inlier[i] = f.kept[i] && inlier_probability(f.error[i], {f.sigma, f.outliers}) > 0.5;
+    return is_inlier;
+  };
+  const auto rms = [&](const Found& f, const std::vector<bool>& is_inlier) {
+    double squares = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (is_inlier[i]) squares += f.error[i] * f.error[i];
+    return data.scale * std::sqrt(squares / std::max(1.0, static_cast<double>(std::count(
+                                                              is_inlier.begin(), is_inlier.end(), true))));
+  };
+  for (const std::size_t i : best_first)
+    fit.candidates.push_back({std::string(tried[i].kind), bic[i], rms(tried[i], inliers(tried[i]))});
+
+  const Chosen chosen = choose(tried, verdicts, bic, best_first, data.scale);
+  const Found& best = tried[chosen.index];
+  const std::vector<bool> is_inlier = inliers(best);
+  for (std::size_t i = 0; i < n; ++i) fit.is_inlier[data.index[i]] = is_inlier[i];
+  fit.inliers = static_cast<std::size_t>(std::count(is_inlier.begin(), is_inlier.end(), true));
   fit.outliers = n - fit.inliers;
-  fit.sigma = data.scale * best.sigma;
-  fit.rms = data.scale * std::sqrt(squares / static_cast<double>(std::max<std::size_t>(fit.inliers, 1)));
+  fit.rms = rms(best, is_inlier);
+  // The distances are smaller by what the parameters took up.
+  const double k = static_cast<double>(fit.inliers);
+  const double sigma_squared = options.noise ? 1 : k / std::max(1.0, k - best.freedom);
+  fit.sigma = data.scale * best.sigma * std::sqrt(sigma_squared);
+  if (!chosen.usable) return done(chosen.reason);
+
   const Named surface = named(best, data, fit.is_inlier);
   fit.surface = surface.placed;
   const auto parameters = surface.by.rows();
-  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(6 + parameters, 9);
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(6 + parameters, 9);  // in the scaled units still
   by.topLeftCorner<3, 3>().setIdentity();
-  by.block<3, 3>(3, 3) = data.scale * Matrix3d::Identity();
-  by.bottomRightCorner(parameters, 3) = surface.by;
-  fit.covariance = by * best.covariance * by.transpose();
+  by.block<3, 3>(3, 3).setIdentity();
+  by.bottomRightCorner(parameters, 3) = surface.by / data.scale;
+  const Eigen::MatrixXd covariance = sigma_squared * by * best.covariance * by.transpose();
+  Eigen::VectorXd units = Eigen::VectorXd::Constant(6 + parameters, data.scale);
+  units.head<3>().setOnes();
+  fit.covariance = units.asDiagonal() * covariance * units.asDiagonal();
   fit.centre = data.centre + data.scale * best.reference;
-  fit.usable = best.converged;
-  return done(best.converged ? "converged" : "Ceres did not converge");
+  fit.standard_errors = standard_errors(best.kind, surface, covariance, data, best.reference);
+  fit.usable = true;
+  return done(chosen.reason);
 }
 
 }  // namespace darboux
