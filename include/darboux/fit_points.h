@@ -19,36 +19,44 @@ namespace darboux {
 
 struct PointFitOptions {
   std::string surface = "auto";  ///< the kind; auto: whichever of found_kinds() explains the points best
-  std::optional<double> noise{};   ///< standard deviation of each coordinate, where it is known; else it is estimated
-  bool with_uv = false;          ///< each point is surface(uv) + noise, uv as stored under one convention for all
+  std::optional<double>
+      noise{};           ///< standard deviation of each coordinate, where it is known; else it is estimated
+  bool with_uv = false;  ///< each point is surface(uv) + noise, uv as stored under one convention for all
   std::optional<PlacedSurface> guess{};  ///< tried beside the starts that the points themselves give
-  std::uint64_t seed = 1;              ///< of the random samples: same points, same seed, same bits
-  std::function<void(double)> progress{};  ///< called now and then with the share that is done, from this thread
+  std::uint64_t seed = 1;                ///< of the random samples: same points, same seed, same bits
+  std::function<void(double)>
+      progress{};  ///< called now and then with the share that is done, from this thread
 };
 
 struct StandardError {
-  std::string name;  ///< a parameter of the surface, "axis_deg" (angle of the axis, or of the normal) or "centre"
-  double value;      ///< in the units of the points, degrees for axis_deg
+  /// A parameter of the surface that does not only bound the patch; "axis_deg": angle of the placement's z, the axis or the
+  /// normal, the root of the sum of its variances in two directions (not for a sphere); "centre": the root of the sum of the
+  /// variances of the placement's translation in three directions (cylinder: across the axis; plane: along the normal).
+  std::string name;
+  double value;  ///< in the units of the points, degrees for axis_deg
 };
 
 /// One kind of surface that was tried.
 struct FitCandidate {
   std::string name;
-  double bic = 0;  ///< Bayesian information criterion, smaller is better; comparable among the candidates of one fit
+  double bic =
+      0;  ///< Bayesian information criterion, smaller is better; comparable among the candidates of one fit
   double rms = 0;  ///< of the inliers' distances, in the units of the points
 };
 
 /// What a fit found. Only a usable one has a surface.
 struct PointFit {
   bool usable = false;
-  std::string reason;                    ///< one line: why it is usable or not
-  std::optional<PlacedSurface> surface;  ///< lengths that only bound the patch (height, width, depth) enclose the inliers
-  double sigma = 0;                      ///< estimated noise of one coordinate, in the units of the points
-  double rms = 0;                        ///< of the inliers' distances
+  std::string reason;  ///< one line: why it is usable or not, and what would help
+  std::optional<PlacedSurface>
+      surface;  ///< lengths that only bound the patch (height, width, depth) enclose the inliers
+  /// Noise of one coordinate, in the units of the points; where it is estimated, over the inliers less the unknowns.
+  double sigma = 0;
+  double rms = 0;  ///< of the inliers' distances
   std::size_t inliers = 0, outliers = 0;
-  std::size_t ignored = 0;        ///< points that are not finite, counted in neither
-  std::vector<bool> is_inlier;    ///< one entry a point
-  bool mirrored = false;          ///< with uvs: they follow the mirror image of the surface; not usable then
+  std::size_t ignored = 0;      ///< points that are not finite, counted in neither
+  std::vector<bool> is_inlier;  ///< one entry a point
+  bool mirrored = false;        ///< with uvs: they follow the mirror image of the surface; not usable then
   std::vector<StandardError> standard_errors;
   std::vector<FitCandidate> candidates;  ///< best first
   int iterations = 0;                    ///< of Ceres, over all candidates
@@ -72,6 +80,17 @@ const std::vector<std::string_view>& found_kinds();
 /// The gauge, where the surface has symmetries (docs/theory/fit.md): the axis points along the positive side of its
 /// largest component; the u origin is the world axis x, y or z least parallel to the axis, in that order, projected.
 /// Cost: linear in the points.
+///
+/// auto takes the kind with the smallest Bayesian information criterion [Schwarz1978], all on the footing of the likeliest
+/// one's noise, outliers and inliers. It must beat each kind of fewer parameters by 10, odds of exp(5); else, and where
+/// a kind that did not converge or is not determined does better by 10, or where the distances of neighbouring points are
+/// alike (another surface), the fit is not usable: "undetermined: ...". A torus that crosses itself is not among the choices.
+/// A named kind may be any of the catalogue; those beside found_kinds() are fitted from their default proportions.
+///
+/// Not usable, with the reason: fewer different points than one more than a surface has unknowns (plane 3, sphere 4, cylinder
+/// 5, cone 6, torus 7, ellipsoid 9; that many are always fitted exactly), points on a line, a radius below 5 sigma, no more
+/// inliers than chance has, a movement of the surface that the points do not tell, a length with a standard error above
+/// its half or beyond 1e-3 to 1e3 of the points' size (their median distance from their median), Ceres not converged.
 /// \throws ParameterError for an unknown kind, a noise that is not positive, a guess of another kind or not finite;
 /// MeshError for attributes of another length than positions, or with_uv without uvs. Points that do not determine
 /// a surface give a fit that is not usable, and say why.

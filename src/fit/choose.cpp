@@ -140,6 +140,39 @@ std::vector<double> criteria(const std::vector<Found>& candidates, std::size_t r
   return result;
 }
 
+double unlikeness_of_neighbours(const Eigen::Matrix3Xd& cloud, const std::vector<double>& error,
+                                const std::vector<bool>& is_inlier) {
+  std::vector<Eigen::Index> order;
+  double mean = 0;
+  for (std::size_t i = 0; i < error.size(); ++i)
+    if (is_inlier[i]) order.push_back(static_cast<Eigen::Index>(i)), mean += error[i];
+  mean /= static_cast<double>(order.size());
+  double differences = 0, variances = 0;
+  // Halves across the longest side, down to pairs.
+  const auto halve = [&](const auto& self, auto begin, auto end) -> void {
+    const auto size = end - begin;
+    if (size < 2) return;
+    if (size < 4) {
+      const double a = error[static_cast<std::size_t>(begin[0])],
+                   b = error[static_cast<std::size_t>(begin[1])];
+      differences += (a - b) * (a - b);
+      variances += (a - mean) * (a - mean) + (b - mean) * (b - mean);
+      return;
+    }
+    Eigen::AlignedBox3d box;
+    for (auto i = begin; i != end; ++i) box.extend(cloud.col(*i));
+    Eigen::Index axis;
+    box.sizes().maxCoeff(&axis);
+    const auto middle = begin + size / 2;
+    std::nth_element(begin, middle, end,
+                     [&](Eigen::Index a, Eigen::Index b) { return cloud(axis, a) < cloud(axis, b); });
+    self(self, begin, middle);
+    self(self, middle, end);
+  };
+  halve(halve, order.begin(), order.end());
+  return variances > 0 ? differences / variances : 1;
+}
+
 Verdict judge(const Found& f) {
   const double k = inliers_of(f), n = static_cast<double>(f.error.size());
   const std::string help = "; points over a larger part of it help";

@@ -353,7 +353,7 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   for (const std::size_t i : best_first)
     fit.candidates.push_back({std::string(tried[i].kind), bic[i], rms(tried[i], inliers(tried[i]))});
 
-  const Chosen chosen = choose(tried, verdicts, bic, best_first, data.scale);
+  Chosen chosen = choose(tried, verdicts, bic, best_first, data.scale);
   const Found& best = tried[chosen.index];
   const std::vector<bool> is_inlier = inliers(best);
   for (std::size_t i = 0; i < n; ++i) fit.is_inlier[data.index[i]] = is_inlier[i];
@@ -365,6 +365,15 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   const double sigma_squared = options.noise ? 1 : k / std::max(1.0, k - best.freedom);
   fit.sigma = data.scale * best.sigma * std::sqrt(sigma_squared);
   if (!chosen.usable) return done(chosen.reason);
+  // Significant by five standard deviations, and so much that sigma is not the noise. Exact data have roundings for errors.
+  if (best.sigma > 1e-12 && unlikeness_of_neighbours(data.cloud, best.error, is_inlier) <
+                                std::fmin(0.75, 1 - 5 * std::sqrt(3 / k))) {
+    const std::string alike = "distances of neighbouring points are alike, not noise";
+    if (automatic)
+      return done("undetermined: the nearest is " + with_article(best.kind) + ", but " + alike +
+                  "; the surface is of another kind, or that was not found: naming it or a guess help");
+    chosen.reason += "; " + alike + ": the surface is not quite " + with_article(best.kind);
+  }
 
   const Named surface = named(best, data, fit.is_inlier);
   fit.surface = surface.placed;
