@@ -335,7 +335,9 @@ TEST(FitPoints, IsRightOrRefusesAmongManyOutliers) {
       o.outlier_share = share, o.seed = 21;
       const SyntheticPoints p = points_of(kind, o);
       const PointFit fit = fit_points(p.cloud, {});
-      if (fit.usable) EXPECT_LT(mahalanobis_per_parameter(p, *fit.surface), 8) << kind << ' ' << fit.reason;
+      if (fit.usable) {
+        EXPECT_LT(mahalanobis_per_parameter(p, *fit.surface), 8) << kind << ' ' << fit.reason;
+      }
     }
 }
 

@@ -14,6 +14,7 @@
 #include "choose.h"
 #include "estimate.h"
 #include "find.h"
+#include "with_uv.h"
 
 namespace darboux {
 namespace {
@@ -271,7 +272,7 @@ const std::vector<std::string_view>& found_kinds() {
 PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   check(points, options);
-  if (options.with_uv) throw ParameterError("with_uv", "is not there yet, permitted is a fit without uvs");
+  if (options.with_uv) return fit_points_with_uv(points, options);
   const auto& kinds = found_kinds();
   const bool automatic = options.surface == "auto";
   if (!automatic && std::find(kinds.begin(), kinds.end(), options.surface) == kinds.end())
