@@ -15,17 +15,6 @@ using Eigen::Matrix3Xd;
 constexpr Eigen::Index scored_points = 600, refined_points = 700;
 constexpr std::size_t refined_starts = 4;
 
-Matrix3Xd evenly_chosen(const Matrix3Xd& cloud, Eigen::Index count, std::mt19937_64& random) {
-  if (cloud.cols() <= count) return cloud;
-  Matrix3Xd chosen(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index from = i * cloud.cols() / count, to = (i + 1) * cloud.cols() / count;
-    chosen.col(i) =
-        cloud.col(from + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(to - from)));
-  }
-  return chosen;
-}
-
 // How well distances look like a narrow band of inliers among outliers of constant density, without knowing how narrow: the log
 // likelihood of k of n points spread evenly over |d| < band and the others over the size of the cloud, at the best band. Bands
 // are a factor of the square root of two apart.
@@ -179,8 +168,11 @@ Covariance natural_covariance(const Model<Shape>& model, const Eigen::MatrixXd& 
 template <class Shape>
 std::optional<Found> find(const Search& search) {
   std::mt19937_64 random(search.seed);
-  const Matrix3Xd scored = evenly_chosen(search.cloud, scored_points, random);
-  const Matrix3Xd part = evenly_chosen(search.cloud, refined_points, random);
+  const auto some = [&](Eigen::Index count) {
+    return Matrix3Xd(search.cloud(Eigen::all, evenly_chosen(search.cloud.cols(), count, random)));
+  };
+  const Matrix3Xd scored = some(scored_points);
+  const Matrix3Xd part = some(refined_points);
   Scorer scorer(static_cast<std::size_t>(scored.cols()));
 
   std::vector<Candidate<Shape>> candidates;
@@ -192,8 +184,11 @@ std::optional<Found> find(const Search& search) {
   if (search.guess) consider(*search.guess, scored.col(0));
   const auto m = search.oriented.points.cols();
   constexpr int least = least_sample<Shape>;
-  for (const auto& [size, tries] : {std::pair{least, 100}, {least + 8, 60}, {3 * least + 20, 30}}) {
+  // Few points are cheap to try more often, and may be all there is.
+  const auto more = static_cast<int>(std::min<Eigen::Index>(scored_points / scored.cols(), 10));
+  for (const auto& [size, share] : {std::pair{least, 100}, {least + 8, 60}, {3 * least + 20, 30}}) {
     if (m < size) continue;
+    const int tries = more * share;
     Oriented sample{Matrix3Xd(3, size), Matrix3Xd(3, size)};
     for (int k = 0; k < tries; ++k) {
       for (int j = 0; j < size; ++j) {

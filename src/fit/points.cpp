@@ -25,7 +25,7 @@ using Eigen::Matrix3Xd;
 // The finite points, centred by their medians and scaled by a power of two to a median distance of about 1: no outlier, however
 // far, decides what the digits are spent on.
 struct Scaled {
-  Matrix3Xd cloud;
+  Matrix3Xd cloud, normals{};
   std::vector<std::size_t> index;  // in the input
   Vector3d centre;
   double scale;
@@ -53,6 +53,11 @@ Scaled scaled(const PointCloud& points) {
     const Vector3d q = to_eigen(points.positions[result.index[i]]) - result.centre;
     values[i] = q.stableNorm();
     result.cloud.col(static_cast<Eigen::Index>(i)) = q;
+  }
+  if (!points.normals.empty()) {
+    result.normals.resize(3, static_cast<Eigen::Index>(n));
+    for (std::size_t i = 0; i < n; ++i)
+      result.normals.col(static_cast<Eigen::Index>(i)) = to_eigen(points.normals[result.index[i]]);
   }
   std::erase(values, 0.0);  // more than half of the points may be one and the same
   const double size = values.empty() ? 0 : median(values);
@@ -305,7 +310,7 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   if (on_a_line(data.cloud)) return done("all points lie on one line; points beside it help");
 
   std::mt19937_64 random(options.seed);
-  const Oriented oriented = oriented_points(data.cloud, random);
+  const Oriented oriented = oriented_points(data.cloud, data.normals, random);
   Search search{data.cloud, oriented, std::nullopt, std::nullopt, options.seed};
   if (options.noise) search.sigma = *options.noise / data.scale;
   if (options.guess) search.guess = natural_of(*options.guess, data);

@@ -68,14 +68,34 @@ Eigen::Matrix2Xd across(const Oriented& sample, const Matrix3d& axes) {
 
 }  // namespace
 
-Oriented oriented_points(const Matrix3Xd& cloud, std::mt19937_64& random) {
-  const Eigen::Index n = std::min(cloud.cols(), tree_points);
-  Matrix3Xd chosen(3, n);
-  for (Eigen::Index i = 0; i < n; ++i) {  // one at random of each stretch
-    const Eigen::Index from = i * cloud.cols() / n, to = (i + 1) * cloud.cols() / n;
-    chosen.col(i) =
-        cloud.col(from + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(to - from)));
+// One point at random of each of `count` stretches.
+std::vector<Eigen::Index> evenly_chosen(Eigen::Index of, Eigen::Index count, std::mt19937_64& random) {
+  count = std::min(of, count);
+  std::vector<Eigen::Index> chosen;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index from = i * of / count, to = (i + 1) * of / count;
+    chosen.push_back(from + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(to - from)));
   }
+  return chosen;
+}
+
+Oriented oriented_points(const Matrix3Xd& cloud, const Matrix3Xd& normals, std::mt19937_64& random) {
+  if (normals.cols() == cloud.cols()) {
+    const std::vector<Eigen::Index> chosen = evenly_chosen(cloud.cols(), queries, random);
+    Oriented own{cloud(Eigen::all, chosen), normals(Eigen::all, chosen)};
+    Eigen::Index kept = 0;
+    for (Eigen::Index i = 0; i < own.points.cols(); ++i) {
+      const Vector3d n = own.normals.col(i).stableNormalized();
+      if (!n.allFinite() || n.isZero()) continue;
+      own.points.col(kept) = own.points.col(i);
+      own.normals.col(kept++) = n;
+    }
+    own.points.conservativeResize(3, kept);
+    own.normals.conservativeResize(3, kept);
+    if (kept > 0) return own;
+  }
+  const Matrix3Xd chosen = cloud(Eigen::all, evenly_chosen(cloud.cols(), tree_points, random));
+  const Eigen::Index n = chosen.cols();
   const Columns columns{chosen};
   const Tree tree(3, columns, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   const std::size_t k = std::clamp<std::size_t>(static_cast<std::size_t>(n) / 80, 6, 30);

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <random>
+#include <vector>
 
 #include "model.h"
 
@@ -13,9 +14,13 @@ struct Oriented {
   Eigen::Matrix3Xd points, normals;
 };
 
-// Points of the cloud with a normal each, from the principal axes of their neighbours; the two thirds whose neighbourhood is
-// flattest, so that few of them are outliers.
-Oriented oriented_points(const Eigen::Matrix3Xd& cloud, std::mt19937_64& random);
+// Indices of some points: one at random of each of `count` stretches, all where there are no more.
+std::vector<Eigen::Index> evenly_chosen(Eigen::Index of, Eigen::Index count, std::mt19937_64& random);
+
+// Points of the cloud with a normal each. Their own where there are any (as many columns as the cloud, of any length, zero or not
+// finite for none); else from the principal axes of their neighbours, of the two thirds whose neighbourhood is flattest, so that
+// few of them are outliers.
+Oriented oriented_points(const Eigen::Matrix3Xd& cloud, const Eigen::Matrix3Xd& normals, std::mt19937_64& random);
 
 // The surface that fits the sample best in the sense of linear equations; nothing where they do not determine one.
 template <class Shape>
@@ -30,7 +35,7 @@ inline constexpr int least_sample<SphereShape> = 4;
 template <>
 inline constexpr int least_sample<CylinderShape> = 2;
 template <>
-inline constexpr int least_sample<TorusShape> = 7;
+inline constexpr int least_sample<TorusShape> = 5;
 template <>
 inline constexpr int least_sample<EllipsoidShape> = 10;
 
