@@ -124,8 +124,11 @@ TEST_P(FoundKind, MovesWithThePoints) {
   ASSERT_TRUE(after.usable) << after.reason;
   EXPECT_LT((3 * distances(fit, p.cloud) - distances(after, cloud)).cwiseAbs().maxCoeff(), 1e-11);
   EXPECT_NEAR(after.sigma, 3 * fit.sigma, 1e-10 * fit.sigma);
-  EXPECT_NEAR(standard_error(after, "centre"), 3 * standard_error(fit, "centre"),
-              1e-6 * standard_error(after, "centre"));
+  // The centre of a plane is that of a patch whose sides follow the axes of the space.
+  if (GetParam() != "plane") {
+    EXPECT_NEAR(standard_error(after, "centre"), 3 * standard_error(fit, "centre"),
+                1e-6 * standard_error(after, "centre"));
+  }
 
   PointCloud shuffled = p.cloud;
   random.shuffle(shuffled.positions);
@@ -168,7 +171,7 @@ TEST_P(FoundKind, AutoTellsItFromTheOthers) {
 // The covariance of distances from the surface at its true points, against what they are: mean squares over sets.
 TEST_P(FoundKind, CovarianceIsThatOfTheErrors) {
   SyntheticOptions o;
-  o.count = 400, o.sigma = 0.005, o.coverage = 0.5;
+  o.count = 400, o.sigma = 0.005, o.coverage = 0.5, o.outlier_share = 0.1;
   double sum = 0;
   int sets = 0;
   for (o.seed = 1; o.seed <= 60; ++o.seed) {
@@ -245,7 +248,8 @@ void expect_unusable(const PointCloud& cloud, const std::string& kind, const std
   const PointFit fit = fit_points(cloud, of_kind(kind));
   EXPECT_FALSE(fit.usable) << fit.reason;
   EXPECT_FALSE(fit.surface.has_value());
-  EXPECT_NE(fit.reason.find(words), std::string::npos) << kind << ": " << fit.reason;
+  EXPECT_NE(fit.reason.find(words), std::string::npos)
+      << kind << ", " << cloud.positions.size() << " points: " << fit.reason;
   EXPECT_EQ(fit.reason.find('\n'), std::string::npos);
   EXPECT_EQ(fit.is_inlier.size(), cloud.positions.size());
 }
@@ -272,12 +276,12 @@ TEST(FitPoints, NeedsMorePointsThanUnknowns) {
 TEST(FitPoints, DistinguishesDegeneratePoints) {
   const auto line =
       cloud_of(50, 2, [](Random& r) { return Eigen::Vector3d(r.uniform() * Eigen::Vector3d(1, 2, 3)); });
-  const auto noisy_line = cloud_of(300, 2, [](Random& r) {
+  const auto noisy_line = cloud_of(301, 2, [](Random& r) {
     return Eigen::Vector3d(r.uniform() * Eigen::Vector3d(1, 2, 3) + 0.01 * r.normals());
   });
-  const auto flat = cloud_of(300, 2, [](Random& r) { return Eigen::Vector3d(r.uniform(), r.uniform(), 0); });
+  const auto flat = cloud_of(302, 2, [](Random& r) { return Eigen::Vector3d(r.uniform(), r.uniform(), 0); });
   const auto circle = [](double noise) {
-    return cloud_of(300, 2, [noise](Random& r) {
+    return cloud_of(noise > 0 ? 304 : 303, 2, [noise](Random& r) {
       const double t = r.uniform(0, 2 * std::numbers::pi);
       return Eigen::Vector3d(Eigen::Vector3d(std::cos(t), std::sin(t), 0) + noise * r.normals());
     });
@@ -291,7 +295,7 @@ TEST(FitPoints, DistinguishesDegeneratePoints) {
       expect_unusable(circle(0.01), kind, kind);
     }
   }
-  expect_unusable(circle(0), "sphere", "the centre along (0, 0, 1)");
+  expect_unusable(circle(0), "sphere", "the centre along");
   EXPECT_TRUE(fit_points(flat).usable) << fit_points(flat).reason;
 }
 

@@ -44,7 +44,7 @@ std::size_t length_count(std::string_view kind) {
 std::string length_name(std::string_view kind, std::size_t k) {
   if (kind == "cone") return "half-angle";
   if (kind == "torus") return k == 0 ? "major radius" : "minor radius";
-  return kind == "ellipsoid" ? "a semi-axis" : "radius";
+  return kind == "ellipsoid" ? "semi-axis" : "radius";
 }
 
 double deviation(const Found& f, std::size_t k) {
@@ -78,8 +78,9 @@ std::string least_known(const Found& f) {
 
 // The radius of the surface's tightest curve, about.
 double least_radius(const Found& f) {
-  if (f.kind == "cone") return (f.reference - f.surface.centre).cross(f.surface.axes.col(2)).norm();
   double least = std::numeric_limits<double>::infinity();
+  if (f.kind == "cone" || f.kind == "torus")  // about the axis
+    least = (f.reference - f.surface.centre).cross(f.surface.axes.col(2)).norm();
   for (std::size_t k = 0; k < length_count(f.kind); ++k) least = std::fmin(least, f.surface.lengths[k]);
   return least;
 }
@@ -140,32 +141,31 @@ std::vector<double> criteria(const std::vector<Found>& candidates, std::size_t r
   return result;
 }
 
-double unlikeness_of_neighbours(const Eigen::Matrix3Xd& cloud, const std::vector<double>& error,
+double unlikeness_of_neighbours(const Eigen::Matrix3Xd& cloud, const Found& f,
                                 const std::vector<bool>& is_inlier) {
-  std::vector<Eigen::Index> order;
+  std::vector<std::size_t> order;
   double mean = 0;
-  for (std::size_t i = 0; i < error.size(); ++i)
-    if (is_inlier[i]) order.push_back(static_cast<Eigen::Index>(i)), mean += error[i];
+  for (std::size_t i = 0; i < is_inlier.size(); ++i)
+    if (is_inlier[i]) order.push_back(i), mean += f.error[i];
   mean /= static_cast<double>(order.size());
   double differences = 0, variances = 0;
-  // Halves across the longest side, down to pairs.
+  const auto at = [&](std::size_t i) { return cloud.col(static_cast<Eigen::Index>(i)); };
+  // Halves across the longest side, down to pairs; not where the noise is what parts the points, or it would choose who is alike.
   const auto halve = [&](const auto& self, auto begin, auto end) -> void {
-    const auto size = end - begin;
-    if (size < 2) return;
-    if (size < 4) {
-      const double a = error[static_cast<std::size_t>(begin[0])],
-                   b = error[static_cast<std::size_t>(begin[1])];
-      differences += (a - b) * (a - b);
-      variances += (a - mean) * (a - mean) + (b - mean) * (b - mean);
+    Eigen::AlignedBox3d box;
+    for (auto i = begin; i != end; ++i) box.extend(at(*i));
+    Eigen::Index axis = 0;
+    if (end - begin < 4 || box.sizes().maxCoeff(&axis) < 30 * f.sigma) {
+      for (; end - begin > 1; begin += 2) {
+        const double a = f.error[begin[0]] - mean, b = f.error[begin[1]] - mean;
+        differences += (a - b) * (a - b);
+        variances += a * a + b * b;
+      }
       return;
     }
-    Eigen::AlignedBox3d box;
-    for (auto i = begin; i != end; ++i) box.extend(cloud.col(*i));
-    Eigen::Index axis;
-    box.sizes().maxCoeff(&axis);
-    const auto middle = begin + size / 2;
+    const auto middle = begin + (end - begin) / 2;
     std::nth_element(begin, middle, end,
-                     [&](Eigen::Index a, Eigen::Index b) { return cloud(axis, a) < cloud(axis, b); });
+                     [&](std::size_t a, std::size_t b) { return at(a)[axis] < at(b)[axis]; });
     self(self, begin, middle);
     self(self, middle, end);
   };
@@ -205,10 +205,8 @@ Verdict judge(const Found& f) {
     return unsure("is not determined: " + least_known(f) + " is not observable" + help);
   for (std::size_t j = 0; j < length_count(f.kind); ++j) {
     const double length = f.surface.lengths[j];
-    const std::string name = length_name(f.kind, j);
     if (length > 1e3 || deviation(f, j) > 0.5 * length)
-      return unsure("of " + name + " > " + digits(std::fmin(least_length(f, j), 1e3)) +
-                    " of the points' size fits, and a flatter surface as well" + help);
+      return unsure("has a " + length_name(f.kind, j) + " that is not told from infinity" + help);
     if (length < 1e-3) return none("shrinks to a point or a line: no fit");
   }
   if (f.kind == "cone") {

@@ -41,9 +41,9 @@ std::vector<double> criteria(const std::vector<Found>& candidates, std::size_t r
 // that of all spread evenly.
 double evidence(const Found& found);
 
-// Whether the inliers' errors are noise, or neighbours' errors are alike, as where the points lie on another surface: mean squared
-// difference of neighbours over twice the variance. 1 for noise.
-double unlikeness_of_neighbours(const Eigen::Matrix3Xd& cloud, const std::vector<double>& error,
+// Whether the inliers' errors are noise, or neighbours' errors are alike, as where the points lie on another surface: mean
+// squared difference of neighbours over twice the variance. 1 for noise.
+double unlikeness_of_neighbours(const Eigen::Matrix3Xd& cloud, const Found& found,
                                 const std::vector<bool>& is_inlier);
 
 // The least length k of the surface that the points permit: its curvature, three standard errors more.

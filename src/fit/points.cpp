@@ -327,7 +327,8 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
     share += 1 / to_try;
     if (options.progress) options.progress(std::fmin(share, 1));
   });
-  if (tried.empty()) return done("no surface goes through the points");
+  if (tried.empty())
+    return done("no " + std::string(automatic ? "surface" : options.surface) + " goes near the points");
 
   std::vector<Verdict> verdicts;
   std::size_t reference = 0;
@@ -345,8 +346,11 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
                    [&](std::size_t a, std::size_t b) { return bic[a] < bic[b]; });
   const auto inliers = [&](const Found& f) {
     std::vector<bool> is_inlier(n);
-    for (std::size_t i = 0; i < n; ++i)
-      is_inlier[i] = f.kept[i] && inlier_probability(f.error[i], {f.sigma, f.outliers}) > 0.5;
+    for (std::size_t i = 0; i < n; ++i) {
+      // Beyond the gate inliers are rare: a point is one only where outliers are much rarer still.
+      const double outliers = f.outliers * (f.kept[i] ? 1 : 1000);
+      is_inlier[i] = inlier_probability(f.error[i], {f.sigma, outliers}) > 0.5;
+    }
     return is_inlier;
   };
   const auto rms = [&](const Found& f, const std::vector<bool>& is_inlier) {
@@ -372,8 +376,8 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   fit.sigma = data.scale * best.sigma * std::sqrt(sigma_squared);
   if (!chosen.usable) return done(chosen.reason);
   // Significant by five standard deviations, and so much that sigma is not the noise. Exact data have roundings for errors.
-  if (best.sigma > 1e-12 && unlikeness_of_neighbours(data.cloud, best.error, is_inlier) <
-                                std::fmin(0.75, 1 - 5 * std::sqrt(3 / k))) {
+  if (best.sigma > 1e-12 &&
+      unlikeness_of_neighbours(data.cloud, best, is_inlier) < std::fmin(0.75, 1 - 5 * std::sqrt(3 / k))) {
     const std::string alike = "distances of neighbouring points are alike, not noise";
     if (automatic)
       return done("undetermined: the nearest is " + with_article(best.kind) + ", but " + alike +
