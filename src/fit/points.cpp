@@ -207,10 +207,11 @@ std::size_t different(const Matrix3Xd& cloud, std::size_t most) {
 }
 
 bool on_a_line(const Matrix3Xd& cloud) {
-  Eigen::Index i;
-  const double length = cloud.colwise().norm().maxCoeff(&i);
-  const Vector3d along = cloud.col(i) / length;
-  return (cloud - along * (along.transpose() * cloud)).colwise().norm().maxCoeff() < 1e-14 * length;
+  const Matrix3Xd from_first = cloud.colwise() - cloud.col(0).eval();
+  Eigen::Index farthest;
+  const double length = from_first.colwise().norm().maxCoeff(&farthest);
+  const Vector3d along = from_first.col(farthest) / length;
+  return (from_first - along * (along.transpose() * from_first)).colwise().norm().maxCoeff() < 1e-14 * length;
 }
 
 struct Chosen {
@@ -230,7 +231,7 @@ std::string either(const Found& a, const Found& b, double scale) {
   return text;
 }
 
-// The kind with the smallest criterion, where nothing speaks for another. `best_first` becomes the candidates' order.
+// The kind with the smallest criterion, where nothing speaks for another.
 Chosen choose(const std::vector<Found>& tried, const std::vector<Verdict>& verdicts,
               const std::vector<double>& bic, const std::vector<std::size_t>& best_first, double scale) {
   const auto good = [&](std::size_t i) {
@@ -238,7 +239,10 @@ Chosen choose(const std::vector<Found>& tried, const std::vector<Verdict>& verdi
   };
   const auto found = std::find_if(best_first.begin(), best_first.end(), good);
   if (found == best_first.end()) {
-    const std::size_t i = best_first.front();
+    const auto possible = std::find_if(best_first.begin(), best_first.end(), [&](std::size_t i) {
+      return verdicts[i].kind == Verdict::Kind::unsure && !crosses_itself(tried[i]);
+    });
+    const std::size_t i = possible != best_first.end() ? *possible : best_first.front();
     return {i, false, with_article(tried[i].kind) + " " + verdicts[i].why};
   }
   const std::size_t best = *found;
@@ -257,7 +261,7 @@ Chosen choose(const std::vector<Found>& tried, const std::vector<Verdict>& verdi
     if (tried[i].freedom < tried[best].freedom && bic[i] < bic[best] + margin)
       return undetermined("; points over a larger part of it or less noise help");
     if (tried[best].kind == "plane" && tried[i].kind == "cylinder" && tried[i].converged &&
-        bic[i] < bic[best] + 2 * margin + 20)
+        bic[i] < bic[best] + 4 * margin)
       remark = "; a cylinder fits as well: " + either(tried[best], tried[i], scale);
   }
   return {best, true, "converged" + remark};
