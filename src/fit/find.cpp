@@ -131,12 +131,14 @@ Covariance natural_covariance(const Model<Shape>& model, const Eigen::MatrixXd& 
   constexpr int n = 3 + Shape::size;
   Eigen::Matrix<double, 9, n> by;
   const Natural centre = natural(model);
+  Eigen::Matrix<double, n, 1> steps = Eigen::Matrix<double, n, 1>::Constant(1e-5);
+  if constexpr (Shape::curved) steps[4] *= std::min(1.0, std::fabs(model.s[1]));
   for (int k = 0; k < n; ++k) {
     std::array<Natural, 2> moved;
-    constexpr double h = 1e-5;
     for (int side = 0; side < 2; ++side) {
       Model<Shape> m = model;
-      const double step = side == 0 ? -h : h;
+      // A curvature is stepped by a part of itself: radii may be large.
+      const double step = (side == 0 ? -1 : 1) * steps[k];
       if (k < 3)
         m.rotation = m.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(step, Vector3d::Unit(k)));
       else
@@ -151,14 +153,14 @@ Covariance natural_covariance(const Model<Shape>& model, const Eigen::MatrixXd& 
       turn = centre.axes.col(2).cross(moved[1].axes.col(2) - moved[0].axes.col(2));
       if (std::is_same_v<Shape, SphereShape>) turn.setZero();
     }
-    turn /= 2 * h;
-    const Vector3d shift = (moved[1].centre - moved[0].centre) / (2 * h);
+    turn /= 2 * steps[k];
+    const Vector3d shift = (moved[1].centre - moved[0].centre) / (2 * steps[k]);
     by.col(k).template head<3>() = turn;
     by.col(k).template segment<3>(3) = shift - turn.cross(centre.centre - reference);
     for (int l = 0; l < 3; ++l)
       by(6 + l, k) =
           (moved[1].lengths[static_cast<std::size_t>(l)] - moved[0].lengths[static_cast<std::size_t>(l)]) /
-          (2 * h);
+          (2 * steps[k]);
   }
   return by * covariance * by.transpose();
 }
@@ -260,16 +262,17 @@ std::optional<Found> find(const Search& search) {
   found.surface = natural(model);
   found.sigma = noise.sigma;
   found.outliers = noise.outliers;
-  using Matrix = typename BatchedCost<Shape>::Matrix;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(hessian);
-  Matrix covariance = Matrix::Zero();
-  constexpr int unobservable =
-      3 + Shape::size - Shape::freedom;  // turns about the normal that change nothing
-  for (int k = unobservable; k < 3 + Shape::size; ++k) {
-    const double variance = noise.sigma * noise.sigma / std::max(eigen.eigenvalues()[k], 1e-300);
-    covariance += variance * eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose();
-    if (k == unobservable) found.least_known = std::sqrt(1 / std::max(eigen.eigenvalues()[k], 1e-300));
-  }
+  // Without the turn about the normal where that changes nothing.
+  constexpr int all = 3 + Shape::size, freedom = Shape::freedom;
+  std::vector<int> free;
+  for (int k = 0; k < all; ++k)
+    if (freedom == all || k != 2) free.push_back(k);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian(free, free));
+  const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-300).cwiseInverse();
+  found.least_known = std::sqrt(inverse[0]);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(all, all);
+  covariance(free, free) = noise.sigma * noise.sigma * eigen.eigenvectors() * inverse.asDiagonal() *
+                           eigen.eigenvectors().transpose();
   found.reference = model.origin;
   found.covariance = natural_covariance<Shape>(model, covariance, found.reference);
   found.error.resize(n);

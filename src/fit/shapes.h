@@ -30,6 +30,7 @@ class PlaneShape {
  public:
   static constexpr std::string_view name = "plane";
   static constexpr int size = 1, freedom = 3;  // own parameters: rho; all observable ones with the pose
+  static constexpr bool curved = false;        // whether the second parameter is a curvature
   explicit PlaneShape(const double* s) : rho_(s[0]) {}
   double distance(const Vector3d& p) const { return rho_ - p.z(); }
   void at(const Vector3d& p, Local<size>& out) const { out = {distance(p), {0, 0, -1}, {1}, 0, 1}; }
@@ -44,6 +45,7 @@ class SphereShape {
  public:
   static constexpr std::string_view name = "sphere";
   static constexpr int size = 2, freedom = 4;
+  static constexpr bool curved = true;
   explicit SphereShape(const double* s) : rho_(s[0]), kappa_(s[1]) {}
   double distance(const Vector3d& p) const {
     const double zeta = p.z() - rho_;
@@ -70,6 +72,7 @@ class CylinderShape {
  public:
   static constexpr std::string_view name = "cylinder";
   static constexpr int size = 2, freedom = 5;
+  static constexpr bool curved = true;
   explicit CylinderShape(const double* s) : across_(s), kappa_(s[1]) {}
   double distance(const Vector3d& p) const { return across_.distance({0, p.y(), p.z()}); }
   void at(const Vector3d& p, Local<size>& out) const {
@@ -89,6 +92,7 @@ class ConeShape {
  public:
   static constexpr std::string_view name = "cone";
   static constexpr int size = 3, freedom = 6;
+  static constexpr bool curved = true;
   explicit ConeShape(const double* s)
       : rho_(s[0]), kappa_(s[1]), sine_(std::sin(s[2])), cosine_(std::cos(s[2])) {}
   double distance(const Vector3d& p) const {
@@ -131,6 +135,7 @@ class TorusShape {
  public:
   static constexpr std::string_view name = "torus";
   static constexpr int size = 4, freedom = 7;
+  static constexpr bool curved = true;
   static bool permitted(const double* s) { return s[1] > 1e-9 && s[2] >= 0; }
   explicit TorusShape(const double* s)
       : centre_(s[0] + 1 / s[1]),
@@ -186,6 +191,7 @@ class EllipsoidShape {
  public:
   static constexpr std::string_view name = "ellipsoid";
   static constexpr int size = 6, freedom = 9;
+  static constexpr bool curved = false;
   // Axes within a factor of a thousand of the cloud's size.
   static bool permitted(const double* s) {
     return std::all_of(s + 3, s + 6, [](double x) { return std::fabs(x) < 7; });

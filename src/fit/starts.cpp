@@ -4,7 +4,8 @@
 #include <numeric>
 
 #include <Eigen/Dense>
-#include <nanoflann.hpp>
+
+#include "../neighbours.h"
 
 namespace darboux::fit {
 namespace {
@@ -13,20 +14,6 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector2d;
 
 constexpr Eigen::Index tree_points = 3000, queries = 400;
-
-// nanoflann's view of the columns of a matrix.
-struct Columns {
-  const Matrix3Xd& points;
-  std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(points.cols()); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(i));
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Columns>, Columns, 3>;
 
 bool usable(const Natural& n) {
   return n.centre.allFinite() && n.axes.allFinite() &&
@@ -94,25 +81,24 @@ Oriented oriented_points(const Matrix3Xd& cloud, const Matrix3Xd& normals, std::
     own.normals.conservativeResize(3, kept);
     if (kept > 0) return own;
   }
-  const Matrix3Xd chosen = cloud(Eigen::all, evenly_chosen(cloud.cols(), tree_points, random));
-  const Eigen::Index n = chosen.cols();
-  const Columns columns{chosen};
-  const Tree tree(3, columns, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  const std::size_t k = std::clamp<std::size_t>(static_cast<std::size_t>(n) / 80, 6, 30);
+  std::vector<Vec3<double>> chosen;
+  for (const Eigen::Index i : evenly_chosen(cloud.cols(), tree_points, random))
+    chosen.push_back(from_eigen(cloud.col(i)));
+  const auto n = static_cast<Eigen::Index>(chosen.size());
+  const Neighbours tree(chosen);
+  std::vector<std::uint32_t> nearest(std::clamp<std::size_t>(chosen.size() / 80, 6, 30));
+  std::vector<double> squares(nearest.size());
   const Eigen::Index m = std::min(n, queries);
   Oriented all{Matrix3Xd(3, m), Matrix3Xd(3, m)};
   std::vector<std::pair<double, Eigen::Index>> flatness;
-  std::vector<std::uint32_t> nearest(k);
-  std::vector<double> squares(k);
   for (Eigen::Index i = 0; i < m; ++i) {
-    const Eigen::Index at = i * n / m;
-    const std::size_t found = tree.knnSearch(chosen.col(at).data(), k, nearest.data(), squares.data());
+    const std::size_t found = tree.nearest(chosen[static_cast<std::size_t>(i * n / m)], nearest, squares);
     Vector3d mean = Vector3d::Zero();
-    for (std::size_t j = 0; j < found; ++j) mean += chosen.col(static_cast<Eigen::Index>(nearest[j]));
+    for (std::size_t j = 0; j < found; ++j) mean += to_eigen(chosen[nearest[j]]);
     mean /= static_cast<double>(found);
     Matrix3d scatter = Matrix3d::Zero();
     for (std::size_t j = 0; j < found; ++j) {
-      const Vector3d q = chosen.col(static_cast<Eigen::Index>(nearest[j])) - mean;
+      const Vector3d q = to_eigen(chosen[nearest[j]]) - mean;
       scatter += q * q.transpose();
     }
     Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
