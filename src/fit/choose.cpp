@@ -200,7 +200,7 @@ Verdict judge(const Found& f) {
                 std::sqrt(
                     k * Eigen::SelfAdjointEigenSolver<Covariance>(c, Eigen::EigenvaluesOnly).eigenvalues()[8])
           : 1 / (f.least_known * std::sqrt(k));
-  const bool local = f.kind == "plane" || f.kind == "sphere" || f.kind == "cylinder" || f.kind == "cone";
+  const bool local = f.kind == "plane" || f.kind == "sphere" || f.kind == "cylinder";
   if (!f.covariance.allFinite() || !(movement > 1e-7) || (local && movement < 1.3 * f.sigma))
     return unsure("is not determined: " + least_known(f) + " is not observable" + help);
   for (std::size_t j = 0; j < length_count(f.kind); ++j) {
