@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include <darboux/error.h>
 #include <darboux/fit.h>
 
@@ -105,25 +103,10 @@ UvHeld held_values(const Data& data, const UvKind& kind, const SurfaceSpecificat
   return held;
 }
 
-// Whether the points tell every direction of what is estimated: those on a line lie on a thin strip in any position.
+// Whether the points tell all that is estimated, and more: those on a line lie on a thin strip in any position.
 bool determined(const UvModel& model, const UvState& state) {
-  const UvSums sums = model.sums(state, Mixture{});
-  std::vector<Eigen::Index> free;
-  for (Eigen::Index k = model.placement_held ? 6 : 0; k < model.columns(); ++k) free.push_back(k);
-  const std::vector<int> parameters = model.free_parameters();
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    const auto p = static_cast<std::size_t>(parameters[k]);
-    const Range& permitted = model.kind->parameters[p].permitted;
-    if (permitted.minimum_included && state.parameters[p] <= permitted.minimum)
-      std::erase(free, static_cast<Eigen::Index>(6 + k));  // at its limit it is held
-  }
-  if (free.empty()) return true;
-  const Eigen::MatrixXd information = sums.hessian(free, free);
-  const Eigen::VectorXd scale =
-      information.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      scale.asDiagonal() * information * scale.asDiagonal(), Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[0] > 1e-13;
+  return 3 * model.points->count() > model.unknowns() &&
+         model.spread(state, model.sums(state, Mixture{})).undetermined.empty();
 }
 
 // From one start; nothing where the parameters that come out are not permitted.
@@ -179,12 +162,24 @@ MeshFit completed(const Data& data, Trial trial, const SurfaceSpecification& giv
     trial.model.polish(state, squares, std::nullopt, 6);
     if (surface_of(trial.model, state, data.all.size, given)) trial.state = state;
   }
-  MeshFit fit{.surface = {*surface_of(trial.model, trial.state, data.all.size, given),
-                          Eigen::Isometry3d::Identity(), trial.model.whole_convention(trial.state)},
-              .equivalent = trial.equivalent};
+  MeshFit fit{{},
+              {*surface_of(trial.model, trial.state, data.all.size, given), Eigen::Isometry3d::Identity(),
+               trial.model.whole_convention(trial.state)}};
+  fit.equivalent = trial.equivalent;
   fit.rms_relative = rms(trial.model, trial.state);
   fit.rms = fit.rms_relative * data.all.size;
   fit.fits = trial.fits && fit.rms_relative <= fits_below;
+  const auto n = static_cast<double>(data.all.count());
+  const double sigma =
+      fit.rms_relative * std::sqrt(n / (3 * n - static_cast<double>(trial.model.unknowns())));
+  fit.sigma = sigma * data.all.size;
+  if (fit.fits) {
+    const UvSpread spread = trial.model.spread(trial.state, trial.model.sums(trial.state, Mixture{}));
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const auto& p : data.all.positions) centre += to_eigen(p) / n;
+    static_cast<SurfaceUncertainty&>(fit) =
+        trial.model.uncertainty(trial.state, sigma * sigma * spread.covariance, centre);
+  }
   fit.iterations = trial.iterations;
   if (placement) {
     fit.surface.placement = *placement;

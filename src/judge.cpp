@@ -22,7 +22,10 @@ Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
     reason = e.what();
   }
   const bool fits = result.fit && result.fit->fits;
-  result.report = validate(mesh, fits ? std::optional(result.fit->surface) : std::nullopt, options);
+  std::vector<Truth> truth;
+  if (fits)
+    for (const Vec2<double>& uv : mesh.uvs) truth.push_back(truth_at(*result.fit, uv));
+  result.report = validate(mesh, truth, options);
   if (fits) return result;
 
   auto& findings = result.report.findings;

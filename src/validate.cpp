@@ -3,8 +3,10 @@
 #include <cmath>
 #include <numbers>
 
+#include <darboux/error.h>
 #include <darboux/evaluate.h>
 #include <darboux/frame.h>
+#include <darboux/local_truth.h>
 #include <darboux/mesh_frames.h>
 #include <darboux/validate.h>
 
@@ -16,6 +18,9 @@ namespace {
 constexpr double degrees = 180 / std::numbers::pi;
 constexpr double unit_tolerance = 0.0005;      // of |t|², as the Khronos glTF validator
 constexpr double orthogonal_tolerance = 0.02;  // of t·n
+constexpr double certain = 3;                  // standard deviations
+constexpr double rounding_deg = 1e-10;         // what rounding may turn a frame by, beside any noise
+constexpr double expected_agreement = 0.8;  // of two references; their error bars cover less on coarse meshes
 
 // The errors, in the order in which a corner is assigned to the first that fits.
 enum Defect : std::size_t {
@@ -70,6 +75,14 @@ struct VertexFacts {
   double normal_deg = -1, tangent_deg = -1, bitangent_raw_deg = -1, bitangent_gltf_deg = -1;
 };
 
+// An angle that is known to a standard deviation against what is permitted.
+bool is_beyond(double angle, double deviation, double limit) {
+  return angle - certain * deviation > limit;
+}
+bool is_undecided(double angle, double deviation, double limit) {
+  return angle >= 0 && !is_beyond(angle, deviation, limit) && !(angle + certain * deviation <= limit);
+}
+
 VertexFacts stored_facts(const Mesh& mesh, std::uint32_t v) {
   VertexFacts f{.position_finite = detail::finite(mesh.positions[v])};
   if (!mesh.uvs.empty()) f.uv_finite = finite(mesh.uvs[v]);
@@ -90,7 +103,7 @@ VertexFacts stored_facts(const Mesh& mesh, std::uint32_t v) {
 }
 
 // A mesh seen from inside, compared with -n: at most corners the normal and the winding both oppose the surface's n.
-bool faces_inward(const Mesh& mesh, const std::vector<Truth>& truth) {
+bool faces_inward(const Mesh& mesh, std::span<const Truth> truth) {
   std::size_t against = 0;
   if (mesh.normals.empty()) return false;
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -144,25 +157,114 @@ Handedness judge_handedness(const SignCount& all) {
   return result;
 }
 
+// The statistics of one comparison; truth: at each vertex, empty where there is none.
+std::vector<ClassReport> class_reports(const Mesh& mesh, const MeshClasses& classes,
+                                       const std::vector<VertexFacts>& facts, std::span<const Truth> truth,
+                                       bool raw_convention) {
+  struct Sums {
+    std::size_t corners = 0;
+    std::vector<double> normal, tangent, bitangent;
+    Spread normal_uncertainty, tangent_uncertainty;
+    double worst = -1;
+    std::uint32_t worst_vertex = 0;
+  };
+  std::array<Sums, vertex_class_names.size()> sums;
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) {
+      const VertexFacts& f = facts[v];
+      Sums& s = sums[static_cast<std::size_t>(classes.of_vertex[v])];
+      ++s.corners;
+      const double bitangent_deg = raw_convention ? f.bitangent_raw_deg : f.bitangent_gltf_deg;
+      if (f.normal_deg >= 0) {
+        s.normal.push_back(f.normal_deg);
+        s.normal_uncertainty.add(truth[v].normal_deg);
+      }
+      if (f.tangent_deg >= 0) {
+        s.tangent.push_back(f.tangent_deg);
+        s.tangent_uncertainty.add(truth[v].tangent_deg);
+      }
+      if (bitangent_deg >= 0) s.bitangent.push_back(bitangent_deg);
+      const double judged = mesh.tangents.empty() ? f.normal_deg : f.tangent_deg;
+      if (judged > s.worst) {
+        s.worst = judged;
+        s.worst_vertex = v;
+      }
+    }
+  std::vector<ClassReport> reports;
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    Sums& s = sums[k];
+    if (s.corners == 0) continue;
+    const auto summary = [](std::vector<double>& values) {
+      return values.empty() ? std::nullopt : std::optional<Statistics>(summarise(values));
+    };
+    ClassReport entry{static_cast<VertexClass>(k), s.corners,    summary(s.normal),    summary(s.tangent),
+                      summary(s.bitangent),        std::nullopt, s.normal_uncertainty, s.tangent_uncertainty};
+    if (s.worst >= 0) entry.worst = WorstCorner{s.worst_vertex, mesh.uvs[s.worst_vertex]};
+    reports.push_back(entry);
+  }
+  return reports;
+}
+
+// Whether two references are the same as far as either is known.
+bool agree(const Truth& a, const Truth& b) {
+  const auto within = [](double angle, double one, double other) {
+    return degrees * angle <= certain * std::hypot(one, other) + rounding_deg;
+  };
+  const double normal = angle_between(a.normal, b.normal);
+  return within(std::fmin(normal, std::numbers::pi - normal), a.normal_deg, b.normal_deg) &&
+         within(angle_between(a.tangent, b.tangent), a.tangent_deg, b.tangent_deg);
+}
+
+bool known(const Truth& t) {
+  return detail::finite(t.normal) && detail::finite(t.tangent) && std::isfinite(t.normal_deg) &&
+         std::isfinite(t.tangent_deg);
+}
+
+LocalReport compare_with_neighbours(const Mesh& mesh, const MeshClasses& classes,
+                                    std::vector<VertexFacts> facts, std::span<const Truth> truth,
+                                    bool raw_convention) {
+  const std::vector<Truth> local = local_truth(mesh);
+  for (std::uint32_t v = 0; v < local.size(); ++v) compare_with_truth(mesh, v, local[v], false, facts[v]);
+  LocalReport report{class_reports(mesh, classes, facts, local, raw_convention)};
+  if (truth.empty()) return report;
+  std::size_t agreeing = 0;
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) {
+      if (classes.of_vertex[v] != VertexClass::interior || !known(truth[v]) || !known(local[v])) continue;
+      ++report.compared;
+      agreeing += agree(truth[v], local[v]);
+    }
+  if (report.compared > 0)
+    report.agreement = static_cast<double>(agreeing) / static_cast<double>(report.compared);
+  return report;
+}
+
 }  // namespace
 
 MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed,
                     const ValidateOptions& options) {
   check_consistent(mesh, "mesh");
+  std::vector<Truth> truth;
+  if (placed)
+    for (const Vec2<double>& uv : mesh.uvs) truth.push_back(placed->truth(uv));
+  return validate(mesh, truth, options);
+}
+
+MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options) {
+  check_consistent(mesh, "mesh");
+  if (!truth.empty() && truth.size() != mesh.positions.size())
+    throw MeshError("mesh", std::to_string(truth.size()) + " truths for " +
+                                std::to_string(mesh.positions.size()) +
+                                " vertices, permitted is one each or none");
   MeshReport report;
   report.corners = mesh.corners();
-  report.reference = placed && !mesh.uvs.empty() ? "analytic" : "none";
+  report.reference = truth.empty() ? "none" : "analytic";
   const bool analytic = report.reference == "analytic", has_tangents = !mesh.tangents.empty();
   const std::size_t n = mesh.positions.size();
 
-  std::vector<Truth> truth;
   std::vector<bool> is_pole(n, false);
   if (analytic) {
-    truth.reserve(n);
-    for (std::size_t v = 0; v < n; ++v) {
-      truth.push_back(placed->truth(mesh.uvs[v]));
-      is_pole[v] = truth[v].pole;
-    }
+    for (std::size_t v = 0; v < n; ++v) is_pole[v] = truth[v].pole;
     report.inward = faces_inward(mesh, truth);
   }
   std::vector<VertexFacts> facts(n);
@@ -196,13 +298,7 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
   std::array<double, defects> worst_angle{};
   std::size_t pole_beyond = 0, against_winding = 0;
   double pole_worst = 0;
-  struct Sums {
-    std::size_t corners = 0;
-    std::vector<double> normal, tangent, bitangent;
-    double worst = -1;
-    std::uint32_t worst_vertex = 0;
-  };
-  std::array<Sums, vertex_class_names.size()> sums;
+  std::size_t undecided = 0, judged = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
     if (is_degenerate(mesh.positions[a], mesh.positions[b], mesh.positions[c]))
@@ -220,6 +316,8 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
       const VertexClass vertex_class = classes.of_vertex[v];
       const bool pole = vertex_class == VertexClass::pole;
       const double limit = options.max_angle_deg * (vertex_class == VertexClass::interior ? 1 : 3);
+      const double normal_deviation = analytic ? truth[v].normal_deg : 0,
+                   tangent_deviation = analytic ? truth[v].tangent_deg : 0;
       std::array<bool, defects> has{};
       if (has_tangents) {
         has[tangent_not_finite] = !f.tangent_finite;
@@ -227,7 +325,7 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
         has[tangent_not_unit] = !f.tangent_unit;
         has[tangent_invalid_sign] = !f.sign_valid;
         has[tangent_not_orthogonal] = !f.orthogonal;
-        has[tangent_angle] = !pole && f.tangent_deg > limit;
+        has[tangent_angle] = !pole && is_beyond(f.tangent_deg, tangent_deviation, limit);
         if (raw_sign[t] != 0 && f.sign_valid) {
           const SignCount& island = island_signs[static_cast<std::size_t>(classes.island_of_triangle[t])];
           const bool raw = mesh.tangents[v].w == raw_sign[t];
@@ -238,7 +336,7 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
       }
       has[normal_not_finite] = !f.normal_finite;
       has[normal_not_unit] = !f.normal_unit;
-      has[normal_angle] = !pole && f.normal_deg > limit;
+      has[normal_angle] = !pole && is_beyond(f.normal_deg, normal_deviation, limit);
       has[position_not_finite] = !f.position_finite;
       has[uv_not_finite] = !f.uv_finite;
       const auto first = std::find(has.begin(), has.end(), true);
@@ -256,31 +354,18 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
         pole_worst = std::fmax(pole_worst, f.tangent_deg);
       }
 
-      Sums& s = sums[static_cast<std::size_t>(vertex_class)];
-      ++s.corners;
-      const double bitangent_deg = raw_convention ? f.bitangent_raw_deg : f.bitangent_gltf_deg;
-      if (f.normal_deg >= 0) s.normal.push_back(f.normal_deg);
-      if (f.tangent_deg >= 0) s.tangent.push_back(f.tangent_deg);
-      if (bitangent_deg >= 0) s.bitangent.push_back(bitangent_deg);
-      const double judged = has_tangents ? f.tangent_deg : f.normal_deg;
-      if (judged > s.worst) {
-        s.worst = judged;
-        s.worst_vertex = v;
-      }
+      if (!analytic || !f.uv_finite) continue;
+      report.normal_uncertainty_deg.add(truth[v].normal_deg);
+      report.tangent_uncertainty_deg.add(truth[v].tangent_deg);
+      if (pole || (f.normal_deg < 0 && f.tangent_deg < 0)) continue;
+      ++judged;
+      undecided += first == has.end() && (is_undecided(f.normal_deg, normal_deviation, limit) ||
+                                          is_undecided(f.tangent_deg, tangent_deviation, limit));
     }
   }
-
-  for (std::size_t k = 0; k < sums.size(); ++k) {
-    Sums& s = sums[k];
-    if (s.corners == 0) continue;
-    const auto summary = [](std::vector<double>& values) {
-      return values.empty() ? std::nullopt : std::optional<Statistics>(summarise(values));
-    };
-    ClassReport entry{static_cast<VertexClass>(k), s.corners,   summary(s.normal), summary(s.tangent),
-                      summary(s.bitangent),        std::nullopt};
-    if (s.worst >= 0) entry.worst = WorstCorner{s.worst_vertex, mesh.uvs[s.worst_vertex]};
-    report.classes.push_back(entry);
-  }
+  report.classes = class_reports(mesh, classes, facts, truth, raw_convention);
+  if (options.local && !mesh.uvs.empty())
+    report.local = compare_with_neighbours(mesh, classes, facts, truth, raw_convention);
 
   for (std::size_t d = 0; d < defects; ++d) {
     if (defect_count[d] == 0) continue;
@@ -301,6 +386,16 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
        "w follows neither sign convention throughout; the smaller part is counted. Where uvs jump back "
        "inside triangles "
        "(a seam with shared vertices), their uv area has the wrong sign");
+  if (report.local && report.local->compared > 0 && report.local->agreement < expected_agreement)
+    note("REFERENCES_DISAGREE", Severity::warning, report.local->compared,
+         "the surface's frames and those of the mesh's own positions and uvs agree at " +
+             rounded(100 * report.local->agreement, 3) +
+             " % of interior corners: the positions stray from the surface in waves, or the uvs are others");
+  note("REFERENCE_UNCERTAIN", Severity::info, undecided,
+       "angles lie within three standard deviations of the limit, as well as the surface is known: normals "
+       "to " +
+           rounded(report.normal_uncertainty_deg.rms(), 2) + " deg, tangents to " +
+           rounded(report.tangent_uncertainty_deg.rms(), 2) + " deg rms");
   note("POLE_TANGENT", Severity::info, pole_beyond,
        "tangents at a pole differ from the limit for their own u by up to " + rounded(pole_worst, 4) +
            " deg; at a pole no direction is right for every texture");
@@ -324,7 +419,9 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
   const bool any_error = !report.findings.empty() && report.findings.front().severity == Severity::error;
   bool compared = false;
   for (const ClassReport& c : report.classes) compared = compared || c.normal_deg || c.tangent_deg;
-  report.verdict = any_error ? Verdict::fail : compared ? Verdict::pass : Verdict::undetermined;
+  report.verdict = any_error                             ? Verdict::fail
+                   : compared && 2 * undecided <= judged ? Verdict::pass
+                                                         : Verdict::undetermined;
   return report;
 }
 

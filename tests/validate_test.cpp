@@ -329,7 +329,7 @@ TEST_F(OtherTools, SurfaceAndConventionAreRecognised) {
     for (const char* size : {"_016", "_032"})
       for (const char* tool : {".three.glb", ".mikk.glb", ".assimp.glb", ".none.glb"}) {
         const std::string file = c.shape + size + tool;
-        MeshFit fit{.surface = {Sphere{1.0}}, .equivalent = {}};
+        MeshFit fit{{}, {Sphere{1.0}}};
         const MeshReport r = report(file, &fit);
         ASSERT_TRUE(fit.fits) << file;
         EXPECT_EQ(fit.surface.surface.info().name, c.shape) << file;
@@ -355,7 +355,7 @@ TEST_F(OtherTools, GenuineDefectsAreFound) {
   EXPECT_EQ(report("ellipsoid_016.mikk.glb").verdict, Verdict::pass);
   EXPECT_EQ(report("capped_016.three.glb").verdict, Verdict::undetermined);
   // A frustum is a cone with an affine v.
-  MeshFit frustum{.surface = {Sphere{1.0}}, .equivalent = {}};
+  MeshFit frustum{{}, {Sphere{1.0}}};
   EXPECT_EQ(report("cone_016.three.glb", &frustum).verdict, Verdict::pass);
   EXPECT_EQ(frustum.surface.surface.info().name, "cone");
   EXPECT_EQ(frustum.surface.uv.name, "affine");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <darboux/any_surface.h>
+#include <darboux/fit_points.h>
 #include <darboux/mesh.h>
 #include <darboux/placed_surface.h>
 
@@ -17,12 +18,15 @@ namespace darboux {
 /// this share of the bounding box's diagonal.
 inline constexpr double fits_below = 1e-4;
 
-struct MeshFit {
+/// A surface fitted to a mesh. Its covariance is empty where it does not fit.
+struct MeshFit : SurfaceUncertainty {
   PlacedSurface surface;
   double rms = 0;           ///< of |position - surface(uv)| over the referenced vertices, in the mesh's units
   double rms_relative = 0;  ///< rms over the bounding box's diagonal
-  bool fits = false;        ///< rms_relative <= fits_below, and Ceres converged
-  std::vector<std::string_view> equivalent;  ///< other uv conventions that fit as well
+  double sigma =
+      0;  ///< what is left of one coordinate, in the mesh's units: sqrt(Σ |distance|² / (3 vertices - unknowns))
+  bool fits = false;                         ///< rms_relative <= fits_below, and Ceres converged
+  std::vector<std::string_view> equivalent{};  ///< other uv conventions that fit as well
   int iterations = 0;                        ///< of Ceres
 };
 
@@ -37,6 +41,12 @@ struct MeshFit {
 /// \throws ParameterError for an unknown kind or parameter, or a kind other than those of fitted_kinds(); MeshError without uvs or with fewer than four usable vertices
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
+
+/// The truth at a stored uv, as fit.surface.truth(), with its standard deviations, to first order in δ. They take what is
+/// left of the positions for independent noise: a mesh that strays from the surface in waves knows it less well than
+/// this says. Infinite where first order fails, as in UncertainFrame. Cost: below 1 us for most kinds, at most 10 us.
+/// \throws ParameterError for a fit without a covariance
+Truth truth_at(const MeshFit& fit, const Vec2<double>& stored);
 
 /// The kinds of surface that can be fitted, in the order in which they are tried.
 const std::vector<std::string_view>& fitted_kinds();

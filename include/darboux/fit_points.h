@@ -44,8 +44,19 @@ struct FitCandidate {
   double rms = 0;  ///< of the inliers' distances, in the units of the points
 };
 
+/// How far a fitted surface may be from the true one.
+struct SurfaceUncertainty {
+  /// Covariance of δ = (ω, τ, δp): the fitted surface's place and parameters are those of the true one after
+  /// x -> centre + exp(ω) (x - centre) + τ, ω in radians, τ in the units of the points, both along the axes of the
+  /// points' space; then the parameters in their order. What the points cannot tell because of a symmetry, lengths
+  /// that only bound the patch, and what is held, are fixed by convention: their variance is zero. Where a mesh's uv map was
+  /// estimated, the six numbers of UvConvention::affine follow.
+  Eigen::MatrixXd covariance;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+};
+
 /// What a fit found. Only a usable one has a surface.
-struct PointFit {
+struct PointFit : SurfaceUncertainty {
   bool usable = false;
   std::string reason;  ///< one line: why it is usable or not, and what would help
   std::optional<PlacedSurface>
@@ -61,13 +72,6 @@ struct PointFit {
   std::vector<FitCandidate> candidates;  ///< best first
   int iterations = 0;                    ///< of Ceres, over all candidates
   double seconds = 0;
-
-  /// Covariance of δ = (ω, τ, δp): the fitted surface's place and parameters are those of the true one after
-  /// x -> centre + exp(ω) (x - centre) + τ, ω in radians, τ in the units of the points, both along the axes of the
-  /// points' space; then the parameters in their order. What the points cannot tell because of a symmetry, and lengths
-  /// that only bound the patch, are fixed by convention: their variance is zero.
-  Eigen::MatrixXd covariance;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 };
 
 /// The kinds that are found without a guess and without uvs: plane, sphere, cylinder, cone, torus, ellipsoid.

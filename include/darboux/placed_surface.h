@@ -28,7 +28,7 @@ struct UvConvention {
 /// names, before the swap.
 std::span<const UvConvention> uv_conventions();
 
-/// The truth at one stored uv, in the mesh's space.
+/// The truth at one stored uv, in the mesh's space, as well as it is known.
 struct Truth {
   Vec3<double> position;
   Vec3<double> normal;     ///< the surface's n
@@ -36,6 +36,8 @@ struct Truth {
   Vec3<double> bitangent;  ///< unit, along the derivative by the stored v
   Status status;           ///< the surface's
   bool pole;  ///< the chart is singular here, or where u or v is rounded to a quarter by less than 1e-6
+  double normal_deg = 0;  ///< standard deviation of the angle of `normal`; zero: the surface is known exactly
+  double tangent_deg = 0;  ///< of `tangent`
 };
 
 /// A surface with its placement and uv convention.
@@ -45,7 +47,7 @@ struct PlacedSurface {
   UvConvention uv{"as stored"};
 
   Vec3<double> position(const Vec2<double>& stored) const;
-  Truth truth(const Vec2<double>& stored) const;
+  Truth truth(const Vec2<double>& stored) const;  ///< of the surface as it is, without deviations
 };
 
 }  // namespace darboux

@@ -2,6 +2,9 @@
 /// Summaries of samples, and straight lines through them.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -13,6 +16,29 @@ struct Statistics {
 };
 /// Reorders `values`.
 Statistics summarise(std::vector<double>& values);
+
+/// Standard deviations summed up. One that is infinite makes the maximum infinite, and is counted; the rms is that of the
+/// others.
+class Spread {
+ public:
+  void add(double deviation) {
+    max_ = std::max(max_, deviation);
+    if (!std::isfinite(deviation)) {
+      ++infinite_;
+      return;
+    }
+    sum_of_squares_ += deviation * deviation;
+    ++finite_;
+  }
+  double max() const { return max_; }
+  double rms() const { return std::sqrt(sum_of_squares_ / static_cast<double>(finite_)); }  ///< NaN of none
+  std::size_t finite() const { return finite_; }
+  std::size_t infinite() const { return infinite_; }
+
+ private:
+  double max_ = 0, sum_of_squares_ = 0;
+  std::size_t finite_ = 0, infinite_ = 0;
+};
 
 /// The least-squares line y = intercept + slope x, with the 95 % confidence interval of the slope from
 /// Student's t. The interval is infinite for fewer than three points.

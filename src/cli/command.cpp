@@ -101,6 +101,10 @@ Json surface_json(const AnySurface& surface) {
   return result;
 }
 
+Json spread_json(const Spread& spread) {
+  return {{"max", number(spread.max())}, {"rms", number(spread.rms())}, {"infinite", spread.infinite()}};
+}
+
 namespace {
 
 // Pieces between those commas that a NAME= follows.

@@ -79,6 +79,9 @@ inline constexpr const char* surface_help = "NAME, NAME:PARAMETER=VALUE,... or f
 /// The surface's name, file and parameters as JSON, for every command alike.
 Json surface_json(const AnySurface& surface);
 
+/// Standard deviations as JSON, for every command alike.
+Json spread_json(const Spread& spread);
+
 /// Prints "darboux: MESSAGE" as one line on stderr, whatever a library or a file put into the message.
 void print_error(std::string message);
 

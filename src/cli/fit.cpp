@@ -8,6 +8,7 @@
 
 #include <darboux/fit_points.h>
 #include <darboux/io.h>
+#include <darboux/statistics.h>
 
 #include "command.h"
 #include "csv_text.h"
@@ -52,23 +53,7 @@ PointFitOptions parse_options(const Arguments& arguments) {
   return options;
 }
 
-// Standard deviations of one direction over the inliers, in degrees. Those that are infinite make the maximum infinite,
-// and are counted; the rms is that of the others.
-struct Spread {
-  double max = 0, sum_of_squares = 0;
-  std::size_t count = 0, infinite = 0;
-  void add(double x) {
-    max = std::max(max, x);
-    if (!std::isfinite(x)) {
-      ++infinite;
-      return;
-    }
-    sum_of_squares += x * x;
-    ++count;
-  }
-  double rms() const { return std::sqrt(sum_of_squares / static_cast<double>(count)); }
-};
-
+// Over the inliers.
 struct FrameSpread {
   Spread normal, tangent;
 };
@@ -128,10 +113,6 @@ FrameSpread frames_of(const PointCloud& cloud, const PointFit& fit, OutputFile* 
   return spread;
 }
 
-Json spread_json(const Spread& s) {
-  return {{"max", number(s.max)}, {"rms", number(s.rms())}, {"infinite", s.infinite}};
-}
-
 Json fit_json(const Arguments& arguments, const PointFit& fit, const std::optional<FrameSpread>& spread) {
   Json json{{"file", arguments.file}, {"surface", nullptr}};
   if (fit.usable) {
@@ -176,11 +157,11 @@ std::string vector_text(const Eigen::Vector3d& a) {
 
 std::string spread_text(const Spread& s) {
   std::string text;
-  if (s.count > 0) text = "uncertain by " + rounded(s.rms(), 3) + " deg rms";
-  if (s.infinite > 0)
-    return text + (text.empty() ? "" : "; ") + "unknown at " + std::to_string(s.infinite) +
+  if (s.finite() > 0) text = "uncertain by " + rounded(s.rms(), 3) + " deg rms";
+  if (s.infinite() > 0)
+    return text + (text.empty() ? "" : "; ") + "unknown at " + std::to_string(s.infinite()) +
            " points, a pole is too near";
-  return text + ", at most " + rounded(s.max, 3);
+  return text + ", at most " + rounded(s.max(), 3);
 }
 
 void print_people(const Arguments& arguments, const PointFit& fit, const std::optional<FrameSpread>& spread) {

@@ -97,6 +97,27 @@ Json statistics_json(const Statistics& s) {
   return {{"max", number(s.max)}, {"rms", number(s.rms)}, {"p95", number(s.p95)}};
 }
 
+Json classes_json(const std::vector<ClassReport>& classes) {
+  Json json = Json::object();
+  for (const ClassReport& c : classes) {
+    Json entry{{"corners", c.corners}};
+    if (c.normal_deg) {
+      entry["normal_deg"] = statistics_json(*c.normal_deg);
+      entry["normal_uncertainty_deg"] = spread_json(c.normal_uncertainty_deg);
+    }
+    if (c.tangent_deg) {
+      entry["tangent_deg"] = statistics_json(*c.tangent_deg);
+      entry["tangent_uncertainty_deg"] = spread_json(c.tangent_uncertainty_deg);
+    }
+    if (c.bitangent_deg) entry["bitangent_deg"] = statistics_json(*c.bitangent_deg);
+    if (c.worst)
+      entry["worst"] = {
+          {"vertex", c.worst->vertex}, {"u", number(c.worst->uv.x)}, {"v", number(c.worst->uv.y)}};
+    json[std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)])] = entry;
+  }
+  return json;
+}
+
 Json report_json(const Primitive& primitive, const Judgement& judgement) {
   const MeshReport& report = judgement.report;
   Json json{{"mesh", primitive.mesh},
@@ -116,6 +137,13 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
     surface["placement"] = placement;
     surface["fit_rms"] = number(fit.rms);
     surface["fit_rms_relative"] = number(fit.rms_relative);
+    surface["sigma"] = number(fit.sigma);
+    surface["covariance"] = Json::array();
+    for (const auto& row : fit.covariance.rowwise()) {
+      surface["covariance"].push_back(Json::array());
+      for (const double x : row) surface["covariance"].back().push_back(number(x));
+    }
+    surface["centre"] = {number(fit.centre.x()), number(fit.centre.y()), number(fit.centre.z())};
     json["surface"] = surface;
     json["uv"] = {{"convention", fit.surface.uv.name},
                   {"affine", affine},
@@ -123,6 +151,16 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
                   {"texcoord", primitive.texcoord}};
   }
   json["reference"] = report.reference;
+  json["references"] = Json::object();
+  if (report.local) {
+    Json local{{"classes", classes_json(report.local->classes)}, {"compared", report.local->compared}};
+    if (report.local->compared > 0) local["agreement"] = number(report.local->agreement);
+    json["references"]["local"] = local;
+  }
+  json["frame_uncertainty_deg"] = nullptr;
+  if (report.reference != "none")
+    json["frame_uncertainty_deg"] = {{"normal", spread_json(report.normal_uncertainty_deg)},
+                                     {"tangent", spread_json(report.tangent_uncertainty_deg)}};
   json["handedness"] = {{"convention", report.handedness.convention},
                         {"consistent", number(report.handedness.consistent)},
                         {"wrong", report.handedness.wrong}};
@@ -132,17 +170,7 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
   json["non_finite"] = report.non_finite;
   json["degenerate_triangles"] = report.degenerate_triangles;
   json["degenerate_uv_triangles"] = report.degenerate_uv_triangles;
-  json["classes"] = Json::object();
-  for (const ClassReport& c : report.classes) {
-    Json entry{{"corners", c.corners}};
-    if (c.normal_deg) entry["normal_deg"] = statistics_json(*c.normal_deg);
-    if (c.tangent_deg) entry["tangent_deg"] = statistics_json(*c.tangent_deg);
-    if (c.bitangent_deg) entry["bitangent_deg"] = statistics_json(*c.bitangent_deg);
-    if (c.worst)
-      entry["worst"] = {
-          {"vertex", c.worst->vertex}, {"u", number(c.worst->uv.x)}, {"v", number(c.worst->uv.y)}};
-    json["classes"][std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)])] = entry;
-  }
+  json["classes"] = classes_json(report.classes);
   json["findings"] = Json::array();
   for (const Finding& f : report.findings)
     json["findings"].push_back({{"code", f.code},
@@ -150,6 +178,21 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
                                 {"count", f.count},
                                 {"message", f.message}});
   return json;
+}
+
+void print_local(const LocalReport& local) {
+  for (const ClassReport& c : local.classes) {
+    if (c.vertex_class != VertexClass::interior || !c.normal_deg) continue;
+    std::cout << "    local: interior normals differ by " << rounded(c.normal_deg->rms, 2)
+              << " deg rms, uncertain by " << rounded(c.normal_uncertainty_deg.rms(), 2);
+    if (c.tangent_deg)
+      std::cout << "; tangents by " << rounded(c.tangent_deg->rms, 2) << ", uncertain by "
+                << rounded(c.tangent_uncertainty_deg.rms(), 2);
+    std::cout << '\n';
+  }
+  if (local.compared > 0)
+    std::cout << "    local and analytic agree at " << rounded(100 * local.agreement, 3)
+              << " % of interior corners\n";
 }
 
 void print_people(const std::string& path, const JudgedFile& file) {
@@ -182,6 +225,11 @@ void print_people(const std::string& path, const JudgedFile& file) {
                   cell(c.bitangent_deg).c_str());
     }
     std::fflush(stdout);
+    if (report.reference != "none" && report.corners > 0)
+      std::cout << "    truth uncertain by " << rounded(report.normal_uncertainty_deg.rms(), 2)
+                << " deg rms (normals), " << rounded(report.tangent_uncertainty_deg.rms(), 2)
+                << " deg rms (tangents)\n";
+    if (report.local) print_local(*report.local);
     for (const Finding& f : report.findings)
       std::cout << "    " << severity_names[static_cast<std::size_t>(f.severity)] << ' ' << f.code << " ("
                 << f.count << "): " << f.message << '\n';
@@ -200,6 +248,7 @@ void run(const Arguments& arguments, Common& common) {
     options.surface = parse_specification(arguments.surface);
     make_surface(*options.surface);  // refuses values out of range before any file is read
   }
+  options.local = arguments.reference != "analytic";
   if (arguments.placement != "fit") options.placement = parse_placement(arguments.placement);
 
   std::vector<JudgedFile> files(arguments.files.size());
@@ -256,9 +305,11 @@ void add_validate(CLI::App& app, Common& common) {
          "--max-angle", arguments->max_angle,
          "degrees an interior corner may be off; three times that at seams, pole rings, creases and borders")
       ->capture_default_str();
-  sub.add_option("--reference", arguments->reference, "what to compare with: analytic")
+  sub.add_option("--reference", arguments->reference,
+                 "what to compare with: analytic, or analytic,local for what the mesh's own positions and "
+                 "uvs say too")
       ->capture_default_str()
-      ->check(CLI::IsMember({"analytic"}));
+      ->check(CLI::IsMember({"analytic", "analytic,local"}));
   add_common(sub, common, "darboux validate torus.glb --surface torus --max-angle 2 --json");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

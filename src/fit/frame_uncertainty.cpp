@@ -5,7 +5,7 @@
 #include <string>
 
 #include <darboux/error.h>
-#include <darboux/fit_points.h>
+#include <darboux/fit.h>
 #include <darboux/forms.h>
 #include <darboux/project.h>
 
@@ -20,7 +20,9 @@ constexpr double degrees = 180 / std::numbers::pi;
 constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
 
 // One column for each component of δ, rows along t, b, n.
-using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 6 + most_parameters>;
+constexpr int most_columns = 6 + most_parameters + 6;
+using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_columns>;
+using Ways = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, most_columns>;  // of (u, v)
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
   Eigen::Matrix3d m;
@@ -33,16 +35,19 @@ struct Velocities {
   Columns position, dpdu, dpdv;
 };
 
-Velocities velocities(const PointFit& fit, const Vec2<double>& uv, const Jet2<double>& j,
-                      const Frame<double>& frame) {
-  const PlacedSurface& placed = *fit.surface;
+Velocities velocities(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
+                      const Vec2<double>& uv, const Jet2<double>& j, const Frame<double>& frame) {
   const ParameterJet by = parameter_jet(placed.surface, uv);
+  const Eigen::Index n = uncertainty.covariance.rows(), of_surface = 6 + by.count;
+  if ((n != of_surface && n != of_surface + 6) || uncertainty.covariance.cols() != n)
+    throw ParameterError("fit", "covariance has " + std::to_string(n) + " rows, permitted are " +
+                                    std::to_string(of_surface) + ", or 6 more, for a " +
+                                    std::string(placed.surface.info().name));
   Eigen::Matrix3d local;  // takes the surface's axes to t, b, n
   local << to_eigen(frame.t).transpose(), to_eigen(frame.b).transpose(), to_eigen(frame.n).transpose();
   const Eigen::Matrix3d rotation = placed.placement.linear(), to_frame = local * rotation.transpose();
-  const Eigen::Vector3d from_centre = placed.placement * to_eigen(j.position) - fit.centre;
-  const Eigen::Index n = 6 + by.count;
-  Velocities result{Columns(3, n), Columns(3, n), Columns(3, n)};
+  const Eigen::Vector3d from_centre = placed.placement * to_eigen(j.position) - uncertainty.centre;
+  Velocities result{Columns::Zero(3, n), Columns::Zero(3, n), Columns::Zero(3, n)};
   const auto rigid = [&](Columns& columns, const Eigen::Vector3d& a) {
     columns.leftCols<3>() = -to_frame * cross_matrix(a);  // ω × a
   };
@@ -50,8 +55,6 @@ Velocities velocities(const PointFit& fit, const Vec2<double>& uv, const Jet2<do
   rigid(result.dpdu, rotation * to_eigen(j.dpdu));
   rigid(result.dpdv, rotation * to_eigen(j.dpdv));
   result.position.middleCols<3>(3) = to_frame;
-  result.dpdu.middleCols<3>(3).setZero();
-  result.dpdv.middleCols<3>(3).setZero();
   for (int k = 0; k < by.count; ++k) {
     const auto at = static_cast<std::size_t>(k);
     result.position.col(6 + k) = local * to_eigen(by.position[at]);
@@ -72,70 +75,114 @@ bool pole_has_normal(const AnySurface& surface, const Vec2<double>& uv, const Je
   return sides <= norm(normal(uv.x, uv.y) - normal(uv.x, v)) + 1e-9;
 }
 
+double root(double x) {
+  return std::sqrt(std::fmax(x, 0));
+}
+
+// A point of a fitted surface and what δ does to it, to first order.
+struct FirstOrder {
+  const PlacedSurface& placed;
+  const Eigen::MatrixXd& covariance;
+  bool at_pole;
+  Vec2<double> uv;
+  Jet2<double> j;
+  Frame<double> frame;
+  ShapeOperator<double> s;
+  Velocities d;
+
+  Eigen::Vector3d in_frame(const Vec3<double>& a) const {
+    return {dot(a, frame.t), dot(a, frame.b), dot(a, frame.n)};
+  }
+  // The point moves over the surface too.
+  void go(const Ways& way) {
+    const Eigen::Vector3d uu = in_frame(j.d2pdu2), mixed = in_frame(j.d2pduv), vv = in_frame(j.d2pdv2);
+    d.dpdu += uu * way.row(0) + mixed * way.row(1);
+    d.dpdv += mixed * way.row(0) + vv * way.row(1);
+  }
+};
+
+// At (u, v), where the surface's frame has this status; nothing where it has no frame to turn.
+std::optional<FirstOrder> first_order(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
+                                      Vec2<double> uv, Status status) {
+  if (has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero |
+                      Status::parallel))
+    return std::nullopt;
+  // At a pole the covariance of n is that beside it, where dpdu tells directions apart.
+  const bool at_pole = has(status, Status::dpdu_zero);
+  if (at_pole) uv.y += uv.y < 0.5 ? 0x1p-20 : -0x1p-20;
+  const Jet2<double> j = placed.surface.jet(uv.x, uv.y);
+  const Frame<double> frame = placed.surface.frame(uv.x, uv.y);
+  if (has(frame.status, Status::no_frame | singular)) return std::nullopt;
+  return FirstOrder{placed,
+                    uncertainty.covariance,
+                    at_pole,
+                    uv,
+                    j,
+                    frame,
+                    shape_operator(j, frame),
+                    velocities(placed, uncertainty, uv, j, frame)};
+}
+
+// How the frame turns: its covariance, and whether first order tells n and t at all.
+struct Turning {
+  Eigen::Matrix3d covariance;
+  double normal;  // standard deviation, radians
+  bool knows_normal, knows_tangent;
+};
+
+Turning turning(const FirstOrder& at) {
+  const double e = at.s.e, f = at.s.f, g = at.s.g;
+  // n stays orthogonal to the partials, t along dpdu: n' = -turn_t b + turn_b t, t' = turn_n b - turn_b n.
+  Columns turn(3, at.d.dpdu.cols());
+  turn.row(1) = -at.d.dpdu.row(2) / e;
+  turn.row(0) = (at.d.dpdv.row(2) + f * turn.row(1)) / g;
+  turn.row(2) = at.d.dpdu.row(1) / e;
+  Turning result;
+  const Columns spread = turn.lazyProduct(at.covariance);
+  result.covariance = spread.lazyProduct(turn.transpose());
+  // First order holds where three standard deviations change dpdu by less than its length, and n by less than a radian.
+  const double change = root(Columns(at.d.dpdu.lazyProduct(at.covariance)).cwiseProduct(at.d.dpdu).sum());
+  result.knows_tangent = !at.at_pole && 3 * change < e;
+  result.normal = root(result.covariance(0, 0) + result.covariance(1, 1));
+  result.knows_normal =
+      3 * result.normal < 1 && (result.knows_tangent || pole_has_normal(at.placed.surface, at.uv, at.j));
+  return result;
+}
+
 // The covariance's part of the frame at uv; where the point p stays and its foot moves, p is given, in the surface's axes.
-void add_covariance(const PointFit& fit, const Vec2<double>& given_uv, const Vec3<double>* p,
+void add_covariance(const PointFit& fit, const Vec2<double>& uv, const Vec3<double>* p,
                     UncertainFrame& result) {
-  const AnySurface& surface = fit.surface->surface;
   result.covariance = Eigen::Vector3d(infinity, infinity, infinity).asDiagonal();
   result.normal_deg = result.tangent_deg = infinity;
-  if (has(result.status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero |
-                             Status::parallel))
-    return;
-  // At a pole the covariance of n is that beside it, where dpdu tells directions apart.
-  const bool at_pole = has(result.status, Status::dpdu_zero);
-  Vec2<double> uv = given_uv;
-  if (at_pole) uv.y += uv.y < 0.5 ? 0x1p-20 : -0x1p-20;
-  const Jet2<double> j = surface.jet(uv.x, uv.y);
-  const Frame<double> frame = surface.frame(uv.x, uv.y);
-  if (has(frame.status, Status::no_frame | singular)) return;
-  Velocities d = velocities(fit, uv, j, frame);
-  if (fit.covariance.rows() != d.dpdu.cols() || fit.covariance.cols() != d.dpdu.cols())
-    throw ParameterError("fit", "covariance has " + std::to_string(fit.covariance.rows()) +
-                                    " rows, permitted are " + std::to_string(d.dpdu.cols()) + " for a " +
-                                    std::string(surface.info().name));
-  const ShapeOperator<double> s = shape_operator(j, frame);
+  std::optional<FirstOrder> at = first_order(*fit.surface, fit, uv, result.status);
+  if (!at) return;
   if (p) {
     // The foot x + d n = p stays a foot: (1 - d S) w = -(velocity + d (what turns n towards t, b)), w the foot's way
     // along t and b over the moving surface. [doCarmo2016, sec. 3-3]
-    const double distance = dot(*p - j.position, frame.n);
+    const ShapeOperator<double>& s = at->s;
+    const Velocities& d = at->d;
+    const double distance = dot(*p - at->j.position, at->frame.n);
     Eigen::Matrix2d moving;
     moving << 1 - distance * s.a, -distance * s.m, -distance * s.m, 1 - distance * s.c;
     // Nearest points have both eigenvalues positive; at zero, a focal point, the foot is not unique.
     if (!(moving.determinant() > 1e-9 * moving.trace() * moving.trace())) return;
-    Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 6 + most_parameters> way(2, d.dpdu.cols());
+    Ways way(2, d.dpdu.cols());
     way.row(0) = distance / s.e * d.dpdu.row(2) - d.position.row(0);
     way.row(1) = distance / s.g * (d.dpdv.row(2) - s.f / s.e * d.dpdu.row(2)) - d.position.row(1);
     way = (moving.inverse() * way).eval();
     way.row(1) /= s.g;                                   // now dv
     way.row(0) = (way.row(0) - s.f * way.row(1)) / s.e;  // and du
-    const auto in_frame = [&](const Vec3<double>& a) {
-      return Eigen::Vector3d(dot(a, frame.t), dot(a, frame.b), dot(a, frame.n));
-    };
-    const Eigen::Vector3d uu = in_frame(j.d2pdu2), mixed = in_frame(j.d2pduv), vv = in_frame(j.d2pdv2);
-    d.dpdu += uu * way.row(0) + mixed * way.row(1);
-    d.dpdv += mixed * way.row(0) + vv * way.row(1);
+    at->go(way);
   }
-  // n stays orthogonal to the partials, t along dpdu: n' = -turn_t b + turn_b t, t' = turn_n b - turn_b n.
-  Columns turn(3, d.dpdu.cols());
-  turn.row(1) = -d.dpdu.row(2) / s.e;
-  turn.row(0) = (d.dpdv.row(2) + s.f * turn.row(1)) / s.g;
-  turn.row(2) = d.dpdu.row(1) / s.e;
-  const Columns spread = turn.lazyProduct(fit.covariance);
-  result.covariance = spread.lazyProduct(turn.transpose());
-  const auto root = [](double x) { return std::sqrt(std::fmax(x, 0)); };
-  // First order holds where three standard deviations change dpdu by less than its length, and n by less than a radian.
-  const double change = root(Columns(d.dpdu.lazyProduct(fit.covariance)).cwiseProduct(d.dpdu).sum());
-  const bool tangent = !at_pole && 3 * change < s.e;
-  const double normal_deviation = root(result.covariance(0, 0) + result.covariance(1, 1));
-  const bool normal = 3 * normal_deviation < 1 && (tangent || pole_has_normal(surface, uv, j));
-  if (!normal || !tangent) {
-    const Eigen::Matrix2d of_normal = result.covariance.topLeftCorner<2, 2>();
-    result.covariance = Eigen::Vector3d(infinity, infinity, infinity).asDiagonal();
-    if (normal) result.covariance.topLeftCorner<2, 2>() = of_normal;
+  const Turning turns = turning(*at);
+  if (turns.knows_normal) {
+    result.normal_deg = turns.normal * degrees;
+    result.covariance.topLeftCorner<2, 2>() = turns.covariance.topLeftCorner<2, 2>();
   }
-  if (normal) result.normal_deg = normal_deviation * degrees;
-  if (normal && tangent)
-    result.tangent_deg = root(result.covariance(1, 1) + result.covariance(2, 2)) * degrees;
+  if (turns.knows_normal && turns.knows_tangent) {
+    result.covariance = turns.covariance;
+    result.tangent_deg = root(turns.covariance(1, 1) + turns.covariance(2, 2)) * degrees;
+  }
 }
 
 const PlacedSurface& surface_of(const PointFit& fit) {
@@ -189,6 +236,44 @@ UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv) {
   UncertainFrame result = placed_frame(surface_of(fit), uv);
   add_covariance(fit, uv, nullptr, result);
   return result;
+}
+
+Truth truth_at(const MeshFit& fit, const Vec2<double>& stored) {
+  Truth truth = fit.surface.truth(stored);
+  truth.normal_deg = truth.tangent_deg = infinity;
+  const UvConvention& convention = fit.surface.uv;
+  const Vec2<double> uv = convention.surface_uv(stored);
+  std::optional<FirstOrder> at =
+      first_order(fit.surface, fit, uv, fit.surface.surface.frame(uv.x, uv.y).status);
+  if (!at) return truth;
+  // Along stored u: a = M00 dpdu + M10 dpdv.
+  const auto& m = convention.affine;
+  const Eigen::Vector3d u(at->s.e, 0, 0), v(at->s.f, at->s.g, 0), a = m[0] * u + m[2] * v;
+  const Eigen::Index n = fit.covariance.rows();
+  const auto map = 6 + static_cast<Eigen::Index>(fit.surface.surface.parameters().size());
+  if (n > map) {  // the uv map is uncertain as well, and moves the point
+    Ways way = Ways::Zero(2, n);
+    for (int row = 0; row < 2; ++row) {
+      way(row, map + 2 * row) = stored.x;
+      way(row, map + 2 * row + 1) = stored.y;
+      way(row, map + 4 + row) = 1;
+    }
+    at->go(way);
+  }
+  Columns along = m[0] * at->d.dpdu + m[2] * at->d.dpdv;
+  if (n > map) {
+    along.col(map) += u;
+    along.col(map + 2) += v;
+  }
+  const Turning turns = turning(*at);
+  if (!turns.knows_normal) return truth;
+  truth.normal_deg = turns.normal * degrees;
+  const Columns spread = along.lazyProduct(fit.covariance);
+  const Eigen::Matrix3d of_a = spread.lazyProduct(along.transpose());
+  if (!turns.knows_tangent || !(9 * of_a.trace() < a.squaredNorm())) return truth;
+  const double across = a.dot(of_a * a) / a.squaredNorm();  // what only changes its length
+  truth.tangent_deg = root((of_a.trace() - across) / a.squaredNorm()) * degrees;
+  return truth;
 }
 
 }  // namespace darboux

@@ -141,6 +141,76 @@ UvConvention UvModel::whole_convention(const UvState& state) const {
            a[2] * c[1] + a[3] * c[3], a[0] * c[4] + a[1] * c[5] + a[4], a[2] * c[4] + a[3] * c[5] + a[5]}};
 }
 
+UvSpread UvModel::spread(const UvState& state, const UvSums& sums) const {
+  const int count = kind->parameter_count();
+  std::vector<Eigen::Index> open, place;  // columns of the sums that are estimated, and theirs in the result
+  const auto estimated = [&](Eigen::Index column, Eigen::Index in_result) {
+    open.push_back(column);
+    place.push_back(in_result);
+  };
+  if (!placement_held)
+    for (int k = 0; k < 6; ++k) estimated(k, k);
+  Eigen::Index next = 6;
+  for (const int k : free_parameters()) {
+    const auto p = static_cast<std::size_t>(k);
+    const Range& permitted = kind->parameters[p].permitted;
+    const bool at_bound = permitted.minimum_included && state.parameters[p] <= permitted.minimum;
+    if (!at_bound) estimated(next, 6 + k);
+    ++next;
+  }
+  for (const int k : free_affine) estimated(next++, 6 + count + k);
+  UvSpread result{Eigen::MatrixXd::Zero(12 + count, 12 + count)};
+  if (open.empty()) return result;
+  // Inverse of the information, scaled to a unit diagonal.
+  const Eigen::MatrixXd information = sums.hessian(open, open);
+  const Eigen::VectorXd scale =
+      information.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information *
+                                                             scale.asDiagonal());
+  if (!(eigen.eigenvalues()[0] > 1e-13)) {
+    Eigen::Index most = 0;
+    eigen.eigenvectors().col(0).cwiseAbs().maxCoeff(&most);
+    const Eigen::Index what = place[static_cast<std::size_t>(most)];
+    result.undetermined = what < 3   ? "direction"
+                          : what < 6 ? "place"
+                          : what < 6 + count
+                              ? std::string(kind->parameters[static_cast<std::size_t>(what - 6)].name)
+                              : "uv map";
+    return result;
+  }
+  const Eigen::MatrixXd root =
+      scale.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseSqrt().cwiseInverse().asDiagonal();
+  result.covariance(place, place) = root * root.transpose();
+  return result;
+}
+
+SurfaceUncertainty UvModel::uncertainty(const UvState& state, const Eigen::MatrixXd& covariance,
+                                        const Eigen::Vector3d& about) const {
+  const int count = kind->parameter_count(), dimension = 6 + count + (free_affine.empty() ? 0 : 6);
+  // From (rotation in the body's axes, translation, ...) to (ω, τ, ...) about the centre.
+  const Eigen::Matrix3d rotation = state.rotation.toRotationMatrix();
+  const Eigen::Vector3d arm = state.translation - about;
+  Eigen::Matrix3d cross;
+  cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
+  Eigen::MatrixXd to = Eigen::MatrixXd::Identity(dimension, dimension);
+  to.topLeftCorner<3, 3>() = rotation;
+  to.block<3, 3>(3, 0) = points->size * cross * rotation;  // τ = δt - ω x arm
+  to.block<3, 3>(3, 3) *= points->size;
+  for (int k = 0; k < count; ++k)
+    if (kind->length[static_cast<std::size_t>(k)]) to(6 + k, 6 + k) = points->size;
+  if (!free_affine.empty()) {
+    // From the affine map to the whole one, affine(convention(stored)), in which it is linear.
+    const auto& c = convention.affine;
+    for (int row = 0; row < 2; ++row) {
+      const int m = 6 + count + 2 * row, o = 6 + count + 4 + row;
+      to.block<2, 2>(m, m) << c[0], c[2], c[1], c[3];
+      to.block<1, 2>(o, m) << c[4], c[5];
+    }
+  }
+  return {to * covariance.topLeftCorner(dimension, dimension) * to.transpose(),
+          points->size * about + points->centre};
+}
+
 UvState UvModel::moved(const UvState& state, const Eigen::VectorXd& step) const {
   UvState result = state;
   fit::RotationManifold().Plus(state.rotation.coeffs().data(), step.data(), result.rotation.coeffs().data());

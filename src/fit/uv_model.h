@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include <darboux/fit_points.h>
 #include <darboux/placed_surface.h>
 
 #include "uv_kinds.h"
@@ -58,6 +59,14 @@ struct UvSums {
   Eigen::MatrixXd hessian;
 };
 
+/// Covariance of an estimate at the noise of its normal equations: rotation vector in the body's axes, translation, all
+/// parameters, the affine map. What is held, or at its bound, has none.
+struct UvSpread {
+  Eigen::MatrixXd covariance;
+  std::string
+      undetermined{};  ///< what the points do not tell; the covariance is zero then. Empty: they tell all
+};
+
 /// How a fit ended.
 struct Solved {
   bool converged = false;
@@ -80,6 +89,8 @@ class UvModel {
   /// Columns of the sums: 6 and what is free.
   int columns() const { return 6 + static_cast<int>(free_parameters().size() + free_affine.size()); }
   std::vector<int> free_parameters() const;
+  /// Numbers that are estimated.
+  std::size_t unknowns() const { return static_cast<std::size_t>(columns() - (placement_held ? 6 : 0)); }
   UvState moved(const UvState& state, const Eigen::VectorXd& step) const;
 
   /// One pass over the points.
@@ -100,6 +111,12 @@ class UvModel {
   Solved maximise(UvState& state, Mixture& mixture, const std::optional<double>& sigma) const;
 
   UvConvention whole_convention(const UvState& state) const;
+
+  UvSpread spread(const UvState& state, const UvSums& sums) const;
+
+  /// A covariance of spread()'s as the world has it, about `centre` (here still in units of `size`).
+  SurfaceUncertainty uncertainty(const UvState& state, const Eigen::MatrixXd& covariance,
+                                 const Eigen::Vector3d& centre) const;
 
  private:
   void fill(const UvState& state, std::size_t first, std::size_t count, UvBlock& block,

@@ -270,78 +270,36 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   const double sigma = data.noise ? *data.noise : std::sqrt(weighted / (3 * weights - m));
   fit.sigma = size * sigma;
 
-  // Inverse of the information, scaled to a unit diagonal; a parameter at its bound is held there.
-  Eigen::MatrixXd information = sums.hessian;
-  for (int k = 0; k < parameters; ++k) {
-    const Range& permitted = kind.parameters[static_cast<std::size_t>(k)].permitted;
-    if (permitted.minimum_included &&
-        trial.state.parameters[static_cast<std::size_t>(k)] <= permitted.minimum) {
-      information.row(6 + k).setZero();
-      information.col(6 + k).setZero();
-    }
-  }
-  const Eigen::VectorXd scale =
-      information.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information *
-                                                             scale.asDiagonal());
-  Eigen::VectorXd inverse = eigen.eigenvalues();
-  for (Eigen::Index k = 0; k < m; ++k) {
-    Eigen::Index most = 0;
-    eigen.eigenvectors().col(k).cwiseAbs().maxCoeff(&most);
-    const bool at_bound = scale[most] == 0 && most >= 6 && most < 6 + parameters &&
-                          kind.parameters[static_cast<std::size_t>(most - 6)].permitted.minimum_included;
-    if (inverse[k] > 1e-12) {
-      inverse[k] = 1 / inverse[k];
-    } else if (at_bound) {
-      inverse[k] = 0;
-    } else {
-      const std::string what = most < 3   ? "direction"
-                               : most < 6 ? "place"
-                               : most < 6 + parameters
-                                   ? std::string(kind.parameters[static_cast<std::size_t>(most - 6)].name)
-                                   : "uv map";
-      return "the points and their uvs do not determine the " + what + " of the " + std::string(kind.name);
-    }
-  }
+  const UvSpread spread = trial.model.spread(trial.state, sums);
+  if (!spread.undetermined.empty())
+    return "the points and their uvs do not determine the " + spread.undetermined + " of the " +
+           std::string(kind.name);
   const double factor = (sigma / trial.mixture.sigma) * (sigma / trial.mixture.sigma);
-  const Eigen::MatrixXd state_covariance =
-      factor * (scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
-                eigen.eigenvectors().transpose() * scale.asDiagonal());
-  // From (rotation in the body's axes, translation, p) to (ω, τ, p) about the centre.
-  const Eigen::Matrix3d rotation = trial.state.rotation.toRotationMatrix();
-  const Eigen::Vector3d arm = trial.state.translation - centre;
-  Eigen::Matrix3d cross;
-  cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
-  const int dimension = 6 + parameters;
-  Eigen::MatrixXd to = Eigen::MatrixXd::Zero(dimension, dimension);
-  to.topLeftCorner<3, 3>() = rotation;
-  to.block<3, 3>(3, 0) = cross * rotation;  // τ = δt - ω x arm
-  to.bottomRightCorner(dimension - 3, dimension - 3).setIdentity();
-  const Eigen::MatrixXd covariance =
-      to * state_covariance.topLeftCorner(dimension, dimension) * to.transpose();
-  Eigen::VectorXd units = Eigen::VectorXd::Ones(dimension);
-  units.segment<3>(3).setConstant(size);
-  for (int k = 0; k < parameters; ++k)
-    if (kind.length[static_cast<std::size_t>(k)]) units[6 + k] = size;
-  fit.covariance = units.asDiagonal() * covariance * units.asDiagonal();
-  fit.centre = size * centre + data.all.centre;
+  const int dimension = 6 + parameters;  // (ω, τ, δp), whatever the uv map is
+  const SurfaceUncertainty uncertainty =
+      trial.model.uncertainty(trial.state, factor * spread.covariance, centre);
+  fit.covariance = uncertainty.covariance.topLeftCorner(dimension, dimension);
+  fit.centre = uncertainty.centre;
+  const auto deviation = [&](int k) { return std::sqrt(std::fmax(fit.covariance(6 + k, 6 + k), 0)); };
 
   for (int k = 0; k < parameters; ++k)
-    fit.standard_errors.push_back({std::string(kind.parameters[static_cast<std::size_t>(k)].name),
-                                   units[6 + k] * std::sqrt(std::fmax(covariance(6 + k, 6 + k), 0))});
+    fit.standard_errors.push_back(
+        {std::string(kind.parameters[static_cast<std::size_t>(k)].name), deviation(k)});
+  const Eigen::Matrix3d rotation = trial.state.rotation.toRotationMatrix();
   const Eigen::Vector3d axis = rotation.col(2);
-  const Eigen::Matrix3d turning = covariance.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d turning = fit.covariance.topLeftCorner<3, 3>();
   fit.standard_errors.push_back(
       {"axis_deg",
        std::sqrt(std::fmax(turning.trace() - axis.dot(turning * axis), 0)) * 180 / 3.141592653589793});
   fit.standard_errors.push_back(
-      {"centre", size * std::sqrt(std::fmax(state_covariance.block<3, 3>(3, 3).trace(), 0))});
+      {"centre", size * std::sqrt(std::fmax(factor * spread.covariance.block<3, 3>(3, 3).trace(), 0))});
   for (int k = 0; k < parameters; ++k) {
     const ParameterValue& p = kind.parameters[static_cast<std::size_t>(k)];
-    const double value = trial.state.parameters[static_cast<std::size_t>(k)];
+    const double value = trial.state.parameters[static_cast<std::size_t>(k)] *
+                         (kind.length[static_cast<std::size_t>(k)] ? size : 1);
     const bool never_zero =
         (p.permitted.minimum == 0 && !p.permitted.minimum_included) || p.name == kind.never_zero;
-    if (never_zero && std::fabs(value) < 3 * std::sqrt(std::fmax(covariance(6 + k, 6 + k), 0)))
+    if (never_zero && std::fabs(value) < 3 * deviation(k))
       return "the points do not tell the " + std::string(p.name) + " of the " + std::string(kind.name) +
              " from zero";
   }

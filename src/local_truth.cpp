@@ -1,0 +1,78 @@
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <darboux/error.h>
+#include <darboux/local_jets.h>
+#include <darboux/local_truth.h>
+
+#include "mesh_frames/rings.h"
+
+namespace darboux {
+namespace {
+
+constexpr int degree = 3, most_rings = 5;  // the corner of a grid has too few within four
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+Truth no_truth() {
+  const Vec3<double> none = detail::nan_vector<double>();
+  return {none, none, none, none, Status::no_frame, false, infinite, infinite};
+}
+
+Truth truth_of(const UvJet& jet, double winding) {
+  constexpr double degrees = 180 / std::numbers::pi;
+  return {.position = jet.jet.position,
+          .normal = winding * jet.frame.n,
+          .tangent = jet.frame.t,
+          .bitangent = unit(jet.jet.dpdv),
+          .status = jet.frame.status,
+          .pole = false,
+          .normal_deg = degrees * jet.normal_error,
+          .tangent_deg = degrees * jet.tangent_error};
+}
+
+// Of a node, from the fewest rings that tell how well they know it.
+Truth truth_at(const Rings& rings, Index node, Rings::Walk& walk) {
+  std::vector<Vec2<double>> uvs;
+  std::vector<Vec3<double>> positions;
+  rings.start(node, walk);
+  rings.grow(walk);
+  for (int ring = 2; ring <= most_rings; ++ring) {
+    rings.grow(walk);
+    for (std::size_t i = positions.size() == 0 ? 0 : walk.ends[walk.ends.size() - 2]; i < walk.near.size();
+         ++i) {
+      const Vec3<double>& p = rings.position(walk.near[i]);
+      const Vec2<double>& uv = rings.uv(walk.near[i]);
+      if (!detail::finite(p) || !std::isfinite(uv.x) || !std::isfinite(uv.y)) continue;
+      positions.push_back(p);
+      uvs.push_back(uv);
+    }
+    const UvJet jet = uv_jet(uvs, positions, rings.uv(node), {.degree = degree});
+    if (std::isfinite(jet.normal_error) && std::isfinite(jet.tangent_error))
+      return truth_of(jet, Rings::sign(node));
+  }
+  return no_truth();
+}
+
+}  // namespace
+
+std::vector<Truth> local_truth(const Mesh& mesh) {
+  check_consistent(mesh, "mesh");
+  if (mesh.uvs.empty()) throw MeshError("mesh", "has no uvs, frames need one uv set");
+  std::vector<Truth> result(mesh.positions.size(), no_truth()), of_node;
+  const Rings rings(mesh);
+  std::vector<Index> place(rings.size(), 0);  // of a node's truth in of_node, from 1
+  Rings::Walk walk;
+  for (std::size_t c = 0; c < mesh.corners(); ++c) {
+    const Index node = rings.frames.of_corner[c];
+    if (!rings.used(node)) continue;
+    if (place[node] == 0) {
+      of_node.push_back(truth_at(rings, node, walk));
+      place[node] = static_cast<Index>(of_node.size());
+    }
+    result[mesh.triangles[c / 3][c % 3]] = of_node[place[node] - 1];
+  }
+  return result;
+}
+
+}  // namespace darboux
