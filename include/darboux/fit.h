@@ -24,10 +24,10 @@ struct MeshFit : SurfaceUncertainty {
   double rms = 0;           ///< of |position - surface(uv)| over the referenced vertices, in the mesh's units
   double rms_relative = 0;  ///< rms over the bounding box's diagonal
   double sigma =
-      0;  ///< what is left of one coordinate, in the mesh's units: sqrt(Σ |distance|² / (3 vertices - unknowns))
-  bool fits = false;                         ///< rms_relative <= fits_below, and Ceres converged
+      0;  ///< left of one coordinate, in the mesh's units: sqrt(Σ |distance|² / (3 vertices - unknowns))
+  bool fits = false;                           ///< rms_relative <= fits_below, and Ceres converged
   std::vector<std::string_view> equivalent{};  ///< other uv conventions that fit as well
-  int iterations = 0;                        ///< of Ceres
+  int iterations = 0;                          ///< of Ceres
 };
 
 /// Fits a surface of known kind: proper rigid placement (det +1), the parameters not fixed, and the uv

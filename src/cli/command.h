@@ -14,6 +14,7 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/error.h>
+#include <darboux/statistics.h>
 #include <darboux/vector.h>
 
 #include "text.h"

@@ -8,7 +8,6 @@
 
 #include <darboux/fit_points.h>
 #include <darboux/io.h>
-#include <darboux/statistics.h>
 
 #include "command.h"
 #include "csv_text.h"

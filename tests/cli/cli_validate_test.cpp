@@ -13,11 +13,13 @@ TEST_F(Cli, ValidateHasTheContractsKeys) {
   EXPECT_EQ(document["files"][0]["file"], "data/torus_016.three.glb");
   EXPECT_EQ(document["verdict"], "pass");
   const Json mesh = only_mesh(document);
-  expect_keys(mesh, {"mesh", "primitive", "name", "corners", "surface", "uv", "reference", "handedness",
-                     "zero_tangents", "non_unit", "non_orthogonal", "non_finite", "degenerate_triangles",
-                     "degenerate_uv_triangles", "classes", "findings"});
+  expect_keys(mesh,
+              {"mesh", "primitive", "name", "corners", "surface", "uv", "reference", "handedness",
+               "zero_tangents", "non_unit", "non_orthogonal", "non_finite", "degenerate_triangles",
+               "degenerate_uv_triangles", "classes", "findings", "references", "frame_uncertainty_deg"});
   EXPECT_EQ(mesh["reference"], "analytic");
-  expect_keys(mesh["surface"], {"name", "parameters", "placement", "fit_rms", "fit_rms_relative"});
+  expect_keys(mesh["surface"], {"name", "parameters", "placement", "fit_rms", "fit_rms_relative", "sigma",
+                                "covariance", "centre"});
   EXPECT_EQ(mesh["surface"]["placement"].size(), 16u);
   EXPECT_EQ(mesh["surface"]["placement"][15].get<double>(), 1);
   EXPECT_LT(mesh["surface"]["fit_rms_relative"].get<double>(), 1e-6);
@@ -27,11 +29,49 @@ TEST_F(Cli, ValidateHasTheContractsKeys) {
   EXPECT_EQ(mesh["uv"]["texcoord"], 0);
   expect_keys(mesh["handedness"], {"convention", "consistent", "wrong"});
   for (const auto& [name, c] : mesh["classes"].items()) {
-    expect_keys(c, {"corners", "normal_deg", "tangent_deg", "bitangent_deg", "worst"});
+    expect_keys(c, {"corners", "normal_deg", "tangent_deg", "bitangent_deg", "worst",
+                    "normal_uncertainty_deg", "tangent_uncertainty_deg"});
     expect_keys(c["worst"], {"vertex", "u", "v"});
     for (const char* quantity : {"normal_deg", "tangent_deg", "bitangent_deg"})
       expect_keys(c[quantity], {"max", "rms", "p95"});
+    for (const char* quantity : {"normal_uncertainty_deg", "tangent_uncertainty_deg"})
+      expect_keys(c[quantity], {"max", "rms", "infinite"});
   }
+  EXPECT_TRUE(mesh["references"].empty());
+  EXPECT_EQ(mesh["surface"]["covariance"].size(), 8u);
+  EXPECT_EQ(mesh["surface"]["covariance"][7].size(), 8u);
+}
+
+// A fitted torus: how well its frames are known stands beside their error; floats leave some 1e-6 degrees.
+TEST_F(Cli, ValidateReportsItsUncertainty) {
+  const Json mesh =
+      only_mesh(json("darboux validate data/torus_032.three.glb --reference analytic,local --json"));
+  for (const char* direction : {"normal", "tangent"}) {
+    const Json& whole = mesh["frame_uncertainty_deg"][direction];
+    expect_keys(whole, {"max", "rms", "infinite"});
+    EXPECT_GT(whole["rms"].get<double>(), 0);
+    EXPECT_GE(whole["max"].get<double>(), whole["rms"].get<double>());
+    EXPECT_LT(whole["max"].get<double>(), 1e-5);
+    EXPECT_EQ(whole["infinite"], 0);
+    const Json& interior = mesh["classes"]["interior"][std::string(direction) + "_uncertainty_deg"];
+    EXPECT_LT(interior["rms"].get<double>(), 1e-5);
+  }
+  expect_keys(mesh["references"], {"local"});
+  const Json& local = mesh["references"]["local"];
+  expect_keys(local, {"classes", "compared", "agreement"});
+  EXPECT_GE(local["agreement"].get<double>(), 0.93);
+  EXPECT_GT(local["classes"]["interior"]["tangent_uncertainty_deg"]["rms"].get<double>(), 1e-3);
+  EXPECT_LT(local["classes"]["interior"]["tangent_deg"]["rms"].get<double>(), 1);
+  EXPECT_NE(good("darboux validate data/torus_032.three.glb --reference analytic,local")
+                .find("local and analytic agree"),
+            std::string::npos);
+  // A mesh of no known surface has the local reference alone, which decides nothing.
+  const Json folded =
+      json("darboux validate data/mirrortorus_016.mikk.glb --reference analytic,local --json", 1);
+  EXPECT_EQ(folded["verdict"], "undetermined");
+  EXPECT_EQ(only_mesh(folded)["frame_uncertainty_deg"], nullptr);
+  EXPECT_FALSE(only_mesh(folded)["references"]["local"].contains("agreement"));
+  EXPECT_EQ(sh("darboux validate data/torus_032.three.glb --reference mikktspace").status, 2);
 }
 
 struct Expected {
