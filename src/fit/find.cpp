@@ -79,7 +79,6 @@ void measure(const Matrix3Xd& cloud, const Model<Shape>& model, PointStates& sta
     shape.at(to_local * (cloud.col(static_cast<Eigen::Index>(i)) - model.origin), local);
     states.set(i, local);
   }
-  states.kept = states.regular;
 }
 
 std::vector<double> inlier_probabilities(const PointStates& states, const Noise& noise) {
@@ -100,6 +99,7 @@ int descend(const Matrix3Xd& part, Candidate<Shape>& candidate, std::optional<do
   int iterations = 0;
   for (int round = 0; round < 25; ++round) {
     measure(part, candidate.model, states);
+    states.kept = states.regular;
     update_bias(noise, states);
     update(noise, states);
     if (sigma) noise.sigma = std::max(noise.sigma, *sigma);
@@ -240,13 +240,19 @@ std::optional<Found> find(const Search& search) {
     weights = inlier_probabilities(states, noise);
     const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
     BatchedCost<Shape> cost(phase, search.cloud, model.origin, noise, states, weights);
+    const Model<Shape> before = model;
     const Solved solved = solve(cost, model, phase == Phase::score ? 1 : 12, 1e-15);
     found.iterations += solved.iterations;
     if (!solved.usable) break;
     hessian = cost.hessian();
     const double standard_error = noise.sigma * std::sqrt(Shape::freedom / inliers);
     const double movement = cost.first_step() / std::sqrt(inliers);
-    if (gates < 3 && movement <= 3 * standard_error + 1e-14) {
+    if (phase == Phase::score && movement > 3 * standard_error + 1e-14) {  // too far for a root to be trusted
+      model = before;
+      measure(search.cloud, model, states);
+      phase = Phase::descend;
+      near *= 0.1;
+    } else if (gates < 3 && movement <= 3 * standard_error + 1e-14) {
       gate<Shape>(search.cloud, natural(model), noise, states);
       ++gates;
     } else if (movement <= 1e-15 + (phase == Phase::score ? 1e-10 : 1e-6) * standard_error) {

@@ -243,6 +243,10 @@ Chosen choose(const std::vector<Found>& tried, const std::vector<Verdict>& verdi
       return verdicts[i].kind == Verdict::Kind::unsure && !crosses_itself(tried[i]);
     });
     const std::size_t i = possible != best_first.end() ? *possible : best_first.front();
+    if (verdicts[i].kind == Verdict::Kind::good)
+      return {
+          i, false,
+          "undetermined: the nearest is a torus that crosses itself, which is found where it is asked for"};
     return {i, false, with_article(tried[i].kind) + " " + verdicts[i].why};
   }
   const std::size_t best = *found;

@@ -216,9 +216,10 @@ inline PublicPoints read_public_points(const std::string& folder, std::string_vi
     }
     if (line.empty() || line[0] == '#') continue;
     std::istringstream numbers(line);
-    Vec3<double> p;
+    Vec3<double> p, n;
     numbers >> p.x >> p.y >> p.z;
     result.cloud.positions.push_back(p);
+    if (numbers >> n.x >> n.y >> n.z) result.cloud.normals.push_back(n);
   }
   return result;
 }
