@@ -82,7 +82,7 @@ const std::vector<std::string_view>& found_kinds();
 /// of inliers N(σ² H, σ²) and outliers of locally constant density, H = (k1 + k2) / 2 the curvature that moves the mean
 /// distance, found by Ceres. Lengths and place of the points do not matter: they are centred and scaled first.
 /// The gauge, where the surface has symmetries (docs/theory/fit.md): the axis points along the positive side of its
-/// largest component; the u origin is the world axis x, y or z least parallel to the axis, in that order, projected.
+/// largest component, a cone's from base to apex; the u origin is the world axis x, y or z least parallel to the axis, in that order, projected.
 /// Cost: linear in the points.
 ///
 /// auto takes the kind with the smallest Bayesian information criterion [Schwarz1978], all on the footing of the likeliest

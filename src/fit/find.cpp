@@ -226,7 +226,7 @@ std::optional<Found> find(const Search& search) {
   Noise noise = best.noise;
   if (search.sigma) noise = {*search.sigma, noise.outliers, true};
   Model<Shape> model = best.model;
-  typename BatchedCost<Shape>::Matrix hessian;
+  typename BatchedCost<Shape>::Matrix hessian = BatchedCost<Shape>::Matrix::Zero();
   Phase phase = Phase::descend;
   std::vector<double> weights;
   int gates = 0;

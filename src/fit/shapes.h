@@ -1,7 +1,7 @@
 // The kinds of surface that are found from points alone, each in local coordinates at one of its own points: that point is
 // (0, 0, rho) with z along the inward normal and x along a principal direction. Curvatures, not radii, are the parameters,
-// so that a sphere may pass through the plane into the sphere of the other side [Lukacs1998]. All formulas stay exact at
-// kappa = 0. An object of a shape is one with given parameters s. Signed distance is positive on the side z < rho.
+// so that a sphere may pass through the plane into the sphere of the other side [Lukacs1998]. The formulas of the first
+// four stay exact at kappa = 0. An object of a shape is one with given parameters s. Signed distance is positive on the side z < rho.
 #pragma once
 
 #include <algorithm>
