@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
+#include "../text.h"
 #include "estimate.h"
 
 namespace darboux::fit {
@@ -22,17 +22,11 @@ double inliers_of(const Found& f) {
   return inliers;
 }
 
-std::string digits(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", x);
-  return text;
-}
-
 std::string direction_text(const Vector3d& a) {
   Vector3d unit = positive_side(a.normalized());
   for (double& x : unit)
     if (std::fabs(x) < 5e-4) x = 0;
-  return "(" + digits(unit.x()) + ", " + digits(unit.y()) + ", " + digits(unit.z()) + ")";
+  return "(" + rounded(unit.x(), 3) + ", " + rounded(unit.y(), 3) + ", " + rounded(unit.z(), 3) + ")";
 }
 
 // Its lengths, without a cone's angle.
@@ -95,7 +89,8 @@ Verdict none(std::string why) {
 }  // namespace
 
 std::string with_article(std::string_view kind) {
-  return (kind == "ellipsoid" ? "an " : "a ") + std::string(kind);
+  const bool vowel = std::string_view("aeiou").find(kind.front()) != std::string_view::npos;
+  return (vowel && !kind.starts_with("one") ? "an " : "a ") + std::string(kind);
 }
 
 Vector3d positive_side(const Vector3d& a) {
@@ -179,10 +174,10 @@ Verdict judge(const Found& f) {
   if (k < f.freedom + 0.5)
     return none("has only " + std::to_string(std::lround(k)) +
                 " of the points, as many lie on one by chance; more points help");
-  if (f.sigma > 0.2) return none("leaves distances of " + digits(f.sigma) + " of the points' size: no fit");
+  if (f.sigma > 0.2) return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
   // Curvature and noise are of one size: the model, of first order in their product, and the distances mean nothing.
   if (const double radius = least_radius(f); radius < 5 * f.sigma)
-    return none("has a radius of only " + digits(radius / f.sigma) +
+    return none("has a radius of only " + rounded(radius / f.sigma, 3) +
                 " times the noise: no fit; less noise helps");
   if (evidence(f) < 0.5 * f.freedom * std::log(n) + margin)
     return none(

@@ -22,6 +22,7 @@ namespace darboux::fit {
 struct Noise {
   double sigma, outliers;
   bool sigma_known = false;
+  double inliers = 0;  // sum of the probabilities; 0 where not counted yet
 };
 
 // Rounding of points scaled to size 1.
@@ -45,43 +46,49 @@ struct PointStates {
 };
 
 inline double inlier_probability(double error, const Noise& noise) {
-  const double r = error / noise.sigma, likelihood = std::exp(-0.5 * r * r);
+  const double r = error / noise.sigma;
+  if (!(std::fabs(r) < 12)) return 0;  // less than 1e-20 of any density of outliers
+  const double likelihood = std::exp(-0.5 * r * r);
   return likelihood / (likelihood + noise.outliers);
 }
 
-// Noise at fixed distances. The outliers' density is counted where it cannot be mistaken for the inliers', in smooth windows some
-// nine sigma to either side, with a tenth of a point more so that it is never zero. Sigma is found by expectation and
+// Noise at fixed distances. The outliers' density is counted where it cannot be mistaken for the inliers', in windows (1 - x^2)^3
+// some nine sigma to either side, with a tenth of a point more so that it is never zero. Sigma is found by expectation and
 // maximisation: two steps, and on to where they lead, as each gains about the same factor.
 inline void update(Noise& noise, const PointStates& points) {
-  constexpr double middle = 9, width = 1.5;
-  constexpr double windows = 2 * width;  // their integral over that of exp(-r^2 / 2)
+  constexpr double middle = 9, half_width = 4;
+  // The windows' integral over that of exp(-r^2 / 2): 2 half_width 32 / 35 / sqrt(2 pi).
+  constexpr double windows = 2 * half_width * 32 / 35 / 2.506628274631001;
   std::vector<double> near;
   for (std::size_t i = 0; i < points.d.size(); ++i)
-    if (points.kept[i] && std::fabs(points.error(i)) < 40 * noise.sigma) near.push_back(points.error(i));
+    if (points.kept[i] && std::fabs(points.error(i)) < 20 * noise.sigma) near.push_back(points.error(i));
+  if (near.empty()) return;
   const auto count = [&](Noise& at) {
     double others = 0.1;
     for (const double e : near) {
-      const double x = (std::fabs(e / at.sigma) - middle) / width;
-      if (std::fabs(x) < 6) others += std::exp(-0.5 * x * x);
+      const double x = (std::fabs(e / at.sigma) - middle) / half_width, y = 1 - x * x;
+      if (y > 0) others += y * y * y;
     }
-    at.outliers = others / (windows * static_cast<double>(near.size()));
+    at.outliers = others / (windows * at.inliers);
   };
   const auto step = [&](Noise at) {
     count(at);
-    double inliers = 0, squares = 0;
+    double squares = 0;
+    at.inliers = 0;
     for (const double e : near) {
       const double w = inlier_probability(e, at);
-      inliers += w;
+      at.inliers += w;
       squares += w * e * e;
     }
-    if (!at.sigma_known && inliers > 0) at.sigma = std::max(std::sqrt(squares / inliers), least_sigma);
+    if (!at.sigma_known && at.inliers > 0) at.sigma = std::max(std::sqrt(squares / at.inliers), least_sigma);
+    at.inliers = std::max(at.inliers, 1.0);
     return at;
   };
-  if (near.empty()) return;
+  if (noise.inliers == 0) noise.inliers = static_cast<double>(near.size());
   const Noise once = step(noise), twice = step(once);
   const double first = std::log(once.sigma / noise.sigma), second = std::log(twice.sigma / once.sigma);
   const double ratio = second / first;
-  noise.sigma = twice.sigma;
+  noise = twice;
   if (ratio > -0.8 && ratio < 0.8)
     noise.sigma = std::max(noise.sigma * std::exp(ratio / (1 - ratio) * second), least_sigma);
   count(noise);
@@ -117,10 +124,7 @@ class BatchedCost final : public ceres::CostFunction {
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    if constexpr (requires { Shape::permitted(parameters[1]); })
-      if (!Shape::permitted(parameters[1])) return false;
-    accumulate(parameters[0], parameters[1]);
-    if (!gradient_.allFinite() || !hessian_.allFinite()) return false;
+    if (!accumulate(parameters[0], parameters[1])) return false;
     if (phase_ == Phase::descend || !decomposed_) decompose();
     const Vector r = roots_inverse_.cwiseProduct(vectors_.transpose() * gradient_);
     Eigen::Map<Vector>(residuals, N) = r;
@@ -147,20 +151,26 @@ class BatchedCost final : public ceres::CostFunction {
     return true;
   }
 
-  // Leaves the states as they are at the model.
-  void settle(const Model<Shape>& model) const { accumulate(model.rotation.coeffs().data(), model.s.data()); }
+  // Leaves the states as they are at the model; false where that is none.
+  bool settle(const Model<Shape>& model) const {
+    return accumulate(model.rotation.coeffs().data(), model.s.data());
+  }
   Phase phase() const { return phase_; }
   const Matrix& hessian() const { return hessian_; }
   // How far the first Newton step moves the surface: the root of the weighted sum of squares of its movements at the points.
   double first_step() const { return first_step_; }
 
  private:
-  // Leaves the distances and curvatures in the states.
-  void accumulate(const double* quaternion, const double* s) const {
-    if (std::equal(quaternion, quaternion + 4, at_.begin()) && std::equal(s, s + S, at_.begin() + 4)) return;
-    std::copy(quaternion, quaternion + 4, at_.begin());
-    std::copy(s, s + S, at_.begin() + 4);
-    accumulate_at(Eigen::Map<const Eigen::Quaterniond>(quaternion).conjugate().toRotationMatrix(), s);
+  // Leaves the distances and curvatures in the states; false where the parameters are not permitted.
+  bool accumulate(const double* quaternion, const double* s) const {
+    if constexpr (requires { Shape::permitted(s); })
+      if (!Shape::permitted(s)) return false;
+    if (!std::equal(quaternion, quaternion + 4, at_.begin()) || !std::equal(s, s + S, at_.begin() + 4)) {
+      std::copy(quaternion, quaternion + 4, at_.begin());
+      std::copy(s, s + S, at_.begin() + 4);
+      accumulate_at(Eigen::Map<const Eigen::Quaterniond>(quaternion).conjugate().toRotationMatrix(), s);
+    }
+    return gradient_.allFinite() && hessian_.allFinite();
   }
 
   void accumulate_at(const Matrix3d& to_local, const double* s) const {
@@ -194,7 +204,7 @@ class BatchedCost final : public ceres::CostFunction {
         w = curvature = weights_[i];
       } else {
         const double r = e / noise_.sigma;
-        if (!states_.kept[i] || std::fabs(r) > 40) continue;
+        if (!states_.kept[i]) continue;
         w = inlier_probability(e, noise_);
         curvature = convex_ ? w : w - w * (1 - w) * r * r;
       }
@@ -251,6 +261,7 @@ struct Solved {
 
 template <class Shape>
 Solved solve(BatchedCost<Shape>& cost, Model<Shape>& model, int most_iterations, double parameter_tolerance) {
+  if (!cost.settle(model)) return {};
   static const RotationManifold manifold;
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -270,8 +281,7 @@ Solved solve(BatchedCost<Shape>& cost, Model<Shape>& model, int most_iterations,
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  cost.settle(model);
-  return {summary.IsSolutionUsable(), summary.num_successful_steps > 1,
+  return {cost.settle(model) && summary.IsSolutionUsable(), summary.num_successful_steps > 1,
           static_cast<int>(summary.iterations.size())};
 }
 

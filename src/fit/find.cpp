@@ -13,7 +13,7 @@ namespace {
 using Eigen::Matrix3Xd;
 
 constexpr Eigen::Index scored_points = 600, refined_points = 700;
-constexpr std::size_t refined_starts = 4;
+constexpr int refined_starts = 4;
 
 // How well distances look like a narrow band of inliers among outliers of constant density, without knowing how narrow: the log
 // likelihood of k of n points spread evenly over |d| < band and the others over the size of the cloud, at the best band. Bands
@@ -206,7 +206,7 @@ std::optional<Found> find(const Search& search) {
     return a.score.value > b.score.value;
   };
   const auto end =
-      candidates.begin() + static_cast<std::ptrdiff_t>(std::min(refined_starts, candidates.size()));
+      candidates.begin() + std::min<std::ptrdiff_t>(more * refined_starts, std::ssize(candidates));
   std::partial_sort(candidates.begin(), end, candidates.end(), better);
   candidates.erase(end, candidates.end());
 
@@ -214,48 +214,59 @@ std::optional<Found> find(const Search& search) {
   found.kind = Shape::name;
   found.freedom = Shape::freedom;
   Scorer part_scorer(static_cast<std::size_t>(part.cols()));
+  // Two that lead to the same surface are enough.
+  const Candidate<Shape>* best = nullptr;
+  double share = 0.2;  // of the work, about
   for (Candidate<Shape>& c : candidates) {
+    search.progress(share += 0.2 / static_cast<double>(candidates.size()));
     found.iterations += descend(part, c, search.sigma);
     c.score = part_scorer(part, c.model);
+    const bool again = best != nullptr && c.score.value == best->score.value;
+    if (best == nullptr || better(c, *best)) best = &c;
+    if (again) break;
   }
-  Candidate<Shape>& best = *std::min_element(candidates.begin(), candidates.end(), better);
 
   // All points: noise, bias and gate by what the last estimate says, then a step or two, until nothing moves.
   const auto n = static_cast<std::size_t>(search.cloud.cols());
   PointStates states(n);
-  Noise noise = best.noise;
+  Noise noise = best->noise;
   if (search.sigma) noise = {*search.sigma, noise.outliers, true};
-  Model<Shape> model = best.model;
+  Model<Shape> model = best->model;
   typename BatchedCost<Shape>::Matrix hessian = BatchedCost<Shape>::Matrix::Zero();
   Phase phase = Phase::descend;
   std::vector<double> weights;
   int gates = 0;
+  double since_gate = std::numeric_limits<double>::infinity();  // movements since the last gate, in standard errors
   // In standard errors: how near the root is sought. A root that cannot be stepped to is left to the descent.
   double near = 1;
   measure(search.cloud, model, states);
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < 60; ++round) {
+    search.progress(share += 0.1 * (1 - share));
     if (gates == 0) states.kept = states.regular;
     update_bias(noise, states);
     update(noise, states);
-    weights = inlier_probabilities(states, noise);
-    const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
+    if (phase == Phase::descend) weights = inlier_probabilities(states, noise);
     BatchedCost<Shape> cost(phase, search.cloud, model.origin, noise, states, weights);
     const Model<Shape> before = model;
     const Solved solved = solve(cost, model, phase == Phase::score ? 1 : 12, 1e-15);
     found.iterations += solved.iterations;
     if (!solved.usable) break;
     hessian = cost.hessian();
-    const double standard_error = noise.sigma * std::sqrt(Shape::freedom / inliers);
-    const double movement = cost.first_step() / std::sqrt(inliers);
-    if (phase == Phase::score && movement > 3 * standard_error + 1e-14) {  // too far for a root to be trusted
+    // Rounding of the distances moves the surface by 1e-14 at most.
+    const double standard_error = noise.sigma * std::sqrt(Shape::freedom / noise.inliers);
+    const double movement = cost.first_step() / std::sqrt(noise.inliers);
+    const bool small = movement <= 3 * standard_error + 1e-14;
+    since_gate += movement / (standard_error + 1e-14);
+    if (phase == Phase::score && !small) {  // too far for a root to be trusted
       model = before;
       measure(search.cloud, model, states);
       phase = Phase::descend;
       near *= 0.1;
-    } else if (gates < 3 && movement <= 3 * standard_error + 1e-14) {
+    } else if (small && since_gate > 0.1 && gates < 12) {
       gate<Shape>(search.cloud, natural(model), noise, states);
       ++gates;
-    } else if (movement <= 1e-15 + (phase == Phase::score ? 1e-10 : 1e-6) * standard_error) {
+      since_gate = 0;
+    } else if (movement <= 1e-15 + (phase == Phase::score ? 1e-8 : 1e-6) * standard_error) {
       found.converged = true;
       break;
     } else if (phase == Phase::score && !solved.moved) {

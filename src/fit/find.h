@@ -33,6 +33,7 @@ struct Search {
   std::optional<double> sigma;  // where it is known
   std::optional<Natural> guess;
   std::uint64_t seed;
+  std::function<void(double)> progress;  // with the share of the work that is done, 0 to 1
 };
 
 // Calls f<Shape>() for each kind, in the order of preference.

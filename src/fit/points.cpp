@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -10,10 +9,12 @@
 #include <darboux/error.h>
 #include <darboux/fit_points.h>
 
+#include "../text.h"
 #include "any_kind.h"
 #include "choose.h"
 #include "estimate.h"
 #include "find.h"
+#include "scaled.h"
 #include "with_uv.h"
 
 namespace darboux {
@@ -21,50 +22,6 @@ namespace {
 
 using namespace fit;
 using Eigen::Matrix3Xd;
-
-// The finite points, centred by their medians and scaled by a power of two to a median distance of about 1: no outlier, however
-// far, decides what the digits are spent on.
-struct Scaled {
-  Matrix3Xd cloud, normals{};
-  std::vector<std::size_t> index;  // in the input
-  Vector3d centre;
-  double scale;
-};
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-Scaled scaled(const PointCloud& points) {
-  Scaled result;
-  for (std::size_t i = 0; i < points.positions.size(); ++i)
-    if (detail::finite(points.positions[i])) result.index.push_back(i);
-  const std::size_t n = result.index.size();
-  result.cloud.resize(3, static_cast<Eigen::Index>(n));
-  if (n == 0) return result;
-  std::vector<double> values(n);
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < n; ++i) values[i] = to_eigen(points.positions[result.index[i]])[axis];
-    result.centre[axis] = median(values);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vector3d q = to_eigen(points.positions[result.index[i]]) - result.centre;
-    values[i] = q.stableNorm();
-    result.cloud.col(static_cast<Eigen::Index>(i)) = q;
-  }
-  if (!points.normals.empty()) {
-    result.normals.resize(3, static_cast<Eigen::Index>(n));
-    for (std::size_t i = 0; i < n; ++i)
-      result.normals.col(static_cast<Eigen::Index>(i)) = to_eigen(points.normals[result.index[i]]);
-  }
-  std::erase(values, 0.0);  // more than half of the points may be one and the same
-  const double size = values.empty() ? 0 : median(values);
-  result.scale = size > 0 ? std::exp2(std::rint(std::log2(size))) : 0;
-  if (result.scale > 0) result.cloud /= result.scale;
-  return result;
-}
 
 // The frame with this z whose x is the world axis least parallel to z, projected.
 Matrix3d conventional_frame(const Vector3d& z) {
@@ -197,23 +154,6 @@ void check(const PointCloud& points, const PointFitOptions& options) {
     throw ParameterError("guess", "its placement is not finite, permitted is a rigid placement");
 }
 
-// Points at different places, as far as `most`.
-std::size_t different(const Matrix3Xd& cloud, std::size_t most) {
-  std::vector<Vector3d> places;
-  for (Eigen::Index i = 0; i < cloud.cols() && places.size() < most; ++i)
-    if (std::find(places.begin(), places.end(), cloud.col(i)) == places.end())
-      places.emplace_back(cloud.col(i));
-  return places.size();
-}
-
-bool on_a_line(const Matrix3Xd& cloud) {
-  const Matrix3Xd from_first = cloud.colwise() - cloud.col(0).eval();
-  Eigen::Index farthest;
-  const double length = from_first.colwise().norm().maxCoeff(&farthest);
-  const Vector3d along = from_first.col(farthest) / length;
-  return (from_first - along * (along.transpose() * from_first)).colwise().norm().maxCoeff() < 1e-14 * length;
-}
-
 struct Chosen {
   std::size_t index = 0;
   bool usable = false;
@@ -224,9 +164,7 @@ struct Chosen {
 std::string either(const Found& a, const Found& b, double scale) {
   std::string text = std::string(a.kind) + " or " + std::string(b.kind);
   if (a.kind == "plane" && (b.kind == "sphere" || b.kind == "cylinder")) {
-    char radius[32];
-    std::snprintf(radius, sizeof radius, "%.3g", scale * least_length(b, 0));
-    text += std::string(" of radius > ") + radius;
+    text += " of radius > " + rounded(scale * least_length(b, 0), 3);
   }
   return text;
 }
@@ -234,25 +172,19 @@ std::string either(const Found& a, const Found& b, double scale) {
 // The kind with the smallest criterion, where nothing speaks for another.
 Chosen choose(const std::vector<Found>& tried, const std::vector<Verdict>& verdicts,
               const std::vector<double>& bic, const std::vector<std::size_t>& best_first, double scale) {
-  const auto good = [&](std::size_t i) {
-    return verdicts[i].kind == Verdict::Kind::good && (tried.size() == 1 || !crosses_itself(tried[i]));
+  const auto is = [&](Verdict::Kind kind) {
+    return [&verdicts, kind](std::size_t i) { return verdicts[i].kind == kind; };
   };
-  const auto found = std::find_if(best_first.begin(), best_first.end(), good);
+  const auto found = std::find_if(best_first.begin(), best_first.end(), is(Verdict::Kind::good));
   if (found == best_first.end()) {
-    const auto possible = std::find_if(best_first.begin(), best_first.end(), [&](std::size_t i) {
-      return verdicts[i].kind == Verdict::Kind::unsure && !crosses_itself(tried[i]);
-    });
+    const auto possible = std::find_if(best_first.begin(), best_first.end(), is(Verdict::Kind::unsure));
     const std::size_t i = possible != best_first.end() ? *possible : best_first.front();
-    if (verdicts[i].kind == Verdict::Kind::good)
-      return {
-          i, false,
-          "undetermined: the nearest is a torus that crosses itself, which is found where it is asked for"};
     return {i, false, with_article(tried[i].kind) + " " + verdicts[i].why};
   }
   const std::size_t best = *found;
   std::string remark;
   for (const std::size_t i : best_first) {
-    if (i == best || verdicts[i].kind == Verdict::Kind::none || crosses_itself(tried[i])) continue;
+    if (i == best || verdicts[i].kind == Verdict::Kind::none) continue;
     const auto undetermined = [&](const std::string& why) {
       const bool simpler = tried[best].freedom < tried[i].freedom;
       const Found &a = tried[simpler ? best : i], &b = tried[simpler ? i : best];
@@ -294,46 +226,50 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   const Scaled data = scaled(points);
   const auto n = static_cast<std::size_t>(data.cloud.cols());
   PointFit fit;
-  fit.ignored = points.positions.size() - n;
+  fit.ignored = points.positions.size() - data.finite;
+  fit.outliers = data.finite;
   fit.is_inlier.assign(points.positions.size(), false);
   const auto done = [&](std::string reason) {
     fit.reason = std::move(reason);
     fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    if (options.progress) options.progress(1);
     return fit;
   };
   std::size_t fewest = 0;  // for the first kind that is to be found: one more than would fit exactly
   for_each_shape([&]<class Shape>() {
     if (fewest == 0 && (automatic || options.surface == Shape::name)) fewest = Shape::freedom + 1;
   });
-  if (n == 0) return done("no point is finite");
-  if (!data.cloud.allFinite())
-    return done("the points are farther apart than numbers reach; other units help");
-  if (const std::size_t places = different(data.cloud, fewest); places < fewest)
-    return done(places == 1
-                    ? "all points are at one place"
-                    : "underdetermined: " + std::to_string(places) + (places < n ? " different" : "") +
-                          " points, " +
-                          with_article(automatic ? kinds.front() : std::string_view(options.surface)) +
-                          " needs at least " + std::to_string(fewest));
+  if (data.finite == 0) return done("no point is finite");
+  if (n < fewest)
+    return done(n == 1 ? "all points are at one place"
+                       : "underdetermined: " + std::to_string(n) + (n < data.finite ? " different" : "") +
+                             " points, " +
+                             with_article(automatic ? kinds.front() : std::string_view(options.surface)) +
+                             " needs at least " + std::to_string(fewest));
+  if (!(data.scale >= 1e-150 && data.scale <= 1e150))
+    return done("the points are of size " + rounded(data.scale, 3) +
+                ", beyond 1e-150 to 1e150: squares of lengths leave the numbers' range; other units help");
   if (on_a_line(data.cloud)) return done("all points lie on one line; points beside it help");
 
   std::mt19937_64 random(options.seed);
   const Oriented oriented = oriented_points(data.cloud, data.normals, random);
-  Search search{data.cloud, oriented, std::nullopt, std::nullopt, options.seed};
+  Search search{data.cloud, oriented, std::nullopt, std::nullopt, options.seed, {}};
   if (options.noise) search.sigma = *options.noise / data.scale;
   if (options.guess) search.guess = natural_of(*options.guess, data);
   std::vector<Found> tried;
   const double to_try = automatic ? static_cast<double>(kinds.size()) : 1;
   double share = 0;
+  search.progress = [&](double now) {
+    if (options.progress) options.progress(share + now / to_try);
+  };
   for_each_shape([&]<class Shape>() {
     if (!automatic && options.surface != Shape::name) return;
     if (n > Shape::freedom)
       if (auto found = find<Shape>(search)) {
         fit.iterations += found->iterations;
-        tried.push_back(std::move(*found));
+        if (!automatic || !crosses_itself(*found)) tried.push_back(std::move(*found));
       }
     share += 1 / to_try;
-    if (options.progress) options.progress(std::fmin(share, 1));
   });
   if (tried.empty())
     return done("no " + std::string(automatic ? "surface" : options.surface) + " goes near the points");
@@ -343,8 +279,7 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   std::pair<bool, double> most{false, -std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i < tried.size(); ++i) {
     verdicts.push_back(judge(tried[i]));
-    const std::pair likely(verdicts[i].kind == Verdict::Kind::good && !crosses_itself(tried[i]),
-                           evidence(tried[i]));
+    const std::pair likely(verdicts[i].kind == Verdict::Kind::good, evidence(tried[i]));
     if (likely > most) most = likely, reference = i;
   }
   const std::vector<double> bic = criteria(tried, reference);
@@ -368,24 +303,31 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
     return data.scale * std::sqrt(squares / std::max(1.0, static_cast<double>(std::count(
                                                               is_inlier.begin(), is_inlier.end(), true))));
   };
+  Chosen chosen = choose(tried, verdicts, bic, best_first, data.scale);
+  const auto place = std::find(best_first.begin(), best_first.end(), chosen.index);
+  std::rotate(best_first.begin(), place, place + 1);
   for (const std::size_t i : best_first)
     fit.candidates.push_back({std::string(tried[i].kind), bic[i], rms(tried[i], inliers(tried[i]))});
-
-  Chosen chosen = choose(tried, verdicts, bic, best_first, data.scale);
   const Found& best = tried[chosen.index];
   const std::vector<bool> is_inlier = inliers(best);
   for (std::size_t i = 0; i < n; ++i) fit.is_inlier[data.index[i]] = is_inlier[i];
-  fit.inliers = static_cast<std::size_t>(std::count(is_inlier.begin(), is_inlier.end(), true));
-  fit.outliers = n - fit.inliers;
+  for (const auto& [i, column] : data.others) fit.is_inlier[i] = is_inlier[column];
+  fit.inliers = static_cast<std::size_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), true));
+  fit.outliers = data.finite - fit.inliers;
   fit.rms = rms(best, is_inlier);
   // The distances are smaller by what the parameters took up.
-  const double k = static_cast<double>(fit.inliers);
+  const auto k = static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true));
   const double sigma_squared = options.noise ? 1 : k / std::max(1.0, k - best.freedom);
   fit.sigma = data.scale * best.sigma * std::sqrt(sigma_squared);
   if (!chosen.usable) return done(chosen.reason);
-  // Significant by five standard deviations, and so much that sigma is not the noise. Exact data have roundings for errors.
+  if (automatic && 4 * k < static_cast<double>(n))
+    return done("undetermined: the nearest is " + with_article(best.kind) + ", with only " +
+                std::to_string(fit.inliers) + " of " + std::to_string(data.finite) +
+                " points; fewer outliers help, or naming the kind");
+  // Significant by six standard deviations, sqrt(2 / k) each, and so much that sigma is not the noise. Exact data have roundings for
+  // errors.
   if (best.sigma > 1e-12 &&
-      unlikeness_of_neighbours(data.cloud, best, is_inlier) < std::fmin(0.75, 1 - 5 * std::sqrt(3 / k))) {
+      unlikeness_of_neighbours(data.cloud, best, is_inlier) < std::fmin(0.75, 1 - 6 * std::sqrt(2 / k))) {
     const std::string alike = "distances of neighbouring points are alike, not noise";
     if (automatic)
       return done("undetermined: the nearest is " + with_article(best.kind) + ", but " + alike +

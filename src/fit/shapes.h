@@ -186,7 +186,7 @@ class TorusShape {
 
 // Centre and logarithms of the semi-axes, in the frame of the axes: no point of the surface is special enough to start from.
 // The foot is a_i^2 q_i / (a_i^2 + t), t the largest root of S = sum (a_i q_i / (a_i^2 + t))^2 = 1 [Eberly2013]. 1 / sqrt(S) is nearly
-// linear in t, exactly so for a sphere: Newton's method on it takes two or three steps.
+// linear in t, exactly so for a sphere: Chebyshev's method on it takes two steps.
 class EllipsoidShape {
  public:
   static constexpr std::string_view name = "ellipsoid";
@@ -199,7 +199,9 @@ class EllipsoidShape {
   explicit EllipsoidShape(const double* s)
       : centre_(s[0], s[1], s[2]),
         axes_(std::exp(s[3]), std::exp(s[4]), std::exp(s[5])),
-        square_(axes_.cwiseAbs2()) {}
+        square_(axes_.cwiseAbs2()),
+        inverse_(square_.cwiseInverse()),
+        least_(square_.minCoeff()) {}
   double distance(const Vector3d& p) const {
     const Parts r = parts(p);
     return r.t * r.length;
@@ -220,10 +222,9 @@ class EllipsoidShape {
       out.by[i] = -n[k];
       out.by[3 + i] = -n[k] * r.over[k] * square_[k];
     }
-    const Vector3d a = square_.cwiseInverse();
-    out.curvature = (a.sum() - n.cwiseAbs2().dot(a)) / r.length;
+    out.curvature = (inverse_.sum() - n.cwiseAbs2().dot(inverse_)) / r.length;
     out.stretch =
-        1 + std::min(r.t, 0.0) / square_.minCoeff();  // at the ends of the longest axis, less elsewhere
+        1 + std::min(r.t, 0.0) / least_;  // at the ends of the longest axis, less elsewhere
   }
 
  private:
@@ -234,25 +235,34 @@ class EllipsoidShape {
   Parts parts(const Vector3d& p) const {
     Parts r;
     const Vector3d q = p - centre_, aq = axes_.cwiseProduct(q);
-    const double least = square_.minCoeff();
     // One term alone is 1 here, so the root is not below.
     const double low = (aq.cwiseAbs() - square_).maxCoeff();
     r.t = std::max(0.0, low);
+    Vector3d inverse = r.t > 0 ? inverses(r.t) : inverse_;
     for (int k = 0; k < 30; ++k) {
-      const Vector3d inverse = (square_.array() + r.t).max(1e-300).inverse();
-      const Vector3d terms = aq.cwiseProduct(inverse).cwiseAbs2();
-      const double sum = terms.sum(), half_slope = terms.dot(inverse);
-      if (!(half_slope > 0)) break;
-      const double before = r.t;
-      r.t = std::max(r.t + sum * (std::sqrt(sum) - 1) / half_slope, low);
-      if (std::fabs(r.t - before) <= 1e-9 * (std::fabs(r.t) + least))
-        break;  // what is left is of second order
+      const Vector3d terms = aq.cwiseProduct(inverse).cwiseAbs2(), slopes = terms.cwiseProduct(inverse);
+      const double sum = terms.sum(), slope = slopes.sum(), bend = slopes.dot(inverse);  // S, -S'/2, S''/6
+      if (!(slope > 0)) break;
+      const double over = 1 / slope, newton = sum * (std::sqrt(sum) - 1) * over, before = r.t;
+      const double bent = 1.5 * (slope / sum - bend * over) * newton;  // f'' / 2f' times the step
+      const bool near = std::fabs(bent) < 0.1;
+      r.t = std::max(r.t + (near ? newton - bent * newton : newton), low);
+      inverse = inverses(r.t);
+      // What is left is of third order near the root, of second elsewhere.
+      if (std::fabs(r.t - before) <= (near ? 1e-6 : 1e-9) * (std::fabs(r.t) + least_)) break;
     }
-    r.over = q.cwiseQuotient((square_.array() + r.t).max(1e-300).matrix());
+    r.over = q.cwiseProduct(inverse);
     r.length = std::max(r.over.norm(), 1e-150);
     return r;
   }
-  Vector3d centre_, axes_, square_;
+  // 1 / (a_i^2 + t), with one division.
+  Vector3d inverses(double t) const {
+    const Vector3d x = (square_.array() + t).max(1e-100);
+    const double xy = x[0] * x[1], over = 1 / (xy * x[2]);
+    return {x[1] * x[2] * over, x[0] * x[2] * over, xy * over};
+  }
+  Vector3d centre_, axes_, square_, inverse_;
+  double least_;
 };
 
 }  // namespace darboux::fit

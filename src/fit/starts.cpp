@@ -107,7 +107,8 @@ Oriented oriented_points(const Matrix3Xd& cloud, const Matrix3Xd& normals, std::
     all.normals.col(i) = eigen.eigenvectors().col(0);
     flatness.emplace_back(eigen.eigenvalues()[0] / std::fmax(eigen.eigenvalues()[1], 1e-300), i);
   }
-  const auto kept = static_cast<Eigen::Index>(2 * flatness.size() / 3 + 1);
+  // Of few points none can be spared.
+  const Eigen::Index kept = std::max<Eigen::Index>(2 * m / 3 + 1, 20);
   std::nth_element(flatness.begin(), flatness.begin() + std::min(kept, m - 1), flatness.end());
   Oriented result{Matrix3Xd(3, std::min(kept, m)), Matrix3Xd(3, std::min(kept, m))};
   for (Eigen::Index i = 0; i < result.points.cols(); ++i) {

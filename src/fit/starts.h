@@ -19,7 +19,7 @@ std::vector<Eigen::Index> evenly_chosen(Eigen::Index of, Eigen::Index count, std
 
 // Points of the cloud with a normal each. Their own where there are any (as many columns as the cloud, of any length, zero or not
 // finite for none); else from the principal axes of their neighbours, of the two thirds whose neighbourhood is flattest, so that
-// few of them are outliers.
+// few of them are outliers (all where there are no more than 20).
 Oriented oriented_points(const Eigen::Matrix3Xd& cloud, const Eigen::Matrix3Xd& normals,
                          std::mt19937_64& random);
 
