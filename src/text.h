@@ -21,6 +21,11 @@ inline std::string rounded(double x, int digits) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, digits).ptr};
 }
 
+/// A standard deviation for people; NaN stands for one of which nothing is known.
+inline std::string deviation_text(double x, int digits, const char* unit = "") {
+  return std::isnan(x) ? "an unknown angle" : rounded(x, digits) + unit;
+}
+
 /// Fit for one line of a terminal: control characters become '?'.
 inline std::string one_line(std::string text) {
   for (char& c : text)

@@ -116,6 +116,7 @@ bool faces_inward(const Mesh& mesh, std::span<const Truth> truth) {
 }
 
 void compare_with_truth(const Mesh& mesh, std::uint32_t v, const Truth& truth, bool inward, VertexFacts& f) {
+  f.normal_deg = f.tangent_deg = f.bitangent_raw_deg = f.bitangent_gltf_deg = -1;
   if (!f.uv_finite || !detail::finite(truth.normal)) return;
   const auto angle = [](const Vec3<double>& a, const Vec3<double>& b) {
     return degrees * angle_between(a, b);
@@ -394,8 +395,8 @@ MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const Valida
   note("REFERENCE_UNCERTAIN", Severity::info, undecided,
        "angles lie within three standard deviations of the limit, as well as the surface is known: normals "
        "to " +
-           rounded(report.normal_uncertainty_deg.rms(), 2) + " deg, tangents to " +
-           rounded(report.tangent_uncertainty_deg.rms(), 2) + " deg rms");
+           deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") + ", tangents to " +
+           deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms"));
   note("POLE_TANGENT", Severity::info, pole_beyond,
        "tangents at a pole differ from the limit for their own u by up to " + rounded(pole_worst, 4) +
            " deg; at a pole no direction is right for every texture");

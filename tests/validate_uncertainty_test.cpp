@@ -284,10 +284,17 @@ TEST(ValidateUncertainty, LocalTruthOfParts) {
   EXPECT_TRUE(std::isfinite(local_truth(mesh)[701].normal.x));
   const Mesh few = sample_mesh(make_surface("plane"), {.columns = 2, .rows = 2});
   for (const Truth& t : local_truth(few)) EXPECT_TRUE(std::isnan(t.normal.x));
-  mesh.uvs.clear();
-  EXPECT_THROW(local_truth(mesh), MeshError);
   ValidateOptions options;
   options.local = true;
+  // What the other reference found is not taken for it.
+  const MeshReport blind = validate(few, PlacedSurface{make_surface("plane")}, options);
+  EXPECT_TRUE(interior_of(blind.classes).normal_deg.has_value());
+  ASSERT_TRUE(blind.local.has_value());
+  for (const ClassReport& c : blind.local->classes)
+    EXPECT_FALSE(c.normal_deg || c.tangent_deg || c.bitangent_deg || c.worst);
+  EXPECT_EQ(blind.local->compared, 0u);
+  mesh.uvs.clear();
+  EXPECT_THROW(local_truth(mesh), MeshError);
   EXPECT_FALSE(validate(mesh, std::nullopt, options).local.has_value());
 }
 

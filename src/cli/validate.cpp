@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <new>
@@ -181,15 +182,22 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
 }
 
 void print_local(const LocalReport& local) {
-  for (const ClassReport& c : local.classes) {
-    if (c.vertex_class != VertexClass::interior || !c.normal_deg) continue;
-    std::cout << "    local: interior normals differ by " << rounded(c.normal_deg->rms, 2)
-              << " deg rms, uncertain by " << rounded(c.normal_uncertainty_deg.rms(), 2);
-    if (c.tangent_deg)
-      std::cout << "; tangents by " << rounded(c.tangent_deg->rms, 2) << ", uncertain by "
-                << rounded(c.tangent_uncertainty_deg.rms(), 2);
-    std::cout << '\n';
+  const auto interior = std::find_if(local.classes.begin(), local.classes.end(), [](const ClassReport& c) {
+    return c.vertex_class == VertexClass::interior && (c.normal_deg || c.tangent_deg);
+  });
+  if (interior == local.classes.end()) {
+    std::cout << "    local: nothing is known of interior corners, their neighbours do not tell\n";
+    return;
   }
+  std::string text;
+  const auto add = [&](const char* what, const std::optional<Statistics>& s, const Spread& uncertainty) {
+    if (!s) return;
+    text += (text.empty() ? "local: interior " : "; ") + std::string(what) + " differ by " +
+            rounded(s->rms, 2) + " deg rms, uncertain by " + deviation_text(uncertainty.rms(), 2);
+  };
+  add("normals", interior->normal_deg, interior->normal_uncertainty_deg);
+  add("tangents", interior->tangent_deg, interior->tangent_uncertainty_deg);
+  std::cout << "    " << text << '\n';
   if (local.compared > 0)
     std::cout << "    local and analytic agree at " << rounded(100 * local.agreement, 3)
               << " % of interior corners\n";
@@ -226,9 +234,9 @@ void print_people(const std::string& path, const JudgedFile& file) {
     }
     std::fflush(stdout);
     if (report.reference != "none" && report.corners > 0)
-      std::cout << "    truth uncertain by " << rounded(report.normal_uncertainty_deg.rms(), 2)
-                << " deg rms (normals), " << rounded(report.tangent_uncertainty_deg.rms(), 2)
-                << " deg rms (tangents)\n";
+      std::cout << "    truth uncertain by "
+                << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals), "
+                << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms") << " (tangents)\n";
     if (report.local) print_local(*report.local);
     for (const Finding& f : report.findings)
       std::cout << "    " << severity_names[static_cast<std::size_t>(f.severity)] << ' ' << f.code << " ("
