@@ -71,14 +71,24 @@ void add_node_findings(const Primitive& primitive, MeshReport& report) {
                                "normals by its inverse transpose"});
 }
 
-JudgedFile judge_file(const std::string& path, const JudgeOptions& options) {
+// Without the analytic reference no surface is looked for, and nothing decides.
+Judgement judge_primitive(const Mesh& mesh, const JudgeOptions& options, bool analytic) {
+  if (analytic) return judge(mesh, options);
+  Judgement result{std::nullopt, validate(mesh, std::nullopt, options)};
+  if (mesh.uvs.empty())
+    result.report.findings.push_back(
+        {"UV_MISSING", Severity::info, mesh.corners(), "the mesh has no uvs: local jets know no tangents"});
+  return result;
+}
+
+JudgedFile judge_file(const std::string& path, const JudgeOptions& options, bool analytic) {
   JudgedFile result;
   try {
     Asset asset = read_asset(path);
     result.skipped = asset.skipped;
     if (asset.primitives.empty()) result.verdict = Verdict::undetermined;
     for (Primitive& primitive : asset.primitives) {
-      Judgement judgement = judge(primitive.data, options);
+      Judgement judgement = judge_primitive(primitive.data, options, analytic);
       add_node_findings(primitive, judgement.report);
       result.verdict = std::max(result.verdict, judgement.report.verdict);
       primitive.data = {};
@@ -256,14 +266,28 @@ void run(const Arguments& arguments, Common& common) {
     options.surface = parse_specification(arguments.surface);
     make_surface(*options.surface);  // refuses values out of range before any file is read
   }
-  options.local = arguments.reference != "analytic";
+  bool analytic = false;
+  for (const std::string& name : split(arguments.reference, ',')) {
+    if (name == "mikktspace")
+      throw ParameterError("--reference", "mikktspace is not there yet, permitted are analytic and local");
+    if (name != "analytic" && name != "local")
+      throw ParameterError(
+          "--reference",
+          "'" + name + "' is no reference, permitted are analytic and local, with a comma between");
+    (name == "local" ? options.local : analytic) = true;
+  }
+  if (!analytic && (options.surface || arguments.placement != "fit"))
+    throw ParameterError(
+        "--reference",
+        "without analytic no surface is fitted, permitted with --surface and --placement are "
+        "analytic and analytic,local");
   if (arguments.placement != "fit") options.placement = parse_placement(arguments.placement);
 
   std::vector<JudgedFile> files(arguments.files.size());
   Progress progress("validate", common);
   parallel_for(
       files.size(), common.threads,
-      [&](std::size_t i) { files[i] = judge_file(arguments.files[i], options); },
+      [&](std::size_t i) { files[i] = judge_file(arguments.files[i], options, analytic); },
       [&](double share) { progress.update(share); });
 
   Json list = Json::array();
@@ -313,11 +337,11 @@ void add_validate(CLI::App& app, Common& common) {
          "--max-angle", arguments->max_angle,
          "degrees an interior corner may be off; three times that at seams, pole rings, creases and borders")
       ->capture_default_str();
-  sub.add_option("--reference", arguments->reference,
-                 "what to compare with: analytic, or analytic,local for what the mesh's own positions and "
-                 "uvs say too")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"analytic", "analytic,local"}));
+  sub.add_option(
+         "--reference", arguments->reference,
+         "what to compare with, with commas between: analytic, the surface, which decides; local, what the "
+         "mesh's own positions and uvs say")
+      ->capture_default_str();
   add_common(sub, common, "darboux validate torus.glb --surface torus --max-angle 2 --json");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

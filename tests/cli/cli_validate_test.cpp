@@ -76,7 +76,25 @@ TEST_F(Cli, ValidateReportsItsUncertainty) {
   EXPECT_EQ(folded["verdict"], "undetermined");
   EXPECT_EQ(only_mesh(folded)["frame_uncertainty_deg"], nullptr);
   EXPECT_FALSE(only_mesh(folded)["references"]["local"].contains("agreement"));
-  EXPECT_EQ(sh("darboux validate data/torus_032.three.glb --reference mikktspace").status, 2);
+}
+
+TEST_F(Cli, ValidateTakesAListOfReferences) {
+  const std::string one = "darboux validate data/torus_016.three.glb --json --reference ";
+  EXPECT_EQ(good(one + "local,analytic"), good(one + "analytic,local"));
+  EXPECT_EQ(good(one + "analytic"), good("darboux validate data/torus_016.three.glb --json"));
+  // Alone local jets decide nothing, but errors that need no truth are found.
+  const Json local = json(one + "local", 1);
+  EXPECT_EQ(local["verdict"], "undetermined");
+  EXPECT_EQ(only_mesh(local)["surface"], nullptr);
+  EXPECT_EQ(only_mesh(local)["reference"], "none");
+  EXPECT_LT(only_mesh(local)["references"]["local"]["classes"]["interior"]["tangent_deg"]["rms"], 1);
+  EXPECT_EQ(json("darboux validate data/plainsphere_016.three.glb --json --reference local", 1)["verdict"],
+            "fail");
+  refused(one + "mikktspace", {"--reference", "mikktspace", "not there yet", "local"});
+  for (const std::string list : {"potato", "analytic,potato", "analytic,", "''"})
+    refused(one + list, {"--reference", "permitted are analytic and local"});
+  refused(one + "local --surface torus", {"--reference", "--surface"});
+  refused(one + "local --placement identity", {"--reference", "--placement"});
 }
 
 struct Expected {
