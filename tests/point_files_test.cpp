@@ -55,6 +55,9 @@ class PointFiles : public ::testing::Test {
   PointFile read(const std::string& name, const std::string& bytes) const {
     return read_points(write_bytes(folder_ / name, bytes));
   }
+  PointCloud distinct(const std::string& name, const std::string& bytes) const {
+    return distinct_points(read(name, bytes));
+  }
   // The file is refused in one line with these words.
   void refused(const std::string& name, const std::string& bytes,
                const std::vector<std::string>& words) const {
@@ -157,6 +160,39 @@ TEST_F(PointFiles, TablesByHeader) {
               {{{1, 2, 3}}, {{0, 0, 1}}, {{0.5, 0.25}}});
 }
 
+// pandas writes its index without a name; quotes come from spreadsheets; CloudCompare has //X Y Z.
+TEST_F(PointFiles, HeadersAndQuotesOfOtherTools) {
+  const PointCloud two{{{1, 2, 3}, {4, 5, 6}}, {}, {}};
+  expect_same(read("a.csv", ",x,y,z\n0,1,2,3\n1,4,5,6\n").cloud, two);
+  expect_same(read("a.csv", "_id,x,y,z\n0,1,2,3\n1,4,5,6\n").cloud, two);
+  expect_same(read("a.csv", "\"x\",\"y\",\"z\"\n\"1\",\"2\",\"3\"\n4,\" 5 \",6\n").cloud, two);
+  expect_same(read("a.csv", "\"1\";\"2\";\"3\"\n4;5;6\n").cloud, two);
+  for (const std::string header :
+       {"//X Y Z\n", "//Y X Z\n", "# y x z\n", "# made by hand\n#Y,X,Z\n# in mm\n"})
+    expect_same(read("a.xyz", header + (header == "//X Y Z\n" ? "1 2 3\n4 5 6\n" : "2 1 3\n5 4 6\n")).cloud,
+                two);
+  expect_same(read("a.txt", "//X Y Z R G B Nx Ny Nz\n1 2 3 255 0 7 0 0 1\n").cloud,
+              {{{1, 2, 3}}, {{0, 0, 1}}, {}});
+  // A comment that happens to name columns, but not those of the rows.
+  expect_same(read("a.xyz", "# the columns are x y z\n1 2 3\n4 5 6\n").cloud, two);
+  expect_same(read("a.xyz", "# x y z x\n//\n1 2 3\n4 5 6\n").cloud, two);
+  refused("a.xyz", "1 2 3\n//X Y Z\n", {"a.xyz:2: "});
+  refused("a.csv", ",,\n1,2,3\n", {"a.csv:1: "});
+}
+
+// Colours are no normals, unless a header says so.
+TEST_F(PointFiles, ColumnsWithoutAHeaderAreNormalsWhereTheyCanBe) {
+  const PointFile colours = read("a.xyz", "# made by hand\n1 2 3 0 0 0\n4 5 6 255 128 0\n7 8 9 0 255 0\n");
+  expect_same(colours.cloud, {{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, {}, {}});
+  EXPECT_EQ(colours.note.rfind("line 3: columns 4 to 6", 0), 0u) << colours.note;
+  expect_same(read("a.xyz", "1 2 3 9 9 9 0.5 0.25\n").cloud, {{{1, 2, 3}}, {}, {}});
+  // Rounded, of no length, and not known.
+  const PointFile normals = read("a.xyz", "1 2 3 0.57 0.57 0.57\n4 5 6 0 0 0\n7 8 9 nan nan nan\n");
+  EXPECT_EQ(normals.cloud.normals.size(), 3u);
+  EXPECT_EQ(normals.note, "");
+  EXPECT_EQ(read("a.xyz", "x y z nx ny nz\n1 2 3 0 0 9\n").cloud.normals.size(), 1u);
+}
+
 TEST_F(PointFiles, CommentsEmptyLinesLineEndsAndByteOrderMark) {
   const PointCloud two{{{1, 2, 3}, {4, 5, 6}}, {}, {}};
   expect_same(read("a.xyz", "\xEF\xBB\xBF# made by hand\r\n\r\n1 2 3\r\n  # more\r\n \t\r\n+4 5e0 6.").cloud,
@@ -229,9 +265,18 @@ TEST_F(PointFiles, Obj) {
       "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\n";
   const PointCloud three{
       {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}, {{0, 0}, {1, 0}, {0, 1}}};
-  expect_same(read("a.obj", vertices + "f 2/1/1 3/2/1 4/3/1\nf 4/3/1 -1/1/1 -4/3/1\n").cloud, three);
-  expect_same(read("a.obj", vertices + "f 2//1 3//1 4//1\n").cloud, {three.positions, three.normals, {}});
-  expect_same(read("a.obj", vertices + "f 2/1 3/2 4/3 5\n").cloud, {three.positions, {}, {}});
+  expect_same(distinct("a.obj", vertices + "f 2/1/1 3/2/1 4/3/1\nf 4/3/1 -1/1/1 -4/3/1\n"), three);
+  expect_same(distinct("a.obj", vertices + "f 2//1 3//1 4//1\n"), {three.positions, three.normals, {}});
+  expect_same(distinct("a.obj", vertices + "f 2/1 3/2 4/3 5\n"), {three.positions, {}, {}});
+  // All its vertices are there, in its order, also one after the faces.
+  const PointFile all = read("a.obj", vertices + "f 2/1/1 3/2/1 4/3/1\nf 4/3/1 -1/1/1 -4/3/1\nv 7 7 7\n");
+  expect_same({all.cloud.positions, {}, {}},
+              {{{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {7, 7, 7}}, {}, {}});
+  constexpr std::uint32_t unused = PointFile::unused;
+  EXPECT_EQ(all.place, (std::vector<std::uint32_t>{unused, 1, 2, 3, 2, unused}));
+  EXPECT_TRUE(std::isnan(all.cloud.uvs[0].x) && std::isnan(all.cloud.normals[5].z));
+  EXPECT_EQ(all.cloud.uvs[4], (Vec2<double>{0, 0}));
+  EXPECT_TRUE(read("a.obj", vertices).place.empty());
 }
 
 std::string binary_stl(std::uint32_t count, std::initializer_list<float> corners) {
@@ -243,37 +288,41 @@ std::string binary_stl(std::uint32_t count, std::initializer_list<float> corners
 
 TEST_F(PointFiles, Stl) {
   const PointCloud four{{{0, 0, 0}, {1, 0, 0}, {0, 0.1f, 0}, {1, 1, 0}}, {}, {}};
-  expect_same(
-      read("a.stl", binary_stl(2, {0, 0, 0, 1, 0, 0, 0, 0.1f, 0, 1, -0.0f, 0, 1, 1, 0, 0, 0.1f, 0})).cloud,
-      four);
+  const PointFile corners =
+      read("a.stl", binary_stl(2, {0, 0, 0, 1, 0, 0, 0, 0.1f, 0, 1, -0.0f, 0, 1, 1, 0, 0, 0.1f, 0}));
+  expect_same(distinct_points(corners), four);
+  EXPECT_EQ(corners.place, (std::vector<std::uint32_t>{0, 1, 2, 1, 4, 2}));
   const auto facet = [](const std::string& a, const std::string& b, const std::string& c) {
     return "facet normal 0 0 1\n outer loop\n  vertex " + a + "\n  vertex " + b + "\n  vertex " + c +
            "\n endloop\nendfacet\n";
   };
-  expect_same(read("a.stl", "solid a name\n" + facet("0 0 0", "1 0 0", "0 0.1 0") +
-                                facet("1 0 0", "1 1 0", "0 0.1 0") + "endsolid a name\n")
-                  .cloud,
+  expect_same(distinct("a.stl", "solid a name\n" + facet("0 0 0", "1 0 0", "0 0.1 0") +
+                                    facet("1 0 0", "1 1 0", "0 0.1 0") + "endsolid a name\n"),
               {{{0, 0, 0}, {1, 0, 0}, {0, 0.1, 0}, {1, 1, 0}}, {}, {}});
 }
 
 TEST_F(PointFiles, Gltf) {
-  // Two primitives share three of their four places; a vertex that no triangle uses is no point.
+  // Two primitives share three of their four places; a vertex that no triangle uses was not measured.
   Builder b;
   const std::size_t first = b.positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 9, 9, 9}),
                     second = b.positions({1, 0, 0, 1, 1, 0, 0, 1, 0});
   const std::size_t uvs = b.packed<float>("VEC2", 5126, 3, {0.5f, 0, 1, 0, 1, 1});
   b.primitive({{"POSITION", first}}, {{"indices", b.packed<std::uint16_t>("SCALAR", 5123, 3, {0, 1, 2})}});
   b.primitive({{"POSITION", second}, {"TEXCOORD_0", uvs}});
-  expect_same(read("a.glb", b.glb()).cloud, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {}, {}});
+  const PointFile two = read("a.glb", b.glb());
+  expect_same(distinct_points(two), {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {}, {}});
+  EXPECT_EQ(two.place, (std::vector<std::uint32_t>{0, 1, 2, PointFile::unused, 1, 5, 2}));
+  EXPECT_EQ(two.cloud.positions[3], (Vec3<double>{9, 9, 9}));
   // A grid of 32 x 16 segments has 33 x 17 vertices. Those of the seams differ by rounding and are one.
   const PointFile torus = read_points(DARBOUX_TEST_DATA "/torus_016.none.glb");
-  EXPECT_EQ(torus.cloud.uvs.size(), torus.cloud.positions.size());
-  EXPECT_EQ(torus.cloud.normals.size(), torus.cloud.positions.size());
+  const PointCloud places = distinct_points(torus);
+  EXPECT_EQ(places.uvs.size(), places.positions.size());
+  EXPECT_EQ(places.normals.size(), places.positions.size());
   const Asset asset = read_asset(DARBOUX_TEST_DATA "/torus_016.none.glb");
   const Mesh& from = asset.primitives.at(0).data;
   EXPECT_EQ(from.positions.size(), 33u * 17u);
-  EXPECT_EQ(torus.cloud.positions.size(), 32u * 16u);
-  EXPECT_EQ(torus.cloud.positions[0], from.positions[0]);
+  EXPECT_EQ(torus.cloud.positions, from.positions);
+  EXPECT_EQ(places.positions.size(), 32u * 16u);
   Builder points = b;
   points.json["meshes"][0]["primitives"] = Json::array();
   points.primitive({{"POSITION", first}}, {{"mode", 0}});
@@ -282,8 +331,8 @@ TEST_F(PointFiles, Gltf) {
 
 // The meshes of the same torus: the OBJ's decimal numbers stand for the GLB's floats.
 TEST_F(PointFiles, ObjAndGlbOfOneMeshAgree) {
-  const PointCloud obj = read_points(DARBOUX_TEST_DATA "/torus_016.obj").cloud,
-                   glb = read_points(DARBOUX_TEST_DATA "/torus_016.none.glb").cloud;
+  const PointCloud obj = distinct_points(read_points(DARBOUX_TEST_DATA "/torus_016.obj")),
+                   glb = distinct_points(read_points(DARBOUX_TEST_DATA "/torus_016.none.glb"));
   std::size_t near = 0;
   for (const Vec3<double>& p : obj.positions)
     for (const Vec3<double>& q : glb.positions) {
@@ -373,6 +422,13 @@ TEST_F(PointFiles, RefusesBrokenPly) {
           {"ends at vertex 3"});
   refused("a.ply", ply_header(le, 2) + binary_rows(difficult, false), {"goes on"});
   refused("a.ply", ply_header(le, 3, "element odd 1\nproperty list char int a\n") + "\xFF", {"list of -1"});
+  // Lengths that are no whole numbers, or too large to count in double.
+  for (const std::string type : {"float", "double"})
+    refused("a.ply", ply_header("ascii", 1, "element odd 1\nproperty list " + type + " int a\n") + "inf\n",
+            {":5: ", "\"" + type + "\""});
+  for (const std::string length : {"inf", "nan", "1e30", "1.5"})
+    refused("a.ply", ply_header("ascii", 1, "element odd 1\nproperty list uint int a\n") + length + "\n",
+            {"odd 0 has a list"});
   refused("a.ply", ply_header(le, 3, "element odd 1\nproperty list uint int a\n") + "\xFF\xFF\xFF\xFF",
           {"ends at odd 0"});
 }
@@ -387,6 +443,10 @@ TEST_F(PointFiles, RefusesBrokenPcd) {
   refused("a.pcd", "FIELDS x y z\nSIZE 4 4 3\nTYPE F F F\nDATA ascii\n", {"SIZE 3"});
   refused("a.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 99999999999\nDATA ascii\n", {"COUNT"});
   refused("a.pcd", "NOISE 1\n", {":1: ", "NOISE"});
+  const std::string xyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n", rows = "DATA ascii\n1 2 3\n4 5 6\n";
+  refused("a.pcd", xyz + "WIDTH 7\nHEIGHT 9\nPOINTS 2\n" + rows, {"WIDTH 7", "HEIGHT 9", "POINTS 2"});
+  refused("a.pcd", xyz + rows, {"WIDTH"});
+  EXPECT_EQ(read("a.pcd", xyz + "POINTS 2\n" + rows).cloud.positions.size(), 2u);
 }
 
 TEST_F(PointFiles, RefusesBrokenObjAndStl) {

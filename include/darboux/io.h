@@ -137,25 +137,34 @@ void write_glb(const std::string& path, const Mesh& mesh, const std::string& nam
 
 /// Points read from a file.
 struct PointFile {
-  PointCloud cloud;
+  PointCloud cloud;  ///< every point or vertex of the file, in its order
+  /// Of a mesh: for each vertex the first at the same place (within 1e-6 of the diagonal), itself where it is that one, or
+  /// `unused` where no triangle uses it. Empty where there are no triangles.
+  std::vector<std::uint32_t> place;
+  static constexpr std::uint32_t unused = 0xffffffff;
   /// Where the first position that is not finite stands: "line 7", "vertex 3" (from 0). Empty where all are finite.
   std::string first_not_finite;
+  std::string note;  ///< one line about columns that were passed over; mostly empty
 };
+
+/// What was measured: one point a place, the first. Vertices at the same place are one measurement, split for its attributes.
+PointCloud distinct_points(const PointFile& file);
 
 /// Reads sampled points, in the order of the file, by its extension:
 ///   .xyz .txt .csv .tsv  a point a line, columns between semicolons, else commas, else blanks or tabs (the first line
-///                        decides). A header, which begins with a name, names them in any order and case: x y z, nx ny
-///                        nz, u v; columns of other names, and groups that are not complete, are passed over. Without one:
-///                        3 columns x y z, 5 x y z u v, 6 x y z nx ny nz, 8 all.
+///                        decides), in quotes or not. A header, which begins with a name or an empty field, names them in
+///                        any order and case: x y z, nx ny nz, u v; columns of other names, and groups that are not
+///                        complete, are passed over. It may stand behind // or #, with as many names as there are columns.
+///                        Without one: 3 columns x y z, 5 x y z u v, 6 x y z nx ny nz, 8 all; those after z are passed
+///                        over, with a note, where nx ny nz are no normals: finite, not zero and not of unit length (10 %).
 ///   .ply  the vertices, ASCII or binary of either byte order, normals and uvs included
 ///   .pcd  ASCII or binary; compressed is refused, the viewpoint is not applied
-///   .obj  the vertices that faces use, or all where there are no faces
+///   .obj  the vertices, where there are faces with the attributes of the first corner
 ///   .stl  the corners, ASCII or binary, without the triangles' normals
-///   .glb .gltf  the vertices that triangles use, all primitives together, normals and uvs where every primitive has
-///         them; nodes are not applied: the mesh's own space
-/// Other names of columns: position_x ..., normal_x ..., s t, texture_u texture_v. Where there are triangles, vertices at the
-/// same place (within 1e-6 of the diagonal) are one point, the first of them: one measurement, split for its attributes. Empty lines and
-/// those that begin with # are passed over. NaN and infinities are read as they are.
+///   .glb .gltf  the vertices, one primitive after the other, normals and uvs where every primitive has them; nodes are not
+///         applied: the mesh's own space
+/// Other names of columns: position_x ..., normal_x ..., s t, texture_u texture_v. Empty lines and those that begin with # are
+/// passed over. NaN and infinities are read as they are.
 ///
 /// Numbers are read in double, correctly rounded (glTF: float, as stored). Tables, PLY and PCD are read in pieces: memory is
 /// at most three times the cloud. A count the file states is checked against what it holds.

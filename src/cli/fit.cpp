@@ -3,17 +3,24 @@
 #include <functional>
 #include <iostream>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
+#include <darboux/fit.h>
 #include <darboux/fit_points.h>
 #include <darboux/io.h>
 
 #include "command.h"
 #include "csv_text.h"
+#include "parallel.h"
 
 namespace darboux {
 namespace {
+
+bool finite_uv(const Vec2<double>& uv) {
+  return std::isfinite(uv.x) && std::isfinite(uv.y);
+}
 
 struct Arguments {
   std::string file, surface = "auto", noise, frames;
@@ -21,13 +28,20 @@ struct Arguments {
   std::uint64_t seed = PointFitOptions{}.seed;
 };
 
-// What --surface permits: with uvs any kind, else those that can be found.
+// What --surface permits. Which kinds are fitted without uvs the library says, asked with no points.
 std::vector<std::string> permitted_kinds(bool with_uv) {
   std::vector<std::string> kinds{"auto"};
-  if (with_uv)
-    for (const AnySurface& surface : all_surfaces()) kinds.emplace_back(surface.info().name);
-  else
-    kinds.insert(kinds.end(), found_kinds().begin(), found_kinds().end());
+  if (with_uv) kinds.insert(kinds.end(), fitted_kinds().begin(), fitted_kinds().end());
+  for (const AnySurface& surface : all_surfaces()) {
+    if (with_uv) break;
+    PointFitOptions options;
+    options.surface = surface.info().name;
+    try {
+      fit_points({}, options);
+      kinds.push_back(options.surface);
+    } catch (const ParameterError&) {
+    }
+  }
   return kinds;
 }
 
@@ -37,8 +51,8 @@ PointFitOptions parse_options(const Arguments& arguments) {
     throw ParameterError("--surface",
                          "fit finds the parameters, name the kind only: permitted are " + join(kinds));
   if (std::find(kinds.begin(), kinds.end(), arguments.surface) == kinds.end())
-    throw ParameterError("--surface", "'" + arguments.surface + "' is no kind that is found" +
-                                          (arguments.with_uv ? "" : " without uvs") + ", permitted are " +
+    throw ParameterError("--surface", "'" + arguments.surface + "' is no kind that is fitted " +
+                                          (arguments.with_uv ? "with" : "without") + " uvs, permitted are " +
                                           join(kinds));
   PointFitOptions options;
   options.surface = arguments.surface;
@@ -52,9 +66,40 @@ PointFitOptions parse_options(const Arguments& arguments) {
   return options;
 }
 
+// Which points of the file lie on the surface, and how many do not: where the file is a mesh, every vertex counts, that at
+// the place of another as that one does.
+struct Membership {
+  std::vector<bool> is_inlier;
+  std::size_t inliers = 0, outliers = 0, not_finite = 0, unused = 0;
+};
+
+Membership membership(const PointFile& points, const PointFit& fit, bool with_uv) {
+  const PointCloud& cloud = points.cloud;
+  Membership result;
+  std::size_t fitted = 0;
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i) {
+    const std::size_t place = points.place.empty() ? i : points.place[i];
+    const bool used = place != PointFile::unused;
+    const bool inlier = used && (place == i ? fit.is_inlier[fitted++] : result.is_inlier[place]);
+    const bool finite = detail::finite(cloud.positions[i]) && (!with_uv || finite_uv(cloud.uvs[i]));
+    result.is_inlier.push_back(inlier);
+    ++(!used ? result.unused : !finite ? result.not_finite : inlier ? result.inliers : result.outliers);
+  }
+  return result;
+}
+
+// Standard deviations, and the largest of those that are finite.
+struct Deviations : Spread {
+  double largest = 0;
+  void add(double deviation) {
+    Spread::add(deviation);
+    if (std::isfinite(deviation)) largest = std::fmax(largest, deviation);
+  }
+};
+
 // Over the inliers.
 struct FrameSpread {
-  Spread normal, tangent;
+  Deviations normal, tangent;
 };
 
 constexpr std::string_view frames_header =
@@ -86,33 +131,52 @@ UncertainFrame no_frame_at_all() {
   return f;
 }
 
+// Where its own uv says that the point belongs, else at the nearest point: a surface that crosses itself has two there.
+UncertainFrame frame_of(const PointCloud& cloud, std::size_t i, const PointFit& fit, bool with_uv) {
+  const Vec3<double>& p = cloud.positions[i];
+  if (!detail::finite(p) || (with_uv && !finite_uv(cloud.uvs[i]))) return no_frame_at_all();
+  return with_uv ? frame_at(fit, fit.surface->uv.surface_uv(cloud.uvs[i])) : frame_near(fit, p);
+}
+
 // The frame at every point, to the file where there is one, and summed up over the inliers.
-FrameSpread frames_of(const PointCloud& cloud, const PointFit& fit, OutputFile* file,
+FrameSpread frames_of(const PointCloud& cloud, const PointFit& fit, const std::vector<bool>& is_inlier,
+                      bool with_uv, OutputFile* file, int threads,
                       const std::function<void(double)>& progress) {
+  constexpr std::size_t block = 16384, piece = 256;
   FrameSpread spread;
   std::string row;
   if (file) file->write(frames_header);
   const std::size_t n = cloud.positions.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    if (i % 4096 == 0) progress(static_cast<double>(i) / static_cast<double>(n));
-    const bool inlier = fit.is_inlier[i];
-    if (!inlier && !file) continue;
-    const Vec3<double>& p = cloud.positions[i];
-    const UncertainFrame f = detail::finite(p) ? frame_near(fit, p) : no_frame_at_all();
-    if (inlier) {
-      spread.normal.add(f.normal_deg);
-      spread.tangent.add(f.tangent_deg);
+  std::vector<UncertainFrame> frames(std::min(n, block));
+  for (std::size_t begin = 0; begin < n; begin += block) {
+    progress(static_cast<double>(begin) / static_cast<double>(n));
+    const std::size_t end = std::min(n, begin + block);
+    parallel_for((end - begin + piece - 1) / piece, threads,
+                 [&](std::size_t k) {
+                   const std::size_t from = begin + k * piece;
+                   for (std::size_t i = from; i < std::min(end, from + piece); ++i)
+                     if (is_inlier[i] || file) frames[i - begin] = frame_of(cloud, i, fit, with_uv);
+                 },
+                 [](double) {});
+    for (std::size_t i = begin; i < end; ++i) {
+      const UncertainFrame& f = frames[i - begin];
+      if (is_inlier[i]) {
+        spread.normal.add(f.normal_deg);
+        spread.tangent.add(f.tangent_deg);
+      }
+      if (!file) continue;
+      row.clear();
+      append_row(row, i, f, is_inlier[i], dot(cloud.positions[i] - f.position, f.n));
+      file->write(row);
     }
-    if (!file) continue;
-    row.clear();
-    append_row(row, i, f, inlier, dot(p - f.position, f.n));
-    file->write(row);
   }
   if (file) file->commit();
   return spread;
 }
 
-Json fit_json(const Arguments& arguments, const PointFit& fit, const std::optional<FrameSpread>& spread) {
+Json fit_json(const Arguments& arguments, const PointFit& fit, const Membership& members,
+              const std::optional<FrameSpread>& spread) {
+  const bool fitted = fit.inliers > 0;
   Json json{{"file", arguments.file}, {"surface", nullptr}};
   if (fit.usable) {
     Json placement = Json::array();
@@ -123,11 +187,11 @@ Json fit_json(const Arguments& arguments, const PointFit& fit, const std::option
   }
   json["usable"] = fit.usable;
   json["reason"] = fit.reason;
-  json["sigma"] = number(fit.sigma);
-  json["rms"] = number(fit.rms);
-  json["inliers"] = fit.inliers;
-  json["outliers"] = fit.outliers;
-  json["ignored"] = fit.ignored;
+  json["sigma"] = fitted ? number(fit.sigma) : nullptr;
+  json["rms"] = fitted ? number(fit.rms) : nullptr;
+  json["inliers"] = members.inliers;
+  json["outliers"] = members.outliers;
+  json["ignored"] = members.not_finite + members.unused;
   json["mirrored"] = fit.mirrored;
   json["standard_errors"] = Json::object();
   for (const StandardError& e : fit.standard_errors) json["standard_errors"][e.name] = number(e.value);
@@ -150,43 +214,66 @@ void print_line(std::string label, const std::string& text) {
   std::cout << "  " << label << text << '\n';
 }
 
-std::string vector_text(const Eigen::Vector3d& a) {
-  return "(" + rounded(a.x(), 6) + ", " + rounded(a.y(), 6) + ", " + rounded(a.z(), 6) + ")";
+// At least six digits, and as many as its standard error has.
+std::string known_text(double x, double error) {
+  int digits = 6;
+  if (error > 0 && std::fabs(x) > error)
+    digits = std::clamp(
+        2 + static_cast<int>(std::floor(std::log10(std::fabs(x))) - std::floor(std::log10(error))), 6, 15);
+  return rounded(x, digits);
 }
 
-std::string spread_text(const Spread& s) {
+std::string vector_text(const Eigen::Vector3d& a, double error) {
+  return "(" + known_text(a.x(), error) + ", " + known_text(a.y(), error) + ", " + known_text(a.z(), error) +
+         ")";
+}
+
+std::string spread_text(const Deviations& s, const char* why_unknown) {
   std::string text;
-  if (s.finite() > 0) text = "uncertain by " + rounded(s.rms(), 3) + " deg rms";
+  if (s.finite() > 0)
+    text = "uncertain by " + rounded(s.rms(), 3) + " deg rms, at most " + rounded(s.largest, 3);
   if (s.infinite() > 0)
-    return text + (text.empty() ? "" : "; ") + "unknown at " + std::to_string(s.infinite()) +
-           " points, a pole is too near";
-  return text + ", at most " + rounded(s.max(), 3);
+    text += (text.empty() ? "" : "; ") + ("unknown at " + std::to_string(s.infinite())) +
+            (s.infinite() == 1 ? " point, " : " points, ") + why_unknown;
+  return text;
 }
 
-void print_people(const Arguments& arguments, const PointFit& fit, const std::optional<FrameSpread>& spread) {
-  const auto plus_minus = [&](const std::string& name, const std::string& unit = "") {
+void print_people(const Arguments& arguments, const PointFit& fit, const Membership& members,
+                  const std::optional<FrameSpread>& spread) {
+  const auto error_of = [&](std::string_view name) -> std::optional<double> {
     for (const StandardError& e : fit.standard_errors)
-      if (e.name == name) return " ± " + rounded(e.value, 2) + unit;
-    return std::string();
+      if (e.name == name) return e.value;
+    return std::nullopt;
+  };
+  const auto plus_minus = [&](std::string_view name, const std::string& unit = "") {
+    const auto error = error_of(name);
+    return error ? " ± " + rounded(*error, 2) + unit : std::string();
   };
   std::cout << one_line(arguments.file) << ": "
             << (fit.usable ? std::string(fit.surface->surface.info().name) : "not usable") << '\n';
   print_line("reason", one_line(fit.reason));
-  print_line("points", std::to_string(fit.inliers) + " on the surface, " + std::to_string(fit.outliers) +
-                           " outliers" +
-                           (fit.ignored > 0 ? ", " + std::to_string(fit.ignored) + " not finite" : ""));
+  const auto also = [](std::size_t count, const char* what) {
+    return count > 0 ? ", " + std::to_string(count) + what : std::string();
+  };
+  print_line("points", std::to_string(members.inliers) + " on the surface, " +
+                           std::to_string(members.outliers) + " outliers" +
+                           also(members.not_finite, " not finite") + also(members.unused, " in no triangle"));
   if (fit.usable) {
     for (const ParameterValue& p : fit.surface->surface.parameters()) {
       const std::string name(p.name), error = plus_minus(name);
-      print_line(name, rounded(p.value, 6) + (error.empty() ? ", encloses the points" : error));
+      print_line(name, known_text(p.value, error_of(name).value_or(0)) +
+                           (error.empty() ? ", encloses the points" : error));
     }
     const Eigen::Isometry3d& placement = fit.surface->placement;
-    print_line("centre", vector_text(placement.translation()) + plus_minus("centre"));
-    print_line("axis", vector_text(placement.linear().col(2)) + plus_minus("axis_deg", " deg"));
+    print_line("centre",
+               vector_text(placement.translation(), error_of("centre").value_or(0)) + plus_minus("centre"));
+    print_line("axis", vector_text(placement.linear().col(2),
+                                   error_of("axis_deg").value_or(0) * std::numbers::pi / 180) +
+                           plus_minus("axis_deg", " deg"));
     print_line("noise",
                rounded(fit.sigma, 3) + " in each coordinate; distances " + rounded(fit.rms, 3) + " rms");
-    print_line("normals", spread_text(spread->normal));
-    print_line("tangents", spread_text(spread->tangent));
+    print_line("normals", spread_text(spread->normal, "too near an apex or a centre of curvature"));
+    print_line("tangents", spread_text(spread->tangent, "too near a pole or without a normal"));
   }
   for (const FitCandidate& c : fit.candidates)
     print_line(&c == &fit.candidates.front() ? "tried" : "",
@@ -203,6 +290,7 @@ void run(const Arguments& arguments, Common& common) {
 
   PointFile points;
   PointFit fit;
+  Membership members;
   std::optional<FrameSpread> spread;
   {
     Progress progress("fit", common);
@@ -211,17 +299,23 @@ void run(const Arguments& arguments, Common& common) {
     };
     points = read_points(arguments.file, part(0, 0.2));
     if (options.with_uv && points.cloud.uvs.empty())
-      throw FileError(arguments.file, "holds no uvs, permitted with --with-uv are points with u and v");
+      throw FileError(arguments.file, "holds no uvs" + (points.note.empty() ? "" : " (" + points.note + ")") +
+                                          ", permitted with --with-uv are points with u and v");
     options.progress = part(0.2, 0.9);
-    fit = fit_points(points.cloud, options);
-    if (fit.usable) spread = frames_of(points.cloud, fit, frames ? &*frames : nullptr, part(0.9, 1));
+    fit = points.place.empty() ? fit_points(points.cloud, options)
+                               : fit_points(distinct_points(points), options);
+    members = membership(points, fit, options.with_uv);
+    if (fit.usable)
+      spread = frames_of(points.cloud, fit, members.is_inlier, options.with_uv, frames ? &*frames : nullptr,
+                         common.threads, part(0.9, 1));
   }
 
   const auto note = [&](const std::string& text) {
     if (!common.quiet) print_error(arguments.file + ": " + text);
   };
-  if (fit.ignored > 0)
-    note(std::to_string(fit.ignored) + (fit.ignored == 1 ? " point is" : " points are") +
+  if (!points.note.empty()) note(points.note);
+  if (members.not_finite > 0)
+    note(std::to_string(members.not_finite) + (members.not_finite == 1 ? " point is" : " points are") +
          " not finite, ignored" +
          (points.first_not_finite.empty() ? "" : "; the first at " + points.first_not_finite));
   if (!fit.usable) {
@@ -229,9 +323,9 @@ void run(const Arguments& arguments, Common& common) {
     if (frames) note("there are no frames, " + arguments.frames + " is not written");
   }
   if (common.json)
-    print_json(fit_json(arguments, fit, spread));
+    print_json(fit_json(arguments, fit, members, spread));
   else
-    print_people(arguments, fit, spread);
+    print_people(arguments, fit, members, spread);
 }
 
 }  // namespace
@@ -243,7 +337,10 @@ void add_fit(CLI::App& app, Common& common) {
   sub.add_option("FILE", arguments->file,
                  "points: .xyz, .txt, .csv, .tsv, .ply, .pcd, .obj, .stl, .glb or .gltf")
       ->required();
-  sub.add_option("--surface", arguments->surface, "the kind, or auto: the one that explains the points best")
+  sub.add_option("--surface", arguments->surface,
+                 "the kind, or auto: the one that explains the points best; of `darboux surfaces` most may "
+                 "be named, an "
+                 "unknown one lists them")
       ->capture_default_str();
   sub.add_option(
       "--noise", arguments->noise,

@@ -61,7 +61,7 @@ InputBytes::int_type InputBytes::underflow() {
   return traits_type::to_int_type(*gptr());
 }
 
-bool Lines::next() {
+bool Lines::next(bool comments) {
   constexpr std::size_t longest = 65536;
   constexpr int end = InputBytes::traits_type::eof();
   do {
@@ -80,7 +80,7 @@ bool Lines::next() {
         throw FileError(bytes_.path(), "is UTF-16, permitted is UTF-8 or ASCII");
     }
     text_ = trimmed(text_);
-  } while (text_.empty() || text_[0] == '#');
+  } while (text_.empty() || (text_[0] == '#' && !comments));
   if (text_.find('\r') != std::string_view::npos)
     fail("a carriage return within a line, where old Macs end theirs");
   return true;

@@ -59,8 +59,8 @@ class Lines {
   Lines(InputBytes& bytes, std::string permitted) : bytes_(bytes), permitted_(std::move(permitted)) {}
 
   /// The next line, false at the end. \throws FileError for a line of more than 65536 bytes, so that a file without line
-  /// ends is not read whole, a carriage return within one, and UTF-16
-  bool next();
+  /// ends is not read whole, a carriage return within one, and UTF-16 \param comments are lines too
+  bool next(bool comments = false);
   /// It, without blanks at its ends, nor a byte order mark.
   std::string_view text() const { return text_; }
   /// Of the line in the file, from 1.

@@ -42,12 +42,13 @@ PointFile read_gltf_points(const std::string& path) {
     normals = normals && !p.data.normals.empty();
     uvs = uvs && !p.data.uvs.empty();
   }
+  std::vector<bool> used;
   for (const Primitive& p : asset.primitives) {
-    std::vector<bool> used(p.data.positions.size());
+    const std::size_t first = used.size();
+    used.resize(first + p.data.positions.size());
     for (const Triangle& t : p.data.triangles)
-      for (const std::uint32_t i : t) used[i] = true;
-    for (std::size_t i = 0; i < used.size(); ++i) {
-      if (!used[i]) continue;
+      for (const std::uint32_t i : t) used[first + i] = true;
+    for (std::size_t i = 0; i < p.data.positions.size(); ++i) {
       result.cloud.positions.push_back(p.data.positions[i]);
       if (normals) result.cloud.normals.push_back(p.data.normals[i]);
       if (uvs) result.cloud.uvs.push_back(p.data.uvs[i]);
@@ -56,11 +57,11 @@ PointFile read_gltf_points(const std::string& path) {
                                   std::to_string(p.primitive) + " vertex " + std::to_string(i);
     }
   }
-  if (result.cloud.positions.empty())
+  if (std::find(used.begin(), used.end(), true) == used.end())
     throw FileError(path, "holds no triangles" +
                               (asset.skipped.empty() ? "" : " (" + asset.skipped[0].reason + ")") +
                               ", permitted is a glTF whose triangles use its vertices");
-  keep_distinct(result.cloud);
+  find_places(result, used);
   return result;
 }
 
@@ -135,28 +136,36 @@ double number_of(std::string_view field, const Lines& lines) {
   return *value;
 }
 
-void keep_distinct(PointCloud& cloud) {
+void find_places(PointFile& file, const std::vector<bool>& used) {
   constexpr double same = 1e-6;  // of the diagonal, as in mesh_classes.h
   Eigen::AlignedBox3d box;
-  for (const Vec3<double>& p : cloud.positions)
-    if (detail::finite(p)) box.extend(to_eigen(p));
-  const std::vector<std::uint32_t> place =
-      weld(cloud.positions, box.isEmpty() ? 0 : same * box.diagonal().norm());
-  const auto keep = [&](auto& values) {
-    if (values.empty()) return;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if (place[i] == i) values[kept++] = values[i];
-    values.resize(kept);
-  };
-  keep(cloud.positions);
-  keep(cloud.normals);
-  keep(cloud.uvs);
+  std::vector<std::uint32_t> index;
+  std::vector<Vec3<double>> positions;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    index.push_back(static_cast<std::uint32_t>(i));
+    positions.push_back(file.cloud.positions[i]);
+    if (detail::finite(positions.back())) box.extend(to_eigen(positions.back()));
+  }
+  const std::vector<std::uint32_t> first = weld(positions, box.isEmpty() ? 0 : same * box.diagonal().norm());
+  file.place.assign(used.size(), PointFile::unused);
+  for (std::size_t k = 0; k < index.size(); ++k) file.place[index[k]] = index[first[k]];
 }
 
 }  // namespace darboux::io
 
 namespace darboux {
+
+PointCloud distinct_points(const PointFile& file) {
+  if (file.place.empty()) return file.cloud;
+  const auto kept = [&]<class T>(const std::vector<T>& values) {
+    std::vector<T> result;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (file.place[i] == i) result.push_back(values[i]);
+    return result;
+  };
+  return {kept(file.cloud.positions), kept(file.cloud.normals), kept(file.cloud.uvs)};
+}
 
 PointFile read_points(const std::string& path, const std::function<void(double)>& progress) {
   const std::string extension = io::lower(std::filesystem::path(path).extension().string());

@@ -55,8 +55,8 @@ void split_fields(std::string_view line, char separator, std::vector<std::string
 /// A number of a line. \throws FileError with file and line when it is none
 double number_of(std::string_view field, const Lines& lines);
 
-/// Leaves one point at each place, the first; places are the same within 1e-6 of the diagonal.
-void keep_distinct(PointCloud& cloud);
+/// Fills in PointFile::place. \param used by a triangle
+void find_places(PointFile& file, const std::vector<bool>& used);
 
 // One function a family of formats.
 PointFile read_table(PointReader& reader);

@@ -114,9 +114,10 @@ class RowReader {
                                           " that its header announces");
     };
     const auto list_length = [&](double n) {
-      if (!(n >= 0) || n != std::floor(n))
+      if (!(n >= 0 && n <= 0x1p53) || n != std::floor(n))
         throw FileError(reader_.path(), table.name + " " + std::to_string(row) + " has a list of " +
-                                            shortest(n) + " numbers, permitted are whole numbers from 0");
+                                            shortest(n) +
+                                            " numbers, permitted are whole numbers from 0 to 2^53");
       return static_cast<std::uint64_t>(n);
     };
     if (encoding_ == Encoding::ascii) {
@@ -227,8 +228,10 @@ PointFile read_ply_points(PointReader& reader) {
     } else if (words[0] == "property" && words.size() == 3 && !tables.empty()) {
       tables.back().fields.push_back({std::string(words[2]), ply_type(words[1], lines)});
     } else if (words[0] == "property" && words.size() == 5 && words[1] == "list" && !tables.empty()) {
-      tables.back().fields.push_back(
-          {std::string(words[4]), ply_type(words[3], lines), ply_type(words[2], lines)});
+      const Type count = ply_type(words[2], lines);
+      if (count == Type::f32 || count == Type::f64)
+        lines.fail("a list whose length is of type " + in_quotes(words[2]));
+      tables.back().fields.push_back({std::string(words[4]), ply_type(words[3], lines), count});
     } else {
       lines.fail("the header has " + in_quotes(lines.text()));
     }
@@ -245,7 +248,8 @@ PointFile read_ply_points(PointReader& reader) {
   rows.read_points(*vertices);
   if (vertices + 1 == tables.end()) rows.expect_end(*vertices);
   PointFile result = reader.finish();
-  if (faces != tables.end() && faces->rows > 0) keep_distinct(result.cloud);
+  if (faces != tables.end() && faces->rows > 0)
+    find_places(result, std::vector<bool>(result.cloud.positions.size(), true));
   return result;
 }
 
@@ -256,8 +260,8 @@ PointFile read_pcd_points(PointReader& reader) {
   std::vector<std::string> names, kinds;
   std::vector<std::uint64_t> sizes, counts;
   Table table{"point", 0, {}};
-  std::uint64_t width = 0, height = 1;
-  std::optional<std::uint64_t> points;
+  std::uint64_t height = 1;
+  std::optional<std::uint64_t> width, points;
   std::optional<Encoding> encoding;
   std::vector<std::string_view> words;
   while (!encoding) {
@@ -304,8 +308,12 @@ PointFile read_pcd_points(PointReader& reader) {
     for (std::uint64_t j = 0; j < counts[k]; ++j)
       table.fields.push_back({counts[k] == 1 ? names[k] : "", pcd_type(kinds[k], sizes[k], lines)});
   }
-  if (!points && height != 0 && width > UINT64_MAX / height) lines.fail("WIDTH times HEIGHT beyond 64 bits");
-  table.rows = points.value_or(width * height);
+  if (!points && !width) lines.fail("a header without POINTS and WIDTH");
+  if (width && height != 0 && *width > UINT64_MAX / height) lines.fail("WIDTH times HEIGHT beyond 64 bits");
+  if (width && points && *width * height != *points)
+    lines.fail("WIDTH " + std::to_string(*width) + " times HEIGHT " + std::to_string(height) +
+               ", but POINTS " + std::to_string(*points));
+  table.rows = points ? *points : *width * height;
   RowReader rows(reader, lines, *encoding);
   rows.read_points(table);
   rows.expect_end(table);

@@ -2,10 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <optional>
 
 #include <darboux/error.h>
@@ -16,10 +17,40 @@
 namespace darboux::io {
 namespace {
 
-// Whether the first field of a table is a name; a number that is misspelt is none.
-bool begins_header(std::string_view field) {
-  return !field.empty() && (std::isalpha(static_cast<unsigned char>(field[0])) || field[0] == '"') &&
-         !parse_number(field);
+// The fields of a row of a table, without quotes.
+void split_row(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  split_fields(line, separator, fields);
+  for (std::string_view& field : fields)
+    if (field.size() > 1 && field.front() == '"' && field.back() == '"')
+      field = trimmed(field.substr(1, field.size() - 2));
+}
+
+char separator_of(std::string_view line) {
+  char separator = ' ';
+  for (const char c : {',', ';'})
+    if (line.find(c) != std::string_view::npos) separator = c;
+  return separator;
+}
+
+// Whether the first field that is not empty is a name; a number that is misspelt is none.
+bool is_header(const std::vector<std::string_view>& fields) {
+  const auto first =
+      std::find_if(fields.begin(), fields.end(), [](std::string_view field) { return !field.empty(); });
+  return first != fields.end() &&
+         std::string_view("0123456789+-.").find(first->front()) == std::string_view::npos &&
+         !parse_number(*first);
+}
+
+PointColumns named_columns(const std::vector<std::string_view>& fields, const PointReader& reader,
+                           const Lines& lines) {
+  return PointColumns::named(std::vector<std::string>(fields.begin(), fields.end()),
+                             reader.path() + ":" + std::to_string(lines.number()));
+}
+
+// What is no normal may be a colour; nothing, zero and what is not finite stand for one that is not known.
+bool may_be_normal(const PointNumbers& p) {
+  const double square = p[3] * p[3] + p[4] * p[4] + p[5] * p[5];
+  return !std::isfinite(square) || square == 0 || (square > 0.81 && square < 1.21);
 }
 
 // The columns of a table without a header.
@@ -38,28 +69,35 @@ PointFile read_table(PointReader& reader) {
       reader.bytes(),
       "rows of 3 numbers x y z, 5 with u v, 6 with nx ny nz, 8 with both, or a header of these names");
   std::vector<std::string_view> fields;
-  PointColumns columns;
+  PointColumns columns, commented;
   char separator = ' ';
-  while (lines.next()) {
+  bool without_header = false;
+  std::string no_normals;
+  while (lines.next(columns.slots.empty())) {
     const bool first = columns.slots.empty();
-    if (first)
-      for (const char c : {',', ';'})
-        if (lines.text().find(c) != std::string_view::npos) separator = c;
-    split_fields(lines.text(), separator, fields);
-    if (first && begins_header(fields[0])) {
-      std::vector<std::string> names;
-      for (std::string_view name : fields) {
-        if (name.size() > 1 && name.front() == '"' && name.back() == '"')
-          name = name.substr(1, name.size() - 2);
-        names.emplace_back(name);
+    if (first && (lines.text().starts_with("#") || lines.text().starts_with("//"))) {
+      const std::string_view text =
+          lines.text().substr(std::min(lines.text().find_first_not_of("#/"), lines.text().size()));
+      split_row(text, separator_of(text), fields);
+      try {
+        commented = named_columns(fields, reader, lines);
+      } catch (const FileError&) {  // a comment of other words
       }
-      columns = PointColumns::named(names, reader.path() + ":" + std::to_string(lines.number()));
       continue;
     }
-    if (first) {
+    if (first) separator = separator_of(lines.text());
+    split_row(lines.text(), separator, fields);
+    if (first && is_header(fields)) {
+      columns = named_columns(fields, reader, lines);
+      continue;
+    }
+    if (first && commented.slots.size() == fields.size()) {
+      columns = commented;
+    } else if (first) {
       const auto counted = counted_columns(fields.size());
       if (!counted) lines.fail("a row of " + std::to_string(fields.size()) + " columns without a header");
       columns = *counted;
+      without_header = true;
     }
     if (fields.size() != columns.slots.size())
       lines.fail("a row of " + std::to_string(fields.size()) + " columns after " +
@@ -68,9 +106,20 @@ PointFile read_table(PointReader& reader) {
     for (std::size_t k = 0; k < fields.size(); ++k)
       if (columns.slots[k] >= 0)
         point[static_cast<std::size_t>(columns.slots[k])] = number_of(fields[k], lines);
+    if (without_header && columns.normals && no_normals.empty() && !may_be_normal(point))
+      no_normals =
+          "line " + std::to_string(lines.number()) +
+          ": columns 4 to 6 are no normal of unit length; without a header the columns after the third "
+          "are passed over";
     reader.add(columns, point, "line ", lines.number());
   }
-  return reader.finish();
+  PointFile result = reader.finish();
+  if (!no_normals.empty()) {
+    result.cloud.normals.clear();
+    result.cloud.uvs.clear();
+    result.note = no_normals;
+  }
+  return result;
 }
 
 namespace {
@@ -141,12 +190,14 @@ PointFile read_obj_points(PointReader& reader) {
     }
   }
   const auto n = counts();
-  const bool faces = !used.empty();
+  const bool faces = std::find(used.begin(), used.end(), true) != used.end();
   if (!faces) {  // attributes go with the vertices where there are as many
     used.assign(n[0], true);
     for (std::uint32_t i = 0; i < n[0]; ++i)
       of_first_corner.push_back({n[1] == n[0] ? i : none, n[2] == n[0] ? i : none});
   }
+  used.resize(n[0]);  // vertices after the last face
+  of_first_corner.resize(n[0], {none, none});
   PointColumns columns{{}, true, true};
   for (std::size_t i = 0; i < used.size(); ++i)
     if (used[i]) {
@@ -154,19 +205,20 @@ PointFile read_obj_points(PointReader& reader) {
       columns.normals = columns.normals && of_first_corner[i][1] != none;
     }
   for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) continue;
-    PointNumbers point{};
-    const auto take = [&](std::size_t k, std::size_t index) {
+    PointNumbers point;
+    point.fill(std::numeric_limits<double>::quiet_NaN());  // what no face uses may have no attributes
+    const auto take = [&](std::size_t k, std::uint32_t index) {
+      if (index == none) return;
       std::copy_n(values[k].begin() + static_cast<std::ptrdiff_t>(index * width[k]), width[k],
                   point.begin() + first_slot[k]);
     };
-    take(0, i);
+    take(0, static_cast<std::uint32_t>(i));
     if (columns.uvs) take(1, of_first_corner[i][0]);
     if (columns.normals) take(2, of_first_corner[i][1]);
     reader.add(columns, point, "vertex ", i);
   }
   PointFile result = reader.finish();
-  if (faces) keep_distinct(result.cloud);
+  if (faces) find_places(result, used);
   return result;
 }
 
@@ -214,7 +266,7 @@ PointFile read_stl_points(PointReader& reader) {
                  : std::string()));
   }
   PointFile result = reader.finish();
-  keep_distinct(result.cloud);
+  find_places(result, std::vector<bool>(result.cloud.positions.size(), true));
   return result;
 }
 
