@@ -268,7 +268,39 @@ TEST(ValidateUncertainty, LocalJetsContradictAWrongSurface) {
               0.1);
 }
 
-// Each side of a fold, of a seam and of a crease by itself; nothing where nothing is known.
+// Two planes at a right angle, u running on from one to the other; the crease has a vertex of each.
+TEST(ValidateUncertainty, LocalTruthOfEachSideOfACrease) {
+  Mesh mesh = sample_mesh(make_surface("plane"), {.columns = 8, .rows = 8});
+  const std::size_t half = mesh.positions.size();
+  for (std::size_t v = 0; v < half; ++v) {
+    const Vec3<double> p = mesh.positions[v];
+    mesh.positions.push_back({0.5, p.y, -(p.x + 0.5)});
+    mesh.normals.push_back({1, 0, 0});
+    mesh.tangents.push_back({0, 0, -1, mesh.tangents[v].w});
+    mesh.uvs.push_back({0.5 + 0.5 * mesh.uvs[v].x, mesh.uvs[v].y});
+    mesh.uvs[v].x *= 0.5;
+  }
+  for (std::size_t t = mesh.triangles.size(); t-- > 0;) {
+    const auto shift = static_cast<std::uint32_t>(half);
+    const auto [a, b, c] = mesh.triangles[t];
+    mesh.triangles.push_back({a + shift, b + shift, c + shift});
+  }
+  std::vector<Truth> local = local_truth(mesh);
+  for (std::size_t v = 0; v < local.size(); ++v) {
+    EXPECT_LT(angle_deg(local[v].normal, mesh.normals[v]), 1e-9) << v;
+    EXPECT_LT(angle_deg(local[v].tangent, mesh.tangents[v].xyz()), 1e-9) << v;
+  }
+  // With one normal the vertices of the crease are joined, and what is fitted across it is neither plane.
+  mesh.normals.clear();
+  local = local_truth(mesh);
+  std::size_t off = 0;
+  for (std::size_t v = 0; v < local.size(); ++v)
+    off += mesh.uvs[v].x == 0.5 &&
+           angle_deg(local[v].normal, v < half ? Vec3<double>{0, 0, 1} : Vec3<double>{1, 0, 0}) > 10;
+  EXPECT_EQ(off, 2u * 9u);
+}
+
+// Each side of a fold and of a seam by itself; nothing where nothing is known.
 TEST(ValidateUncertainty, LocalTruthOfParts) {
   Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 64, .rows = 32, .mirror = true});
   const std::vector<Truth> local = local_truth(mesh);
