@@ -274,6 +274,20 @@ TEST_F(Cli, FitCountsThePointsWhereNothingIsFitted) {
   }
 }
 
+// What the libraries beneath log is not for the user.
+TEST_F(Cli, FitOfANoisyPlaneIsSilent) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> along(0, 1);
+    std::normal_distribution<double> noise(0, 0.01);
+    std::string table;
+    for (int i = 0; i < 500; ++i) table += row_of({along(random), along(random), noise(random)});
+    write_bytes(path("plane.xyz"), table);
+    EXPECT_EQ(sh("darboux fit plane.xyz --quiet --json").err, "");
+  }
+}
+
 TEST_F(Cli, FitTakesTheKindsThatTheLibraryFits) {
   good("darboux eval enneper --grid 20x20 --attributes position --format csv -o enneper.csv");
   const Json fit = json("darboux fit enneper.csv --surface enneper --json");
