@@ -14,6 +14,8 @@ constexpr std::size_t start_points = 256, trial_points = 2048;
 
 // A start this far off is another convention's mesh; refining it would only confirm that.
 constexpr double hopeless = 0.2;
+// Nor is one with a point this far off: it would take all the digits.
+constexpr double too_far = 1e6;
 
 // An affine map is so free that it must fit better: this share of fits_below.
 constexpr double affine_share = 1e-2;
@@ -31,9 +33,7 @@ Data usable_vertices(const Mesh& mesh) {
   std::vector<std::uint32_t> usable;
   Eigen::AlignedBox3d box;
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
-    const bool finite =
-        detail::finite(mesh.positions[v]) && std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);
-    if (!referenced[v] || !finite) continue;
+    if (!referenced[v] || !detail::finite(mesh.positions[v]) || !usable_uv(mesh.uvs[v])) continue;
     usable.push_back(v);
     box.extend(to_eigen(mesh.positions[v]));
   }
@@ -113,9 +113,11 @@ bool determined(const UvModel& model, const UvState& state) {
 std::optional<Trial> tried(const Data& data, UvStart start, const SurfaceSpecification& given) {
   start.model.points = &data.trial;
   Solved solved;
-  if (start.median < hopeless) solved = start.model.solve(start.state, Mixture{}, 1e-14);
+  if (start.median < hopeless && rms(start.model, start.state) < too_far)
+    solved = start.model.solve(start.state, Mixture{}, 1e-14);
   if (!surface_of(start.model, start.state, data.all.size, given)) return std::nullopt;
   const double error = rms(start.model, start.state);
+  if (!std::isfinite(error)) return std::nullopt;
   const double permitted = fits_below * (start.model.free_affine.empty() ? 1 : affine_share);
   const bool fits = solved.converged && error <= permitted && determined(start.model, start.state);
   return Trial{start.model, start.state, error, fits, solved.iterations};
@@ -170,10 +172,10 @@ MeshFit completed(const Data& data, Trial trial, const SurfaceSpecification& giv
   fit.rms = fit.rms_relative * data.all.size;
   fit.fits = trial.fits && fit.rms_relative <= fits_below;
   const auto n = static_cast<double>(data.all.count());
-  const double sigma =
-      fit.rms_relative * std::sqrt(n / (3 * n - static_cast<double>(trial.model.unknowns())));
-  fit.sigma = sigma * data.all.size;
-  if (fit.fits) {
+  if (fit.fits) {  // so there are more coordinates than unknowns
+    const double sigma =
+        fit.rms_relative * std::sqrt(n / (3 * n - static_cast<double>(trial.model.unknowns())));
+    fit.sigma = sigma * data.all.size;
     const UvSpread spread = trial.model.spread(trial.state, trial.model.sums(trial.state, Mixture{}));
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (const auto& p : data.all.positions) centre += to_eigen(p) / n;

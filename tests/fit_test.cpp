@@ -274,6 +274,39 @@ TEST(Fit, EveryVertexCounts) {
 }
 
 // Points on a line are no thin cylinder.
+// As many unknowns as coordinates, or more: no noise is told, and none is stated.
+TEST(Fit, FewVerticesStateNoNoise) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  for (std::uint32_t n = 4; n <= 6; ++n) {
+    Mesh mesh;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      mesh.positions.push_back({normal(random), normal(random), normal(random)});
+      mesh.uvs.push_back({normal(random), normal(random)});
+      mesh.triangles.push_back({0, 1, i});
+    }
+    for (const char* kind : {"ellipsoid", "helicoid", "plane"}) {
+      const MeshFit fit = fit_surface(mesh, {kind, {}});
+      EXPECT_FALSE(fit.fits) << kind;
+      EXPECT_EQ(fit.sigma, 0) << kind << ", " << n;
+    }
+  }
+}
+
+TEST(Fit, HugeUvsAreNoCrash) {
+  for (const AnySurface& kind : fitted_surfaces())
+    for (const double huge : {1e50, 1e90, 1e200}) {
+      Mesh mesh = sample_mesh(kind, {.columns = 8, .rows = 8});
+      mesh.uvs[20] = {huge, huge};
+      try {
+        const MeshFit fit = fit_surface(mesh, {std::string(kind.info().name), {}});
+        EXPECT_EQ(fit.fits, huge > 1e100) << kind.info().name;  // such a uv says nothing
+        EXPECT_TRUE(std::isfinite(fit.rms)) << kind.info().name << ", " << huge;
+      } catch (const MeshError&) {
+      }
+    }
+}
+
 TEST(Fit, ALineIsNoSurface) {
   Mesh mesh = sample_mesh(Cylinder{1.0, 1.0}, {.columns = 8, .rows = 8});
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) mesh.positions[v] = {mesh.uvs[v].x, 0, 0};

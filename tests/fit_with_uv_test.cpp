@@ -388,6 +388,39 @@ TEST(FitWithUv, BadInputIsRefused) {
   EXPECT_TRUE(fitted(bad, "sphere").usable) << fitted(bad, "sphere").reason;
 }
 
+// One uv beyond all measure, of one point or of all, in the range of numbers or not: an outlier, or no fit, and never a crash.
+TEST(FitWithUv, HugeUvsAreOutliers) {
+  Random random(15);
+  for (const double huge : {1e20, 1e50, 1e90, 1e110, 1e160, 1e200, 1e308})
+    for (const std::string_view kind : fitted_kinds()) {
+      const PlacedSurface truth{make_surface(kind), random_pose(random, 1)};
+      const PointCloud good = sampled(truth, 200, 0, 0, random).cloud;
+      PointCloud one = good;
+      one.uvs[7].y = huge;
+      const PointFit fit = fitted(one, std::string(kind));
+      EXPECT_TRUE(fit.usable) << kind << ", " << huge << ": " << fit.reason;
+      EXPECT_EQ(fit.ignored, huge > 1e100 ? 1U : 0U);
+      EXPECT_FALSE(fit.is_inlier[7]) << kind << ", " << huge;
+      if (kind != "cylinder" && kind != "enneper") continue;
+      one.uvs[7].x = huge;
+      EXPECT_TRUE(fitted(one, std::string(kind)).usable) << kind << ", both " << huge;
+      PointCloud all = good;
+      for (auto& uv : all.uvs) uv.y *= huge;
+      const PointFit of_all = fitted(all, std::string(kind));
+      EXPECT_TRUE(of_all.usable || !of_all.surface) << of_all.reason;
+    }
+}
+
+TEST(FitWithUv, CandidatesSayWhatTheFitSays) {
+  Random random(16);
+  for (const double sigma : {0.0, 0.01}) {
+    const PlacedSurface truth{AnySurface(Torus{1.0, 0.4}), random_pose(random, 1)};
+    const PointFit fit = fitted(sampled(truth, 1000, sigma, sigma > 0 ? 0.2 : 0, random).cloud);
+    ASSERT_TRUE(fit.usable) << fit.reason;
+    EXPECT_DOUBLE_EQ(fit.candidates.front().rms, fit.rms);
+  }
+}
+
 // The answer belongs to the points: not to their order, the axes they are given in or their unit.
 TEST(FitWithUv, IsEquivariant) {
   Random random(14);

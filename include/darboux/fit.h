@@ -23,8 +23,8 @@ struct MeshFit : SurfaceUncertainty {
   PlacedSurface surface;
   double rms = 0;           ///< of |position - surface(uv)| over the referenced vertices, in the mesh's units
   double rms_relative = 0;  ///< rms over the bounding box's diagonal
-  double sigma =
-      0;  ///< left of one coordinate, in the mesh's units: sqrt(Σ |distance|² / (3 vertices - unknowns))
+  /// Left of one coordinate, in the mesh's units: sqrt(Σ |distance|² / (3 vertices - unknowns)). 0 where nothing fits.
+  double sigma = 0;
   bool fits = false;                           ///< rms_relative <= fits_below, and Ceres converged
   std::vector<std::string_view> equivalent{};  ///< other uv conventions that fit as well
   int iterations = 0;                          ///< of Ceres

@@ -18,6 +18,7 @@
 #include <darboux/project.h>
 
 #include "parameter_jet.h"
+#include "quantile.h"
 
 namespace darboux {
 namespace {
@@ -258,12 +259,6 @@ struct Mixture {
   }
   double outlier() const { return outlier_share / window; }
 };
-
-double quantile(std::vector<double> values, double share) {
-  const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
-  return values[at];
-}
 
 std::vector<double> sizes(const std::vector<double>& distance) {
   std::vector<double> result;

@@ -100,6 +100,12 @@ class Compressed final : public ceres::CostFunction {
   mutable Eigen::MatrixXd root_;
 };
 
+// Infinite where a uv far from the patch leads out of the range of numbers: such a point lies nowhere near.
+double square_of(const Eigen::Vector3d& residual) {
+  const double square = residual.squaredNorm();
+  return std::isnan(square) ? std::numeric_limits<double>::infinity() : square;
+}
+
 // A little inside an open bound: there the surface is a line or a point.
 double least(const Range& permitted) {
   return permitted.minimum_included ? permitted.minimum : permitted.minimum + 1e-12;
@@ -284,7 +290,7 @@ UvSums UvModel::sums(const UvState& state, const Mixture& mixture, std::vector<d
     double cost = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const auto row = static_cast<Eigen::Index>(3 * i);
-      const double square = residual.segment<3>(row).squaredNorm(), half = 0.5 * precision * square;
+      const double square = square_of(residual.segment<3>(row)), half = 0.5 * precision * square;
       if (squares) (*squares)[first + i] = square;
       if (!mixture.robust) {
         cost += half;
@@ -327,7 +333,7 @@ std::vector<double> UvModel::squares(const UvState& state) const {
     const std::size_t count = std::min(block_size, points->count() - first);
     fill(state, first, count, block, uvs, jacobian, residual);
     for (std::size_t i = 0; i < count; ++i)
-      result[first + i] = residual.segment<3>(static_cast<Eigen::Index>(3 * i)).squaredNorm();
+      result[first + i] = square_of(residual.segment<3>(static_cast<Eigen::Index>(3 * i)));
   }
   return result;
 }

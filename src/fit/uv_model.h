@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
@@ -30,6 +31,11 @@ struct UvPoints {
   /// What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.
   double least_sigma() const;
 };
+
+/// Whether a stored uv says where a point lies: beyond, squares leave the range of numbers.
+inline bool usable_uv(const Vec2<double>& uv) {
+  return std::fabs(uv.x) <= 1e100 && std::fabs(uv.y) <= 1e100;
+}
 
 /// The six numbers of an affine map of uv in the order in which UvConvention has them.
 using Affine = std::array<double, 6>;

@@ -8,14 +8,10 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "quantile.h"
+
 namespace darboux {
 namespace {
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // x^T = O^T + sum_k B_k(u, v)^T A_k^T over the lengths k, B_k = ∂P/∂p_k: linear in O and the A_k, rows of `solution`.
 struct Linear {
@@ -57,13 +53,15 @@ Linear linear_problem(const UvModel& model, const Affine& affine, const std::vec
 }
 
 // Least squares, then least distances by reweighting. Of minimum norm where the data leave a direction open: A_k is zero
-// there.
-void solve(Linear& linear, int rounds) {
+// there. False where the uvs make the surface so large that squares leave the range of numbers.
+bool solve(Linear& linear, int rounds) {
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(linear.design.rows());
   linear.distances.resize(static_cast<std::size_t>(linear.design.rows()));
   for (int round = 0; round < rounds; ++round) {
     const Eigen::MatrixXd weighted = weights.asDiagonal() * linear.design;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(weighted.transpose() * linear.design);
+    const Eigen::MatrixXd normal = weighted.transpose() * linear.design;
+    if (!normal.allFinite()) return false;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal);
     const double largest = eigen.eigenvalues().maxCoeff();
     const Eigen::VectorXd inverse =
         eigen.eigenvalues().unaryExpr([&](double d) { return d > 1e-12 * largest ? 1 / d : 0.0; });
@@ -72,10 +70,11 @@ void solve(Linear& linear, int rounds) {
     const Eigen::VectorXd distances = (linear.design * linear.solution - linear.targets).rowwise().norm();
     Eigen::VectorXd::Map(linear.distances.data(), distances.size()) = distances;
     if (round + 1 < rounds) {
-      const double floor = 1e-3 * median_of(linear.distances) + 1e-12;
+      const double floor = 1e-3 * median(linear.distances) + 1e-12;
       weights = distances.unaryExpr([&](double d) { return 1 / std::fmax(d, floor); });
     }
   }
+  return linear.solution.allFinite();
 }
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& a) {
@@ -102,6 +101,7 @@ UvState rigid(const UvModel& model, const Linear& linear, const Affine& affine, 
   }
   const std::size_t count = a.size();
   UvState best;
+  best.parameters = at;
   double least = std::numeric_limits<double>::infinity();
   for (unsigned signs = 0; signs < (1u << count); ++signs) {
     std::vector<double> lengths(count);
@@ -131,7 +131,6 @@ UvState rigid(const UvModel& model, const Linear& linear, const Affine& affine, 
     if (!(error < least)) continue;
     least = error;
     best.rotation = Eigen::Quaterniond(rotation).normalized();
-    best.parameters = at;
     for (std::size_t k = 0; k < count; ++k)
       best.parameters[static_cast<std::size_t>(linear.lengths[k])] = lengths[k];
   }
@@ -150,7 +149,7 @@ UvState rigid(const UvModel& model, const Linear& linear, const Affine& affine, 
 }
 
 double median_distance(const UvModel& model, const UvState& state) {
-  return std::sqrt(median_of(model.squares(state)));
+  return std::sqrt(median(model.squares(state)));
 }
 
 UvModel model_of(const UvKind& kind, const UvPoints& points, const UvConvention& convention,
@@ -180,19 +179,19 @@ ConventionStarts convention_starts(const UvKind& kind, const UvPoints& points, c
     std::optional<UvStart> proper, mirrored;
     const auto keep_nearer = [&](std::optional<UvStart>& best, UvModel judged, const UvState& state) {
       const double median = median_distance(judged, state);
-      if (!best || median < best->median) best = UvStart{judged, state, median};
+      if (std::isfinite(median) && (!best || median < best->median)) best = UvStart{judged, state, median};
     };
     for (const auto& at : kind.starts) {
       Linear linear = linear_problem(model, identity_map, at);
-      solve(linear, robust ? many_rounds : 1);
+      if (!solve(linear, robust ? many_rounds : 1)) continue;
       keep_nearer(proper, model, rigid(model, linear, identity_map, at, held, false));
       if (!robust) continue;
       UvModel reflected = model;
       reflected.points = &image;
       keep_nearer(mirrored, reflected, rigid(model, linear, identity_map, at, held, true));
-      mirrored->model.points = &points;
+      if (mirrored) mirrored->model.points = &points;
     }
-    result.proper.push_back(*proper);
+    if (proper) result.proper.push_back(*proper);
     if (mirrored) result.mirrored.push_back(*mirrored);
   }
   return result;
@@ -266,8 +265,8 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
       const Affine affine{is_free(0) ? su * unit[0] : 1, shear, 0, is_free(3) ? sv * unit[1] : 1, ou, ov};
       for (const auto& at : kind.starts) {
         Linear linear = linear_problem(model, affine, at);
-        solve(linear, robust ? few_rounds : 1);
-        candidates.push_back({convention, affine, &at, median_of(linear.distances)});
+        if (solve(linear, robust ? few_rounds : 1))
+          candidates.push_back({convention, affine, &at, median(linear.distances)});
       }
     };
     for (const double su : choices(0, scales))
@@ -287,11 +286,11 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
       Affine affine = c.affine;
       affine[4] += turn;
       Linear linear = linear_problem(m, affine, *c.at);
-      solve(linear, robust ? many_rounds : 1);
+      if (!solve(linear, robust ? many_rounds : 1)) continue;
       const UvState state = rigid(m, linear, affine, *c.at, held, false);
       const double median = median_distance(m, state);
       m.points = &all;
-      result.push_back({m, state, median});
+      if (std::isfinite(median)) result.push_back({m, state, median});
     }
   std::stable_sort(result.begin(), result.end(),
                    [](const UvStart& a, const UvStart& b) { return a.median < b.median; });

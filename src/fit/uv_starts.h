@@ -20,7 +20,7 @@ struct UvStart {
   double median;  ///< of the points' distances
 };
 
-/// The best start of each convention of uv_conventions(), in their order.
+/// The best start of each convention of uv_conventions(), in their order, without those that have none in the range of numbers.
 struct ConventionStarts {
   std::vector<UvStart> proper;
   std::vector<UvStart>

@@ -9,6 +9,7 @@
 #include <darboux/error.h>
 
 #include "../text.h"
+#include "quantile.h"
 #include "uv_starts.h"
 
 namespace darboux {
@@ -17,7 +18,7 @@ namespace {
 // Points that choose the start, and kind and convention.
 constexpr std::size_t start_points = 256, trial_points = 1024;
 
-// Beyond so many times the typical distance from the middle a point starts nothing.
+// Beyond so many times the typical distance from the middle, of the positions or of the uvs, a point starts nothing.
 constexpr double far = 20;
 
 // Differences of log-likelihood, and of the information criterion, that decide. 5: odds of 148 to 1.
@@ -45,12 +46,6 @@ struct Trial {
   }
 };
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void check(const PointCloud& cloud, const PointFitOptions& options) {
   if (cloud.uvs.empty()) throw MeshError("points", "have no uvs, a fit with uvs needs one a point");
   if (cloud.uvs.size() != cloud.positions.size())
@@ -73,25 +68,36 @@ void check(const PointCloud& cloud, const PointFitOptions& options) {
   }
 }
 
+// Which uvs are not far from the middle of all.
+std::vector<bool> near_the_middle(const std::vector<Vec2<double>>& uvs) {
+  std::vector<double> x, y, distances;
+  for (const auto& uv : uvs) x.push_back(uv.x), y.push_back(uv.y);
+  const Vec2<double> middle{median(std::move(x)), median(std::move(y))};
+  for (const auto& uv : uvs) distances.push_back(std::hypot(uv.x - middle.x, uv.y - middle.y));
+  const double typical = median(distances);
+  std::vector<bool> result;
+  for (const double d : distances) result.push_back(typical == 0 || d <= far * typical);
+  return result;
+}
+
 // What can be said of the points before any surface; empty when there is nothing against them.
 std::string prepare(const PointCloud& cloud, const PointFitOptions& options, Data& data) {
   for (std::size_t i = 0; i < cloud.positions.size(); ++i)
-    if (detail::finite(cloud.positions[i]) && std::isfinite(cloud.uvs[i].x) && std::isfinite(cloud.uvs[i].y))
-      data.index.push_back(i);
+    if (detail::finite(cloud.positions[i]) && usable_uv(cloud.uvs[i])) data.index.push_back(i);
   const std::size_t n = data.index.size();
   if (n < 4) return std::to_string(n) + " finite points, a fit with uvs needs at least 4";
   std::array<double, 3> middle{};
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const std::size_t i : data.index) values.push_back(to_eigen(cloud.positions[i])[axis]);
-    middle[static_cast<std::size_t>(axis)] = median_of(std::move(values));
+    middle[static_cast<std::size_t>(axis)] = median(std::move(values));
   }
   UvPoints& all = data.all;
   all.centre = {middle[0], middle[1], middle[2]};
   std::vector<double> distances;
   for (const std::size_t i : data.index)
     distances.push_back((to_eigen(cloud.positions[i]) - all.centre).stableNorm());
-  all.size = 2 * median_of(distances);
+  all.size = 2 * median(distances);
   if (!(all.size > 0)) all.size = *std::max_element(distances.begin(), distances.end());
   if (!(all.size > 0)) return "all points are equal";
   if (!std::isfinite(all.size)) return "the points are too far apart for double precision";
@@ -101,9 +107,12 @@ std::string prepare(const PointCloud& cloud, const PointFitOptions& options, Dat
     all.positions.push_back(from_eigen((to_eigen(cloud.positions[i]) - all.centre) / all.size));
     all.uvs.push_back(cloud.uvs[i]);
     uvs_differ = uvs_differ || !(cloud.uvs[i] == all.uvs.front());
-    if (to_eigen(all.positions.back()).norm() > far) continue;
-    near.positions.push_back(all.positions.back());
-    near.uvs.push_back(all.uvs.back());
+  }
+  const std::vector<bool> near_by_uv = near_the_middle(all.uvs);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (to_eigen(all.positions[i]).norm() > far || !near_by_uv[i]) continue;
+    near.positions.push_back(all.positions[i]);
+    near.uvs.push_back(all.uvs[i]);
   }
   if (!uvs_differ) return "the uvs are all equal";
   data.trial = near.chosen(trial_points, options.seed);
@@ -128,7 +137,7 @@ Trial maximised(UvStart start, const Data& data, const UvPoints& points) {
   // The median of inliers' distances is 1.54 sigma.
   std::vector<double> squares = start.model.squares(start.state);
   mixture.sigma =
-      data.noise ? *data.noise : std::fmax(std::sqrt(median_of(squares)) / 1.54, points.least_sigma());
+      data.noise ? *data.noise : std::fmax(std::sqrt(median(squares)) / 1.54, points.least_sigma());
   mixture.outliers = 0.2;
   if (!data.noise) update(mixture, squares, points, data.noise);
   const Solved solved = start.model.maximise(start.state, mixture, data.noise);
@@ -213,7 +222,7 @@ UvStart guessed(const Data& data, const UvKind& kind, const PlacedSurface& guess
   state.translation = (guess.placement.translation() - data.all.centre) / data.all.size;
   for (std::size_t k = 0; k < kind.parameters.size(); ++k)
     state.parameters.push_back(guess.surface.parameters()[k].value / (kind.length[k] ? data.all.size : 1));
-  return {model, state, std::sqrt(median_of(model.squares(state)))};
+  return {model, state, std::sqrt(median(model.squares(state)))};
 }
 
 // Whether this convention explains little, or an affine map much more: then it is worth a search.
@@ -240,20 +249,26 @@ std::string described(const Trial& trial) {
          std::string(trial.model.whole_convention(trial.state).name);
 }
 
+double inliers_rms(const Mixture& mixture, const std::vector<double>& squares) {
+  double inliers = 0, sum = 0;
+  for (const double s : squares)
+    if (inlier_weight(mixture, s) > 0.5) inliers += 1, sum += s;
+  return std::sqrt(sum / std::fmax(inliers, 1));
+}
+
 // Everything the header promises of a usable fit, from all points. Returns why it is not usable, else nothing.
 std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   const UvKind& kind = *trial.model.kind;
   const double size = data.all.size;
   std::vector<double> squares;
   const UvSums sums = trial.model.sums(trial.state, trial.mixture, &squares);
-  double weights = 0, weighted = 0, within = 0;
+  double weights = 0, weighted = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < squares.size(); ++i) {
     const double w = inlier_weight(trial.mixture, squares[i]);
     if (w > 0.5) {
       fit.is_inlier[data.index[i]] = true;
       ++fit.inliers;
-      within += squares[i];
     }
     if (!(w > 1e-30)) continue;
     weights += w;
@@ -266,7 +281,7 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   if (!(3 * weights > m))
     return std::to_string(fit.inliers) + " points on the surface, a " + std::string(kind.name) + " has " +
            std::to_string(m) + " unknowns";
-  fit.rms = size * std::sqrt(within / static_cast<double>(std::max<std::size_t>(fit.inliers, 1)));
+  fit.rms = size * inliers_rms(trial.mixture, squares);
   const double sigma = data.noise ? *data.noise : std::sqrt(weighted / (3 * weights - m));
   fit.sigma = size * sigma;
 
@@ -413,8 +428,8 @@ PointFit fit_points_with_uv(const PointCloud& cloud, const PointFitOptions& opti
   }
   by_bic();
   for (const Trial& t : trials)
-    fit.candidates.push_back(
-        {std::string(t.model.kind->name), t.bic(n), data.all.size * std::sqrt(3.0) * t.mixture.sigma});
+    fit.candidates.push_back({std::string(t.model.kind->name), t.bic(n),
+                              data.all.size * inliers_rms(t.mixture, t.model.squares(t.state))});
   // The best of which everything is determined; a cone without height is a disk.
   std::optional<PointFit> chosen;
   std::string against_first, described_as;
