@@ -4,6 +4,7 @@
 #include <darboux/error.h>
 #include <darboux/fit.h>
 
+#include "fit/choose.h"
 #include "fit/uv_starts.h"
 
 namespace darboux {
@@ -223,8 +224,8 @@ MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
     if (!another) keep_better(best, try_affine(data, *kind, given, held));
   }
   if (!best)
-    throw MeshError("mesh",
-                    "no uv convention lets a " + given.name + " start, the positions do not follow the uvs");
+    throw MeshError("mesh", "no uv convention lets " + fit::with_article(given.name) +
+                                " start, the positions do not follow the uvs");
   return completed(data, *best, given, placement);
 }
 

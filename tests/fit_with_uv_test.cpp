@@ -421,6 +421,23 @@ TEST(FitWithUv, CandidatesSayWhatTheFitSays) {
   }
 }
 
+// A surface of another kind that leaves distances like the points' size, or shrinks to what it can explain, is no fit.
+TEST(FitWithUv, AWrongKindIsNotUsable) {
+  Random random(17);
+  for (const double sigma : {0.0, 0.01})
+    for (const auto& [truth, asked] :
+         std::vector<std::pair<std::string, std::string>>{{"torus", "enneper"},
+                                                          {"sphere", "cylinder"},
+                                                          {"sphere", "torus"},
+                                                          {"torus", "plane"},
+                                                          {"helicoid", "cone"}}) {
+      const PlacedSurface surface{make_surface(truth), random_pose(random, 1)};
+      const PointFit fit = fitted(sampled(surface, 1000, sigma, 0, random).cloud, asked);
+      EXPECT_FALSE(fit.usable) << truth << " as " << asked << ": " << fit.reason << ", sigma " << fit.sigma;
+      EXPECT_EQ(fit.reason.find(" a e"), std::string::npos) << fit.reason;
+    }
+}
+
 // The answer belongs to the points: not to their order, the axes they are given in or their unit.
 TEST(FitWithUv, IsEquivariant) {
   Random random(14);

@@ -70,11 +70,13 @@ UvKind kind(const std::vector<Shape>& shapes = {}, std::string_view never_zero =
 
 }  // namespace
 
-bool UvKind::vanishes(int k, double value) const {
-  constexpr double small = 1e-6;
+bool UvKind::may_be_zero(int k) const {
   const ParameterValue& p = parameters[static_cast<std::size_t>(k)];
-  return (!p.permitted.minimum_included && value < p.permitted.minimum + small) ||
-         (p.name == never_zero && std::fabs(value) < small);
+  return p.permitted.contains(0) && p.name != never_zero;
+}
+
+bool UvKind::vanishes(int k, double value) const {
+  return !may_be_zero(k) && std::fabs(value) < 1e-6;
 }
 
 const std::vector<UvKind>& uv_kinds() {
@@ -84,7 +86,7 @@ const std::vector<UvKind>& uv_kinds() {
       kind<Sphere>(),
       kind<Cylinder>(),
       kind<Cone>(),
-      kind<Torus>(),
+      kind<Torus>({}, "major_radius"),
       kind<Ellipsoid>(),
       kind<EllipticParaboloid>(),
       kind<HyperbolicParaboloid>(),

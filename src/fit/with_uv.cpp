@@ -9,6 +9,7 @@
 #include <darboux/error.h>
 
 #include "../text.h"
+#include "choose.h"
 #include "quantile.h"
 #include "uv_starts.h"
 
@@ -61,7 +62,7 @@ void check(const PointCloud& cloud, const PointFitOptions& options) {
   if (options.guess) {
     const std::string_view kind = options.guess->surface.info().name;
     if (!find_uv_kind(kind) || (options.surface != "auto" && options.surface != kind))
-      throw ParameterError("guess", "is a " + std::string(kind) + ", permitted is " +
+      throw ParameterError("guess", "is " + fit::with_article(kind) + ", permitted is " +
                                         (options.surface == "auto" ? uv_kind_names() : options.surface));
     if (!options.guess->placement.matrix().allFinite())
       throw ParameterError("guess", "its placement is not finite");
@@ -164,10 +165,13 @@ std::optional<AnySurface> surface_of(const Trial& trial, double size) {
   }
 }
 
-// The points' extent explained: a fit that leaves more than half of it has found nothing.
-bool explains(const Trial& trial, double unexplained = 0.5) {
+// Beyond so much noise, in units of the inliers' extent, a fit has found nothing; above the other one, perhaps too little.
+constexpr double most_noise = 0.2, much_noise = 0.06;
+
+// The points' extent explained.
+bool explains(const Trial& trial, double noise = most_noise) {
   const double extent = 0.5 * std::cbrt(trial.mixture.volume / (4.0 / 3.0 * 3.141592653589793));
-  return trial.mixture.sigma * std::sqrt(3.0) < unexplained * extent && trial.mixture.outliers < 0.7;
+  return trial.mixture.sigma < noise * extent && trial.mixture.outliers < 0.7;
 }
 
 bool sound(const Trial& trial) {
@@ -227,7 +231,7 @@ UvStart guessed(const Data& data, const UvKind& kind, const PlacedSurface& guess
 
 // Whether this convention explains little, or an affine map much more: then it is worth a search.
 bool wants_affine(const Data& data, const Trial& trial) {
-  if (!explains(trial, 0.1)) return true;
+  if (!explains(trial, much_noise)) return true;
   UvStart start{trial.model, trial.state, 0};
   start.model.free_affine = observable_affine(start.model);
   const Trial freed = maximised(start, data, data.trial);
@@ -279,7 +283,7 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   fit.outliers = squares.size() - fit.inliers;
   const int m = trial.model.columns(), parameters = kind.parameter_count();
   if (!(3 * weights > m))
-    return std::to_string(fit.inliers) + " points on the surface, a " + std::string(kind.name) + " has " +
+    return std::to_string(fit.inliers) + " points on the surface, " + fit::with_article(kind.name) + " has " +
            std::to_string(m) + " unknowns";
   fit.rms = size * inliers_rms(trial.mixture, squares);
   const double sigma = data.noise ? *data.noise : std::sqrt(weighted / (3 * weights - m));
@@ -312,11 +316,14 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
     const ParameterValue& p = kind.parameters[static_cast<std::size_t>(k)];
     const double value = trial.state.parameters[static_cast<std::size_t>(k)] *
                          (kind.length[static_cast<std::size_t>(k)] ? size : 1);
-    const bool never_zero =
-        (p.permitted.minimum == 0 && !p.permitted.minimum_included) || p.name == kind.never_zero;
-    if (never_zero && std::fabs(value) < 3 * deviation(k))
+    if (kind.may_be_zero(k)) continue;
+    if (std::fabs(value) < 3 * deviation(k))
       return "the points do not tell the " + std::string(p.name) + " of the " + std::string(kind.name) +
              " from zero";
+    if (const double times = std::fabs(value) / fit.sigma;
+        kind.length[static_cast<std::size_t>(k)] && times < 5)
+      return "the " + std::string(p.name) + " of the best " + std::string(kind.name) + " is only " +
+             rounded(times, 2) + " times the noise: no fit; less noise helps";
   }
   fit.surface = PlacedSurface{*surface_of(trial, size), Eigen::Isometry3d::Identity(),
                               trial.model.whole_convention(trial.state)};
@@ -351,8 +358,9 @@ PointFit fit_points_with_uv(const PointCloud& cloud, const PointFitOptions& opti
     if (options.surface == "auto" || options.surface == kind.name) kinds.push_back(&kind);
   const auto n = static_cast<double>(data.all.count());
   if (kinds.size() == 1 && 3 * n <= 6 + kinds.front()->parameter_count())
-    return finished(std::to_string(data.all.count()) + " finite points, a " + options.surface +
-                    " needs at least " + std::to_string((6 + kinds.front()->parameter_count()) / 3 + 1));
+    return finished(std::to_string(data.all.count()) + " finite points, " +
+                    fit::with_article(options.surface) + " needs at least " +
+                    std::to_string((6 + kinds.front()->parameter_count()) / 3 + 1));
 
   UvPoints image = data.trial;
   for (auto& p : image.positions) p = -p;
@@ -393,7 +401,7 @@ PointFit fit_points_with_uv(const PointCloud& cloud, const PointFitOptions& opti
   if (mirrored &&
       (trials.empty() || mirrored->log_likelihood > trials.front().log_likelihood + 2 * decisive)) {
     fit.mirrored = true;
-    return finished("the uvs follow the mirror image of a " + std::string(mirrored->model.kind->name));
+    return finished("the uvs follow the mirror image of " + fit::with_article(mirrored->model.kind->name));
   }
   if (trials.empty() || wants_affine(data, trials.front())) {
     for (const UvKind* kind : kinds) {
@@ -412,7 +420,7 @@ PointFit fit_points_with_uv(const PointCloud& cloud, const PointFitOptions& opti
   if (trials.empty())
     return finished("the points do not follow the uvs on " +
                     (options.surface == "auto" ? "any surface that is fitted: " + uv_kind_names()
-                                               : "a " + options.surface));
+                                               : fit::with_article(options.surface)));
 
   // Those that the trial points leave open, and the best of the others, are fitted to all points.
   const double best = trials.front().bic(static_cast<double>(data.trial.count()));
@@ -438,9 +446,10 @@ PointFit fit_points_with_uv(const PointCloud& cloud, const PointFitOptions& opti
     const Trial& t = trials[i];
     if (chosen && t.bic(n) > best_bic + least_bic_margin) break;
     PointFit attempt = fit;
-    std::string why = !t.converged ? "Ceres did not converge on a " + described(t)
-                      : !sound(t) ? "the points do not follow the uvs on a " + std::string(t.model.kind->name)
-                                  : report(t, data, attempt);
+    std::string why = !t.converged ? "Ceres did not converge on " + fit::with_article(described(t))
+                      : !sound(t)
+                          ? "the points do not follow the uvs on " + fit::with_article(t.model.kind->name)
+                          : report(t, data, attempt);
     if (i == 0) against_first = why;
     if (!why.empty()) continue;
     if (chosen)
