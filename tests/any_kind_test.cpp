@@ -195,6 +195,111 @@ TEST(AnyKindFit, RefusesBadRequests) {
   EXPECT_THROW(fit_any_kind(ragged, "catenoid", {}), MeshError);
 }
 
+// Centre and size are medians: one point, however far, says nothing of the others.
+TEST(AnyKindFit, OneFarPointIsAnOutlier) {
+  for (const double far : {1e4, 1e12, 1e150}) {
+    Sampled data = sampled("elliptic-paraboloid", 1, 9, 1500);
+    data.points.positions[3] = {far, far, -far};
+    const PointFit fit = fit_any_kind(data.points, "elliptic-paraboloid", {});
+    ASSERT_TRUE(fit.usable) << far << ": " << fit.reason;
+    EXPECT_NEAR(fit.sigma, noise, 0.1 * noise) << far;  // 1500 distances tell it to 2 %
+    EXPECT_FALSE(fit.is_inlier[3]);
+    EXPECT_LE(fit.outliers, 15U);
+  }
+}
+
+// Points on a line or in a plane lie on many surfaces of any kind, whether exactly or but for noise.
+TEST(AnyKindFit, LinesAndPlanesAreNoSurfaces) {
+  std::mt19937_64 random(10);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const double sigma : {0.0, noise})
+    for (const bool plane : {false, true})
+      for (const char* kind : {"elliptic-paraboloid", "hyperbolic-paraboloid", "one-sheet-hyperboloid",
+                               "catenoid", "helicoid", "monkey-saddle"}) {
+        const Eigen::Isometry3d pose = random_pose(random, 3);
+        PointCloud points;
+        for (int i = 0; i < (plane ? 300 : 100); ++i) {
+          const Eigen::Vector3d x(uniform(random), plane ? uniform(random) : 0, 0),
+              off(normal(random), normal(random), normal(random));
+          points.positions.push_back(from_eigen(pose * (x + sigma * off)));
+        }
+        const PointFit fit = fit_any_kind(points, kind, {});
+        EXPECT_FALSE(fit.usable) << kind << ", sigma " << sigma << (plane ? ", plane: " : ", line: ")
+                                 << fit.reason << ' '
+                                 << (fit.surface ? fit.surface->surface.specification() : "");
+        EXPECT_FALSE(fit.surface);
+      }
+}
+
+// The noise that is estimated and the covariance are of one footing: with that noise given, the covariance is the same. 30
+// points' weights depend on the noise by some percent; the correction is 30 / 23.
+TEST(AnyKindFit, CovarianceIsThatOfTheStatedNoise) {
+  const Sampled data = sampled("one-sheet-hyperboloid", 0.7, 11, 30);
+  const PointFit free = fit_any_kind(data.points, "one-sheet-hyperboloid", with_guess(data.truth));
+  ASSERT_TRUE(free.usable) << free.reason;
+  PointFitOptions options = with_guess(data.truth);
+  options.noise = free.sigma;
+  const PointFit held = fit_any_kind(data.points, "one-sheet-hyperboloid", options);
+  ASSERT_TRUE(held.usable) << held.reason;
+  EXPECT_EQ(free.inliers, 30U);
+  EXPECT_NEAR(free.covariance(6, 6) / held.covariance(6, 6), 1, 0.05);
+  EXPECT_NEAR(free.covariance(7, 7) / held.covariance(7, 7), 1, 0.05);
+}
+
+// An end is an end: from starts on either side the estimates agree to a small part of their standard errors.
+TEST(AnyKindFit, ConvergesWithinTheStandardErrors) {
+  Sampled data = sampled("catenoid", 1, 12, 6000);
+  std::mt19937_64 random(13);
+  std::uniform_real_distribution<double> uniform(-3, 3);
+  for (std::size_t i = 0; i < 1200; ++i)
+    data.points.positions[5 * i] =
+        data.points.positions[5 * i] + 0.01 * Vec3<double>{uniform(random), uniform(random), uniform(random)};
+  std::vector<PointFit> fits;
+  for (const double factor : {0.97, 1.04}) {
+    PlacedSurface guess = data.truth;
+    guess.surface = guess.surface.with(
+        std::vector{factor * parameter(guess.surface, "waist_radius"), parameter(guess.surface, "extent")});
+    fits.push_back(fit_any_kind(data.points, "catenoid", with_guess(guess)));
+    ASSERT_TRUE(fits.back().usable) << fits.back().reason;
+  }
+  EXPECT_NEAR(parameter(fits[0].surface->surface, "waist_radius"),
+              parameter(fits[1].surface->surface, "waist_radius"), 0.02 * fits[0].standard_errors[0].value);
+}
+
+// What only bounds the patch, or may grow with the others, encloses the inliers and no more: the feet's coordinates that end
+// reach from side to side.
+TEST(AnyKindFit, ThePatchEnclosesTheInliers) {
+  for (const char* kind :
+       {"one-sheet-hyperboloid", "catenoid", "elliptic-paraboloid", "hyperbolic-paraboloid"}) {
+    const Sampled data = sampled(kind, 0.6, 14);
+    const PointFit fit = fit_any_kind(data.points, kind, {});
+    ASSERT_TRUE(fit.usable) << fit.reason;
+    const Projector projector(fit.surface->surface);
+    const Eigen::Isometry3d inverse = fit.surface->placement.inverse();
+    const SurfaceInfo& info = fit.surface->surface.info();
+    double beyond = -1;
+    for (std::size_t i = 0; i < data.points.positions.size(); ++i) {
+      if (!fit.is_inlier[i]) continue;
+      const Vec2<double> uv = projector(from_eigen(inverse * to_eigen(data.points.positions[i]))).uv;
+      if (info.u == Coordinate::linear) beyond = std::fmax(beyond, std::fmax(-uv.x, uv.x - 1));
+      if (info.v == Coordinate::linear) beyond = std::fmax(beyond, std::fmax(-uv.y, uv.y - 1));
+    }
+    EXPECT_NEAR(beyond, 0, 1e-6) << fit.surface->surface.specification() << fit.reason;
+  }
+}
+
+TEST(AnyKindFit, TellsItsProgress) {
+  PointFitOptions options;
+  std::vector<double> shares;
+  options.progress = [&](double share) { shares.push_back(share); };
+  const Sampled data = sampled("catenoid", 1, 15, 3000);
+  ASSERT_TRUE(fit_any_kind(data.points, "catenoid", options).usable);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.back(), 1);
+  EXPECT_GT(shares.size(), 40U + 3);  // at most 40 starts; the others from within the fits that follow
+}
+
 TEST(AnyKindFit, GivesTheSameBitsAgain) {
   const PointCloud points = sampled("hyperbolic-paraboloid", 1, 8, 200).points;
   const PointFit a = fit_any_kind(points, "hyperbolic-paraboloid", {}),

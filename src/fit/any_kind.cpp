@@ -17,8 +17,12 @@
 #include <darboux/forms.h>
 #include <darboux/project.h>
 
+#include "../text.h"
+#include "choose.h"
+#include "compressed.h"
 #include "parameter_jet.h"
-#include "quantile.h"
+#include "scaled.h"
+#include "uv_kinds.h"
 
 namespace darboux {
 namespace {
@@ -118,18 +122,26 @@ struct Feet {
   std::vector<double> distance, curvature;  // signed; k1 + k2 of the surface's n
 };
 
-Projection foot(const Projector& projector, const Shape& shape, const Eigen::Vector3d& x,
-                const Vec2<double>* start) {
-  const Vec3<double> p = from_eigen(shape.placement.inverse() * x);
-  return start ? projector(p, *start) : projector(p);
-}
+// Where points have their feet, by the placement turned round.
+class Feeler {
+ public:
+  explicit Feeler(const Shape& shape) : projector_(shape.surface), inverse_(shape.placement.inverse()) {}
+  Projection search(const Eigen::Vector3d& x) const { return projector_(from_eigen(inverse_ * x)); }
+  Projection follow(const Eigen::Vector3d& x, const Vec2<double>& start) const {
+    return projector_(from_eigen(inverse_ * x), start);
+  }
 
-// The feet of all points, from those of a shape nearby, or searched for.
+ private:
+  Projector projector_;
+  Eigen::Isometry3d inverse_;
+};
+
+// The feet of all points, from those of a shape nearby, or searched for where there are none.
 Feet feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts) {
-  const Projector projector(shape.surface);
+  const Feeler feeler(shape);
   Feet result;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Projection f = foot(projector, shape, points[i], starts.empty() ? nullptr : &starts[i]);
+    const Projection f = starts.empty() ? feeler.search(points[i]) : feeler.follow(points[i], starts[i]);
     const Sample<double> s = shape.surface.sample(f.uv.x, f.uv.y);
     const ShapeOperator<double> form = shape_operator(s.jet, s.frame);
     result.uv.push_back(f.uv);
@@ -139,75 +151,76 @@ Feet feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2
   return result;
 }
 
-// Row of the derivatives of the distance: -n · (velocity of the foot's point), the foot's own way being orthogonal to n.
-Eigen::VectorXd distance_row(const Shape& shape, const Projection& f, const Eigen::Vector3d& x,
-                             const Eigen::VectorXd& delta, double size) {
-  const Eigen::Vector3d place = shape.placement * to_eigen(f.position);
-  Eigen::Vector3d n = shape.placement.linear() * to_eigen(f.normal);
-  // Also right at borders and apexes; on the surface the direction is all rounding.
-  if (!(std::fabs(f.distance) <= 1e-8 * size)) n = (x - place) / f.distance;
-  const ParameterJet by = parameter_jet(shape.surface, f.uv);
-  Eigen::VectorXd row(6 + by.count);
-  row.head<3>() = -left_jacobian(delta.head<3>()).transpose() * (place - delta.segment<3>(3)).cross(n);
-  row.segment<3>(3) = -n;
-  const Eigen::Vector3d local = shape.placement.linear().transpose() * n;
-  for (int k = 0; k < by.count; ++k)
-    row[6 + k] = -local.dot(to_eigen(by.position[static_cast<std::size_t>(k)]));
-  return row;
-}
+// In units of the unknowns, of the distance over the size.
+using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6 + most_parameters, 1>;
 
-struct Normal {
-  Eigen::MatrixXd h;  // J^T W J
-  Eigen::VectorXd g;  // J^T W r
-  double squares = 0;
-  bool finite = true;
+// Derivatives of the distance of a point: -n · (velocity of the foot's point), the foot's own way being orthogonal to n.
+class DistanceRow {
+ public:
+  // At the shape moved by δ.
+  DistanceRow(const Shape& shape, const Eigen::VectorXd& delta, const Unknowns& unknowns, double size)
+      : shape_(shape),
+        by_turn_(-left_jacobian(delta.head<3>()).transpose()),
+        shift_(delta.segment<3>(3)),
+        units_(unknowns.units / size),
+        size_(size) {}
+
+  Row operator()(const Projection& f, const Eigen::Vector3d& x) const {
+    const Eigen::Vector3d place = shape_.placement * to_eigen(f.position);
+    Eigen::Vector3d n = shape_.placement.linear() * to_eigen(f.normal);
+    // Also right at borders and apexes; on the surface the direction is all rounding.
+    if (!(std::fabs(f.distance) <= 1e-8 * size_)) n = (x - place) / f.distance;
+    const ParameterJet by = parameter_jet(shape_.surface, f.uv);
+    Row row(6 + by.count);
+    row.head<3>() = by_turn_ * (place - shift_).cross(n);
+    row.segment<3>(3) = -n;
+    const Eigen::Vector3d local = shape_.placement.linear().transpose() * n;
+    for (int k = 0; k < by.count; ++k)
+      row[6 + k] = -local.dot(to_eigen(by.position[static_cast<std::size_t>(k)]));
+    return row.cwiseProduct(units_);
+  }
+
+ private:
+  const Shape& shape_;
+  Eigen::Matrix3d by_turn_;
+  Eigen::Vector3d shift_;
+  Row units_;
+  double size_;
 };
 
 struct Weighted {
   std::vector<double> weight, bias;  // 0 <= weight; the mean distance that noise makes of none
 };
 
-Normal normal_equations(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts,
-                        const Weighted& weighted, const Eigen::VectorXd& delta, const Unknowns& unknowns,
-                        double size) {
-  const Projector projector(shape.surface);
-  const Eigen::Index n = delta.size();
-  Normal result{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double w = weighted.weight[i];
-    if (w == 0) continue;
-    const Projection f = foot(projector, shape, points[i], &starts[i]);
-    const Eigen::VectorXd row =
-        distance_row(shape, f, points[i], delta, size).cwiseProduct(unknowns.units) / size;
-    const double r = (f.distance - weighted.bias[i]) / size;
-    if (!row.allFinite() || !std::isfinite(r)) {
-      result.finite = false;
-      return result;
-    }
-    result.h.selfadjointView<Eigen::Lower>().rankUpdate(row, w);
-    result.g += w * r * row;
-    result.squares += w * r * r;
-  }
-  result.h = result.h.selfadjointView<Eigen::Lower>();
-  return result;
-}
-
 // What the points do not tell: directions along which no weighted distance changes. Their squared share of the best known
 // direction is below this; rounding leaves some 1e-30, and a ratio of 1e-6 of standard deviations is still told.
 constexpr double unknown_below = 1e-12;
+using Compressed = fit::Compressed<Eigen::Dynamic>;
 
-// All points as one cost that Ceres sees as n + 1 residuals: with J^T W J = V D V^T they are D^(-1/2) V^T g, and what is left
-// of the weighted sum of squares; directions without D are held.
+struct Normal {
+  Eigen::MatrixXd h;  // J^T W J
+  Eigen::VectorXd g;  // J^T W r
+
+  explicit Normal(Eigen::Index n) : h(Eigen::MatrixXd::Zero(n, n)), g(Eigen::VectorXd::Zero(n)) {}
+  void add(const Row& row, double weight, double r) {
+    h.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
+    g += weight * r * row;
+  }
+  void mirror() { h.triangularView<Eigen::StrictlyUpper>() = h.transpose(); }
+};
+
+// All points as one cost of n + 1 residuals. Feet follow those of the last accepted shape.
 class BatchedCost final : public ceres::CostFunction {
  public:
   BatchedCost(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts,
               const Weighted& weighted, const Unknowns& unknowns, double size)
       : shape_(shape),
         points_(points),
-        starts_(starts),
         weighted_(weighted),
         unknowns_(unknowns),
-        size_(size) {
+        size_(size),
+        accepted_(starts),
+        tried_(starts) {
     const auto n = static_cast<int>(unknowns.units.size());
     set_num_residuals(n + 1);
     mutable_parameter_block_sizes()->push_back(n);
@@ -219,33 +232,68 @@ class BatchedCost final : public ceres::CostFunction {
         Eigen::Map<const Eigen::VectorXd>(parameters[0], n).cwiseProduct(unknowns_.units);
     const std::optional<Shape> shape = moved(shape_, delta);
     if (!shape) return false;
-    const Normal normal = normal_equations(*shape, points_, starts_, weighted_, delta, unknowns_, size_);
-    if (!normal.finite) return false;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(normal.h);
-    const double least = unknown_below * solver.eigenvalues()[n - 1];
     Eigen::Map<Eigen::VectorXd> r(residuals, n + 1);
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n + 1, n);
+    const bool rows = jacobians && jacobians[0];
+    // Ceres asks for the cost of a step, and for its Jacobian once it is accepted: the feet are those found then.
+    if (rows && delta == tried_at_) accepted_ = tried_;
+    tried_ = accepted_;
+    tried_at_ = delta;
+    Normal normal(n);
+    double squares = 0;
+    if (!sums(*shape, delta, rows ? &normal : nullptr, squares)) return false;
     r.setZero();
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double d = solver.eigenvalues()[k];
-      if (!(d > least)) continue;
-      r[k] = solver.eigenvectors().col(k).dot(normal.g) / std::sqrt(d);
-      jacobian.row(k) = std::sqrt(d) * solver.eigenvectors().col(k).transpose();
+    if (rows) {
+      const Compressed compressed(normal.h, unknown_below);
+      r.head(n) = compressed(normal.g);
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> j(jacobians[0],
+                                                                                           n + 1, n);
+      j << compressed.jacobian(), Eigen::RowVectorXd::Zero(n);
+      accepted_ = tried_;
     }
-    r[n] = std::sqrt(std::fmax(0, normal.squares - r.head(n).squaredNorm()));
-    if (jacobians && jacobians[0])
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[0], n + 1,
-                                                                                         n) = jacobian;
+    r[n] = fit::rest(squares, r.head(n));
     return true;
   }
 
+  // How far the first Newton step moves the surface: the root of the weighted sum of squares of its movements at the points.
+  double first_step() const {
+    const Eigen::Index n = unknowns_.units.size();
+    Normal normal(n);
+    double squares = 0;
+    if (!sums(shape_, Eigen::VectorXd::Zero(n), &normal, squares)) return infinity;
+    return size_ * Compressed(normal.h, unknown_below)(normal.g).norm();
+  }
+
  private:
+  // The weighted squares of the distances over the size and, where they are asked for, the normal equations. False where
+  // something is not finite.
+  bool sums(const Shape& shape, const Eigen::VectorXd& delta, Normal* normal, double& squares) const {
+    const Feeler feeler(shape);
+    const DistanceRow row_of(shape, delta, unknowns_, size_);
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double w = weighted_.weight[i];
+      if (w == 0) continue;
+      const Projection f = feeler.follow(points_[i], tried_[i]);
+      tried_[i] = f.uv;
+      const double r = (f.distance - weighted_.bias[i]) / size_;
+      if (!std::isfinite(r)) return false;
+      squares += w * r * r;
+      if (!normal) continue;
+      const Row row = row_of(f, points_[i]);
+      if (!row.allFinite()) return false;
+      normal->add(row, w, r);
+    }
+    if (normal) normal->mirror();
+    return std::isfinite(squares);
+  }
+
   const Shape& shape_;
   const Positions& points_;
-  const std::vector<Vec2<double>>& starts_;
   const Weighted& weighted_;
   const Unknowns& unknowns_;
   double size_;
+  // Ceres calls from one thread.
+  mutable std::vector<Vec2<double>> accepted_, tried_;
+  mutable Eigen::VectorXd tried_at_;
 };
 
 // The mixture of inliers and uniform outliers along the distance.
@@ -304,23 +352,40 @@ void expect(Estimate& e, double size) {
                  m.outlier());
 }
 
-// Ceres with the weights held, then new feet and weights, until neither changes. A draft stops early and follows the feet
-// that it found first.
-void refine(Estimate& e, const Positions& points, const std::vector<double>& typical, double size,
-            bool draft) {
+using Progress = std::function<void(double)>;
+
+// Ceres with the weights held, then new feet and weights, until the next step would be a small part of the standard errors.
+// Feet are searched for, and once more where they have been followed to the end. A draft stops early and only follows them.
+void refine(Estimate& e, const Positions& points, const std::vector<double>& typical, double size, bool draft,
+            const Progress& progress) {
   e.feet = feet_of(e.shape, points, {});
-  if (!e.mixture.sigma_known)
-    e.mixture.sigma = std::fmax(1.5 * quantile(sizes(e.feet.distance), 0.5), 1e-15 * size);
+  if (!e.mixture.sigma_known) e.mixture.sigma = std::fmax(1.5 * median(sizes(e.feet.distance)), 1e-15 * size);
   e.mixture.window = 2 * size;
   e.mixture.outlier_share = 0.2;
   expect(e, size);
+  bool searched = true;
   const int rounds = draft ? 3 : 20, steps = draft ? 8 : 30;
   for (int round = 0; round < rounds; ++round) {
     const Unknowns u = unknowns(e.shape, typical, size);
+    BatchedCost cost(e.shape, points, e.feet.uv, e.weighted, u, size);
+    bool follow = draft;
+    if (!draft) {
+      progress(static_cast<double>(round) / rounds);
+      const double inliers = std::accumulate(e.weighted.weight.begin(), e.weighted.weight.end(), 0.0),
+                   step = cost.first_step();
+      if (step <= 1e-3 * e.mixture.sigma + 1e-14 * size * std::sqrt(inliers)) {
+        e.converged = searched;
+        if (searched) return;
+        e.feet = feet_of(e.shape, points, {});
+        expect(e, size);
+        searched = true;
+        continue;
+      }
+      follow = step <= 1e-2 * size * std::sqrt(inliers);
+    }
     std::vector<double> x(static_cast<std::size_t>(u.units.size()), 0);
     ceres::Problem::Options ownership;
     ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    BatchedCost cost(e.shape, points, e.feet.uv, e.weighted, u, size);
     ceres::Problem problem(ownership);
     problem.AddResidualBlock(&cost, nullptr, x.data());
     ceres::Solver::Options options;
@@ -339,12 +404,9 @@ void refine(Estimate& e, const Positions& points, const std::vector<double>& typ
     const std::optional<Shape> next = moved(e.shape, delta.cwiseProduct(u.units));
     if (!next) return;
     e.shape = *next;
-    e.feet = feet_of(e.shape, points, draft ? e.feet.uv : std::vector<Vec2<double>>{});
-    const double before = e.log_likelihood;
+    e.feet = feet_of(e.shape, points, follow ? e.feet.uv : std::vector<Vec2<double>>{});
+    searched = !follow;
     expect(e, size);
-    e.converged = summary.termination_type == ceres::CONVERGENCE &&
-                  std::fabs(e.log_likelihood - before) <= 1e-6 * static_cast<double>(points.size());
-    if (e.converged) return;
   }
 }
 
@@ -365,13 +427,14 @@ std::vector<Eigen::Matrix3d> axis_rotations() {
 struct Principal {
   Eigen::Vector3d centre;
   Eigen::Matrix3d axes;
-  double size;  // rms distance from the centre
+  double size;       // rms distance from the centre
+  double thickness;  // rms distance from the plane of the other two axes
   // Axes about which the spread is nearly that of a circle, so that the other two may lie anyhow.
   std::vector<int> round;
 };
 
 Principal principal(const Positions& points) {
-  Principal result{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(), 0, {}};
+  Principal result{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(), 0, 0, {}};
   for (const Eigen::Vector3d& x : points) result.centre += x / static_cast<double>(points.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& x : points)
@@ -379,6 +442,12 @@ Principal principal(const Positions& points) {
   result.size = std::sqrt(spread.trace());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
   result.axes = solver.eigenvectors();
+  // Not the root of the eigenvalue, whose rounding is that of the largest.
+  for (const Eigen::Vector3d& x : points) {
+    const double off = result.axes.col(0).dot(x - result.centre);
+    result.thickness += off * off / static_cast<double>(points.size());
+  }
+  result.thickness = std::sqrt(result.thickness);
   for (const int axis : {0, 2})
     if (solver.eigenvalues()[2 - axis] > 0.7 * solver.eigenvalues()[1] &&
         0.7 * solver.eigenvalues()[2 - axis] < solver.eigenvalues()[1])
@@ -481,41 +550,90 @@ std::vector<Start> starts_of(const AnySurface& standard, const std::vector<bool>
   return result;
 }
 
+bool is_flat(const AnySurface& surface) {
+  Positions nodes;
+  for (const double u : {0.0, 0.2, 0.45, 0.7, 0.9})
+    for (const double v : {0.1, 0.3, 0.55, 0.8, 1.0}) nodes.push_back(to_eigen(surface.jet(u, v).position));
+  const Principal of_nodes = principal(nodes);
+  return !(of_nodes.thickness > 1e-9 * of_nodes.size);
+}
+
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
 }
 
-// Covariance, standard errors and what was held, at the estimate.
-void add_covariance(const Estimate& e, const Positions& points, const std::vector<double>& typical,
-                    double size, PointFit& fit, std::size_t& told, std::string& held) {
-  const Unknowns u = unknowns(e.shape, typical, size);
+// What the points tell of the unknowns at the estimate.
+Compressed information(const Estimate& e, const Positions& points, const Unknowns& u, double size) {
+  const DistanceRow row_of(e.shape, Eigen::VectorXd::Zero(u.units.size()), u, size);
+  const Feeler feeler(e.shape);
+  Normal normal(u.units.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (const double w = e.weighted.weight[i]; w > 0)
+      if (const Row row = row_of(feeler.follow(points[i], e.feet.uv[i]), points[i]); row.allFinite())
+        normal.add(row, w, 0);
+  normal.mirror();
+  return Compressed(normal.h, unknown_below);
+}
+
+// What more the whole patch would tell than the points do, its name; empty where it is nothing: symmetries, and lengths that
+// only bound the patch.
+std::string not_told(const Shape& shape, const Compressed& told, const Unknowns& u, double size) {
+  constexpr int grid = 17;
+  constexpr double clearly = 1e-8;  // of the best known direction; far above unknown_below
   const Eigen::Index n = u.units.size();
-  const Normal normal =
-      normal_equations(e.shape, points, e.feet.uv, e.weighted, Eigen::VectorXd::Zero(n), u, size);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(normal.h);
-  const double least = unknown_below * solver.eigenvalues()[n - 1], sigma = e.mixture.sigma / size;
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
-  Eigen::MatrixXd unknown = Eigen::MatrixXd::Zero(n, n);
-  told = 0;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::VectorXd direction = solver.eigenvectors().col(k);
-    if (solver.eigenvalues()[k] > least) {
-      covariance += sigma * sigma / solver.eigenvalues()[k] * direction * direction.transpose();
-      ++told;
-    } else {
-      unknown += direction * direction.transpose();
+  const DistanceRow row_of(shape, Eigen::VectorXd::Zero(n), u, size);
+  Normal whole(n);
+  for (int row = 0; row < grid; ++row)
+    for (int column = 0; column < grid; ++column) {
+      Projection f;
+      f.uv = {column / (grid - 1.0), row / (grid - 1.0)};
+      f.position = shape.surface.jet(f.uv.x, f.uv.y).position;
+      f.normal = shape.surface.frame(f.uv.x, f.uv.y).n;
+      if (const Row r = row_of(f, Eigen::Vector3d::Zero()); r.allFinite()) whole.add(r, 1, 0);
     }
+  whole.mirror();
+  const double most =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whole.h, Eigen::EigenvaluesOnly).eigenvalues()[n - 1];
+  for (Eigen::Index k = 0; k < n && !told.is_known(k); ++k) {
+    const Eigen::VectorXd direction = told.directions().col(k);
+    if (!(direction.dot(whole.h * direction) > clearly * most)) continue;
+    Eigen::Index largest;
+    direction.cwiseAbs().maxCoeff(&largest);
+    return largest < 3 ? "direction"
+           : largest < 6
+               ? "place"
+               : std::string(shape.surface.parameters()[static_cast<std::size_t>(largest - 6)].name);
   }
+  return "";
+}
+
+// The sum of the directions that are not told, v v^T each.
+Eigen::MatrixXd unknown_directions(const Compressed& told) {
+  const Eigen::Index n = told.directions().rows();
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index k = 0; k < n && !told.is_known(k); ++k)
+    result += told.directions().col(k) * told.directions().col(k).transpose();
+  return result;
+}
+
+// Covariance at this noise and standard errors, and what was held.
+void add_covariance(const Estimate& e, const Compressed& told, const Unknowns& u, double noise, PointFit& fit,
+                    std::string& held) {
+  const Eigen::Index n = u.units.size();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index k = 0; k < n; ++k)
+    covariance +=
+        noise * noise * told.variance(k) * told.directions().col(k) * told.directions().col(k).transpose();
+  const Eigen::MatrixXd unknown = unknown_directions(told);
   fit.covariance = u.units.asDiagonal() * covariance * u.units.asDiagonal();
   const std::vector<ParameterValue> parameters = e.shape.surface.parameters();
   std::vector<std::string> alone, combined;
   for (Eigen::Index k = 6; k < n; ++k) {
     const std::string name(parameters[static_cast<std::size_t>(k - 6)].name);
     // The share of the parameter in directions that are not told.
-    const bool is_alone = unknown(k, k) > 1 - 1e-6;
-    if (is_alone) {
+    if (unknown(k, k) > 1 - 1e-6) {
       alone.push_back(name);
       fit.covariance.row(k).setZero();
       fit.covariance.col(k).setZero();
@@ -537,6 +655,123 @@ void add_covariance(const Estimate& e, const Positions& points, const std::vecto
   fit.standard_errors.push_back({"centre", std::sqrt(std::fmax(move, 0))});
 }
 
+// The patch's lengths that the points do not tell, and those that may grow together without changing the surface, made such
+// that the patch just encloses the inliers in the coordinates that end. Parameters are multiplied, by exp(t d) along the
+// unknown direction d of their logarithms, unless that moves the surface. Whether anything changed.
+bool enclose(Estimate& e, const Compressed& told, const Positions& inliers,
+             const std::vector<Vec2<double>>& feet, double size) {
+  const auto count = static_cast<Eigen::Index>(values_of(e.shape.surface).size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_parameters(
+      unknown_directions(told).bottomRightCorner(count, count));
+  Eigen::MatrixXd unknown = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index k = 0; k < count; ++k)
+    if (const Eigen::VectorXd v = of_parameters.eigenvectors().col(k);
+        of_parameters.eigenvalues()[k] > 1 - 1e-6)
+      unknown += v * v.transpose();
+  // One parameter alone first, then the direction that is left if it is only one.
+  std::vector<Eigen::VectorXd> ways;
+  for (Eigen::Index k = 0; k < count; ++k)
+    if (unknown(k, k) > 1 - 1e-6) {
+      ways.push_back(Eigen::VectorXd::Unit(count, k));
+      unknown.row(k).setZero();
+      unknown.col(k).setZero();
+    }
+  if (const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> rest(unknown);
+      rest.eigenvalues().sum() > 0.5 && rest.eigenvalues().sum() < 1.5)
+    ways.push_back(rest.eigenvectors().col(count - 1));
+
+  const SurfaceInfo& info = e.shape.surface.info();
+  std::vector<double Vec2<double>::*> ending;
+  if (info.u == Coordinate::linear) ending.push_back(&Vec2<double>::x);
+  if (info.v == Coordinate::linear) ending.push_back(&Vec2<double>::y);
+  std::vector<Eigen::Vector3d> farthest;
+  for (const auto c : ending) {
+    const auto [low, high] = std::minmax_element(feet.begin(), feet.end(),
+                                                 [&](const auto& a, const auto& b) { return a.*c < b.*c; });
+    farthest.push_back(inliers[static_cast<std::size_t>(low - feet.begin())]);
+    farthest.push_back(inliers[static_cast<std::size_t>(high - feet.begin())]);
+  }
+  bool changed = false;
+  for (const Eigen::VectorXd& way : ways) {
+    const auto along = [&](double t) -> std::optional<Shape> {
+      std::vector<double> p = values_of(e.shape.surface);
+      for (std::size_t k = 0; k < p.size(); ++k) p[k] *= std::exp(t * way[static_cast<Eigen::Index>(k)]);
+      try {
+        return Shape{e.shape.surface.with(p), e.shape.placement};
+      } catch (const ParameterError&) {
+        return std::nullopt;
+      }
+    };
+    const auto feet_along = [&](double t) {
+      std::vector<Projection> result;
+      if (const std::optional<Shape> shape = along(t)) {
+        const Feeler feeler(*shape);
+        for (const Eigen::Vector3d& x : farthest) result.push_back(feeler.search(x));
+      }
+      return result;
+    };
+    const std::vector<Projection> now = feet_along(0), slightly = feet_along(0.01);
+    if (slightly.empty()) continue;
+    std::vector<double Vec2<double>::*> affected;
+    for (const auto c : ending)
+      for (std::size_t i = 0; i < now.size(); ++i)
+        if (std::fabs(slightly[i].uv.*c - now[i].uv.*c) > 1e-4) {
+          affected.push_back(c);
+          break;
+        }
+    // How far the inliers lie beyond [0, 1], negative: within. Not a number where the surface moves.
+    const auto beyond = [&](const std::vector<Projection>& at) {
+      double result = at.empty() ? std::nan("") : -infinity;
+      for (std::size_t i = 0; i < at.size(); ++i) {
+        if (!(norm(at[i].position - now[i].position) <= 1e-6 * size)) return std::nan("");
+        for (const auto c : affected) result = std::fmax(result, std::fmax(-(at[i].uv.*c), at[i].uv.*c - 1));
+      }
+      return result;
+    };
+    const auto within = [&](double t) { return beyond(feet_along(t)) <= 0; };
+    const double inwards = beyond(slightly) < beyond(now) ? 1 : -1;
+    double inside = 0, outside = 0;
+    for (double step = 0.05; step < 8 && !within(inside); step *= 2) inside += inwards * step;
+    for (double step = 0.05; step < 8 && within(outside); step *= 2) outside -= inwards * step;
+    if (affected.empty() || !within(inside) || !(beyond(feet_along(outside)) > 0)) continue;
+    for (int k = 0; k < 30; ++k) {
+      const double middle = 0.5 * (inside + outside);
+      (within(middle) ? inside : outside) = middle;
+    }
+    e.shape = *along(inside);
+    changed = true;
+  }
+  return changed;
+}
+
+// Why the surface that was found is not told by the points, going on after "the best ... found"; empty where it is.
+std::string against(const Estimate& e, const PointFit& fit, const Compressed& told, const Unknowns& u,
+                    const std::vector<bool>& lengths, double size) {
+  const AnySurface& surface = e.shape.surface;
+  const std::vector<ParameterValue> parameters = surface.parameters();
+  const UvKind* known = find_uv_kind(surface.info().name);
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const double length = std::fabs(parameters[k].value), deviation = fit.standard_errors[k].value;
+    const bool may_be_zero =
+        known ? known->may_be_zero(static_cast<int>(k)) : parameters[k].permitted.contains(0);
+    if (lengths.empty() || !lengths[k] || may_be_zero) continue;
+    const std::string name(parameters[k].name);
+    if (length < 1e-3 * size) return "has the " + name + " of a line or a point: no fit";
+    if (length > 1e3 * size || deviation > 0.5 * length)
+      return "has a " + name + " that the points do not tell; points over a larger part of it help";
+  }
+  if (const std::string what = not_told(e.shape, told, u, size); !what.empty())
+    return "is not determined: the points do not tell its " + what + "; points over a larger part of it help";
+  return "";
+}
+
+// Whether a plane explains the inliers as well, by the criterion that decides between kinds.
+bool plane_is_as_good(const Positions& inliers, double rms, double unknowns, double size) {
+  const double n = static_cast<double>(inliers.size()), exact = 1e-12 * size,
+               gained = std::fmax(principal(inliers).thickness, exact) / std::fmax(rms, exact);
+  return 2 * n * std::log(gained) < (unknowns - 3) * std::log(n) + fit::margin;
+}
+
 void check(const PointCloud& points, const std::string& kind, const PointFitOptions& options,
            const AnySurface& standard) {
   if (!address(standard)) {
@@ -548,8 +783,8 @@ void check(const PointCloud& points, const std::string& kind, const PointFitOpti
   if (options.noise && !(*options.noise > 0 && *options.noise < infinity))
     throw ParameterError("noise", "is not positive and finite, permitted is 0 < noise < inf");
   if (options.guess && options.guess->surface.info().name != standard.info().name)
-    throw ParameterError(
-        "guess", "is a " + std::string(options.guess->surface.info().name) + ", permitted is a " + kind);
+    throw ParameterError("guess", "is " + fit::with_article(options.guess->surface.info().name) +
+                                      ", permitted is " + fit::with_article(kind));
   if (options.guess && !options.guess->placement.matrix().allFinite())
     throw ParameterError("guess", "has a placement that is not finite, permitted are finite ones");
   const auto fits = [&](std::size_t n) { return n == 0 || n == points.positions.size(); };
@@ -566,47 +801,58 @@ PointFit fit_any_kind(const PointCloud& cloud, const std::string& kind, const Po
   check(cloud, kind, options, standard);
   PointFit fit;
   fit.is_inlier.assign(cloud.positions.size(), false);
-  std::vector<std::size_t> finite;
-  Eigen::AlignedBox3d box;
-  for (std::size_t i = 0; i < cloud.positions.size(); ++i)
-    if (detail::finite(cloud.positions[i])) {
-      finite.push_back(i);
-      box.extend(to_eigen(cloud.positions[i]));
-    }
-  fit.ignored = cloud.positions.size() - finite.size();
-  const std::size_t unknown_count = 6 + standard.parameters().size();
+  const fit::Scaled scaled = fit::scaled(cloud);
+  const std::size_t count = scaled.index.size(), unknown_count = 6 + standard.parameters().size();
+  const std::string a_kind = fit::with_article(kind);
+  fit.ignored = cloud.positions.size() - scaled.finite;
+  fit.outliers = scaled.finite;
   const auto done = [&](bool usable, std::string reason) {
     fit.usable = usable;
     fit.reason = std::move(reason);
     if (!usable) fit.surface.reset();
+    if (options.progress) options.progress(1);
     fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return fit;
   };
-  if (finite.size() < unknown_count + 3)
-    return done(false, std::to_string(finite.size()) + " points, a " + kind + " needs at least " +
-                           std::to_string(unknown_count + 3));
-  fit.centre = box.center();
-  // Shuffled, so that the first ones are a fair sample.
+  if (count < unknown_count + 3)
+    return done(false, count == 1 ? "all points are at one place"
+                                  : std::to_string(count) + (count < scaled.finite ? " different" : "") +
+                                        " points, " + a_kind + " needs at least " +
+                                        std::to_string(unknown_count + 3));
+  const double size = scaled.scale;
+  if (const std::string why = fit::unusual_size(size); !why.empty()) return done(false, why);
+  fit.centre = scaled.centre;
+  // Shuffled, so that the first ones are a fair sample. Those beyond so many times the size start nothing.
+  constexpr double far = 20;
   std::mt19937_64 random(options.seed);
-  std::vector<std::size_t> order = finite;
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), random);
-  Positions points;
-  for (const std::size_t i : order) points.push_back(to_eigen(cloud.positions[i]) - fit.centre);
-  const double size = principal(points).size;
-  if (!(size > 0)) return done(false, "all points are at one place");
+  Positions points, near;
+  for (const std::size_t i : order) {
+    const Eigen::Vector3d x = scaled.cloud.col(static_cast<Eigen::Index>(i));
+    points.emplace_back(size * x);
+    if (x.norm() < far) near.push_back(points.back());
+  }
+  const bool flat = is_flat(standard);
+  if (fit::on_a_line(Eigen::Matrix3Xd::Map(near.front().data(), 3, static_cast<Eigen::Index>(near.size()))))
+    return done(false, "all points lie on one line; points beside it help");
+  if (!flat && principal(near).thickness <= 1e-12 * size)
+    return done(false, "all points lie in one plane, " + a_kind + " needs points beside it");
+  const auto first = [&](std::size_t n) {
+    return Positions(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(std::min(near.size(), n)));
+  };
 
   const std::vector<bool> lengths = lengths_of(standard);
-  std::vector<Start> starts = starts_of(standard, lengths, points);
-  constexpr std::size_t sample_size = 200, most_starts = 40, most_finalists = 3;
+  constexpr std::size_t draft_points = 200, trial_points = 2000, most_starts = 40, most_finalists = 3;
+  std::vector<Start> starts = starts_of(standard, lengths, first(10000));
   if (starts.size() > most_starts) starts.erase(starts.begin() + most_starts, starts.end());
   if (options.guess) {
     Shape guess{options.guess->surface, options.guess->placement};
     guess.placement.pretranslate(-fit.centre);
     starts.insert(starts.begin(), {std::move(guess), 0});
   }
-  if (starts.empty()) return done(false, "no start of a " + kind + " is near the points");
-  const Positions sample(points.begin(),
-                         points.begin() + static_cast<std::ptrdiff_t>(std::min(points.size(), sample_size)));
+  if (starts.empty()) return done(false, "no start of " + a_kind + " is near the points");
   const auto begin = [&](const Shape& shape) {
     Estimate e{.shape = shape, .feet = {}, .weighted = {}, .mixture = {size, 0.2, 2 * size}};
     if (options.noise) {
@@ -629,62 +875,91 @@ PointFit fit_any_kind(const PointCloud& cloud, const std::string& kind, const Po
       typical.push_back(length * (defaults[k] == 0 ? 1 : std::fabs(defaults[k])));
     }
   }
+  // Of the whole, from one share to another.
+  const auto between = [&](double from, double to) {
+    return [&options, from, to](double share) {
+      if (options.progress) options.progress(from + share * (to - from));
+    };
+  };
+  const Positions few = first(draft_points);
   std::vector<Estimate> estimates;
   for (std::size_t k = 0; k < starts.size(); ++k) {
     Estimate e = begin(starts[k].shape);
     e.mixture.sigma_known = false;  // from afar
-    refine(e, sample, typical, size, true);
+    refine(e, few, typical, size, true, {});
     fit.iterations += e.iterations;
     if (std::isfinite(e.log_likelihood)) estimates.push_back(std::move(e));
-    if (options.progress)
-      options.progress(0.8 * static_cast<double>(k + 1) / static_cast<double>(starts.size()));
+    between(0, 0.3)(static_cast<double>(k + 1) / static_cast<double>(starts.size()));
   }
   std::stable_sort(estimates.begin(), estimates.end(),
                    [](const Estimate& a, const Estimate& b) { return a.log_likelihood > b.log_likelihood; });
+  const Positions trial = first(trial_points);
   std::optional<Estimate> best;
   for (std::size_t k = 0; k < std::min(estimates.size(), most_finalists); ++k) {
     Estimate e = begin(estimates[k].shape);
-    refine(e, points, typical, size, false);
+    const double from = 0.3 + 0.1 * static_cast<double>(k);
+    refine(e, trial, typical, size, false, between(from, from + 0.1));
     fit.iterations += e.iterations;
     if (!best || std::pair(e.converged, e.log_likelihood) > std::pair(best->converged, best->log_likelihood))
       best = std::move(e);
     if (best->converged && best->mixture.sigma < 1e-3 * size) break;
   }
-  if (options.progress) options.progress(1);
-  if (!best) return done(false, "no start of a " + kind + " leads anywhere");
+  if (!best) return done(false, "no start of " + a_kind + " leads anywhere");
+  if (trial.size() < points.size()) {
+    Estimate e = begin(best->shape);
+    refine(e, points, typical, size, false, between(0.6, 1));
+    fit.iterations += e.iterations;
+    best = std::move(e);
+  }
 
   double squares = 0;
-  for (std::size_t i = 0; i < points.size(); ++i)
+  Positions inliers;
+  std::vector<Vec2<double>> feet;
+  for (std::size_t i = 0; i < count; ++i)
     if (best->weighted.weight[i] > 0.5) {
-      fit.is_inlier[order[i]] = true;
-      ++fit.inliers;
+      fit.is_inlier[scaled.index[order[i]]] = true;
+      inliers.push_back(points[i]);
+      feet.push_back(best->feet.uv[i]);
       squares += best->feet.distance[i] * best->feet.distance[i];
     }
-  fit.outliers = points.size() - fit.inliers;
-  fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) : 0;
-  std::size_t told = 0;
-  std::string held;
-  add_covariance(*best, points, typical, size, fit, told, held);
+  for (const auto& [i, column] : scaled.others) fit.is_inlier[i] = fit.is_inlier[scaled.index[column]];
+  fit.inliers = static_cast<std::size_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), true));
+  fit.outliers = scaled.finite - fit.inliers;
+  const auto n = static_cast<double>(inliers.size());
+  fit.rms = inliers.empty() ? 0 : std::sqrt(squares / n);
+  const std::string found = "the best " + kind + " found ";
+  const auto unusable = [&](const std::string& reason) { return done(false, reason); };
+  if (!flat && plane_is_as_good(inliers, fit.rms, static_cast<double>(unknown_count), size))
+    return unusable(found + "is not told from a plane; points over a larger part of it or less noise help");
+  if (!best->converged) return unusable("the fit of " + a_kind + " did not converge");
+  if (inliers.size() < unknown_count || 2 * inliers.size() < count)
+    return unusable("only " + std::to_string(inliers.size()) + " of " + std::to_string(count) +
+                    " points lie on " + found.substr(0, found.size() - 1));
+  if (const double share = fit.rms / principal(inliers).size; !(share <= 0.05))
+    return unusable(found + "leaves distances of " + rounded(share, 2) + " of the points' size");
+
+  Unknowns u = unknowns(best->shape, typical, size);
+  Compressed told = information(*best, points, u, size);
+  if (enclose(*best, told, inliers, feet, size)) {
+    best->feet = feet_of(best->shape, points, {});
+    u = unknowns(best->shape, typical, size);
+    told = information(*best, points, u, size);
+  }
+  double numbers = 0;
+  for (Eigen::Index k = 0; k < u.units.size(); ++k) numbers += told.is_known(k);
   // The inliers' residuals are smaller by what the unknowns took up.
-  fit.sigma = options.noise
-                  ? *options.noise
-                  : best->mixture.sigma *
-                        std::sqrt(static_cast<double>(fit.inliers) /
-                                  std::fmax(1, static_cast<double>(fit.inliers) - static_cast<double>(told)));
-  fit.candidates.push_back({kind,
-                            -2 * best->log_likelihood + static_cast<double>(told + (options.noise ? 1 : 2)) *
-                                                            std::log(static_cast<double>(points.size())),
-                            fit.rms});
+  fit.sigma = options.noise ? *options.noise : best->mixture.sigma * std::sqrt(n / std::fmax(1, n - numbers));
+  fit.candidates.push_back(
+      {kind,
+       -2 * best->log_likelihood + (numbers + (options.noise ? 1 : 2)) * std::log(static_cast<double>(count)),
+       fit.rms});
+  std::string held;
+  add_covariance(*best, told, u, fit.sigma / size, fit, held);
+  if (const std::string why = against(*best, fit, told, u, lengths, size); !why.empty())
+    return unusable(found + why);
   fit.surface = PlacedSurface{best->shape.surface, best->shape.placement};
   fit.surface->placement.pretranslate(fit.centre);
-  if (!best->converged) return done(false, "the fit of a " + kind + " did not converge" + held);
-  if (fit.inliers < unknown_count || 2 * fit.inliers < points.size())
-    return done(false, "only " + std::to_string(fit.inliers) + " of " + std::to_string(points.size()) +
-                           " points lie on the best " + kind + " found" + held);
-  if (!(fit.rms <= 0.05 * size))
-    return done(false, "the best " + kind + " found leaves distances of " + std::to_string(fit.rms / size) +
-                           " of the points' size" + held);
-  return done(true, "a " + kind + " within the noise" + held);
+  return done(true, a_kind + " within the noise" + held);
 }
 
 }  // namespace darboux

@@ -174,7 +174,8 @@ Verdict judge(const Found& f) {
   if (k < f.freedom + 0.5)
     return none("has only " + std::to_string(std::lround(k)) +
                 " of the points, as many lie on one by chance; more points help");
-  if (f.sigma > 0.2) return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
+  if (f.sigma > 0.2)
+    return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
   // Curvature and noise are of one size: the model, of first order in their product, and the distances mean nothing.
   if (const double radius = least_radius(f); radius < 5 * f.sigma)
     return none("has a radius of only " + rounded(radius / f.sigma, 3) +

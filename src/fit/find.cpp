@@ -236,7 +236,8 @@ std::optional<Found> find(const Search& search) {
   Phase phase = Phase::descend;
   std::vector<double> weights;
   int gates = 0;
-  double since_gate = std::numeric_limits<double>::infinity();  // movements since the last gate, in standard errors
+  double since_gate =
+      std::numeric_limits<double>::infinity();  // movements since the last gate, in standard errors
   // In standard errors: how near the root is sought. A root that cannot be stepped to is left to the descent.
   double near = 1;
   measure(search.cloud, model, states);

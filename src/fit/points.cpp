@@ -246,9 +246,7 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
                              " points, " +
                              with_article(automatic ? kinds.front() : std::string_view(options.surface)) +
                              " needs at least " + std::to_string(fewest));
-  if (!(data.scale >= 1e-150 && data.scale <= 1e150))
-    return done("the points are of size " + rounded(data.scale, 3) +
-                ", beyond 1e-150 to 1e150: squares of lengths leave the numbers' range; other units help");
+  if (const std::string why = unusual_size(data.scale); !why.empty()) return done(why);
   if (on_a_line(data.cloud)) return done("all points lie on one line; points beside it help");
 
   std::mt19937_64 random(options.seed);

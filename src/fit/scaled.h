@@ -3,14 +3,16 @@
 
 #include <bit>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include <darboux/vector.h>
 #include <darboux/point_cloud.h>
+#include <darboux/vector.h>
 
+#include "../text.h"
 #include "quantile.h"
 
 namespace darboux::fit {
@@ -92,6 +94,13 @@ inline Scaled scaled(const PointCloud& points) {
   }
   if (result.scale > 0) result.cloud /= result.scale;
   return result;
+}
+
+// Why points of this size are not fitted; nothing where they are.
+inline std::string unusual_size(double scale) {
+  if (scale >= 1e-150 && scale <= 1e150) return {};
+  return "the points are of size " + rounded(scale, 3) +
+         ", permitted are 1e-150 to 1e150, whose squares are numbers; other units help";
 }
 
 // All of them, which are not all one point.

@@ -223,8 +223,7 @@ class EllipsoidShape {
       out.by[3 + i] = -n[k] * r.over[k] * square_[k];
     }
     out.curvature = (inverse_.sum() - n.cwiseAbs2().dot(inverse_)) / r.length;
-    out.stretch =
-        1 + std::min(r.t, 0.0) / least_;  // at the ends of the longest axis, less elsewhere
+    out.stretch = 1 + std::min(r.t, 0.0) / least_;  // at the ends of the longest axis, less elsewhere
   }
 
  private:
