@@ -20,6 +20,7 @@
 #include "../text.h"
 #include "choose.h"
 #include "compressed.h"
+#include "manifolds.h"
 #include "parameter_jet.h"
 #include "scaled.h"
 #include "uv_kinds.h"
@@ -107,8 +108,7 @@ std::optional<Shape> moved(const Shape& shape, const Eigen::VectorXd& delta) {
 
 // The derivative of exp(ω) is exp(ω) turned by this.
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& omega) {
-  Eigen::Matrix3d m;
-  m << 0, -omega.z(), omega.y(), omega.z(), 0, -omega.x(), -omega.y(), omega.x(), 0;
+  const Eigen::Matrix3d m = fit::cross_matrix(omega);
   const double angle = omega.norm();
   // Series where the closed form cancels.
   const double first = angle < 1e-4 ? 0.5 : (1 - std::cos(angle)) / (angle * angle);

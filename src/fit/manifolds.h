@@ -1,4 +1,4 @@
-// Ceres manifolds whose tangent vectors have a stated length. Those of Ceres 2.1 halve the step, and so double standard errors.
+// Rotation vectors, and Ceres manifolds whose tangent vectors have a stated length. Those of Ceres 2.1 halve the step, and so double standard errors.
 #pragma once
 
 #include <cmath>
@@ -7,6 +7,13 @@
 #include <ceres/manifold.h>
 
 namespace darboux::fit {
+
+// a x, as a matrix.
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
 
 // A unit quaternion (x, y, z, w) as a rotation; the tangent vector is a rotation vector in radians along the rotated axes:
 // Plus(q, r) = q exp(r / 2).

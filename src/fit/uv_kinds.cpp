@@ -20,12 +20,16 @@ void evaluate(const double* parameters, std::span<const Vec2<double>> uvs, UvBlo
     list[k].of(surface) = D::variable(parameters[k], k);
     Surface<double>::parameters()[k].of(plain) = parameters[k];
   }
-  const bool partials = block.by_uv.rows() > 0;
+  const bool by_parameter = block.by_parameter.rows() > 0, partials = block.by_uv.rows() > 0;
   for (std::size_t i = 0; i < uvs.size(); ++i) {
     const auto u = prepare<info.u>(uvs[i].x);
     const auto v = prepare<info.v>(uvs[i].y);
-    const Vec3<D> p = surface.jet(detail::as_constant<D>(u), detail::as_constant<D>(v)).position;
     const auto row = static_cast<Eigen::Index>(3 * i);
+    if (!by_parameter) {
+      block.position.segment<3>(row) = to_eigen(plain.jet(u, v).position);
+      continue;
+    }
+    const Vec3<D> p = surface.jet(detail::as_constant<D>(u), detail::as_constant<D>(v)).position;
     block.position.segment<3>(row) << p.x.value, p.y.value, p.z.value;
     for (int k = 0; k < N; ++k)
       block.by_parameter.block<3, 1>(row, k) << p.x.derivative[k], p.y.derivative[k], p.z.derivative[k];

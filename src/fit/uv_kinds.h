@@ -11,11 +11,11 @@
 
 namespace darboux {
 
-/// Values at some uvs; point i has the rows 3i, 3i + 1, 3i + 2.
+/// Values at some uvs; point i has the rows 3i, 3i + 1, 3i + 2. Derivatives have no rows where they are not asked for.
 struct UvBlock {
   Eigen::VectorXd position;
   Eigen::MatrixXd by_parameter;  ///< a column a parameter
-  Eigen::MatrixXd by_uv;         ///< dpdu, dpdv; without rows where they are not asked for
+  Eigen::MatrixXd by_uv;         ///< dpdu, dpdv
 };
 
 /// One kind. Its position is homogeneous of degree 1 in its lengths: P = sum over the lengths of p_k ∂P/∂p_k.

@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 
+#include "compressed.h"
 #include "manifolds.h"
 
 namespace darboux {
@@ -26,12 +27,10 @@ double log_add(double a, double b) {
   return std::fmax(a, b) + (apart < 40 ? std::log1p(std::exp(-apart)) : 0);
 }
 
-// The sums of all points as one Ceres cost function whose size does not grow with them: with H = V D V^T and y =
-// D^(-1/2) V^T g the residuals are y and one number for the rest of the cost, the Jacobian D^(1/2) V^T, so that cost,
-// gradient and Gauss-Newton matrix are the sums'.
-class Compressed final : public ceres::CostFunction {
+// The sums of all points as one Ceres cost function whose size does not grow with them.
+class SummedCost final : public ceres::CostFunction {
  public:
-  Compressed(const UvModel& model, const Mixture& mixture, const UvState& start)
+  SummedCost(const UvModel& model, const Mixture& mixture, const UvState& start)
       : model_(model), mixture_(mixture), state_(start), columns_(model.columns()) {
     set_num_residuals(columns_ + 1);
     *mutable_parameter_block_sizes() = {4, 3};
@@ -72,17 +71,12 @@ class Compressed final : public ceres::CostFunction {
  private:
   void compress(const UvState& state) const {
     const UvSums sums = model_.sums(state, mixture_);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(sums.hessian);
-    const Eigen::VectorXd d = eigen.eigenvalues();
-    const Eigen::VectorXd along = eigen.eigenvectors().transpose() * sums.gradient;
-    residuals_ = Eigen::VectorXd::Zero(columns_ + 1);
+    const fit::Compressed<Eigen::Dynamic> compressed(sums.hessian);
+    residuals_ = Eigen::VectorXd(columns_ + 1);
+    residuals_.head(columns_) = compressed(sums.gradient);
+    residuals_[columns_] = fit::rest(2 * sums.cost, residuals_.head(columns_));
     root_ = Eigen::MatrixXd::Zero(columns_ + 1, columns_);
-    for (int k = 0; k < columns_; ++k) {
-      if (!(d[k] > 1e-15 * d[columns_ - 1])) continue;  // nothing is known in this direction
-      residuals_[k] = along[k] / std::sqrt(d[k]);
-      root_.row(k) = std::sqrt(d[k]) * eigen.eigenvectors().col(k).transpose();
-    }
-    residuals_[columns_] = std::sqrt(std::fmax(0, 2 * sums.cost - residuals_.squaredNorm()));
+    root_.topRows(columns_) = compressed.jacobian();
   }
 
   template <class Matrix>
@@ -196,11 +190,9 @@ SurfaceUncertainty UvModel::uncertainty(const UvState& state, const Eigen::Matri
   // From (rotation in the body's axes, translation, ...) to (ω, τ, ...) about the centre.
   const Eigen::Matrix3d rotation = state.rotation.toRotationMatrix();
   const Eigen::Vector3d arm = state.translation - about;
-  Eigen::Matrix3d cross;
-  cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
   Eigen::MatrixXd to = Eigen::MatrixXd::Identity(dimension, dimension);
   to.topLeftCorner<3, 3>() = rotation;
-  to.block<3, 3>(3, 0) = points->size * cross * rotation;  // τ = δt - ω x arm
+  to.block<3, 3>(3, 0) = points->size * fit::cross_matrix(arm) * rotation;  // τ = δt - ω x arm
   to.block<3, 3>(3, 3) *= points->size;
   for (int k = 0; k < count; ++k)
     if (kind->length[static_cast<std::size_t>(k)]) to(6 + k, 6 + k) = points->size;
@@ -232,44 +224,63 @@ UvState UvModel::moved(const UvState& state, const Eigen::VectorXd& step) const 
   return result;
 }
 
+struct UvModel::Rows {
+  std::vector<Vec2<double>> uvs;
+  UvBlock block;
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd jacobian;  // without rows where it is not asked for
+};
+
 // Residuals and Jacobian of a block of points in the body's axes; the translation's columns are the body's too.
-void UvModel::fill(const UvState& state, std::size_t first, std::size_t count, UvBlock& block,
-                   std::vector<Vec2<double>>& uvs, Eigen::MatrixXd& jacobian,
-                   Eigen::VectorXd& residual) const {
+void UvModel::fill(const UvState& state, std::size_t first, std::size_t count, bool derivatives,
+                   Rows& to) const {
   const auto rows = static_cast<Eigen::Index>(3 * count);
-  if (block.position.size() < rows) {
-    block = {Eigen::VectorXd(rows), Eigen::MatrixXd(rows, kind->parameter_count()),
-             Eigen::MatrixXd(free_affine.empty() ? 0 : rows, 2)};
-    jacobian = Eigen::MatrixXd::Zero(rows, columns());
-    residual.resize(rows);
+  if (to.residual.size() != rows) {
+    const Eigen::Index of_jacobian = derivatives ? rows : 0;
+    to.residual.resize(rows);
+    to.jacobian = Eigen::MatrixXd::Zero(of_jacobian, columns());
+    to.block = {Eigen::VectorXd(rows), Eigen::MatrixXd(of_jacobian, kind->parameter_count()),
+                Eigen::MatrixXd(free_affine.empty() ? 0 : of_jacobian, 2)};
   }
   const UvConvention affine{"", state.affine};
-  uvs.resize(count);
+  to.uvs.resize(count);
   for (std::size_t i = 0; i < count; ++i)
-    uvs[i] = affine.surface_uv(convention.surface_uv(points->uvs[first + i]));
-  kind->evaluate(state.parameters.data(), uvs, block);
+    to.uvs[i] = affine.surface_uv(convention.surface_uv(points->uvs[first + i]));
+  kind->evaluate(state.parameters.data(), to.uvs, to.block);
   const Eigen::Matrix3d inverse = state.rotation.toRotationMatrix().transpose();
+  Eigen::MatrixXd& jacobian = to.jacobian;
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = static_cast<Eigen::Index>(3 * i);
-    const Eigen::Vector3d p = block.position.segment<3>(row);
-    residual.segment<3>(row) = p + inverse * (state.translation - to_eigen(points->positions[first + i]));
+    const Eigen::Vector3d p = to.block.position.segment<3>(row);
+    to.residual.segment<3>(row) = p + inverse * (state.translation - to_eigen(points->positions[first + i]));
+    if (!derivatives) continue;
     jacobian(row + 1, 0) = -p.z(), jacobian(row + 2, 0) = p.y();
     jacobian(row, 1) = p.z(), jacobian(row + 2, 1) = -p.x();
     jacobian(row, 2) = -p.y(), jacobian(row + 1, 2) = p.x();
     jacobian(row, 3) = jacobian(row + 1, 4) = jacobian(row + 2, 5) = 1;
   }
+  if (!derivatives) return;
   Eigen::Index next = 6;
-  for (const int k : free_parameters())
-    jacobian.col(next++).head(rows) = block.by_parameter.col(k).head(rows);
+  for (const int k : free_parameters()) jacobian.col(next++) = to.block.by_parameter.col(k);
   for (const int k : free_affine) {
     const int along = k == 0 || k == 1 || k == 4 ? 0 : 1;
     for (std::size_t i = 0; i < count; ++i) {
       const Vec2<double> uv = convention.surface_uv(points->uvs[first + i]);
       const double factor = k > 3 ? 1 : k % 2 == 0 ? uv.x : uv.y;
       const auto row = static_cast<Eigen::Index>(3 * i);
-      jacobian.block<3, 1>(row, next) = factor * block.by_uv.block<3, 1>(row, along);
+      jacobian.block<3, 1>(row, next) = factor * to.block.by_uv.block<3, 1>(row, along);
     }
     ++next;
+  }
+}
+
+template <class Each>
+void UvModel::for_each_block(const UvState& state, bool derivatives, Each each) const {
+  Rows rows;
+  for (std::size_t first = 0; first < points->count(); first += block_size) {
+    const std::size_t count = std::min(block_size, points->count() - first);
+    fill(state, first, count, derivatives, rows);
+    each(first, count, rows);
   }
 }
 
@@ -279,14 +290,9 @@ UvSums UvModel::sums(const UvState& state, const Mixture& mixture, std::vector<d
   if (squares) squares->resize(points->count());
   const double precision = 1 / (mixture.sigma * mixture.sigma);
   const double ratio = mixture.robust ? log_ratio(mixture) : 0, top = mixture.robust ? log_add(0, ratio) : 0;
-  UvBlock block;
-  std::vector<Vec2<double>> uvs;
-  Eigen::MatrixXd jacobian;
-  Eigen::VectorXd residual;
-  for (std::size_t first = 0; first < points->count(); first += block_size) {
-    const std::size_t count = std::min(block_size, points->count() - first);
-    const auto rows = static_cast<Eigen::Index>(3 * count);
-    fill(state, first, count, block, uvs, jacobian, residual);
+  for_each_block(state, true, [&](std::size_t first, std::size_t count, Rows& rows) {
+    Eigen::MatrixXd& jacobian = rows.jacobian;
+    Eigen::VectorXd& residual = rows.residual;
     double cost = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const auto row = static_cast<Eigen::Index>(3 * i);
@@ -309,9 +315,11 @@ UvSums UvModel::sums(const UvState& state, const Mixture& mixture, std::vector<d
       }
     }
     result.cost += cost;
-    result.hessian.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.topRows(rows).transpose());
-    result.gradient.noalias() += jacobian.topRows(rows).transpose() * residual.head(rows);
-  }
+    for (int k = 0; k < m; ++k) {
+      for (int l = k; l < m; ++l) result.hessian(l, k) += jacobian.col(k).dot(jacobian.col(l));
+      result.gradient[k] += jacobian.col(k).dot(residual);
+    }
+  });
   result.hessian.triangularView<Eigen::StrictlyUpper>() = result.hessian.transpose();
   result.hessian *= precision;
   result.gradient *= precision;
@@ -325,26 +333,17 @@ UvSums UvModel::sums(const UvState& state, const Mixture& mixture, std::vector<d
 
 std::vector<double> UvModel::squares(const UvState& state) const {
   std::vector<double> result(points->count());
-  UvBlock block;
-  std::vector<Vec2<double>> uvs;
-  Eigen::MatrixXd jacobian;
-  Eigen::VectorXd residual;
-  for (std::size_t first = 0; first < points->count(); first += block_size) {
-    const std::size_t count = std::min(block_size, points->count() - first);
-    fill(state, first, count, block, uvs, jacobian, residual);
+  for_each_block(state, false, [&](std::size_t first, std::size_t count, const Rows& rows) {
     for (std::size_t i = 0; i < count; ++i)
-      result[first + i] = square_of(residual.segment<3>(static_cast<Eigen::Index>(3 * i)));
-  }
+      result[first + i] = square_of(rows.residual.segment<3>(static_cast<Eigen::Index>(3 * i)));
+  });
   return result;
 }
 
 Eigen::MatrixXd UvModel::jacobian(const UvState& state, std::size_t most) const {
-  UvBlock block;
-  std::vector<Vec2<double>> uvs;
-  Eigen::MatrixXd result;
-  Eigen::VectorXd residual;
-  fill(state, 0, std::min(most, points->count()), block, uvs, result, residual);
-  return result;
+  Rows rows;
+  fill(state, 0, std::min(most, points->count()), true, rows);
+  return rows.jacobian;
 }
 
 Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance) const {
@@ -364,7 +363,7 @@ Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance) 
   std::vector<double*> blocks{rotation, translation};
   if (!rest.empty()) blocks.push_back(rest.data());
   const UvState start = state;
-  problem.AddResidualBlock(new Compressed(*this, mixture, start), nullptr, blocks);
+  problem.AddResidualBlock(new SummedCost(*this, mixture, start), nullptr, blocks);
   problem.SetManifold(rotation, new fit::RotationManifold);
   if (placement_held) {
     problem.SetParameterBlockConstant(rotation);
@@ -389,7 +388,7 @@ Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance) 
   std::vector<double> x(rotation, rotation + 4);
   x.insert(x.end(), translation, translation + 3);
   x.insert(x.end(), rest.begin(), rest.end());
-  state = Compressed::state_of(*this, start, x);
+  state = SummedCost::state_of(*this, start, x);
   state.rotation.normalize();
   return {summary.IsSolutionUsable() && summary.termination_type == ceres::CONVERGENCE,
           static_cast<int>(summary.iterations.size())};

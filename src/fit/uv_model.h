@@ -125,8 +125,11 @@ class UvModel {
                                  const Eigen::Vector3d& centre) const;
 
  private:
-  void fill(const UvState& state, std::size_t first, std::size_t count, UvBlock& block,
-            std::vector<Vec2<double>>& uvs, Eigen::MatrixXd& jacobian, Eigen::VectorXd& residual) const;
+  struct Rows;
+  void fill(const UvState& state, std::size_t first, std::size_t count, bool derivatives, Rows& to) const;
+  // Calls each(first, count, rows) with the residuals, and derivatives where they are asked for, of some points at a time.
+  template <class Each>
+  void for_each_block(const UvState& state, bool derivatives, Each each) const;
 };
 
 /// Posterior probability that a point at this squared distance is an inlier.
