@@ -279,8 +279,8 @@ class BatchedCost final : public ceres::CostFunction {
       squares += w * r * r;
       if (!normal) continue;
       const Row row = row_of(f, points_[i]);
-      if (!row.allFinite()) return false;
-      normal->add(row, w, r);
+      // Where the surface has no derivatives the point pulls at nothing, so that Ceres has a Jacobian wherever it has a cost.
+      if (row.allFinite()) normal->add(row, w, r);
     }
     if (normal) normal->mirror();
     return std::isfinite(squares);

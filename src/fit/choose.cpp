@@ -99,8 +99,8 @@ Vector3d positive_side(const Vector3d& a) {
   return a[largest] < 0 ? Vector3d(-a) : a;
 }
 
-bool crosses_itself(const Found& f) {
-  return f.kind == "torus" && f.surface.lengths[0] < f.surface.lengths[1];
+bool crosses_itself(std::string_view kind, const Natural& surface) {
+  return kind == "torus" && surface.lengths[0] < surface.lengths[1];
 }
 
 double least_length(const Found& f, std::size_t k) {
@@ -171,6 +171,7 @@ double unlikeness_of_neighbours(const Eigen::Matrix3Xd& cloud, const Found& f,
 Verdict judge(const Found& f) {
   const double k = inliers_of(f), n = static_cast<double>(f.error.size());
   const std::string help = "; points over a larger part of it help";
+  if (f.given_up) return none("explains far fewer of the points than another kind");
   if (k < f.freedom + 0.5)
     return none("has only " + std::to_string(std::lround(k)) +
                 " of the points, as many lie on one by chance; more points help");

@@ -31,7 +31,7 @@ struct Verdict {
 Verdict judge(const Found& found);
 
 // A torus that crosses itself has two sheets near almost any point; it is found only where it is asked for.
-bool crosses_itself(const Found& found);
+bool crosses_itself(std::string_view kind, const Natural& surface);
 
 // Bayesian information criterion of every candidate, smaller is better [Schwarz1978]. On one footing: the noise, the outliers'
 // density and the gate are those of candidate `reference`, so that only the distances differ.

@@ -9,21 +9,18 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Dense>
 #include <ceres/ceres.h>
 
+#include "compressed.h"
 #include "manifolds.h"
 #include "model.h"
+#include "noise.h"
 
 namespace darboux::fit {
-
-struct Noise {
-  double sigma, outliers;
-  bool sigma_known = false;
-  double inliers = 0;  // sum of the probabilities; 0 where not counted yet
-};
 
 // Rounding of points scaled to size 1.
 inline constexpr double least_sigma = 1e-15;
@@ -53,15 +50,16 @@ inline double inlier_probability(double error, const Noise& noise) {
 }
 
 // Noise at fixed distances. The outliers' density is counted where it cannot be mistaken for the inliers', in windows (1 - x^2)^3
-// some nine sigma to either side, with a tenth of a point more so that it is never zero. Sigma is found by expectation and
-// maximisation: two steps, and on to where they lead, as each gains about the same factor.
-inline void update(Noise& noise, const PointStates& points) {
+// some nine sigma to either side, with a tenth of a point more so that it is never zero. It is relative to the inliers; from
+// afar to all points nearby, so that a sigma that is too small, with inliers in the windows, grows. Sigma is found by
+// expectation and maximisation: two steps, and on to where they lead, as each gains about the same factor.
+inline void update(Noise& noise, const PointStates& points, bool afar) {
   constexpr double middle = 9, half_width = 4;
   // The windows' integral over that of exp(-r^2 / 2): 2 half_width 32 / 35 / sqrt(2 pi).
   constexpr double windows = 2 * half_width * 32 / 35 / 2.506628274631001;
   std::vector<double> near;
   for (std::size_t i = 0; i < points.d.size(); ++i)
-    if (points.kept[i] && std::fabs(points.error(i)) < 20 * noise.sigma) near.push_back(points.error(i));
+    if (points.kept[i] && std::fabs(points.error(i)) < 40 * noise.sigma) near.push_back(points.error(i));
   if (near.empty()) return;
   const auto count = [&](Noise& at) {
     double others = 0.1;
@@ -69,7 +67,7 @@ inline void update(Noise& noise, const PointStates& points) {
       const double x = (std::fabs(e / at.sigma) - middle) / half_width, y = 1 - x * x;
       if (y > 0) others += y * y * y;
     }
-    at.outliers = others / (windows * at.inliers);
+    at.outliers = others / (windows * (afar ? static_cast<double>(near.size()) : at.inliers));
   };
   const auto step = [&](Noise at) {
     count(at);
@@ -84,7 +82,6 @@ inline void update(Noise& noise, const PointStates& points) {
     at.inliers = std::max(at.inliers, 1.0);
     return at;
   };
-  if (noise.inliers == 0) noise.inliers = static_cast<double>(near.size());
   const Noise once = step(noise), twice = step(once);
   const double first = std::log(once.sigma / noise.sigma), second = std::log(twice.sigma / once.sigma);
   const double ratio = second / first;
@@ -101,10 +98,10 @@ inline void update_bias(const Noise& noise, PointStates& points) {
   }
 }
 
-// A cost function of all points that Ceres sees as few residuals: with H = V D V^T the matrix of the normal equations and g the
-// gradient, over the tangent (rotation vector, shape's parameters), the residuals are D^(-1/2) V^T g.
-//   descend: one more residual, for what is left of the weighted sum of squares; the weights are fixed: robust, from afar
-//   score: g is the gradient of the likelihood and V, D stay those of the first evaluation: a root, found to the last digits,
+// A cost function of all points that Ceres sees as few residuals, those of compressed.h over the tangent (rotation vector,
+// shape's parameters).
+//   descend: the weights are fixed: robust, from afar
+//   score: the gradient is that of the likelihood, and V, D stay those of the first evaluation: a root, found to the last digits,
 //   where differences of the likelihood would drown in its rounding
 enum class Phase { descend, score };
 
@@ -125,13 +122,13 @@ class BatchedCost final : public ceres::CostFunction {
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     if (!accumulate(parameters[0], parameters[1])) return false;
-    if (phase_ == Phase::descend || !decomposed_) decompose();
-    const Vector r = roots_inverse_.cwiseProduct(vectors_.transpose() * gradient_);
+    if (phase_ == Phase::descend || !compressed_) compressed_ = Compressed<N>(hessian_);
+    const Vector r = (*compressed_)(gradient_);
     Eigen::Map<Vector>(residuals, N) = r;
     if (first_step_ < 0) first_step_ = r.norm();
-    if (phase_ == Phase::descend) residuals[N] = std::sqrt(std::max(0.0, squares_ - r.squaredNorm()));
+    if (phase_ == Phase::descend) residuals[N] = rest(squares_, r);
     if (jacobians != nullptr) {
-      const Matrix j = roots_inverse_.asDiagonal() * (vectors_.transpose() * hessian_);
+      const Matrix j = (*compressed_)(hessian_);
       if (jacobians[0] != nullptr) {
         // Over the ambient quaternion: tangent derivatives times the left inverse of PlusJacobian.
         Eigen::Matrix<double, 3, 4, Eigen::RowMajor> minus;
@@ -229,17 +226,6 @@ class BatchedCost final : public ceres::CostFunction {
     }
   }
 
-  void decompose() const {
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(hessian_);
-    const double largest = eigen.eigenvalues()[N - 1];
-    vectors_ = eigen.eigenvectors();
-    for (int k = 0; k < N; ++k) {
-      const double lambda = eigen.eigenvalues()[k];
-      roots_inverse_[k] = lambda > 1e-15 * largest ? 1 / std::sqrt(lambda) : 0;
-    }
-    decomposed_ = true;
-  }
-
   Phase phase_;
   const Eigen::Matrix3Xd& cloud_;
   Vector3d origin_;
@@ -248,10 +234,11 @@ class BatchedCost final : public ceres::CostFunction {
   const std::vector<double>& weights_;
   // Ceres calls from one thread; the last evaluation is kept.
   mutable std::array<double, 4 + S> at_{std::numeric_limits<double>::quiet_NaN()};
-  mutable Matrix hessian_, vectors_;
-  mutable Vector gradient_, roots_inverse_;
+  mutable Matrix hessian_;
+  mutable Vector gradient_;
+  mutable std::optional<Compressed<N>> compressed_;
   mutable double squares_ = 0, first_step_ = -1;
-  mutable bool decomposed_ = false, convex_ = false;
+  mutable bool convex_ = false;
 };
 
 struct Solved {

@@ -16,8 +16,9 @@ constexpr Eigen::Index scored_points = 600, refined_points = 700;
 constexpr int refined_starts = 4;
 
 // How well distances look like a narrow band of inliers among outliers of constant density, without knowing how narrow: the log
-// likelihood of k of n points spread evenly over |d| < band and the others over the size of the cloud, at the best band. Bands
-// are a factor of the square root of two apart.
+// likelihood of k of n points spread evenly over |d| < band and the others over the size of the cloud, at the best band. As many
+// points as the surface has unknowns may lie on it because it was laid through them: they count for nothing. Bands are a factor
+// of the square root of two apart.
 struct Score {
   double value = -std::numeric_limits<double>::infinity(), band = 0;
 };
@@ -49,9 +50,10 @@ class Scorer {
     std::size_t k = 0;
     for (int e = lowest; e < highest; ++e) {
       k += count[static_cast<std::size_t>(e - lowest)];
-      if (10 * k < n_) continue;
+      if (10 * k < n_ || k <= Shape::freedom) continue;
       const double log_band = 0.5 * (e + 1) * std::numbers::ln2;
-      const double value = k_log_k_[k] + k_log_k_[n_ - k] - static_cast<double>(k) * log_band;
+      const double value =
+          k_log_k_[k] + k_log_k_[n_ - k] - static_cast<double>(k - Shape::freedom) * log_band;
       if (value > best.value) best = {value, std::exp(log_band)};
     }
     return best;
@@ -101,7 +103,7 @@ int descend(const Matrix3Xd& part, Candidate<Shape>& candidate, std::optional<do
     measure(part, candidate.model, states);
     states.kept = states.regular;
     update_bias(noise, states);
-    update(noise, states);
+    update(noise, states, true);
     if (sigma) noise.sigma = std::max(noise.sigma, *sigma);
     weights = inlier_probabilities(states, noise);
     BatchedCost<Shape> cost(Phase::descend, part, candidate.model.origin, noise, states, weights);
@@ -113,6 +115,7 @@ int descend(const Matrix3Xd& part, Candidate<Shape>& candidate, std::optional<do
       break;
   }
   const Eigen::Map<const Eigen::VectorXd> w(weights.data(), part.cols());
+  if (!(w.sum() > 0)) return iterations;
   const Vector3d mean = part * w / w.sum();
   double nearest = std::numeric_limits<double>::infinity();
   Vector3d at = mean;
@@ -168,7 +171,7 @@ Covariance natural_covariance(const Model<Shape>& model, const Eigen::MatrixXd& 
 }  // namespace
 
 template <class Shape>
-std::optional<Found> find(const Search& search) {
+std::optional<Lead> find(const Search& search) {
   std::mt19937_64 random(search.seed);
   const auto some = [&](Eigen::Index count) {
     return Matrix3Xd(search.cloud(Eigen::all, evenly_chosen(search.cloud.cols(), count, random)));
@@ -210,28 +213,37 @@ std::optional<Found> find(const Search& search) {
   std::partial_sort(candidates.begin(), end, candidates.end(), better);
   candidates.erase(end, candidates.end());
 
+  Scorer part_scorer(static_cast<std::size_t>(part.cols()));
+  // Three that lead to the same surface are enough.
+  const Candidate<Shape>* best = nullptr;
+  double share = 0.3;  // of the work, about
+  int same = 0, iterations = 0;
+  for (Candidate<Shape>& c : candidates) {
+    search.progress(share += 0.7 / static_cast<double>(candidates.size()));
+    iterations += descend(part, c, search.sigma);
+    c.score = part_scorer(part, c.model);
+    if (best == nullptr || better(c, *best))
+      best = &c, same = 1;
+    else if (c.score.value == best->score.value && ++same == 3 && more == 1)
+      break;
+  }
+  return Lead{Shape::name,        best->score.value, natural(best->model),
+              best->model.origin, best->noise,       iterations};
+}
+
+template <class Shape>
+Found refine(const Search& search, const Lead& lead, bool give_up) {
   Found found;
   found.kind = Shape::name;
   found.freedom = Shape::freedom;
-  Scorer part_scorer(static_cast<std::size_t>(part.cols()));
-  // Two that lead to the same surface are enough.
-  const Candidate<Shape>* best = nullptr;
-  double share = 0.2;  // of the work, about
-  for (Candidate<Shape>& c : candidates) {
-    search.progress(share += 0.2 / static_cast<double>(candidates.size()));
-    found.iterations += descend(part, c, search.sigma);
-    c.score = part_scorer(part, c.model);
-    const bool again = best != nullptr && c.score.value == best->score.value;
-    if (best == nullptr || better(c, *best)) best = &c;
-    if (again) break;
-  }
-
+  found.given_up = give_up;
+  found.iterations = lead.iterations;
   // All points: noise, bias and gate by what the last estimate says, then a step or two, until nothing moves.
   const auto n = static_cast<std::size_t>(search.cloud.cols());
   PointStates states(n);
-  Noise noise = best->noise;
+  Noise noise = lead.noise;
   if (search.sigma) noise = {*search.sigma, noise.outliers, true};
-  Model<Shape> model = best->model;
+  Model<Shape> model = localise<Shape>(lead.surface, lead.at);
   typename BatchedCost<Shape>::Matrix hessian = BatchedCost<Shape>::Matrix::Zero();
   Phase phase = Phase::descend;
   std::vector<double> weights;
@@ -241,11 +253,12 @@ std::optional<Found> find(const Search& search) {
   // In standard errors: how near the root is sought. A root that cannot be stepped to is left to the descent.
   double near = 1;
   measure(search.cloud, model, states);
-  for (int round = 0; round < 60; ++round) {
+  double share = 0;
+  for (int round = 0; round < (give_up ? 0 : 40); ++round) {
     search.progress(share += 0.1 * (1 - share));
     if (gates == 0) states.kept = states.regular;
     update_bias(noise, states);
-    update(noise, states);
+    update(noise, states, phase == Phase::descend);
     if (phase == Phase::descend) weights = inlier_probabilities(states, noise);
     BatchedCost<Shape> cost(phase, search.cloud, model.origin, noise, states, weights);
     const Model<Shape> before = model;
@@ -263,11 +276,11 @@ std::optional<Found> find(const Search& search) {
       measure(search.cloud, model, states);
       phase = Phase::descend;
       near *= 0.1;
-    } else if (small && since_gate > 0.1 && gates < 12) {
+    } else if (small && since_gate > 0.1 && gates < 8) {
       gate<Shape>(search.cloud, natural(model), noise, states);
       ++gates;
       since_gate = 0;
-    } else if (movement <= 1e-15 + (phase == Phase::score ? 1e-8 : 1e-6) * standard_error) {
+    } else if (movement <= 1e-15 + (phase == Phase::score ? 1e-9 : 1e-6) * standard_error) {
       found.converged = true;
       break;
     } else if (phase == Phase::score && !solved.moved) {
@@ -280,6 +293,11 @@ std::optional<Found> find(const Search& search) {
   found.surface = natural(model);
   found.sigma = noise.sigma;
   found.outliers = noise.outliers;
+  found.error.resize(n);
+  for (std::size_t i = 0; i < n; ++i) found.error[i] = states.error(i);
+  found.kept = std::move(states.kept);
+  found.reference = model.origin;
+  if (give_up) return found;
   // Without the turn about the normal where that changes nothing.
   constexpr int all = 3 + Shape::size, freedom = Shape::freedom;
   std::vector<int> free;
@@ -291,19 +309,19 @@ std::optional<Found> find(const Search& search) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(all, all);
   covariance(free, free) = noise.sigma * noise.sigma * eigen.eigenvectors() * inverse.asDiagonal() *
                            eigen.eigenvectors().transpose();
-  found.reference = model.origin;
   found.covariance = natural_covariance<Shape>(model, covariance, found.reference);
-  found.error.resize(n);
-  for (std::size_t i = 0; i < n; ++i) found.error[i] = states.error(i);
-  found.kept = std::move(states.kept);
   return found;
 }
 
-template std::optional<Found> find<PlaneShape>(const Search&);
-template std::optional<Found> find<SphereShape>(const Search&);
-template std::optional<Found> find<CylinderShape>(const Search&);
-template std::optional<Found> find<ConeShape>(const Search&);
-template std::optional<Found> find<TorusShape>(const Search&);
-template std::optional<Found> find<EllipsoidShape>(const Search&);
+#define DARBOUX_FIND(Shape)                                \
+  template std::optional<Lead> find<Shape>(const Search&); \
+  template Found refine<Shape>(const Search&, const Lead&, bool);
+DARBOUX_FIND(PlaneShape)
+DARBOUX_FIND(SphereShape)
+DARBOUX_FIND(CylinderShape)
+DARBOUX_FIND(ConeShape)
+DARBOUX_FIND(TorusShape)
+DARBOUX_FIND(EllipsoidShape)
+#undef DARBOUX_FIND
 
 }  // namespace darboux::fit

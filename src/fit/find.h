@@ -6,16 +6,28 @@
 #include <string_view>
 #include <vector>
 
+#include "noise.h"
 #include "starts.h"
 
 namespace darboux::fit {
 
 using Covariance = Eigen::Matrix<double, 9, 9>;
 
+// Where some of the points lead, from starts.
+struct Lead {
+  std::string_view kind;
+  double score;  // log likelihood of the refined points, see find.cpp
+  Natural surface;
+  Vector3d at;  // a point of it, next to inliers
+  Noise noise;
+  int iterations = 0;  // of Ceres
+};
+
 // A surface with its uncertainty and what it says of every point.
 struct Found {
   std::string_view kind;
   int freedom = 0;
+  bool given_up = false;  // as another kind leads much further; then only measured
   bool converged = false;
   Natural surface;
   double sigma = 0, outliers = 0;  // see estimate.h
@@ -49,6 +61,10 @@ void for_each_shape(F f) {
 
 // Nothing where no start leads to a surface.
 template <class Shape>
-std::optional<Found> find(const Search& search);
+std::optional<Lead> find(const Search& search);
+
+// From there to the maximum of the likelihood over all points, unless it is given up.
+template <class Shape>
+Found refine(const Search& search, const Lead& lead, bool give_up);
 
 }  // namespace darboux::fit

@@ -10,6 +10,7 @@
 #include <darboux/project.h>
 
 #include "closed_foot.h"
+#include "manifolds.h"
 #include "parameter_jet.h"
 
 namespace darboux {
@@ -23,12 +24,6 @@ constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::para
 constexpr int most_columns = 6 + most_parameters + 6;
 using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_columns>;
 using Ways = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, most_columns>;  // of (u, v)
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
 
 // What δ does to the surface at a fixed (u, v).
 struct Velocities {
@@ -49,7 +44,7 @@ Velocities velocities(const PlacedSurface& placed, const SurfaceUncertainty& unc
   const Eigen::Vector3d from_centre = placed.placement * to_eigen(j.position) - uncertainty.centre;
   Velocities result{Columns::Zero(3, n), Columns::Zero(3, n), Columns::Zero(3, n)};
   const auto rigid = [&](Columns& columns, const Eigen::Vector3d& a) {
-    columns.leftCols<3>() = -to_frame * cross_matrix(a);  // ω × a
+    columns.leftCols<3>() = -to_frame * fit::cross_matrix(a);  // ω × a
   };
   rigid(result.position, from_centre);
   rigid(result.dpdu, rotation * to_eigen(j.dpdu));
@@ -271,8 +266,8 @@ Truth truth_at(const MeshFit& fit, const Vec2<double>& stored) {
   const Columns spread = along.lazyProduct(fit.covariance);
   const Eigen::Matrix3d of_a = spread.lazyProduct(along.transpose());
   if (!turns.knows_tangent || !(9 * of_a.trace() < a.squaredNorm())) return truth;
-  const double across = a.dot(of_a * a) / a.squaredNorm();  // what only changes its length
-  truth.tangent_deg = root((of_a.trace() - across) / a.squaredNorm()) * degrees;
+  const double lengthening = a.dot(of_a * a) / a.squaredNorm();  // what only changes its length
+  truth.tangent_deg = root((of_a.trace() - lengthening) / a.squaredNorm()) * degrees;
   return truth;
 }
 

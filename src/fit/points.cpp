@@ -255,19 +255,34 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   if (options.noise) search.sigma = *options.noise / data.scale;
   if (options.guess) search.guess = natural_of(*options.guess, data);
   std::vector<Found> tried;
-  const double to_try = automatic ? static_cast<double>(kinds.size()) : 1;
-  double share = 0;
-  search.progress = [&](double now) {
-    if (options.progress) options.progress(share + now / to_try);
+  const auto permitted = [&](std::string_view kind, const Natural& surface) {
+    return !automatic || !crosses_itself(kind, surface);
   };
+  std::vector<Lead> leads;
+  double share = 0, span = 0;
+  search.progress = [&](double now) {
+    if (options.progress) options.progress(share + now * span);
+  };
+  span = 0.3 / static_cast<double>(automatic ? kinds.size() : 1);
   for_each_shape([&]<class Shape>() {
     if (!automatic && options.surface != Shape::name) return;
     if (n > Shape::freedom)
-      if (auto found = find<Shape>(search)) {
-        fit.iterations += found->iterations;
-        if (!automatic || !crosses_itself(*found)) tried.push_back(std::move(*found));
-      }
-    share += 1 / to_try;
+      if (auto lead = find<Shape>(search); lead && permitted(lead->kind, lead->surface))
+        leads.push_back(*lead);
+    share += span;
+  });
+  const auto furthest = std::max_element(leads.begin(), leads.end(),
+                                         [](const Lead& a, const Lead& b) { return a.score < b.score; });
+  span = 0.7 / std::max(1.0, static_cast<double>(leads.size()));
+  for_each_shape([&]<class Shape>() {
+    for (const Lead& lead : leads) {
+      if (lead.kind != Shape::name) continue;
+      // Part of the points is enough to see that a kind is none. Odds of exp(300), and far more when all are counted.
+      Found found = refine<Shape>(search, lead, lead.score < furthest->score - 300);
+      fit.iterations += found.iterations;
+      if (permitted(found.kind, found.surface)) tried.push_back(std::move(found));
+      share += span;
+    }
   });
   if (tried.empty())
     return done("no " + std::string(automatic ? "surface" : options.surface) + " goes near the points");
@@ -318,7 +333,7 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   const double sigma_squared = options.noise ? 1 : k / std::max(1.0, k - best.freedom);
   fit.sigma = data.scale * best.sigma * std::sqrt(sigma_squared);
   if (!chosen.usable) return done(chosen.reason);
-  if (automatic && 4 * k < static_cast<double>(n))
+  if (automatic && 5 * k < 2 * static_cast<double>(n))
     return done("undetermined: the nearest is " + with_article(best.kind) + ", with only " +
                 std::to_string(fit.inliers) + " of " + std::to_string(data.finite) +
                 " points; fewer outliers help, or naming the kind");

@@ -98,9 +98,9 @@ inline Scaled scaled(const PointCloud& points) {
 
 // Why points of this size are not fitted; nothing where they are.
 inline std::string unusual_size(double scale) {
-  if (scale >= 1e-150 && scale <= 1e150) return {};
+  if (scale >= 1e-152 && scale <= 1e152) return {};
   return "the points are of size " + rounded(scale, 3) +
-         ", permitted are 1e-150 to 1e150, whose squares are numbers; other units help";
+         ", permitted are 1e-152 to 1e152, whose squares are numbers; other units help";
 }
 
 // All of them, which are not all one point.

@@ -103,7 +103,8 @@ Oriented oriented_points(const Matrix3Xd& cloud, const Matrix3Xd& normals, std::
     }
     Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
     eigen.computeDirect(scatter);
-    all.points.col(i) = mean;
+    // The mean has less noise; among few points it is off the surface.
+    all.points.col(i) = nearest.size() > 6 ? mean : to_eigen(chosen[static_cast<std::size_t>(i * n / m)]);
     all.normals.col(i) = eigen.eigenvectors().col(0);
     flatness.emplace_back(eigen.eigenvalues()[0] / std::fmax(eigen.eigenvalues()[1], 1e-300), i);
   }

@@ -1,4 +1,4 @@
-// Local jets of a torus cloud beside CGAL's Monge_via_jet_fitting: a table for docs/reports/fit.md.
+// Local jets of a torus cloud beside CGAL's Monge_via_jet_fitting, and their orders: tables of docs/reports/fit.md.
 //   benchmark_local_jets [--quick]
 // Both fit the same neighbours of the same points on one core, in turns; finding the neighbours is not timed.
 #include <algorithm>
@@ -70,6 +70,7 @@ void table(bool quick) {
   const int rounds = quick ? 3 : 15;
   const Cloud cloud = torus_cloud(count, fits);
   const Neighbours tree(cloud.points);
+  std::printf("\n### Local jets\n\n");
   std::printf(
       "%zu points of a torus (radii 1 and 0.4), fits at %zu of them, one core, seed %llu, best of %d rounds; "
       "the "
@@ -146,6 +147,38 @@ void table(bool quick) {
   if (!std::isfinite(sink)) std::printf("\nA fit gave no number.\n");
 }
 
+// Errors at twice the distance between points over those at the distance, as powers of two: orders.
+void orders(bool quick) {
+  const std::size_t fits = quick ? 300 : 2000, fewest = quick ? 4000 : 20000;
+  std::printf(
+      "\nOrders: %zu, %zu and %zu points of the same torus, the spacing halved twice, slope of the medians' "
+      "logarithms.\n\n| degree | neighbours | order of the normal | required | order of the curvatures | "
+      "required |\n|---:|---:|---:|---:|---:|---:|\n",
+      fewest, 4 * fewest, 16 * fewest);
+  for (const auto& row : {std::pair{2, 20}, {3, 30}, {4, 42}}) {
+    const int degree = row.first;
+    std::vector<std::uint32_t> near(static_cast<std::size_t>(row.second));
+    std::vector<double> squared(near.size()), normal, curvature;
+    for (const std::size_t count : {fewest, 4 * fewest, 16 * fewest}) {
+      const Cloud cloud = torus_cloud(count, fits);
+      const Neighbours tree(cloud.points);
+      Errors errors;
+      for (std::size_t i = 0; i < fits; ++i) {
+        tree.nearest(cloud.points[i], near, squared);
+        std::vector<Vec3<double>> points;
+        for (const std::uint32_t j : near) points.push_back(cloud.points[j]);
+        const LocalJet jet = local_jet(points, cloud.points[i], {.degree = degree, .side = cloud.normals[i]});
+        errors.add(jet.n, jet.curvature.principal[0], jet.curvature.principal[1], cloud.normals[i],
+                   cloud.curvatures[i]);
+      }
+      normal.push_back(std::log2(median(errors.normal)));
+      curvature.push_back(std::log2(median(errors.curvature)));
+    }
+    std::printf("| %d | %d | %.2f | %d ± 0.2 | %.2f | %d ± 0.2 |\n", degree, row.second,
+                (normal[0] - normal[2]) / 2, degree, (curvature[0] - curvature[2]) / 2, degree - 1);
+  }
+}
+
 }  // namespace
 }  // namespace darboux::bench
 
@@ -156,4 +189,5 @@ int main(int count, char** arguments) {
     return 2;
   }
   darboux::bench::table(quick);
+  darboux::bench::orders(quick);
 }

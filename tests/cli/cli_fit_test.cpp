@@ -228,7 +228,7 @@ TEST_F(Cli, FitJudgesEveryVertexOfEveryFormat) {
     std::size_t points, measured, unused = 0;
   };
   constexpr std::size_t places = columns * rows;
-  for (const Case& c : {Case{"a.xyz", vertices, vertices}, Case{"a.pcd", vertices, vertices},
+  for (const Case& c : {Case{"a.xyz", vertices, places}, Case{"a.pcd", vertices, places},
                         Case{"a.ply", vertices, places}, Case{"a.glb", vertices, places},
                         Case{"a.obj", vertices, places, 1}, Case{"a.stl", 6 * places, places}}) {
     SCOPED_TRACE(c.file);
@@ -241,7 +241,7 @@ TEST_F(Cli, FitJudgesEveryVertexOfEveryFormat) {
     EXPECT_EQ(fit["ignored"], c.unused);
     EXPECT_EQ(fit["sigma"], sigma);
     EXPECT_EQ(fit["candidates"].size(), 1u);
-    // With known noise the standard error tells how many points were counted: the vertices of a mesh by their places.
+    // With known noise the standard error tells how many points were counted: by their places.
     const double error = sigma / std::sqrt(c.measured);
     EXPECT_NEAR(fit["surface"]["parameters"]["minor_radius"], 0.4, 5 * error);
     EXPECT_NEAR(fit["standard_errors"]["minor_radius"].get<double>() / error, 1, 0.03);

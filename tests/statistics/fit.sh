@@ -6,9 +6,10 @@
 set -euo pipefail
 . "$(dirname "$0")/../benchmark/common.sh"
 
-build fit_statistics
+build fit_statistics benchmark_local_jets
 start
 build/benchmark/bin/fit_statistics "${quick[@]}" >"$work/tables"
+build/benchmark/bin/benchmark_local_jets "${quick[@]}" >>"$work/tables"
 {
   echo
   circumstances

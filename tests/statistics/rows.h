@@ -152,10 +152,8 @@ inline PointFit fit_of(const Case& c, const SyntheticPoints& points) {
                     {.surface = c.fitted_as, .with_uv = c.options.with_uv, .seed = c.options.seed});
 }
 
-inline Outcome outcome_of(std::string_view row, std::uint64_t seed) {
-  const Case c = case_of(row, seed);
-  const SyntheticPoints points = make_points(c.kind, c.options);
-  const PointFit fit = fit_of(c, points);
+inline Outcome judged(std::string_view row, const SyntheticPoints& points, const PointFit& fit,
+                      std::uint64_t seed) {
   Outcome outcome{.usable = fit.usable, .reason = fit.reason};
   if (!fit.usable || !fit.surface) return outcome;
   outcome.found = fit.surface->surface.info().name;
@@ -164,8 +162,27 @@ inline Outcome outcome_of(std::string_view row, std::uint64_t seed) {
     outcome.mahalanobis = mahalanobis_per_parameter(points, *fit.surface);
     outcome.sigma_ratio = fit.sigma / points.sigma;
   }
-  if (row == "frames" && outcome.success()) judge_frame(points, fit, c.options.seed, outcome);
+  if (row == "frames" && outcome.success()) judge_frame(points, fit, seed, outcome);
   return outcome;
+}
+
+inline Outcome outcome_of(std::string_view row, std::uint64_t seed) {
+  const Case c = case_of(row, seed);
+  const SyntheticPoints points = make_points(c.kind, c.options);
+  return judged(row, points, fit_of(c, points), c.options.seed);
+}
+
+// Of a fit that is told which points are inliers, the noise, and the truth as a start: where it misses the bound, the bound is
+// not to be had, as it is that of small errors.
+inline Outcome told_outcome_of(std::string_view row, std::uint64_t seed) {
+  const Case c = case_of(row, seed);
+  const SyntheticPoints points = make_points(c.kind, c.options);
+  PointCloud inliers;
+  for (std::size_t i = 0; i < points.is_inlier.size(); ++i)
+    if (points.is_inlier[i]) inliers.positions.push_back(points.cloud.positions[i]);
+  const PointFit fit =
+      fit_points(inliers, {.surface = c.kind, .noise = points.sigma, .guess = points.truth, .seed = 1});
+  return judged(row, points, fit, c.options.seed);
 }
 
 // Quantiles of chi squared at 95 % for one to three degrees of freedom.
