@@ -25,7 +25,7 @@ struct PointFitOptions {
   std::optional<PlacedSurface> guess{};  ///< tried beside the starts that the points themselves give
   std::uint64_t seed = 1;                ///< of the random samples: same points, same seed, same bits
   std::function<void(double)>
-      progress{};  ///< called now and then with the share that is done, from this thread
+      progress{};  ///< called now and then with the share that is done, from this thread; at last with 1
 };
 
 struct StandardError {
@@ -69,7 +69,7 @@ struct PointFit : SurfaceUncertainty {
   std::vector<bool> is_inlier;  ///< one entry a point
   bool mirrored = false;        ///< with uvs: they follow the mirror image of the surface; not usable then
   std::vector<StandardError> standard_errors;
-  std::vector<FitCandidate> candidates;  ///< best first
+  std::vector<FitCandidate> candidates;  ///< the chosen one first, then best first
   int iterations = 0;                    ///< of Ceres, over all candidates
   double seconds = 0;
 };
@@ -80,21 +80,26 @@ const std::vector<std::string_view>& found_kinds();
 /// Fits a surface to points, most of which lie on it up to isotropic Gaussian noise of unknown size; the others may lie
 /// anywhere. No start is needed. The estimate is that of maximum likelihood over orthogonal distances d for a mixture
 /// of inliers N(σ² H, σ²) and outliers of locally constant density, H = (k1 + k2) / 2 the curvature that moves the mean
-/// distance, found by Ceres. Lengths and place of the points do not matter: they are centred and scaled first.
+/// distance, found by Ceres. Lengths and place of the points do not matter: they are centred and scaled first. Points at one place
+/// count once in the estimate.
 /// The gauge, where the surface has symmetries (docs/theory/fit.md): the axis points along the positive side of its
 /// largest component, a cone's from base to apex; the u origin is the world axis x, y or z least parallel to the axis, in that order, projected.
 /// Cost: linear in the points.
 ///
 /// auto takes the kind with the smallest Bayesian information criterion [Schwarz1978], all on the footing of the likeliest
-/// one's noise, outliers and inliers. It must beat each kind of fewer parameters by 10, odds of exp(5); else, and where
+/// one's noise, outliers and inliers, and must have two fifths of the points. It must beat each kind of fewer parameters by 10,
+/// odds of exp(5); else, and where
 /// a kind that did not converge or is not determined does better by 10, or where the distances of neighbouring points are
 /// alike (another surface), the fit is not usable: "undetermined: ...". A torus that crosses itself is not among the choices.
-/// A named kind may be any of the catalogue; those beside found_kinds() are fitted from their default proportions.
+/// A named kind may be any of the catalogue but those without parameters, with more than 12, and the superellipsoid; those
+/// beside found_kinds() are fitted from their default proportions.
 ///
 /// Not usable, with the reason: fewer different points than one more than a surface has unknowns (plane 3, sphere 4, cylinder
 /// 5, cone 6, torus 7, ellipsoid 9; that many are always fitted exactly), points on a line, a radius below 5 sigma, no more
 /// inliers than chance has, a movement of the surface that the points do not tell, a length with a standard error above
-/// its half or beyond 1e-3 to 1e3 of the points' size (their median distance from their median), Ceres not converged.
+/// its half or beyond 1e-3 to 1e3 of the points' size (their median distance from their median), points of a size beyond
+/// 1e-152 to 1e152. And where it has not converged: that is when the next step of Ceres on the equations of the maximum moves the
+/// surface by 1e-9 of its standard error at most (1e-6 where only weighted least squares settle), or by its rounding.
 /// \throws ParameterError for an unknown kind, a noise that is not positive, a guess of another kind or not finite;
 /// MeshError for attributes of another length than positions, or with_uv without uvs. Points that do not determine
 /// a surface give a fit that is not usable, and say why.
