@@ -91,10 +91,12 @@ inline void update(Noise& noise, const PointStates& points, bool afar) {
   count(noise);
 }
 
+// Where radii of curvature come near sigma, as at a cone's apex, the first order says nothing: there the bias fades out, smoothly,
+// as an estimate that switches it on and off would never end.
 inline void update_bias(const Noise& noise, PointStates& points) {
   for (std::size_t i = 0; i < points.d.size(); ++i) {
-    const double bias = 0.5 * noise.sigma * noise.sigma * points.curvature[i];
-    points.bias[i] = std::fabs(bias) < noise.sigma ? bias : 0;
+    const double x = 0.5 * noise.sigma * points.curvature[i];
+    points.bias[i] = std::isfinite(x) ? noise.sigma * x / (1 + x * x * x * x) : 0;
   }
 }
 

@@ -254,7 +254,7 @@ Found refine(const Search& search, const Lead& lead, bool give_up) {
   double near = 1;
   measure(search.cloud, model, states);
   double share = 0;
-  for (int round = 0; round < (give_up ? 0 : 40); ++round) {
+  for (int round = 0; round < (give_up ? 0 : 100); ++round) {
     search.progress(share += 0.1 * (1 - share));
     if (gates == 0) states.kept = states.regular;
     update_bias(noise, states);
