@@ -11,12 +11,15 @@ namespace darboux {
 namespace {
 
 // Vertices that a fit looks at before all of them: for a linear start, and to see whether a surface fits at all.
-constexpr std::size_t start_points = 256, trial_points = 2048;
+constexpr std::size_t start_points = 80, trial_points = 2048;
 
 // A start this far off is another convention's mesh; refining it would only confirm that.
 constexpr double hopeless = 0.2;
 // Nor is one with a point this far off: it would take all the digits.
 constexpr double too_far = 1e6;
+
+// What fits few points this many times worse than permitted is not refined on more.
+constexpr double hopeless_share = 30;
 
 // An affine map is so free that it must fit better: this share of fits_below.
 constexpr double affine_share = 1e-2;
@@ -114,8 +117,17 @@ bool determined(const UvModel& model, const UvState& state) {
 std::optional<Trial> tried(const Data& data, UvStart start, const SurfaceSpecification& given) {
   start.model.points = &data.trial;
   Solved solved;
-  if (start.median < hopeless && rms(start.model, start.state) < too_far)
-    solved = start.model.solve(start.state, Mixture{}, 1e-14);
+  if (start.median < hopeless && rms(start.model, start.state) < too_far) {
+    // Far from a few of the points it is far from all.
+    start.model.points = &data.few;
+    solved = start.model.solve(start.state, Mixture{}, 1e-3);
+    const bool far = rms(start.model, start.state) > hopeless_share * fits_below;
+    start.model.points = &data.trial;
+    if (far)
+      solved.converged = false;
+    else
+      solved = start.model.solve(start.state, Mixture{}, 1e-14);
+  }
   if (!surface_of(start.model, start.state, data.all.size, given)) return std::nullopt;
   const double error = rms(start.model, start.state);
   if (!std::isfinite(error)) return std::nullopt;

@@ -1,47 +1,245 @@
 #include <algorithm>
+#include <numeric>
 
 #include <darboux/error.h>
 #include <darboux/judge.h>
 
 #include "text.h"
+#include "validate/findings.h"
+#include "validate/parts.h"
 
 namespace darboux {
+namespace {
 
-Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
+constexpr std::size_t most_parts = 256;
+
+// What a mesh was taken for, and the truth at its vertices where it fits.
+struct Recognised {
+  std::optional<MeshFit> fit;
+  std::vector<Truth> truth;
+  std::string reason;  // of the nearest that does not fit
+  bool fits() const { return fit && fit->fits; }
+};
+
+void take(const Mesh& mesh, Recognised& result, MeshFit fit) {
+  result.fit = std::move(fit);
+  result.truth = truths(mesh, *result.fit);
+}
+
+// Through its own uvs: the declared surface, or any.
+Recognised by_uvs(const Mesh& mesh, const JudgeOptions& options) {
+  Recognised result;
+  try {
+    MeshFit fit = options.surface ? fit_surface(mesh, *options.surface, options.placement)
+                                  : fit_any_surface(mesh, options.placement);
+    if (fit.fits)
+      take(mesh, result, std::move(fit));
+    else
+      result.fit = std::move(fit);
+    result.reason = ": nearest is " + result.fit->surface.surface.specification(6) +
+                    " with an rms distance of " + rounded(result.fit->rms_relative, 2) +
+                    " of the mesh's size, permitted is " + rounded(fits_below, 1);
+  } catch (const MeshError& e) {
+    result.reason = std::string(": ") + e.what();
+  }
+  return result;
+}
+
+// A part: the declared surface, else any, else by its positions alone.
+Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options) {
+  Recognised result = by_uvs(mesh, options);
+  if (!result.fits() && options.surface) {
+    JudgeOptions any = options;
+    any.surface.reset();
+    result = by_uvs(mesh, any);
+  }
+  if (!result.fits())
+    if (auto fit = fit_positions(mesh)) take(mesh, result, std::move(*fit));
+  return result;
+}
+
+// Where the surface is known and its chart is not, the neighbours tell the tangents: theirs, turned into the tangent plane.
+void complete(const Subject& subject, Recognised& recognised) {
+  if (!recognised.fits() || recognised.fit->chart != UvChart::unknown || subject.local.empty()) return;
+  for (std::size_t v = 0; v < recognised.truth.size(); ++v) {
+    Truth& truth = recognised.truth[v];
+    const Truth& local = subject.local[v];
+    const auto along = [&](const Vec3<double>& a) { return unit(a - dot(a, truth.normal) * truth.normal); };
+    truth.tangent = along(local.tangent);
+    truth.bitangent = along(local.bitangent);
+    truth.tangent_deg = local.tangent_deg;
+  }
+}
+
+Judgement judgement_of(const Subject& subject, Recognised recognised, const JudgeOptions& options,
+                       bool declared) {
+  complete(subject, recognised);
+  const bool fits = recognised.fits();
+  Judgement result{std::move(recognised.fit), judge_subject(subject, recognised.truth, options)};
+  const Mesh& mesh = subject.mesh;
+  MeshReport& report = result.report;
+  if (mesh.uvs.empty()) add(report, finding(Code::uv_missing, std::max<std::size_t>(mesh.corners(), 1)));
+  if (fits || !options.references.analytic || mesh.uvs.empty()) return result;
+  const std::size_t corners = std::max<std::size_t>(mesh.corners(), 1);
+  if (declared) {
+    add(report, finding(Code::surface_mismatch, corners, recognised.reason));
+    report.verdict = Verdict::fail;
+  } else {
+    add(report, finding(Code::surface_unknown, corners, recognised.reason));
+  }
+  return result;
+}
+
+std::vector<bool> poles(const std::vector<Truth>& truth) {
+  std::vector<bool> result;
+  for (const Truth& t : truth) result.push_back(t.pole);
+  return result;
+}
+
+Judgement judge_whole(const Mesh& mesh, Recognised recognised, const JudgeOptions& options) {
+  const Subject subject = prepare(mesh, poles(recognised.truth), options);
+  return judgement_of(subject, std::move(recognised), options, options.surface.has_value());
+}
+
+void check(const Mesh& mesh, const JudgeOptions& options) {
   check_consistent(mesh, "mesh");
   if (options.surface) make_surface(*options.surface);  // refuses unknown names, whatever the mesh
-  Judgement result;
-  std::string reason;
-  try {
-    result.fit = options.surface ? fit_surface(mesh, *options.surface, options.placement)
-                                 : fit_any_surface(mesh, options.placement);
-    reason = "nearest is " + result.fit->surface.surface.specification(6) + " with an rms distance of " +
-             rounded(result.fit->rms_relative, 2) + " of the mesh's size, permitted is " +
-             rounded(fits_below, 1);
-  } catch (const MeshError& e) {
-    reason = e.what();
-  }
-  const bool fits = result.fit && result.fit->fits;
-  std::vector<Truth> truth;
-  if (fits)
-    for (const Vec2<double>& uv : mesh.uvs) truth.push_back(truth_at(*result.fit, uv));
-  result.report = validate(mesh, truth, options);
-  if (fits) return result;
+}
 
-  auto& findings = result.report.findings;
-  if (mesh.uvs.empty())
-    findings.push_back(
-        {"UV_MISSING", Severity::info, mesh.corners(), "the mesh has no uvs, so tangents have no truth"});
-  if (options.surface && !mesh.uvs.empty()) {
-    const auto first_other = std::find_if(findings.begin(), findings.end(),
-                                          [](const Finding& f) { return f.severity != Severity::error; });
-    findings.insert(first_other, {"SURFACE_MISMATCH", Severity::error, mesh.corners(),
-                                  "the declared surface does not fit the positions at their uvs: " + reason});
-    result.report.verdict = Verdict::fail;
-  } else if (!mesh.uvs.empty()) {
-    findings.push_back(
-        {"SURFACE_UNKNOWN", Severity::info, mesh.corners(), "no surface of the catalogue fits: " + reason});
+// Corner and vertex numbers of a part, in the whole.
+void renumber(MeshReport& report, const Part& part) {
+  const auto in_whole = [&](std::vector<ClassReport>& classes) {
+    for (ClassReport& c : classes)
+      if (c.worst) c.worst->vertex = part.vertices[c.worst->vertex];
+  };
+  in_whole(report.classes);
+  if (report.local) in_whole(report.local->classes);
+  if (report.mikktspace) in_whole(report.mikktspace->classes);
+}
+
+struct RecognisedPart {
+  Part part;
+  Recognised recognised;
+};
+
+// The parts of a mesh that are surfaces of their own, and the triangles that are none.
+struct Parts {
+  std::vector<RecognisedPart> recognised;  // in the order of their first triangles
+  std::vector<std::uint32_t> rest;
+  bool declared = false;        // the declared surface is among them
+  std::size_t passed_over = 0;  // parts that were not looked at, as there are too many
+
+  Parts(const Mesh& mesh, const JudgeOptions& options) {
+    std::vector<std::uint32_t> all(mesh.triangles.size());
+    std::iota(all.begin(), all.end(), 0);
+    look_at(mesh, options, std::move(all), false);
+    std::sort(recognised.begin(), recognised.end(), [](const RecognisedPart& a, const RecognisedPart& b) {
+      return a.part.triangles.front() < b.part.triangles.front();
+    });
+    std::sort(rest.begin(), rest.end());
   }
+
+ private:
+  // Cuts at the borders of charts and where normals break, and what is not recognised then at its creases.
+  void look_at(const Mesh& whole, const JudgeOptions& options, std::vector<std::uint32_t> triangles,
+               bool at_creases) {
+    const Part from = part_of(whole, triangles);
+    const std::vector<std::vector<std::uint32_t>> pieces = parts_of(from.mesh, at_creases);
+    if (pieces.size() > most_parts) passed_over = std::max(passed_over, pieces.size());
+    const bool one = pieces.size() == 1;
+    if (pieces.size() > most_parts || (one && at_creases)) {
+      rest.insert(rest.end(), triangles.begin(), triangles.end());
+      return;
+    }
+    for (const std::vector<std::uint32_t>& piece : pieces) {
+      std::vector<std::uint32_t> of_whole;
+      for (const std::uint32_t t : piece) of_whole.push_back(from.triangles[t]);
+      Part part = part_of(whole, of_whole);
+      // The whole mesh as one part was looked at before.
+      Recognised found = one ? Recognised{} : recognise_part(part.mesh, options);
+      if (found.fits()) {
+        declared |= options.surface && found.fit->surface.surface.info().name == options.surface->name;
+        recognised.push_back({std::move(part), std::move(found)});
+      } else if (!at_creases) {
+        look_at(whole, options, std::move(of_whole), true);
+      } else {
+        rest.insert(rest.end(), of_whole.begin(), of_whole.end());
+      }
+    }
+  }
+};
+
+std::vector<Judgement> judge_each(const Mesh& mesh, std::vector<RecognisedPart> parts,
+                                  const JudgeOptions& options) {
+  std::vector<bool> is_pole(mesh.positions.size(), false);
+  for (const RecognisedPart& p : parts)
+    for (std::size_t v = 0; v < p.recognised.truth.size(); ++v)
+      if (p.recognised.truth[v].pole) is_pole[p.part.vertices[v]] = true;
+  Subject whole = prepare(mesh, is_pole, options);
+  // A vertex of two parts is at a crease of theirs, and no one frame is right there.
+  std::vector<std::uint32_t> parts_at(mesh.positions.size(), 0);
+  for (const RecognisedPart& p : parts)
+    for (const std::uint32_t v : p.part.vertices)
+      if (++parts_at[v] == 2 && !is_pole[v]) whole.classes.of_vertex[v] = VertexClass::crease;
+  std::vector<Judgement> result;
+  for (RecognisedPart& p : parts) {
+    std::vector<bool> shared(p.part.vertices.size());
+    for (std::size_t v = 0; v < shared.size(); ++v) {
+      shared[v] = parts_at[p.part.vertices[v]] > 1;
+      if (shared[v] && !p.recognised.truth.empty())
+        p.recognised.truth[v].normal = detail::nan_vector<double>();
+    }
+    std::size_t corners = 0;
+    for (const Triangle& triangle : p.part.mesh.triangles)
+      for (const std::uint32_t v : triangle) corners += shared[v];
+    result.push_back(judgement_of(restrict_to(whole, p.part), std::move(p.recognised), options, false));
+    result.back().part = result.size() - 1;
+    add(result.back().report, finding(Code::crease_shared, corners));
+    renumber(result.back().report, p.part);
+  }
+  return result;
+}
+
+}  // namespace
+
+Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
+  check(mesh, options);
+  if (!options.references.analytic) return judge_whole(mesh, {}, options);
+  Recognised recognised = by_uvs(mesh, options);
+  if (!recognised.fits() && !options.surface)
+    if (auto fit = fit_positions(mesh)) take(mesh, recognised, std::move(*fit));
+  return judge_whole(mesh, std::move(recognised), options);
+}
+
+std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options) {
+  check(mesh, options);
+  if (!options.references.analytic) return {judge_whole(mesh, {}, options)};
+  Recognised whole = by_uvs(mesh, options);
+  if (whole.fits()) return {judge_whole(mesh, std::move(whole), options)};
+
+  Parts parts(mesh, options);
+  if (options.surface && !parts.declared) parts.recognised.clear();
+  if (!parts.rest.empty() && !options.surface)
+    if (auto fit = fit_positions(mesh)) {
+      take(mesh, whole, std::move(*fit));
+      parts.recognised.clear();
+    }
+  if (parts.recognised.empty()) {
+    Judgement result = judge_whole(mesh, std::move(whole), options);
+    add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
+    return {std::move(result)};
+  }
+  if (!parts.rest.empty()) {
+    Recognised unknown;
+    unknown.reason = whole.reason;
+    parts.recognised.push_back({part_of(mesh, std::move(parts.rest)), std::move(unknown)});
+  }
+  std::vector<Judgement> result = judge_each(mesh, std::move(parts.recognised), options);
+  std::vector<bool> used(mesh.positions.size(), false);
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) used[v] = true;
+  add(result.front().report, finding(Code::vertex_unreferenced,
+                                     static_cast<std::size_t>(std::count(used.begin(), used.end(), false))));
   return result;
 }
 

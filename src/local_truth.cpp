@@ -60,12 +60,13 @@ std::vector<Truth> local_truth(const Mesh& mesh) {
   check_consistent(mesh, "mesh");
   if (mesh.uvs.empty()) throw MeshError("mesh", "has no uvs, frames need one uv set");
   std::vector<Truth> result(mesh.positions.size(), no_truth()), of_node;
-  const Rings rings(mesh);
+  Rings rings(mesh);
+  rings.stop_at_creases();
   std::vector<Index> place(rings.size(), 0);  // of a node's truth in of_node, from 1
   Rings::Walk walk;
   for (std::size_t c = 0; c < mesh.corners(); ++c) {
     const Index node = rings.frames.of_corner[c];
-    if (!rings.used(node)) continue;
+    if (!rings.used(node) || rings.at_crease(node)) continue;
     if (place[node] == 0) {
       of_node.push_back(truth_at(rings, node, walk));
       place[node] = static_cast<Index>(of_node.size());

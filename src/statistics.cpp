@@ -34,6 +34,37 @@ Statistics summarise(std::vector<double>& values) {
   return s;
 }
 
+Statistics summarise(std::vector<Counted>& values) {
+  Statistics s;
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Counted& x : values) {
+    s.max = std::max(s.max, x.value);
+    sum += x.count * x.value * x.value;
+    count += x.count;
+  }
+  if (count == 0) return s;
+  s.rms = std::sqrt(sum / static_cast<double>(count));
+  std::size_t rank = (95 * count + 99) / 100;  // ceil(0.95 n)
+  // The half that holds the rank, again and again.
+  auto first = values.begin(), last = values.end();
+  while (last - first > 1) {
+    const auto middle = first + (last - first) / 2;
+    std::nth_element(first, middle, last,
+                     [](const Counted& a, const Counted& b) { return a.value < b.value; });
+    std::size_t below = 0;
+    for (auto i = first; i != middle; ++i) below += i->count;
+    if (rank <= below) {
+      last = middle;
+    } else {
+      rank -= below;
+      first = middle;
+    }
+  }
+  s.p95 = first->value;
+  return s;
+}
+
 Line fit_line(std::span<const double> x, std::span<const double> y) {
   const std::size_t n = x.size();
   double mean_x = 0, mean_y = 0;

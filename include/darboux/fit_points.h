@@ -127,6 +127,10 @@ struct UncertainFrame {
 /// \throws ParameterError for a fit without a surface, or whose covariance has another size than 6 + parameters
 UncertainFrame frame_near(const PointFit& fit, const Vec3<double>& p);
 
+/// The same of any surface that is known to some uncertainty.
+UncertainFrame frame_near(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
+                          const Vec3<double>& p);
+
 /// The frame at the surface's own (u, v), which stay: not through the convention of the placed surface's stored uvs.
 /// \throws ParameterError as frame_near()
 UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv);

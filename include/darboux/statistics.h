@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -17,18 +18,26 @@ struct Statistics {
 /// Reorders `values`.
 Statistics summarise(std::vector<double>& values);
 
+/// A value that stands for `count` equal ones.
+struct Counted {
+  double value;
+  std::uint32_t count;
+};
+/// The same of counted values, in linear time too.
+Statistics summarise(std::vector<Counted>& values);
+
 /// Standard deviations summed up. One that is infinite makes the maximum infinite, and is counted; the rms is that of the
 /// others.
 class Spread {
  public:
-  void add(double deviation) {
+  void add(double deviation, std::size_t times = 1) {
     max_ = std::max(max_, deviation);
     if (!std::isfinite(deviation)) {
-      ++infinite_;
+      infinite_ += times;
       return;
     }
-    sum_of_squares_ += deviation * deviation;
-    ++finite_;
+    sum_of_squares_ += static_cast<double>(times) * deviation * deviation;
+    finite_ += times;
   }
   double max() const { return max_; }
   double rms() const { return std::sqrt(sum_of_squares_ / static_cast<double>(finite_)); }  ///< NaN of none

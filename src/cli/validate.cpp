@@ -6,6 +6,7 @@
 #include <darboux/io.h>
 #include <darboux/judge.h>
 
+#include "../validate/findings.h"
 #include "command.h"
 #include "parallel.h"
 
@@ -14,13 +15,13 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> files;
-  std::string surface = "auto", placement = "fit", reference = "analytic";
+  std::string surface = "auto", placement = "fit", reference = "analytic,mikktspace,local";
   double max_angle = 5;
 };
 
 struct JudgedPrimitive {
   Primitive primitive;  // without its data
-  Judgement judgement;
+  std::vector<Judgement> judgements;
 };
 
 struct JudgedFile {
@@ -61,38 +62,22 @@ void add_node_findings(const Primitive& primitive, MeshReport& report) {
     mirrored += m.determinant() < 0;
     sheared += (gram - scale * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-5 * scale;
   }
-  if (mirrored > 0)
-    report.findings.push_back(
-        {"NODE_MIRRORED", Severity::info, mirrored,
-         "nodes mirror the mesh (counted in nodes): renderers must flip w and the winding"});
-  if (sheared > 0)
-    report.findings.push_back({"NODE_SCALE_NOT_UNIFORM", Severity::info, sheared,
-                               "nodes scale the mesh unevenly (counted in nodes): tangents must go by M, "
-                               "normals by its inverse transpose"});
+  add(report, finding(Code::node_mirrored, mirrored));
+  add(report, finding(Code::node_scale_not_uniform, sheared));
 }
 
-// Without the analytic reference no surface is looked for, and nothing decides.
-Judgement judge_primitive(const Mesh& mesh, const JudgeOptions& options, bool analytic) {
-  if (analytic) return judge(mesh, options);
-  Judgement result{std::nullopt, validate(mesh, std::nullopt, options)};
-  if (mesh.uvs.empty())
-    result.report.findings.push_back(
-        {"UV_MISSING", Severity::info, mesh.corners(), "the mesh has no uvs: local jets know no tangents"});
-  return result;
-}
-
-JudgedFile judge_file(const std::string& path, const JudgeOptions& options, bool analytic) {
+JudgedFile judge_file(const std::string& path, const JudgeOptions& options) {
   JudgedFile result;
   try {
     Asset asset = read_asset(path);
     result.skipped = asset.skipped;
     if (asset.primitives.empty()) result.verdict = Verdict::undetermined;
     for (Primitive& primitive : asset.primitives) {
-      Judgement judgement = judge_primitive(primitive.data, options, analytic);
-      add_node_findings(primitive, judgement.report);
-      result.verdict = std::max(result.verdict, judgement.report.verdict);
+      std::vector<Judgement> judgements = judge_parts(primitive.data, options);
+      add_node_findings(primitive, judgements.front().report);
+      for (const Judgement& j : judgements) result.verdict = std::max(result.verdict, j.report.verdict);
       primitive.data = {};
-      result.primitives.push_back({std::move(primitive), std::move(judgement)});
+      result.primitives.push_back({std::move(primitive), std::move(judgements)});
     }
   } catch (const FileError& e) {
     result.error = e.what();
@@ -129,6 +114,13 @@ Json classes_json(const std::vector<ClassReport>& classes) {
   return json;
 }
 
+// What stored uvs mean on the surface.
+std::string convention(const MeshFit& fit) {
+  return fit.chart == UvChart::own         ? std::string(fit.surface.uv.name)
+         : fit.chart == UvChart::projected ? "projected"
+                                           : "unknown";
+}
+
 Json report_json(const Primitive& primitive, const Judgement& judgement) {
   const MeshReport& report = judgement.report;
   Json json{{"mesh", primitive.mesh},
@@ -136,6 +128,7 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
             {"name", primitive.name},
             {"corners", report.corners},
             {"verdict", verdict_names[static_cast<std::size_t>(report.verdict)]}};
+  if (judgement.part) json["part"] = *judgement.part;
   json["surface"] = nullptr;
   json["uv"] = nullptr;
   if (judgement.fit && judgement.fit->fits) {
@@ -144,7 +137,6 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
     Json placement = Json::array(), affine = Json::array();
     for (Eigen::Index k = 0; k < 16; ++k)
       placement.push_back(number(fit.surface.placement.matrix()(k % 4, k / 4)));
-    for (const double x : fit.surface.uv.affine) affine.push_back(number(x));
     surface["placement"] = placement;
     surface["fit_rms"] = number(fit.rms);
     surface["fit_rms_relative"] = number(fit.rms_relative);
@@ -156,10 +148,15 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
     }
     surface["centre"] = {number(fit.centre.x()), number(fit.centre.y()), number(fit.centre.z())};
     json["surface"] = surface;
-    json["uv"] = {{"convention", fit.surface.uv.name},
-                  {"affine", affine},
-                  {"equivalent", fit.equivalent},
-                  {"texcoord", primitive.texcoord}};
+    json["uv"] = {{"convention", convention(fit)}, {"texcoord", primitive.texcoord}};
+    if (fit.chart == UvChart::own) {
+      for (const double x : fit.surface.uv.affine) affine.push_back(number(x));
+      json["uv"]["affine"] = affine;
+      json["uv"]["equivalent"] = fit.equivalent;
+    } else if (fit.chart == UvChart::projected) {
+      for (Eigen::Index k = 0; k < 9; ++k) affine.push_back(number(fit.projection(k % 3, k / 3)));
+      json["uv"]["projection"] = affine;
+    }
   }
   json["reference"] = report.reference;
   json["references"] = Json::object();
@@ -168,8 +165,11 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
     if (report.local->compared > 0) local["agreement"] = number(report.local->agreement);
     json["references"]["local"] = local;
   }
+  if (report.mikktspace)
+    json["references"]["mikktspace"] = {{"equal_bits", number(report.mikktspace->equal_bits)},
+                                        {"classes", classes_json(report.mikktspace->classes)}};
   json["frame_uncertainty_deg"] = nullptr;
-  if (report.reference != "none")
+  if (report.reference == "analytic" || report.reference == "local")
     json["frame_uncertainty_deg"] = {{"normal", spread_json(report.normal_uncertainty_deg)},
                                      {"tangent", spread_json(report.tangent_uncertainty_deg)}};
   json["handedness"] = {{"convention", report.handedness.convention},
@@ -187,7 +187,8 @@ Json report_json(const Primitive& primitive, const Judgement& judgement) {
     json["findings"].push_back({{"code", f.code},
                                 {"severity", severity_names[static_cast<std::size_t>(f.severity)]},
                                 {"count", f.count},
-                                {"message", f.message}});
+                                {"message", f.message},
+                                {"to_do", f.to_do}});
   return json;
 }
 
@@ -213,47 +214,84 @@ void print_local(const LocalReport& local) {
               << " % of interior corners\n";
 }
 
+void print_mikktspace(const MikkReport& mikktspace) {
+  double max = 0, squares = 0, corners = 0;
+  for (const ClassReport& c : mikktspace.classes)
+    if (c.tangent_deg && c.vertex_class != VertexClass::pole) {
+      const auto n = static_cast<double>(c.corners);
+      max = std::fmax(max, c.tangent_deg->max);
+      squares += n * c.tangent_deg->rms * c.tangent_deg->rms;
+      corners += n;
+    }
+  std::cout << "    mikktspace: " << rounded(100 * mikktspace.equal_bits, 4) << " % of corners to the bit";
+  if (corners > 0)
+    std::cout << ", tangents differ by " << rounded(std::sqrt(squares / corners), 2) << " deg rms, "
+              << rounded(max, 3) << " at most";
+  std::cout << '\n';
+}
+
+void print_judgement(const Primitive& primitive, const Judgement& judgement) {
+  const MeshReport& report = judgement.report;
+  std::cout << "  mesh " << primitive.mesh << " primitive " << primitive.primitive;
+  if (judgement.part) std::cout << " part " << *judgement.part;
+  if (!primitive.name.empty()) std::cout << " (" << one_line(primitive.name) << ")";
+  std::cout << ": " << report.corners << " corners";
+  if (judgement.fit && judgement.fit->fits)
+    std::cout << ", " << judgement.fit->surface.surface.specification(6) << ", uvs "
+              << convention(*judgement.fit);
+  std::cout << ", w " << report.handedness.convention << ", judged by " << report.reference << '\n';
+  if (!report.classes.empty())
+    std::printf("    %-10s %9s  %-23s  %-23s  %-23s\n", "class", "corners", "normal max/rms (deg)",
+                "tangent max/rms (deg)", "bitangent max/rms (deg)");
+  std::cout.flush();
+  for (const ClassReport& c : report.classes) {
+    const auto cell = [](const std::optional<Statistics>& s) {
+      if (!s) return std::string("-");
+      char text[48];
+      std::snprintf(text, sizeof text, "%.3g / %.3g", s->max, s->rms);
+      return std::string(text);
+    };
+    std::printf("    %-10s %9zu  %-23s  %-23s  %-23s\n",
+                std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)]).c_str(), c.corners,
+                cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(), cell(c.bitangent_deg).c_str());
+  }
+  std::fflush(stdout);
+  if ((report.reference == "analytic" || report.reference == "local") && report.corners > 0)
+    std::cout << "    truth uncertain by "
+              << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals), "
+              << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms") << " (tangents)\n";
+  if (report.local && report.reference != "local") print_local(*report.local);
+  if (report.mikktspace) print_mikktspace(*report.mikktspace);
+  for (const Finding& f : report.findings)
+    std::cout << "    " << severity_names[static_cast<std::size_t>(f.severity)] << ' ' << f.code << " ("
+              << f.count << "): " << f.message << '\n';
+}
+
 void print_people(const std::string& path, const JudgedFile& file) {
   std::cout << one_line(path) << ": " << verdict_names[static_cast<std::size_t>(file.verdict)] << '\n';
   if (file.primitives.empty()) std::cout << "  holds no triangles to judge\n";
-  for (const auto& [primitive, judgement] : file.primitives) {
-    const MeshReport& report = judgement.report;
-    std::cout << "  mesh " << primitive.mesh << " primitive " << primitive.primitive;
-    if (!primitive.name.empty()) std::cout << " (" << one_line(primitive.name) << ")";
-    std::cout << ": " << report.corners << " corners";
-    if (judgement.fit && judgement.fit->fits) {
-      std::cout << ", " << judgement.fit->surface.surface.specification(6) << ", uvs "
-                << judgement.fit->surface.uv.name;
-    }
-    std::cout << ", w " << report.handedness.convention << '\n';
-    if (!report.classes.empty())
-      std::printf("    %-10s %9s  %-23s  %-23s  %-23s\n", "class", "corners", "normal max/rms (deg)",
-                  "tangent max/rms (deg)", "bitangent max/rms (deg)");
-    std::cout.flush();
-    for (const ClassReport& c : report.classes) {
-      const auto cell = [](const std::optional<Statistics>& s) {
-        if (!s) return std::string("-");
-        char text[48];
-        std::snprintf(text, sizeof text, "%.3g / %.3g", s->max, s->rms);
-        return std::string(text);
-      };
-      std::printf("    %-10s %9zu  %-23s  %-23s  %-23s\n",
-                  std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)]).c_str(),
-                  c.corners, cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(),
-                  cell(c.bitangent_deg).c_str());
-    }
-    std::fflush(stdout);
-    if (report.reference != "none" && report.corners > 0)
-      std::cout << "    truth uncertain by "
-                << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals), "
-                << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms") << " (tangents)\n";
-    if (report.local) print_local(*report.local);
-    for (const Finding& f : report.findings)
-      std::cout << "    " << severity_names[static_cast<std::size_t>(f.severity)] << ' ' << f.code << " ("
-                << f.count << "): " << f.message << '\n';
-  }
+  for (const auto& [primitive, judgements] : file.primitives)
+    for (const Judgement& judgement : judgements) print_judgement(primitive, judgement);
   for (const SkippedPrimitive& s : file.skipped)
     std::cout << "  mesh " << s.mesh << " primitive " << s.primitive << " not judged: " << s.reason << '\n';
+}
+
+References parse_references(const std::string& text) {
+  References result{false, false, false};
+  for (const std::string& name : split(text, ',')) {
+    if (name == "analytic")
+      result.analytic = true;
+    else if (name == "mikktspace")
+      result.mikktspace = true;
+    else if (name == "local")
+      result.local = true;
+    else
+      throw ParameterError("--reference",
+                           "'" + name +
+                               "' is no reference, permitted are analytic, mikktspace and local, with commas "
+                               "between");
+  }
+  return result;
 }
 
 void run(const Arguments& arguments, Common& common) {
@@ -266,28 +304,18 @@ void run(const Arguments& arguments, Common& common) {
     options.surface = parse_specification(arguments.surface);
     make_surface(*options.surface);  // refuses values out of range before any file is read
   }
-  bool analytic = false;
-  for (const std::string& name : split(arguments.reference, ',')) {
-    if (name == "mikktspace")
-      throw ParameterError("--reference", "mikktspace is not there yet, permitted are analytic and local");
-    if (name != "analytic" && name != "local")
-      throw ParameterError(
-          "--reference",
-          "'" + name + "' is no reference, permitted are analytic and local, with a comma between");
-    (name == "local" ? options.local : analytic) = true;
-  }
-  if (!analytic && (options.surface || arguments.placement != "fit"))
-    throw ParameterError(
-        "--reference",
-        "without analytic no surface is fitted, permitted with --surface and --placement are "
-        "analytic and analytic,local");
+  options.references = parse_references(arguments.reference);
+  if (!options.references.analytic && (options.surface || arguments.placement != "fit"))
+    throw ParameterError("--reference",
+                         "without analytic no surface is fitted, permitted with --surface and --placement "
+                         "are lists with analytic");
   if (arguments.placement != "fit") options.placement = parse_placement(arguments.placement);
 
   std::vector<JudgedFile> files(arguments.files.size());
   Progress progress("validate", common);
   parallel_for(
       files.size(), common.threads,
-      [&](std::size_t i) { files[i] = judge_file(arguments.files[i], options, analytic); },
+      [&](std::size_t i) { files[i] = judge_file(arguments.files[i], options); },
       [&](double share) { progress.update(share); });
 
   Json list = Json::array();
@@ -309,8 +337,9 @@ void run(const Arguments& arguments, Common& common) {
     if (!common.json) print_people(arguments.files[i], file);
     entry["verdict"] = verdict_names[static_cast<std::size_t>(file.verdict)];
     entry["meshes"] = Json::array();
-    for (const auto& [primitive, judgement] : file.primitives)
-      entry["meshes"].push_back(report_json(primitive, judgement));
+    for (const auto& [primitive, judgements] : file.primitives)
+      for (const Judgement& judgement : judgements)
+        entry["meshes"].push_back(report_json(primitive, judgement));
     entry["skipped"] = Json::array();
     for (const SkippedPrimitive& s : file.skipped)
       entry["skipped"].push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
@@ -339,8 +368,10 @@ void add_validate(CLI::App& app, Common& common) {
       ->capture_default_str();
   sub.add_option(
          "--reference", arguments->reference,
-         "what to compare with, with commas between: analytic, the surface, which decides; local, what the "
-         "mesh's own positions and uvs say")
+         "what to compare with, with commas between: analytic, the surface it was made from; mikktspace, "
+         "MikkTSpace's tangents of the mesh's data; local, what its positions and uvs say. The first of "
+         "analytic "
+         "and local that is known decides, mikktspace alone")
       ->capture_default_str();
   add_common(sub, common, "darboux validate torus.glb --surface torus --max-angle 2 --json");
   sub.callback([arguments, &common] { run(*arguments, common); });

@@ -145,11 +145,11 @@ Turning turning(const FirstOrder& at) {
 }
 
 // The covariance's part of the frame at uv; where the point p stays and its foot moves, p is given, in the surface's axes.
-void add_covariance(const PointFit& fit, const Vec2<double>& uv, const Vec3<double>* p,
-                    UncertainFrame& result) {
+void add_covariance(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
+                    const Vec2<double>& uv, const Vec3<double>* p, UncertainFrame& result) {
   result.covariance = Eigen::Vector3d(infinity, infinity, infinity).asDiagonal();
   result.normal_deg = result.tangent_deg = infinity;
-  std::optional<FirstOrder> at = first_order(*fit.surface, fit, uv, result.status);
+  std::optional<FirstOrder> at = first_order(placed, uncertainty, uv, result.status);
   if (!at) return;
   if (p) {
     // The foot x + d n = p stays a foot: (1 - d S) w = -(velocity + d (what turns n towards t, b)), w the foot's way
@@ -218,18 +218,23 @@ Vec2<double> searched_foot(const AnySurface& surface, const Vec3<double>& p) {
 }  // namespace
 
 UncertainFrame frame_near(const PointFit& fit, const Vec3<double>& p) {
-  const PlacedSurface& placed = surface_of(fit);
+  return frame_near(surface_of(fit), fit, p);
+}
+
+UncertainFrame frame_near(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
+                          const Vec3<double>& p) {
   const Vec3<double> local = from_eigen(placed.placement.inverse() * to_eigen(p));
   const auto closed = closed_foot(placed.surface, local);
   const Vec2<double> uv = closed ? *closed : searched_foot(placed.surface, local);
   UncertainFrame result = placed_frame(placed, uv);
-  add_covariance(fit, uv, &local, result);
+  add_covariance(placed, uncertainty, uv, &local, result);
   return result;
 }
 
 UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv) {
-  UncertainFrame result = placed_frame(surface_of(fit), uv);
-  add_covariance(fit, uv, nullptr, result);
+  const PlacedSurface& placed = surface_of(fit);
+  UncertainFrame result = placed_frame(placed, uv);
+  add_covariance(placed, fit, uv, nullptr, result);
   return result;
 }
 

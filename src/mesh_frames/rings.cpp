@@ -10,10 +10,10 @@
 #include <Eigen/SVD>
 
 #include "../pieces.h"
+#include "creases.h"
 #include "triangle.h"
 
 namespace darboux {
-namespace {
 
 std::vector<Index> join_equal_vertices(const Mesh& mesh) {
   struct Key {
@@ -35,14 +35,12 @@ std::vector<Index> join_equal_vertices(const Mesh& mesh) {
   std::vector<Index> joined(mesh.positions.size());
   for (std::size_t v = 0; v < joined.size(); ++v) {
     const Vec3<double>&p = mesh.positions[v], n = mesh.normals.empty() ? Vec3<double>{} : mesh.normals[v];
-    const Vec2<double>& uv = mesh.uvs[v];
+    const Vec2<double> uv = mesh.uvs.empty() ? Vec2<double>{} : mesh.uvs[v];
     joined[v] =
         first.try_emplace({{p.x, p.y, p.z, n.x, n.y, n.z, uv.x, uv.y}}, static_cast<Index>(v)).first->second;
   }
   return joined;
 }
-
-}  // namespace
 
 Rings::Rings(const Mesh& mesh) : mesh_(mesh) {
   const std::vector<Index> joined = join_equal_vertices(mesh);
@@ -74,6 +72,15 @@ Rings::Rings(const Mesh& mesh) : mesh_(mesh) {
   frames.frames.resize(size());
 }
 
+void Rings::stop_at_creases() {
+  at_crease_.assign(size(), false);
+  for_each_shared_edge(
+      mesh_, [&](Index t, int k) { return nodes_[t][k]; },
+      [&](const SharedEdge& e) {
+        if (e.sharp) at_crease_[e.node[0]] = at_crease_[e.node[1]] = true;
+      });
+}
+
 void Rings::start(Index node, Walk& walk) const {
   if (walk.seen.empty()) walk.seen.assign(size(), std::numeric_limits<Index>::max());
   walk.near.assign(1, node);
@@ -86,6 +93,7 @@ void Rings::grow(Walk& walk) const {
                     last = walk.ends.back();
   const bool whole = walk.ends.size() == 1;
   for (std::size_t i = first; i < last; ++i) {
+    if (at_crease(walk.near[i])) continue;
     const std::size_t begin = begin_[walk.near[i]], count = begin_[walk.near[i] + 1] - begin,
                       taken = whole ? count : std::min(count, most_triangles);
     for (std::size_t k = 0; k < taken && (whole || walk.near.size() < most_nodes); ++k)

@@ -11,6 +11,9 @@ namespace darboux {
 
 using Index = std::uint32_t;
 
+// For each vertex the first that has the same position, normal and uv, to the bit.
+std::vector<Index> join_equal_vertices(const Mesh& mesh);
+
 // Nodes are vertices, joined where they agree in position, uv and normal, apart where the triangles' uvs wind differently.
 class Rings {
  public:
@@ -31,6 +34,9 @@ class Rings {
     std::vector<Index> seen;  // of each node: the last centre that reached it
   };
   void start(Index node, Walk& walk) const;
+  // From now on walks end at the ends of sharp edges, by creases.h, and none should start there.
+  void stop_at_creases();
+  bool at_crease(Index node) const { return !at_crease_.empty() && at_crease_[node]; }
   void grow(Walk& walk) const;
   static constexpr std::size_t most_nodes = 128, most_triangles = 32;
 
@@ -40,6 +46,7 @@ class Rings {
   const Mesh& mesh_;
   std::vector<Index> begin_, triangles_;  // of each node: its triangles
   std::vector<Triangle> nodes_;           // of each triangle
+  std::vector<bool> at_crease_;           // of each node
 };
 
 }  // namespace darboux

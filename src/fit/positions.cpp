@@ -1,0 +1,132 @@
+// A mesh's surface from its positions alone, and the truth at its vertices.
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+#include <darboux/error.h>
+#include <darboux/fit.h>
+
+namespace darboux {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t fitted_vertices = 1024;
+constexpr double far_share = 10 * fits_below;  // of the size: no vertex is farther from the surface
+
+// Vertices that triangles use and whose positions are finite.
+std::vector<std::uint32_t> usable_vertices(const Mesh& mesh) {
+  std::vector<bool> used(mesh.positions.size(), false);
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) used[v] = true;
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t v = 0; v < used.size(); ++v)
+    if (used[v] && detail::finite(mesh.positions[v])) result.push_back(v);
+  return result;
+}
+
+// a, b and d of MeshFit::projection, where the uvs are one. Positions are those of `vertices`, over the size of the mesh.
+std::optional<Eigen::Matrix3d> projection_of(const Mesh& mesh, const std::vector<std::uint32_t>& vertices,
+                                             const Eigen::Vector3d& centre, double size) {
+  const auto n = static_cast<Eigen::Index>(vertices.size());
+  Eigen::Matrix<double, Eigen::Dynamic, 3> uv1(n, 3), p(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::uint32_t v = vertices[static_cast<std::size_t>(i)];
+    uv1.row(i) << mesh.uvs[v].x, mesh.uvs[v].y, 1;
+    p.row(i) = (to_eigen(mesh.positions[v]) - centre).transpose() / size;
+  }
+  if (!uv1.allFinite()) return std::nullopt;
+  const Eigen::ColPivHouseholderQR<Eigen::Matrix<double, Eigen::Dynamic, 3>> qr(uv1);
+  if (qr.rank() < 3) return std::nullopt;
+  const Eigen::Matrix3d affine = qr.solve(p);
+  const Eigen::Matrix<double, Eigen::Dynamic, 3> rest = p - uv1 * affine;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(rest.transpose() * rest /
+                                                              static_cast<double>(n));
+  if (!(std::sqrt(std::fmax(spread.eigenvalues()[1], 0)) <= fits_below)) return std::nullopt;
+  Eigen::Matrix3d result;
+  result << size * affine.row(0).transpose(), size * affine.row(1).transpose(), spread.eigenvectors().col(2);
+  // Uvs along a line in the plane that is seen project onto nothing.
+  const Eigen::Vector3d seen = result.col(0).cross(result.col(1));
+  if (!(std::fabs(seen.dot(result.col(2))) > 1e-6 * result.col(0).norm() * result.col(1).norm()))
+    return std::nullopt;
+  return result;
+}
+
+}  // namespace
+
+std::optional<MeshFit> fit_positions(const Mesh& mesh) {
+  check_consistent(mesh, "mesh");
+  const std::vector<std::uint32_t> vertices = usable_vertices(mesh);
+  PointCloud cloud;
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    box.extend(to_eigen(mesh.positions[vertices[i]]));
+    // Evenly over the mesh, the first and the last included.
+    if (i * fitted_vertices / vertices.size() != (i + 1) * fitted_vertices / vertices.size() ||
+        vertices.size() <= fitted_vertices)
+      cloud.positions.push_back(mesh.positions[vertices[i]]);
+  }
+  const double size = box.isEmpty() ? 0 : box.diagonal().stableNorm();
+  for (const std::string_view kind : found_kinds()) {
+    const PointFit found = fit_points(cloud, {.surface = std::string(kind)});
+    if (!found.usable || found.outliers > 0 || !(found.rms <= fits_below * size)) continue;
+    double squares = 0, farthest = 0;
+    for (const std::uint32_t v : vertices) {
+      const double d = norm(frame_near(found, mesh.positions[v]).position - mesh.positions[v]);
+      squares += d * d;
+      farthest = std::fmax(farthest, d);
+    }
+    const double rms = std::sqrt(squares / static_cast<double>(vertices.size()));
+    if (!(rms <= fits_below * size) || farthest > far_share * size) continue;
+    MeshFit fit{{found.covariance, found.centre}, *found.surface};
+    fit.rms = rms;
+    fit.rms_relative = rms / size;
+    fit.sigma = found.sigma;
+    fit.fits = true;
+    fit.iterations = found.iterations;
+    fit.chart = UvChart::unknown;
+    if (mesh.uvs.empty()) return fit;
+    if (const auto projection = projection_of(mesh, vertices, box.center(), size)) {
+      fit.chart = UvChart::projected;
+      fit.projection = *projection;
+    }
+    return fit;
+  }
+  return std::nullopt;
+}
+
+std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit) {
+  std::vector<Truth> result;
+  result.reserve(mesh.positions.size());
+  if (fit.chart == UvChart::own) {
+    for (const Vec2<double>& uv : mesh.uvs) result.push_back(truth_at(fit, uv));
+    return result;
+  }
+  const Vec3<double> none = detail::nan_vector<double>();
+  const Eigen::Vector3d d = fit.projection.col(2);
+  for (const Vec3<double>& p : mesh.positions) {
+    Truth truth{none, none, none, none, Status::no_frame, false, infinity, infinity};
+    if (detail::finite(p)) {
+      const UncertainFrame frame = frame_near(fit.surface, fit, p);
+      truth.position = frame.position;
+      truth.normal = frame.n;
+      truth.normal_deg = frame.normal_deg;
+      truth.status = frame.status;
+      if (fit.chart == UvChart::projected && detail::finite(frame.n)) {
+        const Eigen::Vector3d n = to_eigen(frame.n);
+        const double facing = n.dot(d);
+        const Eigen::Vector3d t = fit.projection.col(0) - n.dot(fit.projection.col(0)) / facing * d,
+                              b = fit.projection.col(1) - n.dot(fit.projection.col(1)) / facing * d;
+        truth.tangent = from_eigen(t.normalized());
+        truth.bitangent = from_eigen(b.normalized());
+        // n turned by δ moves t by (t·δ) d / (n·d).
+        truth.tangent_deg = frame.normal_deg * t.normalized().cross(d).norm() / std::fabs(facing);
+      }
+    }
+    result.push_back(truth);
+  }
+  return result;
+}
+
+}  // namespace darboux

@@ -1,0 +1,154 @@
+#include "explain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+
+#include <darboux/frame.h>
+
+#include "../text.h"
+#include "findings.h"
+
+namespace darboux {
+namespace {
+
+constexpr std::size_t most_samples = 4096, least_samples = 10;
+constexpr double most = 0.9;
+
+struct Pair {
+  std::size_t corner;
+  Vec3<double> stored, t, b;  // unit
+  double w, raw;              // raw: of the triangle, 0 without uv area
+};
+
+double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
+  return 180 / std::numbers::pi * angle_between(a, b);
+}
+
+std::vector<Pair> samples_of(const Subject& subject, std::span<const signed char> raw_sign,
+                             const std::function<Directions(std::size_t)>& reference) {
+  const Mesh& mesh = subject.mesh;
+  const std::size_t step = (mesh.corners() + most_samples - 1) / most_samples;
+  std::vector<Pair> samples;
+  for (std::size_t c = 0; c < mesh.corners(); c += step) {
+    const std::uint32_t v = mesh.triangles[c / 3][c % 3];
+    const Vec4<double>& t = mesh.tangents[v];
+    const Directions d = reference(c);
+    if (!detail::finite(t.xyz()) || t.xyz() == Vec3<double>{} || !detail::finite(d.t) ||
+        !detail::finite(d.b) || subject.classes.of_vertex[v] == VertexClass::pole)
+      continue;
+    samples.push_back({c, unit(t.xyz()), unit(d.t), unit(d.b), t.w, static_cast<double>(raw_sign[c / 3])});
+  }
+  return samples;
+}
+
+// The share of samples that are within the limit of the direction.
+template <class F>
+double share_within(const std::vector<Pair>& samples, double limit, F direction) {
+  std::size_t within = 0;
+  for (const Pair& s : samples) within += angle_deg(s.stored, direction(s)) <= limit;
+  return static_cast<double>(within) / static_cast<double>(samples.size());
+}
+
+// What the stored tangent is of the reference's, and of which uvs it would be so: under the one name w has the sign of
+// their triangles, `keeps` that of the stored uvs' triangles, under the other its opposite.
+struct Axes {
+  std::string_view what;
+  double t, b;
+  std::string_view keeps, turns;
+};
+constexpr Axes other_axes[] = {{"-t", -1, 0, "flip both", "flip u"},
+                               {"b", 0, 1, "swap flip u", "swap"},
+                               {"-b", 0, -1, "swap flip v", "swap flip both"}};
+
+bool explained_by_axes(const std::vector<Pair>& samples, double limit, std::size_t corners,
+                       MeshReport& report) {
+  for (const Axes& axes : other_axes) {
+    const double share =
+        share_within(samples, limit, [&](const Pair& s) { return axes.t * s.t + axes.b * s.b; });
+    if (share < most) continue;
+    double raw = 0;
+    for (const Pair& s : samples) raw += s.w * s.raw;
+    const std::string_view gltf_uvs = raw > 0 ? axes.turns : axes.keeps,
+                           raw_uvs = raw > 0 ? axes.keeps : axes.turns;
+    add(report, finding(Code::tangent_axes, corners,
+                        ": they lie along " + std::string(axes.what) +
+                            " (t of u, b of v), as those of uvs '" + std::string(gltf_uvs) +
+                            "' with glTF's sign, or '" + std::string(raw_uvs) + "' with the raw one"));
+    return true;
+  }
+  return false;
+}
+
+bool explained_by_uv_set(const Subject& subject, const std::vector<Pair>& samples,
+                         const ValidateOptions& options, MeshReport& report) {
+  for (const auto& [set, uvs] : options.other_uvs) {
+    if (subject.mesh.normals.empty() || uvs.size() != subject.mesh.positions.size()) continue;
+    const std::vector<Vec4<float>> mikktspace = mikktspace_of(subject.mesh, uvs, options.threads);
+    const double share = share_within(samples, options.max_angle_deg, [&](const Pair& s) {
+      const Vec4<float>& t = mikktspace[s.corner];
+      return Vec3<double>{t.x, t.y, t.z};
+    });
+    if (share < most) continue;
+    add(report, finding(Code::tangent_uv_set, subject.mesh.corners(),
+                        ": MikkTSpace's of TEXCOORD_" + std::to_string(set)));
+    return true;
+  }
+  return false;
+}
+
+// The linear map M that takes the stored tangents to the reference's, up to their length: the least of sum |T x M t|² at
+// |M| = 1.
+void explain_by_map(const std::vector<Pair>& samples, double limit, std::size_t corners, MeshReport& report) {
+  Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
+  for (const Pair& s : samples) {
+    const Eigen::Vector3d t = to_eigen(s.stored), to = to_eigen(s.t);
+    Eigen::Matrix3d across;
+    across << 0, -to.z(), to.y(), to.z(), 0, -to.x(), -to.y(), to.x(), 0;
+    Eigen::Matrix<double, 3, 9> by;  // of M's columns
+    for (int k = 0; k < 3; ++k) by.middleCols<3>(3 * k) = t[k] * across;
+    sum += by.transpose() * by / static_cast<double>(samples.size());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(sum);
+  // Tangents in one plane leave M open.
+  constexpr double told = 1e-3;
+  if (!(solver.eigenvalues()[1] > told)) return;
+  const Eigen::Matrix<double, 9, 1> column = solver.eigenvectors().col(0);
+  Eigen::Matrix3d m = Eigen::Map<const Eigen::Matrix3d>(column.data());
+  double along = 0;
+  for (const Pair& s : samples) along += to_eigen(s.t).dot(m * to_eigen(s.stored));
+  if (along < 0) m = -m;
+  const double share = share_within(
+      samples, limit, [&](const Pair& s) { return from_eigen(Eigen::Vector3d(m * to_eigen(s.stored))); });
+  if (share < most) return;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m);
+  const Eigen::Vector3d scale = svd.singularValues() / svd.singularValues()[2];
+  if (!(scale[0] < 1e3)) return;
+  const bool even = scale[0] < 1.01;
+  add(report,
+      finding(Code::tangent_stale, corners,
+              ": by a map that " +
+                  (even ? std::string("turns")
+                        : "scales as " + rounded(scale[0], 3) + " : " + rounded(scale[1], 3) + " : 1") +
+                  (m.determinant() < 0 ? " and mirrors" : "")));
+}
+
+}  // namespace
+
+void explain(const Subject& subject, std::span<const signed char> raw_sign,
+             const std::function<Directions(std::size_t)>& reference, const ValidateOptions& options,
+             MeshReport& report) {
+  const double limit = options.max_angle_deg;
+  const std::size_t corners = subject.mesh.corners();
+  const std::vector<Pair> samples = samples_of(subject, raw_sign, reference);
+  if (samples.size() < least_samples) return;
+  if (share_within(samples, limit, [](const Pair& s) { return s.t; }) >= 0.5) return;
+  if (explained_by_uv_set(subject, samples, options, report)) return;
+  if (explained_by_axes(samples, limit, corners, report)) return;
+  explain_by_map(samples, limit, corners, report);
+}
+
+}  // namespace darboux

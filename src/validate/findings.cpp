@@ -1,0 +1,125 @@
+#include "findings.h"
+
+#include <algorithm>
+
+namespace darboux {
+namespace {
+
+using enum Severity;
+
+constexpr std::array kinds{
+    FindingKind{"TANGENT_NOT_FINITE", error, "tangents hold NaN or infinity",
+                "look for a division by a zero length or uv area in the exporter"},
+    FindingKind{"TANGENT_ZERO", error, "tangents are zero: no direction for the normal map here",
+                "give the vertex any direction across the normal; leave out triangles without area"},
+    FindingKind{"TANGENT_NOT_UNIT", error, "tangents are not of unit length",
+                "normalise before writing; undo scale in quantised data"},
+    FindingKind{"TANGENT_INVALID_SIGN", error, "w of the tangent is neither +1 nor -1",
+                "write the sign itself, not a product or an interpolated value"},
+    FindingKind{"TANGENT_NOT_ORTHOGONAL", error, "tangents lean on the normal (|t.n| > 0.02)",
+                "project, t - (t.n) n, then normalise"},
+    FindingKind{"TANGENT_HANDEDNESS", error,
+                "w differs from the rest of its uv island: the normal map is mirrored here",
+                "compute w from the sign of the uv area; split vertices where uvs are mirrored"},
+    FindingKind{"TANGENT_ANGLE", error, "tangents point away from the true direction by more than permitted",
+                "see whether tangents belong to another uv set, or were computed before the uvs or normals "
+                "were changed"},
+    FindingKind{"NORMAL_NOT_FINITE", error, "normals hold NaN or infinity",
+                "look for triangles without area"},
+    FindingKind{"NORMAL_NOT_UNIT", error, "normals are not of unit length", "normalise before writing"},
+    FindingKind{"NORMAL_ANGLE", error, "normals point away from the true direction by more than permitted",
+                "transform normals by the inverse transpose; recompute after deforming"},
+    FindingKind{"POSITION_NOT_FINITE", error, "positions hold NaN or infinity", "repair the source"},
+    FindingKind{"UV_NOT_FINITE", error, "uvs hold NaN or infinity", "repair the source"},
+    FindingKind{"SURFACE_MISMATCH", error, "the declared surface does not fit the positions at their uvs",
+                "correct the declaration, or the mesh"},
+    FindingKind{"TANGENT_NOT_MIKKTSPACE", warning, "tangents differ from MikkTSpace's by more than permitted",
+                "bake and render with the same tangents: darboux tangents writes MikkTSpace's"},
+    FindingKind{"TANGENT_AXES", warning, "tangents are those of other axes",
+                "swap or negate the axes where the tangents or uvs are written"},
+    FindingKind{"TANGENT_UV_SET", warning, "tangents follow another uv set",
+                "compute them from the set that the normal texture reads"},
+    FindingKind{
+        "TANGENT_STALE", warning, "tangents are those of the mesh before its positions were transformed",
+        "transform tangents by M, normals by its inverse transpose, w by the sign of its determinant"},
+    FindingKind{"TANGENT_HANDEDNESS_CONVENTION", warning,
+                "w is MikkTSpace's raw sign, and glTF's is its opposite",
+                "negate w in glTF files; readers of the raw convention leave it as it is"},
+    FindingKind{"HANDEDNESS_MIXED", warning,
+                "w follows neither sign convention throughout; the smaller part is counted",
+                "give every part the same convention; where vertices are shared across a seam, split them: "
+                "their uvs jump back inside triangles"},
+    FindingKind{"VERTEX_ACROSS_MIRROR", warning,
+                "vertices are shared by triangles whose uvs wind differently: one w cannot serve both",
+                "split vertices where uvs are mirrored"},
+    FindingKind{"NORMALS_OPPOSE_WINDING", warning,
+                "triangles are wound clockwise as seen along their normals",
+                "reverse the winding, as after baking a mirror"},
+    FindingKind{"REFERENCES_DISAGREE", warning,
+                "the surface's frames and those of the mesh's own positions and uvs differ",
+                "look for ripples, or declare another surface"},
+    FindingKind{"REFERENCE_UNCERTAIN", info,
+                "angles lie within the uncertainty of the reference at the limit",
+                "say what you know (--surface with parameters, --placement), or raise --max-angle"},
+    FindingKind{
+        "BITANGENT_NOT_ORTHOGONAL", info,
+        "the surface's directions of u and v are not at right angles: w cross(n, t) cannot follow v, a "
+        "limit of the format",
+        "nothing, where baker and renderer both take w cross(n, t)"},
+    FindingKind{
+        "POLE_TANGENT", info,
+        "tangents at a pole are farther than permitted from the limit for their own u; no direction is "
+        "right there for every texture",
+        "nothing; a vertex of its own for each column is best"},
+    FindingKind{"NORMALS_INWARD", info,
+                "normals and triangles face the inside of the surface; they were compared with its inward "
+                "normal",
+                "nothing, if the mesh is seen from inside"},
+    FindingKind{"TANGENT_MISSING", info, "the mesh stores no tangents",
+                "add them: darboux tangents in.glb -o out.glb"},
+    FindingKind{"NORMAL_MISSING", info, "the mesh stores no normals: neither they nor bitangents are judged",
+                "add normals, or compute them when the mesh is loaded"},
+    FindingKind{"UV_MISSING", info, "the mesh has no uvs, so tangents have no truth", "unwrap it"},
+    FindingKind{"SURFACE_UNKNOWN", info, "no surface of the catalogue fits",
+                "judge another kind in C++, with PlacedSurface"},
+    FindingKind{
+        "CREASE_SHARED", info,
+        "vertices are shared by two surfaces that meet at an angle: no normal or tangent is right for "
+        "both, theirs are not judged",
+        "nothing, if the edge is meant to look round; else split the vertices"},
+    FindingKind{"PARTS_TOO_MANY", info,
+                "the mesh falls into more than 256 parts, which were not looked at for surfaces of their own",
+                "nothing, or give each surface a primitive of its own"},
+    FindingKind{"TRIANGLES_MISSING", info, "the primitive has no triangle (counted in primitives)",
+                "nothing to judge"},
+    FindingKind{"VERTEX_UNREFERENCED", info,
+                "vertices that no triangle uses (counted in vertices), not judged", "leave them out"},
+    FindingKind{"NODE_MIRRORED", info,
+                "nodes mirror the mesh (counted in nodes): renderers must flip w and the winding",
+                "see that the renderer flips w and the winding"},
+    FindingKind{"NODE_SCALE_NOT_UNIFORM", info,
+                "nodes scale the mesh unevenly (counted in nodes): tangents must go by M, normals by its "
+                "inverse transpose",
+                "see that the renderer takes normals by the inverse transpose"},
+};
+static_assert(kinds.size() == static_cast<std::size_t>(Code::node_scale_not_uniform) + 1);
+
+}  // namespace
+
+std::span<const FindingKind> finding_kinds() {
+  return kinds;
+}
+
+Finding finding(Code code, std::size_t count, const std::string& more) {
+  const FindingKind& kind = kinds[static_cast<std::size_t>(code)];
+  return {kind.code, kind.severity, count, std::string(kind.message) + more, kind.to_do};
+}
+
+void add(MeshReport& report, Finding finding) {
+  if (finding.count == 0) return;
+  const auto behind = std::find_if(report.findings.begin(), report.findings.end(),
+                                   [&](const Finding& f) { return f.severity < finding.severity; });
+  report.findings.insert(behind, std::move(finding));
+}
+
+}  // namespace darboux

@@ -1,0 +1,58 @@
+// All findings in one list: code, how severe, what it means and what to do.
+#pragma once
+
+#include <string>
+
+#include <darboux/validate.h>
+
+namespace darboux {
+
+// In the order of finding_kinds(). The first twelve are the errors of a corner, in the order in which a corner is given to the
+// first that fits.
+enum class Code : std::size_t {
+  tangent_not_finite,
+  tangent_zero,
+  tangent_not_unit,
+  tangent_invalid_sign,
+  tangent_not_orthogonal,
+  tangent_handedness,
+  tangent_angle,
+  normal_not_finite,
+  normal_not_unit,
+  normal_angle,
+  position_not_finite,
+  uv_not_finite,
+  surface_mismatch,
+  tangent_not_mikktspace,
+  tangent_axes,
+  tangent_uv_set,
+  tangent_stale,
+  handedness_convention,
+  handedness_mixed,
+  vertex_across_mirror,
+  normals_oppose_winding,
+  references_disagree,
+  reference_uncertain,
+  bitangent_not_orthogonal,
+  pole_tangent,
+  normals_inward,
+  tangent_missing,
+  normal_missing,
+  uv_missing,
+  surface_unknown,
+  crease_shared,
+  parts_too_many,
+  triangles_missing,
+  vertex_unreferenced,
+  node_mirrored,
+  node_scale_not_uniform,
+};
+inline constexpr std::size_t corner_errors = 12;
+
+// The finding with its message, and more about this case after it.
+Finding finding(Code code, std::size_t count, const std::string& more = {});
+
+// Adds it behind all that are as severe; nothing where count is 0.
+void add(MeshReport& report, Finding finding);
+
+}  // namespace darboux

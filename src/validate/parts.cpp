@@ -1,0 +1,84 @@
+#include "parts.h"
+
+#include <unordered_map>
+
+#include "../disjoint_sets.h"
+#include "../mesh_frames/creases.h"
+#include "../mesh_frames/rings.h"
+#include "facts.h"
+
+namespace darboux {
+
+std::vector<std::vector<std::uint32_t>> parts_of(const Mesh& mesh, bool at_creases) {
+  const std::vector<Index> joined = join_equal_vertices(mesh);
+  const std::vector<signed char> sign = triangle_signs(mesh);
+  DisjointSets sets(mesh.triangles.size());
+  // First those with area in uv; then each of the others with one of its neighbours, so that it joins no two of them.
+  std::vector<bool> placed(mesh.triangles.size(), false);
+  for (const bool flat_uvs : {false, true})
+    for_each_shared_edge(
+        mesh, [&](std::uint32_t t, int k) { return joined[mesh.triangles[t][k]]; },
+        [&](const SharedEdge& e) {
+          const auto [a, b] = e.triangle;
+          if (at_creases && e.sharp) return;
+          const bool flat = !mesh.uvs.empty() && (sign[a] == 0 || sign[b] == 0);
+          if (flat != flat_uvs) return;
+          if (flat ? (sign[a] == 0 && placed[a]) || (sign[b] == 0 && placed[b]) : sign[a] != sign[b]) return;
+          sets.join(a, b);
+          placed[a] = placed[b] = true;
+        });
+  std::vector<std::vector<std::uint32_t>> parts;
+  std::unordered_map<std::uint32_t, std::size_t> number;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [place, is_new] = number.try_emplace(sets.find(t), parts.size());
+    if (is_new) parts.emplace_back();
+    parts[place->second].push_back(t);
+  }
+  return parts;
+}
+
+Part part_of(const Mesh& whole, std::vector<std::uint32_t> triangles) {
+  Part part;
+  part.triangles = std::move(triangles);
+  std::unordered_map<std::uint32_t, std::uint32_t> number;
+  for (const std::uint32_t t : part.triangles) {
+    Triangle& triangle = part.mesh.triangles.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = whole.triangles[t][k];
+      const auto [place, is_new] = number.try_emplace(v, static_cast<std::uint32_t>(part.vertices.size()));
+      if (is_new) part.vertices.push_back(v);
+      triangle[k] = place->second;
+    }
+  }
+  const auto take = [&](const auto& from, auto& to) {
+    if (from.empty()) return;
+    to.reserve(part.vertices.size());
+    for (const std::uint32_t v : part.vertices) to.push_back(from[v]);
+  };
+  take(whole.positions, part.mesh.positions);
+  take(whole.normals, part.mesh.normals);
+  take(whole.uvs, part.mesh.uvs);
+  take(whole.tangents, part.mesh.tangents);
+  return part;
+}
+
+Subject restrict_to(const Subject& whole, const Part& part) {
+  Subject subject{part.mesh, {}, {}, {}};
+  for (const std::uint32_t v : part.vertices) {
+    subject.classes.of_vertex.push_back(whole.classes.of_vertex[v]);
+    if (!whole.local.empty()) subject.local.push_back(whole.local[v]);
+  }
+  std::unordered_map<std::int32_t, std::int32_t> island;
+  for (const std::uint32_t t : part.triangles) {
+    const std::int32_t of_whole = whole.classes.island_of_triangle[t];
+    const auto next = static_cast<std::int32_t>(island.size());
+    subject.classes.island_of_triangle.push_back(
+        of_whole < 0 ? -1 : island.try_emplace(of_whole, next).first->second);
+    if (!whole.mikktspace.empty())
+      for (std::size_t k = 0; k < 3; ++k) subject.mikktspace.push_back(whole.mikktspace[3 * t + k]);
+  }
+  subject.classes.islands = static_cast<std::int32_t>(island.size());
+  return subject;
+}
+
+}  // namespace darboux

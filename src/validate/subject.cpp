@@ -1,0 +1,66 @@
+#include "subject.h"
+
+#include <cmath>
+
+#include <darboux/local_truth.h>
+#include <darboux/mikktspace.h>
+
+namespace darboux {
+
+std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads) {
+  const std::size_t n = mesh.positions.size();
+  std::vector<float> positions(3 * n), normals(3 * n), texcoords(2 * n);
+  std::vector<bool> finite(n);
+  const auto store = [](double x, float& to) {
+    to = static_cast<float>(x);
+    return std::isfinite(to);
+  };
+  constexpr float largest_normal = 0x1p28f;
+  for (std::size_t v = 0; v < n; ++v) {
+    const Vec3<double>&p = mesh.positions[v], &m = mesh.normals[v];
+    bool good = true;
+    float* x = &positions[3 * v];
+    good &= store(p.x, x[0]) & store(p.y, x[1]) & store(p.z, x[2]);
+    x = &normals[3 * v];
+    good &= store(m.x, x[0]) & store(m.y, x[1]) & store(m.z, x[2]);
+    good &= std::fabs(x[0]) <= largest_normal && std::fabs(x[1]) <= largest_normal &&
+            std::fabs(x[2]) <= largest_normal;
+    x = &texcoords[2 * v];
+    good &= store(uvs[v].x, x[0]) & store(uvs[v].y, x[1]);
+    finite[v] = good;
+    if (good) continue;
+    std::fill_n(&positions[3 * v], 3, 0.0f);
+    std::fill_n(&normals[3 * v], 3, 0.0f);
+    std::fill_n(&texcoords[2 * v], 2, 0.0f);
+  }
+  std::vector<std::uint32_t> corners;
+  corners.reserve(mesh.corners());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    if (finite[a] && finite[b] && finite[c]) corners.insert(corners.end(), {a, b, c});
+  }
+  std::vector<Vec4<float>> result(mesh.corners(), Vec4<float>{0, 0, 0, 0});
+  if (corners.empty()) return result;
+  const std::vector<MikkTangent> tangents =
+      mikktspace(MikkMesh{positions, normals, texcoords, corners, {}}, {.threads = threads});
+  std::size_t next = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    if (!finite[a] || !finite[b] || !finite[c]) continue;
+    for (int k = 0; k < 3; ++k) {
+      const MikkTangent& m = tangents[next++];
+      if (m.served) result[3 * t + k] = {m.t[0], m.t[1], m.t[2], m.sign};
+    }
+  }
+  return result;
+}
+
+Subject prepare(const Mesh& mesh, const std::vector<bool>& is_pole, const ValidateOptions& options) {
+  Subject subject{mesh, classify(mesh, is_pole), {}, {}};
+  if (options.references.mikktspace && !mesh.tangents.empty() && !mesh.normals.empty() && !mesh.uvs.empty())
+    subject.mikktspace = mikktspace_of(mesh, mesh.uvs, options.threads);
+  if (options.references.local && !mesh.uvs.empty()) subject.local = local_truth(mesh);
+  return subject;
+}
+
+}  // namespace darboux

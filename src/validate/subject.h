@@ -1,0 +1,31 @@
+// What is judged, with what is known of it before any surface is.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <darboux/validate.h>
+
+namespace darboux {
+
+struct Subject {
+  const Mesh& mesh;
+  MeshClasses classes;
+  // MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it; empty where it is not asked for or the
+  // mesh lacks tangents, normals or uvs.
+  std::vector<Vec4<float>> mikktspace;
+  std::vector<Truth> local;  // at each vertex; empty where it is not asked for or there are no uvs
+};
+
+// \param is_pole as classify() takes it
+Subject prepare(const Mesh& mesh, const std::vector<bool>& is_pole, const ValidateOptions& options);
+
+// MikkTSpace's tangents under some uvs, as Subject has them. Triangles with numbers that are not finite are left out.
+std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads);
+
+// validate() of what is prepared. \param truth at each vertex, or none
+MeshReport judge_subject(const Subject& subject, std::span<const Truth> truth,
+                         const ValidateOptions& options);
+
+}  // namespace darboux
