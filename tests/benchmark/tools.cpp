@@ -1,6 +1,7 @@
-// benchmark_tools WORK MAKE MODELS FIGURES KEPT [--quick], for tools.sh: the tables of docs/reports/tools.md. WORK is an empty folder, MAKE the
-// command of tools/make.mjs, MODELS the folder of Khronos's sample models, FIGURES that of earlier.csv and
-// earlier_models.csv, KEPT that of the files NAME_N.TOOL.glb that tools made earlier.
+// The tables of docs/reports/tools.md, for tools.sh:
+//   benchmark_tools WORK MAKE MODELS FIGURES KEPT [--quick]
+// WORK is an empty folder, MAKE the command of tools/make.mjs, MODELS the folder of Khronos's sample models, FIGURES that of
+// earlier.csv and earlier_models.csv, KEPT that of the files NAME_N.TOOL.glb which tools made earlier.
 #include "tools.h"
 
 #include <algorithm>
@@ -12,11 +13,13 @@
 #include <iostream>
 #include <limits>
 #include <map>
-#include <optional>
+#include <numbers>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -57,8 +60,8 @@ bool reproduces(const std::string& figure, double value) {
   const std::size_t end = std::min(exponent_at, figure.size());
   const int decimals = point == std::string::npos ? 0 : static_cast<int>(end - point - 1);
   const double unit = std::pow(10.0, exponent - decimals);
-  return std::fabs(value - std::stod(figure)) <=
-         unit / 2 * (1 + 1e-9);  // the figure's own rounding in double
+  constexpr double own_rounding = 1e-9;  // a share: that of the figure and the unit in double
+  return std::fabs(value - std::stod(figure)) <= unit / 2 * (1 + own_rounding);
 }
 
 std::string significant(double x, int digits) {
@@ -96,7 +99,7 @@ class Reports {
         if (vertex_class_names[static_cast<std::size_t>(c.vertex_class)] == vertex_class) return &c;
     return nullptr;
   }
-  // NaN where a resolution is not there.
+  bool has_orders() const { return std::find(n_.begin(), n_.end(), fine) != n_.end(); }
   double order(std::string_view shape, std::string_view tool, std::string_view vertex_class) const {
     return std::log2(rms(shape, tool, coarse, vertex_class) / rms(shape, tool, fine, vertex_class));
   }
@@ -112,16 +115,16 @@ class Reports {
 
 // What the rounding of uvs to floats may cause, in degrees: two ends of an edge of 1/2n of the chart, each off by up to 2^-25.
 double floor_deg(int n) {
-  return 0x1p-24 * 2 * n * 57.29577951308232;
+  return 0x1p-24 * 2 * n * 180 / std::numbers::pi;
 }
 
 std::string order_text(const Reports& reports, std::string_view shape, std::string_view tool,
                        std::string_view vertex_class) {
+  if (!reports.has_orders()) return "";
   const double order = reports.order(shape, tool, vertex_class);
   if (reports.rms(shape, tool, coarse, vertex_class) <= floor_deg(coarse) ||
       reports.rms(shape, tool, fine, vertex_class) <= floor_deg(fine))
     return "floor";
-  if (!std::isfinite(order)) return "";
   std::ostringstream text;
   text.precision(2);
   text << std::fixed << order;
@@ -159,21 +162,6 @@ void errors(const Reports& reports) {
   }
 }
 
-// One figure beside what was measured now: the text of a cell and whether it is met.
-struct Compared {
-  std::string text;
-  std::optional<bool> met;  // nothing: there is no figure
-};
-Compared compare(const std::string& figure, double now, double relative, double absolute,
-                 const std::string& now_text) {
-  if (figure.empty()) return {};
-  const double then = std::stod(figure);
-  const bool met = relative > 0   ? std::fabs(now - then) <= relative * std::fabs(then)
-                   : absolute > 0 ? std::fabs(now - then) <= absolute
-                                  : reproduces(figure, now);
-  return {figure + " → " + now_text, met};
-}
-
 // Each figure that was measured earlier, and the tallies by what it is.
 void beside_earlier(const Reports& reports, const std::vector<Line>& earlier,
                     std::map<std::string, Tally>& tallies, std::ostream& out) {
@@ -194,44 +182,36 @@ void beside_earlier(const Reports& reports, const std::vector<Line>& earlier,
         throw std::runtime_error("earlier figures: the " + shape + " has no " + vertex_class);
       continue;  // --quick
     }
-    const bool jittered = shape == "jittertorus";
+    const auto angle = [&](double Statistics::*part) {
+      return c->tangent_deg ? (*c->tangent_deg).*part : std::numeric_limits<double>::quiet_NaN();
+    };
+    // What a figure is called, and its value now.
+    const std::pair<std::string, double> values[]{{"max", angle(&Statistics::max)},
+                                                  {"rms", angle(&Statistics::rms)},
+                                                  {"order", reports.order(shape, tool, vertex_class)},
+                                                  {"zero", static_cast<double>(without_direction(*c))}};
     const bool below_rounding = std::stod(line.at("max")) < 1e-13;
-    const double order = n == coarse ? reports.order(shape, tool, vertex_class) : 0;
-    const std::string order_now = significant(order, 3);
-    const double none = std::numeric_limits<double>::quiet_NaN();
-    const double max = c->tangent_deg ? c->tangent_deg->max : none,
-                 rms = c->tangent_deg ? c->tangent_deg->rms : none;
-    const double zero = static_cast<double>(without_direction(*c));
-    const Compared cells[] = {
-        compare(line.at("max"), max, jittered ? 0.2 : 0, 0, significant(max, 3)),
-        compare(line.at("rms"), rms, jittered ? 0.2 : 0, 0, significant(rms, 3)),
-        std::isnan(order) ? Compared{} : compare(line.at("order"), order, 0, jittered ? 0.15 : 0, order_now),
-        compare(line.at("zero"), zero, 0, 0, std::to_string(without_direction(*c)))};
-    const char* const names[] = {"max", "rms", "order", "zero"};
     std::string missed;
     out << "| " << shape << " | " << vertex_class << " | " << tool << " | " << n;
-    for (std::size_t k = 0; k < std::size(cells); ++k) {
-      out << " | " << cells[k].text;
-      if (!cells[k].met) continue;
-      Tally& tally = tallies[below_rounding ? "errors that were below 1e-13°"
-                                            : std::string(names[k]) + (jittered ? ", jittered" : "")];
-      ++(*cells[k].met ? tally.met : tally.missed);
-      if (!*cells[k].met) missed += (missed.empty() ? "" : ", ") + std::string(names[k]);
+    for (const auto& [name, now] : values) {
+      const std::string& figure = line.at(name);
+      out << " | ";
+      if (figure.empty() || (name == "order" && !reports.has_orders())) continue;
+      out << figure << " → "
+          << (name == "zero" ? std::to_string(without_direction(*c)) : significant(now, 3));
+      const bool met = reproduces(figure, now);
+      Tally& tally = tallies[below_rounding ? "errors that were below 1e-13°" : name];
+      ++(met ? tally.met : tally.missed);
+      if (!met) missed += (missed.empty() ? "" : ", ") + name;
     }
     out << " | " << (missed.empty() ? "met" : "**missed**: " + missed) << " |\n";
   }
 }
 
 void targets(const std::map<std::string, Tally>& tallies) {
-  std::cout << "| figures | required | met | missed |\n|---|---|---:|---:|\n";
-  for (const auto& [what, tally] : tallies) {
-    const bool wider = what.ends_with(", jittered") && !what.starts_with("zero");
-    std::cout << "| " << what << " | "
-              << (!wider                      ? "the digits written"
-                  : what.starts_with("order") ? "within 0.15"
-                                              : "within 20 %")
-              << " | " << tally.met << " | " << tally.missed << " |\n";
-  }
+  std::cout << "| figures | met | missed |\n|---|---:|---:|\n";
+  for (const auto& [what, tally] : tallies)
+    std::cout << "| " << what << " | " << tally.met << " | " << tally.missed << " |\n";
 }
 
 // Names of the tools over the columns of a table.
