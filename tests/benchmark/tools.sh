@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # tools.sh [--quick]: builds what judges the tangents of other tools in build/benchmark, installs the npm packages that
 # tests/benchmark/tools/package-lock.json pins in build/benchmark/tools, runs them, and writes the measured part of
-# docs/reports/tools.md. Takes about four minutes beside the build, 3 GB of memory and 1 GB of disk. With --quick a quarter of a minute,
-# coarse meshes, and the report goes to build/benchmark/quick.
-# Needs what .ci/packages lists as build and benchmark, node 18 or later with npm, and npm's registry. The sample models are those of
-# ../shared/meshes/khronos; without them their table says so.
+# docs/reports/tools.md. Takes about four minutes beside the build, 0.6 GB of memory and of disk. With --quick a quarter of a minute, coarse
+# meshes, and the report goes to build/benchmark/quick.
+# Needs what .ci/packages lists as build and benchmark, node (20 was used) with npm, and what npm has. The sample models are those
+# of ../shared/meshes/khronos; without them their table says so.
 set -euo pipefail
 . "$(dirname "$0")/common.sh"
 
@@ -24,8 +24,8 @@ build/benchmark/bin/benchmark_tools "$work" "node $node_folder/make.mjs" ../shar
 {
   echo
   circumstances
-  echo "- npm: $(sed -nE 's/^ *"([@a-z/-]+)": "([0-9.]+)",?$/\1 \2/p' "$node_folder/package.json" | paste -sd, | sed 's/,/, /g');" \
-    "node $(node --version)"
+  npm_packages=$(sed -nE 's/^ *"([@a-z/-]+)": "([0-9.]+)",?$/\1@\2/p' "$node_folder/package.json" | paste -sd ' ')
+  echo "- npm: $npm_packages; node $(node --version)"
   cat "$work/tables"
   echo
 } >"$work/measured"
