@@ -31,7 +31,7 @@ std::vector<Rule> rules(const Includes& tree) {
   const std::string surfaces = surface_headers(tree);
   const std::string mesh_core =
       "(mesh|mesh_frames|mesh_frames/[a-z_]+|fragments|vertex_normals|mesh_classes|mikktspace|mikktspace/"
-      "[a-z_]+|split_vertices|weld)";
+      "[a-z_]+|split_vertices|weld|compare)";
   return {
       {"a surface knows no engine", "surfaces/darboux/(?!catalogue\\.h).*",
        std::string(standard) + "|darboux/(surface|scalar|vector|curve|spline)\\.h", ""},
@@ -52,7 +52,8 @@ std::vector<Rule> rules(const Includes& tree) {
        "frames/[a-z_]+|fragments|vertex_normals|pieces|"
        "mesh_classes|mikktspace|mikktspace/"
        "[a-z_]+|split_vertices|weld|sample_mesh|sample_mesh/"
-       "[a-z_]+|converge|placed_surface|project|validate|point_cloud|local_jets|local_truth|neighbours)\\.(h|"
+       "[a-z_]+|compare|converge|placed_surface|project|validate|point_cloud|local_jets|local_truth|"
+       "neighbours)\\.(h|"
        "cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
       {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",

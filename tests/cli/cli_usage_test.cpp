@@ -8,14 +8,17 @@ namespace {
 
 TEST_F(Cli, KnowsTheContractsSubcommands) {
   const auto names = subcommands();
-  for (const char* name : {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge", "fit"})
+  for (const char* name :
+       {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge", "fit", "compare"})
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
 }
 
 // Each help ends with an example, and the example runs on the files it names.
 TEST_F(Cli, EveryHelpEndsWithAnExampleThatRuns) {
   good("darboux mesh torus --grid 32x16 -o torus.glb --quiet");
-  good("cp data/torus_016.none.glb in.glb; cp data/torus_points.xyz points.xyz");
+  good(
+      "cp data/torus_016.none.glb in.glb; cp data/torus_points.xyz points.xyz; cp torus.glb a.glb; cp "
+      "torus.glb b.glb");
   std::vector<std::string> names = subcommands();
   ASSERT_GE(names.size(), 7u);
   names.emplace_back("");
