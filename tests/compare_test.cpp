@@ -296,6 +296,20 @@ TEST(Compare, SaysWhyCornersDoNotMatch) {
   EXPECT_EQ(r.unmatched_b.triangle, 3u) << "the other winding is another triangle";
 }
 
+TEST(Compare, MoreThanTheOtherHasIsNotTheSame) {
+  const Mesh a = sphere();
+  Mesh more = a;
+  more.triangles.push_back(a.triangles[7]);
+  for (const bool swapped : {false, true}) {
+    const MeshComparison r = swapped ? compare(more, a) : compare(a, more);
+    EXPECT_FALSE(r.same);
+    EXPECT_EQ(r.matched, a.corners());
+    EXPECT_EQ(r.equal_bits, a.corners());
+    EXPECT_EQ((swapped ? r.unmatched_a : r.unmatched_b).triangle, 3u);
+    EXPECT_EQ((swapped ? r.unmatched_b : r.unmatched_a).total(), 0u);
+  }
+}
+
 TEST(Compare, NotFiniteNumbersMatchNothing) {
   Mesh a = split(sphere());
   a.positions[0].x = nan;
@@ -513,6 +527,9 @@ TEST(PairMeshes, ByNameThenPlaceThenBox) {
   // Equal boxes: the place decides.
   const Pieces stacked({{"", 0}, {"", 0}, {"", 0}});
   EXPECT_EQ(pairs(stacked, stacked).pairs, (Pairs{{0, 0}, {1, 1}, {2, 2}}));
+  // Boxes that agree: the place decides, though others are nearer.
+  EXPECT_EQ(pairs(Pieces({{"", 0}, {"", 0.005}}), Pieces({{"", 0.004}, {"", 0.001}})).pairs,
+            (Pairs{{0, 0}, {1, 1}}));
   // Another order without names, and with one more.
   const Pieces turned({{"", 9}, {"", 0}, {"", 5}}), more({{"", 7}, {"", 9.002}, {"", 9}, {"", 0}, {"", 5}});
   EXPECT_EQ(pairs(plain, turned).pairs, (Pairs{{0, 1}, {1, 2}, {2, 0}}));

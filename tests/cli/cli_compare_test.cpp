@@ -47,8 +47,8 @@ TEST_F(Cli, CompareSaysWhenFilesAreTheSame) {
             "    bit-equal at 100 % of 12288 corners\n");
 }
 
-// The directions are measured otherwise by `validate`: three.js is at most 0.0764 degrees from the truth inside the mesh,
-// MikkTSpace below 0.005, so that they differ by no more than both, and both are the same where the seam is the worst.
+// `validate` measures otherwise: inside the mesh three.js is up to 0.0764 degrees from the truth, MikkTSpace up to 2.4e-5. At the
+// seam, where both are farther off, they agree. So the largest angle is the first to within the second.
 TEST_F(Cli, CompareTellsThreeJsFromMikkTSpace) {
   const std::string files = "data/torus_032.three.glb data/torus_032.mikk.glb";
   const Json report = json("darboux compare " + files + " --json", 1), pair = report["pairs"][0];
@@ -60,8 +60,8 @@ TEST_F(Cli, CompareTellsThreeJsFromMikkTSpace) {
   EXPECT_EQ(pair["conventions"], (Json{"raw", "gltf"}));
   EXPECT_EQ(pair["equal_bits"], 0.0);
   EXPECT_GT(pair["equal_directions"], 0.0);
-  EXPECT_GT(pair["tangent_deg"]["max"], 0.07);
-  EXPECT_LT(pair["tangent_deg"]["max"], 0.0814);
+  EXPECT_GT(pair["tangent_deg"]["max"], 0.0763);
+  EXPECT_LT(pair["tangent_deg"]["max"], 0.0765);
   EXPECT_LT(pair["tangent_deg"]["rms"], pair["tangent_deg"]["p95"]);
   expect_keys(pair["worst"], {"vertex", "vertex_b", "u", "v", "position", "deg", "tangent_a", "tangent_b"});
   EXPECT_EQ(pair["worst"]["deg"], pair["tangent_deg"]["max"]);
