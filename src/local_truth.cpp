@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include <darboux/error.h>
 #include <darboux/local_jets.h>
@@ -19,16 +21,32 @@ Truth no_truth() {
   return {none, none, none, none, Status::no_frame, false, infinite, infinite};
 }
 
+// A direction of which three standard deviations are a radian is not known: beyond first order, as next to a pole.
+double deviation_deg(double error) {
+  return 3 * error < 1 ? 180 / std::numbers::pi * error : infinite;
+}
+
 Truth truth_of(const UvJet& jet, double winding) {
-  constexpr double degrees = 180 / std::numbers::pi;
   return {.position = jet.jet.position,
           .normal = winding * jet.frame.n,
           .tangent = jet.frame.t,
           .bitangent = unit(jet.jet.dpdv),
           .status = jet.frame.status,
           .pole = false,
-          .normal_deg = degrees * jet.normal_error,
-          .tangent_deg = degrees * jet.tangent_error};
+          .normal_deg = deviation_deg(jet.normal_error),
+          .tangent_deg = deviation_deg(jet.tangent_error)};
+}
+
+// Whether dpdu or dpdv vanishes here or nearly so, that is, changes by more than twice its own length on the way to a neighbour:
+// a pole, next to which it changes by its own length.
+bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<const Vec2<double>> neighbours) {
+  double change_u = 0, change_v = 0;
+  for (const Vec2<double>& near : neighbours) {
+    const double du = near.x - uv.x, dv = near.y - uv.y;
+    change_u = std::fmax(change_u, norm(du * jet.d2pdu2 + dv * jet.d2pduv));
+    change_v = std::fmax(change_v, norm(du * jet.d2pduv + dv * jet.d2pdv2));
+  }
+  return change_u > 2 * norm(jet.dpdu) || change_v > 2 * norm(jet.dpdv);
 }
 
 // Of a node, from the fewest rings that tell how well they know it.
@@ -48,8 +66,10 @@ Truth truth_at(const Rings& rings, Index node, Rings::Walk& walk) {
       uvs.push_back(uv);
     }
     const UvJet jet = uv_jet(uvs, positions, rings.uv(node), {.degree = degree});
-    if (std::isfinite(jet.normal_error) && std::isfinite(jet.tangent_error))
-      return truth_of(jet, Rings::sign(node));
+    if (std::isfinite(jet.normal_error) && std::isfinite(jet.tangent_error)) {
+      const auto nearest = std::span<const Vec2<double>>(uvs).first(std::min(walk.ends[1], uvs.size()));
+      return is_singular(jet.jet, rings.uv(node), nearest) ? no_truth() : truth_of(jet, Rings::sign(node));
+    }
   }
   return no_truth();
 }

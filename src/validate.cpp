@@ -338,14 +338,9 @@ void Judge::look_at_signs() {
                          "; of the uv islands " + std::to_string(raw) + " are raw, " + std::to_string(gltf) +
                              " glTF's, " + std::to_string(both) + " both"));
   }
-  std::vector<signed char> winds(mesh_.positions.size(),
-                                 0);  // bit 0: counter-clockwise in uv, bit 1: clockwise
-  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
-    if (const int sign = signs_.of_triangle[t]; sign != 0)
-      for (const std::uint32_t v : mesh_.triangles[t])
-        winds[v] = static_cast<signed char>(winds[v] | (sign > 0 ? 1 : 2));
   std::size_t across = 0;
-  for (std::uint32_t v = 0; v < winds.size(); ++v) across += winds[v] == 3 ? corners_of_[v] : 0;
+  for (std::uint32_t v = 0; v < corners_of_.size(); ++v)
+    across += subject_.across_mirror[v] ? corners_of_[v] : 0;
   add(report_, finding(Code::vertex_across_mirror, across));
 }
 

@@ -52,7 +52,7 @@ std::vector<Rule> rules(const Includes& tree) {
        "frames/[a-z_]+|fragments|vertex_normals|pieces|"
        "mesh_classes|mikktspace|mikktspace/"
        "[a-z_]+|split_vertices|weld|sample_mesh|sample_mesh/"
-       "[a-z_]+|compare|converge|placed_surface|project|validate|point_cloud|local_jets|local_truth|"
+       "[a-z_]+|compare|converge|placed_surface|project|validate|validate/[a-z_]+|point_cloud|local_jets|local_truth|"
        "neighbours)\\.(h|"
        "cpp)",
        "", "darboux/(io|fit|judge)\\.h"},
@@ -77,7 +77,7 @@ std::vector<Rule> rules(const Includes& tree) {
        std::string(standard) + "|Eigen/.*|darboux/(scalar|vector|surface|frame|error)\\.h|darboux/" +
            mesh_core +
            "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|sys/"
-           "mman\\.h|(arithmetic|buffer|connectivity|input|rings|triangle|(\\.\\./)?"
+           "mman\\.h|(arithmetic|buffer|connectivity|creases|input|rings|triangle|(\\.\\./)?"
            "(pieces|text))\\.h",
        ""},
       {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",

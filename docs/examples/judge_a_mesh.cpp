@@ -11,22 +11,23 @@ int main(int argc, char** argv) try {
   options.max_angle_deg = 2;  // for interior corners; three times that elsewhere
   options.surface = darboux::parse_specification("torus");  // leave it out to have the surface recognised
   int status = 0;
-  for (const darboux::Primitive& primitive : darboux::read_asset(argv[1]).primitives) {
-    const auto [fit, report] = darboux::judge(primitive.data, options);
-    if (fit && fit->fits)
-      std::printf("%zu corners, w %s\n", report.corners, std::string(report.handedness.convention).c_str());
-    for (const darboux::ClassReport& c : report.classes)
-      if (c.tangent_deg)
-        std::printf(
-            "%-10s tangent rms %.3g deg\n",
-            std::string(darboux::vertex_class_names[static_cast<std::size_t>(c.vertex_class)]).c_str(),
-            c.tangent_deg->rms);
-    for (const darboux::Finding& f : report.findings)
-      std::printf("%s (%zu): %s\n", std::string(f.code).c_str(), f.count, f.message.c_str());
-    const auto verdict = static_cast<std::size_t>(report.verdict);
-    std::printf("%s\n", std::string(darboux::verdict_names[verdict]).c_str());
-    if (verdict != 0) status = 1;
-  }
+  for (const darboux::Primitive& primitive : darboux::read_asset(argv[1]).primitives)
+    for (const darboux::Judgement& judgement : darboux::judge_parts(primitive.data, options)) {
+      const darboux::MeshReport& report = judgement.report;
+      if (judgement.fit && judgement.fit->fits)
+        std::printf("%zu corners, w %s\n", report.corners, std::string(report.handedness.convention).c_str());
+      for (const darboux::ClassReport& c : report.classes)
+        if (c.tangent_deg)
+          std::printf(
+              "%-10s tangent rms %.3g deg\n",
+              std::string(darboux::vertex_class_names[static_cast<std::size_t>(c.vertex_class)]).c_str(),
+              c.tangent_deg->rms);
+      for (const darboux::Finding& f : report.findings)
+        std::printf("%s (%zu): %s\n", std::string(f.code).c_str(), f.count, f.message.c_str());
+      const auto verdict = static_cast<std::size_t>(report.verdict);
+      std::printf("%s\n", std::string(darboux::verdict_names[verdict]).c_str());
+      if (verdict != 0) status = 1;
+    }
   return status;
 } catch (const darboux::Error& e) {
   std::fprintf(stderr, "%s\n", e.what());

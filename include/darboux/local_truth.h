@@ -13,7 +13,7 @@ namespace darboux {
 /// with its standard deviations: those up to two edges away, or up to five where fewer do not tell the error. Vertices are joined
 /// where they agree in position, uv and normal, so that the other side of a seam or of a crease does not count; triangles
 /// whose uvs wind differently are kept apart, and so are those on the two sides of an edge where faces meet at more than 50 degrees, though
-/// its vertices agree; at such an edge nothing is told. n is on the side from which triangles wind counter-clockwise. NaN, with
+/// its vertices agree; at such an edge nothing is told. n is on the side from which triangles wind counter-clockwise. A deviation whose triple is a radian is infinite. NaN, with
 /// no_frame and infinite deviations, where the neighbours do not tell. Which vertices are poles of the chart nobody knows here. Cost: linear, about
 /// 10 us a vertex.
 /// \throws MeshError when the mesh is inconsistent or has no uvs

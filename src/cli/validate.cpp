@@ -103,7 +103,8 @@ Json classes_json(const std::vector<ClassReport>& classes) {
     }
     if (c.tangent_deg) {
       entry["tangent_deg"] = statistics_json(*c.tangent_deg);
-      entry["tangent_uncertainty_deg"] = spread_json(c.tangent_uncertainty_deg);
+      if (c.tangent_uncertainty_deg.finite() + c.tangent_uncertainty_deg.infinite() > 0)
+        entry["tangent_uncertainty_deg"] = spread_json(c.tangent_uncertainty_deg);
     }
     if (c.bitangent_deg) entry["bitangent_deg"] = statistics_json(*c.bitangent_deg);
     if (c.worst)

@@ -16,11 +16,11 @@ namespace darboux {
 namespace {
 
 constexpr std::size_t most_samples = 4096, least_samples = 10;
-constexpr double most = 0.9;
+constexpr double most = 0.9, explained_below = 0.8;
 
 struct Pair {
   std::size_t corner;
-  Vec3<double> stored, t, b;  // unit
+  Vec3<double> stored, t, b;  // unit; b across t
   double w, raw;              // raw: of the triangle, 0 without uv area
 };
 
@@ -40,7 +40,8 @@ std::vector<Pair> samples_of(const Subject& subject, std::span<const signed char
     if (!detail::finite(t.xyz()) || t.xyz() == Vec3<double>{} || !detail::finite(d.t) ||
         !detail::finite(d.b) || subject.classes.of_vertex[v] == VertexClass::pole)
       continue;
-    samples.push_back({c, unit(t.xyz()), unit(d.t), unit(d.b), t.w, static_cast<double>(raw_sign[c / 3])});
+    const Vec3<double> along = unit(d.t), across = unit(d.b - dot(d.b, along) * along);
+    samples.push_back({c, unit(t.xyz()), along, across, t.w, static_cast<double>(raw_sign[c / 3])});
   }
   return samples;
 }
@@ -121,9 +122,10 @@ void explain_by_map(const std::vector<Pair>& samples, double limit, std::size_t 
   double along = 0;
   for (const Pair& s : samples) along += to_eigen(s.t).dot(m * to_eigen(s.stored));
   if (along < 0) m = -m;
-  const double share = share_within(
-      samples, limit, [&](const Pair& s) { return from_eigen(Eigen::Vector3d(m * to_eigen(s.stored))); });
-  if (share < most) return;
+  std::size_t within = 0;
+  for (const Pair& s : samples)
+    within += angle_deg(s.t, from_eigen(Eigen::Vector3d(m * to_eigen(s.stored)))) <= limit;
+  if (static_cast<double>(within) < most * static_cast<double>(samples.size())) return;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m);
   const Eigen::Vector3d scale = svd.singularValues() / svd.singularValues()[2];
   if (!(scale[0] < 1e3)) return;
@@ -145,7 +147,7 @@ void explain(const Subject& subject, std::span<const signed char> raw_sign,
   const std::size_t corners = subject.mesh.corners();
   const std::vector<Pair> samples = samples_of(subject, raw_sign, reference);
   if (samples.size() < least_samples) return;
-  if (share_within(samples, limit, [](const Pair& s) { return s.t; }) >= 0.5) return;
+  if (share_within(samples, limit, [](const Pair& s) { return s.t; }) >= explained_below) return;
   if (explained_by_uv_set(subject, samples, options, report)) return;
   if (explained_by_axes(samples, limit, corners, report)) return;
   explain_by_map(samples, limit, corners, report);

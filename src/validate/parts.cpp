@@ -63,9 +63,10 @@ Part part_of(const Mesh& whole, std::vector<std::uint32_t> triangles) {
 }
 
 Subject restrict_to(const Subject& whole, const Part& part) {
-  Subject subject{part.mesh, {}, {}, {}};
+  Subject subject{part.mesh, {}, {}, {}, {}};
   for (const std::uint32_t v : part.vertices) {
     subject.classes.of_vertex.push_back(whole.classes.of_vertex[v]);
+    subject.across_mirror.push_back(whole.across_mirror[v]);
     if (!whole.local.empty()) subject.local.push_back(whole.local[v]);
   }
   std::unordered_map<std::int32_t, std::int32_t> island;

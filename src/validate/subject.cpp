@@ -5,6 +5,8 @@
 #include <darboux/local_truth.h>
 #include <darboux/mikktspace.h>
 
+#include "facts.h"
+
 namespace darboux {
 
 std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads) {
@@ -56,7 +58,15 @@ std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<do
 }
 
 Subject prepare(const Mesh& mesh, const std::vector<bool>& is_pole, const ValidateOptions& options) {
-  Subject subject{mesh, classify(mesh, is_pole), {}, {}};
+  Subject subject{mesh, classify(mesh, is_pole), {}, {}, {}};
+  subject.across_mirror.assign(mesh.positions.size(), false);
+  std::vector<signed char> winds(mesh.positions.size(), 0);
+  const std::vector<signed char> signs = triangle_signs(mesh);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (signs[t] * winds[v] < 0) subject.across_mirror[v] = true;
+      if (signs[t] != 0) winds[v] = signs[t];
+    }
   if (options.references.mikktspace && !mesh.tangents.empty() && !mesh.normals.empty() && !mesh.uvs.empty())
     subject.mikktspace = mikktspace_of(mesh, mesh.uvs, options.threads);
   if (options.references.local && !mesh.uvs.empty()) subject.local = local_truth(mesh);

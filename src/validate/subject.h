@@ -15,7 +15,8 @@ struct Subject {
   // MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it; empty where it is not asked for or the
   // mesh lacks tangents, normals or uvs.
   std::vector<Vec4<float>> mikktspace;
-  std::vector<Truth> local;  // at each vertex; empty where it is not asked for or there are no uvs
+  std::vector<bool> across_mirror;  // vertices that triangles share whose uvs wind differently
+  std::vector<Truth> local;         // at each vertex; empty where it is not asked for or there are no uvs
 };
 
 // \param is_pole as classify() takes it

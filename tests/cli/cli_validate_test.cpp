@@ -37,7 +37,15 @@ TEST_F(Cli, ValidateHasTheContractsKeys) {
     for (const char* quantity : {"normal_uncertainty_deg", "tangent_uncertainty_deg"})
       expect_keys(c[quantity], {"max", "rms", "infinite"});
   }
-  EXPECT_TRUE(mesh["references"].empty());
+  expect_keys(mesh["references"], {"local", "mikktspace"});
+  const Json& mikktspace = mesh["references"]["mikktspace"];
+  expect_keys(mikktspace, {"equal_bits", "classes"});
+  for (const auto& [name, c] : mikktspace["classes"].items()) {
+    expect_keys(c, {"corners", "tangent_deg", "bitangent_deg", "worst"});
+    EXPECT_FALSE(c.contains("tangent_uncertainty_deg")) << name;
+  }
+  for (const Json& finding : mesh["findings"])
+    expect_keys(finding, {"code", "severity", "count", "message", "to_do"});
   EXPECT_EQ(mesh["surface"]["covariance"].size(), 8u);
   EXPECT_EQ(mesh["surface"]["covariance"][7].size(), 8u);
 }
@@ -70,31 +78,64 @@ TEST_F(Cli, ValidateReportsItsUncertainty) {
   const std::string few = good("darboux validate few.glb --reference analytic,local");
   EXPECT_NE(few.find("local: nothing is known"), std::string::npos) << few;
   EXPECT_EQ(few.find("nan"), std::string::npos) << few;
-  // A mesh of no known surface has the local reference alone, which decides nothing.
+  // A mesh of no known surface is judged by the local reference.
   const Json folded =
-      json("darboux validate data/mirrortorus_016.mikk.glb --reference analytic,local --json", 1);
-  EXPECT_EQ(folded["verdict"], "undetermined");
-  EXPECT_EQ(only_mesh(folded)["frame_uncertainty_deg"], nullptr);
-  EXPECT_FALSE(only_mesh(folded)["references"]["local"].contains("agreement"));
+      only_mesh(json("darboux validate data/jittertorus_016.mikk.glb --reference local,mikktspace --json"));
+  EXPECT_EQ(folded["reference"], "local");
+  EXPECT_GT(folded["frame_uncertainty_deg"]["tangent"]["rms"].get<double>(), 1e-3);
+  EXPECT_FALSE(folded["references"]["local"].contains("agreement"));
 }
 
 TEST_F(Cli, ValidateTakesAListOfReferences) {
   const std::string one = "darboux validate data/torus_016.three.glb --json --reference ";
   EXPECT_EQ(good(one + "local,analytic"), good(one + "analytic,local"));
-  EXPECT_EQ(good(one + "analytic"), good("darboux validate data/torus_016.three.glb --json"));
-  // Alone local jets decide nothing, but errors that need no truth are found.
-  const Json local = json(one + "local", 1);
-  EXPECT_EQ(local["verdict"], "undetermined");
+  EXPECT_EQ(good(one + "analytic,mikktspace,local"),
+            good("darboux validate data/torus_016.three.glb --json"));
+  EXPECT_TRUE(only_mesh(json(one + "analytic"))["references"].empty());
+  // Alone, each of the others decides.
+  const Json local = json(one + "local");
+  EXPECT_EQ(local["verdict"], "pass");
   EXPECT_EQ(only_mesh(local)["surface"], nullptr);
-  EXPECT_EQ(only_mesh(local)["reference"], "none");
+  EXPECT_EQ(only_mesh(local)["reference"], "local");
   EXPECT_LT(only_mesh(local)["references"]["local"]["classes"]["interior"]["tangent_deg"]["rms"], 1);
   EXPECT_EQ(json("darboux validate data/plainsphere_016.three.glb --json --reference local", 1)["verdict"],
             "fail");
-  refused(one + "mikktspace", {"--reference", "mikktspace", "not there yet", "local"});
+  const Json mikktspace = only_mesh(json(one + "mikktspace"));
+  EXPECT_EQ(mikktspace["reference"], "mikktspace");
+  EXPECT_EQ(mikktspace["frame_uncertainty_deg"], nullptr);
+  // three.js and MikkTSpace differ by 0.29 degrees inside the torus.
+  const Json strict = json(one + "mikktspace --max-angle 0.2", 1);
+  EXPECT_EQ(only_mesh(strict)["findings"][0]["code"], "TANGENT_NOT_MIKKTSPACE");
+  EXPECT_EQ(only_mesh(strict)["findings"][0]["severity"], "error");
+  const Json lenient = json("darboux validate data/torus_016.three.glb --json --max-angle 2");
+  EXPECT_FALSE(has_finding(only_mesh(lenient), "TANGENT_NOT_MIKKTSPACE"));
   for (const std::string list : {"potato", "analytic,potato", "analytic,", "''"})
-    refused(one + list, {"--reference", "permitted are analytic and local"});
+    refused(one + list, {"--reference", "permitted are analytic, mikktspace and local"});
   refused(one + "local --surface torus", {"--reference", "--surface"});
   refused(one + "local --placement identity", {"--reference", "--placement"});
+}
+
+// What MikkTSpace wrote has its bits.
+TEST_F(Cli, ValidateSaysWhatIsExactlyMikkTSpace) {
+  good("darboux tangents data/torus_016.none.glb -o mikk.glb");
+  EXPECT_EQ(only_mesh(json("darboux validate mikk.glb --json"))["references"]["mikktspace"]["equal_bits"], 1);
+  const Json other = only_mesh(json("darboux validate data/torus_016.three.glb --json"));
+  EXPECT_LT(other["references"]["mikktspace"]["equal_bits"].get<double>(), 0.1);
+}
+
+// Surfaces in one primitive: each is recognised, through its uvs or from its positions.
+TEST_F(Cli, ValidateJudgesParts) {
+  const Json halves = json("darboux validate data/mirrortorus_016.mikk.glb --json");
+  EXPECT_EQ(halves["files"][0]["meshes"].size(), 2u);
+  std::size_t part = 0, corners = 0;
+  for (const Json& mesh : halves["files"][0]["meshes"]) {
+    EXPECT_EQ(mesh["part"], part++);
+    EXPECT_EQ(mesh["surface"]["name"], "torus");
+    EXPECT_EQ(mesh["uv"]["convention"], "affine");
+    EXPECT_EQ(mesh["handedness"]["convention"], "gltf");
+    corners += mesh["corners"].get<std::size_t>();
+  }
+  EXPECT_EQ(corners, 3072u);
 }
 
 struct Expected {
@@ -155,13 +196,6 @@ TEST_F(Cli, ValidateTellsTheVerdictsApart) {
   EXPECT_EQ(zero["findings"][0]["count"], 2);
   EXPECT_EQ(zero["zero_tangents"], 2);
 
-  // Folded uvs are those of no surface.
-  const Json folded = json("darboux validate data/mirrortorus_016.mikk.glb --json", 1);
-  EXPECT_EQ(folded["verdict"], "undetermined");
-  EXPECT_EQ(only_mesh(folded)["surface"], nullptr);
-  EXPECT_EQ(only_mesh(folded)["reference"], "none");
-  EXPECT_TRUE(has_finding(only_mesh(folded), "SURFACE_UNKNOWN"));
-
   // A frustum is a cone with an affine v.
   const Json cone = only_mesh(json("darboux validate data/cone_016.three.glb --json"));
   EXPECT_EQ(cone["surface"]["name"], "cone");
@@ -171,6 +205,7 @@ TEST_F(Cli, ValidateTellsTheVerdictsApart) {
   const Json declared = json("darboux validate data/cone_016.three.glb --surface cylinder --json", 1);
   EXPECT_EQ(declared["verdict"], "fail");
   EXPECT_TRUE(has_finding(only_mesh(declared), "SURFACE_MISMATCH"));
+  EXPECT_EQ(only_mesh(declared)["surface"], nullptr);
 
   // The limit decides: seam corners are 5.6 degrees off, interior ones 0.29.
   const std::string torus = "darboux validate data/torus_016.three.glb --json --max-angle ";
@@ -179,7 +214,7 @@ TEST_F(Cli, ValidateTellsTheVerdictsApart) {
 
   // Over several files the highest status counts.
   good("darboux validate data/torus_016.three.glb data/sphere_016.three.glb");
-  good("darboux validate data/torus_016.three.glb data/mirrortorus_016.mikk.glb", 1);
+  good("darboux validate data/torus_016.three.glb data/plainsphere_016.three.glb", 1);
   const Result missing =
       sh("darboux validate data/cone_016.three.glb missing.glb data/torus_016.three.glb --json");
   EXPECT_EQ(missing.status, 2);
@@ -205,10 +240,13 @@ TEST_F(Cli, ValidateCopesWithMissingAttributes) {
     write_bytes(path("without.glb"), make_glb(glb.json.dump(), glb.bin));
   };
   without({"TEXCOORD_0"});
-  const Json no_uv = json("darboux validate without.glb --json", 1);
-  EXPECT_EQ(no_uv["verdict"], "undetermined");
+  // Without uvs the positions tell the surface, and so the normals.
+  const Json no_uv = json("darboux validate without.glb --json");
   EXPECT_TRUE(has_finding(only_mesh(no_uv), "UV_MISSING"));
-  EXPECT_EQ(only_mesh(no_uv)["uv"], nullptr);
+  EXPECT_EQ(only_mesh(no_uv)["surface"]["name"], "torus");
+  EXPECT_EQ(only_mesh(no_uv)["uv"]["convention"], "unknown");
+  EXPECT_LT(only_mesh(no_uv)["classes"]["interior"]["normal_deg"]["max"].get<double>(), 1e-4);
+  EXPECT_FALSE(only_mesh(no_uv)["classes"]["interior"].contains("tangent_deg"));
   without({"TEXCOORD_0", "NORMAL", "TANGENT"});
   EXPECT_EQ(json("darboux validate without.glb --json", 1)["verdict"], "undetermined");
   without({"NORMAL"});
