@@ -17,6 +17,8 @@ struct Arguments {
   std::vector<std::string> files;
   std::string surface = "auto", placement = "fit", reference = "analytic,mikktspace,local";
   double max_angle = 5;
+  bool findings = false;
+  std::vector<std::string> fail_on;
 };
 
 struct JudgedPrimitive {
@@ -66,7 +68,19 @@ void add_node_findings(const Primitive& primitive, MeshReport& report) {
   add(report, finding(Code::node_scale_not_uniform, sheared));
 }
 
-JudgedFile judge_file(const std::string& path, const JudgeOptions& options) {
+// A finding that was asked for counts as an error.
+void raise(const std::vector<std::string>& codes, MeshReport& report) {
+  for (Finding& f : report.findings)
+    if (std::find(codes.begin(), codes.end(), f.code) != codes.end()) {
+      f.severity = Severity::error;
+      report.verdict = Verdict::fail;
+    }
+  std::stable_sort(report.findings.begin(), report.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+}
+
+JudgedFile judge_file(const std::string& path, const JudgeOptions& options,
+                      const std::vector<std::string>& fail_on) {
   JudgedFile result;
   try {
     Asset asset = read_asset(path);
@@ -75,7 +89,10 @@ JudgedFile judge_file(const std::string& path, const JudgeOptions& options) {
     for (Primitive& primitive : asset.primitives) {
       std::vector<Judgement> judgements = judge_parts(primitive.data, options);
       add_node_findings(primitive, judgements.front().report);
-      for (const Judgement& j : judgements) result.verdict = std::max(result.verdict, j.report.verdict);
+      for (Judgement& j : judgements) {
+        raise(fail_on, j.report);
+        result.verdict = std::max(result.verdict, j.report.verdict);
+      }
       primitive.data = {};
       result.primitives.push_back({std::move(primitive), std::move(judgements)});
     }
@@ -295,7 +312,32 @@ References parse_references(const std::string& text) {
   return result;
 }
 
+void list_findings(const Common& common) {
+  Json list = Json::array();
+  for (const FindingKind& kind : finding_kinds()) {
+    const std::string_view severity = severity_names[static_cast<std::size_t>(kind.severity)];
+    if (common.json)
+      list.push_back(
+          {{"code", kind.code}, {"severity", severity}, {"message", kind.message}, {"to_do", kind.to_do}});
+    else
+      std::cout << kind.code << ", " << severity << ": " << kind.message << "\n    to do: " << kind.to_do
+                << '\n';
+  }
+  if (common.json) print_json({{"findings", list}});
+}
+
+// Refuses codes that there are not.
+void check_codes(const std::vector<std::string>& codes) {
+  for (const std::string& code : codes)
+    if (std::none_of(finding_kinds().begin(), finding_kinds().end(),
+                     [&](const FindingKind& kind) { return kind.code == code; }))
+      throw ParameterError("--fail-on", "'" + code + "' is no finding, permitted are those of --findings");
+}
+
 void run(const Arguments& arguments, Common& common) {
+  if (arguments.findings) return list_findings(common);
+  if (arguments.files.empty()) throw ParameterError("validate", "needs files to read, or --findings");
+  check_codes(arguments.fail_on);
   JudgeOptions options;
   options.max_angle_deg = arguments.max_angle;
   if (!(arguments.max_angle > 0) || arguments.max_angle > 180)
@@ -316,7 +358,7 @@ void run(const Arguments& arguments, Common& common) {
   Progress progress("validate", common);
   parallel_for(
       files.size(), common.threads,
-      [&](std::size_t i) { files[i] = judge_file(arguments.files[i], options); },
+      [&](std::size_t i) { files[i] = judge_file(arguments.files[i], options, arguments.fail_on); },
       [&](double share) { progress.update(share); });
 
   Json list = Json::array();
@@ -356,7 +398,7 @@ void run(const Arguments& arguments, Common& common) {
 void add_validate(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("validate", "Compare the tangents stored in mesh files with the truth");
   auto arguments = std::make_shared<Arguments>();
-  sub.add_option("FILES", arguments->files, ".glb, .gltf or .obj files")->required();
+  sub.add_option("FILES", arguments->files, ".glb, .gltf or .obj files");
   sub.add_option("--surface", arguments->surface,
                  "auto, or the kind with the parameters that are known: torus:minor_radius=0.4")
       ->capture_default_str();
@@ -374,6 +416,10 @@ void add_validate(CLI::App& app, Common& common) {
          "analytic "
          "and local that is known decides, mikktspace alone")
       ->capture_default_str();
+  sub.add_option("--fail-on", arguments->fail_on,
+                 "codes of findings that count as errors, with commas between; --findings lists them")
+      ->delimiter(',');
+  sub.add_flag("--findings", arguments->findings, "name and explain all findings");
   add_common(sub, common, "darboux validate torus.glb --surface torus --max-angle 2 --json");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }
