@@ -4,7 +4,7 @@
 #include <darboux/error.h>
 #include <darboux/fit.h>
 
-#include "fit/choose.h"
+#include "fit/kinds.h"
 #include "fit/uv_starts.h"
 
 namespace darboux {

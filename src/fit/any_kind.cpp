@@ -18,12 +18,11 @@
 #include <darboux/project.h>
 
 #include "../text.h"
-#include "choose.h"
 #include "compressed.h"
+#include "kinds.h"
 #include "manifolds.h"
 #include "parameter_jet.h"
 #include "scaled.h"
-#include "uv_kinds.h"
 
 namespace darboux {
 namespace {
@@ -749,12 +748,9 @@ std::string against(const Estimate& e, const PointFit& fit, const Compressed& to
                     const std::vector<bool>& lengths, double size) {
   const AnySurface& surface = e.shape.surface;
   const std::vector<ParameterValue> parameters = surface.parameters();
-  const UvKind* known = find_uv_kind(surface.info().name);
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const double length = std::fabs(parameters[k].value), deviation = fit.standard_errors[k].value;
-    const bool may_be_zero =
-        known ? known->may_be_zero(static_cast<int>(k)) : parameters[k].permitted.contains(0);
-    if (lengths.empty() || !lengths[k] || may_be_zero) continue;
+    if (lengths.empty() || !lengths[k] || fit::may_be_zero(surface.info().name, parameters[k])) continue;
     const std::string name(parameters[k].name);
     if (length < 1e-3 * size) return "has the " + name + " of a line or a point: no fit";
     if (length > 1e3 * size || deviation > 0.5 * length)

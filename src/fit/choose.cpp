@@ -6,6 +6,7 @@
 
 #include "../text.h"
 #include "estimate.h"
+#include "kinds.h"
 
 namespace darboux::fit {
 namespace {
@@ -87,11 +88,6 @@ Verdict none(std::string why) {
 }
 
 }  // namespace
-
-std::string with_article(std::string_view kind) {
-  const bool vowel = std::string_view("aeiou").find(kind.front()) != std::string_view::npos;
-  return (vowel && !kind.starts_with("one") ? "an " : "a ") + std::string(kind);
-}
 
 Vector3d positive_side(const Vector3d& a) {
   Eigen::Index largest;

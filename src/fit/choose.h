@@ -8,12 +8,6 @@
 
 namespace darboux::fit {
 
-// Evidence that decides between two kinds, on the scale of the criterion: odds of exp(5).
-inline constexpr double margin = 10;
-
-// "a sphere", "an ellipsoid"
-std::string with_article(std::string_view kind);
-
 // The side of a direction whose largest component is positive.
 Vector3d positive_side(const Vector3d& a);
 

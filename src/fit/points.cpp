@@ -14,6 +14,7 @@
 #include "choose.h"
 #include "estimate.h"
 #include "find.h"
+#include "kinds.h"
 #include "scaled.h"
 #include "with_uv.h"
 

@@ -5,6 +5,8 @@
 
 #include <darboux/catalogue.h>
 
+#include "kinds.h"
+
 namespace darboux {
 namespace {
 
@@ -48,9 +50,9 @@ struct Shape {
 };
 
 template <template <class> class Surface>
-UvKind kind(const std::vector<Shape>& shapes = {}, std::string_view never_zero = {}) {
+UvKind kind(const std::vector<Shape>& shapes = {}) {
   const AnySurface surface{Surface<double>{}};
-  UvKind result{surface.info().name, surface.parameters(), {}, {{}}, &evaluate<Surface>, {}, never_zero};
+  UvKind result{surface.info().name, surface.parameters(), {}, {{}}, &evaluate<Surface>};
   for (const ParameterValue& p : result.parameters) {
     const auto shape =
         std::find_if(shapes.begin(), shapes.end(), [&](const Shape& s) { return s.name == p.name; });
@@ -75,8 +77,7 @@ UvKind kind(const std::vector<Shape>& shapes = {}, std::string_view never_zero =
 }  // namespace
 
 bool UvKind::may_be_zero(int k) const {
-  const ParameterValue& p = parameters[static_cast<std::size_t>(k)];
-  return p.permitted.contains(0) && p.name != never_zero;
+  return fit::may_be_zero(name, parameters[static_cast<std::size_t>(k)]);
 }
 
 bool UvKind::vanishes(int k, double value) const {
@@ -90,13 +91,13 @@ const std::vector<UvKind>& uv_kinds() {
       kind<Sphere>(),
       kind<Cylinder>(),
       kind<Cone>(),
-      kind<Torus>({}, "major_radius"),
+      kind<Torus>(),
       kind<Ellipsoid>(),
       kind<EllipticParaboloid>(),
       kind<HyperbolicParaboloid>(),
       kind<OneSheetHyperboloid>({{"semi_axis_z", {0.15, 0.4, 1, 2.5}, "height"}}),
       kind<TwoSheetHyperboloid>({{"extent", {0.5, 1, 2, 4}}}),
-      kind<Helicoid>({{"turns", {0.25, 0.5, 1, 1.5, 2, 3}}}, "pitch"),
+      kind<Helicoid>({{"turns", {0.25, 0.5, 1, 1.5, 2, 3}}}),
       kind<Catenoid>({{"extent", {0.25, 0.5, 1, 2, 4}}}),
       kind<MoebiusStrip>(),
       kind<KleinBottle>(),

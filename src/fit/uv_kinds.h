@@ -32,9 +32,6 @@ struct UvKind {
   /// For each parameter the length to which the linear start ties it in the ratio of `starts`, itself where to none: lengths
   /// that are linear only together, as height and semi_axis_z of the one-sheet hyperboloid.
   std::vector<int> tied_to{};
-  /// A permitted zero that makes this another kind: a helicoid of pitch 0 is a disk, a torus of major radius 0 a sphere.
-  /// Empty: none.
-  std::string_view never_zero{};
 
   int parameter_count() const { return static_cast<int>(parameters.size()); }
   /// Whether the surface is of this kind with 0 for the k-th parameter.

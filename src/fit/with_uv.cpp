@@ -9,7 +9,7 @@
 #include <darboux/error.h>
 
 #include "../text.h"
-#include "choose.h"
+#include "kinds.h"
 #include "quantile.h"
 #include "uv_starts.h"
 
