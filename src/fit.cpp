@@ -5,7 +5,7 @@
 #include <darboux/fit.h>
 
 #include "fit/kinds.h"
-#include "fit/uv_starts.h"
+#include "fit/with_uv/starts.h"
 
 namespace darboux {
 namespace {

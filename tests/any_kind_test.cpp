@@ -1,5 +1,5 @@
 // Points of surfaces that are fitted by their templates alone, from default proportions.
-#include "../src/fit/any_kind.h"
+#include "../src/fit/any_kind/any_kind.h"
 
 #include <algorithm>
 #include <cmath>

@@ -150,7 +150,7 @@ TEST(Arrows, EveryWrongArrowIsFound) {
       {"src/validate.cpp", "darboux/fit.h"},
       {"src/compare.cpp", "darboux/io.h"},
       {"include/darboux/compare.h", "darboux/any_surface.h"},
-      {"src/fit/start.cpp", "nanoflann.hpp"},
+      {"src/fit/by_kind/starts.cpp", "nanoflann.hpp"},
       {"src/local_jets.cpp", "darboux/torus.h"},
       {"include/darboux/local_jets.h", "darboux/mesh.h"},
       {"include/darboux/mesh.h", "darboux/evaluate.h"},

@@ -13,7 +13,7 @@
 #include <darboux/fit.h>
 
 #include "../src/fit/manifolds.h"
-#include "../src/fit/with_uv.h"
+#include "../src/fit/with_uv/with_uv.h"
 #include "random_pose.h"
 
 namespace darboux {

@@ -1,4 +1,4 @@
-#include "uv_starts.h"
+#include "starts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-#include "quantile.h"
+#include "../quantile.h"
 
 namespace darboux {
 namespace {

@@ -14,7 +14,7 @@
 #include <darboux/fit_points.h>
 #include <darboux/placed_surface.h>
 
-#include "uv_kinds.h"
+#include "kinds.h"
 
 namespace darboux {
 

@@ -17,12 +17,12 @@
 #include <darboux/forms.h>
 #include <darboux/project.h>
 
-#include "../text.h"
-#include "compressed.h"
-#include "kinds.h"
-#include "manifolds.h"
-#include "parameter_jet.h"
-#include "scaled.h"
+#include "../../text.h"
+#include "../compressed.h"
+#include "../kinds.h"
+#include "../manifolds.h"
+#include "../parameter_jet.h"
+#include "../scaled.h"
 
 namespace darboux {
 namespace {

@@ -15,8 +15,8 @@
 #include <Eigen/Dense>
 #include <ceres/ceres.h>
 
-#include "compressed.h"
-#include "manifolds.h"
+#include "../compressed.h"
+#include "../manifolds.h"
 #include "model.h"
 #include "noise.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "../text.h"
+#include "../../text.h"
+#include "../kinds.h"
 #include "estimate.h"
-#include "kinds.h"
 
 namespace darboux::fit {
 namespace {

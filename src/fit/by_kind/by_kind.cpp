@@ -9,14 +9,14 @@
 #include <darboux/error.h>
 #include <darboux/fit_points.h>
 
-#include "../text.h"
-#include "any_kind.h"
+#include "../../text.h"
+#include "../any_kind/any_kind.h"
+#include "../kinds.h"
+#include "../scaled.h"
+#include "../with_uv/with_uv.h"
 #include "choose.h"
 #include "estimate.h"
 #include "find.h"
-#include "kinds.h"
-#include "scaled.h"
-#include "with_uv.h"
 
 namespace darboux {
 namespace {

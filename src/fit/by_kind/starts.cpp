@@ -5,7 +5,7 @@
 
 #include <Eigen/Dense>
 
-#include "../neighbours.h"
+#include "../../neighbours.h"
 
 namespace darboux::fit {
 namespace {

@@ -8,10 +8,10 @@
 
 #include <darboux/error.h>
 
-#include "../text.h"
-#include "kinds.h"
-#include "quantile.h"
-#include "uv_starts.h"
+#include "../../text.h"
+#include "../kinds.h"
+#include "../quantile.h"
+#include "starts.h"
 
 namespace darboux {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "uv_model.h"
+#include "model.h"
 
 namespace darboux {
 

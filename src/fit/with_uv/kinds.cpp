@@ -1,11 +1,11 @@
-#include "uv_kinds.h"
+#include "kinds.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <darboux/catalogue.h>
 
-#include "kinds.h"
+#include "../kinds.h"
 
 namespace darboux {
 namespace {

@@ -1,4 +1,4 @@
-#include "uv_model.h"
+#include "model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 
-#include "compressed.h"
-#include "manifolds.h"
+#include "../compressed.h"
+#include "../manifolds.h"
 
 namespace darboux {
 namespace {
