@@ -85,6 +85,8 @@ std::vector<Rule> rules(const Includes& tree) {
       {"nothing includes the command line or the report", "(?!src/(cli|report)/|tests/).*", "",
        "(\\.\\./|src/)*(cli|report)/.*"},
       {"Ceres stays behind the fit", "(?!src/fit\\.cpp|src/fit/|tests/).*", "", "ceres/.*|glog/.*"},
+      {"the fits of points stand side by side on what they share, only points.cpp chooses",
+       "src/fit/(?!points\\.cpp).*", "", "(\\.\\./)?(any_kind|by_kind|with_uv)/.*"},
       {"the file libraries stay behind io, JSON also in the tool", "(?!src/(io|cli|report)/|tests/).*", "",
        "nlohmann/.*|assimp/.*|tiny_gltf\\.h"},
       {"assimp stays behind io", "(?!src/io/|tests/).*", "", "assimp/.*|tiny_gltf\\.h"},
@@ -126,6 +128,7 @@ Includes good_tree() {
           {"include/darboux/mesh.h", {"vector", "darboux/vector.h"}},
           {"src/any_surface.cpp", {"darboux/catalogue.h"}},
           {"src/fit.cpp", {"ceres/ceres.h", "darboux/catalogue.h"}},
+          {"src/fit/points.cpp", {"by_kind/by_kind.h", "with_uv/with_uv.h"}},
           {"src/io/gltf.cpp", {"nlohmann/json.hpp", "assimp/scene.h", "accessor.h"}},
           {"src/cli/main.cpp", {"CLI/CLI.hpp", "report/page.h", "darboux/catalogue.h", "nlohmann/json.hpp"}}};
 }
@@ -151,6 +154,8 @@ TEST(Arrows, EveryWrongArrowIsFound) {
       {"src/compare.cpp", "darboux/io.h"},
       {"include/darboux/compare.h", "darboux/any_surface.h"},
       {"src/fit/by_kind/starts.cpp", "nanoflann.hpp"},
+      {"src/fit/by_kind/choose.cpp", "../any_kind/any_kind.h"},
+      {"src/fit/kinds.h", "with_uv/kinds.h"},
       {"src/local_jets.cpp", "darboux/torus.h"},
       {"include/darboux/local_jets.h", "darboux/mesh.h"},
       {"include/darboux/mesh.h", "darboux/evaluate.h"},

@@ -1,3 +1,5 @@
+#include "by_kind.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -6,14 +8,10 @@
 #include <numeric>
 
 #include <darboux/catalogue.h>
-#include <darboux/error.h>
-#include <darboux/fit_points.h>
 
 #include "../../text.h"
-#include "../any_kind/any_kind.h"
 #include "../kinds.h"
 #include "../scaled.h"
-#include "../with_uv/with_uv.h"
 #include "choose.h"
 #include "estimate.h"
 #include "find.h"
@@ -137,24 +135,6 @@ std::vector<StandardError> standard_errors(std::string_view kind, const Named& s
   return result;
 }
 
-void check(const PointCloud& points, const PointFitOptions& options) {
-  const auto same = [&](std::size_t count, const char* what) {
-    if (count != 0 && count != points.positions.size())
-      throw MeshError("points", std::to_string(count) + " " + what + " for " +
-                                    std::to_string(points.positions.size()) +
-                                    " positions, permitted are as many or none");
-  };
-  same(points.normals.size(), "normals");
-  same(points.uvs.size(), "uvs");
-  if (options.noise && !(*options.noise > 0 && std::isfinite(*options.noise)))
-    throw ParameterError("noise", "must be a positive length, permitted is noise > 0");
-  if (options.guess && options.guess->surface.info().name != options.surface)
-    throw ParameterError("guess", "is a " + std::string(options.guess->surface.info().name) +
-                                      ", permitted is a surface of the kind to be found, " + options.surface);
-  if (options.guess && !options.guess->placement.matrix().allFinite())
-    throw ParameterError("guess", "its placement is not finite, permitted is a rigid placement");
-}
-
 struct Chosen {
   std::size_t index = 0;
   bool usable = false;
@@ -215,15 +195,10 @@ const std::vector<std::string_view>& found_kinds() {
   return names;
 }
 
-PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
+PointFit fit_by_kind(const PointCloud& points, const PointFitOptions& options) {
   const auto started = std::chrono::steady_clock::now();
-  check(points, options);
-  if (options.with_uv) return fit_points_with_uv(points, options);
   const auto& kinds = found_kinds();
   const bool automatic = options.surface == "auto";
-  if (!automatic && std::find(kinds.begin(), kinds.end(), options.surface) == kinds.end())
-    return fit_any_kind(points, options.surface, options);
-
   const Scaled data = scaled(points);
   const auto n = static_cast<std::size_t>(data.cloud.cols());
   PointFit fit;
