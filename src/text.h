@@ -1,9 +1,10 @@
-// Numbers as text, whatever the locale.
+// Numbers as text, whatever the locale, and what else makes a line.
 #pragma once
 
 #include <charconv>
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace darboux {
 
@@ -24,6 +25,13 @@ inline std::string rounded(double x, int digits) {
 /// A standard deviation for people; NaN stands for one of which nothing is known.
 inline std::string deviation_text(double x, int digits, const char* unit = "") {
   return std::isnan(x) ? "an unknown angle" : rounded(x, digits) + unit;
+}
+
+/// "a, b, c"
+inline std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
 }
 
 /// Fit for one line of a terminal: control characters become '?'.

@@ -5,6 +5,7 @@
 
 #include <darboux/catalogue.h>
 
+#include "../../text.h"
 #include "../kinds.h"
 
 namespace darboux {
@@ -107,9 +108,9 @@ const std::vector<UvKind>& uv_kinds() {
 }
 
 std::string uv_kind_names() {
-  std::string names;
-  for (const UvKind& k : uv_kinds()) names += (names.empty() ? "" : ", ") + std::string(k.name);
-  return names;
+  std::vector<std::string> names;
+  for (const UvKind& k : uv_kinds()) names.emplace_back(k.name);
+  return joined(names);
 }
 
 const UvKind* find_uv_kind(std::string_view name) {

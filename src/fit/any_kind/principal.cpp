@@ -1,0 +1,32 @@
+#include "principal.h"
+
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace darboux::fit::any {
+
+Principal principal(const std::vector<Eigen::Vector3d>& points) {
+  Principal result{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(), 0, 0, {}};
+  for (const Eigen::Vector3d& x : points) result.centre += x / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& x : points)
+    spread += (x - result.centre) * (x - result.centre).transpose() / static_cast<double>(points.size());
+  result.size = std::sqrt(spread.trace());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  result.axes = solver.eigenvectors();
+  // Not the root of the eigenvalue, whose rounding is that of the largest.
+  for (const Eigen::Vector3d& x : points) {
+    const double off = result.axes.col(0).dot(x - result.centre);
+    result.thickness += off * off / static_cast<double>(points.size());
+  }
+  result.thickness = std::sqrt(result.thickness);
+  for (const int axis : {0, 2})
+    if (solver.eigenvalues()[2 - axis] > 0.7 * solver.eigenvalues()[1] &&
+        0.7 * solver.eigenvalues()[2 - axis] < solver.eigenvalues()[1])
+      result.round.push_back(axis);
+  if (result.axes.determinant() < 0) result.axes.col(0) *= -1;
+  return result;
+}
+
+}  // namespace darboux::fit::any
