@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 #include <ceres/ceres.h>
 
+#include "../bias.h"
 #include "../quantile.h"
 
 namespace darboux::fit::any {
@@ -116,8 +117,7 @@ void expect(Estimate& e, double size) {
   for (int step = 0; step < 10; ++step) {
     double inliers = 0, squares = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      const double bias = -0.5 * m.sigma * m.sigma * e.feet.curvature[i];  // convex towards n: k < 0 here
-      e.weighted.bias[i] = std::fabs(bias) < m.sigma ? bias : 0;
+      e.weighted.bias[i] = bias(m.sigma, e.feet.curvature[i]);
       const double r = e.feet.distance[i] - e.weighted.bias[i], p = inlier_density(m, r);
       const double w = std::isfinite(r) ? p / (p + outlier_density(m)) : 0;
       e.weighted.weight[i] = w;

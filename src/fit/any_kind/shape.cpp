@@ -93,7 +93,7 @@ Feet feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2
     const ShapeOperator<double> form = shape_operator(s.jet, s.frame);
     result.uv.push_back(f.uv);
     result.distance.push_back(f.distance);
-    result.curvature.push_back(std::isfinite(form.a + form.c) ? form.a + form.c : 0);
+    result.curvature.push_back(-(form.a + form.c));
   }
   return result;
 }

@@ -58,7 +58,7 @@ class Feeler {
 
 struct Feet {
   std::vector<Vec2<double>> uv;
-  std::vector<double> distance, curvature;  // signed; k1 + k2 of the surface's n
+  std::vector<double> distance, curvature;  // signed; k1 + k2, positive where convex towards the surface's n
 };
 
 // The feet of all points, from those of a shape nearby, or searched for where there are none.

@@ -15,6 +15,7 @@
 #include <Eigen/Dense>
 #include <ceres/ceres.h>
 
+#include "../bias.h"
 #include "../compressed.h"
 #include "../manifolds.h"
 #include "model.h"
@@ -91,13 +92,8 @@ inline void update(Noise& noise, const PointStates& points, bool afar) {
   count(noise);
 }
 
-// Where radii of curvature come near sigma, as at a cone's apex, the first order says nothing: there the bias fades out, smoothly,
-// as an estimate that switches it on and off would never end.
 inline void update_bias(const Noise& noise, PointStates& points) {
-  for (std::size_t i = 0; i < points.d.size(); ++i) {
-    const double x = 0.5 * noise.sigma * points.curvature[i];
-    points.bias[i] = std::isfinite(x) ? noise.sigma * x / (1 + x * x * x * x) : 0;
-  }
+  for (std::size_t i = 0; i < points.d.size(); ++i) points.bias[i] = bias(noise.sigma, points.curvature[i]);
 }
 
 // A cost function of all points that Ceres sees as few residuals, those of compressed.h over the tangent (rotation vector,
