@@ -49,5 +49,25 @@ TEST(FitLine, IsExactOnALineAndCoversTheSlope) {
   EXPECT_NEAR(covered, 3800, 5 * 14);
 }
 
+// Counted values are as many equal ones.
+TEST(Statistics, CountedValuesAreManyEqualOnes) {
+  std::mt19937_64 random(7);
+  for (int run = 0; run < 300; ++run) {
+    std::vector<Counted> counted;
+    std::vector<double> all;
+    const std::size_t n = 1 + random() % 40;
+    for (std::size_t i = 0; i < n; ++i) {
+      counted.push_back({static_cast<double>(random() % 16), static_cast<std::uint32_t>(1 + random() % 9)});
+      all.insert(all.end(), counted.back().count, counted.back().value);
+    }
+    const Statistics a = summarise(counted), b = summarise(all);
+    EXPECT_EQ(a.max, b.max);
+    EXPECT_NEAR(a.rms, b.rms, 1e-14 * b.rms);
+    EXPECT_EQ(a.p95, b.p95) << "run " << run;
+  }
+  std::vector<Counted> none;
+  EXPECT_EQ(summarise(none).max, 0);
+}
+
 }  // namespace
 }  // namespace darboux
