@@ -62,8 +62,9 @@ struct Asset {
 /// Reads .glb, .gltf or .obj, chosen by the content where it tells (the magic "glTF"), else by the extension.
 ///
 /// glTF 2.0: every componentType, interleaved and sparse accessors, normalised integers
-/// (KHR_mesh_quantization), buffers in the GLB, in files beside it (relative URIs) or in data URIs. Draco and
-/// meshopt are refused where the file requires them; where it does not, its uncompressed data is read.
+/// (KHR_mesh_quantization), buffers in the GLB, in files beside it (relative URIs) or in data URIs.
+/// EXT_meshopt_compression is undone when the file is loaded, whether there are uncompressed data too or not. Draco is refused
+/// where the file requires it; where it does not, its uncompressed data is read.
 /// Instances are the nodes of the default scene: the one named, else the first, else all trees of nodes.
 /// Morph targets and skins are not applied.
 ///
@@ -78,8 +79,9 @@ struct GltfFile;  // the JSON document and its buffers: src/io/gltf_file.h
 
 /// A glTF or GLB file held as its JSON document and its buffers, to be rewritten with everything else
 /// preserved: only accessors, bufferViews, buffer lengths and the references of the rewritten primitives
-/// change, and KHR_draco_mesh_compression, whose data do not follow, is taken from them. Values stay the same,
-/// doubles to the bit, and unknown properties, chunks and the order of keys are kept.
+/// change, and KHR_draco_mesh_compression, whose data do not follow, is taken from them. What EXT_meshopt_compression
+/// compressed is decoded at once and written uncompressed. Values stay the same, doubles to the bit, and unknown properties,
+/// chunks and the order of keys are kept.
 class GltfDocument {
  public:
   /// \throws FileError as read_asset does; errors in meshes and nodes are found by asset()

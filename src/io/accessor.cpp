@@ -42,18 +42,8 @@ struct View {
 
 View read_view(const GltfFile& file, const Place& index) {
   const Place view = file.element("bufferViews", index);
-  const Place buffer_index = view.at("buffer");
-  const Place buffer = file.element("buffers", buffer_index);
-  const auto& bytes = file.buffers[buffer_index.integer()];
-  if (!bytes) buffer.fail("has no data, permitted are a uri or, for buffer 0, the binary chunk of a GLB");
-  const std::uint64_t available = buffer.at("byteLength").integer();
-  const std::uint64_t offset = view.integer_or("byteOffset", 0);
-  const std::uint64_t length = view.at("byteLength").integer(1);
-  if (offset > available || length > available - offset)
-    view.fail("asks for " + std::to_string(length) + " bytes from byte " + std::to_string(offset) +
-              ", permitted are the " + std::to_string(available) + " bytes of " + buffer.name());
   const std::size_t stride = view.has("byteStride") ? view.at("byteStride").integer(4, 252) : 0;
-  return {std::string_view(*bytes).substr(offset, length), stride};
+  return {file.view_bytes(view), stride};
 }
 
 /// Copies `count` > 0 elements of `size` bytes, tightly packed, from a place that names a bufferView and a

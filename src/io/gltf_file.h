@@ -15,11 +15,15 @@
 
 namespace darboux {
 
+namespace io {
+struct Accessor;
+}
+
 struct GltfFile {
   std::string path;  ///< named in messages, and relative URIs start from its folder
   io::Json json;
   /// One for each entry of "buffers". Buffer 0 is what becomes the binary chunk, padding included. One that
-  /// has neither a uri nor the chunk (a fallback of meshopt) has no bytes.
+  /// has neither a uri nor the chunk has no bytes.
   std::vector<std::optional<std::string>> buffers;
   std::string other_chunks;  ///< chunks of the GLB that glTF 2.0 does not define, headers included
 
@@ -28,13 +32,25 @@ struct GltfFile {
   /// The entry of a top-level array that `index` names.
   io::Place element(const char* array, const io::Place& index) const;
 
-  /// Appends bytes to buffer 0, at a multiple of 4, and a bufferView on them; returns the bufferView's index.
+  /// The bytes that the buffer, byteOffset and byteLength of a bufferView, or of what is written like one, name. They hold
+  /// until something is appended. \throws FileError
+  std::string_view view_bytes(const io::Place& view) const;
+
+  /// Appends bytes to buffer 0, at a multiple of 4; returns where they begin.
+  std::size_t append_bytes(std::string_view bytes);
+
+  /// Appends bytes as append_bytes() does, and a bufferView on them; returns the bufferView's index.
   /// \param stride bytes from one element to the next, 0 when they are tightly packed
   /// \param target 34962 for vertex attributes, 34963 for indices
   std::size_t append_view(std::string_view bytes, std::size_t stride, int target);
 
   /// Appends an accessor; returns its index.
   std::size_t append_accessor(io::Json accessor);
+
+  /// Appends a vertex attribute: an accessor like `json` but over these elements, at multiples of 4 bytes; returns its index.
+  /// \param need_bounds it gets min and max, where its components have finite values; without, it gets them where `json` has
+  /// them
+  std::size_t append_attribute(io::Json json, const io::Accessor& elements, bool need_bounds);
 
   /// Appends an index list, 16-bit where the largest index allows it; returns the accessor's index.
   std::size_t append_indices(std::span<const std::uint32_t> indices);
@@ -62,8 +78,20 @@ constexpr std::uint32_t json_chunk = 0x4E4F534A, bin_chunk = 0x004E4942;
 /// glTF's numbers for the uses of a bufferView.
 constexpr int vertex_target = 34962, index_target = 34963;
 
-/// Reads the container, parses the document and loads its buffers. \throws FileError
+/// Reads the container, parses the document, loads its buffers, and undoes EXT_meshopt_compression: what is
+/// left is a document without it. \throws FileError
 GltfFile load_gltf(const std::string& path, std::string bytes);
+
+/// Decodes the bufferViews that EXT_meshopt_compression compresses, appends them to buffer 0 and takes the extension off the
+/// document, with the buffers that only stood for decoded data. Nothing is allocated beyond 64 times the bytes of the
+/// buffers: a stream holds no more. \throws FileError
+void decompress_meshopt(GltfFile& file);
+
+/// Takes an extension off one object of the document.
+void remove_extension(Json& owner, const char* name);
+
+/// Takes an extension off extensionsUsed and extensionsRequired.
+void retire_extension(GltfFile& file, const char* name);
 
 /// \param text JSON of at most 256 levels \throws FileError with the subject `file`
 Json parse_json(const std::string& file, std::string_view text);

@@ -61,14 +61,13 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
   return chunks;
 }
 
-// Extensions a file may require. All but the first change how a surface looks, not where it is.
+// Extensions a file may require. All but the first two change how a surface looks, not where it is.
 constexpr std::string_view supported_extensions[] = {
-    "KHR_mesh_quantization",  "KHR_texture_transform",
-    "KHR_texture_basisu",     "EXT_texture_webp",
-    "EXT_texture_avif",       "KHR_lights_punctual",
-    "KHR_materials_unlit",    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_ior",      "KHR_materials_clearcoat",
-    "KHR_materials_specular", "KHR_materials_transmission"};
+    "KHR_mesh_quantization",     "EXT_meshopt_compression", "KHR_texture_transform",
+    "KHR_texture_basisu",        "EXT_texture_webp",        "EXT_texture_avif",
+    "KHR_lights_punctual",       "KHR_materials_unlit",     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_ior",         "KHR_materials_clearcoat", "KHR_materials_specular",
+    "KHR_materials_transmission"};
 
 void check_version(const Place& document) {
   const Place asset = document.at("asset");
@@ -108,9 +107,12 @@ void load_buffers(GltfFile& file, std::optional<std::string> chunk) {
     const Place buffer = buffers.at(i);
     const std::uint64_t length = buffer.at("byteLength").integer(1);
     std::optional<std::string> bytes;
+    // A fallback is for readers that do not know the extension.
+    const auto meshopt = buffer.extension("EXT_meshopt_compression");
+    const bool fallback = meshopt && meshopt->has("fallback") && meshopt->at("fallback").boolean();
     if (buffer.has("uri")) {
       const Place uri = buffer.at("uri");
-      bytes = load_uri(file.path, uri.name(), uri.text());
+      if (!fallback) bytes = load_uri(file.path, uri.name(), uri.text());
     } else if (i == 0) {
       bytes = std::move(chunk);
     }
@@ -192,7 +194,23 @@ GltfFile load_gltf(const std::string& path, std::string bytes) {
   check_extensions(file.root());
   check_arrays(file.root());
   load_buffers(file, std::move(chunk));
+  decompress_meshopt(file);
   return file;
+}
+
+void remove_extension(Json& owner, const char* name) {
+  if (const auto extensions = owner.find("extensions"); extensions != owner.end()) {
+    extensions->erase(name);
+    if (extensions->empty()) owner.erase("extensions");
+  }
+}
+
+void retire_extension(GltfFile& file, const char* name) {
+  for (const char* list : {"extensionsUsed", "extensionsRequired"})
+    if (const auto found = file.json.find(list); found != file.json.end() && found->is_array()) {
+      found->erase(std::remove(found->begin(), found->end(), name), found->end());
+      if (found->empty()) file.json.erase(list);
+    }
 }
 
 }  // namespace io
@@ -205,6 +223,20 @@ io::Place GltfFile::element(const char* array, const io::Place& index) const {
                (size == 0 ? "none: there are no " + std::string(array)
                           : "0 to " + std::to_string(size - 1) + ", the " + array + " there are"));
   return root().at(array).at(number);
+}
+
+std::string_view GltfFile::view_bytes(const io::Place& view) const {
+  const io::Place buffer_index = view.at("buffer");
+  const io::Place buffer = element("buffers", buffer_index);
+  const auto& bytes = buffers[buffer_index.integer()];
+  if (!bytes) buffer.fail("has no data, permitted are a uri or, for buffer 0, the binary chunk of a GLB");
+  const std::uint64_t available = buffer.at("byteLength").integer();
+  const std::uint64_t offset = view.integer_or("byteOffset", 0);
+  const std::uint64_t length = view.at("byteLength").integer(1);
+  if (offset > available || length > available - offset)
+    view.fail("asks for " + std::to_string(length) + " bytes from byte " + std::to_string(offset) +
+              ", permitted are the " + std::to_string(available) + " bytes of " + buffer.name());
+  return std::string_view(*bytes).substr(offset, length);
 }
 
 }  // namespace darboux

@@ -91,26 +91,13 @@ std::optional<std::pair<Json, Json>> bounds(const io::Accessor& accessor) {
 /// A new accessor over the old one's elements source[0], source[1], ... Everything else of it is kept.
 std::size_t append_remapped(GltfFile& file, std::size_t old_index, const io::Accessor& old, bool need_bounds,
                             std::span<const std::uint32_t> source) {
-  const std::size_t size = old.element_bytes, stride = round_up_4(size);
+  const std::size_t size = old.element_bytes;
   io::Accessor remapped = old;
   remapped.count = source.size();
   remapped.bytes.assign(source.size() * size, '\0');
-  std::string strided(source.size() * stride, '\0');
-  for (std::size_t i = 0; i < source.size(); ++i) {
-    const char* element = old.bytes.data() + source[i] * size;
-    std::memcpy(remapped.bytes.data() + i * size, element, size);
-    std::memcpy(strided.data() + i * stride, element, size);
-  }
-  Json json = file.json["accessors"][old_index];
-  need_bounds = need_bounds || json.contains("min") || json.contains("max");
-  for (const char* key : {"byteOffset", "sparse", "min", "max"}) json.erase(key);
-  json["bufferView"] = file.append_view(strided, stride == size ? 0 : stride, io::vertex_target);
-  json["count"] = source.size();
-  if (const auto range = bounds(remapped); need_bounds && range && !old.type.starts_with("MAT")) {
-    json["min"] = range->first;
-    json["max"] = range->second;
-  }
-  return file.append_accessor(std::move(json));
+  for (std::size_t i = 0; i < source.size(); ++i)
+    std::memcpy(remapped.bytes.data() + i * size, old.bytes.data() + source[i] * size, size);
+  return file.append_attribute(file.json["accessors"][old_index], remapped, need_bounds);
 }
 
 std::string primitive_name(std::size_t mesh, std::size_t primitive) {
@@ -140,7 +127,7 @@ Json& editable_primitive(GltfFile& file, std::size_t mesh, std::size_t primitive
 
 }  // namespace
 
-std::size_t GltfFile::append_view(std::string_view bytes, std::size_t stride, int target) {
+std::size_t GltfFile::append_bytes(std::string_view bytes) {
   if (buffers.empty()) {
     json["buffers"] = Json::array({Json{{"byteLength", 0u}}});
     buffers.emplace_back(std::string());
@@ -152,6 +139,11 @@ std::size_t GltfFile::append_view(std::string_view bytes, std::size_t stride, in
   chunk.resize(offset, '\0');
   chunk += bytes;
   json["buffers"][0]["byteLength"] = chunk.size();
+  return offset;
+}
+
+std::size_t GltfFile::append_view(std::string_view bytes, std::size_t stride, int target) {
+  const std::size_t offset = append_bytes(bytes);
   Json view = {{"buffer", 0u}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
   if (stride != 0) view["byteStride"] = stride;
   view["target"] = target;
@@ -162,6 +154,26 @@ std::size_t GltfFile::append_view(std::string_view bytes, std::size_t stride, in
 std::size_t GltfFile::append_accessor(Json accessor) {
   json["accessors"].push_back(std::move(accessor));
   return json["accessors"].size() - 1;
+}
+
+std::size_t GltfFile::append_attribute(Json accessor, const io::Accessor& elements, bool need_bounds) {
+  const std::size_t size = elements.element_bytes, stride = round_up_4(size);
+  need_bounds = need_bounds || accessor.contains("min") || accessor.contains("max");
+  for (const char* key : {"byteOffset", "sparse", "min", "max"}) accessor.erase(key);
+  if (stride == size) {
+    accessor["bufferView"] = append_view(elements.bytes, 0, io::vertex_target);
+  } else {
+    std::string strided(elements.count * stride, '\0');
+    for (std::size_t i = 0; i < elements.count; ++i)
+      std::memcpy(strided.data() + i * stride, elements.bytes.data() + i * size, size);
+    accessor["bufferView"] = append_view(strided, stride, io::vertex_target);
+  }
+  accessor["count"] = elements.count;
+  if (const auto range = bounds(elements); need_bounds && range && !elements.type.starts_with("MAT")) {
+    accessor["min"] = range->first;
+    accessor["max"] = range->second;
+  }
+  return append_accessor(std::move(accessor));
 }
 
 std::size_t GltfFile::append_indices(std::span<const std::uint32_t> indices) {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -43,6 +44,12 @@ class Place {
   Place at(const char* key) const {
     if (!has(key)) fail(std::string("has no ") + key + ", permitted is one with it");
     return {*file_, *json_->find(key), name_ == "the document" ? key : name_ + "." + key};
+  }
+
+  /// The object of an extension, nothing where the value does not have it.
+  std::optional<Place> extension(const char* key) const {
+    if (!has("extensions") || !at("extensions").has(key)) return std::nullopt;
+    return at("extensions").at(key);
   }
 
   std::size_t size() const {

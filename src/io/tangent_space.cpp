@@ -17,16 +17,11 @@ constexpr Reader readers[] = {
     {"MSFT_packing_occlusionRoughnessMetallic", "normalTexture", false},
 };
 
-bool has_extension(const Place& place, const char* name) {
-  return place.has("extensions") && place.at("extensions").has(name);
-}
-
 std::uint64_t texcoord(const Place& texture) {
   constexpr std::uint64_t most_sets = 1000;
-  if (has_extension(texture, "KHR_texture_transform")) {
-    const Place transform = texture.at("extensions").at("KHR_texture_transform");
-    if (transform.has("texCoord")) return transform.at("texCoord").integer(0, most_sets);
-  }
+  if (const auto transform = texture.extension("KHR_texture_transform");
+      transform && transform->has("texCoord"))
+    return transform->at("texCoord").integer(0, most_sets);
   return texture.has("texCoord") ? texture.at("texCoord").integer(0, most_sets) : 0;
 }
 
@@ -34,12 +29,12 @@ TangentSpace of_material(const Place& material) {
   TangentSpace result;
   bool found = false;
   for (const Reader& reader : readers) {
-    if (reader.extension != nullptr && !has_extension(material, reader.extension)) continue;
-    const Place owner =
-        reader.extension == nullptr ? material : material.at("extensions").at(reader.extension);
-    const bool has_texture = owner.has(reader.texture);
+    const auto owner =
+        reader.extension == nullptr ? std::optional(material) : material.extension(reader.extension);
+    if (!owner) continue;
+    const bool has_texture = owner->has(reader.texture);
     result.needed = result.needed || has_texture || reader.without_texture;
-    if (has_texture && !found) result.texcoord = texcoord(owner.at(reader.texture));
+    if (has_texture && !found) result.texcoord = texcoord(owner->at(reader.texture));
     found = found || has_texture;
   }
   return result;
@@ -54,8 +49,8 @@ TangentSpace tangent_space(const GltfFile& file, const Place& primitive) {
       result = of_material(file.element("materials", owner.at("material")));
   };
   look_at(primitive);
-  if (has_extension(primitive, "KHR_materials_variants")) {
-    const Place mappings = primitive.at("extensions").at("KHR_materials_variants").at("mappings");
+  if (const auto variants = primitive.extension("KHR_materials_variants")) {
+    const Place mappings = variants->at("mappings");
     for (std::size_t i = 0; i < mappings.size(); ++i) look_at(mappings.at(i));
   }
   return result;

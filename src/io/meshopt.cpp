@@ -1,0 +1,158 @@
+// EXT_meshopt_compression: bufferViews whose data are streams of meshoptimizer.
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include <meshoptimizer.h>
+
+#include "gltf_file.h"
+
+namespace darboux::io {
+namespace {
+
+constexpr const char* extension = "EXT_meshopt_compression";
+
+// Bytes that one byte of a stream stands for at most. Attributes keep 2 bits of header for 16 bytes; triangles one byte for
+// three indices, 12 bytes; other indices one byte each, 4 bytes. (Appendix A of the extension)
+constexpr std::uint64_t most_expansion = 64;
+
+const unsigned char* data(std::string_view bytes) {
+  return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+
+struct Mode {
+  const char* name;
+  bool indices;
+  std::uint64_t group;  // elements come in such numbers
+  int (*decode)(void* to, std::size_t count, std::size_t stride, const unsigned char* stream,
+                std::size_t length);
+};
+constexpr std::array modes{Mode{"ATTRIBUTES", false, 1, meshopt_decodeVertexBuffer},
+                           Mode{"TRIANGLES", true, 3, meshopt_decodeIndexBuffer},
+                           Mode{"INDICES", true, 1, meshopt_decodeIndexSequence}};
+
+struct Filter {
+  const char* name;
+  std::array<std::uint64_t, 2> strides;  // those that are permitted; none: all
+  void (*decode)(void* buffer, std::size_t count, std::size_t stride);
+};
+constexpr std::array filters{Filter{"NONE", {}, nullptr},
+                             Filter{"OCTAHEDRAL", {4, 8}, meshopt_decodeFilterOct},
+                             Filter{"QUATERNION", {8, 8}, meshopt_decodeFilterQuat},
+                             Filter{"EXPONENTIAL", {}, meshopt_decodeFilterExp}};
+
+template <class Kinds>
+const auto& find_kind(const Kinds& kinds, const Place& name) {
+  std::string list;
+  for (const auto& kind : kinds) {
+    if (name.text() == kind.name) return kind;
+    list += (list.empty() ? "" : ", ") + std::string(kind.name);
+  }
+  name.fail("is " + name.shown() + ", permitted are " + list);
+}
+
+/// \param left bytes that may still be decoded, decoded ones are taken off
+std::string decode(const GltfFile& file, const Place& view, const Place& compressed, std::uint64_t& left) {
+  const Mode& mode = find_kind(modes, compressed.at("mode"));
+  const Filter& filter =
+      compressed.has("filter") ? find_kind(filters, compressed.at("filter")) : filters.front();
+  if (mode.indices && filter.decode != nullptr)
+    compressed.at("filter").fail("is " + compressed.at("filter").shown() + ", permitted with mode " +
+                                 mode.name + " is NONE");
+
+  const Place stride_place = compressed.at("byteStride");
+  const std::uint64_t stride = stride_place.integer(1, 256);
+  if (mode.indices ? stride != 2 && stride != 4 : stride % 4 != 0)
+    stride_place.fail("is " + stride_place.shown() + ", permitted with mode " + mode.name + " are " +
+                      (mode.indices ? "2 and 4" : "multiples of 4"));
+  const auto& strides = filter.strides;
+  if (strides[0] != 0 && std::find(strides.begin(), strides.end(), stride) == strides.end())
+    stride_place.fail("is " + stride_place.shown() + ", permitted with filter " + filter.name + " " +
+                      (strides[0] == strides[1] ? "is 8" : "are 4 and 8"));
+  if (view.has("byteStride") && view.at("byteStride").integer() != stride)
+    view.at("byteStride")
+        .fail("is " + view.at("byteStride").shown() + ", permitted is that of its " + extension + ", " +
+              std::to_string(stride));
+
+  const std::string_view stream = file.view_bytes(compressed);
+  const Place count_place = compressed.at("count");
+  const std::uint64_t count = count_place.integer(1);
+  if (count % mode.group != 0)
+    count_place.fail("is " + count_place.shown() + ", permitted with mode " + mode.name +
+                     " are multiples of " + std::to_string(mode.group));
+  const std::uint64_t permitted = std::min(left, most_expansion * stream.size());
+  if (count > permitted / stride)
+    count_place.fail("is " + count_place.shown() + " elements of " + std::to_string(stride) +
+                     " bytes, permitted for its stream of " + std::to_string(stream.size()) +
+                     " bytes are at most " + std::to_string(permitted) + " bytes");
+  left -= count * stride;
+  if (view.at("byteLength").integer() != count * stride)
+    view.at("byteLength")
+        .fail("is " + view.at("byteLength").shown() + ", permitted are the " + std::to_string(count) +
+              " elements of " + std::to_string(stride) + " bytes of its " + extension);
+
+  std::string bytes(count * stride, '\0');
+  if (mode.decode(bytes.data(), count, stride, data(stream), stream.size()) != 0)
+    compressed.fail("holds a stream that cannot be decoded, permitted are whole streams of mode " +
+                    std::string(mode.name) + " with " + std::to_string(count) + " elements of " +
+                    std::to_string(stride) + " bytes");
+  if (filter.decode != nullptr) filter.decode(bytes.data(), count, stride);
+  return bytes;
+}
+
+/// Takes away buffers without data that no bufferView reads, and renumbers those that stay.
+void remove_placeholders(GltfFile& file) {
+  std::vector<bool> read(file.buffers.size(), false);
+  std::vector<Json*> numbers;
+  const Place views = file.root().at("bufferViews");
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto compressed = views.at(i).extension(extension);
+    const Place buffer = (compressed ? *compressed : views.at(i)).at("buffer");
+    file.element("buffers", buffer);
+    read[buffer.integer()] = true;
+    Json& view = file.json["bufferViews"][i];
+    numbers.push_back(&(compressed ? view["extensions"][extension] : view)["buffer"]);
+  }
+  std::vector<std::size_t> renumbered;
+  std::size_t kept = 0;
+  Json& buffers = file.json["buffers"];
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    renumbered.push_back(kept);
+    if (!file.buffers[i] && !read[i]) continue;
+    if (kept != i) {
+      buffers[kept] = std::move(buffers[i]);
+      file.buffers[kept] = std::move(file.buffers[i]);
+    }
+    ++kept;
+  }
+  buffers.erase(buffers.begin() + static_cast<std::ptrdiff_t>(kept), buffers.end());
+  file.buffers.resize(kept);
+  for (Json* number : numbers) *number = renumbered[number->get<std::size_t>()];
+}
+
+}  // namespace
+
+void decompress_meshopt(GltfFile& file) {
+  const std::size_t count = file.json.contains("bufferViews") ? file.json["bufferViews"].size() : 0;
+  std::vector<std::size_t> compressed;
+  for (std::size_t i = 0; i < count; ++i)
+    if (file.root().at("bufferViews").at(i).extension(extension)) compressed.push_back(i);
+  if (!compressed.empty()) remove_placeholders(file);
+
+  std::uint64_t left = 0;
+  for (const auto& buffer : file.buffers) left += buffer ? most_expansion * buffer->size() : 0;
+  for (const std::size_t i : compressed) {
+    const Place view = file.root().at("bufferViews").at(i);
+    const std::size_t offset = file.append_bytes(decode(file, view, *view.extension(extension), left));
+    Json& json = file.json["bufferViews"][i];
+    json["buffer"] = 0u;
+    json["byteOffset"] = offset;
+    remove_extension(json, extension);
+  }
+  if (file.json.contains("buffers"))
+    for (Json& buffer : file.json["buffers"]) remove_extension(buffer, extension);
+  retire_extension(file, extension);
+}
+
+}  // namespace darboux::io
