@@ -63,8 +63,8 @@ struct Asset {
 ///
 /// glTF 2.0: every componentType, interleaved and sparse accessors, normalised integers
 /// (KHR_mesh_quantization), buffers in the GLB, in files beside it (relative URIs) or in data URIs.
-/// EXT_meshopt_compression is undone when the file is loaded, whether there are uncompressed data too or not. Draco is refused
-/// where the file requires it; where it does not, its uncompressed data is read.
+/// EXT_meshopt_compression and KHR_draco_mesh_compression are undone when the file is loaded, whether there are uncompressed
+/// data too or not.
 /// Instances are the nodes of the default scene: the one named, else the first, else all trees of nodes.
 /// Morph targets and skins are not applied.
 ///
@@ -79,9 +79,8 @@ struct GltfFile;  // the JSON document and its buffers: src/io/gltf_file.h
 
 /// A glTF or GLB file held as its JSON document and its buffers, to be rewritten with everything else
 /// preserved: only accessors, bufferViews, buffer lengths and the references of the rewritten primitives
-/// change, and KHR_draco_mesh_compression, whose data do not follow, is taken from them. What EXT_meshopt_compression
-/// compressed is decoded at once and written uncompressed. Values stay the same, doubles to the bit, and unknown properties,
-/// chunks and the order of keys are kept.
+/// change. What EXT_meshopt_compression and KHR_draco_mesh_compression compress is decoded at once and written uncompressed.
+/// Values stay the same, doubles to the bit, and unknown properties, chunks and the order of keys are kept.
 class GltfDocument {
  public:
   /// \throws FileError as read_asset does; errors in meshes and nodes are found by asset()

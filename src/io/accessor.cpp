@@ -101,8 +101,7 @@ void overlay_sparse(const GltfFile& file, const Place& sparse, Accessor& accesso
 
 }  // namespace
 
-Accessor read_accessor(const GltfFile& file, const Place& index) {
-  const Place place = file.element("accessors", index);
+Accessor accessor_layout(const Place& place) {
   const Place component_type = place.at("componentType");
   const std::size_t size = component_bytes(component_type);
   const Place type = place.at("type");
@@ -120,6 +119,12 @@ Accessor read_accessor(const GltfFile& file, const Place& index) {
   // Columns of a matrix begin at multiples of 4 bytes.
   accessor.element_bytes =
       shape->columns == 1 ? shape->rows * size : shape->columns * round_up_4(shape->rows * size);
+  return accessor;
+}
+
+Accessor read_accessor(const GltfFile& file, const Place& index) {
+  const Place place = file.element("accessors", index);
+  Accessor accessor = accessor_layout(place);
   accessor.bytes = place.has("bufferView")
                        ? read_elements(file, place, accessor.count, accessor.element_bytes)
                        : zeros(file, place, accessor.count, accessor.element_bytes);

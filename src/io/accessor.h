@@ -55,6 +55,9 @@ T raw_component(const Accessor& accessor, std::size_t element, std::size_t compo
   return value;
 }
 
+/// What an accessor states of its elements, without them. \throws FileError
+Accessor accessor_layout(const Place& accessor);
+
 /// The accessor that `index` names, checked against the bytes there are before anything is allocated. One
 /// without a bufferView is zeros, at most 1 MiB and four times the file's buffers of them: an attribute of a
 /// vertex takes at most 16 bytes, and what else a file stores of a vertex seldom less than 4. \throws

@@ -78,14 +78,19 @@ constexpr std::uint32_t json_chunk = 0x4E4F534A, bin_chunk = 0x004E4942;
 /// glTF's numbers for the uses of a bufferView.
 constexpr int vertex_target = 34962, index_target = 34963;
 
-/// Reads the container, parses the document, loads its buffers, and undoes EXT_meshopt_compression: what is
-/// left is a document without it. \throws FileError
+/// Reads the container, parses the document, loads its buffers, and undoes EXT_meshopt_compression and
+/// KHR_draco_mesh_compression: what is left is a document without them. \throws FileError
 GltfFile load_gltf(const std::string& path, std::string bytes);
 
 /// Decodes the bufferViews that EXT_meshopt_compression compresses, appends them to buffer 0 and takes the extension off the
 /// document, with the buffers that only stood for decoded data. Nothing is allocated beyond 64 times the bytes of the
 /// buffers: a stream holds no more. \throws FileError
 void decompress_meshopt(GltfFile& file);
+
+/// Decodes the primitives that KHR_draco_mesh_compression compresses into new accessors, appended to buffer 0, and takes the
+/// extension off the document. Such a primitive is a list of triangles afterwards. Decoded data are at most 2^28 bytes and
+/// 2^10 for each byte of the buffers, a triangle counted as 64 bytes. \throws FileError
+void decompress_draco(GltfFile& file);
 
 /// Takes an extension off one object of the document.
 void remove_extension(Json& owner, const char* name);

@@ -61,13 +61,15 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
   return chunks;
 }
 
-// Extensions a file may require. All but the first two change how a surface looks, not where it is.
+// Extensions a file may require. All but the first three change how a surface looks, not where it is.
 constexpr std::string_view supported_extensions[] = {
-    "KHR_mesh_quantization",     "EXT_meshopt_compression", "KHR_texture_transform",
-    "KHR_texture_basisu",        "EXT_texture_webp",        "EXT_texture_avif",
-    "KHR_lights_punctual",       "KHR_materials_unlit",     "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_ior",         "KHR_materials_clearcoat", "KHR_materials_specular",
-    "KHR_materials_transmission"};
+    "KHR_mesh_quantization",   "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression", "KHR_texture_transform",
+    "KHR_texture_basisu",      "EXT_texture_webp",
+    "EXT_texture_avif",        "KHR_lights_punctual",
+    "KHR_materials_unlit",     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_ior",       "KHR_materials_clearcoat",
+    "KHR_materials_specular",  "KHR_materials_transmission"};
 
 void check_version(const Place& document) {
   const Place asset = document.at("asset");
@@ -195,6 +197,7 @@ GltfFile load_gltf(const std::string& path, std::string bytes) {
   check_arrays(file.root());
   load_buffers(file, std::move(chunk));
   decompress_meshopt(file);
+  decompress_draco(file);
   return file;
 }
 

@@ -115,16 +115,6 @@ Place find_primitive(const GltfFile& file, std::size_t mesh, std::size_t primiti
   return root.at("meshes").at(mesh).at("primitives").at(primitive);
 }
 
-/// The primitive to be changed. Compressed copies of its old data no longer hold and are taken off it.
-Json& editable_primitive(GltfFile& file, std::size_t mesh, std::size_t primitive) {
-  Json& json = file.json["meshes"][mesh]["primitives"][primitive];
-  if (const auto extensions = json.find("extensions"); extensions != json.end() && extensions->is_object()) {
-    extensions->erase("KHR_draco_mesh_compression");
-    if (extensions->empty()) json.erase("extensions");
-  }
-  return json;
-}
-
 }  // namespace
 
 std::size_t GltfFile::append_bytes(std::string_view bytes) {
@@ -264,7 +254,7 @@ void GltfDocument::set_tangents(std::size_t mesh, std::size_t primitive,
   const std::size_t base = append(as_bytes(tangents), "VEC4");
   std::vector<std::size_t> of_targets;
   for (const auto& list : deltas) of_targets.push_back(append(as_bytes(std::span(list)), "VEC3"));
-  Json& json = editable_primitive(*file_, mesh, primitive);
+  Json& json = file_->json["meshes"][mesh]["primitives"][primitive];
   json["attributes"]["TANGENT"] = base;
   for (std::size_t i = 0; i < of_targets.size(); ++i) json["targets"][i]["TANGENT"] = of_targets[i];
 }
@@ -316,7 +306,7 @@ void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
       if (copied(key)) index = renewed.at(index.get<std::uint64_t>());
   };
   const std::size_t new_indices = file_->append_indices(indices);
-  Json& json = editable_primitive(*file_, mesh, primitive);
+  Json& json = file_->json["meshes"][mesh]["primitives"][primitive];
   renew(json["attributes"]);
   for (std::size_t i = 0; i < targets; ++i) renew(json["targets"][i]);
   json["indices"] = new_indices;

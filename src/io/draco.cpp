@@ -1,0 +1,213 @@
+// KHR_draco_mesh_compression: primitives whose triangles and attributes are a stream of Draco.
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <string>
+#include <type_traits>
+
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
+#include <draco/core/varint_decoding.h>
+
+#include "accessor.h"
+
+namespace darboux::io {
+namespace {
+
+constexpr const char* extension = "KHR_draco_mesh_compression";
+
+/// Bytes that may still be decoded. A stream's size bounds nothing: a plane grid of two million triangles takes 2330 bytes.
+class Budget {
+ public:
+  explicit Budget(const GltfFile& file) {
+    for (const auto& buffer : file.buffers) left_ += buffer ? buffer->size() << 10 : 0;
+  }
+  void take(const Place& compressed, std::uint64_t count, std::uint64_t bytes, const std::string& what) {
+    if (count > left_ / bytes)
+      compressed.fail("holds a stream of " + std::to_string(count) + what +
+                      ", permitted for a file of this size are " + std::to_string(left_) + " bytes");
+    left_ -= count * bytes;
+  }
+
+ private:
+  std::uint64_t left_ = std::uint64_t{1} << 28;
+};
+
+/// One of Draco's decoders that looks at the counts in the stream before anything is allocated by them.
+template <class Decoder>
+class BoundedDecoder final : public Decoder {
+ public:
+  BoundedDecoder(const Place& compressed, Budget& budget) : compressed_(compressed), budget_(budget) {}
+
+ protected:
+  bool DecodeConnectivity() override {
+    // Edgebreaker states vertices and faces; the other faces and points. Vertices and points are at most three a face, which
+    // Draco checks.
+    draco::DecoderBuffer ahead = *this->buffer();
+    std::uint32_t first = 0, second = 0;
+    if (!DecodeVarint(&first, &ahead) || !DecodeVarint(&second, &ahead)) return false;
+    constexpr bool vertices_first = std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>;
+    constexpr std::uint64_t face_bytes = 64;  // of indices, neighbours and what it takes to find them
+    budget_.take(compressed_, vertices_first ? second : first, face_bytes, " triangles of 64 bytes");
+    return Decoder::DecodeConnectivity();
+  }
+  bool DecodeAllAttributes() override {
+    std::uint64_t bytes = 1;
+    for (int i = 0; i < this->mesh()->num_attributes(); ++i) {
+      const draco::PointAttribute& attribute = *this->mesh()->attribute(i);
+      const int size = std::max(draco::DataTypeLength(attribute.data_type()), 4);  // Draco works in 32 bits
+      bytes += attribute.num_components() * static_cast<std::uint64_t>(size);
+    }
+    budget_.take(compressed_, this->mesh()->num_points(), bytes,
+                 " vertices of " + std::to_string(bytes) + " bytes");
+    return Decoder::DecodeAllAttributes();
+  }
+
+ private:
+  const Place& compressed_;
+  Budget& budget_;
+};
+
+/// \param compressed the extension's object
+void decode(std::string_view stream, const Place& compressed, Budget& budget, draco::Mesh& mesh) {
+  const auto refuse = [&](const std::string& why) {
+    compressed.fail("holds a stream that cannot be decoded (" + why + "), permitted is a mesh of Draco 2.2");
+  };
+  draco::DecoderBuffer buffer, header_buffer;
+  buffer.Init(stream.data(), stream.size());
+  header_buffer.Init(stream.data(), stream.size());
+  draco::DracoHeader header;
+  if (!draco::PointCloudDecoder::DecodeHeader(&header_buffer, &header).ok())
+    refuse("it has no header of Draco");
+  if (header.version_major != 2 || header.version_minor != 2)
+    refuse("it is of version " + std::to_string(header.version_major) + "." +
+           std::to_string(header.version_minor));
+  if (header.encoder_type != draco::TRIANGULAR_MESH) refuse("it is no mesh");
+  const draco::DecoderOptions options;
+  const auto run = [&](auto&& decoder) {
+    if (const draco::Status status = decoder.Decode(options, &buffer, &mesh); !status.ok())
+      refuse(in_quotes(status.error_msg()));
+  };
+  try {
+    if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
+      run(BoundedDecoder<draco::MeshEdgebreakerDecoder>(compressed, budget));
+    else if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING)
+      run(BoundedDecoder<draco::MeshSequentialDecoder>(compressed, budget));
+    else
+      refuse("its method is " + std::to_string(header.encoder_method));
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {  // a container of Draco's that was asked for too much
+    refuse(in_quotes(error.what()));
+  }
+}
+
+/// The values of an attribute as the accessor states them, one for each point.
+void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute, const Place& index,
+                 Accessor& values) {
+  if (attribute.num_components() != values.components)
+    index.fail("names an accessor of type " + values.type + ", permitted are the " +
+               std::to_string(attribute.num_components()) + " components of its " + extension);
+  values.bytes.resize(values.count * values.element_bytes);
+  with_component(values.component_type, [&](auto zero) {
+    using T = decltype(zero);
+    std::array<T, 16> element{};
+    for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
+      const draco::AttributeValueIndex at = attribute.mapped_index(draco::PointIndex(i));
+      if (at.value() >= attribute.size() ||
+          !attribute.ConvertValue(at, static_cast<std::int8_t>(values.components), element.data()))
+        index.fail("leads to a value of vertex " + std::to_string(i) + " in its " + extension +
+                   " that is missing or beyond the accessor's componentType, permitted are values within it");
+      std::memcpy(values.bytes.data() + i * values.element_bytes, element.data(),
+                  values.components * sizeof(T));
+    }
+  });
+}
+
+std::vector<std::uint32_t> corners_of(const draco::Mesh& mesh, const Place& compressed) {
+  std::vector<std::uint32_t> corners;
+  corners.reserve(std::size_t{3} * mesh.num_faces());
+  for (std::uint32_t i = 0; i < mesh.num_faces(); ++i)
+    for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(i))) {
+      if (corner.value() >= mesh.num_points())
+        compressed.fail("holds a triangle with vertex " + std::to_string(corner.value()) +
+                        ", permitted are 0 to " + std::to_string(mesh.num_points()) + " exclusive");
+      corners.push_back(corner.value());
+    }
+  if (corners.empty()) compressed.fail("holds no triangles, permitted is at least one");
+  return corners;
+}
+
+void expect_count(const Place& index, std::uint64_t stated, std::uint64_t decoded) {
+  if (stated != decoded)
+    index.fail("names an accessor of " + std::to_string(stated) + " elements, permitted are the " +
+               std::to_string(decoded) + " of its " + extension);
+}
+
+void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_index, Budget& budget) {
+  struct Renewed {
+    std::string name;
+    std::size_t old_accessor;
+    Accessor values;
+  };
+  std::vector<Renewed> attributes;
+  std::vector<std::uint32_t> corners;
+  {  // places refer to the document, and end before it is changed
+    const Place primitive = file.root().at("meshes").at(mesh_index).at("primitives").at(primitive_index);
+    const auto found = primitive.extension(extension);
+    if (!found) return;
+    const std::uint64_t mode = primitive.has("mode") ? primitive.at("mode").integer() : triangles;
+    if (mode != triangles && mode != triangle_strip)
+      primitive.at("mode").fail("is " + std::to_string(mode) + ", permitted with " + extension +
+                                " are 4 and 5");
+
+    draco::Mesh mesh;
+    decode(file.view_bytes(file.element("bufferViews", found->at("bufferView"))), *found, budget, mesh);
+    corners = corners_of(mesh, *found);
+    // The triangles of a strip are a list in the stream.
+    if (primitive.has("indices") && mode == triangles)
+      expect_count(primitive.at("indices"),
+                   accessor_layout(file.element("accessors", primitive.at("indices"))).count, corners.size());
+
+    const Place ids = found->at("attributes");
+    const Place all = primitive.at("attributes");
+    for (const auto& [name, number] : all.json().items()) {
+      if (!ids.has(name.c_str())) continue;
+      const Place id = ids.at(name.c_str()), index = all.at(name.c_str());
+      const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(
+          static_cast<std::uint32_t>(id.integer(0, std::numeric_limits<std::uint32_t>::max())));
+      if (attribute == nullptr) {
+        std::string list;
+        for (int i = 0; i < mesh.num_attributes(); ++i)
+          list += (i == 0 ? "" : ", ") + std::to_string(mesh.attribute(i)->unique_id());
+        id.fail("is " + id.shown() + ", permitted are those of the stream: " + in_quotes(list));
+      }
+      Accessor values = accessor_layout(file.element("accessors", index));
+      expect_count(index, values.count, mesh.num_points());
+      read_values(mesh, *attribute, index, values);
+      attributes.push_back({name, index.integer(), std::move(values)});
+    }
+  }
+  Json& primitive = file.json["meshes"][mesh_index]["primitives"][primitive_index];
+  for (const Renewed& a : attributes)
+    primitive["attributes"][a.name] =
+        file.append_attribute(file.json["accessors"][a.old_accessor], a.values, a.name == "POSITION");
+  primitive["indices"] = file.append_indices(corners);
+  if (primitive.contains("mode")) primitive["mode"] = triangles;
+  remove_extension(primitive, extension);
+}
+
+}  // namespace
+
+void decompress_draco(GltfFile& file) {
+  Budget budget(file);
+  const std::size_t meshes = file.root().has("meshes") ? file.root().at("meshes").size() : 0;
+  for (std::size_t m = 0; m < meshes; ++m) {
+    const Place mesh = file.root().at("meshes").at(m);
+    const std::size_t primitives = mesh.has("primitives") ? mesh.at("primitives").size() : 0;
+    for (std::size_t p = 0; p < primitives; ++p) decompress(file, m, p, budget);
+  }
+  retire_extension(file, extension);
+}
+
+}  // namespace darboux::io
