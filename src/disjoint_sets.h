@@ -21,6 +21,11 @@ class DisjointSets {
     if (a > b) std::swap(a, b);
     parent_[b] = a;
   }
+  // Of each member, once all are joined. A parent is no greater than its child.
+  std::vector<std::uint32_t> representatives() {
+    for (std::uint32_t& parent : parent_) parent = parent_[parent];
+    return std::move(parent_);
+  }
 
  private:
   std::vector<std::uint32_t> parent_;

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <span>
+#include <tuple>
 
-#include <Eigen/Geometry>
-
-#include <darboux/frame.h>
 #include <darboux/mesh_classes.h>
 #include <darboux/mesh_frames.h>
 #include <darboux/weld.h>
@@ -16,64 +16,188 @@ namespace {
 
 constexpr double same = 1e-6;  // of the range
 
-// Numbers the distinct keys within each group of vertices. `group[v]` is a representative vertex.
-// Vertices of one group with keys closer than `tolerance` (to the first of their cluster) get one number. A
-// group with more than `most` distinct keys (the fan of a pole) lumps the rest together: callers ask only
-// "one or several".
-template <class Near>
-std::vector<std::uint32_t> cluster(const std::vector<std::uint32_t>& group, Near near) {
-  constexpr std::size_t most = 64;
-  std::vector<std::uint32_t> order(group.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return group[a] < group[b]; });
-  std::vector<std::uint32_t> first_of_cluster(group.size());
-  for (std::size_t begin = 0; begin < order.size();) {
-    std::vector<std::uint32_t> representatives;
-    std::size_t end = begin;
-    for (; end < order.size() && group[order[end]] == group[order[begin]]; ++end) {
-      const std::uint32_t v = order[end];
-      auto found = std::find_if(representatives.begin(), representatives.end(),
-                                [&](std::uint32_t r) { return near(r, v); });
-      if (found == representatives.end()) {
-        if (representatives.size() < most) representatives.push_back(v);
-        found = std::prev(representatives.end());
-      }
-      first_of_cluster[v] = *found;
-    }
-    begin = end;
-  }
-  return first_of_cluster;
-}
+// For each vertex the first of those that count as the same.
+using First = std::vector<std::uint32_t>;
 
-// An edge between two welded places, with the triangle it belongs to.
-struct Edge {
-  std::uint64_t key;
-  std::uint32_t triangle;
+struct Range {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  void extend(double x) {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
+  double size() const { return std::max(high - low, 0.0); }
 };
 
-template <class Id>
-std::vector<Edge> sorted_edges(const Mesh& mesh, Id id) {
-  std::vector<Edge> edges;
-  edges.reserve(mesh.corners());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const std::uint64_t a = id(mesh.triangles[t][k]), b = id(mesh.triangles[t][(k + 1) % 3]);
-      if (a != b) edges.push_back({std::min(a, b) << 32 | std::max(a, b), t});
-    }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-    return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
-  });
-  return edges;
+struct Tolerances {
+  double position, uv;
+};
+
+// Shares of the range over vertices that triangles use and whose data are finite.
+Tolerances tolerances(const Mesh& mesh, const std::vector<bool>& in_use) {
+  Range x, y, z, u, v;
+  for (std::size_t i = 0; i < in_use.size(); ++i) {
+    const Vec3<double>& p = mesh.positions[i];
+    if (!in_use[i] || !detail::finite(p)) continue;
+    x.extend(p.x), y.extend(p.y), z.extend(p.z);
+    if (mesh.uvs.empty() || !std::isfinite(mesh.uvs[i].x) || !std::isfinite(mesh.uvs[i].y)) continue;
+    u.extend(mesh.uvs[i].x), v.extend(mesh.uvs[i].y);
+  }
+  return {same * norm(Vec3<double>{x.size(), y.size(), z.size()}), same * std::max(u.size(), v.size())};
 }
 
-// Calls f(begin, end) for each run of edges between the same two places.
-template <class F>
-void for_each_edge(const std::vector<Edge>& edges, F f) {
-  for (std::size_t begin = 0; begin < edges.size();) {
-    std::size_t end = begin + 1;
-    while (end < edges.size() && edges[end].key == edges[begin].key) ++end;
-    f(begin, end);
-    begin = end;
+// By position. Vertices that no triangle uses stand alone: weld leaves NaN by itself.
+First places(const Mesh& mesh, const std::vector<bool>& in_use, double tolerance) {
+  if (std::find(in_use.begin(), in_use.end(), false) == in_use.end()) return weld(mesh.positions, tolerance);
+  std::vector<Vec3<double>> points = mesh.positions;
+  for (std::size_t v = 0; v < points.size(); ++v)
+    if (!in_use[v]) points[v] = detail::nan_vector<double>();
+  return weld(points, tolerance);
+}
+
+// By place and normal. A place with more than `most` normals (the fan of a pole) lumps the rest together: the
+// question is only "one or several".
+First normals(const Mesh& mesh, const First& place) {
+  if (mesh.normals.empty()) return place;
+  constexpr int most = 64;
+  constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  const auto near = [&](std::uint32_t a, std::uint32_t b) {
+    const Vec3<double> d = mesh.normals[a] - mesh.normals[b];
+    return std::fabs(d.x) <= 2 * same && std::fabs(d.y) <= 2 * same && std::fabs(d.z) <= 2 * same;
+  };
+  First normal = place;
+  std::vector<std::uint32_t> next(place.size(), none);  // the first vertex of the place's next normal
+  for (std::uint32_t v = 0; v < place.size(); ++v) {
+    std::uint32_t& first = normal[v];
+    for (int count = 1; first != v && !near(first, v); ++count) {
+      if (next[first] == none && count < most) next[first] = v;
+      if (next[first] == none) break;
+      first = next[first];
+    }
+  }
+  return normal;
+}
+
+// By place and uv.
+First uv_places(const Mesh& mesh, const First& place, double tolerance) {
+  if (mesh.uvs.empty()) return place;
+  // At nearly all places there is one uv only.
+  std::vector<bool> one(place.size(), true);
+  for (std::uint32_t v = 0; v < place.size(); ++v)
+    if (mesh.uvs[v] != mesh.uvs[place[v]]) one[place[v]] = false;
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < place.size(); ++v)
+    if (!one[place[v]]) vertices.push_back(v);
+  // The place as a third coordinate that sets places further apart than the tolerance.
+  const double apart = std::max(1.0, 4 * tolerance);
+  std::vector<Vec3<double>> points(vertices.size());
+  std::transform(vertices.begin(), vertices.end(), points.begin(), [&](std::uint32_t v) {
+    return Vec3<double>{place[v] * apart, mesh.uvs[v].x, mesh.uvs[v].y};
+  });
+  const std::vector<std::uint32_t> first = weld(points, tolerance);
+  First uv_place = place;
+  for (std::size_t i = 0; i < vertices.size(); ++i) uv_place[vertices[i]] = vertices[first[i]];
+  return uv_place;
+}
+
+// The sign of a triangle's area in uv; 0: it has none.
+std::vector<std::int8_t> signs_of_triangles(const Mesh& mesh) {
+  std::vector<std::int8_t> signs(mesh.triangles.size(), 0);
+  if (mesh.uvs.empty()) return signs;
+  for (std::size_t t = 0; t < signs.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    if (!is_degenerate(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]))
+      signs[t] = signed_uv_area2(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]) > 0 ? 1 : -1;
+  }
+  return signs;
+}
+
+// The same around each vertex: +1, -1, or 0 where no triangle has any. A vertex shared by both signs counts as +1;
+// its defect is found by the handedness of its island.
+std::vector<std::int8_t> signs_of_vertices(const Mesh& mesh, const std::vector<std::int8_t>& triangle_sign) {
+  std::vector<std::int8_t> signs(mesh.positions.size(), 0);
+  for (std::size_t t = 0; t < triangle_sign.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (triangle_sign[t] != 0 && signs[v] != 1) signs[v] = triangle_sign[t];
+  return signs;
+}
+
+// Each vertex that is one, unless it is a pole; the others are interior.
+std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
+                                           const std::vector<std::int8_t>& triangle_sign,
+                                           double uv_tolerance) {
+  const std::vector<std::int8_t> sign = signs_of_vertices(mesh, triangle_sign);
+  const auto same_chart = [&](std::uint32_t a, std::uint32_t b) {
+    return mesh.uvs.empty() ||
+           (std::fabs(mesh.uvs[a].x - mesh.uvs[b].x) <= uv_tolerance &&
+            std::fabs(mesh.uvs[a].y - mesh.uvs[b].y) <= uv_tolerance && sign[a] * sign[b] >= 0);
+  };
+  const First normal = normals(mesh, place);
+  std::vector<bool> several_normals(place.size(), false), several_charts(place.size(), false);
+  for (std::uint32_t v = 0; v < place.size(); ++v) {
+    if (normal[v] != place[v]) several_normals[place[v]] = true;
+    if (normal[v] != v && !same_chart(normal[v], v)) several_charts[normal[v]] = true;
+  }
+  std::vector<VertexClass> classes(place.size(), VertexClass::interior);
+  for (std::uint32_t v = 0; v < place.size(); ++v)
+    if (several_charts[normal[v]])
+      classes[v] = VertexClass::seam;
+    else if (several_normals[place[v]])
+      classes[v] = VertexClass::crease;
+  return classes;
+}
+
+// The edges of triangles, sorted by the smaller of the two places they join. Edge 3t + k runs from vertex k of
+// triangle t to its next.
+class EdgesByPlace {
+ public:
+  EdgesByPlace(const Mesh& mesh, const First& place) : begin_(place.size() + 1, 0), edges_(mesh.corners()) {
+    const auto for_each = [&](auto f) {
+      std::uint32_t edge = 0;
+      for (const Triangle& triangle : mesh.triangles) {
+        const std::uint32_t a = place[triangle[0]], b = place[triangle[1]], c = place[triangle[2]];
+        for (const std::uint32_t smaller : {std::min(a, b), std::min(b, c), std::min(c, a)})
+          f(smaller, edge++);
+      }
+    };
+    for_each([&](std::uint32_t smaller, std::uint32_t) { ++begin_[smaller]; });
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    for_each([&](std::uint32_t smaller, std::uint32_t edge) { edges_[--begin_[smaller]] = edge; });
+  }
+  std::span<const std::uint32_t> operator[](std::uint32_t place) const {
+    return {edges_.data() + begin_[place], edges_.data() + begin_[place + 1]};
+  }
+
+ private:
+  std::vector<std::uint32_t> begin_, edges_;
+};
+
+// Marks the places on edges with one triangle, and joins triangles of one sign over edges that share position and uv.
+void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
+                const std::vector<std::int8_t>& sign, std::vector<bool>& border, DisjointSets& islands) {
+  struct Edge {
+    std::uint32_t greater, uv_low, uv_high;
+    std::int8_t sign;
+    std::uint32_t triangle;
+    auto key() const { return std::tie(greater, uv_low, uv_high, sign); }
+  };
+  const EdgesByPlace by_place(mesh, place);
+  std::vector<Edge> edges;
+  for (std::uint32_t smaller = 0; smaller < place.size(); ++smaller) {
+    edges.clear();
+    for (const std::uint32_t edge : by_place[smaller]) {
+      const std::uint32_t t = edge / 3, v = mesh.triangles[t][edge % 3],
+                          w = mesh.triangles[t][(edge + 1) % 3];
+      const auto [low, high] = std::minmax(uv_place[v], uv_place[w]);
+      if (low != high) edges.push_back({std::max(place[v], place[w]), low, high, sign[t], t});
+    }
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.key() < b.key(); });
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      const Edge& edge = edges[i];
+      const auto shared = [&](std::size_t j) { return j < edges.size() && edges[j].greater == edge.greater; };
+      if (edge.greater != smaller && !shared(i - 1) && !shared(i + 1))
+        border[smaller] = border[edge.greater] = true;
+      if (i > 0 && edges[i - 1].key() == edge.key()) islands.join(edges[i - 1].triangle, edge.triangle);
+    }
   }
 }
 
@@ -81,98 +205,35 @@ void for_each_edge(const std::vector<Edge>& edges, F f) {
 
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
   const std::size_t n = mesh.positions.size();
-  std::vector<bool> referenced(n, false);
+  std::vector<bool> in_use(n, false);
   for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle) referenced[v] = true;
-  // What counts as the same is a share of the range over vertices that triangles use and whose data are finite. The
-  // others stand alone: weld leaves NaN by itself.
-  Eigen::AlignedBox3d box;
-  Eigen::AlignedBox2d uv_box;
-  std::vector<Vec3<double>> points(n, detail::nan_vector<double>());
-  for (std::uint32_t v = 0; v < n; ++v) {
-    if (!referenced[v] || !detail::finite(mesh.positions[v])) continue;
-    points[v] = mesh.positions[v];
-    box.extend(to_eigen(points[v]));
-    if (!mesh.uvs.empty() && std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y))
-      uv_box.extend(Eigen::Vector2d(mesh.uvs[v].x, mesh.uvs[v].y));
-  }
-  const double tolerance = box.isEmpty() ? 0 : same * box.diagonal().norm();
-  const double uv_tolerance = uv_box.isEmpty() ? 0 : same * uv_box.sizes().maxCoeff();
-  const std::vector<std::uint32_t> place = weld(points, tolerance);
+    for (const std::uint32_t v : triangle) in_use[v] = true;
+  const Tolerances tolerance = tolerances(mesh, in_use);
+  const First place = places(mesh, in_use, tolerance.position);
+  const std::vector<std::int8_t> sign = signs_of_triangles(mesh);
 
-  // The sign of uv area around each vertex: +1, -1, or 0 where no triangle has any. A vertex shared by both
-  // signs counts as +1; its defect is found by the handedness of its island.
-  std::vector<int> triangle_sign(mesh.triangles.size(), 0), vertex_sign(n, 0);
-  if (!mesh.uvs.empty())
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const auto& [a, b, c] = mesh.triangles[t];
-      if (is_degenerate(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c])) continue;
-      triangle_sign[t] = signed_uv_area2(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]) > 0 ? 1 : -1;
-      for (const std::uint32_t v : {a, b, c})
-        if (vertex_sign[v] != 1) vertex_sign[v] = triangle_sign[t];
-    }
-
-  const auto same_uv = [&](std::uint32_t a, std::uint32_t b) {
-    return mesh.uvs.empty() || (std::fabs(mesh.uvs[a].x - mesh.uvs[b].x) <= uv_tolerance &&
-                                std::fabs(mesh.uvs[a].y - mesh.uvs[b].y) <= uv_tolerance);
-  };
-  const auto same_normal = [&](std::uint32_t a, std::uint32_t b) {
-    if (mesh.normals.empty()) return true;
-    const Vec3<double> d = mesh.normals[a] - mesh.normals[b];
-    return std::fabs(d.x) <= 2 * same && std::fabs(d.y) <= 2 * same && std::fabs(d.z) <= 2 * same;
-  };
-
-  const auto normal_cluster = cluster(place, same_normal);
-  const auto chart_cluster = cluster(normal_cluster, [&](std::uint32_t a, std::uint32_t b) {
-    return same_uv(a, b) && (vertex_sign[a] == vertex_sign[b] || vertex_sign[a] == 0 || vertex_sign[b] == 0);
-  });
-  std::vector<bool> several_charts(n, false), several_normals(n, false), ring(n, false), border(n, false);
-  for (std::uint32_t v = 0; v < n; ++v) {
-    if (chart_cluster[v] != chart_cluster[normal_cluster[v]]) several_charts[normal_cluster[v]] = true;
-    if (normal_cluster[v] != normal_cluster[place[v]]) several_normals[place[v]] = true;
-  }
+  MeshClasses classes;
+  classes.of_vertex = seams_and_creases(mesh, place, sign, tolerance.uv);
+  std::vector<bool> ring(n, false), border(n, false);
   const auto pole = [&](std::uint32_t v) { return !is_pole.empty() && is_pole[v]; };
   for (const Triangle& triangle : mesh.triangles)
     if (pole(triangle[0]) || pole(triangle[1]) || pole(triangle[2]))
       for (const std::uint32_t v : triangle) ring[place[v]] = true;
-  const auto edges = sorted_edges(mesh, [&](std::uint32_t v) { return place[v]; });
-  for_each_edge(edges, [&](std::size_t begin, std::size_t end) {
-    if (end - begin == 1) border[edges[begin].key >> 32] = border[edges[begin].key & 0xffffffffu] = true;
-  });
-
-  MeshClasses classes;
-  classes.of_vertex.resize(n);
-  for (std::uint32_t v = 0; v < n; ++v)
-    classes.of_vertex[v] = pole(v)                             ? VertexClass::pole
-                           : several_charts[normal_cluster[v]] ? VertexClass::seam
-                           : several_normals[place[v]]         ? VertexClass::crease
-                           : ring[place[v]]                    ? VertexClass::pole_ring
-                           : border[place[v]]                  ? VertexClass::border
-                                                               : VertexClass::interior;
-
-  // Places told apart by uv as well: a third coordinate that sets places further apart than the tolerance.
-  const double apart = std::fmax(1, 4 * uv_tolerance);
-  for (std::uint32_t v = 0; v < n; ++v)
-    points[v] = mesh.uvs.empty() ? Vec3<double>{place[v] * apart, 0, 0}
-                                 : Vec3<double>{place[v] * apart, mesh.uvs[v].x, mesh.uvs[v].y};
-  const std::vector<std::uint32_t> uv_place = weld(points, uv_tolerance);
   DisjointSets islands(mesh.triangles.size());
-  const auto uv_edges = sorted_edges(mesh, [&](std::uint32_t v) { return uv_place[v]; });
-  for_each_edge(uv_edges, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t j = i + 1; j < end; ++j) {
-        if (triangle_sign[uv_edges[i].triangle] != triangle_sign[uv_edges[j].triangle]) continue;
-        islands.join(uv_edges[i].triangle, uv_edges[j].triangle);
-        break;  // the rest of the run is joined through j
-      }
-  });
+  walk_edges(mesh, place, uv_places(mesh, place, tolerance.uv), sign, border, islands);
+  for (std::uint32_t v = 0; v < n; ++v) {
+    VertexClass& of_vertex = classes.of_vertex[v];
+    of_vertex = pole(v)                              ? VertexClass::pole
+                : of_vertex != VertexClass::interior ? of_vertex
+                : ring[place[v]]                     ? VertexClass::pole_ring
+                : border[place[v]]                   ? VertexClass::border
+                                                     : VertexClass::interior;
+  }
   classes.island_of_triangle.assign(mesh.triangles.size(), -1);
-  std::vector<std::int32_t> number(mesh.triangles.size(), -1);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (triangle_sign[t] == 0) continue;
-    std::int32_t& island = number[islands.find(t)];
-    if (island < 0) island = classes.islands++;
-    classes.island_of_triangle[t] = island;
+    if (sign[t] == 0) continue;
+    const std::uint32_t first = islands.find(t);
+    classes.island_of_triangle[t] = first == t ? classes.islands++ : classes.island_of_triangle[first];
   }
   return classes;
 }

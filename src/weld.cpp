@@ -1,7 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
-#include <unordered_map>
+#include <limits>
+#include <utility>
 
 #include <darboux/weld.h>
 
@@ -10,71 +11,90 @@
 namespace darboux {
 namespace {
 
-struct Cell {
-  std::int64_t x, y, z;
-  friend bool operator==(const Cell&, const Cell&) = default;
-};
+std::uint32_t hash_of_cell(std::int64_t x, std::int64_t y, std::int64_t z) {
+  const std::uint64_t sum = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15 +
+                            static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4f +
+                            static_cast<std::uint64_t>(z) * 0x165667b19e3779f9;
+  return static_cast<std::uint32_t>((sum ^ sum >> 32) * 0xd6e8feb86659fd93 >> 32);
+}
 
-struct CellHash {
-  std::size_t operator()(const Cell& c) const {
-    std::uint64_t h = 0;
-    for (const std::int64_t k : {c.x, c.y, c.z}) {
-      h = (h ^ static_cast<std::uint64_t>(k)) * 0x9e3779b97f4a7c15ull;
-      h ^= h >> 29;
-    }
-    return h;
+// Points by hash. A point stands at the slot that the upper bits of its hash name or, where that is taken, at the next
+// free one.
+class HashTable {
+ public:
+  // Asks points of this hash for f(point) until one says yes. Says whether one does.
+  template <class F>
+  bool any_of(std::uint32_t hash, F f) const {
+    for (std::size_t i = hash >> shift_; slots_[i].point != free; i = next(i))
+      if (slots_[i].hash == hash && f(slots_[i].point)) return true;
+    return false;
   }
+  void insert(std::uint32_t hash, std::uint32_t point) {
+    if (4 * ++size_ > 3 * slots_.size() && shift_ > 0) {
+      --shift_;
+      for (const Slot& slot : std::exchange(slots_, std::vector<Slot>(2 * slots_.size())))
+        if (slot.point != free) place(slot);
+    }
+    place({hash, point});
+  }
+
+ private:
+  static constexpr std::uint32_t free = std::numeric_limits<std::uint32_t>::max();
+  struct Slot {
+    std::uint32_t hash = 0, point = free;
+  };
+  std::size_t next(std::size_t i) const { return (i + 1) & (slots_.size() - 1); }
+  void place(const Slot& slot) {
+    std::size_t i = slot.hash >> shift_;
+    while (slots_[i].point != free) i = next(i);
+    slots_[i] = slot;
+  }
+
+  int shift_ = 24;  // 2^(32 - shift_) slots
+  std::vector<Slot> slots_ = std::vector<Slot>(1 << 8);
+  std::size_t size_ = 0;
 };
 
 }  // namespace
 
 std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tolerance) {
   if (!std::isfinite(tolerance)) tolerance = 0;
+  double largest = 0;
+  for (const auto& p : points)
+    if (detail::finite(p)) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  // Cells of 16 tolerances: a point is near a cell's face, and its neighbour must be looked at, in one case of
+  // eight. Never finer than 2^-60 of the largest coordinate, so that cell numbers fit 64 bits.
+  const double size = std::max({16 * tolerance, largest * 0x1p-60, std::numeric_limits<double>::min()});
+  const auto cell = [inverse = 1 / size](double x) { return static_cast<std::int64_t>(x * inverse); };
+  const auto first_cell = [&](double x) { return cell(std::max(x - tolerance, -largest)); };
+  const auto last_cell = [&](double x) { return cell(std::min(x + tolerance, largest)); };
+
   DisjointSets groups(points.size());
-  Vec3<double> low{}, high{};
-  bool first = true;
-  for (const auto& p : points) {
-    if (!detail::finite(p)) continue;
-    if (first) low = high = p;
-    first = false;
-    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
-  }
-  // Cells of eight tolerances: a point is near a cell's face, and its neighbour must be looked at, in one
-  // case of four. Never finer than 2^-60 of the extent, so that cell numbers fit 64 bits.
-  const double extent = std::fmax(high.x - low.x, std::fmax(high.y - low.y, high.z - low.z));
-  const double size =
-      std::fmax(8 * tolerance, std::fmax(extent * 0x1p-60, std::numeric_limits<double>::min()));
-  // Within a cell only points of different places are kept: duplicates join the one that is there.
-  std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> cells;
-  cells.reserve(points.size());
-  const auto near = [&](const Vec3<double>& a, const Vec3<double>& b) {
-    return std::fabs(a.x - b.x) <= tolerance && std::fabs(a.y - b.y) <= tolerance &&
-           std::fabs(a.z - b.z) <= tolerance;
-  };
-  const auto number = [&](double x, double origin) {
-    return static_cast<std::int64_t>(std::floor((x - origin) / size));
-  };
+  HashTable distinct;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const Vec3<double>& p = points[i];
     if (!detail::finite(p)) continue;
-    bool exact_duplicate = false;
-    for (std::int64_t x = number(p.x - tolerance, low.x); x <= number(p.x + tolerance, low.x); ++x)
-      for (std::int64_t y = number(p.y - tolerance, low.y); y <= number(p.y + tolerance, low.y); ++y)
-        for (std::int64_t z = number(p.z - tolerance, low.z); z <= number(p.z + tolerance, low.z); ++z) {
-          const auto cell = cells.find({x, y, z});
-          if (cell == cells.end()) continue;
-          for (const std::uint32_t j : cell->second) {
-            if (!near(p, points[j])) continue;
-            groups.join(i, j);
-            exact_duplicate = exact_duplicate || p == points[j];
-          }
-        }
-    if (!exact_duplicate) cells[{number(p.x, low.x), number(p.y, low.y), number(p.z, low.z)}].push_back(i);
+    const std::uint32_t hash = hash_of_cell(cell(p.x), cell(p.y), cell(p.z));
+    const auto joins_its_equal = [&](std::uint32_t j) {
+      if (!(p == points[j])) return false;
+      groups.join(i, j);
+      return true;
+    };
+    if (distinct.any_of(hash, joins_its_equal)) continue;
+    const auto join_if_near = [&](std::uint32_t j) {
+      const Vec3<double> d = p - points[j];
+      if (std::fabs(d.x) <= tolerance && std::fabs(d.y) <= tolerance && std::fabs(d.z) <= tolerance)
+        groups.join(i, j);
+      return false;  // there may be more
+    };
+    const std::int64_t x_end = last_cell(p.x), y_end = last_cell(p.y), z_end = last_cell(p.z);
+    for (std::int64_t x = first_cell(p.x); x <= x_end; ++x)
+      for (std::int64_t y = first_cell(p.y); y <= y_end; ++y)
+        for (std::int64_t z = first_cell(p.z); z <= z_end; ++z)
+          distinct.any_of(hash_of_cell(x, y, z), join_if_near);
+    distinct.insert(hash, i);
   }
-  std::vector<std::uint32_t> representative(points.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i) representative[i] = groups.find(i);
-  return representative;
+  return groups.representatives();
 }
 
 }  // namespace darboux

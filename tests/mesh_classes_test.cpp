@@ -1,10 +1,17 @@
+#include <algorithm>
 #include <array>
+#include <limits>
+#include <map>
+#include <numeric>
 #include <random>
+#include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include <darboux/catalogue.h>
 #include <darboux/mesh_classes.h>
+#include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
 #include <darboux/weld.h>
 
@@ -20,30 +27,70 @@ TEST(Weld, GroupsWhatIsWithinTheTolerance) {
   EXPECT_TRUE(weld({}, 1).empty());
 }
 
-// Against every pair, on random points with near-duplicates on both sides of cell borders.
-TEST(Weld, EqualsTheQuadraticSearch) {
-  std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  constexpr double tolerance = 1e-3;
-  std::vector<Vec3<double>> points;
-  for (int i = 0; i < 300; ++i) {
-    const Vec3<double> p{uniform(random), uniform(random), 0};
-    points.push_back(p);
-    points.push_back({p.x + 0.9 * tolerance * uniform(random), p.y + 0.9 * tolerance * uniform(random), 0});
-  }
-  std::vector<std::uint32_t> expected(points.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i) expected[i] = i;
+// The least member of each set of points joined by chains of `near` pairs.
+template <class Near>
+std::vector<std::uint32_t> chains(std::size_t n, Near near) {
+  std::vector<std::uint32_t> first(n);
+  std::iota(first.begin(), first.end(), 0u);
   for (bool changed = true; changed;) {
     changed = false;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      for (std::size_t j = 0; j < points.size(); ++j) {
-        const Vec3<double> d = points[i] - points[j];
-        if (std::fabs(d.x) > tolerance || std::fabs(d.y) > tolerance || expected[j] >= expected[i]) continue;
-        expected[i] = expected[j];
-        changed = true;
-      }
+    for (std::uint32_t i = 0; i < n; ++i)
+      for (std::uint32_t j = 0; j < n; ++j)
+        if (first[j] < first[i] && near(i, j)) first[i] = first[j], changed = true;
   }
-  EXPECT_EQ(weld(points, tolerance), expected);
+  return first;
+}
+
+bool within(const Vec3<double>& a, const Vec3<double>& b, double tolerance) {
+  return std::fabs(a.x - b.x) <= tolerance && std::fabs(a.y - b.y) <= tolerance &&
+         std::fabs(a.z - b.z) <= tolerance;
+}
+
+// Against every pair, on random points with duplicates, near-duplicates on both sides of cell borders and chains of
+// such: about the origin, far from it, at the ends of the double's range, and with numbers that are not finite.
+TEST(Weld, EqualsTheQuadraticSearch) {
+  constexpr double huge = std::numeric_limits<double>::max(),
+                   least = std::numeric_limits<double>::denorm_min();
+  struct Case {
+    double centre, size, tolerance;
+  };
+  for (const auto& [centre, size, tolerance] :
+       {Case{0, 1, 1e-2}, Case{0, 1, 0.1}, Case{0, 1, 0}, Case{1e6, 1, 1e-3}, Case{-1e9, 1e-6, 2e-7},
+        Case{0, huge, 1e-2 * huge}, Case{0, huge, huge}, Case{0, huge, 0}, Case{0, 1e-308, 1e-310},
+        Case{0, 1, least}, Case{0, 1, INFINITY}}) {
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    const auto move = [&](double x, double distance) {
+      return std::clamp(x + distance * uniform(random), -huge, huge);
+    };
+    std::vector<Vec3<double>> points{{NAN, 0, 0},      {0.0, -0.0, 0.0}, {INFINITY, 0, 0},
+                                     {INFINITY, 0, 0}, {NAN, 0, 0},      {-0.0, 0.0, 0.0}};
+    for (int i = 0; i < 300; ++i) {
+      const Vec3<double> p{move(centre, size), move(centre, size), i % 3 == 0 ? move(centre, size) : centre};
+      const double d = std::isfinite(tolerance) ? 1.5 * tolerance : 0;
+      const Vec3<double> q{move(p.x, d), move(p.y, d), move(p.z, d)};
+      points.insert(points.end(), {p, q, i % 2 == 0 ? p : q});
+    }
+    std::shuffle(points.begin(), points.end(), random);
+    const double used = std::isfinite(tolerance) ? tolerance : 0;
+    const auto near = [&](std::uint32_t i, std::uint32_t j) { return within(points[i], points[j], used); };
+    EXPECT_EQ(weld(points, tolerance), chains(points.size(), near))
+        << "centre " << centre << ", size " << size << ", tolerance " << tolerance;
+  }
+}
+
+// Against a sorted map, on as many points as make the table grow.
+TEST(Weld, FindsEqualPointsOfMany) {
+  std::mt19937_64 random(5);
+  std::uniform_int_distribution<int> coordinate(0, 29);
+  std::vector<Vec3<double>> points(60000);
+  for (Vec3<double>& p : points)
+    p = {0.1 * coordinate(random), 1.0 * coordinate(random), 7.0 * coordinate(random)};
+  std::map<std::tuple<double, double, double>, std::uint32_t> first;
+  std::vector<std::uint32_t> expected;
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    expected.push_back(first.try_emplace({points[i].x, points[i].y, points[i].z}, i).first->second);
+  for (const double tolerance : {0.0, 1e-3, 0.09}) EXPECT_EQ(weld(points, tolerance), expected) << tolerance;
 }
 
 struct Counts {
@@ -165,6 +212,180 @@ TEST(Classify, TellsTheIslandsOfALargeFanApart) {
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   EXPECT_EQ(classify(mesh, {}).islands, static_cast<std::int32_t>(n));
+}
+
+// ---- against the definition, pair by pair -------------------------------------------------------------------------
+
+double size_of_range(std::vector<double> x) {
+  if (x.empty()) return 0;
+  const auto [low, high] = std::minmax_element(x.begin(), x.end());
+  return *high - *low;
+}
+
+// Classes and islands from every pair of vertices and every pair of triangles. What a vertex is near to is asked of
+// the first vertex of its place and normal. Less than 64 normals a place.
+MeshClasses reference_classes(const Mesh& mesh, const std::vector<bool>& pole) {
+  const auto n = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  std::set<std::uint32_t> used;
+  for (const Triangle& triangle : mesh.triangles) used.insert(triangle.begin(), triangle.end());
+  std::vector<double> x, y, z, u, v;
+  for (const std::uint32_t i : used) {
+    const Vec3<double>& p = mesh.positions[i];
+    if (!std::isfinite(p.x + p.y + p.z)) continue;
+    x.push_back(p.x), y.push_back(p.y), z.push_back(p.z);
+    if (mesh.uvs.empty() || !std::isfinite(mesh.uvs[i].x + mesh.uvs[i].y)) continue;
+    u.push_back(mesh.uvs[i].x), v.push_back(mesh.uvs[i].y);
+  }
+  const double tolerance = 1e-6 * std::hypot(size_of_range(x), size_of_range(y), size_of_range(z)),
+               uv_tolerance = 1e-6 * std::max(size_of_range(u), size_of_range(v));
+
+  const std::vector<std::uint32_t> place = chains(n, [&](std::uint32_t i, std::uint32_t j) {
+    return used.contains(i) && used.contains(j) && within(mesh.positions[i], mesh.positions[j], tolerance);
+  });
+  const auto same_uv = [&](std::uint32_t i, std::uint32_t j) {
+    return mesh.uvs.empty() || (std::fabs(mesh.uvs[i].x - mesh.uvs[j].x) <= uv_tolerance &&
+                                std::fabs(mesh.uvs[i].y - mesh.uvs[j].y) <= uv_tolerance);
+  };
+  const std::vector<std::uint32_t> uv_place =
+      chains(n, [&](std::uint32_t i, std::uint32_t j) { return place[i] == place[j] && same_uv(i, j); });
+
+  std::vector<int> sign(triangles, 0);
+  std::vector<bool> positive(n, false), negative(n, false);
+  for (std::uint32_t t = 0; t < triangles && !mesh.uvs.empty(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    if (is_degenerate(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c])) continue;
+    sign[t] = signed_uv_area2(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]) > 0 ? 1 : -1;
+    for (const std::uint32_t i : {a, b, c}) (sign[t] > 0 ? positive : negative)[i] = true;
+  }
+  const auto opposite = [&](std::uint32_t i, std::uint32_t j) {
+    const auto only_negative = [&](std::uint32_t k) { return negative[k] && !positive[k]; };
+    return (positive[i] && only_negative(j)) || (positive[j] && only_negative(i));
+  };
+
+  std::vector<std::uint32_t> normal(n);  // the first vertex at the place with this normal, itself a first
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const auto fits = [&](std::uint32_t j) {
+      return j == i || (place[j] == place[i] && normal[j] == j &&
+                        (mesh.normals.empty() || within(mesh.normals[i], mesh.normals[j], 2e-6)));
+    };
+    while (!fits(normal[i])) ++normal[i];
+  }
+
+  using Pair = std::pair<std::uint32_t, std::uint32_t>;
+  const auto edges = [&](const std::vector<std::uint32_t>& id, std::uint32_t t) {
+    std::vector<Pair> pairs;
+    for (int k = 0; k < 3; ++k) {
+      const Pair pair = std::minmax({id[mesh.triangles[t][k]], id[mesh.triangles[t][(k + 1) % 3]]});
+      if (pair.first != pair.second) pairs.push_back(pair);
+    }
+    return pairs;
+  };
+  std::map<Pair, int> edge_count;
+  std::set<std::uint32_t> ring, border;
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    for (const Pair& pair : edges(place, t)) ++edge_count[pair];
+    const auto is_pole = [&](std::uint32_t i) { return !pole.empty() && pole[i]; };
+    if (std::ranges::any_of(mesh.triangles[t], is_pole))
+      for (const std::uint32_t i : mesh.triangles[t]) ring.insert(place[i]);
+  }
+  for (const auto& [pair, count] : edge_count)
+    if (count == 1) border.insert({pair.first, pair.second});
+
+  MeshClasses classes;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    bool seam = false, crease = false;
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const std::uint32_t first = normal[i];
+      seam = seam || (normal[j] == first && j != first && (!same_uv(first, j) || opposite(first, j)));
+      crease = crease || (place[j] == place[i] && normal[j] != first);
+    }
+    classes.of_vertex.push_back(!pole.empty() && pole[i]    ? VertexClass::pole
+                                : seam                      ? VertexClass::seam
+                                : crease                    ? VertexClass::crease
+                                : ring.contains(place[i])   ? VertexClass::pole_ring
+                                : border.contains(place[i]) ? VertexClass::border
+                                                            : VertexClass::interior);
+  }
+  const std::vector<std::uint32_t> island = chains(triangles, [&](std::uint32_t s, std::uint32_t t) {
+    const std::vector<Pair> a = edges(uv_place, s), b = edges(uv_place, t);
+    return sign[s] == sign[t] && std::ranges::find_first_of(a, b) != a.end();
+  });
+  for (std::uint32_t t = 0; t < triangles; ++t)
+    classes.island_of_triangle.push_back(sign[t] == 0     ? -1
+                                         : island[t] == t ? classes.islands++
+                                                          : classes.island_of_triangle[island[t]]);
+  return classes;
+}
+
+void expect_equals_reference(const Mesh& mesh, const std::vector<bool>& pole, const std::string& what) {
+  const MeshClasses found = classify(mesh, pole), expected = reference_classes(mesh, pole);
+  EXPECT_EQ(found.of_vertex, expected.of_vertex) << what;
+  EXPECT_EQ(found.islands, expected.islands) << what;
+  EXPECT_EQ(found.island_of_triangle, expected.island_of_triangle) << what;
+}
+
+// Random triangles over few places, uvs and normals, so that nearly every edge has none or several neighbours and
+// many triangles collapse; each number is moved by nothing, or by up to two tolerances, or is not finite.
+TEST(Classify, EqualsTheDefinitionOnTangles) {
+  for (std::uint32_t seed = 0; seed < 500; ++seed) {
+    std::mt19937_64 random(seed);
+    const auto chance = [&](double p) { return std::bernoulli_distribution(p)(random); };
+    const auto number = [&](int range, double tolerance) -> double {
+      const double x = std::uniform_int_distribution<int>(0, range)(random);
+      if (chance(0.005)) return chance(0.5) ? NAN : INFINITY;
+      return chance(0.7) ? x : x + tolerance * std::uniform_real_distribution<double>(-2, 2)(random);
+    };
+    const int n = std::uniform_int_distribution<int>(1, 60)(random), size = static_cast<int>(1 + seed % 3);
+    Mesh mesh;
+    std::vector<bool> pole;
+    for (int i = 0; i < n; ++i) {
+      mesh.positions.push_back({number(size, 2e-6), number(1, 2e-6), number(0, 2e-6)});
+      if (seed % 7 != 0) mesh.uvs.push_back({number(size, 2e-6), number(1, 2e-6)});
+      if (seed % 5 != 0) mesh.normals.push_back({number(seed % 2 == 0 ? 0 : 1, 2e-6), 1, 0});
+      if (seed % 2 == 0) pole.push_back(chance(0.03));
+    }
+    std::uniform_int_distribution<std::uint32_t> any(0, static_cast<std::uint32_t>(n - 1));
+    for (int t = std::uniform_int_distribution<int>(0, 40)(random); t > 0; --t)
+      mesh.triangles.push_back({any(random), any(random), any(random)});
+    expect_equals_reference(mesh, pole, "seed " + std::to_string(seed));
+  }
+}
+
+// Surfaces with their poles, seams and folds: as sampled, and as soup in which some corners are moved, some triangles
+// are doubled, turned over, or collapsed to an edge.
+TEST(Classify, EqualsTheDefinitionOnDamagedSurfaces) {
+  std::uint32_t seed = 0;
+  for (const AnySurface& surface : all_surfaces()) {
+    std::mt19937_64 random(++seed);
+    const auto chance = [&](double p) { return std::bernoulli_distribution(p)(random); };
+    const Mesh mesh = sample_mesh(surface, {.columns = 6, .rows = 4, .jitter = 0.2, .mirror = seed % 2 == 0});
+    const auto is_pole = [&](const Mesh& m) {
+      std::vector<bool> pole;
+      for (const auto& uv : m.uvs) pole.push_back(has(surface.frame(uv.x, uv.y).status, Status::dpdu_zero));
+      return pole;
+    };
+    const std::string what = std::string(surface.info().name) + ", seed " + std::to_string(seed);
+    expect_equals_reference(mesh, is_pole(mesh), what);
+    Mesh soup;
+    for (Triangle triangle : mesh.triangles)
+      for (int copies = chance(0.05) ? 2 : 1; copies > 0; --copies) {
+        if (chance(0.05)) std::swap(triangle[0], triangle[1]);
+        if (chance(0.05)) triangle[2] = triangle[1];
+        const auto base = static_cast<std::uint32_t>(soup.positions.size());
+        for (const std::uint32_t v : triangle) {
+          const auto moved = [&](double x) {
+            return chance(0.9) ? x : x + 2e-6 * std::uniform_real_distribution<double>(-1, 1)(random);
+          };
+          const Vec3<double>&p = mesh.positions[v], normal = mesh.normals[v];
+          soup.positions.push_back({moved(p.x), moved(p.y), moved(p.z)});
+          soup.normals.push_back({moved(normal.x), moved(normal.y), normal.z});
+          soup.uvs.push_back({moved(mesh.uvs[v].x), moved(mesh.uvs[v].y)});
+        }
+        soup.triangles.push_back({base, base + 1, base + 2});
+      }
+    expect_equals_reference(soup, is_pole(soup), what + ", damaged");
+  }
 }
 
 }  // namespace

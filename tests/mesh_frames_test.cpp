@@ -171,6 +171,32 @@ TEST(FrameMethods, WeightAsTheySay) {
   expect_direction(t("face"), 1, 0);
 }
 
+// By the sine of the angle between the edges alone: 8u is the most that counts as none, whatever their lengths and
+// wherever they point.
+TEST(MeshFrames, DegenerateTrianglesAreToldByTheirAngle) {
+  for (const int i : {-1060, -700, -510, -480, -250, 0, 250, 510, 700, 1000})
+    for (const int j : {-1060, -700, -510, -480, -250, 0, 250, 510, 700, 1000})
+      for (int k = 0; k <= 60; ++k) {
+        const double a = std::ldexp(1.0, i), b = std::ldexp(1.0, j), height = std::ldexp(1.0, j - k);
+        const bool expected = k >= 50 || height == 0;  // 8u = 2^-50
+        EXPECT_EQ(is_degenerate({0, 0, 0}, {a, 0, 0}, {b, height, 0}), expected) << i << ' ' << j << ' ' << k;
+        EXPECT_EQ(is_degenerate({0, 0, 0}, {0, -b, height}, {0, 0, 0}), true);
+        EXPECT_EQ(is_degenerate(Vec2<double>{0, 0}, {b, height}, {a, 0}), expected)
+            << i << ' ' << j << ' ' << k;
+      }
+  // Rounding the corners turns the edges by a few u.
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int i = 0; i < 1000; ++i) {
+    const auto any = [&] { return unit(Vec3<double>{uniform(random), uniform(random), uniform(random)}); };
+    const Vec3<double> d = any(), across = unit(cross(d, any()));
+    const double a = std::ldexp(1.0, static_cast<int>(200 * uniform(random))), b = 3 * uniform(random);
+    for (const int k : {20, 28, 29, 30, 31, 32, 40, 46})
+      EXPECT_FALSE(is_degenerate({0, 0, 0}, a * d, b * (d + std::ldexp(1.0, -k) * across))) << i << ' ' << k;
+    EXPECT_TRUE(is_degenerate({0, 0, 0}, a * d, std::ldexp(1.0, i % 100) * d)) << i;
+  }
+}
+
 TEST(FrameMethods, NeverGiveNaNForDegenerateTriangles) {
   struct Case {
     const char* name;

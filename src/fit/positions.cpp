@@ -70,7 +70,7 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh) {
   const double size = box.isEmpty() ? 0 : box.diagonal().stableNorm();
   for (const std::string_view kind : found_kinds()) {
     const PointFit found = fit_points(cloud, {.surface = std::string(kind)});
-    if (!found.usable || found.outliers > 0 || !(found.rms <= fits_below * size)) continue;
+    if (!found.usable || !(found.rms <= fits_below * size)) continue;
     double squares = 0, farthest = 0;
     for (const std::uint32_t v : vertices) {
       const double d = norm(frame_near(found, mesh.positions[v]).position - mesh.positions[v]);

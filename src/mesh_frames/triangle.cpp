@@ -1,6 +1,7 @@
 #include "triangle.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <darboux/frame.h>
 
@@ -85,8 +86,12 @@ void count_fallbacks(MeshFrames& result) {
 }
 
 bool is_degenerate(const Vec3<double>& p0, const Vec3<double>& p1, const Vec3<double>& p2) {
-  const Vec3<double> a = unit(p1 - p0), b = unit(p2 - p0);
-  return !(norm(accurate_cross(a, b)) > parallel_below);
+  const Vec3<double> a = p1 - p0, b = p2 - p0, plain = cross(a, b);
+  // The plain product errs by a few u |a| |b|: where it is above 2^-30 |a| |b|, as nearly always, it tells. The
+  // bound is 0 or infinite where the squares under- or overflow.
+  const double bound = 0x1p-60 * dot(a, a) * dot(b, b);
+  if (bound > std::numeric_limits<double>::min() && dot(plain, plain) > bound) return false;
+  return !(norm(accurate_cross(unit(a), unit(b))) > parallel_below);
 }
 
 bool is_degenerate(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2) {
