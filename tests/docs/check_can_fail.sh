@@ -19,8 +19,6 @@ good_tree() {
   printf '/// [Someone2001, sec. 2]\n' >"$work/tree/include/a.h"
   printf '@book{Someone2001,\n  author = {Some One},\n  title = {Some},\n  year = {2001},\n}\n' \
     >"$work/tree/docs/references.bib"
-  printf 'code("SOME_CODE")\n' >"$work/tree/src/validate.cpp"
-  printf '# Codes\n\n`SOME_CODE`\n' >"$work/tree/docs/howto/validate-a-mesh.md"
   cat >"$work/tree/README.md" <<'PAGE'
 # Title of it
 
@@ -99,9 +97,6 @@ lists fail "an entry has no year"
 good_tree
 sed -i 'p' "$work/tree/docs/references.bib"
 lists fail "a key has two entries"
-good_tree
-printf 'code("OTHER_CODE")\n' >>"$work/tree/src/validate.cpp"
-lists fail "a finding code is not documented"
 
 # The tool's own pages, and one thing wrong with them.
 pages() { expect "$1" "$2" "$scripts/check_surface_pages.sh" "$work/tree" "$tool/darboux"; }
