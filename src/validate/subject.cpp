@@ -1,6 +1,8 @@
 #include "subject.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <darboux/local_truth.h>
 #include <darboux/mikktspace.h>
@@ -13,22 +15,20 @@ std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<do
   const std::size_t n = mesh.positions.size();
   std::vector<float> positions(3 * n), normals(3 * n), texcoords(2 * n);
   std::vector<bool> finite(n);
-  const auto store = [](double x, float& to) {
-    to = static_cast<float>(x);
-    return std::isfinite(to);
-  };
-  constexpr float largest_normal = 0x1p28f;
   for (std::size_t v = 0; v < n; ++v) {
     const Vec3<double>&p = mesh.positions[v], &m = mesh.normals[v];
     bool good = true;
-    float* x = &positions[3 * v];
-    good &= store(p.x, x[0]) & store(p.y, x[1]) & store(p.z, x[2]);
-    x = &normals[3 * v];
-    good &= store(m.x, x[0]) & store(m.y, x[1]) & store(m.z, x[2]);
-    good &= std::fabs(x[0]) <= largest_normal && std::fabs(x[1]) <= largest_normal &&
-            std::fabs(x[2]) <= largest_normal;
-    x = &texcoords[2 * v];
-    good &= store(uvs[v].x, x[0]) & store(uvs[v].y, x[1]);
+    const auto store = [&good](double x, float& to, float largest) {
+      to = static_cast<float>(x);
+      good = good && std::fabs(to) <= largest;
+    };
+    constexpr float any = std::numeric_limits<float>::max(), largest_normal = 0x1p28f;
+    const double position[] = {p.x, p.y, p.z}, normal[] = {m.x, m.y, m.z}, uv[] = {uvs[v].x, uvs[v].y};
+    for (std::size_t k = 0; k < 3; ++k) {
+      store(position[k], positions[3 * v + k], any);
+      store(normal[k], normals[3 * v + k], largest_normal);
+    }
+    for (std::size_t k = 0; k < 2; ++k) store(uv[k], texcoords[2 * v + k], any);
     finite[v] = good;
     if (good) continue;
     std::fill_n(&positions[3 * v], 3, 0.0f);
