@@ -107,7 +107,7 @@ int descend(const Matrix3Xd& part, Candidate<Shape>& candidate, std::optional<do
     if (sigma) noise.sigma = std::max(noise.sigma, *sigma);
     weights = inlier_probabilities(states, noise);
     BatchedCost<Shape> cost(Phase::descend, part, candidate.model.origin, noise, states, weights);
-    const Solved solved = solve(cost, candidate.model, 2, 1e-9, 1e-7);
+    const Solved solved = solve(cost, candidate.model, 2, 1e-9);
     iterations += solved.iterations;
     const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
     // What is left is small beside what so few points leave open.
@@ -262,8 +262,7 @@ Found refine(const Search& search, const Lead& lead, bool give_up) {
     if (phase == Phase::descend) weights = inlier_probabilities(states, noise);
     BatchedCost<Shape> cost(phase, search.cloud, model.origin, noise, states, weights);
     const Model<Shape> before = model;
-    const Solved solved = solve(cost, model, phase == Phase::score ? 1 : 12, 1e-15,
-                                phase == Phase::descend && near == 1 ? 1e-7 : 1e-20);
+    const Solved solved = solve(cost, model, phase == Phase::score ? 1 : 12, 1e-15);
     found.iterations += solved.iterations;
     if (!solved.usable) break;
     hessian = cost.hessian();
