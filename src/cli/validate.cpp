@@ -336,7 +336,7 @@ void check_codes(const std::vector<std::string>& codes) {
 
 void run(const Arguments& arguments, Common& common) {
   if (arguments.findings) return list_findings(common);
-  if (arguments.files.empty()) throw ParameterError("validate", "needs files to read, or --findings");
+  if (arguments.files.empty()) throw ParameterError("validate", "needs FILES to read, or --findings");
   check_codes(arguments.fail_on);
   JudgeOptions options;
   options.max_angle_deg = arguments.max_angle;

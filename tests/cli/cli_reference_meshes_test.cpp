@@ -42,15 +42,21 @@ TEST_F(ReferenceMeshes, ValidateRecognisesAndPassesThem) {
     EXPECT_EQ(mesh["degenerate_triangles"], c.arguments.find("--degenerate 6") != std::string::npos ? 6 : 0)
         << c.arguments;
     EXPECT_EQ(mesh["degenerate_uv_triangles"], 0) << c.arguments;
-    for (const Json& finding : mesh["findings"]) EXPECT_EQ(finding["severity"], "info") << finding;
+    for (const Json& finding : mesh["findings"]) EXPECT_NE(finding["severity"], "error") << finding;
   }
 }
 
-// Uvs that do not name the place leave nothing to recognise a surface by, but the triangles are counted.
+// Triangles whose uvs do not name the place hang on no part, and are the rest; all are counted.
 TEST_F(ReferenceMeshes, ValidateCountsDegenerateUvs) {
-  const Json mesh = validated("torus --grid 32x16 --degenerate-uvs 5 --degenerate 3", 1);
-  EXPECT_EQ(mesh["degenerate_triangles"], 3);
-  EXPECT_EQ(mesh["degenerate_uv_triangles"], 5);
+  good("darboux mesh torus --grid 32x16 --degenerate-uvs 5 --degenerate 3 -o m.glb");
+  int degenerate = 0, degenerate_uvs = 0;
+  const Json document = json("darboux validate m.glb --json", 1);
+  for (const Json& mesh : document["files"][0]["meshes"]) {
+    degenerate += mesh["degenerate_triangles"].get<int>();
+    degenerate_uvs += mesh["degenerate_uv_triangles"].get<int>();
+  }
+  EXPECT_EQ(degenerate, 3);
+  EXPECT_EQ(degenerate_uvs, 5);
 }
 
 TEST_F(ReferenceMeshes, RepeatThemselvesByteForByte) {
