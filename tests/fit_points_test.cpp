@@ -341,6 +341,7 @@ TEST(FitPoints, DistinguishesDegeneratePoints) {
     }
   }
   expect_unusable(circle(0), "sphere", "the centre along");
+  expect_unusable(circle(0.01), "cone", "from a circle");
   EXPECT_TRUE(fit_points(flat).usable) << fit_points(flat).reason;
 }
 

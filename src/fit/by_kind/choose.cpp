@@ -210,6 +210,10 @@ Verdict judge(const Found& f) {
   }
   if (f.kind != "ellipsoid" && std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()) > 0.5)
     return unsure("has an axis that is not observable" + help);
+  // Noise about a circle lies near many surfaces: such points are one sigma from it, those of a surface that is determined
+  // three at least.
+  if (f.kind != "plane" && f.off_a_circle < 2 * f.sigma)
+    return unsure("is not determined: the points are no further than their noise from a circle" + help);
   if (!f.converged) return unsure("did not converge");
   return {};
 }

@@ -245,7 +245,8 @@ struct Solved {
 };
 
 template <class Shape>
-Solved solve(BatchedCost<Shape>& cost, Model<Shape>& model, int most_iterations, double parameter_tolerance) {
+Solved solve(BatchedCost<Shape>& cost, Model<Shape>& model, int most_iterations, double parameter_tolerance,
+             double function_tolerance) {
   if (!cost.settle(model)) return {};
   static const RotationManifold manifold;
   ceres::Problem::Options ownership;
@@ -258,7 +259,7 @@ Solved solve(BatchedCost<Shape>& cost, Model<Shape>& model, int most_iterations,
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = most_iterations;
-  options.function_tolerance = cost.phase() == Phase::score ? 1e-20 : 1e-7;
+  options.function_tolerance = function_tolerance;  // Ceres does not take the step that meets it
   options.gradient_tolerance = 1e-30;
   options.parameter_tolerance = parameter_tolerance;
   // Near the root the damping would show in long valleys.

@@ -107,7 +107,7 @@ int descend(const Matrix3Xd& part, Candidate<Shape>& candidate, std::optional<do
     if (sigma) noise.sigma = std::max(noise.sigma, *sigma);
     weights = inlier_probabilities(states, noise);
     BatchedCost<Shape> cost(Phase::descend, part, candidate.model.origin, noise, states, weights);
-    const Solved solved = solve(cost, candidate.model, 2, 1e-9);
+    const Solved solved = solve(cost, candidate.model, 2, 1e-9, 1e-7);
     iterations += solved.iterations;
     const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
     // What is left is small beside what so few points leave open.
@@ -166,6 +166,28 @@ Covariance natural_covariance(const Model<Shape>& model, const Eigen::MatrixXd& 
           (2 * steps[k]);
   }
   return by * covariance * by.transpose();
+}
+
+// How far weighted points are from one circle, root mean square, of each of the two directions across it. The circle lies in the
+// plane of the points' largest moments and is the algebraic one there, x^2 + y^2 = 2 a x + 2 b y + c.
+double off_a_circle(const Matrix3Xd& cloud, const Eigen::VectorXd& weights) {
+  const double sum = weights.sum();
+  const Vector3d mean = cloud * weights / sum;
+  const Matrix3Xd centred = cloud.colwise() - mean;
+  const Matrix3d axes =
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(centred * weights.asDiagonal() * centred.transpose())
+          .eigenvectors();
+  const Matrix3Xd p = axes.transpose() * centred;  // the plane's normal first
+  const Eigen::Matrix3Xd rows =
+      (Matrix3Xd(3, p.cols()) << 2 * p.bottomRows<2>(), Eigen::RowVectorXd::Ones(p.cols())).finished();
+  const Eigen::VectorXd squares = p.bottomRows<2>().colwise().squaredNorm();
+  const Matrix3d normal_matrix = rows * weights.asDiagonal() * rows.transpose();
+  const Vector3d circle = normal_matrix.ldlt().solve(rows * weights.cwiseProduct(squares));
+  const double radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
+  const Eigen::ArrayXd radial =
+      (p.bottomRows<2>().colwise() - circle.head<2>()).colwise().norm().transpose().array() - radius;
+  return std::sqrt(((radial.square() + p.row(0).transpose().array().square()) * weights.array()).sum() /
+                   (2 * sum));
 }
 
 }  // namespace
@@ -262,7 +284,8 @@ Found refine(const Search& search, const Lead& lead, bool give_up) {
     if (phase == Phase::descend) weights = inlier_probabilities(states, noise);
     BatchedCost<Shape> cost(phase, search.cloud, model.origin, noise, states, weights);
     const Model<Shape> before = model;
-    const Solved solved = solve(cost, model, phase == Phase::score ? 1 : 12, 1e-15);
+    const Solved solved = solve(cost, model, phase == Phase::score ? 1 : 12, 1e-15,
+                                phase == Phase::descend && near == 1 ? 1e-7 : 1e-20);
     found.iterations += solved.iterations;
     if (!solved.usable) break;
     hessian = cost.hessian();
@@ -293,6 +316,9 @@ Found refine(const Search& search, const Lead& lead, bool give_up) {
   found.surface = natural(model);
   found.sigma = noise.sigma;
   found.outliers = noise.outliers;
+  weights = inlier_probabilities(states, noise);
+  found.off_a_circle = off_a_circle(
+      search.cloud, Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(n)));
   found.error.resize(n);
   for (std::size_t i = 0; i < n; ++i) found.error[i] = states.error(i);
   found.kept = std::move(states.kept);

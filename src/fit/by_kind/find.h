@@ -33,8 +33,10 @@ struct Found {
   double sigma = 0, outliers = 0;  // see estimate.h
   Covariance covariance;           // of (rotation vector, movement of the point `reference`, lengths)
   Vector3d reference;
-  double least_known = 0;     // standard deviation of the least known movement of the surface at the points
-  std::vector<double> error;  // signed distance less its bias
+  double least_known = 0;  // standard deviation of the least known movement of the surface at the points
+  double off_a_circle =
+      0;  // distance of the inliers from one circle, root mean square, of each of its two directions
+  std::vector<double> error;        // signed distance less its bias
   std::vector<unsigned char> kept;  // by the gate
   int iterations = 0;
 };
