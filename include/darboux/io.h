@@ -75,6 +75,9 @@ struct Asset {
 /// \throws FileError naming the file, what is wrong and what is permitted
 Asset read_asset(const std::string& path);
 
+/// The extensions of the files that read_asset() reads: ".glb".
+std::span<const std::string_view> asset_extensions();
+
 struct GltfFile;  // the JSON document and its buffers: src/io/gltf_file.h
 
 /// A glTF or GLB file held as its JSON document and its buffers, to be rewritten with everything else

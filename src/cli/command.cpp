@@ -86,12 +86,6 @@ std::vector<std::string> split(std::string_view text, char separator) {
   }
 }
 
-std::string join(const std::vector<std::string>& items) {
-  std::string text;
-  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
-  return text;
-}
-
 Json surface_json(const AnySurface& surface) {
   Json parameters = Json::object();
   for (const ParameterValue& p : surface.parameters()) parameters[std::string(p.name)] = number(p.value);

@@ -67,9 +67,6 @@ std::pair<int, int> parse_grid(const std::string& subject, const std::string& te
 /// Pieces of `text` between separators.
 std::vector<std::string> split(std::string_view text, char separator);
 
-/// "a, b, c"
-std::string join(const std::vector<std::string>& items);
-
 /// What a SURFACE on the command line names: one of the catalogue, "formula:file=my.surface,a=3", or a kind that is read
 /// from a file, "bezier-patch:file=net.json". A comma belongs to the path unless a NAME= follows it.
 /// \throws ParameterError, FileError

@@ -39,7 +39,7 @@ std::vector<Attribute> choose(const std::string& names, const std::string& forma
   for (const std::string& name : asked) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end())
-      throw ParameterError("--attributes", "unknown attribute '" + name + "', known are " + join(known));
+      throw ParameterError("--attributes", "unknown attribute '" + name + "', known are " + joined(known));
     const auto attribute = static_cast<Attribute>(found - known.begin());
     if (std::find(chosen.begin(), chosen.end(), attribute) != chosen.end())
       throw ParameterError("--attributes", "'" + name + "' is asked for twice, permitted is once");
@@ -148,9 +148,9 @@ void add_eval(CLI::App& app, Common& common) {
   const std::vector<std::string> out(std::begin(output_formats), std::end(output_formats));
   sub.add_option("--input", arguments->input, "file of u, v (- for standard input), read in pieces");
   sub.add_option("--input-format", arguments->input_format,
-                 join(in) + "; else by the extension, csv for standard input")
+                 joined(in) + "; else by the extension, csv for standard input")
       ->check(CLI::IsMember(in));
-  sub.add_option("--attributes", arguments->attributes, "comma-separated, of: " + join(attribute_names()));
+  sub.add_option("--attributes", arguments->attributes, "comma-separated, of: " + joined(attribute_names()));
   sub.add_option("--format", arguments->format,
                  "table, json or csv; or numbers alone: f32, f64 (little-endian) or npy")
       ->capture_default_str()

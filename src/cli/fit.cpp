@@ -49,11 +49,11 @@ PointFitOptions parse_options(const Arguments& arguments) {
   const std::vector<std::string> kinds = permitted_kinds(arguments.with_uv);
   if (arguments.surface.find(':') != std::string::npos)
     throw ParameterError("--surface",
-                         "fit finds the parameters, name the kind only: permitted are " + join(kinds));
+                         "fit finds the parameters, name the kind only: permitted are " + joined(kinds));
   if (std::find(kinds.begin(), kinds.end(), arguments.surface) == kinds.end())
     throw ParameterError("--surface", "'" + arguments.surface + "' is no kind that is fitted " +
                                           (arguments.with_uv ? "with" : "without") + " uvs, permitted are " +
-                                          join(kinds));
+                                          joined(kinds));
   PointFitOptions options;
   options.surface = arguments.surface;
   options.with_uv = arguments.with_uv;

@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> known;
     for (const CLI::App* sub : app.get_subcommands({})) known.push_back(sub->get_name());
     if (argc > 1 && argv[1][0] != '-' && std::find(known.begin(), known.end(), argv[1]) == known.end())
-      throw darboux::ParameterError(argv[1], "unknown command, known are " + darboux::join(known));
+      throw darboux::ParameterError(argv[1], "unknown command, known are " + darboux::joined(known));
     app.parse(argc, argv);
     return finish(common.exit_status);
   } catch (const CLI::CallForHelp& e) {

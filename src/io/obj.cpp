@@ -1,5 +1,6 @@
 // OBJ through assimp.
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 #include <assimp/IOSystem.hpp>
@@ -73,6 +74,11 @@ Asset read_obj(const std::string& path, const std::string& bytes) {
 }  // namespace darboux::io
 
 namespace darboux {
+
+std::span<const std::string_view> asset_extensions() {
+  static constexpr std::array<std::string_view, 3> list{".glb", ".gltf", ".obj"};
+  return list;
+}
 
 Asset read_asset(const std::string& path) {
   std::string bytes = io::read_file(path);

@@ -1,0 +1,187 @@
+#include "validate_files.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <new>
+#include <numeric>
+
+#include "../validate/findings.h"
+
+namespace darboux {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_mesh_file(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto& known = asset_extensions();
+  return std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+// Of a folder, whose mesh files go to `found`.
+void list_folder(const std::string& folder, std::vector<JudgedFile>& found) {
+  const std::size_t begin = found.size();
+  std::error_code error;
+  fs::recursive_directory_iterator i(folder, error);
+  for (; !error && i != fs::recursive_directory_iterator(); i.increment(error))
+    if (is_mesh_file(i->path()) && i->is_regular_file(error)) found.push_back({.path = i->path().string()});
+  std::sort(found.begin() + static_cast<std::ptrdiff_t>(begin), found.end(),
+            [](const JudgedFile& a, const JudgedFile& b) { return a.path < b.path; });
+  if (error)
+    found.push_back({.path = folder,
+                     .error = folder + ": a folder in it cannot be listed (" + error.message() +
+                              "), permitted are folders that can be read"});
+  else if (found.size() == begin)
+    found.push_back({.path = folder,
+                     .error = folder + ": holds no mesh file, permitted are folders with " +
+                              joined({asset_extensions().begin(), asset_extensions().end()})});
+}
+
+// Node transforms change what a renderer shows, not what the mesh stores: they give rise to findings only.
+void add_node_findings(const Primitive& primitive, MeshReport& report) {
+  std::size_t mirrored = 0, sheared = 0;
+  for (const Eigen::Matrix4d& world : primitive.instances) {
+    const Eigen::Matrix3d m = world.topLeftCorner<3, 3>();
+    const Eigen::Matrix3d gram = m.transpose() * m;
+    const double scale = gram.trace() / 3;
+    mirrored += m.determinant() < 0;
+    sheared += (gram - scale * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-5 * scale;
+  }
+  add(report, finding(Code::node_mirrored, mirrored));
+  add(report, finding(Code::node_scale_not_uniform, sheared));
+}
+
+// A finding that was asked for counts as an error.
+void raise(const std::vector<std::string>& codes, MeshReport& report) {
+  for (Finding& f : report.findings)
+    if (std::find(codes.begin(), codes.end(), f.code) != codes.end()) {
+      f.severity = Severity::error;
+      report.verdict = Verdict::fail;
+    }
+  std::stable_sort(report.findings.begin(), report.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+}
+
+}  // namespace
+
+std::size_t JudgedPrimitive::count(std::string_view code) const {
+  std::size_t sum = 0;
+  for (const Judgement& j : judgements)
+    for (const Finding& f : j.report.findings) sum += f.code == code ? f.count : 0;
+  return sum;
+}
+
+std::size_t JudgedPrimitive::known_count(std::string_view code) const {
+  const auto at = known.find(code);
+  return at == known.end() ? 0 : at->second;
+}
+
+std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments) {
+  std::vector<JudgedFile> files;
+  for (const std::string& argument : arguments) {
+    std::error_code error;
+    if (fs::is_directory(argument, error))
+      list_folder(argument, files);
+    else
+      files.push_back({.path = argument});
+  }
+  return files;
+}
+
+void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector<std::string>& fail_on) {
+  if (file.error.empty()) try {
+      Asset asset = read_asset(file.path);
+      file.skipped = asset.skipped;
+      if (asset.primitives.empty()) file.verdict = Verdict::undetermined;
+      for (Primitive& primitive : asset.primitives) {
+        std::vector<Judgement> judgements = judge_parts(primitive.data, options);
+        add_node_findings(primitive, judgements.front().report);
+        for (Judgement& j : judgements) {
+          raise(fail_on, j.report);
+          file.verdict = std::max(file.verdict, j.report.verdict);
+        }
+        primitive.data = {};
+        file.primitives.push_back({std::move(primitive), std::move(judgements), {}});
+      }
+    } catch (const FileError& e) {
+      file.error = e.what();
+    } catch (const Error& e) {
+      file.error = file.path + ": " + e.what();
+    } catch (const std::bad_alloc&) {
+      file.error = file.path + ": needs more memory than there is, permitted is what fits";
+    }
+  if (!file.error.empty()) {
+    file.primitives.clear();
+    file.verdict = Verdict::fail;
+  }
+  file.worse = file.verdict != Verdict::pass;
+}
+
+Json read_baseline(const std::string& path) {
+  std::ifstream stream(path);
+  if (!stream) throw FileError(path, "cannot be read, permitted is a report of darboux validate --json");
+  try {
+    return Json::parse(stream);
+  } catch (const Json::exception& e) {
+    throw FileError(
+        path, "is not JSON, permitted is a report of darboux validate --json: " + std::string(e.what()));
+  }
+}
+
+void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& path, const Json& baseline) {
+  try {
+    std::map<std::string, const Json*> then;
+    for (const Json& entry : baseline.at("files")) then[entry.at("file").get<std::string>()] = &entry;
+    for (JudgedFile& file : files) {
+      const auto old = then.find(file.path);
+      if (old == then.end()) continue;
+      const Json& entry = *old->second;
+      const bool was_unreadable = entry.contains("error");
+      if (!file.error.empty() || was_unreadable) {
+        file.worse = file.worse && !was_unreadable;
+        continue;
+      }
+      std::map<std::pair<std::size_t, std::size_t>, JudgedPrimitive*> by_number;
+      for (JudgedPrimitive& p : file.primitives) by_number[{p.primitive.mesh, p.primitive.primitive}] = &p;
+      for (const Json& mesh : entry.at("meshes")) {
+        const auto p =
+            by_number.find({mesh.at("mesh").get<std::size_t>(), mesh.at("primitive").get<std::size_t>()});
+        if (p == by_number.end()) continue;
+        for (const Json& finding : mesh.at("findings"))
+          p->second->known[finding.at("code").get<std::string>()] += finding.at("count").get<std::size_t>();
+      }
+      // What fails has an error, which counts; what is undetermined has none.
+      const std::string verdict = entry.at("verdict");
+      if (std::find(verdict_names.begin(), verdict_names.end(), verdict) == verdict_names.end())
+        throw FileError(path, "has a verdict '" + verdict + "', permitted are " +
+                                  joined({verdict_names.begin(), verdict_names.end()}));
+      file.worse = file.verdict == Verdict::undetermined && verdict == "pass";
+      for (const JudgedPrimitive& p : file.primitives)
+        for (const Judgement& j : p.judgements)
+          for (const Finding& f : j.report.findings)
+            file.worse |= f.severity == Severity::error && p.worse(f);
+    }
+  } catch (const Json::exception& e) {
+    throw FileError(path, "is no report of darboux validate --json: " + std::string(e.what()));
+  }
+}
+
+std::string uv_convention(const MeshFit& fit) {
+  return fit.chart == UvChart::own         ? std::string(fit.surface.uv.name)
+         : fit.chart == UvChart::projected ? "projected"
+                                           : "unknown";
+}
+
+std::string place_of(const Primitive& primitive, const Judgement& judgement) {
+  std::string text =
+      "mesh " + std::to_string(primitive.mesh) + " primitive " + std::to_string(primitive.primitive);
+  if (judgement.part) text += " part " + std::to_string(*judgement.part);
+  if (!primitive.name.empty()) text += " (" + one_line(primitive.name) + ")";
+  return text;
+}
+
+}  // namespace darboux

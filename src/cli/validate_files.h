@@ -1,0 +1,72 @@
+/// \file validate_files.h
+/// The files that validate is given, judged; what it says of them goes out as text, JSON, SARIF and JUnit.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <darboux/io.h>
+#include <darboux/judge.h>
+
+#include "command.h"
+
+namespace darboux {
+
+struct JudgedPrimitive {
+  Primitive primitive;  ///< without its data
+  std::vector<Judgement> judgements;
+  std::map<std::string, std::size_t, std::less<>> known;  ///< counts of findings in the baseline, by code
+
+  /// Of one code, over all parts.
+  std::size_t count(std::string_view code) const;
+  /// Whether there is more of it than in the baseline.
+  bool worse(const Finding& finding) const { return count(finding.code) > known_count(finding.code); }
+  std::size_t known_count(std::string_view code) const;
+};
+
+struct JudgedFile {
+  std::string path;
+  std::string error{};  ///< empty where the file could be read
+  std::vector<JudgedPrimitive> primitives{};
+  std::vector<SkippedPrimitive> skipped{};
+  Verdict verdict = Verdict::pass;
+  /// Whether it counts against the run: it is not pass or could not be read and, where there is a baseline, was better there.
+  bool worse = false;
+};
+
+/// The files that arguments name, a folder standing for all mesh files in it and in its folders, in the order of their names.
+/// What cannot be listed has an error.
+std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments);
+
+/// Reads and judges one file. Findings with the codes of `fail_on` count as errors.
+void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector<std::string>& fail_on);
+
+/// An earlier report, `darboux validate --json`. \throws FileError
+Json read_baseline(const std::string& path);
+
+/// Lets only that count against the run what is worse than in the baseline: an error that is new or more frequent in a
+/// primitive (whatever its severity was), a file that is undetermined and passed then, one that could be read then.
+/// \param path where it was read from, for messages \throws FileError where it is no such report
+void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& path, const Json& baseline);
+
+/// "mesh 0 primitive 1 part 2 (name)"
+std::string place_of(const Primitive& primitive, const Judgement& judgement);
+
+/// What stored uvs mean on the surface: "flip v", "projected".
+std::string uv_convention(const MeshFit& fit);
+
+Json report_json(const std::vector<JudgedFile>& files, bool with_baseline);
+
+/// A short table a mesh and part; where there are many of them and no details are asked for, only what was found.
+void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool details);
+
+/// Static Analysis Results Interchange Format 2.1.0, with what GitHub's code scanning asks for.
+/// \param with_baseline whether to say what is new, unchanged or updated
+Json sarif(const std::vector<JudgedFile>& files, bool with_baseline);
+
+/// JUnit's XML, a test case each mesh or part; what counts against the run is a failure.
+std::string junit(const std::vector<JudgedFile>& files, bool with_baseline);
+
+}  // namespace darboux

@@ -1,0 +1,131 @@
+#include "validate_files.h"
+
+namespace darboux {
+namespace {
+
+Json statistics_json(const Statistics& s) {
+  return {{"max", number(s.max)}, {"rms", number(s.rms)}, {"p95", number(s.p95)}};
+}
+
+Json classes_json(const std::vector<ClassReport>& classes) {
+  Json json = Json::object();
+  for (const ClassReport& c : classes) {
+    Json entry{{"corners", c.corners}};
+    if (c.normal_deg) {
+      entry["normal_deg"] = statistics_json(*c.normal_deg);
+      entry["normal_uncertainty_deg"] = spread_json(c.normal_uncertainty_deg);
+    }
+    if (c.tangent_deg) {
+      entry["tangent_deg"] = statistics_json(*c.tangent_deg);
+      if (c.tangent_uncertainty_deg.finite() + c.tangent_uncertainty_deg.infinite() > 0)
+        entry["tangent_uncertainty_deg"] = spread_json(c.tangent_uncertainty_deg);
+    }
+    if (c.bitangent_deg) entry["bitangent_deg"] = statistics_json(*c.bitangent_deg);
+    if (c.worst)
+      entry["worst"] = {
+          {"vertex", c.worst->vertex}, {"u", number(c.worst->uv.x)}, {"v", number(c.worst->uv.y)}};
+    json[std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)])] = entry;
+  }
+  return json;
+}
+
+Json judgement_json(const JudgedPrimitive& judged, const Judgement& judgement, bool with_baseline) {
+  const Primitive& primitive = judged.primitive;
+  const MeshReport& report = judgement.report;
+  Json json{{"mesh", primitive.mesh},
+            {"primitive", primitive.primitive},
+            {"name", primitive.name},
+            {"corners", report.corners},
+            {"verdict", verdict_names[static_cast<std::size_t>(report.verdict)]}};
+  if (judgement.part) json["part"] = *judgement.part;
+  json["surface"] = nullptr;
+  json["uv"] = nullptr;
+  if (judgement.fit && judgement.fit->fits) {
+    const MeshFit& fit = *judgement.fit;
+    Json surface = surface_json(fit.surface.surface);
+    Json placement = Json::array(), affine = Json::array();
+    for (Eigen::Index k = 0; k < 16; ++k)
+      placement.push_back(number(fit.surface.placement.matrix()(k % 4, k / 4)));
+    surface["placement"] = placement;
+    surface["fit_rms"] = number(fit.rms);
+    surface["fit_rms_relative"] = number(fit.rms_relative);
+    surface["sigma"] = number(fit.sigma);
+    surface["covariance"] = Json::array();
+    for (const auto& row : fit.covariance.rowwise()) {
+      surface["covariance"].push_back(Json::array());
+      for (const double x : row) surface["covariance"].back().push_back(number(x));
+    }
+    surface["centre"] = {number(fit.centre.x()), number(fit.centre.y()), number(fit.centre.z())};
+    json["surface"] = surface;
+    json["uv"] = {{"convention", uv_convention(fit)}, {"texcoord", primitive.texcoord}};
+    if (fit.chart == UvChart::own) {
+      for (const double x : fit.surface.uv.affine) affine.push_back(number(x));
+      json["uv"]["affine"] = affine;
+      json["uv"]["equivalent"] = fit.equivalent;
+    } else if (fit.chart == UvChart::projected) {
+      for (Eigen::Index k = 0; k < 9; ++k) affine.push_back(number(fit.projection(k % 3, k / 3)));
+      json["uv"]["projection"] = affine;
+    }
+  }
+  json["reference"] = report.reference;
+  json["references"] = Json::object();
+  if (report.local) {
+    Json local{{"classes", classes_json(report.local->classes)}, {"compared", report.local->compared}};
+    if (report.local->compared > 0) local["agreement"] = number(report.local->agreement);
+    json["references"]["local"] = local;
+  }
+  if (report.mikktspace)
+    json["references"]["mikktspace"] = {{"equal_bits", number(report.mikktspace->equal_bits)},
+                                        {"classes", classes_json(report.mikktspace->classes)}};
+  json["frame_uncertainty_deg"] = nullptr;
+  if (report.reference == "analytic" || report.reference == "local")
+    json["frame_uncertainty_deg"] = {{"normal", spread_json(report.normal_uncertainty_deg)},
+                                     {"tangent", spread_json(report.tangent_uncertainty_deg)}};
+  json["handedness"] = {{"convention", report.handedness.convention},
+                        {"consistent", number(report.handedness.consistent)},
+                        {"wrong", report.handedness.wrong}};
+  json["zero_tangents"] = report.zero_tangents;
+  json["non_unit"] = report.non_unit;
+  json["non_orthogonal"] = report.non_orthogonal;
+  json["non_finite"] = report.non_finite;
+  json["degenerate_triangles"] = report.degenerate_triangles;
+  json["degenerate_uv_triangles"] = report.degenerate_uv_triangles;
+  json["classes"] = classes_json(report.classes);
+  json["findings"] = Json::array();
+  for (const Finding& f : report.findings) {
+    json["findings"].push_back({{"code", f.code},
+                                {"severity", severity_names[static_cast<std::size_t>(f.severity)]},
+                                {"count", f.count},
+                                {"message", f.message},
+                                {"to_do", f.to_do}});
+    if (with_baseline) json["findings"].back()["baseline"] = judged.known_count(f.code);
+  }
+  return json;
+}
+
+}  // namespace
+
+Json report_json(const std::vector<JudgedFile>& files, bool with_baseline) {
+  Json list = Json::array();
+  Verdict verdict = Verdict::pass;
+  bool worse = false;
+  for (const JudgedFile& file : files) {
+    verdict = std::max(verdict, file.verdict);
+    worse |= file.worse;
+    Json entry{{"file", file.path}, {"verdict", verdict_names[static_cast<std::size_t>(file.verdict)]}};
+    if (with_baseline) entry["worse"] = file.worse;
+    if (!file.error.empty()) entry["error"] = file.error;
+    entry["meshes"] = Json::array();
+    for (const JudgedPrimitive& p : file.primitives)
+      for (const Judgement& j : p.judgements) entry["meshes"].push_back(judgement_json(p, j, with_baseline));
+    entry["skipped"] = Json::array();
+    for (const SkippedPrimitive& s : file.skipped)
+      entry["skipped"].push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
+    list.push_back(std::move(entry));
+  }
+  Json json{{"files", std::move(list)}, {"verdict", verdict_names[static_cast<std::size_t>(verdict)]}};
+  if (with_baseline) json["worse"] = worse;
+  return json;
+}
+
+}  // namespace darboux

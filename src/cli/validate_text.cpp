@@ -1,0 +1,177 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+
+#include "validate_files.h"
+
+namespace darboux {
+namespace {
+
+constexpr std::size_t most_tables = 12;
+
+void print_finding(Severity severity, std::string_view code, const std::string& count,
+                   std::string_view message) {
+  std::cout << "    " << severity_names[static_cast<std::size_t>(severity)] << ' ' << code << " (" << count
+            << "): " << message << '\n';
+}
+
+void print_local(const LocalReport& local) {
+  const auto interior = std::find_if(local.classes.begin(), local.classes.end(), [](const ClassReport& c) {
+    return c.vertex_class == VertexClass::interior && (c.normal_deg || c.tangent_deg);
+  });
+  if (interior == local.classes.end()) {
+    std::cout << "    local: nothing is known of interior corners, their neighbours do not tell\n";
+    return;
+  }
+  std::string text;
+  const auto add = [&](const char* what, const std::optional<Statistics>& s, const Spread& uncertainty) {
+    if (!s) return;
+    text += (text.empty() ? "local: interior " : "; ") + std::string(what) + " differ by " +
+            rounded(s->rms, 2) + " deg rms, uncertain by " + deviation_text(uncertainty.rms(), 2);
+  };
+  add("normals", interior->normal_deg, interior->normal_uncertainty_deg);
+  add("tangents", interior->tangent_deg, interior->tangent_uncertainty_deg);
+  std::cout << "    " << text << '\n';
+  if (local.compared > 0)
+    std::cout << "    local and analytic agree at " << rounded(100 * local.agreement, 3)
+              << " % of interior corners\n";
+}
+
+void print_mikktspace(const MikkReport& mikktspace) {
+  double max = 0, squares = 0, corners = 0;
+  for (const ClassReport& c : mikktspace.classes)
+    if (c.tangent_deg && c.vertex_class != VertexClass::pole) {
+      const auto n = static_cast<double>(c.corners);
+      max = std::fmax(max, c.tangent_deg->max);
+      squares += n * c.tangent_deg->rms * c.tangent_deg->rms;
+      corners += n;
+    }
+  std::cout << "    mikktspace: " << rounded(100 * mikktspace.equal_bits, 4) << " % of corners to the bit";
+  if (corners > 0)
+    std::cout << ", tangents differ by " << rounded(std::sqrt(squares / corners), 2) << " deg rms, "
+              << rounded(max, 3) << " at most";
+  std::cout << '\n';
+}
+
+void print_judgement(const JudgedPrimitive& judged, const Judgement& judgement, bool with_baseline) {
+  const MeshReport& report = judgement.report;
+  std::cout << "  " << place_of(judged.primitive, judgement) << ": " << report.corners << " corners";
+  if (judgement.fit && judgement.fit->fits)
+    std::cout << ", " << judgement.fit->surface.surface.specification(6) << ", uvs "
+              << uv_convention(*judgement.fit);
+  std::cout << ", w " << report.handedness.convention << ", judged by " << report.reference << '\n';
+  if (!report.classes.empty())
+    std::printf("    %-10s %9s  %-23s  %-23s  %-23s\n", "class", "corners", "normal max/rms (deg)",
+                "tangent max/rms (deg)", "bitangent max/rms (deg)");
+  std::cout.flush();
+  for (const ClassReport& c : report.classes) {
+    const auto cell = [](const std::optional<Statistics>& s) {
+      if (!s) return std::string("-");
+      char text[48];
+      std::snprintf(text, sizeof text, "%.3g / %.3g", s->max, s->rms);
+      return std::string(text);
+    };
+    std::printf("    %-10s %9zu  %-23s  %-23s  %-23s\n",
+                std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)]).c_str(), c.corners,
+                cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(), cell(c.bitangent_deg).c_str());
+  }
+  std::fflush(stdout);
+  if ((report.reference == "analytic" || report.reference == "local") && report.corners > 0)
+    std::cout << "    truth uncertain by "
+              << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals), "
+              << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms") << " (tangents)\n";
+  if (report.local && report.reference != "local") print_local(*report.local);
+  if (report.mikktspace) print_mikktspace(*report.mikktspace);
+  for (const Finding& f : report.findings) {
+    std::string count = std::to_string(f.count);
+    if (with_baseline) count += ", " + std::to_string(judged.known_count(f.code)) + " in the baseline";
+    print_finding(f.severity, f.code, count, f.message);
+  }
+}
+
+// "3 pass, 1 fail"
+std::string counted(const std::array<std::size_t, verdict_names.size()>& verdicts) {
+  std::vector<std::string> texts;
+  for (std::size_t k = 0; k < verdicts.size(); ++k)
+    if (verdicts[k] > 0) texts.push_back(std::to_string(verdicts[k]) + ' ' + std::string(verdict_names[k]));
+  return joined(texts);
+}
+
+// What was found in a file, without tables and notes.
+void print_summary(const JudgedFile& file, bool with_baseline) {
+  struct Total {
+    const Finding* first;
+    std::size_t count = 0, places = 0, known = 0;
+  };
+  std::vector<Total> totals;
+  std::array<std::size_t, verdict_names.size()> verdicts{};
+  std::size_t judgements = 0;
+  for (const JudgedPrimitive& p : file.primitives) {
+    for (const Judgement& j : p.judgements) {
+      ++judgements;
+      ++verdicts[static_cast<std::size_t>(j.report.verdict)];
+      for (const Finding& f : j.report.findings) {
+        if (f.severity == Severity::info) continue;
+        auto at = std::find_if(totals.begin(), totals.end(),
+                               [&](const Total& t) { return t.first->code == f.code; });
+        if (at == totals.end()) at = totals.insert(at, {&f});
+        at->count += f.count, ++at->places;
+      }
+    }
+    for (Total& t : totals) t.known += p.known_count(t.first->code);
+  }
+  if (judgements > 1) std::cout << "  " << judgements << " meshes and parts: " << counted(verdicts) << '\n';
+  std::stable_sort(totals.begin(), totals.end(),
+                   [](const Total& a, const Total& b) { return a.first->severity > b.first->severity; });
+  for (const Total& t : totals) {
+    std::string count = std::to_string(t.count);
+    if (judgements > 1) count += " in " + std::to_string(t.places) + " of them";
+    if (with_baseline) count += ", " + std::to_string(t.known) + " in the baseline";
+    print_finding(t.first->severity, t.first->code, count, t.first->message);
+  }
+}
+
+}  // namespace
+
+void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool details) {
+  std::size_t judgements = 0, unreadable = 0;
+  std::array<std::size_t, verdict_names.size()> verdicts{};
+  for (const JudgedFile& file : files)
+    for (const JudgedPrimitive& p : file.primitives) judgements += p.judgements.size();
+  const bool tables = details || judgements <= most_tables;
+  for (const JudgedFile& file : files) {
+    if (!file.error.empty()) {
+      ++unreadable;
+      continue;
+    }
+    ++verdicts[static_cast<std::size_t>(file.verdict)];
+    std::cout << one_line(file.path) << ": " << verdict_names[static_cast<std::size_t>(file.verdict)] << '\n';
+    if (file.primitives.empty()) std::cout << "  holds no triangles to judge\n";
+    if (tables)
+      for (const JudgedPrimitive& p : file.primitives)
+        for (const Judgement& j : p.judgements) print_judgement(p, j, with_baseline);
+    else
+      print_summary(file, with_baseline);
+    for (const SkippedPrimitive& s : file.skipped)
+      std::cout << "  mesh " << s.mesh << " primitive " << s.primitive << " not judged: " << s.reason << '\n';
+  }
+  if (!tables)
+    std::cout << "--details shows a table and the notes of each of the " << judgements
+              << " meshes and parts\n";
+  if (files.size() > 1) {
+    std::string text = counted(verdicts);
+    if (unreadable > 0) text += (text.empty() ? "" : ", ") + std::to_string(unreadable) + " unreadable";
+    std::cout << files.size() << " files: " << text << '\n';
+  }
+  if (with_baseline) {
+    const auto worse = std::count_if(files.begin(), files.end(), [](const JudgedFile& f) { return f.worse; });
+    std::cout << (worse == 0 ? "nothing is"
+                             : std::to_string(worse) + (files.size() == 1 ? " file " : " files ") +
+                                   (worse == 1 ? "is" : "are"))
+              << " worse than in the baseline\n";
+  }
+}
+
+}  // namespace darboux
