@@ -49,10 +49,18 @@ bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<cons
   return change_u > 2 * norm(jet.dpdu) || change_v > 2 * norm(jet.dpdv);
 }
 
-// Of a node, from the fewest rings that tell how well they know it.
-Truth truth_at(const Rings& rings, Index node, Rings::Walk& walk) {
-  std::vector<Vec2<double>> uvs;
+// Kept from node to node, for its memory.
+struct Near {
+  Rings::Walk walk;
   std::vector<Vec3<double>> positions;
+  std::vector<Vec2<double>> uvs;
+};
+
+// Of a node, from the fewest rings that tell how well they know it.
+Truth truth_at(const Rings& rings, Index node, Near& near) {
+  auto& [walk, positions, uvs] = near;
+  positions.clear();
+  uvs.clear();
   rings.start(node, walk);
   rings.grow(walk);
   for (int ring = 2; ring <= most_rings; ++ring) {
@@ -79,19 +87,23 @@ Truth truth_at(const Rings& rings, Index node, Rings::Walk& walk) {
 std::vector<Truth> local_truth(const Mesh& mesh) {
   check_consistent(mesh, "mesh");
   if (mesh.uvs.empty()) throw MeshError("mesh", "has no uvs, frames need one uv set");
-  std::vector<Truth> result(mesh.positions.size(), no_truth()), of_node;
   Rings rings(mesh);
   rings.stop_at_creases();
-  std::vector<Index> place(rings.size(), 0);  // of a node's truth in of_node, from 1
-  Rings::Walk walk;
-  for (std::size_t c = 0; c < mesh.corners(); ++c) {
-    const Index node = rings.frames.of_corner[c];
-    if (!rings.used(node) || rings.at_crease(node)) continue;
-    if (place[node] == 0) {
-      of_node.push_back(truth_at(rings, node, walk));
-      place[node] = static_cast<Index>(of_node.size());
-    }
-    result[mesh.triangles[c / 3][c % 3]] = of_node[place[node] - 1];
+  constexpr Index none = std::numeric_limits<Index>::max();
+  std::vector<Index> node_of(mesh.positions.size(), none);  // of a vertex of two, that of its last corner
+  for (std::size_t c = 0; c < mesh.corners(); ++c)
+    if (const Index node = rings.frames.of_corner[c]; rings.used(node) && !rings.at_crease(node))
+      node_of[mesh.triangles[c / 3][c % 3]] = node;
+  std::vector<Truth> result(mesh.positions.size(), no_truth());
+  std::vector<Index> first(rings.size(), none);  // of each node the vertex that has its truth
+  Near near;
+  for (Index v = 0; v < node_of.size(); ++v) {
+    if (node_of[v] == none) continue;
+    Index& known = first[node_of[v]];
+    if (known == none)
+      result[known = v] = truth_at(rings, node_of[v], near);
+    else
+      result[v] = result[known];
   }
   return result;
 }

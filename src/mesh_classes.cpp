@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <span>
 #include <tuple>
 
 #include <darboux/mesh_classes.h>
@@ -10,6 +8,7 @@
 #include <darboux/weld.h>
 
 #include "disjoint_sets.h"
+#include "edges.h"
 
 namespace darboux {
 namespace {
@@ -125,7 +124,7 @@ std::vector<std::int8_t> signs_of_vertices(const Mesh& mesh, const std::vector<s
 std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
                                            const std::vector<std::int8_t>& triangle_sign,
                                            double uv_tolerance) {
-  const std::vector<std::int8_t> sign = signs_of_vertices(mesh, triangle_sign);
+  std::vector<std::int8_t> sign = signs_of_vertices(mesh, triangle_sign);
   const auto same_chart = [&](std::uint32_t a, std::uint32_t b) {
     return mesh.uvs.empty() ||
            (std::fabs(mesh.uvs[a].x - mesh.uvs[b].x) <= uv_tolerance &&
@@ -134,8 +133,10 @@ std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
   const First normal = normals(mesh, place);
   std::vector<bool> several_normals(place.size(), false), several_charts(place.size(), false);
   for (std::uint32_t v = 0; v < place.size(); ++v) {
-    if (normal[v] != place[v]) several_normals[place[v]] = true;
-    if (normal[v] != v && !same_chart(normal[v], v)) several_charts[normal[v]] = true;
+    const std::uint32_t first = normal[v];
+    if (first != place[v]) several_normals[place[v]] = true;
+    if (first != v && !same_chart(first, v)) several_charts[first] = true;
+    if (sign[first] == 0) sign[first] = sign[v];  // the first that there is
   }
   std::vector<VertexClass> classes(place.size(), VertexClass::interior);
   for (std::uint32_t v = 0; v < place.size(); ++v)
@@ -146,31 +147,6 @@ std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
   return classes;
 }
 
-// The edges of triangles, sorted by the smaller of the two places they join. Edge 3t + k runs from vertex k of
-// triangle t to its next.
-class EdgesByPlace {
- public:
-  EdgesByPlace(const Mesh& mesh, const First& place) : begin_(place.size() + 1, 0), edges_(mesh.corners()) {
-    const auto for_each = [&](auto f) {
-      std::uint32_t edge = 0;
-      for (const Triangle& triangle : mesh.triangles) {
-        const std::uint32_t a = place[triangle[0]], b = place[triangle[1]], c = place[triangle[2]];
-        for (const std::uint32_t smaller : {std::min(a, b), std::min(b, c), std::min(c, a)})
-          f(smaller, edge++);
-      }
-    };
-    for_each([&](std::uint32_t smaller, std::uint32_t) { ++begin_[smaller]; });
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    for_each([&](std::uint32_t smaller, std::uint32_t edge) { edges_[--begin_[smaller]] = edge; });
-  }
-  std::span<const std::uint32_t> operator[](std::uint32_t place) const {
-    return {edges_.data() + begin_[place], edges_.data() + begin_[place + 1]};
-  }
-
- private:
-  std::vector<std::uint32_t> begin_, edges_;
-};
-
 // Marks the places on edges with one triangle, and joins triangles of one sign over edges that share position and uv.
 void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
                 const std::vector<std::int8_t>& sign, std::vector<bool>& border, DisjointSets& islands) {
@@ -180,7 +156,8 @@ void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
     std::uint32_t triangle;
     auto key() const { return std::tie(greater, uv_low, uv_high, sign); }
   };
-  const EdgesByPlace by_place(mesh, place);
+  const EdgesByNode by_place(mesh.triangles.size(), place.size(),
+                             [&](std::uint32_t t, std::uint32_t k) { return place[mesh.triangles[t][k]]; });
   std::vector<Edge> edges;
   for (std::uint32_t smaller = 0; smaller < place.size(); ++smaller) {
     edges.clear();

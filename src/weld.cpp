@@ -2,11 +2,11 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <utility>
 
 #include <darboux/weld.h>
 
 #include "disjoint_sets.h"
+#include "hash_table.h"
 
 namespace darboux {
 namespace {
@@ -17,43 +17,6 @@ std::uint32_t hash_of_cell(std::int64_t x, std::int64_t y, std::int64_t z) {
                             static_cast<std::uint64_t>(z) * 0x165667b19e3779f9;
   return static_cast<std::uint32_t>((sum ^ sum >> 32) * 0xd6e8feb86659fd93 >> 32);
 }
-
-// Points by hash. A point stands at the slot that the upper bits of its hash name or, where that is taken, at the next
-// free one.
-class HashTable {
- public:
-  // Asks points of this hash for f(point) until one says yes. Says whether one does.
-  template <class F>
-  bool any_of(std::uint32_t hash, F f) const {
-    for (std::size_t i = hash >> shift_; slots_[i].point != free; i = next(i))
-      if (slots_[i].hash == hash && f(slots_[i].point)) return true;
-    return false;
-  }
-  void insert(std::uint32_t hash, std::uint32_t point) {
-    if (4 * ++size_ > 3 * slots_.size() && shift_ > 0) {
-      --shift_;
-      for (const Slot& slot : std::exchange(slots_, std::vector<Slot>(2 * slots_.size())))
-        if (slot.point != free) place(slot);
-    }
-    place({hash, point});
-  }
-
- private:
-  static constexpr std::uint32_t free = std::numeric_limits<std::uint32_t>::max();
-  struct Slot {
-    std::uint32_t hash = 0, point = free;
-  };
-  std::size_t next(std::size_t i) const { return (i + 1) & (slots_.size() - 1); }
-  void place(const Slot& slot) {
-    std::size_t i = slot.hash >> shift_;
-    while (slots_[i].point != free) i = next(i);
-    slots_[i] = slot;
-  }
-
-  int shift_ = 24;  // 2^(32 - shift_) slots
-  std::vector<Slot> slots_ = std::vector<Slot>(1 << 8);
-  std::size_t size_ = 0;
-};
 
 }  // namespace
 

@@ -214,6 +214,35 @@ TEST(Classify, TellsTheIslandsOfALargeFanApart) {
   EXPECT_EQ(classify(mesh, {}).islands, static_cast<std::int32_t>(n));
 }
 
+// A mirror fold is one wherever in the order of vertices the sides come, and a vertex without uv area: here two quads that
+// mirror each other in uv, and a sliver at the fold whose uvs are a line.
+TEST(Classify, FindsFoldsBehindVerticesWithoutUvArea) {
+  struct Side {
+    Vec3<double> far;
+    Vec2<double> uv;
+  };
+  const Side sides[] = {
+      {{-1, 0, 0}, {1, 0}}, {{1, 0, 0}, {1, 0}}, {{0, 0, 0.5}, {0, 0.5}}};  // the last has none
+  std::array<int, 3> order{0, 1, 2};
+  do {
+    Mesh mesh;
+    for (const int k : order) {
+      const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+      mesh.positions.insert(mesh.positions.end(), {{0, 0, 0}, {0, 0, 1}, sides[k].far});
+      mesh.uvs.insert(mesh.uvs.end(), {{0, 0}, {0, 1}, sides[k].uv});
+      mesh.normals.insert(mesh.normals.end(), 3, {0, 1, 0});
+      if (k == 0)
+        mesh.triangles.push_back({base, base + 1, base + 2});
+      else
+        mesh.triangles.push_back({base, base + 2, base + 1});
+    }
+    const std::vector<VertexClass> classes = classify(mesh, {}).of_vertex;
+    for (std::uint32_t v = 0; v < classes.size(); ++v)
+      EXPECT_EQ(classes[v] == VertexClass::seam, v % 3 != 2)
+          << "vertex " << v << ", order " << order[0] << order[1] << order[2];
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
 // ---- against the definition, pair by pair -------------------------------------------------------------------------
 
 double size_of_range(std::vector<double> x) {
@@ -222,8 +251,8 @@ double size_of_range(std::vector<double> x) {
   return *high - *low;
 }
 
-// Classes and islands from every pair of vertices and every pair of triangles. What a vertex is near to is asked of
-// the first vertex of its place and normal. Less than 64 normals a place.
+// Classes and islands from every pair of vertices and every pair of triangles. Which uv and normal a vertex has is asked
+// of the first vertex of its place and normal. Less than 64 normals a place.
 MeshClasses reference_classes(const Mesh& mesh, const std::vector<bool>& pole) {
   const auto n = static_cast<std::uint32_t>(mesh.positions.size());
   const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
@@ -297,7 +326,9 @@ MeshClasses reference_classes(const Mesh& mesh, const std::vector<bool>& pole) {
     bool seam = false, crease = false;
     for (std::uint32_t j = 0; j < n; ++j) {
       const std::uint32_t first = normal[i];
-      seam = seam || (normal[j] == first && j != first && (!same_uv(first, j) || opposite(first, j)));
+      for (std::uint32_t k = 0; k < n && normal[j] == first; ++k)
+        seam = seam || (normal[k] == first && opposite(j, k));
+      seam = seam || (normal[j] == first && j != first && !same_uv(first, j));
       crease = crease || (place[j] == place[i] && normal[j] != first);
     }
     classes.of_vertex.push_back(!pole.empty() && pole[i]    ? VertexClass::pole

@@ -2,13 +2,14 @@
 #include "rings.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "../hash_table.h"
 #include "../pieces.h"
 #include "creases.h"
 #include "triangle.h"
@@ -16,28 +17,31 @@
 namespace darboux {
 
 std::vector<Index> join_equal_vertices(const Mesh& mesh) {
-  struct Key {
-    std::array<double, 8> x;
-    bool operator==(const Key&) const = default;
+  const Vec3<double> no_normal;
+  const Vec2<double> no_uv;
+  const auto normal = [&](Index v) -> const Vec3<double>& {
+    return mesh.normals.empty() ? no_normal : mesh.normals[v];
   };
-  struct Hash {
-    std::size_t operator()(const Key& key) const {
-      std::size_t h = 0;
-      for (const double x : key.x) {
-        h = (h ^ std::hash<double>()(x)) * 0x9e3779b97f4a7c15ULL;
-        h ^= h >> 32;
-      }
-      return h;
-    }
-  };
-  std::unordered_map<Key, Index, Hash> first;
-  first.reserve(mesh.positions.size());
+  const auto uv = [&](Index v) -> const Vec2<double>& { return mesh.uvs.empty() ? no_uv : mesh.uvs[v]; };
   std::vector<Index> joined(mesh.positions.size());
-  for (std::size_t v = 0; v < joined.size(); ++v) {
-    const Vec3<double>&p = mesh.positions[v], n = mesh.normals.empty() ? Vec3<double>{} : mesh.normals[v];
-    const Vec2<double> uv = mesh.uvs.empty() ? Vec2<double>{} : mesh.uvs[v];
-    joined[v] =
-        first.try_emplace({{p.x, p.y, p.z, n.x, n.y, n.z, uv.x, uv.y}}, static_cast<Index>(v)).first->second;
+  HashTable distinct;
+  for (Index v = 0; v < joined.size(); ++v) {
+    joined[v] = v;
+    const Vec3<double>&p = mesh.positions[v], &n = normal(v);
+    const Vec2<double>& q = uv(v);
+    std::uint64_t hash = 0;
+    for (const double x : {p.x, p.y, p.z, n.x, n.y, n.z, q.x, q.y}) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15;  // -0 is 0
+      hash ^= hash >> 32;
+    }
+    const auto place = static_cast<std::uint32_t>(hash * 0xd6e8feb86659fd93 >> 32);
+    const auto joins_its_equal = [&](Index w) {
+      if (!(p == mesh.positions[w] && n == normal(w) && q == uv(w))) return false;
+      joined[v] = w;
+      return true;
+    };
+    const bool equals_itself = p == p && n == n && q == q;  // as NaN does not
+    if (equals_itself && !distinct.any_of(place, joins_its_equal)) distinct.insert(place, v);
   }
   return joined;
 }
@@ -69,15 +73,14 @@ Rings::Rings(const Mesh& mesh) : mesh_(mesh) {
     Index& node = frames.of_corner[c];
     if (!good[c / 3] && !used(node) && used(node ^ 1)) node ^= 1;
   }
-  frames.frames.resize(size());
 }
 
 void Rings::stop_at_creases() {
   at_crease_.assign(size(), false);
   for_each_shared_edge(
-      mesh_, [&](Index t, int k) { return nodes_[t][k]; },
+      nodes_.size(), size(), [&](Index t, Index k) { return nodes_[t][k]; },
       [&](const SharedEdge& e) {
-        if (e.sharp) at_crease_[e.node[0]] = at_crease_[e.node[1]] = true;
+        if (is_sharp(mesh_, e)) at_crease_[e.node[0]] = at_crease_[e.node[1]] = true;
       });
 }
 
@@ -177,6 +180,7 @@ template <class FrameOf>
 MeshFrames of_nodes(const Mesh& mesh, int threads, const FrameOf& frame) {
   Rings rings(mesh);
   std::vector<CornerFrame>& frames = rings.frames.frames;
+  frames.resize(rings.size());
   in_pieces(
       rings.size(), thread_count(threads),
       [&](std::size_t begin, std::size_t end) {

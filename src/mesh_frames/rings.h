@@ -11,7 +11,7 @@ namespace darboux {
 
 using Index = std::uint32_t;
 
-// For each vertex the first that has the same position, normal and uv, to the bit.
+// For each vertex the first that has the same position, normal and uv.
 std::vector<Index> join_equal_vertices(const Mesh& mesh);
 
 // Nodes are vertices, joined where they agree in position, uv and normal, apart where the triangles' uvs wind differently.
@@ -40,7 +40,7 @@ class Rings {
   void grow(Walk& walk) const;
   static constexpr std::size_t most_nodes = 128, most_triangles = 32;
 
-  MeshFrames frames;  // counts and of_corner; frames of all nodes, to be filled in
+  MeshFrames frames;  // counts and of_corner; the frames of nodes are to be filled in
 
  private:
   const Mesh& mesh_;

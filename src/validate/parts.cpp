@@ -15,18 +15,24 @@ std::vector<std::vector<std::uint32_t>> parts_of(const Mesh& mesh, bool at_creas
   DisjointSets sets(mesh.triangles.size());
   // First those with area in uv; then each of the others with one of its neighbours, so that it joins no two of them.
   std::vector<bool> placed(mesh.triangles.size(), false);
-  for (const bool flat_uvs : {false, true})
-    for_each_shared_edge(
-        mesh, [&](std::uint32_t t, int k) { return joined[mesh.triangles[t][k]]; },
-        [&](const SharedEdge& e) {
-          const auto [a, b] = e.triangle;
-          if (at_creases && e.sharp) return;
-          const bool flat = !mesh.uvs.empty() && (sign[a] == 0 || sign[b] == 0);
-          if (flat != flat_uvs) return;
-          if (flat ? (sign[a] == 0 && placed[a]) || (sign[b] == 0 && placed[b]) : sign[a] != sign[b]) return;
-          sets.join(a, b);
-          placed[a] = placed[b] = true;
-        });
+  const auto join = [&](std::uint32_t a, std::uint32_t b) {
+    sets.join(a, b);
+    placed[a] = placed[b] = true;
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> without_area;
+  for_each_shared_edge(
+      mesh.triangles.size(), mesh.positions.size(),
+      [&](std::uint32_t t, std::uint32_t k) { return joined[mesh.triangles[t][k]]; },
+      [&](const SharedEdge& e) {
+        const auto [a, b] = e.triangle;
+        if (at_creases && is_sharp(mesh, e)) return;
+        if (!mesh.uvs.empty() && (sign[a] == 0 || sign[b] == 0))
+          without_area.emplace_back(a, b);
+        else if (sign[a] == sign[b])
+          join(a, b);
+      });
+  for (const auto& [a, b] : without_area)
+    if (!(sign[a] == 0 && placed[a]) && !(sign[b] == 0 && placed[b])) join(a, b);
   std::vector<std::vector<std::uint32_t>> parts;
   std::unordered_map<std::uint32_t, std::size_t> number;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
