@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 
 #include <darboux/error.h>
@@ -13,7 +14,9 @@
 namespace darboux {
 namespace {
 
-constexpr int degree = 3, most_rings = 5;  // the corner of a grid has too few within four
+constexpr int first_degree = 3, finest_degree = 4;
+constexpr double close = 2e-5;  // a thousandth of a degree
+constexpr int most_rings = 5;   // the corner of a grid has too few within four
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 Truth no_truth() {
@@ -56,11 +59,13 @@ struct Near {
   std::vector<Vec2<double>> uvs;
 };
 
-// Of a node, from the fewest rings that tell how well they know it.
+// Of a node, from the fewest rings that tell how well they know it; of the finest degree where the first leaves more than that.
 Truth truth_at(const Rings& rings, Index node, Near& near) {
   auto& [walk, positions, uvs] = near;
   positions.clear();
   uvs.clear();
+  int degree = first_degree;
+  std::optional<UvJet> best;
   rings.start(node, walk);
   rings.grow(walk);
   for (int ring = 2; ring <= most_rings; ++ring) {
@@ -74,12 +79,14 @@ Truth truth_at(const Rings& rings, Index node, Near& near) {
       uvs.push_back(uv);
     }
     const UvJet jet = uv_jet(uvs, positions, rings.uv(node), {.degree = degree});
-    if (std::isfinite(jet.normal_error) && std::isfinite(jet.tangent_error)) {
-      const auto nearest = std::span<const Vec2<double>>(uvs).first(std::min(walk.ends[1], uvs.size()));
-      return is_singular(jet.jet, rings.uv(node), nearest) ? no_truth() : truth_of(jet, Rings::sign(node));
-    }
+    if (!std::isfinite(jet.normal_error) || !std::isfinite(jet.tangent_error)) continue;
+    best = jet;
+    if (degree == finest_degree || std::fmax(jet.normal_error, jet.tangent_error) < close) break;
+    degree = finest_degree;
   }
-  return no_truth();
+  if (!best) return no_truth();
+  const auto nearest = std::span<const Vec2<double>>(uvs).first(std::min(walk.ends[1], uvs.size()));
+  return is_singular(best->jet, rings.uv(node), nearest) ? no_truth() : truth_of(*best, Rings::sign(node));
 }
 
 }  // namespace

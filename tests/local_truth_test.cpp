@@ -53,63 +53,75 @@ double median(std::vector<double> x) {
   return x[x.size() / 2];
 }
 
+double rms(const std::vector<double>& x) {
+  double squares = 0;
+  for (const double e : x) squares += e * e;
+  return std::sqrt(squares / static_cast<double>(x.size()));
+}
+
+Vec3<double> tangent(const Mesh& mesh, std::uint32_t v) {
+  return {mesh.tangents[v].x, mesh.tangents[v].y, mesh.tangents[v].z};
+}
+
+// Two standard deviations cover the errors, which are those of truncation: a steady share of the deviation, not a random one, so that
+// more than 95 % lie within. And they are no larger than that takes: their median is no more than five times the errors'.
 TEST(LocalTruth, DeviationsAreHonest) {
-  for (const int n : {16, 32, 64})
-    for (const Case& c : cases()) {
+  for (const Case& c : cases())
+    for (const int n : {32, 64}) {
       const Mesh mesh = mesh_of(c, n);
       const std::vector<Truth> truth = local_truth(mesh);
       const MeshClasses classes = classify(mesh, {});
       for (const bool normal : {true, false}) {
         std::vector<double> errors, bars;
-        double ratio[3] = {0, 0, 0};
-        std::size_t corners = 0;
-        for (std::size_t v = 0; v < truth.size(); ++v) {
+        std::size_t covered = 0, interior = 0;
+        for (std::uint32_t v = 0; v < truth.size(); ++v) {
           if (classes.of_vertex[v] != VertexClass::interior) continue;
-          ++corners;
-          const double error = normal ? degrees(truth[v].normal, mesh.normals[v])
-                                      : degrees(truth[v].tangent, {mesh.tangents[v].x, mesh.tangents[v].y, mesh.tangents[v].z});
-          const double bar = normal ? truth[v].normal_deg : truth[v].tangent_deg;
+          ++interior;
+          const double bar = 2 * (normal ? truth[v].normal_deg : truth[v].tangent_deg);
           if (!std::isfinite(bar)) continue;
-          errors.push_back(error), bars.push_back(bar);
-          for (int k = 0; k < 3; ++k) ratio[k] += error <= (k + 1) * bar;
+          errors.push_back(normal ? degrees(truth[v].normal, mesh.normals[v])
+                                  : degrees(truth[v].tangent, tangent(mesh, v)));
+          bars.push_back(bar);
+          covered += errors.back() <= bar;
         }
-        for (double& r : ratio) r *= 100.0 / static_cast<double>(errors.size());
-        std::cout << c.surface << ' ' << c.jitter << ' ' << c.shear << " n " << n << (normal ? " normal " : " tangent ") << corners
-                  << " known " << errors.size() << " median error " << median(errors) << " bar/error " << median(bars) / median(errors)
-                  << " within 1 2 3: " << ratio[0] << ' ' << ratio[1] << ' ' << ratio[2] << '\n';
+        SCOPED_TRACE(c.surface + " jitter " + std::to_string(c.jitter) + " shear " + std::to_string(c.shear) +
+                     " n " + std::to_string(n) + (normal ? " normals" : " tangents"));
+        // A strip that is twisted or bent much within a cell is no smooth mesh of 32 cells.
+        if (n == 64) {
+          EXPECT_GE(errors.size(), 0.97 * static_cast<double>(interior));
+        }
+        EXPECT_GE(covered, 0.93 * static_cast<double>(errors.size()));
+        EXPECT_LE(median(bars), (n == 64 ? 5 : 6) * median(errors)) << median(errors);
+        std::cout << c.surface << ' ' << c.jitter << ' ' << n << (normal ? " normals: " : " tangents: ")
+                  << median(errors) << " deg, bar " << median(bars) / median(errors) << " times that, covers "
+                  << 100.0 * static_cast<double>(covered) / static_cast<double>(errors.size()) << " %\n";
       }
     }
 }
 
-double worst_free_rms(const std::vector<double>& x) {
-  double s = 0;
-  for (const double e : x) s += e * e;
-  return std::sqrt(s / static_cast<double>(x.size()));
-}
-
+// Where no symmetry cancels the errors of averages: on jittered meshes and on the triaxial ellipsoid.
 TEST(LocalTruth, IsFarBetterThanAverages) {
   for (const Case& c : cases()) {
+    if (c.jitter == 0 && c.surface != "ellipsoid") continue;
     const Mesh mesh = mesh_of(c, 64);
     const std::vector<Truth> truth = local_truth(mesh);
     const MeshClasses classes = classify(mesh, {});
     const auto error_of = [&](const auto& tangent_at) {
       std::vector<double> errors;
-      for (std::size_t i = 0; i < mesh.corners(); ++i) {
-        const std::uint32_t v = mesh.triangles[i / 3][i % 3];
-        if (classes.of_vertex[v] != VertexClass::interior || !std::isfinite(truth[v].tangent_deg)) continue;
-        errors.push_back(degrees(tangent_at(i, v), {mesh.tangents[v].x, mesh.tangents[v].y, mesh.tangents[v].z}));
+      for (std::size_t corner = 0; corner < mesh.corners(); ++corner) {
+        const std::uint32_t v = mesh.triangles[corner / 3][corner % 3];
+        if (classes.of_vertex[v] == VertexClass::interior && std::isfinite(truth[v].tangent_deg))
+          errors.push_back(degrees(tangent_at(corner, v), tangent(mesh, v)));
       }
-      return worst_free_rms(errors);
+      return rms(errors);
     };
     const double local = error_of([&](std::size_t, std::uint32_t v) { return truth[v].tangent; });
-    double best = 1e300;
-    std::string name;
     for (const std::string_view method : {"mikktspace", "average", "unit", "area", "angle", "max"}) {
       const MeshFrames frames = mesh_frames(mesh, find_frame_method(method));
-      const double error = error_of([&](std::size_t i, std::uint32_t) { return frames.corner(i).t; });
-      if (error < best) best = error, name = method;
+      const double error =
+          error_of([&](std::size_t corner, std::uint32_t) { return frames.corner(corner).t; });
+      EXPECT_GE(error, 20 * local) << c.surface << " jitter " << c.jitter << ' ' << method;
     }
-    std::cout << c.surface << ' ' << c.jitter << ' ' << c.shear << " local " << local << " best " << name << ' ' << best << " ratio " << best / local << '\n';
   }
 }
 
