@@ -120,7 +120,7 @@ TEST(BadFiles, NotGltf) {
     expect_bytes_refused("{\"asset\": {\"version\": \"2.1\", \"minVersion\": \"2.1\"}}",
                          "asset.minVersion is \"2.1\"", name);
   }
-  expect_bytes_refused("ply\n", "is of no known kind, permitted are GLB", "mesh.ply");
+  expect_bytes_refused("ply\n", "is of no known kind, permitted are GLB", "mesh.off");
   expect_bytes_refused("x", "is of no known kind", "no_extension");
 }
 

@@ -15,7 +15,7 @@
 namespace darboux::test {
 
 inline void check_message(const std::string& message, const std::string& path, const std::string& part) {
-  EXPECT_TRUE(message.starts_with(path + ": ")) << message;
+  EXPECT_TRUE(message.starts_with(path + ":")) << message;  // or its line
   EXPECT_NE(message.find(part), std::string::npos) << message << "\nlacks: " << part;
   EXPECT_NE(message.find("permitted"), std::string::npos) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;

@@ -6,7 +6,7 @@
 #include <darboux/judge.h>
 
 int main(int argc, char** argv) try {
-  if (argc != 2) throw darboux::ParameterError("judge_a_mesh", "needs one .glb, .gltf or .obj");
+  if (argc != 2) throw darboux::ParameterError("judge_a_mesh", "needs the file of a mesh");
   darboux::JudgeOptions options;
   options.max_angle_deg = 2;  // for interior corners; three times that elsewhere
   options.surface = darboux::parse_specification("torus");  // leave it out to have the surface recognised

@@ -268,7 +268,9 @@ void run(const Arguments& arguments, Common& common) {
 void add_compare(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("compare", "Compare the tangents of two mesh files, corner by corner");
   auto arguments = std::make_shared<Arguments>();
-  sub.add_option("A", arguments->a, "a .glb, .gltf or .obj file")->required();
+  sub.add_option("A", arguments->a,
+                 "a mesh: " + joined({asset_extensions().begin(), asset_extensions().end()}))
+      ->required();
   sub.add_option("B", arguments->b, "another")->required();
   sub.add_option("--max-angle", arguments->max_angle,
                  "tangents up to so many degrees apart, of the same sign, count as the same; 0: those of the "

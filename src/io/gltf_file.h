@@ -108,8 +108,5 @@ Asset read_gltf(const GltfFile& file);
 std::vector<MorphTarget> read_targets(const GltfFile& file, const Place& primitive, int texcoord,
                                       std::size_t vertices);
 
-/// An OBJ's triangles, by assimp. \throws FileError
-Asset read_obj(const std::string& path, const std::string& bytes);
-
 }  // namespace io
 }  // namespace darboux

@@ -2,7 +2,6 @@
 #include "points.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 
 #include <Eigen/Geometry>
@@ -10,6 +9,7 @@
 #include <darboux/error.h>
 #include <darboux/weld.h>
 
+#include "../text.h"
 #include "files.h"
 
 namespace darboux::io {
@@ -27,12 +27,6 @@ const std::vector<Group> groups{{{"x", "y", "z"}, 0},
                                 {{"u", "v"}, 6},
                                 {{"s", "t"}, 6},
                                 {{"texture_u", "texture_v"}, 6}};
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
 
 PointFile read_gltf_points(const std::string& path) {
   const Asset asset = read_asset(path);
@@ -168,7 +162,7 @@ PointCloud distinct_points(const PointFile& file) {
 }
 
 PointFile read_points(const std::string& path, const std::function<void(double)>& progress) {
-  const std::string extension = io::lower(std::filesystem::path(path).extension().string());
+  const std::string extension = lower(std::filesystem::path(path).extension().string());
   if (extension == ".glb" || extension == ".gltf") return io::read_gltf_points(path);
   struct Format {
     std::vector<std::string_view> extensions;

@@ -1,11 +1,8 @@
-// Points as text: tables, OBJ, and STL, whose ASCII form is lines too.
+// Points as text: tables and OBJ.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <limits>
 #include <optional>
 
@@ -219,54 +216,6 @@ PointFile read_obj_points(PointReader& reader) {
   }
   PointFile result = reader.finish();
   if (faces) find_places(result, used);
-  return result;
-}
-
-PointFile read_stl_points(PointReader& reader) {
-  static_assert(std::endian::native == std::endian::little, "binary numbers are copied as they are");
-  InputBytes& bytes = reader.bytes();
-  const PointColumns columns{{0, 1, 2}, false, false};
-  const std::uint64_t size = bytes.size().value_or(0);
-  std::array<char, 84> start{};
-  std::uint32_t triangles = 0;
-  std::ifstream peek(reader.path(), std::ios::binary);
-  const bool whole = static_cast<bool>(peek.read(start.data(), start.size()));
-  std::memcpy(&triangles, start.data() + 80, sizeof triangles);
-  // Binary files may begin with "solid" too: their size tells.
-  if (whole && size == 84 + std::uint64_t{50} * triangles) {
-    bytes.take(start.data(), start.size());
-    std::array<char, 50> record{};
-    for (std::uint64_t t = 0; t < triangles && bytes.take(record.data(), 50) == 50; ++t)
-      for (std::size_t corner = 0; corner < 3; ++corner) {
-        std::array<float, 3> p{};
-        std::memcpy(p.data(), record.data() + 12 + 12 * corner, sizeof p);
-        reader.add(columns, {p[0], p[1], p[2]}, "triangle ", t);
-      }
-  } else if (std::string_view(start.data(), start.size()).starts_with("solid")) {
-    Lines lines(bytes, "lines like vertex 0 0.5 1");
-    std::vector<std::string_view> fields;
-    bool ended = false;
-    while (lines.next()) {
-      split_fields(lines.text(), ' ', fields);
-      ended = fields[0] == "endsolid";
-      if (fields[0] != "vertex") continue;
-      if (fields.size() != 4) lines.fail("a vertex of " + std::to_string(fields.size() - 1) + " numbers");
-      reader.add(columns,
-                 {number_of(fields[1], lines), number_of(fields[2], lines), number_of(fields[3], lines)},
-                 "line ", lines.number());
-    }
-    if (!ended) throw FileError(reader.path(), "ends before its endsolid, permitted is a whole STL file");
-  } else {
-    throw FileError(
-        reader.path(),
-        "is no STL file, permitted are ASCII, which begins with solid, and binary: 84 bytes and 50 for "
-        "each triangle that they count" +
-            (whole
-                 ? ", here " + std::to_string(triangles) + " triangles in " + std::to_string(size) + " bytes"
-                 : std::string()));
-  }
-  PointFile result = reader.finish();
-  find_places(result, std::vector<bool>(result.cloud.positions.size(), true));
   return result;
 }
 

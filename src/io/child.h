@@ -1,0 +1,27 @@
+/// \file child.h
+/// Work that may crash, hang or ask for any amount of memory, done where it harms nobody.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+namespace darboux::io {
+
+/// What a child process may use.
+struct ChildLimits {
+  std::uint64_t bytes;  ///< of address space beyond what this process has
+  unsigned seconds;     ///< of processor time; ten times as many on the clock
+};
+
+/// Why a child process gave no answer: "crashes (Segmentation fault)".
+struct ChildFailure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The bytes that `work` returns, from a copy of this process that ends with it. Its output and its core dumps go nowhere.
+/// It has this thread alone, so `work` must not wait for another. \throws ChildFailure when it does not end well
+std::string in_child(const std::function<std::string()>& work, const ChildLimits& limits);
+
+}  // namespace darboux::io
