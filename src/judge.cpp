@@ -192,7 +192,10 @@ std::vector<Judgement> judge_each(const Mesh& mesh, std::vector<RecognisedPart> 
     std::size_t corners = 0;
     for (const Triangle& triangle : p.part.mesh.triangles)
       for (const std::uint32_t v : triangle) corners += shared[v];
-    result.push_back(judgement_of(restrict_to(whole, p.part), std::move(p.recognised), options, false));
+    JudgeOptions of_part = options;
+    const UvSets other_uvs = restrict_to(options.other_uvs, p.part);
+    of_part.other_uvs = other_uvs;
+    result.push_back(judgement_of(restrict_to(whole, p.part), std::move(p.recognised), of_part, false));
     result.back().part = result.size() - 1;
     add(result.back().report, finding(Code::crease_shared, corners));
     renumber(result.back().report, p.part);

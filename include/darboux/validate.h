@@ -113,7 +113,7 @@ struct ValidateOptions {
   double max_angle_deg =
       5;  ///< limit for interior corners; three times that at seams, pole rings, creases and borders
   References references{};
-  /// Other uv sets of the mesh, which its tangents may follow instead; the number names the set.
+  /// Other uv sets of the mesh, a uv a vertex, which its tangents may follow instead; the number names the set.
   std::span<const std::pair<int, std::vector<Vec2<double>>>> other_uvs{};
   int threads = 1;  ///< 0: all; the report does not depend on it
 };
@@ -134,7 +134,7 @@ struct ValidateOptions {
 /// another uv set, a linear map that the tangents were not taken along.
 /// Cost: linear in the corners; local 10 us a vertex, MikkTSpace 0.6 us a triangle.
 /// \param truth at each vertex; empty: the other references decide
-/// \throws MeshError when the mesh is inconsistent, or for another number of truths than vertices
+/// \throws MeshError when the mesh is inconsistent, or for another number of truths, or of uvs of a set, than vertices
 MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options = {});
 
 /// \param truth the surface the mesh was made from, known exactly; without one the other references decide

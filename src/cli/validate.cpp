@@ -170,7 +170,9 @@ void read_configuration(CLI::App& sub, const std::string& path) {
 void add_validate(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("validate", "Compare the tangents stored in mesh files with the truth");
   auto arguments = std::make_shared<Arguments>();
-  sub.add_option("FILES", arguments->files, ".glb, .gltf or .obj files, and folders: all such files in them");
+  sub.add_option("FILES", arguments->files,
+                 joined({asset_extensions().begin(), asset_extensions().end()}) +
+                     " files, and folders: all such files in them");
   sub.add_option("--surface", arguments->surface,
                  "auto, or the kind with the parameters that are known: torus:minor_radius=0.4")
       ->capture_default_str();

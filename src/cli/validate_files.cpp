@@ -98,13 +98,16 @@ void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector
       file.skipped = asset.skipped;
       if (asset.primitives.empty()) file.verdict = Verdict::undetermined;
       for (Primitive& primitive : asset.primitives) {
-        std::vector<Judgement> judgements = judge_parts(primitive.data, options);
+        JudgeOptions with_uvs = options;
+        with_uvs.other_uvs = primitive.other_uvs;
+        std::vector<Judgement> judgements = judge_parts(primitive.data, with_uvs);
         add_node_findings(primitive, judgements.front().report);
         for (Judgement& j : judgements) {
           raise(fail_on, j.report);
           file.verdict = std::max(file.verdict, j.report.verdict);
         }
         primitive.data = {};
+        primitive.other_uvs = {};
         file.primitives.push_back({std::move(primitive), std::move(judgements), {}});
       }
     } catch (const FileError& e) {

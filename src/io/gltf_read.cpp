@@ -8,6 +8,7 @@
 #include <darboux/error.h>
 
 #include "accessor.h"
+#include "mesh_files.h"
 #include "tangent_space.h"
 
 namespace darboux::io {
@@ -112,6 +113,13 @@ void read_triangles(const GltfFile& file, const Place& place, std::uint64_t mode
     mesh.uvs = gather<Vec2<double>>(read_attribute(file, attributes, name, "VEC2", vertices), make_vec2);
     primitive.texcoord = static_cast<int>(set);
   }
+  if (!mesh.tangents.empty() && !mesh.uvs.empty())
+    for (int set = 0; set < most_uv_sets; ++set) {
+      const std::string name = "TEXCOORD_" + std::to_string(set);
+      if (set == primitive.texcoord || !attributes.has(name.c_str())) continue;
+      primitive.other_uvs.emplace_back(
+          set, gather<Vec2<double>>(read_attribute(file, attributes, name, "VEC2", vertices), make_vec2));
+    }
   std::vector<std::uint32_t> corners;
   if (place.has("indices")) {
     corners = read_indices(file, place, vertices);
@@ -245,7 +253,8 @@ Asset read_gltf(const GltfFile& file) {
       if (mesh.has("name")) primitive.name = mesh.at("name").text();
       read_triangles(file, place, mode, primitive);
       primitive.instances = instances[m];
-      elements += primitive.data.positions.size() + primitive.data.triangles.size();
+      elements += primitive.data.positions.size() * (1 + primitive.other_uvs.size()) +
+                  primitive.data.triangles.size();
       if (elements > most_elements)
         place.fail("is beyond the " + std::to_string(most_elements) +
                    " vertices and triangles permitted in all");

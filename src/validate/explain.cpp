@@ -86,8 +86,8 @@ bool explained_by_axes(const std::vector<Pair>& samples, double limit, std::size
 
 bool explained_by_uv_set(const Subject& subject, const std::vector<Pair>& samples,
                          const ValidateOptions& options, MeshReport& report) {
+  if (subject.mesh.normals.empty()) return false;
   for (const auto& [set, uvs] : options.other_uvs) {
-    if (subject.mesh.normals.empty() || uvs.size() != subject.mesh.positions.size()) continue;
     const std::vector<Vec4<float>> mikktspace = mikktspace_of(subject.mesh, uvs, options.threads);
     const double share = share_within(samples, options.max_angle_deg, [&](const Pair& s) {
       const Vec4<float>& t = mikktspace[s.corner];

@@ -88,4 +88,13 @@ Subject restrict_to(const Subject& whole, const Part& part) {
   return subject;
 }
 
+UvSets restrict_to(std::span<const UvSets::value_type> whole, const Part& part) {
+  UvSets sets;
+  for (const auto& [set, uvs] : whole) {
+    sets.emplace_back(set, std::vector<Vec2<double>>{});
+    for (const std::uint32_t v : part.vertices) sets.back().second.push_back(uvs[v]);
+  }
+  return sets;
+}
+
 }  // namespace darboux

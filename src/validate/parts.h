@@ -10,6 +10,8 @@ namespace darboux {
 // vertices agree. Parts are in the order of their first triangles.
 std::vector<std::vector<std::uint32_t>> parts_of(const Mesh& mesh, bool at_creases);
 
+using UvSets = std::vector<std::pair<int, std::vector<Vec2<double>>>>;
+
 // Triangles of a mesh with the vertices they use.
 struct Part {
   Mesh mesh;
@@ -19,5 +21,8 @@ Part part_of(const Mesh& whole, std::vector<std::uint32_t> triangles);
 
 // What is known of the whole, for the part.
 Subject restrict_to(const Subject& whole, const Part& part);
+
+// The uv sets of the whole, at the part's vertices.
+UvSets restrict_to(std::span<const UvSets::value_type> whole, const Part& part);
 
 }  // namespace darboux

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <darboux/error.h>
 #include <darboux/local_truth.h>
 #include <darboux/mikktspace.h>
 
@@ -58,6 +59,11 @@ std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<do
 }
 
 Subject prepare(const Mesh& mesh, const std::vector<bool>& is_pole, const ValidateOptions& options) {
+  for (const auto& [set, uvs] : options.other_uvs)
+    if (uvs.size() != mesh.positions.size())
+      throw MeshError("mesh", "uv set " + std::to_string(set) + " has " + std::to_string(uvs.size()) +
+                                  " uvs for " + std::to_string(mesh.positions.size()) +
+                                  " vertices, permitted is one each");
   Subject subject{mesh, classify(mesh, is_pole), {}, {}, {}};
   subject.across_mirror.assign(mesh.positions.size(), false);
   std::vector<signed char> winds(mesh.positions.size(), 0);
