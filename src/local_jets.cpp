@@ -1,10 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <darboux/error.h>
 #include <darboux/local_jets.h>
@@ -18,6 +18,14 @@ namespace {
 constexpr double worst_condition = 1e12, infinite = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+// [j][k]: the root of j / (j - k), the coefficient of x^(j-k) y^k in (x + y)^j over that of x^(j-1-k) y^k in (x + y)^(j-1).
+const auto root_of_ratio = [] {
+  std::array<std::array<double, 5>, 6> roots{};
+  for (int j = 0; j < 6; ++j)
+    for (int k = 0; k < std::min(j, 5); ++k) roots[j][k] = std::sqrt(double(j) / (j - k));
+  return roots;
+}();
+
 // A polynomial of two variables with `dims` components, fitted to n values by least squares, together with that of the next
 // degree, from which the error is judged. One QR serves both: the columns are sorted by degree, so that what comes first in R
 // and in Qᵀ values is the fit of the lower degree. docs/theory/local-jets.md has the formulas.
@@ -30,16 +38,20 @@ class Fit {
   using Jet = Eigen::Matrix<double, jet, dims>;
   using Coefficients = Eigen::Matrix<double, 1, jet>;
   using Direction = Eigen::Matrix<double, dims, 1>;
+  using Gain = Eigen::Matrix<double, 1, M>;
 
-  // Of n values. Rows of zeros below them leave every least-squares polynomial as it is.
+  // Of n values, to be written to x(), y() and values().
   void resize(std::size_t n) {
     n_ = static_cast<Eigen::Index>(n);
-    system_.resize(std::max<Eigen::Index>(n_, M + dims), M + dims);
-    system_.bottomRows(system_.rows() - n_).setZero();
+    // Rows of zeros below the points leave every least-squares polynomial as it is.
+    rows_ = std::max<Eigen::Index>(n_, columns);
+    if (rows_ <= system_.rows()) return;
+    given_.resize(rows_, 2 + dims);
+    system_.resize(rows_, width);
   }
-  auto x() { return system_.col(1).head(n_); }
-  auto y() { return system_.col(2).head(n_); }
-  auto values() { return system_.template rightCols<dims>().topRows(n_); }
+  auto x() { return given_.col(0).head(n_); }
+  auto y() { return given_.col(1).head(n_); }
+  auto values() { return given_.template rightCols<dims>().topRows(n_); }
 
   // False where the points do not determine the polynomial.
   bool solve(std::span<const double> weights) {
@@ -51,17 +63,12 @@ class Fit {
       total = (w / largest).sum();
       system_.topRows(n_).array().colwise() *= (w / largest).sqrt();
     }
-    qr_.compute(system_);
-    const auto& r = qr_.matrixQR();
-    b_ = r.template topRightCorner<M, dims>();
-    // Below the diagonal of the values' own columns lie the reflectors.
-    rest_ = r.template block<dims, dims>(M, M).template triangularView<Eigen::Upper>();
-    residual_rms_ = std::sqrt((b_.template bottomRows<M - N>().squaredNorm() + rest_.squaredNorm()) / total);
-    invert(r);
-    condition_ = norm_of_triangle(r, N) * norm_of_triangle(inverse_, N);
+    triangulate();
+    invert();
+    residual_rms_ = std::sqrt((next().squaredNorm() + rest().squaredNorm()) / total);
+    condition_ = condition_of<N>();
     if (std::isnan(condition_)) condition_ = infinite;
-    judged_ = n_ >= M + 3 && norm_of_triangle(r, M) * norm_of_triangle(inverse_, M) < worst_condition;
-    coefficients_ = inverse_.template topLeftCorner<jet, N>() * b_.template topRows<N>();
+    judged_ = n_ >= M + 3 && condition_of<M>() < worst_condition;
     return condition_ < worst_condition;
   }
 
@@ -70,19 +77,21 @@ class Fit {
 
   // Of x^i y^j up to degree 2, in the order 1, x, y, x², xy, y².
   Jet coefficients() const {
-    Jet c = coefficients_;
+    Jet c = inverse_.template topLeftCorner<N, jet>().transpose() * r_.template block<N, dims>(0, M);
     c.row(4) *= std::sqrt(2.0);
     return c;
   }
 
-  // The expected square of the error of f · coefficients() · s.
-  double error(Coefficients f, const Direction& s) const {
-    if (!judged_) return infinite;
+  // The fitted f · coefficients() is this times Qᵀ values: what comes of each degree.
+  Gain gain(Coefficients f) const {
     f(4) *= std::sqrt(2.0);
-    // The fitted value is (f R⁻¹)(Qᵀ values): what comes of each degree.
-    const Eigen::Matrix<double, 1, M> gain = f * inverse_.template topRows<jet>();
-    const Eigen::Matrix<double, M - N, 1> next = b_.template bottomRows<M - N>() * s;
-    const double noise = (rest_ * s).squaredNorm() / static_cast<double>(n_ - M - 2);
+    return f * inverse_.template leftCols<jet>().transpose();
+  }
+  // The expected square of the error of f · coefficients() · s.
+  double error(const Gain& gain, const Direction& s) const {
+    if (!judged_) return infinite;
+    const Eigen::Matrix<double, M - N, 1> next = this->next() * s;
+    const double noise = (rest() * s).squaredNorm() / static_cast<double>(n_ - M - 2);
     const double change = gain.template tail<M - N>().dot(next);
     // Neighbours that lie symmetrically hide from the next degree what has the other parity: a term as large as those of the
     // next degree, seen through the highest degree here.
@@ -92,48 +101,90 @@ class Fit {
   }
 
  private:
+  static constexpr int paired(int n) { return n + n % 2; }           // so that numbers go in pairs
+  static constexpr int columns = M + dims, width = paired(columns);  // of the polynomial and the values
   // Monomials sqrt(binomial) x^(j-i) y^i: a rotation of (x, y) rotates those of one degree.
   void fill() {
-    system_.col(0).head(n_).setOnes();
-    for (int j = 2, column = 3; j <= degree + 1; ++j) {
-      const int before = column - j;
-      for (int i = 0; i < j; ++i, ++column)
-        system_.col(column).head(n_) =
-            std::sqrt(double(j) / (j - i)) * system_.col(before + i).head(n_).cwiseProduct(x());
-      system_.col(column).head(n_) = system_.col(before + j - 1).head(n_).cwiseProduct(y());
-      ++column;
-    }
-  }
-
-  // A zero on the diagonal spoils its column and those to the right, no other.
-  template <class R>
-  void invert(const R& r) {
-    inverse_.setZero();
-    for (int j = 0; j < M; ++j) {
-      auto column = inverse_.col(j);
-      column(j) = 1;
-      for (int k = j; k >= 0; --k) {
-        column(k) /= r(k, k);
-        column.head(k) -= column(k) * r.col(k).head(k);
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      double* const row = &system_(i, 0);
+      const double x = given_(i, 0), y = given_(i, 1);
+      row[0] = 1;
+      row[1] = x;
+      row[2] = y;
+      for (int j = 2, column = 3; j <= degree + 1; ++j) {
+        const int before = column - j;
+        for (int k = 0; k < j; ++k, ++column) row[column] = root_of_ratio[j][k] * (row[before + k] * x);
+        row[column++] = row[before + j - 1] * y;
       }
+      for (int k = 0; k < dims; ++k) row[M + k] = given_(i, 2 + k);
+      if (width > columns) row[columns] = 0;
     }
+    system_.middleRows(n_, rows_ - n_).setZero();
   }
 
-  template <class R>
-  static double norm_of_triangle(const R& r, int size) {
-    double sum = 0;
-    for (int j = 0; j < size; ++j) sum += r.col(j).head(j + 1).squaredNorm();
-    return std::sqrt(sum);
+  // Calls f(start, k) for k = 0 ... n - 1, start the last multiple of `step` not above k, as a constant: loops from there, or up to the
+  // next, have few lengths, each known to the compiler, so that the sums of all columns stay in registers, side by side.
+  static constexpr int step = 6;
+  template <int n, int start = 0, class F>
+  static void for_each_column(F f) {
+    for (int k = start; k < std::min(start + step, n); ++k) f(std::integral_constant<int, start>(), k);
+    if constexpr (start + step < n) for_each_column<n, start + step>(f);
   }
 
-  Eigen::Index n_ = 0;
-  using System = Eigen::Matrix<double, Eigen::Dynamic, M + dims>;
-  System system_;
-  Eigen::HouseholderQR<System> qr_;
-  Eigen::Matrix<double, M, M> inverse_;
-  Eigen::Matrix<double, M, dims> b_;
-  Eigen::Matrix<double, dims, dims> rest_;
-  Jet coefficients_;
+  // Householder's reflections; R goes to r_. What is left of the k-th column is done with, and may change.
+  void triangulate() {
+    for_each_column<columns>([this](auto start, int k) {
+      constexpr int from = start;
+      using Tail = Eigen::Matrix<double, 1, width - from>;
+      const auto tail = [this](Eigen::Index i) { return Eigen::Map<Tail>(&system_(i, from)); };
+      const double head = system_(k, k);
+      Tail sum = Tail::Zero();
+      for (Eigen::Index i = k + 1; i < rows_; ++i) sum += system_(i, k) * tail(i);
+      const double below = sum(k - from);
+      if (below > std::numeric_limits<double>::min()) {
+        // x - v (v·x) / (size v0), v = (v0, what is below)
+        const double size = std::copysign(std::sqrt(head * head + below), head), v0 = head + size;
+        sum = 1 / (size * v0) * (sum + v0 * tail(k));
+        for (Eigen::Index i = k; i < rows_; ++i) {
+          const double v = i == k ? v0 : system_(i, k);
+          tail(i) -= v * sum;
+        }
+        system_(k, k) = -size;
+      }
+      r_.row(k).tail(columns - k) = system_.row(k).segment(k, columns - k);
+    });
+  }
+
+  // Column by column. A zero on the diagonal spoils its column and those to the right, no other.
+  void invert() {
+    for_each_column<M>([this](auto start, int j) {
+      constexpr int length = std::min(start + step, paired(M));
+      using Head = Eigen::Matrix<double, 1, length>;
+      const auto column = [this](int k) { return Eigen::Map<Head>(&inverse_(k, 0)); };
+      Head sum = Head::Zero();
+      for (int k = 0; k < j; ++k) sum += r_(k, j) * column(k);
+      const double diagonal = 1 / r_(j, j);
+      column(j) = -diagonal * sum;
+      inverse_(j, j) = diagonal;
+    });
+  }
+
+  // Frobenius norms: no rotation of (x, y) changes them.
+  template <int size>
+  double condition_of() const {
+    return std::sqrt(r_.template topLeftCorner<size, size>().squaredNorm() *
+                     inverse_.template topLeftCorner<size, size>().squaredNorm());
+  }
+
+  // Of Qᵀ values: what belongs to the next degree, and what no polynomial takes.
+  auto next() const { return r_.template block<M - N, dims>(N, M); }
+  auto rest() const { return r_.template block<dims, dims>(M, M); }
+
+  Eigen::Index n_ = 0, rows_ = 0;
+  Eigen::Matrix<double, Eigen::Dynamic, 2 + dims> given_;
+  Eigen::Matrix<double, Eigen::Dynamic, width, Eigen::RowMajor> system_;
+  Eigen::Matrix<double, columns, columns, Eigen::RowMajor> r_ = decltype(r_)::Zero();
+  Eigen::Matrix<double, M, paired(M), Eigen::RowMajor> inverse_ = decltype(inverse_)::Zero();  // transposed
   double condition_ = infinite, residual_rms_ = nan;
   bool judged_ = false;
 };
@@ -227,7 +278,9 @@ class LocalFit {
     // turn by δII(d1, d2)/(κ1 - κ2).
     using Row = Eigen::Matrix<double, 1, 6>;
     const double w = std::sqrt(1 + c(1) * c(1) + c(2) * c(2));
-    const auto error = [&](const Row& f) { return fit_.error(f, Eigen::Matrix<double, 1, 1>(1.0)); };
+    const auto error = [&](const Row& f) {
+      return fit_.error(fit_.gain(f), Eigen::Matrix<double, 1, 1>(1.0));
+    };
     result.normal_error = std::sqrt(error(Row::Unit(1)) + error(Row::Unit(2))) / w;
     const auto second_form_error = [&](const Vec3<double>& p, const Vec3<double>& q) {
       const double px = dot(p, x), py = dot(p, y), qx = dot(q, x), qy = dot(q, y);
@@ -315,12 +368,14 @@ class UvFit {
     result.condition = fit_.condition();
     result.residual_rms = radius * fit_.residual_rms();
 
-    const auto error = [&](const Row& f, const Vec3<double>& s) { return fit_.error(f, to_eigen(s)); };
-    const auto length_error = [&](const Row& f) {
-      return radius * std::sqrt(error(f, {1, 0, 0}) + error(f, {0, 1, 0}) + error(f, {0, 0, 1}));
+    using Gain = typename Fit<degree, 3>::Gain;
+    const auto error = [&](const Gain& gain, const Vec3<double>& s) { return fit_.error(gain, to_eigen(s)); };
+    const auto length_error = [&](const Gain& gain) {
+      return radius * std::sqrt(error(gain, {1, 0, 0}) + error(gain, {0, 1, 0}) + error(gain, {0, 0, 1}));
     };
-    result.dpdu_error = length_error(first[0]);
-    result.dpdv_error = length_error(first[1]);
+    const Gain of_dpdu = fit_.gain(first[0]), of_dpdv = fit_.gain(first[1]);
+    result.dpdu_error = length_error(of_dpdu);
+    result.dpdv_error = length_error(of_dpdv);
     if (has(result.frame.status, Status::no_frame)) {
       result.tangent_error = result.normal_error = nan;
       return result;
@@ -328,8 +383,8 @@ class UvFit {
     // δt = (b b·δdpdu + n n·δdpdu)/|dpdu|; δn = -Σ r n·δdp over u and v, with r the gradients of u and v in the surface.
     const auto& [t, b, normal, handedness, status] = result.frame;
     const double e = dot(result.jet.dpdu, t), f = dot(result.jet.dpdv, t), g = dot(result.jet.dpdv, b);
-    result.tangent_error = radius / e * std::sqrt(error(first[0], b) + error(first[0], normal));
-    const Row along_t = first[0] / e, along_b = first[1] / g - f / (e * g) * first[0];
+    result.tangent_error = radius / e * std::sqrt(error(of_dpdu, b) + error(of_dpdu, normal));
+    const Gain along_t = of_dpdu / e, along_b = of_dpdv / g - f / (e * g) * of_dpdu;
     result.normal_error = radius * std::sqrt(error(along_t, normal) + error(along_b, normal));
     return result;
   }

@@ -2,6 +2,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include <darboux/error.h>
 #include <darboux/evaluate.h>
@@ -37,13 +38,12 @@ struct SignCount {
 
 // Which sign convention the whole mesh and each island follow.
 struct Signs {
-  std::vector<signed char> of_triangle;  // raw, 0 without uv area
+  std::span<const signed char> of_triangle;  // raw, 0 without uv area
   SignCount all;
   std::vector<SignCount> islands;
 
   Signs(const Subject& subject, const std::vector<VertexFacts>& facts)
-      : of_triangle(triangle_signs(subject.mesh)),
-        islands(static_cast<std::size_t>(subject.classes.islands)) {
+      : of_triangle(subject.raw_sign), islands(static_cast<std::size_t>(subject.classes.islands)) {
     const Mesh& mesh = subject.mesh;
     if (mesh.tangents.empty()) return;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -289,9 +289,20 @@ void Judge::compare_with_mikktspace() {
   std::size_t equal_raw = 0, equal_gltf = 0, beyond = 0;
   double worst = 0;
   const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
+  // Corners of a vertex to which MikkTSpace gives the same are compared once.
+  constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> first(mesh_.positions.size(), none);
+  std::vector<std::uint32_t> alike(mesh_.positions.size(), 0);
+  for (std::size_t c = 0; c < mesh_.corners(); ++c) {
+    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
+    if (first[v] == none) first[v] = c;
+    alike[v] += c == first[v] || subject_.mikktspace[c] == subject_.mikktspace[first[v]];
+  }
   for (std::size_t c = 0; c < mesh_.corners(); ++c) {
     const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
     const Vec4<float>& m = subject_.mikktspace[c];
+    if (c != first[v] && m == subject_.mikktspace[first[v]]) continue;
+    const std::uint32_t corners = c == first[v] ? alike[v] : 1;
     const Vec4<double>& t = mesh_.tangents[v];
     Angles a;
     if (m.w != 0 && facts_[v].has_tangent) {
@@ -302,15 +313,15 @@ void Judge::compare_with_mikktspace() {
             degrees_per_radian * angle_between((signs_.raw() ? t.w : -t.w) * cross(mesh_.normals[v], t.xyz()),
                                                m.w * cross(mesh_.normals[v], direction));
       if (bits(t.x) == bits(m.x) && bits(t.y) == bits(m.y) && bits(t.z) == bits(m.z)) {
-        equal_raw += t.w == m.w;
-        equal_gltf += t.w == -m.w;
+        equal_raw += t.w == m.w ? corners : 0;
+        equal_gltf += t.w == -m.w ? corners : 0;
       }
       if (!is_pole(v) && a.tangent > limit_of(v)) {
-        ++beyond;
+        beyond += corners;
         worst = std::fmax(worst, a.tangent);
       }
     }
-    sums.add(classes_.of_vertex[v], v, 1, a, nullptr);
+    sums.add(classes_.of_vertex[v], v, corners, a, nullptr);
   }
   report.classes = sums.reports();
   if (mesh_.corners() > 0)
@@ -349,10 +360,13 @@ void Judge::look_for_explanations() {
   if (!truth_.empty()) {
     std::size_t oblique = 0;
     double most = 0;
+    const double near = 0.99 * std::sin(std::fmin(options_.max_angle_deg, 90) / degrees_per_radian);
     for (std::uint32_t v = 0; v < truth_.size(); ++v) {
+      const Vec3<double>&t = truth_[v].tangent, &b = truth_[v].bitangent;
+      // The cosine tells of nearly all that they are not far from a right angle.
+      if (dot(t, b) * dot(t, b) < near * near * dot(t, t) * dot(b, b)) continue;
       if (is_pole(v) || !known(truth_[v])) continue;
-      const double off =
-          std::fabs(90 - degrees_per_radian * angle_between(truth_[v].tangent, truth_[v].bitangent));
+      const double off = std::fabs(90 - degrees_per_radian * angle_between(t, b));
       if (!(off - certain * truth_[v].tangent_deg > options_.max_angle_deg)) continue;
       oblique += corners_of_[v];
       most = std::fmax(most, off);

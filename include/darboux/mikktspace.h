@@ -29,7 +29,8 @@ struct MikkOptions {
   /// The original leaves the last run of its edges unsorted, so that triangles about the last vertices may not find their
   /// neighbours; true: they do.
   bool sort_all_edges = false;
-  int threads = 1;  ///< 0: all; the bits do not depend on it
+  float unserved_sign = -1;  ///< of a corner that no triangle serves; the original's is -1
+  int threads = 1;           ///< 0: all; the bits do not depend on it
 };
 
 /// All that MikkTSpace tells of a corner.

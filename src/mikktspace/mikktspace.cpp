@@ -235,7 +235,7 @@ MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
 
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options) {
   const mikk::Range range = mikk::check(mesh, options);
-  std::vector<MikkTangent> result(mesh.corner_count());
+  std::vector<MikkTangent> result(mesh.corner_count(), MikkTangent{.sign = options.unserved_sign});
   std::vector<std::uint8_t> written(has_quads(mesh) ? result.size() : 0);
   Tangents(mesh, range, options, true)
       .of_corners(
@@ -263,7 +263,7 @@ void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptio
     for (std::size_t c = 0; c < all.size(); ++c) put(c, all[c]);
     return;
   }
-  for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{});
+  for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{.sign = options.unserved_sign});
   Tangents(mesh, range, options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
     std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
   });

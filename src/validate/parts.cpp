@@ -69,7 +69,7 @@ Part part_of(const Mesh& whole, std::vector<std::uint32_t> triangles) {
 }
 
 Subject restrict_to(const Subject& whole, const Part& part) {
-  Subject subject{part.mesh, {}, {}, {}, {}};
+  Subject subject{part.mesh, {}, {}, {}, {}, {}};
   for (const std::uint32_t v : part.vertices) {
     subject.classes.of_vertex.push_back(whole.classes.of_vertex[v]);
     subject.across_mirror.push_back(whole.across_mirror[v]);
@@ -77,6 +77,7 @@ Subject restrict_to(const Subject& whole, const Part& part) {
   }
   std::unordered_map<std::int32_t, std::int32_t> island;
   for (const std::uint32_t t : part.triangles) {
+    subject.raw_sign.push_back(whole.raw_sign[t]);
     const std::int32_t of_whole = whole.classes.island_of_triangle[t];
     const auto next = static_cast<std::int32_t>(island.size());
     subject.classes.island_of_triangle.push_back(

@@ -44,16 +44,13 @@ std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<do
   }
   std::vector<Vec4<float>> result(mesh.corners(), Vec4<float>{0, 0, 0, 0});
   if (corners.empty()) return result;
-  const std::vector<MikkTangent> tangents =
-      mikktspace(MikkMesh{positions, normals, texcoords, corners, {}}, {.threads = threads});
-  std::size_t next = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    if (!finite[a] || !finite[b] || !finite[c]) continue;
-    for (int k = 0; k < 3; ++k) {
-      const MikkTangent& m = tangents[next++];
-      if (m.served) result[3 * t + k] = {m.t[0], m.t[1], m.t[2], m.sign};
-    }
+  mikktspace(MikkMesh{positions, normals, texcoords, corners, {}},
+             std::span<float>(&result[0].x, 4 * corners.size()), {.unserved_sign = 0, .threads = threads});
+  // To their triangles, from the last on, behind those that are left out.
+  for (std::size_t t = mesh.triangles.size(), next = corners.size(); next < 3 * t;) {
+    const auto& [a, b, c] = mesh.triangles[--t];
+    const bool whole = finite[a] && finite[b] && finite[c];
+    for (std::size_t k = 3; k-- > 0;) result[3 * t + k] = whole ? result[--next] : Vec4<float>{0, 0, 0, 0};
   }
   return result;
 }
@@ -64,14 +61,13 @@ Subject prepare(const Mesh& mesh, const std::vector<bool>& is_pole, const Valida
       throw MeshError("mesh", "uv set " + std::to_string(set) + " has " + std::to_string(uvs.size()) +
                                   " uvs for " + std::to_string(mesh.positions.size()) +
                                   " vertices, permitted is one each");
-  Subject subject{mesh, classify(mesh, is_pole), {}, {}, {}};
+  Subject subject{mesh, triangle_signs(mesh), classify(mesh, is_pole), {}, {}, {}};
   subject.across_mirror.assign(mesh.positions.size(), false);
   std::vector<signed char> winds(mesh.positions.size(), 0);
-  const std::vector<signed char> signs = triangle_signs(mesh);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) {
-      if (signs[t] * winds[v] < 0) subject.across_mirror[v] = true;
-      if (signs[t] != 0) winds[v] = signs[t];
+      if (subject.raw_sign[t] * winds[v] < 0) subject.across_mirror[v] = true;
+      if (subject.raw_sign[t] != 0) winds[v] = subject.raw_sign[t];
     }
   if (options.references.mikktspace && !mesh.tangents.empty() && !mesh.normals.empty() && !mesh.uvs.empty())
     subject.mikktspace = mikktspace_of(mesh, mesh.uvs, options.threads);

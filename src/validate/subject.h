@@ -11,6 +11,7 @@ namespace darboux {
 
 struct Subject {
   const Mesh& mesh;
+  std::vector<signed char> raw_sign;  // of each triangle, 0 without uv area
   MeshClasses classes;
   // MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it; empty where it is not asked for or the
   // mesh lacks tangents, normals or uvs.
