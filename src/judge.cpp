@@ -199,6 +199,7 @@ std::vector<Judgement> judge_each(const Mesh& mesh, std::vector<RecognisedPart> 
     result.back().part = result.size() - 1;
     add(result.back().report, finding(Code::crease_shared, corners));
     renumber(result.back().report, p.part);
+    result.back().triangles = std::move(p.part.triangles);
   }
   return result;
 }

@@ -32,6 +32,11 @@ bool is_undecided(double angle, double deviation, double limit) {
   return angle >= 0 && !is_beyond(angle, deviation, limit) && !(angle + certain * deviation <= limit);
 }
 
+// Angles are negative where there is nothing to compare.
+float kept(double angle) {
+  return angle < 0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(angle);
+}
+
 struct SignCount {
   std::size_t raw = 0, gltf = 0;
 };
@@ -161,6 +166,11 @@ class Judge {
   void compare() {
     angles_ = angles_to(truth_, report_.inward);
     report_.classes = class_reports(angles_, truth_);
+    if (!options_.keep_errors) return;
+    report_.errors_deg.reserve(mesh_.corners());
+    for (const Triangle& triangle : mesh_.triangles)
+      for (const std::uint32_t v : triangle)
+        report_.errors_deg.push_back(kept(mesh_.tangents.empty() ? angles_[v].normal : angles_[v].tangent));
   }
 
   void judge_corners();
@@ -289,6 +299,7 @@ void Judge::compare_with_mikktspace() {
   std::size_t equal_raw = 0, equal_gltf = 0, beyond = 0;
   double worst = 0;
   const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
+  const bool keep = options_.keep_errors && report_.reference == "mikktspace";
   // Corners of a vertex to which MikkTSpace gives the same are compared once.
   constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> first(mesh_.positions.size(), none);
@@ -301,7 +312,10 @@ void Judge::compare_with_mikktspace() {
   for (std::size_t c = 0; c < mesh_.corners(); ++c) {
     const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
     const Vec4<float>& m = subject_.mikktspace[c];
-    if (c != first[v] && m == subject_.mikktspace[first[v]]) continue;
+    if (c != first[v] && m == subject_.mikktspace[first[v]]) {
+      if (keep) report_.errors_deg[c] = report_.errors_deg[first[v]];
+      continue;
+    }
     const std::uint32_t corners = c == first[v] ? alike[v] : 1;
     const Vec4<double>& t = mesh_.tangents[v];
     Angles a;
@@ -322,6 +336,7 @@ void Judge::compare_with_mikktspace() {
       }
     }
     sums.add(classes_.of_vertex[v], v, corners, a, nullptr);
+    if (keep) report_.errors_deg[c] = kept(a.tangent);
   }
   report.classes = sums.reports();
   if (mesh_.corners() > 0)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct Judgement {
   MeshReport report;           ///< against fit's surface where it fits
   /// Which of the parts it is, counted from 0; nothing: the whole mesh.
   std::optional<std::size_t> part{};
+  /// Of a part: which triangles of the mesh the report's corners are those of, in order. Empty for the whole mesh.
+  std::vector<std::uint32_t> triangles{};
 };
 
 /// Judges the mesh as one surface: fit_surface() or fit_any_surface(), else fit_positions(), else the other references.

@@ -99,6 +99,9 @@ struct MeshReport {
   std::optional<LocalReport> local;      ///< where it was asked for and there are uvs
   std::optional<MikkReport> mikktspace;  ///< where it was asked for and there are tangents, normals and uvs
   std::vector<Finding> findings;         ///< errors first
+  /// Where ValidateOptions::keep_errors asks for them, three for each triangle: what `classes` has the statistics of at that
+  /// corner, the angle in degrees of the tangent, or of the normal where there are no tangents. NaN where nothing is compared.
+  std::vector<float> errors_deg;
   Verdict verdict = Verdict::undetermined;
 };
 
@@ -115,7 +118,8 @@ struct ValidateOptions {
   References references{};
   /// Other uv sets of the mesh, a uv a vertex, which its tangents may follow instead; the number names the set.
   std::span<const std::pair<int, std::vector<Vec2<double>>>> other_uvs{};
-  int threads = 1;  ///< 0: all; the report does not depend on it
+  int threads = 1;           ///< 0: all; the report does not depend on it
+  bool keep_errors = false;  ///< whether the report has errors_deg, 12 bytes a triangle
 };
 
 /// Judges a mesh in its own space.
