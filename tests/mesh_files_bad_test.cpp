@@ -237,6 +237,16 @@ TEST(BadMeshFiles, Collada) {
   refused(with("offset=\"1\"", "offset=\"one\""), "offset \"one\"");
   refused(with("<node>", "<node><matrix>1 2 3</matrix>"), "has 3 numbers, permitted are 16");
   refused(with("<node>", "<node><skew>1 2 3 4 5 6 7</skew>"), "skews");
+  const std::string list = std::string(good).replace(good.find("<triangles"), 10, "<polylist"),
+                    end = "</triangles>";
+  const auto with_counts = [&](const std::string& counts) {
+    std::string text = list;
+    text.replace(text.find(end), end.size(), "</polylist>");
+    return text.insert(text.find("<p>"), "<vcount>" + counts + "</vcount>");
+  };
+  refused(with_counts("3 3"), "has a <vcount> that is not of the 36 corners");
+  refused(with_counts("3 18446744073709551615"), "has a <vcount> that is not of the 36 corners");
+  refused(with_counts("3 33"), "states a count of 12");
   // A node within itself, and one that doubles with each level.
   refused(with("<node>", "<node id=\"n\"><instance_node url=\"#n\"/>"), "is shown too often");
   std::string nodes;

@@ -51,6 +51,7 @@ class GeometryReader {
     if (!inputs.uvs.empty()) primitive.texcoord = static_cast<int>(inputs.uvs.begin()->first);
     for (const std::vector<std::uint64_t>& polygon : polygons) {
       const std::size_t corners = polygon.size() / inputs.stride;
+      if (corners < 3) continue;
       if (mesh.positions.size() + corners > UINT32_MAX)
         file_.fail(group, "has too many corners, permitted are 4294967295");
       const auto first = static_cast<std::uint32_t>(mesh.positions.size());
@@ -143,6 +144,8 @@ class GeometryReader {
         polygon.insert(polygon.end(), from.begin() + static_cast<std::ptrdiff_t>(c * stride),
                        from.begin() + static_cast<std::ptrdiff_t>((c + 1) * stride));
     };
+    if (kind == "polylist" && group.child("p").next_sibling("p"))
+      file_.fail(group, "has several <p>, permitted is one");
     for (const pugi::xml_node p : group.children("p")) {
       std::vector<std::uint64_t> indices = file_.indices(p);
       if (indices.size() % stride != 0)
@@ -160,18 +163,7 @@ class GeometryReader {
       } else if (kind == "polygons") {
         polygons.push_back(std::move(indices));
       } else {
-        std::uint64_t taken = 0;
-        for (const std::uint64_t n : file_.indices(group.child("vcount"))) {
-          if (n > corners - taken)
-            file_.fail(group, "has a vcount of more corners than the " + std::to_string(corners) +
-                                  " of its p, permitted is as many");
-          polygons.emplace_back(indices.begin() + static_cast<std::ptrdiff_t>(taken * stride),
-                                indices.begin() + static_cast<std::ptrdiff_t>((taken + n) * stride));
-          taken += n;
-        }
-        if (taken != corners)
-          file_.fail(group, "has a vcount of " + std::to_string(taken) + " corners for the " +
-                                std::to_string(corners) + " of its p, permitted is as many");
+        add_polylist(group, indices, stride, polygons);
       }
     }
     const bool counted = kind == "triangles" || kind == "polylist" || kind == "polygons";
@@ -180,6 +172,23 @@ class GeometryReader {
       file_.fail(group, "states a count of " + std::to_string(stated) + ", permitted is that of the " +
                             std::to_string(polygons.size()) + " polygons it has");
     return polygons;
+  }
+
+  void add_polylist(const pugi::xml_node& group, const std::vector<std::uint64_t>& indices,
+                    std::uint64_t stride, std::vector<std::vector<std::uint64_t>>& polygons) const {
+    const std::uint64_t corners = indices.size() / stride;
+    auto at = indices.begin();
+    std::uint64_t left = corners;
+    for (const std::uint64_t n : file_.indices(group.child("vcount"))) {
+      if (n > left) break;
+      const auto end = at + static_cast<std::ptrdiff_t>(n * stride);
+      polygons.emplace_back(at, end);
+      at = end;
+      left -= n;
+    }
+    if (left > 0)
+      file_.fail(group, "has a <vcount> that is not of the " + std::to_string(corners) +
+                            " corners of its <p>, permitted is one that sums up to them");
   }
 
   template <std::size_t N>

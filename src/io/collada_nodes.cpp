@@ -81,22 +81,25 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const Collada& file,
     pugi::xml_node node;
     Eigen::Matrix4d parent;
   };
-  // Nodes may show others, and so each other.
-  constexpr std::size_t most_visits = 1000000;
+  // Nodes may show others, and so each other: all that is looked at is counted.
+  constexpr std::size_t most_looks = 1000000;
+  std::size_t looks = 0;
   std::vector<Visit> visits;
-  const auto visit = [&](const pugi::xml_node& node, const Eigen::Matrix4d& parent) {
-    if (visits.size() == most_visits)
-      file.fail(node, "is shown too often, permitted are 1000000 nodes in all and none within itself");
-    visits.push_back({node, parent});
-  };
-  for (const pugi::xml_node node : scene.children("node")) visit(node, Eigen::Matrix4d::Identity());
+  std::unordered_map<const void*, Eigen::Matrix4d> local;
+  for (const pugi::xml_node node : scene.children("node"))
+    visits.push_back({node, Eigen::Matrix4d::Identity()});
   for (std::size_t i = 0; i < visits.size(); ++i) {
     const pugi::xml_node node = visits[i].node;
-    const Eigen::Matrix4d world = visits[i].parent * local_matrix(file, node);
+    const auto [matrix, is_new] = local.try_emplace(node.internal_object());
+    if (is_new) matrix->second = local_matrix(file, node);
+    const Eigen::Matrix4d world = visits[i].parent * matrix->second;
     for (const pugi::xml_node child : node.children()) {
+      if (++looks > most_looks)
+        file.fail(node,
+                  "is shown too often, permitted are nodes of 1000000 elements in all, none within itself");
       const std::string_view kind = child.name();
-      if (kind == "node") visit(child, world);
-      if (kind == "instance_node") visit(file.target(child, "url", "node"), world);
+      if (kind == "node") visits.push_back({child, world});
+      if (kind == "instance_node") visits.push_back({file.target(child, "url", "node"), world});
       if (kind != "instance_geometry" && kind != "instance_controller") continue;
       const auto found = number.find(geometry_of(file, child).internal_object());
       if (found != number.end()) instances[found->second].push_back(world);

@@ -1,0 +1,127 @@
+// `validate`, `compare` and `tangents` on FBX, COLLADA, PLY and STL, and on a glTF of two uv sets.
+#include <darboux/io.h>
+#include <darboux/mesh_frames.h>
+#include <darboux/sample_mesh.h>
+
+#include "cli.h"
+#include "fbx_files.h"
+
+namespace darboux::test {
+namespace {
+
+Mesh torus() {
+  return sample_mesh(make_surface("torus"), {.columns = 32, .rows = 16});
+}
+
+class MeshFiles : public Cli {
+ protected:
+  void write(const std::string& name, const std::string& bytes) const { write_bytes(path(name), bytes); }
+};
+
+TEST_F(MeshFiles, ValidateJudgesEachFormat) {
+  const Mesh mesh = torus();
+  write("torus.fbx", FbxBinary::of(fbx_text(mesh), 7400));
+  write("torus.dae", dae_text(mesh));
+  write("torus.ply", ply_binary(mesh, true));
+  for (const std::string name : {"torus.fbx", "torus.dae", "torus.ply"}) {
+    SCOPED_TRACE(name);
+    const Json judged = only_mesh(json("darboux validate " + name + " --surface torus --json"));
+    EXPECT_EQ(judged["verdict"], "pass");
+    EXPECT_EQ(judged["corners"], mesh.corners());
+    EXPECT_EQ(judged["uv"]["convention"], "as stored");
+    EXPECT_EQ(has_finding(judged, "TANGENT_MISSING"), name == "torus.ply");
+    EXPECT_EQ(judged["handedness"]["convention"], name == "torus.ply" ? "none" : "gltf");
+    EXPECT_LT(judged["classes"]["interior"]["normal_deg"]["max"].get<double>(), 1e-4);
+  }
+  write("torus.stl", stl_binary(mesh));
+  const Json stl = only_mesh(json("darboux validate torus.stl --json", 1));
+  EXPECT_EQ(stl["verdict"], "undetermined");
+  EXPECT_EQ(stl["surface"]["name"], "torus");
+  EXPECT_TRUE(has_finding(stl, "NORMAL_MISSING"));
+  // A folder of them all.
+  const Json all = json("darboux validate . --json", 1);
+  std::vector<std::string> names;
+  for (const Json& file : all["files"]) names.push_back(fs::path(file["file"].get<std::string>()).filename());
+  for (const char* name : {"torus.dae", "torus.fbx", "torus.ply", "torus.stl"})
+    EXPECT_TRUE(std::find(names.begin(), names.end(), name) != names.end()) << name;
+}
+
+TEST_F(MeshFiles, NodesAndMissingFacesAreTold) {
+  write("mirrored.fbx",
+        fbx(fbx_geometry(torus(), "torus", 10) +
+                fbx_model(20, "node", "P: \"Lcl Scaling\", \"Lcl Scaling\", \"\", \"A\",1,1,-1\n"),
+            "C: \"OO\",10,20\nC: \"OO\",20,0\n"));
+  write("mirrored.dae", collada(collada_geometry(torus(), "torus"),
+                                "<node><scale>1 1 -1</scale><instance_geometry url=\"#torus\"/></node>"));
+  for (const std::string name : {"mirrored.fbx", "mirrored.dae"}) {
+    const Json judged = only_mesh(json("darboux validate " + name + " --json"));
+    EXPECT_TRUE(has_finding(judged, "NODE_MIRRORED")) << name;
+    EXPECT_FALSE(has_finding(judged, "NODE_SCALE_NOT_UNIFORM")) << name;
+  }
+  Mesh points = torus();
+  points.triangles.clear();
+  write("points.ply", ply_text(points));
+  const std::string out = good("darboux validate points.ply", 1);
+  EXPECT_NE(out.find("holds no triangles to judge"), std::string::npos) << out;
+  EXPECT_NE(out.find("its faces have no triangles"), std::string::npos) << out;
+}
+
+TEST_F(MeshFiles, CompareAndTangents) {
+  const Mesh mesh = torus();
+  write("a.fbx", fbx_text(mesh));
+  write("b.dae", dae_text(mesh));
+  write("c.ply", ply_text(mesh));
+  const Json compared = json("darboux compare a.fbx b.dae --max-angle 0.001 --json");
+  EXPECT_EQ(compared["same"], true);
+  EXPECT_EQ(compared["pairs"][0]["matched"], mesh.corners());
+  EXPECT_NE(good("darboux compare b.dae c.ply", 1).find("b has no tangents"), std::string::npos);
+  for (const std::string name : {"a.fbx", "b.dae", "c.ply"})
+    refused("darboux tangents " + name + " -o x.glb", {name, "glTF"});
+  for (const std::string command : {"validate", "compare"})
+    for (const std::string_view extension : asset_extensions())
+      EXPECT_NE(good("darboux " + command + " --help").find(extension), std::string::npos) << extension;
+}
+
+TEST_F(MeshFiles, BrokenOnesAreRefusedInALine) {
+  write("a.ply", ply_text(torus()).substr(0, 5000));
+  write("a.stl", stl_binary(torus()).substr(0, 5000));
+  write("a.dae", dae_text(torus()).substr(0, 5000));
+  write("a.fbx", fbx_text(torus()).substr(0, 5000));
+  // Nodes within each other, on which assimp ends its stack.
+  write("b.fbx", fbx(fbx_geometry(torus(), "torus", 10) + fbx_model(20, "node"),
+                     "C: \"OO\",10,20\nC: \"OO\",20,0\nC: \"OO\",20,20\n"));
+  for (const std::string name : {"a.ply", "a.stl", "a.dae", "a.fbx", "b.fbx"})
+    refused("darboux compare " + name + " data/torus_016.obj", {name, "permitted"});
+}
+
+// Tangents along TEXCOORD_1 where the normal texture reads TEXCOORD_0.
+TEST_F(MeshFiles, TangentsOfAnotherUvSetAreToldSo) {
+  Mesh mesh = torus(), turned = mesh;
+  for (Vec2<double>& uv : turned.uvs) uv = {0.7 * uv.x - 0.7 * uv.y, 0.7 * uv.x + 0.7 * uv.y};
+  const MeshFrames frames = mesh_frames(turned, find_frame_method("mikktspace"));
+  for (std::size_t c = 0; c < mesh.corners(); ++c) {
+    const CornerFrame& f = frames.corner(c);
+    mesh.tangents[mesh.triangles[c / 3][c % 3]] = {f.t.x, f.t.y, f.t.z, -f.sign};
+  }
+  write_glb(path("a.glb"), mesh, "torus");
+  Glb glb = split_glb(read_bytes(path("a.glb")));
+  const std::size_t begin = glb.bin.size();
+  for (const Vec2<double>& uv : turned.uvs)
+    glb.bin += pack({static_cast<float>(uv.x), static_cast<float>(uv.y)});
+  glb.json["buffers"][0]["byteLength"] = glb.bin.size();
+  glb.json["bufferViews"].push_back(
+      {{"buffer", 0}, {"byteOffset", begin}, {"byteLength", glb.bin.size() - begin}});
+  glb.json["accessors"].push_back({{"bufferView", glb.json["bufferViews"].size() - 1},
+                                   {"componentType", 5126},
+                                   {"count", mesh.uvs.size()},
+                                   {"type", "VEC2"}});
+  glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = glb.json["accessors"].size() - 1;
+  write("a.glb", make_glb(glb.json.dump(), glb.bin));
+  const Json judged = only_mesh(json("darboux validate a.glb --json", 1));
+  EXPECT_EQ(judged["verdict"], "fail");
+  EXPECT_TRUE(has_finding(judged, "TANGENT_UV_SET"));
+  EXPECT_NE(good("darboux validate a.glb", 1).find("MikkTSpace's of TEXCOORD_1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace darboux::test
