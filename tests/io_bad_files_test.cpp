@@ -124,6 +124,31 @@ TEST(BadFiles, NotGltf) {
   expect_bytes_refused("x", "is of no known kind", "no_extension");
 }
 
+// Line ends of Windows and a byte order mark are read; UTF-16, NUL bytes and numbers that JSON lacks are not.
+TEST(BadFiles, TextInOtherClothes) {
+  const TempFolder folder;
+  Builder b = rich();
+  b.json["buffers"][0]["uri"] = "a.bin";
+  test::write_bytes(folder / "a.bin", b.bin);
+  const std::string good = b.json.dump(2);
+  std::string windows = "\xEF\xBB\xBF", wide = "\xFF\xFE";
+  for (const char c : good) {
+    windows += c == '\n' ? "\r\n" : std::string(1, c);
+    wide += std::string{c, '\0'};
+  }
+  EXPECT_EQ(read_asset(test::write_bytes(folder / "windows.gltf", windows)).primitives.size(), 1u);
+  const auto refuse = [&](const std::string& text, const std::string& part) {
+    expect_refused(test::write_bytes(folder / "bad.gltf", text), part);
+  };
+  refuse(wide, "is not glTF");
+  refuse(std::string(good).insert(good.size() / 2, 1, '\0'), "is not JSON at byte");
+  for (const char* number : {"0x1p3", "1,5", "nan", "inf", "1e", "--1", "1_000", "01", "+1", ".5", "1e400"}) {
+    std::string text = good;
+    text.replace(text.find("\"translation\": ["), 16, std::string("\"translation\": [") + number + ",");
+    refuse(text, number == std::string("1,5") ? "translation has 5 numbers" : "");
+  }
+}
+
 TEST(BadFiles, TruncatedAtEveryByte) {
   const TempFolder folder;
   const std::string bytes = rich().glb();
@@ -425,6 +450,22 @@ TEST(BadFiles, Obj) {
   expect_bytes_refused("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "permitted is an OBJ with faces", "bad.obj");
   expect_bytes_refused("v 0 0 0\nv 1 0 0\nl 1 2\n", "has no faces", "bad.obj");
   expect_bytes_refused(std::string(1000, '\xFF'), "permitted is an OBJ with faces", "bad.obj");
+}
+
+TEST(BadFiles, UnusualObj) {
+  const TempFolder folder;
+  const auto read = [&](const std::string& text) {
+    return read_asset(test::write_bytes(folder / "a.obj", text)).primitives.at(0).data;
+  };
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  EXPECT_EQ(read("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3").triangles.size(), 1u);
+  EXPECT_EQ(read(triangle + "vt 0.5 0.25 0.125\nf 1/1 2/1 3/1\n").uvs.at(0), (Vec2<double>{0.5, 0.25}));
+  // A quad that is concave at its second corner, which both triangles must have.
+  const Mesh concave = read("v 0 0 0\nv 0.25 0.25 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n");
+  ASSERT_EQ(concave.triangles.size(), 2u);
+  for (const auto& [a, b, c] : concave.triangles)
+    EXPECT_GT(
+        cross(concave.positions[b] - concave.positions[a], concave.positions[c] - concave.positions[a]).z, 0);
 }
 
 TEST(BadFiles, TruncatedObj) {
