@@ -27,8 +27,8 @@ struct Judgement {
 };
 
 /// Judges the mesh as one surface: fit_surface() or fit_any_surface(), else fit_positions(), else the other references.
-/// Adds to validate()'s findings: SURFACE_MISMATCH (error) where a declared surface does not fit,
-/// SURFACE_UNKNOWN (info) where none of the catalogue does, UV_MISSING (info) without uvs. \throws
+/// Adds to validate()'s findings: SURFACE_MISMATCH (error) where a declared surface is farther off than fits_below,
+/// SURFACE_UNKNOWN (info) where none of the catalogue is recognised, UV_MISSING (info) without uvs. \throws
 /// ParameterError for an unknown surface or parameter, MeshError for an inconsistent mesh
 Judgement judge(const Mesh& mesh, const JudgeOptions& options = {});
 
