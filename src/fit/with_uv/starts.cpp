@@ -77,6 +77,23 @@ bool solve(Linear& linear, int rounds) {
   return linear.solution.allFinite();
 }
 
+// The rms distance that least squares would leave, without a solution: what of the targets is across all columns of the
+// design. Infinite where solve() says false.
+double residual(Linear linear) {
+  Eigen::MatrixXd& a = linear.design;
+  const double least = 1e-6 * std::sqrt(a.colwise().squaredNorm().maxCoeff());
+  if (!std::isfinite(least)) return std::numeric_limits<double>::infinity();
+  for (Eigen::Index k = 0; k < a.cols(); ++k) {
+    auto column = a.col(k);
+    const double length = column.norm();
+    if (!(length > least)) continue;
+    column /= length;
+    for (Eigen::Index j = k + 1; j < a.cols(); ++j) a.col(j) -= column.dot(a.col(j)) * column;
+    for (Eigen::Index j = 0; j < 3; ++j) linear.targets.col(j) -= column.dot(linear.targets.col(j)) * column;
+  }
+  return std::sqrt(linear.targets.squaredNorm() / static_cast<double>(a.rows()));
+}
+
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& a) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d u = svd.matrixU();
@@ -230,17 +247,29 @@ std::vector<int> observable_affine(UvModel model) {
 }
 
 std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, const UvHeld& held, bool robust) {
-  constexpr std::size_t enough = 64, kept = 40, best = 10;
-  const UvPoints points = all.chosen(enough, 1);
+  constexpr std::size_t enough = 64, few = 24, looked_at = 160, kept = 40, best = 10;
+  const UvPoints points = all.chosen(enough, 1), few_points = points.chosen(few, 1);
   struct Candidate {
     UvConvention convention;
     Affine affine;
     const std::vector<double>* at;
-    double median;
+    double distance;
   };
   std::vector<Candidate> candidates;
+  const auto keep_nearest = [&](std::size_t most) {
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+    if (candidates.size() > most) candidates.resize(most);
+  };
+  // What least squares leave of the points, their median; infinite where there is no solution.
+  const auto distance = [&](const UvModel& m, const Candidate& c) {
+    Linear linear = linear_problem(m, c.affine, *c.at);
+    return solve(linear, robust ? few_rounds : 1) ? median(linear.distances)
+                                                  : std::numeric_limits<double>::infinity();
+  };
   UvModel model = model_of(kind, points, uv_conventions().front(), held);
   const std::vector<int> free = observable_affine(model);
+  if (!robust) model.points = &few_points;  // where none strays, they tell most of what the points do
   const auto is_free = [&](int k) { return std::find(free.begin(), free.end(), k) != free.end(); };
   const auto choices = [&](int k, std::vector<double> values) {
     return is_free(k) ? values : std::vector{identity_map[static_cast<std::size_t>(k)]};
@@ -264,9 +293,9 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
       const double ov = is_free(5) ? o - sv * unit[1] * from[1] : 0;
       const Affine affine{is_free(0) ? su * unit[0] : 1, shear, 0, is_free(3) ? sv * unit[1] : 1, ou, ov};
       for (const auto& at : kind.starts) {
-        Linear linear = linear_problem(model, affine, at);
-        if (solve(linear, robust ? few_rounds : 1))
-          candidates.push_back({convention, affine, &at, median(linear.distances)});
+        Candidate c{convention, affine, &at, 0};
+        c.distance = robust ? distance(model, c) : residual(linear_problem(model, affine, at));
+        if (std::isfinite(c.distance)) candidates.push_back(c);
       }
     };
     for (const double su : choices(0, scales))
@@ -275,9 +304,15 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
     if (is_free(1))
       for (const double shear : shears) add(1, shear, 1, 0);
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.median < b.median; });
-  if (candidates.size() > kept) candidates.resize(kept);
+  if (!robust) {
+    keep_nearest(looked_at);
+    model.points = &points;
+    for (Candidate& c : candidates) {
+      model.convention = c.convention;
+      c.distance = distance(model, c);
+    }
+  }
+  keep_nearest(kept);
   std::vector<UvStart> result;
   for (const Candidate& c : candidates)
     for (const double turn : choices(4, {0, 0.125, 0.25, 0.375})) {
