@@ -47,6 +47,8 @@ Data usable_vertices(const Mesh& mesh) {
   data.all.centre = box.center();
   data.all.size = box.diagonal().stableNorm();
   if (!(data.all.size > 0)) throw MeshError("mesh", "all vertices are at one point, a fit needs an extent");
+  data.all.positions.reserve(usable.size());
+  data.all.uvs.reserve(usable.size());
   for (const std::uint32_t v : usable) {
     data.all.positions.push_back(from_eigen((to_eigen(mesh.positions[v]) - data.all.centre) / data.all.size));
     data.all.uvs.push_back(mesh.uvs[v]);
@@ -66,11 +68,13 @@ struct Trial {
   std::vector<std::string_view> equivalent{};
 };
 
-double rms(const UvModel& model, const UvState& state) {
-  const std::vector<double> squares = model.squares(state);
+double rms(const std::vector<double>& squares) {
   double sum = 0;
   for (const double s : squares) sum += s;
   return std::sqrt(sum / static_cast<double>(squares.size()));
+}
+double rms(const UvModel& model, const UvState& state) {
+  return rms(model.squares(state));
 }
 
 std::optional<AnySurface> surface_of(const UvModel& model, const UvState& state, double size,
@@ -181,7 +185,13 @@ MeshFit completed(const Data& data, Trial trial, const SurfaceSpecification& giv
               {*surface_of(trial.model, trial.state, data.all.size, given), Eigen::Isometry3d::Identity(),
                trial.model.whole_convention(trial.state)}};
   fit.equivalent = trial.equivalent;
-  fit.rms_relative = rms(trial.model, trial.state);
+  std::vector<double> squares;
+  UvSums sums;
+  if (trial.fits)
+    sums = trial.model.sums(trial.state, Mixture{}, &squares);
+  else
+    squares = trial.model.squares(trial.state);
+  fit.rms_relative = rms(squares);
   fit.rms = fit.rms_relative * data.all.size;
   fit.fits = trial.fits && fit.rms_relative <= fits_below;
   const auto n = static_cast<double>(data.all.count());
@@ -189,7 +199,7 @@ MeshFit completed(const Data& data, Trial trial, const SurfaceSpecification& giv
     const double sigma =
         fit.rms_relative * std::sqrt(n / (3 * n - static_cast<double>(trial.model.unknowns())));
     fit.sigma = sigma * data.all.size;
-    const UvSpread spread = trial.model.spread(trial.state, trial.model.sums(trial.state, Mixture{}));
+    const UvSpread spread = trial.model.spread(trial.state, sums);
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (const auto& p : data.all.positions) centre += to_eigen(p) / n;
     static_cast<SurfaceUncertainty&>(fit) =

@@ -106,8 +106,8 @@ std::vector<bool> poles(const std::vector<Truth>& truth) {
   return result;
 }
 
-Judgement judge_whole(const Mesh& mesh, Recognised recognised, const JudgeOptions& options) {
-  const Subject subject = prepare(mesh, poles(recognised.truth), options);
+Judgement judge_whole(Subject subject, Recognised recognised, const JudgeOptions& options) {
+  subject.classes = classify(subject.mesh, poles(recognised.truth));
   return judgement_of(subject, std::move(recognised), options, options.surface.has_value());
 }
 
@@ -179,13 +179,14 @@ struct Parts {
   }
 };
 
-std::vector<Judgement> judge_each(const Mesh& mesh, std::vector<RecognisedPart> parts,
+std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> parts,
                                   const JudgeOptions& options) {
+  const Mesh& mesh = whole.mesh;
   std::vector<bool> is_pole(mesh.positions.size(), false);
   for (const RecognisedPart& p : parts)
     for (std::size_t v = 0; v < p.recognised.truth.size(); ++v)
       if (p.recognised.truth[v].pole) is_pole[p.part.vertices[v]] = true;
-  Subject whole = prepare(mesh, is_pole, options);
+  whole.classes = classify(mesh, is_pole);
   // A vertex of two parts is at a crease of theirs, and no one frame is right there.
   std::vector<std::uint32_t> parts_at(mesh.positions.size(), 0);
   for (const RecognisedPart& p : parts)
@@ -218,18 +219,20 @@ std::vector<Judgement> judge_each(const Mesh& mesh, std::vector<RecognisedPart> 
 
 Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
   check(mesh, options);
-  if (!options.references.analytic) return judge_whole(mesh, {}, options);
+  Subject subject = prepare(mesh, options);
+  if (!options.references.analytic) return judge_whole(std::move(subject), {}, options);
   Recognised recognised = by_uvs(mesh, options);
   if (!recognised.fits() && !options.surface)
     if (auto fit = fit_positions(mesh)) take(mesh, recognised, std::move(*fit));
-  return judge_whole(mesh, std::move(recognised), options);
+  return judge_whole(std::move(subject), std::move(recognised), options);
 }
 
 std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options) {
   check(mesh, options);
-  if (!options.references.analytic) return {judge_whole(mesh, {}, options)};
+  Subject subject = prepare(mesh, options);
+  if (!options.references.analytic) return {judge_whole(std::move(subject), {}, options)};
   Recognised whole = by_uvs(mesh, options);
-  if (whole.fits()) return {judge_whole(mesh, std::move(whole), options)};
+  if (whole.fits()) return {judge_whole(std::move(subject), std::move(whole), options)};
 
   Parts parts(mesh, options);
   if (options.surface && !parts.declared) parts.recognised.clear();
@@ -239,7 +242,7 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
       parts.recognised.clear();
     }
   if (parts.recognised.empty()) {
-    Judgement result = judge_whole(mesh, std::move(whole), options);
+    Judgement result = judge_whole(std::move(subject), std::move(whole), options);
     add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
     return {std::move(result)};
   }
@@ -248,7 +251,7 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
     unknown.reason = whole.reason;
     parts.recognised.push_back({part_of(mesh, std::move(parts.rest)), std::move(unknown)});
   }
-  std::vector<Judgement> result = judge_each(mesh, std::move(parts.recognised), options);
+  std::vector<Judgement> result = judge_each(std::move(subject), std::move(parts.recognised), options);
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t v : triangle) used[v] = true;

@@ -35,10 +35,16 @@ Vec3<double> PlacedSurface::position(const Vec2<double>& stored) const {
 
 Truth PlacedSurface::truth(const Vec2<double>& stored) const {
   const Vec2<double> p = uv.surface_uv(stored);
+  return truth(stored, surface.sample(p.x, p.y));
+}
+
+Truth PlacedSurface::truth(const Vec2<double>& stored, const Sample<double>& at) const {
+  const Vec2<double> p = uv.surface_uv(stored);
   // A uv that misses a pole by a rounding means the pole: beside it dpdu may point either way.
   const Vec2<double> rounded{rounded_to_quarter(p.x), rounded_to_quarter(p.y)};
-  const bool pole = has(surface.frame(rounded.x, rounded.y).status, singular);
-  const Sample<double> s = pole ? surface.sample(rounded.x, rounded.y) : surface.sample(p.x, p.y);
+  const Sample<double> near = rounded == p ? at : surface.sample(rounded.x, rounded.y);
+  const bool pole = has(near.frame.status, singular);
+  const Sample<double>& s = pole ? near : at;
   const Frame<double>& frame = s.frame;
   // The derivative along (a, b) in (u, v); where a partial vanishes the other decides, and where only the
   // vanished one is asked for its limit direction does.
@@ -52,7 +58,7 @@ Truth PlacedSurface::truth(const Vec2<double>& stored) const {
   const auto& m = uv.affine;
   const Eigen::Matrix3d rotation = placement.linear();
   const auto placed = [&](const Vec3<double>& a) { return from_eigen(rotation * to_eigen(a)); };
-  return {position(stored),
+  return {from_eigen(placement * to_eigen(at.jet.position)),
           placed(frame.n),
           placed(unit(along(m[0], m[2]))),
           placed(unit(along(m[1], m[3]))),

@@ -460,6 +460,7 @@ MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed
                     const ValidateOptions& options) {
   check_consistent(mesh, "mesh");
   std::vector<Truth> truth;
+  if (placed) truth.reserve(mesh.uvs.size());
   if (placed)
     for (const Vec2<double>& uv : mesh.uvs) truth.push_back(placed->truth(uv));
   return validate(mesh, truth, options);
@@ -473,7 +474,9 @@ MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const Valida
                                 " vertices, permitted is one each or none");
   std::vector<bool> is_pole;
   for (const Truth& t : truth) is_pole.push_back(t.pole);
-  return judge_subject(prepare(mesh, is_pole, options), truth, options);
+  Subject subject = prepare(mesh, options);
+  subject.classes = classify(mesh, is_pole);
+  return judge_subject(subject, truth, options);
 }
 
 }  // namespace darboux

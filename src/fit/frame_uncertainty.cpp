@@ -28,6 +28,7 @@ using Ways = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, most_columns>;  // o
 // What δ does to the surface at a fixed (u, v).
 struct Velocities {
   Columns position, dpdu, dpdv;
+  int parameters;  // of the surface
 };
 
 Velocities velocities(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
@@ -42,7 +43,7 @@ Velocities velocities(const PlacedSurface& placed, const SurfaceUncertainty& unc
   local << to_eigen(frame.t).transpose(), to_eigen(frame.b).transpose(), to_eigen(frame.n).transpose();
   const Eigen::Matrix3d rotation = placed.placement.linear(), to_frame = local * rotation.transpose();
   const Eigen::Vector3d from_centre = placed.placement * to_eigen(j.position) - uncertainty.centre;
-  Velocities result{Columns::Zero(3, n), Columns::Zero(3, n), Columns::Zero(3, n)};
+  Velocities result{Columns::Zero(3, n), Columns::Zero(3, n), Columns::Zero(3, n), by.count};
   const auto rigid = [&](Columns& columns, const Eigen::Vector3d& a) {
     columns.leftCols<3>() = -to_frame * fit::cross_matrix(a);  // ω × a
   };
@@ -96,26 +97,26 @@ struct FirstOrder {
   }
 };
 
-// At (u, v), where the surface's frame has this status; nothing where it has no frame to turn.
+// At this sample of the surface; nothing where it has no frame to turn.
 std::optional<FirstOrder> first_order(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
-                                      Vec2<double> uv, Status status) {
+                                      Sample<double> s) {
+  const Status status = s.frame.status;
   if (has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero |
                       Status::parallel))
     return std::nullopt;
   // At a pole the covariance of n is that beside it, where dpdu tells directions apart.
   const bool at_pole = has(status, Status::dpdu_zero);
-  if (at_pole) uv.y += uv.y < 0.5 ? 0x1p-20 : -0x1p-20;
-  const Jet2<double> j = placed.surface.jet(uv.x, uv.y);
-  const Frame<double> frame = placed.surface.frame(uv.x, uv.y);
-  if (has(frame.status, Status::no_frame | singular)) return std::nullopt;
+  if (at_pole) s = placed.surface.sample(s.u, s.v + (s.v < 0.5 ? 0x1p-20 : -0x1p-20));
+  if (has(s.frame.status, Status::no_frame | singular)) return std::nullopt;
+  const Vec2<double> uv{s.u, s.v};
   return FirstOrder{placed,
                     uncertainty.covariance,
                     at_pole,
                     uv,
-                    j,
-                    frame,
-                    shape_operator(j, frame),
-                    velocities(placed, uncertainty, uv, j, frame)};
+                    s.jet,
+                    s.frame,
+                    shape_operator(s.jet, s.frame),
+                    velocities(placed, uncertainty, uv, s.jet, s.frame)};
 }
 
 // How the frame turns: its covariance, and whether first order tells n and t at all.
@@ -144,13 +145,29 @@ Turning turning(const FirstOrder& at) {
   return result;
 }
 
-// The covariance's part of the frame at uv; where the point p stays and its foot moves, p is given, in the surface's axes.
-void add_covariance(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
-                    const Vec2<double>& uv, const Vec3<double>* p, UncertainFrame& result) {
+// Without its covariance.
+UncertainFrame placed_frame(const PlacedSurface& placed, const Sample<double>& s) {
+  const Eigen::Matrix3d rotation = placed.placement.linear();
+  const auto turned = [&](const Vec3<double>& a) { return from_eigen(rotation * to_eigen(a)); };
+  UncertainFrame result;
+  result.uv = {s.u, s.v};
+  result.position = from_eigen(placed.placement * to_eigen(s.jet.position));
+  result.t = turned(s.frame.t);
+  result.b = turned(s.frame.b);
+  result.n = turned(s.frame.n);
+  result.status = s.frame.status;
+  return result;
+}
+
+// The frame at uv with its covariance; where the point p stays and its foot moves, p is given, in the surface's axes.
+UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
+                               const Vec2<double>& uv, const Vec3<double>* p) {
+  const Sample<double> sample = placed.surface.sample(uv.x, uv.y);
+  UncertainFrame result = placed_frame(placed, sample);
   result.covariance = Eigen::Vector3d(infinity, infinity, infinity).asDiagonal();
   result.normal_deg = result.tangent_deg = infinity;
-  std::optional<FirstOrder> at = first_order(placed, uncertainty, uv, result.status);
-  if (!at) return;
+  std::optional<FirstOrder> at = first_order(placed, uncertainty, sample);
+  if (!at) return result;
   if (p) {
     // The foot x + d n = p stays a foot: (1 - d S) w = -(velocity + d (what turns n towards t, b)), w the foot's way
     // along t and b over the moving surface. [doCarmo2016, sec. 3-3]
@@ -160,7 +177,7 @@ void add_covariance(const PlacedSurface& placed, const SurfaceUncertainty& uncer
     Eigen::Matrix2d moving;
     moving << 1 - distance * s.a, -distance * s.m, -distance * s.m, 1 - distance * s.c;
     // Nearest points have both eigenvalues positive; at zero, a focal point, the foot is not unique.
-    if (!(moving.determinant() > 1e-9 * moving.trace() * moving.trace())) return;
+    if (!(moving.determinant() > 1e-9 * moving.trace() * moving.trace())) return result;
     Ways way(2, d.dpdu.cols());
     way.row(0) = distance / s.e * d.dpdu.row(2) - d.position.row(0);
     way.row(1) = distance / s.g * (d.dpdv.row(2) - s.f / s.e * d.dpdu.row(2)) - d.position.row(1);
@@ -178,6 +195,7 @@ void add_covariance(const PlacedSurface& placed, const SurfaceUncertainty& uncer
     result.covariance = turns.covariance;
     result.tangent_deg = root(turns.covariance(1, 1) + turns.covariance(2, 2)) * degrees;
   }
+  return result;
 }
 
 const PlacedSurface& surface_of(const PointFit& fit) {
@@ -187,20 +205,6 @@ const PlacedSurface& surface_of(const PointFit& fit) {
         std::string(fit.surface->surface.info().name),
         "has no frames with uncertainty, permitted are the kinds that can be fitted to points");
   return *fit.surface;
-}
-
-UncertainFrame placed_frame(const PlacedSurface& placed, const Vec2<double>& uv) {
-  const Sample<double> s = placed.surface.sample(uv.x, uv.y);
-  const Eigen::Matrix3d rotation = placed.placement.linear();
-  const auto turned = [&](const Vec3<double>& a) { return from_eigen(rotation * to_eigen(a)); };
-  UncertainFrame result;
-  result.uv = uv;
-  result.position = from_eigen(placed.placement * to_eigen(s.jet.position));
-  result.t = turned(s.frame.t);
-  result.b = turned(s.frame.b);
-  result.n = turned(s.frame.n);
-  result.status = s.frame.status;
-  return result;
 }
 
 // The foot on a surface that has no closed form for it. Each thread keeps the grid of the last surface it was asked for,
@@ -226,31 +230,26 @@ UncertainFrame frame_near(const PlacedSurface& placed, const SurfaceUncertainty&
   const Vec3<double> local = from_eigen(placed.placement.inverse() * to_eigen(p));
   const auto closed = closed_foot(placed.surface, local);
   const Vec2<double> uv = closed ? *closed : searched_foot(placed.surface, local);
-  UncertainFrame result = placed_frame(placed, uv);
-  add_covariance(placed, uncertainty, uv, &local, result);
-  return result;
+  return uncertain_frame(placed, uncertainty, uv, &local);
 }
 
 UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv) {
-  const PlacedSurface& placed = surface_of(fit);
-  UncertainFrame result = placed_frame(placed, uv);
-  add_covariance(placed, fit, uv, nullptr, result);
-  return result;
+  return uncertain_frame(surface_of(fit), fit, uv, nullptr);
 }
 
 Truth truth_at(const MeshFit& fit, const Vec2<double>& stored) {
-  Truth truth = fit.surface.truth(stored);
-  truth.normal_deg = truth.tangent_deg = infinity;
   const UvConvention& convention = fit.surface.uv;
   const Vec2<double> uv = convention.surface_uv(stored);
-  std::optional<FirstOrder> at =
-      first_order(fit.surface, fit, uv, fit.surface.surface.frame(uv.x, uv.y).status);
+  const Sample<double> sample = fit.surface.surface.sample(uv.x, uv.y);
+  Truth truth = fit.surface.truth(stored, sample);
+  truth.normal_deg = truth.tangent_deg = infinity;
+  std::optional<FirstOrder> at = first_order(fit.surface, fit, sample);
   if (!at) return truth;
   // Along stored u: a = M00 dpdu + M10 dpdv.
   const auto& m = convention.affine;
   const Eigen::Vector3d u(at->s.e, 0, 0), v(at->s.f, at->s.g, 0), a = m[0] * u + m[2] * v;
   const Eigen::Index n = fit.covariance.rows();
-  const auto map = 6 + static_cast<Eigen::Index>(fit.surface.surface.parameters().size());
+  const Eigen::Index map = 6 + at->d.parameters;
   if (n > map) {  // the uv map is uncertain as well, and moves the point
     Ways way = Ways::Zero(2, n);
     for (int row = 0; row < 2; ++row) {

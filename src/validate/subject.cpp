@@ -55,13 +55,13 @@ std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<do
   return result;
 }
 
-Subject prepare(const Mesh& mesh, const std::vector<bool>& is_pole, const ValidateOptions& options) {
+Subject prepare(const Mesh& mesh, const ValidateOptions& options) {
   for (const auto& [set, uvs] : options.other_uvs)
     if (uvs.size() != mesh.positions.size())
       throw MeshError("mesh", "uv set " + std::to_string(set) + " has " + std::to_string(uvs.size()) +
                                   " uvs for " + std::to_string(mesh.positions.size()) +
                                   " vertices, permitted is one each");
-  Subject subject{mesh, triangle_signs(mesh), classify(mesh, is_pole), {}, {}, {}};
+  Subject subject{mesh, {}, triangle_signs(mesh), {}, {}, {}};
   subject.across_mirror.assign(mesh.positions.size(), false);
   std::vector<signed char> winds(mesh.positions.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)

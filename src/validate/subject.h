@@ -11,8 +11,8 @@ namespace darboux {
 
 struct Subject {
   const Mesh& mesh;
+  MeshClasses classes{};
   std::vector<signed char> raw_sign;  // of each triangle, 0 without uv area
-  MeshClasses classes;
   // MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it; empty where it is not asked for or the
   // mesh lacks tangents, normals or uvs.
   std::vector<Vec4<float>> mikktspace;
@@ -20,8 +20,8 @@ struct Subject {
   std::vector<Truth> local;         // at each vertex; empty where it is not asked for or there are no uvs
 };
 
-// \param is_pole as classify() takes it
-Subject prepare(const Mesh& mesh, const std::vector<bool>& is_pole, const ValidateOptions& options);
+// All but the classes, which need to know the poles.
+Subject prepare(const Mesh& mesh, const ValidateOptions& options);
 
 // MikkTSpace's tangents under some uvs, as Subject has them. Triangles with numbers that are not finite are left out.
 std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads);
