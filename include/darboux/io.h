@@ -108,6 +108,9 @@ class GltfDocument {
  public:
   /// \throws FileError as read_asset does; errors in meshes and nodes are found by asset()
   static GltfDocument load(const std::string& path);
+  /// A new one, with a mesh and a node for each primitive, in their order, as write_glb() writes them.
+  /// \param path what messages call it \throws MeshError as write_glb() does
+  static GltfDocument of(const Asset& asset, const std::string& path);
   GltfDocument(GltfDocument&&) noexcept;
   GltfDocument& operator=(GltfDocument&&) noexcept;
   ~GltfDocument();
@@ -137,6 +140,15 @@ class GltfDocument {
   /// names no old vertex, or indices no new one \throws FileError when an attribute cannot be read
   void remap_vertices(std::size_t mesh, std::size_t primitive, std::span<const std::uint32_t> source,
                       std::span<const std::uint32_t> indices, bool without_tangents = false);
+
+  /// Shows one primitive in these colours and nothing else: gives it a COLOR_0 accessor (float VEC3, linear RGB, one a vertex),
+  /// appended to the binary chunk, and a white material that is not lit (KHR_materials_unlit), one for the whole document. Its
+  /// old colours and material stay where they are.
+  /// \param extras_json a JSON object whose keys the mesh's extras get, unless they are something else than an object
+  /// \throws MeshError when the primitive does not exist or the count differs from POSITION's \throws ParameterError when
+  /// extras_json is no object
+  void set_colours(std::size_t mesh, std::size_t primitive, std::span<const Vec3<float>> colours,
+                   const std::string& extras_json);
 
   /// Writes a self-contained GLB, whole or not at all. The bytes of buffer 0 begin the binary chunk, all that
   /// was added follows. Files that other buffers and images name by relative URI are embedded as data URIs,

@@ -5,6 +5,7 @@
 
 #include "parallel.h"
 #include "validate_files.h"
+#include "validate_pictures.h"
 
 namespace darboux {
 namespace {
@@ -16,6 +17,7 @@ struct Arguments {
   bool findings = false, details = false;
   std::vector<std::string> fail_on;
   std::string configuration, baseline, sarif, junit;
+  Pictures pictures;
 };
 
 Eigen::Isometry3d parse_placement(const std::string& text) {
@@ -111,6 +113,8 @@ void run(const Arguments& arguments, Common& common) {
   if (!arguments.junit.empty()) junit_file.emplace(arguments.junit);
 
   std::vector<JudgedFile> files = files_of(arguments.files);
+  check_pictures(arguments.pictures, files.size());
+  options.keep_errors = arguments.pictures.any();
   {
     Progress progress("validate", common);
     parallel_for(
@@ -119,6 +123,7 @@ void run(const Arguments& arguments, Common& common) {
         [&](double share) { progress.update(share); });
   }
   if (with_baseline) compare_with_baseline(files, arguments.baseline, baseline);
+  write_pictures(arguments.pictures, files, arguments.max_angle);
 
   for (const JudgedFile& file : files) {
     if (!file.error.empty()) print_error(file.error);
@@ -198,6 +203,7 @@ void add_validate(CLI::App& app, Common& common) {
   sub.add_option("--sarif", arguments->sarif, "also write errors and warnings as SARIF 2.1.0 to this file");
   sub.add_option("--junit", arguments->junit,
                  "also write the verdicts as JUnit XML to this file, a test case each mesh or part");
+  add_pictures(sub, arguments->pictures);
   sub.add_option(
       "--config", arguments->configuration,
       "a file with these options, a line each: max-angle = 2, fail-on = [\"CODE\"], files = [\"assets\"]; "

@@ -106,7 +106,7 @@ void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector
           raise(fail_on, j.report);
           file.verdict = std::max(file.verdict, j.report.verdict);
         }
-        primitive.data = {};
+        if (!options.keep_errors) primitive.data = {};
         primitive.other_uvs = {};
         file.primitives.push_back({std::move(primitive), std::move(judgements), {}});
       }

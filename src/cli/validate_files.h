@@ -15,7 +15,7 @@
 namespace darboux {
 
 struct JudgedPrimitive {
-  Primitive primitive;  ///< without its data
+  Primitive primitive;  ///< without its data, unless errors are kept
   std::vector<Judgement> judgements;
   std::map<std::string, std::size_t, std::less<>> known;  ///< counts of findings in the baseline, by code
 

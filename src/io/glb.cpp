@@ -45,20 +45,17 @@ std::size_t append_floats(GltfFile& file, const std::vector<float>& values, std:
                                {"type", "VEC" + std::to_string(components)}});
 }
 
-Json parse_extras(const std::string& text) {
-  try {
-    Json extras = io::parse_json("extras_json", text);
-    if (extras.is_object()) return extras;
-  } catch (const FileError& error) {
-    throw ParameterError("write_glb", error.what());
-  }
-  throw ParameterError("write_glb", "extras_json is " + io::in_quotes(text) + ", permitted is a JSON object");
+GltfFile new_file(const std::string& path) {
+  GltfFile file;
+  file.path = path;
+  file.json = {{"asset", {{"version", "2.0"}, {"generator", "Darboux"}}},
+               {"scene", 0},
+               {"scenes", Json::array({{{"nodes", Json::array()}}})}};
+  return file;
 }
 
-}  // namespace
-
-void write_glb(const std::string& path, const Mesh& mesh, const std::string& name,
-               const std::string& extras_json) {
+// With a node of its own.
+void append_mesh(GltfFile& file, const Mesh& mesh, const std::string& name, const std::string& extras_json) {
   check_consistent(mesh, name);
   if (mesh.triangles.empty()) throw MeshError(name, "has no triangles, permitted for a file is at least one");
 
@@ -73,12 +70,9 @@ void write_glb(const std::string& path, const Mesh& mesh, const std::string& nam
     greatest[i % 3] = i < 3 ? x : std::max(greatest[i % 3], x);
   }
 
-  GltfFile file;
-  file.path = path;
-  file.json = {{"asset", {{"version", "2.0"}, {"generator", "Darboux"}}},
-               {"scene", 0},
-               {"scenes", Json::array({{{"nodes", {0}}}})},
-               {"nodes", Json::array({{{"mesh", 0}}})}};
+  const std::size_t number = file.json.contains("meshes") ? file.json["meshes"].size() : 0;
+  file.json["scenes"][0]["nodes"].push_back(number);
+  file.json["nodes"].push_back({{"mesh", number}});
   Json attributes;
   const std::size_t position = append_floats(file, positions, 3);
   file.json["accessors"][position]["min"] = least;
@@ -93,9 +87,33 @@ void write_glb(const std::string& path, const Mesh& mesh, const std::string& nam
   Json mesh_json;
   if (!name.empty()) mesh_json["name"] = name;
   mesh_json["primitives"] = Json::array({primitive});
-  if (!extras_json.empty()) mesh_json["extras"] = parse_extras(extras_json);
-  file.json["meshes"] = Json::array({mesh_json});
+  if (!extras_json.empty()) mesh_json["extras"] = io::parse_extras("write_glb", extras_json);
+  file.json["meshes"].push_back(mesh_json);
+}
+
+}  // namespace
+
+Json io::parse_extras(const char* subject, const std::string& text) {
+  try {
+    Json extras = parse_json("extras_json", text);
+    if (extras.is_object()) return extras;
+  } catch (const FileError& error) {
+    throw ParameterError(subject, error.what());
+  }
+  throw ParameterError(subject, "extras_json is " + in_quotes(text) + ", permitted is a JSON object");
+}
+
+void write_glb(const std::string& path, const Mesh& mesh, const std::string& name,
+               const std::string& extras_json) {
+  GltfFile file = new_file(path);
+  append_mesh(file, mesh, name, extras_json);
   write_file(path, file.to_glb());
+}
+
+GltfDocument GltfDocument::of(const Asset& asset, const std::string& path) {
+  auto file = std::make_unique<GltfFile>(new_file(path));
+  for (const Primitive& p : asset.primitives) append_mesh(*file, p.data, p.name, {});
+  return GltfDocument(std::move(file));
 }
 
 }  // namespace darboux

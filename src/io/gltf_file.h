@@ -98,6 +98,9 @@ void remove_extension(Json& owner, const char* name);
 /// Takes an extension off extensionsUsed and extensionsRequired.
 void retire_extension(GltfFile& file, const char* name);
 
+/// What a caller wants among a document's extras. \throws ParameterError with this subject unless it is a JSON object
+Json parse_extras(const char* subject, const std::string& text);
+
 /// \param text JSON of at most 256 levels \throws FileError with the subject `file`
 Json parse_json(const std::string& file, std::string_view text);
 

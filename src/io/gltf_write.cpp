@@ -227,6 +227,43 @@ std::vector<MorphTarget> GltfDocument::morph_targets(const Primitive& primitive)
                           primitive.texcoord, primitive.data.positions.size());
 }
 
+void GltfDocument::set_colours(std::size_t mesh, std::size_t primitive, std::span<const Vec3<float>> colours,
+                               const std::string& extras_json) {
+  static_assert(sizeof(Vec3<float>) == 12);
+  constexpr const char* unlit = "KHR_materials_unlit";
+  const Place position = find_primitive(*file_, mesh, primitive).at("attributes").at("POSITION");
+  const std::uint64_t vertices = file_->element("accessors", position).at("count").integer(1);
+  if (colours.size() != vertices)
+    throw MeshError(file_->path, primitive_name(mesh, primitive) + " is given " +
+                                     std::to_string(colours.size()) +
+                                     " colours, permitted is one for each of its " +
+                                     std::to_string(vertices) + " vertices");
+  const Json extras = io::parse_extras("set_colours", extras_json);
+  const Place root = file_->root();
+  for (const char* list : {"materials", "extensionsUsed"})
+    if (root.has(list)) root.at(list).size();  // refuses what is no array
+
+  const auto place_in = [](Json& list, const Json& item) {
+    const auto at = std::find(list.begin(), list.end(), item);
+    const auto index = static_cast<std::size_t>(at - list.begin());
+    if (at == list.end()) list.push_back(item);
+    return index;
+  };
+  const Json white = {{"name", "Darboux: the vertices' own colours"},
+                      {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
+                      {"doubleSided", true},
+                      {"extensions", {{unlit, Json::object()}}}};
+  const std::size_t view = file_->append_view(as_bytes(colours), 0, io::vertex_target);
+  const std::size_t accessor = file_->append_accessor(
+      {{"bufferView", view}, {"componentType", io::component_f32}, {"count", vertices}, {"type", "VEC3"}});
+  place_in(file_->json["extensionsUsed"], unlit);
+  const std::size_t material = place_in(file_->json["materials"], white);
+  Json& json = file_->json["meshes"][mesh];
+  json["primitives"][primitive]["attributes"]["COLOR_0"] = accessor;
+  json["primitives"][primitive]["material"] = material;
+  if (!json.contains("extras") || json["extras"].is_object()) json["extras"].update(extras);
+}
+
 void GltfDocument::set_tangents(std::size_t mesh, std::size_t primitive,
                                 std::span<const Vec4<float>> tangents,
                                 std::span<const std::vector<Vec3<float>>> deltas) {

@@ -10,6 +10,7 @@
 #include <thread>
 #include <tuple>
 
+#include "html.h"
 #include "text.h"
 
 namespace darboux {
@@ -41,38 +42,6 @@ std::string csv_number(double x) {
 }
 
 // ---- HTML -------------------------------------------------------------------------------------------------
-
-std::string escape(std::string_view text) {
-  std::string result;
-  for (const char c : text) switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        result += c;
-    }
-  return result;
-}
-
-// JSON for a <script>: nothing in it can end the element or open a comment.
-std::string script_json(const Json& json) {
-  std::string result;
-  for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace))
-    result += c == '<' ? "\\u003c" : std::string(1, c);
-  return result;
-}
 
 // With two decimals; never "-0.00".
 std::string fixed(double x) {
@@ -152,46 +121,18 @@ Json page_data(const std::vector<Study>& studies) {
 }
 
 constexpr std::string_view style = R"css(
-:root{color-scheme:light;--ink:#1d2733;--soft:#5a6675;--line:#d8dee6;--accent:#0072b2}
-*{box-sizing:border-box}
-body{margin:0;background:#f5f7f9;color:var(--ink);font:16px/1.5 system-ui,"Segoe UI","DejaVu Sans",sans-serif}
-main{max-width:78rem;margin:0 auto;padding:2rem 1.5rem 3rem}
-h1{font-size:1.75rem;line-height:1.2;margin:0 0 .75rem}
-h2{font-size:1.15rem;margin:0 0 .25rem}
-p{margin:0 0 1rem;max-width:50rem}
 .lead{font-size:1.05rem}
 .sum{font-weight:600}
-.soft,figcaption{color:var(--soft);font-size:.9rem}
-.card{background:#fff;border:1px solid var(--line);border-radius:.6rem;padding:1.1rem 1.25rem;margin:0 0 1.25rem}
 .controls{display:flex;flex-wrap:wrap;gap:.75rem 1.25rem;border:0;padding:0;margin:0 0 .9rem}
 .controls label{display:flex;flex-direction:column;font-size:.85rem;color:var(--soft)}
 select{font:inherit;color:var(--ink);background:#fff;border:1px solid #9aa6b4;border-radius:.35rem;padding:.25rem .5rem;
   max-width:24rem}
-:focus-visible{outline:3px solid var(--accent);outline-offset:2px}
 .methods{display:flex;flex-wrap:wrap;gap:.3rem 1.1rem;border:0;padding:0;margin:0 0 .6rem;font-size:.95rem}
 .methods label{display:inline-flex;align-items:center;gap:.4rem;cursor:pointer}
 .methods svg{flex:none}
 .methods .absent{color:var(--soft)}
-.pictures{margin:0 0 .75rem;display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));gap:1.5rem}
-figure{margin:0;min-width:0}
 .plot{position:relative;height:26rem}
-.scroll{overflow-x:auto}
-table{border-collapse:collapse;width:100%;font-size:.9rem}
-th,td{text-align:left;padding:.3rem .5rem;white-space:nowrap;font-weight:400}
-thead th{color:var(--soft);border-bottom:2px solid var(--line);vertical-align:bottom}
-tbody td,tbody th{border-bottom:1px solid #edf0f4}
-th[scope=row]{font-weight:600}
 .group{padding-top:1rem;font-weight:600;color:var(--accent)}
-.n{text-align:right;font-variant-numeric:tabular-nums}
-.verdict{display:inline-block;border-radius:1rem;padding:0 .6rem}
-.good{background:#dcecf7;color:#00486f}
-.bad{background:#fbe0d3;color:#8a3300;font-weight:600}
-.plain{background:#eceff2;color:#48535f}
-dl{display:grid;grid-template-columns:max-content 1fr;gap:.2rem 1rem;margin:0;font-size:.9rem}
-dt{color:var(--soft)}
-dd{margin:0;overflow-wrap:anywhere}
-code{font:.88em ui-monospace,"DejaVu Sans Mono",monospace}
-@media print{body{background:#fff}.card{break-inside:avoid}}
 )css";
 
 constexpr std::string_view script = R"js(
@@ -504,6 +445,7 @@ std::string converge_page(const std::vector<Study>& studies, const Provenance& p
 <title>Darboux: convergence of mesh frames</title>
 <link rel="icon" href="data:,">
 <style>)html";
+  page += page_style;
   page += style;
   page += R"html(</style>
 </head>

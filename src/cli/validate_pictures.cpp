@@ -1,0 +1,97 @@
+#include "validate_pictures.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "report/colour_map.h"
+#include "validate_page.h"
+
+namespace darboux {
+namespace {
+
+// Whether read_asset() takes it for a glTF.
+bool is_gltf(const std::string& path) {
+  std::string magic(4, '\0');
+  std::ifstream(path, std::ios::binary).read(magic.data(), 4);
+  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  return magic == "glTF" || extension == ".glb" || extension == ".gltf";
+}
+
+// What the colours of a mesh mean, for its extras.
+std::string legend(const JudgedFile& file, std::size_t mesh, double max_angle_deg) {
+  bool tangents = false, normals = false;
+  for (const JudgedPrimitive& p : file.primitives)
+    if (p.primitive.mesh == mesh) (p.primitive.data.tangents.empty() ? normals : tangents) = true;
+  const auto rgb = [](const Vec3<float>& c) { return Json{c.x, c.y, c.z}; };
+  Json colours = Json::array();
+  for (const Vec3<float>& c : viridis()) colours.push_back(rgb(c));
+  return Json{{"darboux",
+               {{"paint", !normals    ? "tangent error"
+                          : !tangents ? "normal error"
+                                      : "tangent error; normal error where a primitive has no tangents"},
+                {"unit", "deg"},
+                {"from", 0},
+                {"to", max_angle_deg},
+                {"colours", colours},
+                {"not compared", rgb(not_compared)}}}}
+      .dump();
+}
+
+void paint(const JudgedFile& file, double max_angle_deg, const std::string& path) {
+  GltfDocument document = [&] {
+    if (is_gltf(file.path)) return GltfDocument::load(file.path);
+    Asset asset;
+    for (const JudgedPrimitive& p : file.primitives) asset.primitives.push_back(p.primitive);
+    return GltfDocument::of(asset, file.path);
+  }();
+  // As judged: the document has the same primitives in the same order.
+  const Asset asset = document.asset();
+  for (std::size_t k = 0; k < file.primitives.size(); ++k) {
+    const JudgedPrimitive& judged = file.primitives[k];
+    std::vector<Vec3<float>> colours;
+    for (const float error : vertex_errors(judged)) colours.push_back(colour_of(error, max_angle_deg));
+    document.set_colours(asset.primitives.at(k).mesh, asset.primitives.at(k).primitive, colours,
+                         legend(file, judged.primitive.mesh, max_angle_deg));
+  }
+  document.save_glb(path);
+}
+
+}  // namespace
+
+std::vector<float> vertex_errors(const JudgedPrimitive& judged) {
+  const Mesh& mesh = judged.primitive.data;
+  std::vector<float> errors(mesh.positions.size(), std::numeric_limits<float>::quiet_NaN());
+  for (const Judgement& j : judged.judgements)
+    for (std::size_t c = 0; c < j.report.errors_deg.size(); ++c) {
+      const std::size_t triangle = j.triangles.empty() ? c / 3 : j.triangles[c / 3];
+      float& error = errors[mesh.triangles[triangle][c % 3]];
+      error = std::fmax(error, j.report.errors_deg[c]);
+    }
+  return errors;
+}
+
+void add_pictures(CLI::App& sub, Pictures& pictures) {
+  sub.add_option("--paint", pictures.paint,
+                 "the .glb to write: the mesh with its vertices coloured by error, from 0 to --max-angle");
+  sub.add_option("--report", pictures.page, "the .html to write: the verdict with pictures, for people");
+}
+
+void check_pictures(const Pictures& pictures, std::size_t files) {
+  if (pictures.paint == "-" || pictures.page == "-")
+    throw ParameterError("-", "standard output has the verdict, permitted is the name of a file");
+  if (pictures.paint.empty()) return;
+  check_glb_name(pictures.paint);
+  if (files != 1)
+    throw ParameterError("--paint",
+                         "colours one file, " + std::to_string(files) + " are given, permitted is one");
+}
+
+void write_pictures(const Pictures& pictures, const std::vector<JudgedFile>& files, double max_angle_deg) {
+  if (!pictures.paint.empty() && files.front().error.empty())
+    paint(files.front(), max_angle_deg, pictures.paint);
+  if (!pictures.page.empty()) write_file(pictures.page, validate_page(files, max_angle_deg));
+}
+
+}  // namespace darboux

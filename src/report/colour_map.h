@@ -1,0 +1,28 @@
+/// \file colour_map.h
+/// The colours that errors are shown in.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include <darboux/vector.h>
+
+namespace darboux {
+
+/// Colours at equal steps from no error to the limit; between them a colour is linear in linear RGB, above them the last.
+using ColourMap = std::array<Vec3<float>, 17>;
+
+/// Viridis in linear RGB: ever lighter, told apart by colour-blind readers and in black and white. By the polynomials of
+/// degree 6 that M. Zucker fitted to it (shadertoy.com/view/WlfXRN, in the public domain).
+const ColourMap& viridis();
+
+/// What is not compared: a grey.
+inline constexpr Vec3<float> not_compared{0.2f, 0.2f, 0.2f};
+
+/// The colour of an error; not_compared for NaN. \param limit that has the last colour
+Vec3<float> colour_of(float error, double limit);
+
+/// "#1f968b"
+std::string css_colour(const Vec3<float>& linear);
+
+}  // namespace darboux

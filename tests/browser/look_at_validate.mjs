@@ -1,0 +1,187 @@
+// look_at_validate.mjs TOOL DATA [SCREENSHOTS]: runs `TOOL validate --report` on the meshes in DATA and looks at the page in
+// headless chromium: no script fails and nothing is asked of a network; the numbers are those of --json; the mesh and its uvs
+// are drawn, and turn by mouse and keys; names cannot run a script. Exit status 77 where chromium is not installed.
+// SCREENSHOTS begins the names of pictures that are left behind.
+import assert from 'node:assert/strict';
+import {spawnSync} from 'node:child_process';
+import {copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {pathToFileURL} from 'node:url';
+import {Browser, find_browser} from './browser.mjs';
+
+const [tool, data, screenshots] = process.argv.slice(2);
+const executable = find_browser();
+const folder = mkdtempSync(join(tmpdir(), 'darboux_page_'));
+process.on('exit', () => rmSync(folder, {recursive: true, force: true}));
+
+// A GLB whose mesh is called something else.
+function rename(from, to, name) {
+  const glb = readFileSync(from), length = glb.readUInt32LE(12);
+  const document = JSON.parse(glb.subarray(20, 20 + length));
+  for (const mesh of document.meshes) mesh.name = name;
+  const bytes = Buffer.from(JSON.stringify(document)), json = Buffer.alloc(Math.ceil(bytes.length / 4) * 4, ' ');
+  bytes.copy(json);
+  const head = Buffer.from(glb.subarray(0, 20));
+  head.writeUInt32LE(20 + json.length + glb.length - 20 - length, 8);
+  head.writeUInt32LE(json.length, 12);
+  writeFileSync(to, Buffer.concat([head, json, glb.subarray(20 + length)]));
+}
+
+// Runs the tool: the page's path, and the JSON.
+function judge(files, ...more) {
+  const page = join(folder, 'report.html');
+  const {status, stdout, stderr} =
+    spawnSync(tool, ['validate', '--json', '--report', page, ...more, ...files], {encoding: 'utf8', maxBuffer: 1 << 28});
+  assert.ok(status === 0 || status === 1 || status === 2, `status ${status}: ${stderr}`);
+  return {url: pathToFileURL(page).href, page, report: JSON.parse(stdout)};
+}
+
+// The numbers of the page's tables, section by section, as a reader sees them.
+const shown = `[...document.querySelectorAll('details')].map(section => {
+  const rows = name => [...section.querySelectorAll('tr.' + name)].map(row => [...row.cells].map(c => c.textContent.trim()));
+  return {summary: section.querySelector('summary').textContent, findings: rows('finding'), classes: rows('vertex-class'),
+          bars: [...section.querySelectorAll('rect title')].map(t => parseInt(t.textContent))};
+})`;
+
+function expect_same_numbers(sections, report) {
+  const meshes = report.files.flatMap(f => f.meshes);
+  assert.equal(sections.length, meshes.length);
+  meshes.forEach((mesh, i) => {
+    const section = sections[i];
+    assert.match(section.summary, new RegExp(mesh.verdict));
+    assert.match(section.summary, new RegExp(`${mesh.corners} corners`));
+    assert.deepEqual(section.findings, mesh.findings.map(f => [f.severity, f.code, String(f.count), f.message, f.to_do]));
+    const classes = Object.entries(mesh.classes);
+    assert.deepEqual(section.classes.map(row => row[0]), classes.map(([name]) => name));
+    classes.forEach(([, c], k) => {
+      const wanted = [c.corners];
+      for (const quantity of ['normal_deg', 'tangent_deg', 'bitangent_deg'])
+        for (const statistic of ['max', 'rms', 'p95']) wanted.push(c[quantity] ? c[quantity][statistic] : '–');
+      wanted.push(c.worst ? c.worst.vertex : '–');
+      // Three digits are shown.
+      wanted.forEach((x, column) => {
+        const cell = section.classes[k][column + 1], counted = column === 0 || column === wanted.length - 1;
+        if (typeof x === 'string') assert.equal(cell, x);
+        else assert.equal(Number(cell), counted ? x : Number(x.toPrecision(3)), JSON.stringify(section.classes[k]));
+      });
+    });
+    const compared = section.bars.reduce((a, b) => a + b, 0);
+    assert.ok(compared <= mesh.corners);
+    if (mesh.findings.every(f => f.severity === 'info' || f.severity === 'warning') && mesh.reference !== 'none')
+      assert.ok(compared > 0, 'an empty histogram');
+  });
+}
+
+// What a canvas of a section shows: the share of its pixels that are drawn, how many colours, and all of it as a number.
+const look = (section, name) => `(() => {
+  const canvas = document.querySelectorAll('details')[${section}].querySelector('canvas.${name}');
+  if (!canvas) return null;
+  const {data} = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height), colours = new Set();
+  let drawn = 0, hash = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    const colour = data[i] << 16 | data[i + 1] << 8 | data[i + 2];
+    if (data[i + 3] > 0) { ++drawn; colours.add(colour); hash = hash * 31 + colour * 7 + i | 0; }
+  }
+  return {share: drawn / (canvas.width * canvas.height), colours: colours.size, hash};
+})()`;
+
+async function expect_drawn(browser, section, {uvs, views = true}) {
+  await browser.value(`document.querySelectorAll('details')[${section}].open = true`);
+  await browser.value('new Promise(r => setTimeout(r, 100))');
+  const uv = await browser.value(look(section, 'uv'));
+  assert.equal(uv !== null, uvs);
+  if (uv) assert.ok(uv.share > 0.3 && uv.colours > 0, JSON.stringify(uv));
+  if (!views) return;
+  const view = await browser.value(look(section, 'view'));
+  assert.ok(view.share > 0.1 && view.share < 0.95 && view.colours > 8, JSON.stringify(view));
+}
+
+async function expect_turning(browser) {
+  let before = (await browser.value(look(0, 'view'))).hash;
+  const changed = async what => {
+    const after = (await browser.value(look(0, 'view'))).hash;
+    assert.notEqual(after, before, what + ' changes nothing');
+    before = after;
+  };
+  const first = before;
+  await browser.value(`document.querySelector('canvas.view').scrollIntoView({block: 'center'})`);
+  const {x, y} = await browser.value(`(({left, top, width, height}) => ({x: left + width / 2, y: top + height / 2}))(
+    document.querySelector('canvas.view').getBoundingClientRect())`);
+  await browser.mouse('mousePressed', x, y);
+  await browser.mouse('mouseMoved', x + 60, y + 20);
+  await browser.mouse('mouseReleased', x + 60, y + 20);
+  await changed('dragging');
+  await browser.mouse('mouseMoved', x, y);
+  assert.equal((await browser.value(look(0, 'view'))).hash, before, 'a mouse that is only moved turns it');
+  await browser.mouse('mouseWheel', x, y, {deltaX: 0, deltaY: -240, button: 'none'});
+  await browser.value('new Promise(r => setTimeout(r, 200))');
+  await changed('the wheel');
+  for (const key of ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', '+', '-']) {
+    await browser.key(key);
+    await changed(key);
+  }
+  await browser.key('0');
+  await changed('0');
+  assert.equal(before, first, '0 does not start again');
+}
+
+// ---- meshes that pass, fail and have parts; without uvs and tangents; names that would be scripts; a file that is none
+const evil = `</script><script>document.body.dataset.broken=1</script><img src=x onerror="document.body.dataset.broken=1">'"&`;
+mkdirSync(join(folder, 'a<'));
+const evil_path = join(folder, 'a<', `script><img src=x onerror=document.body.dataset.broken=1>"'&.glb`);
+rename(join(data, 'torus_016.three.glb'), evil_path, evil);
+copyFileSync(join(data, 'sphere_016.obj'), join(folder, 'sphere.obj'));
+writeFileSync(join(folder, 'none.glb'), 'glTF, but no more');
+const many = judge([...['torus_016.three.glb', 'plainsphere_016.three.glb', 'mirrortorus_016.mikk.glb'].map(f => join(data, f)),
+                    evil_path, join(folder, 'sphere.obj'), join(folder, 'none.glb')]);
+const source = readFileSync(many.page, 'utf8');
+assert.ok(!/(src|href)="?(https?:)?\/\//.test(source), 'the page names something outside itself');
+
+let browser = new Browser(executable);
+try {
+  await browser.open(many.url);
+  assert.equal(await browser.value('document.body.dataset.ready'), 'yes');
+  assert.match(await browser.value('document.title'), /^fail: 6 files/);
+  const sections = await browser.value(shown);
+  expect_same_numbers(sections, many.report);
+  assert.ok(sections.some(s => s.summary.includes(evil)), 'the name is not shown as it is');
+  const page_text = await browser.value('document.body.textContent');
+  assert.ok(page_text.includes(evil_path) && page_text.includes('none.glb'));
+  for (let i = 0; i < sections.length; ++i) await expect_drawn(browser, i, {uvs: true});
+  assert.deepEqual(browser.complaints(), []);
+  assert.equal(await browser.value('document.body.dataset.broken'), undefined);
+  if (screenshots) await browser.screenshot(screenshots + 'many.png');
+  // Even markup that came through would not run.
+  await browser.value(`document.body.insertAdjacentHTML('beforeend', '<img src=x onerror="document.body.dataset.broken=1">')`);
+  await browser.value('new Promise(r => setTimeout(r, 300))');
+  assert.equal(await browser.value('document.body.dataset.broken'), undefined, 'the policy lets scripts run');
+
+  // ---- one mesh, in the light and in the dark
+  const one = judge([join(data, 'sphere_016.three.glb')], '--max-angle', '2');
+  await browser.open(one.url);
+  await expect_drawn(browser, 0, {uvs: true});
+  await expect_turning(browser);
+  expect_same_numbers(await browser.value(shown), one.report);
+  const background = 'getComputedStyle(document.body).backgroundColor';
+  const light = await browser.value(background);
+  if (screenshots) await browser.screenshot(screenshots + 'light.png');
+  await browser.send('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-scheme', value: 'dark'}]});
+  assert.notEqual(await browser.value(background), light);
+  if (screenshots) await browser.screenshot(screenshots + 'dark.png');
+  assert.deepEqual(browser.complaints(), []);
+} finally {
+  await browser.close();
+}
+
+// ---- without WebGL the uvs are drawn, and a line says why the mesh is not
+browser = new Browser(executable, ['--disable-3d-apis']);
+try {
+  await browser.open(judge([join(data, 'torus_016.three.glb')]).url);
+  await expect_drawn(browser, 0, {uvs: true, views: false});
+  assert.equal(await browser.value(`document.querySelector('.no-webgl').hidden`), false);
+  assert.equal(await browser.value('document.body.dataset.error'), undefined);
+} finally {
+  await browser.close();
+}
+console.log('passed');
