@@ -18,11 +18,14 @@ namespace {
 constexpr double worst_condition = 1e12, infinite = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// [j][k]: the root of j / (j - k), the coefficient of x^(j-k) y^k in (x + y)^j over that of x^(j-1-k) y^k in (x + y)^(j-1).
-const auto root_of_ratio = [] {
-  std::array<std::array<double, 5>, 6> roots{};
-  for (int j = 0; j < 6; ++j)
-    for (int k = 0; k < std::min(j, 5); ++k) roots[j][k] = std::sqrt(double(j) / (j - k));
+// [j][i]: the root of j over i.
+const auto root_of_binomial = [] {
+  std::array<std::array<double, 6>, 6> roots{};
+  for (std::size_t j = 0; j < 6; ++j) {
+    double binomial = 1;
+    for (std::size_t i = 0; i <= j; binomial *= static_cast<double>(j - i) / static_cast<double>(i + 1), ++i)
+      roots[j][i] = std::sqrt(std::round(binomial));
+  }
   return roots;
 }();
 
@@ -44,7 +47,7 @@ class Fit {
   void resize(std::size_t n) {
     n_ = static_cast<Eigen::Index>(n);
     // Rows of zeros below the points leave every least-squares polynomial as it is.
-    rows_ = std::max<Eigen::Index>(n_, columns);
+    rows_ = std::max<Eigen::Index>(n_, columns + 1);
     if (rows_ <= system_.rows()) return;
     given_.resize(rows_, 2 + dims);
     system_.resize(rows_, width);
@@ -107,15 +110,14 @@ class Fit {
   void fill() {
     for (Eigen::Index i = 0; i < n_; ++i) {
       double* const row = &system_(i, 0);
-      const double x = given_(i, 0), y = given_(i, 1);
-      row[0] = 1;
-      row[1] = x;
-      row[2] = y;
-      for (int j = 2, column = 3; j <= degree + 1; ++j) {
-        const int before = column - j;
-        for (int k = 0; k < j; ++k, ++column) row[column] = root_of_ratio[j][k] * (row[before + k] * x);
-        row[column++] = row[before + j - 1] * y;
+      std::array<double, degree + 2> x, y;  // their powers
+      x[0] = y[0] = 1;
+      for (std::size_t j = 1; j < x.size(); ++j) {
+        x[j] = x[j - 1] * given_(i, 0);
+        y[j] = y[j - 1] * given_(i, 1);
       }
+      for (std::size_t j = 0, column = 0; j < x.size(); ++j)
+        for (std::size_t k = 0; k <= j; ++k) row[column++] = root_of_binomial[j][k] * (x[j - k] * y[k]);
       for (int k = 0; k < dims; ++k) row[M + k] = given_(i, 2 + k);
       if (width > columns) row[columns] = 0;
     }
@@ -138,8 +140,8 @@ class Fit {
       using Tail = Eigen::Matrix<double, 1, width - from>;
       const auto tail = [this](Eigen::Index i) { return Eigen::Map<Tail>(&system_(i, from)); };
       const double head = system_(k, k);
-      Tail sum = Tail::Zero();
-      for (Eigen::Index i = k + 1; i < rows_; ++i) sum += system_(i, k) * tail(i);
+      Tail sum = system_(k + 1, k) * tail(k + 1);
+      for (Eigen::Index i = k + 2; i < rows_; ++i) sum += system_(i, k) * tail(i);
       const double below = sum(k - from);
       if (below > std::numeric_limits<double>::min()) {
         // x - v (v·x) / (size v0), v = (v0, what is below)
@@ -157,12 +159,14 @@ class Fit {
 
   // Column by column. A zero on the diagonal spoils its column and those to the right, no other.
   void invert() {
+    inverse_(0, 0) = 1 / r_(0, 0);
     for_each_column<M>([this](auto start, int j) {
+      if (j == 0) return;
       constexpr int length = std::min(start + step, paired(M));
       using Head = Eigen::Matrix<double, 1, length>;
       const auto column = [this](int k) { return Eigen::Map<Head>(&inverse_(k, 0)); };
-      Head sum = Head::Zero();
-      for (int k = 0; k < j; ++k) sum += r_(k, j) * column(k);
+      Head sum = r_(0, j) * column(0);
+      for (int k = 1; k < j; ++k) sum += r_(k, j) * column(k);
       const double diagonal = 1 / r_(j, j);
       column(j) = -diagonal * sum;
       inverse_(j, j) = diagonal;
