@@ -78,7 +78,7 @@ std::vector<Rule> rules(const Includes& tree) {
            mesh_core +
            "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|sys/"
            "mman\\.h|(arithmetic|buffer|connectivity|creases|input|rings|triangle|(\\.\\./)?"
-           "(pieces|text))\\.h",
+           "(pieces|text|edges|hash_table))\\.h",
        ""},
       {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",
        std::string(standard) + "|Eigen/.*|darboux/.*", ""},

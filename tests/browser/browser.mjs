@@ -83,9 +83,11 @@ export class Browser {
     writeFileSync(path, Buffer.from(data, 'base64'));
   }
 
+  // Its helpers write to the profile for a moment after it has ended.
   close() {
     const gone = new Promise(resolve => this.process.once('exit', resolve));
-    this.process.kill();
-    return gone.then(() => rmSync(this.profile, {recursive: true, force: true, maxRetries: 5}));
+    this.session = undefined;
+    this.send('Browser.close');
+    return gone.then(() => rmSync(this.profile, {recursive: true, force: true, maxRetries: 100, retryDelay: 100}));
   }
 }
