@@ -300,6 +300,10 @@ void Judge::compare_with_mikktspace() {
   double worst = 0;
   const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
   const bool keep = options_.keep_errors && report_.reference == "mikktspace";
+  const auto same = [](const Vec4<float>& a, const Vec4<float>& b) {  // to the bit
+    using Bits = std::array<std::uint32_t, 4>;
+    return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+  };
   // Corners of a vertex to which MikkTSpace gives the same are compared once.
   constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> first(mesh_.positions.size(), none);
@@ -307,12 +311,12 @@ void Judge::compare_with_mikktspace() {
   for (std::size_t c = 0; c < mesh_.corners(); ++c) {
     const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
     if (first[v] == none) first[v] = c;
-    alike[v] += c == first[v] || subject_.mikktspace[c] == subject_.mikktspace[first[v]];
+    alike[v] += same(subject_.mikktspace[c], subject_.mikktspace[first[v]]);
   }
   for (std::size_t c = 0; c < mesh_.corners(); ++c) {
     const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
     const Vec4<float>& m = subject_.mikktspace[c];
-    if (c != first[v] && m == subject_.mikktspace[first[v]]) {
+    if (c != first[v] && same(m, subject_.mikktspace[first[v]])) {
       if (keep) report_.errors_deg[c] = report_.errors_deg[first[v]];
       continue;
     }

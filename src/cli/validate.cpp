@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 
@@ -81,6 +82,27 @@ void check_codes(const std::vector<std::string>& codes) {
       throw ParameterError("--fail-on", "'" + code + "' is no finding, permitted are those of --findings");
 }
 
+// No output may replace a file that is judged, or another output.
+void check_outputs(const Arguments& arguments, const std::vector<JudgedFile>& files) {
+  namespace fs = std::filesystem;
+  std::vector<std::pair<std::string, std::string>> taken;
+  for (const JudgedFile& file : files) taken.emplace_back(file.path, "a file that is judged");
+  if (!arguments.baseline.empty()) taken.emplace_back(arguments.baseline, "the baseline");
+  for (const auto& [option, output] : {std::pair<std::string, std::string>{"--sarif", arguments.sarif},
+                                       {"--junit", arguments.junit},
+                                       {"--paint", arguments.pictures.paint},
+                                       {"--report", arguments.pictures.page}}) {
+    if (output.empty()) continue;
+    for (const auto& [other, what] : taken) {
+      std::error_code none;
+      if (fs::path(output).lexically_normal() == fs::path(other).lexically_normal() ||
+          fs::equivalent(output, other, none))
+        throw ParameterError(option, "'" + output + "' is " + what + ", permitted is a file of its own");
+    }
+    taken.emplace_back(output, "what " + option + " writes");
+  }
+}
+
 void run(const Arguments& arguments, Common& common) {
   if (arguments.findings) return list_findings(common);
   if (arguments.files.empty())
@@ -113,6 +135,7 @@ void run(const Arguments& arguments, Common& common) {
   if (!arguments.junit.empty()) junit_file.emplace(arguments.junit);
 
   std::vector<JudgedFile> files = files_of(arguments.files);
+  check_outputs(arguments, files);
   check_pictures(arguments.pictures, files.size());
   options.keep_errors = arguments.pictures.any();
   {
@@ -123,7 +146,6 @@ void run(const Arguments& arguments, Common& common) {
         [&](double share) { progress.update(share); });
   }
   if (with_baseline) compare_with_baseline(files, arguments.baseline, baseline);
-  write_pictures(arguments.pictures, files, arguments.max_angle);
 
   for (const JudgedFile& file : files) {
     if (!file.error.empty()) print_error(file.error);
@@ -141,6 +163,7 @@ void run(const Arguments& arguments, Common& common) {
     junit_file->write(junit(files, with_baseline));
     junit_file->commit();
   }
+  write_pictures(arguments.pictures, files, arguments.max_angle);
 }
 
 // Options from a file, TOML's NAME = VALUE; what the command line says goes before.

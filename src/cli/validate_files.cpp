@@ -22,23 +22,32 @@ bool is_mesh_file(const fs::path& path) {
   return std::find(known.begin(), known.end(), extension) != known.end();
 }
 
-// Of a folder, whose mesh files go to `found`.
-void list_folder(const std::string& folder, std::vector<JudgedFile>& found) {
-  const std::size_t begin = found.size();
+// The mesh files in a folder and in its folders; of a folder that cannot be listed the error.
+void list_folder(const fs::path& folder, std::vector<JudgedFile>& found) {
   std::error_code error;
-  fs::recursive_directory_iterator i(folder, error);
-  for (; !error && i != fs::recursive_directory_iterator(); i.increment(error))
-    if (is_mesh_file(i->path()) && i->is_regular_file(error)) found.push_back({.path = i->path().string()});
-  std::sort(found.begin() + static_cast<std::ptrdiff_t>(begin), found.end(),
-            [](const JudgedFile& a, const JudgedFile& b) { return a.path < b.path; });
+  for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+    std::error_code unknown;
+    if (i->is_directory(unknown) && !i->is_symlink(unknown))
+      list_folder(i->path(), found);
+    else if (is_mesh_file(i->path()) && i->is_regular_file(unknown))
+      found.push_back({.path = i->path().string()});
+  }
   if (error)
-    found.push_back({.path = folder,
-                     .error = folder + ": a folder in it cannot be listed (" + error.message() +
+    found.push_back({.path = folder.string(),
+                     .error = folder.string() + ": cannot be listed (" + error.message() +
                               "), permitted are folders that can be read"});
-  else if (found.size() == begin)
+}
+
+void list_folder(const std::string& folder, std::vector<JudgedFile>& files) {
+  std::vector<JudgedFile> found;
+  list_folder(fs::path(folder), found);
+  if (found.empty())
     found.push_back({.path = folder,
                      .error = folder + ": holds no mesh file, permitted are folders with " +
                               joined({asset_extensions().begin(), asset_extensions().end()})});
+  std::sort(found.begin(), found.end(),
+            [](const JudgedFile& a, const JudgedFile& b) { return a.path < b.path; });
+  files.insert(files.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
 }
 
 // Node transforms change what a renderer shows, not what the mesh stores: they give rise to findings only.
@@ -154,8 +163,12 @@ void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& pa
         const auto p =
             by_number.find({mesh.at("mesh").get<std::size_t>(), mesh.at("primitive").get<std::size_t>()});
         if (p == by_number.end()) continue;
-        for (const Json& finding : mesh.at("findings"))
+        for (const Json& finding : mesh.at("findings")) {
+          if (!finding.at("count").is_number_unsigned())
+            throw FileError(
+                path, "has a count " + finding.at("count").dump() + ", permitted are whole numbers from 0");
           p->second->known[finding.at("code").get<std::string>()] += finding.at("count").get<std::size_t>();
+        }
       }
       // What fails has an error, which counts; what is undetermined has none.
       const std::string verdict = entry.at("verdict");

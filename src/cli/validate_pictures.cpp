@@ -81,7 +81,9 @@ void add_pictures(CLI::App& sub, Pictures& pictures) {
 void check_pictures(const Pictures& pictures, std::size_t files) {
   if (pictures.paint == "-" || pictures.page == "-")
     throw ParameterError("-", "standard output has the verdict, permitted is the name of a file");
+  if (!pictures.page.empty()) OutputFile{pictures.page};
   if (pictures.paint.empty()) return;
+  OutputFile{pictures.paint};
   check_glb_name(pictures.paint);
   if (files != 1)
     throw ParameterError("--paint",

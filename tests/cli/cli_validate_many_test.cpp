@@ -121,7 +121,9 @@ TEST_F(CliMany, RefusesABaselineThatIsNone) {
   refused("darboux validate assets --baseline text.json", {"text.json", "--json"});
   for (const char* wrong :
        {"[]", "{}", R"({"files": 3})", R"({"files": [{"file": 1}]})",
-        R"({"files": [{"file": "assets/good.glb", "verdict": "perhaps", "meshes": []}]})"}) {
+        R"({"files": [{"file": "assets/good.glb", "verdict": "perhaps", "meshes": []}]})",
+        R"({"files": [{"file": "assets/good.glb", "verdict": "fail", "meshes": [{"mesh": 0,
+                                "primitive": 0, "findings": [{"code": "TANGENT_ZERO", "count": -1}]}]}]})"}) {
     write("wrong.json", wrong);
     refused("darboux validate assets --baseline wrong.json", {"wrong.json"});
   }
@@ -229,12 +231,15 @@ TEST_F(CliMany, JUnitHasATestCaseForEveryMesh) {
 
 // Refused before anything is judged, and nothing is left behind.
 TEST_F(CliMany, RefusesFilesThatCannotBeWritten) {
-  for (const std::string option : {"--sarif", "--junit"}) {
+  for (const std::string option : {"--sarif", "--junit", "--report"}) {
     refused("darboux validate assets " + option + " gone/out", {"gone"});
     refused("darboux validate assets " + option + " assets", {"assets"});
-    refused("darboux validate assets " + option + " -", {option});
+    refused("darboux validate assets " + option + " ./assets/good.glb", {option, "judged"});
   }
   EXPECT_FALSE(fs::exists(path("gone")));
+  refused("darboux validate assets --sarif x --junit x", {"--junit", "--sarif"});
+  for (const std::string option : {"--sarif", "--junit"})
+    refused("darboux validate assets " + option + " -", {option});
 }
 
 }  // namespace
