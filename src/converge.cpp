@@ -137,9 +137,10 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
                        : quantity == bitangent ? method.bitangent_chart
                                                : method.tangent_chart;
   const bool suits = reference.chart >= needed;
-  const double beside_poles = of_family(quantity == normal      ? method.at_poles.normal
-                                        : quantity == bitangent ? method.at_poles.bitangent
-                                                                : method.at_poles.tangent);
+  const ExpectedOrders& at_poles = quantity == normal      ? method.at_poles.normal
+                                   : quantity == bitangent ? method.at_poles.bitangent
+                                                           : method.at_poles.tangent;
+  const double beside_poles = of_family(at_poles);
   if (vertex_class == VertexClass::pole || vertex_class == VertexClass::pole_ring) {
     if (reference.unsheared_chart < needed) return 0;
     // Towards a pole dpdu vanishes, and what a shear makes oblique with it: like h.
@@ -158,8 +159,11 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   }
   if (!reference.has_pole) return order;
   // Seams and borders that end in poles: what is one-sided there keeps half an order less.
-  if (vertex_class != VertexClass::interior && order > 1) order -= 0.5;
-  return beside_poles == 0 ? 0 : std::min(order, beside_poles + 0.5);
+  const bool one_sided = vertex_class != VertexClass::interior;
+  if (one_sided && order > 1) order -= 0.5;
+  if (beside_poles == 0) return 0;
+  // So does what lies next to a pole there: it has the order of irregular meshes.
+  return std::min(order, (one_sided ? std::min(beside_poles, at_poles.jittered) : beside_poles) + 0.5);
 }
 
 OrderVerdict judge_order(const Study& study) {

@@ -133,6 +133,16 @@ TEST(Converge, ExpectationsHoldNextToPoles) {
   for (const auto& [question, holds] : attained) EXPECT_TRUE(holds) << question;
 }
 
+// Also over the resolutions of the README's first command.
+TEST(Converge, ExpectationsHoldOnTheWholeSphere) {
+  ConvergeOptions o = options("sphere", {"regular", "jittered"});
+  o.resolutions = {8, 16, 32, 64, 128};
+  for (const Study& s : converge(o))
+    EXPECT_TRUE(s.holds()) << s.mesh << ' ' << s.method << ' ' << s.quantity << ' '
+                           << vertex_class_names[static_cast<std::size_t>(s.vertex_class)] << ' ' << s.order
+                           << ", expected " << s.expected_order;
+}
+
 // No orthonormal frame follows an oblique chart; the gradients of u and v are not along dpdu and dpdv on it
 // either.
 TEST(Converge, ObliqueChart) {

@@ -93,7 +93,7 @@ struct ConvergeOptions {
 /// border lack neighbours. At borders and seams: that of irregular meshes. Next to poles: FrameMethod::at_poles, at the poles
 /// themselves at most 1, and 0 for t and n of methods that look two edges far. Elsewhere on a mesh with poles at most half an
 /// order more than next to them (the rows next to poles are a share h of all), 0 where it does not converge next to them; at seams and borders
-/// half an order less than 2 or 3, as measured. 0 on
+/// half an order less than 2 or 3, as measured, and at most half an order more than next to poles of irregular meshes. 0 on
 /// charts that the method is not made for; at poles these are the charts without the family's shear, which vanishes there.
 /// \param progress called with the share done, in [0, 1]
 /// \throws ParameterError when
