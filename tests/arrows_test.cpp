@@ -52,7 +52,8 @@ std::vector<Rule> rules(const Includes& tree) {
        "frames/[a-z_]+|fragments|vertex_normals|pieces|"
        "mesh_classes|mikktspace|mikktspace/"
        "[a-z_]+|split_vertices|weld|sample_mesh|sample_mesh/"
-       "[a-z_]+|compare|converge|placed_surface|project|validate|validate/[a-z_]+|point_cloud|local_jets|local_truth|"
+       "[a-z_]+|compare|converge|placed_surface|project|validate|validate/"
+       "[a-z_]+|point_cloud|local_jets|local_truth|"
        "neighbours)\\.(h|"
        "cpp)",
        "", "darboux/(io|fit|judge)\\.h"},

@@ -11,6 +11,7 @@
 #include <darboux/judge.h>
 #include <darboux/sample_mesh.h>
 
+#include "append_mesh.h"
 #include "random_pose.h"
 
 namespace darboux {
@@ -116,16 +117,6 @@ TEST(KeptErrors, AreTheAnglesToTheTruth) {
       EXPECT_NEAR(report.errors_deg[c], angle * 180 / std::numbers::pi, 1e-5);
     }
   }
-}
-
-void append(Mesh& mesh, const Mesh& more) {
-  const auto shift = static_cast<std::uint32_t>(mesh.positions.size());
-  const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  add(mesh.positions, more.positions);
-  add(mesh.normals, more.normals);
-  add(mesh.uvs, more.uvs);
-  add(mesh.tangents, more.tangents);
-  for (const auto& [a, b, c] : more.triangles) mesh.triangles.push_back({a + shift, b + shift, c + shift});
 }
 
 // Parts share out the triangles, and each keeps the errors of its own: those at the vertex its report calls the worst, too.

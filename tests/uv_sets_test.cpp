@@ -7,6 +7,7 @@
 #include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
 
+#include "append_mesh.h"
 #include "fbx_files.h"
 #include "refusal_of.h"
 
@@ -119,15 +120,9 @@ TEST(UvSets, OthersAreReadOnlyWhereTangentsMayFollowThem) {
 // Of several surfaces in one mesh, each part is judged with its own share of the other set, whatever the order of vertices.
 TEST(UvSets, PartsHaveTheirShare) {
   Mesh both = torus_along(true);
-  const auto shift = static_cast<std::uint32_t>(both.positions.size());
   Mesh sphere = sample_mesh(make_surface("sphere:radius=3"), {.columns = 48, .rows = 24});
   bake(sphere, turned(sphere.uvs));
-  const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  add(both.positions, sphere.positions);
-  add(both.normals, sphere.normals);
-  add(both.uvs, sphere.uvs);
-  add(both.tangents, sphere.tangents);
-  for (const auto& [a, b, c] : sphere.triangles) both.triangles.push_back({a + shift, b + shift, c + shift});
+  append(both, sphere);
   std::reverse(both.triangles.begin(), both.triangles.end());
   const std::vector<Judgement> judgements = judge_with(both, {{2, turned(both.uvs)}});
   ASSERT_EQ(judgements.size(), 2u);

@@ -11,6 +11,7 @@
 #include <darboux/judge.h>
 #include <darboux/sample_mesh.h>
 
+#include "append_mesh.h"
 #include "random_pose.h"
 
 namespace darboux {
@@ -25,16 +26,6 @@ const ClassReport& interior_of(const MeshReport& report) {
   for (const ClassReport& c : report.classes)
     if (c.vertex_class == VertexClass::interior) return c;
   throw std::runtime_error("no interior in the report");
-}
-
-void append(Mesh& mesh, const Mesh& more) {
-  const auto shift = static_cast<std::uint32_t>(mesh.positions.size());
-  const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  add(mesh.positions, more.positions);
-  add(mesh.normals, more.normals);
-  add(mesh.uvs, more.uvs);
-  add(mesh.tangents, more.tangents);
-  for (const auto& [a, b, c] : more.triangles) mesh.triangles.push_back({a + shift, b + shift, c + shift});
 }
 
 // A cap z = sqrt(R² - x² - y²) over a square of half side `half`, whose uvs are a turned and scaled (x, y); exact frames.

@@ -1,7 +1,6 @@
 #include "command.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -37,9 +36,7 @@ CLI::Validator whole_number_up_to(std::uint64_t most) {
 }
 
 void check_glb_name(const std::string& output) {
-  std::string name = output;
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (name.ends_with(".gltf"))
+  if (lower(output).ends_with(".gltf"))
     throw ParameterError(output, "is written as GLB, permitted is a name that does not end in .gltf");
 }
 

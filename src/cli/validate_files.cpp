@@ -1,7 +1,6 @@
 #include "validate_files.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <new>
@@ -15,9 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_mesh_file(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower(path.extension().string());
   const auto& known = asset_extensions();
   return std::find(known.begin(), known.end(), extension) != known.end();
 }

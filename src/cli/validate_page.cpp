@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base64.h"
 #include "report/colour_map.h"
 #include "report/histogram.h"
 #include "report/html.h"

@@ -11,13 +11,11 @@
 
 #include <darboux/error.h>
 
+#include "../base64.h"
 #include "../text.h"
 
 namespace darboux::io {
 namespace {
-
-constexpr std::string_view base64_alphabet =
-    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 // The value of each base64 character, 255 for all others.
 constexpr std::array<std::uint8_t, 256> base64_values() {
@@ -133,16 +131,7 @@ std::string load_uri(const std::string& base, const std::string& name, const std
 }
 
 std::string make_data_uri(std::string_view media_type, std::string_view bytes) {
-  std::string uri = "data:" + std::string(media_type) + ";base64,";
-  uri.reserve(uri.size() + bytes.size() / 3 * 4 + 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t taken = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      bits = bits << 8 | (k < taken ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) uri += k <= taken ? base64_alphabet[bits >> (18 - 6 * k) & 63] : '=';
-  }
-  return uri;
+  return "data:" + std::string(media_type) + ";base64," + base64(bytes);
 }
 
 }  // namespace darboux::io

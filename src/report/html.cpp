@@ -1,7 +1,5 @@
 #include "html.h"
 
-#include <cstdint>
-
 namespace darboux {
 
 std::string escape(std::string_view given) {
@@ -36,20 +34,6 @@ std::string script_json(const nlohmann::ordered_json& json) {
   std::string result;
   for (const char c : json.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace))
     result += c == '<' ? "\\u003c" : std::string(1, c);
-  return result;
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string result;
-  result.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = i; k < i + 3; ++k)
-      bits = bits << 8 | (k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      result += i + k <= bytes.size() ? alphabet[bits >> (18 - 6 * k) & 63] : '=';
-  }
   return result;
 }
 

@@ -15,8 +15,6 @@ std::string escape(std::string_view text);
 /// JSON for a <script>: nothing in it can end the element or open a comment.
 std::string script_json(const nlohmann::ordered_json& json);
 
-std::string base64(std::string_view bytes);
-
 /// The style of text, cards, tables and verdicts; dark where that is preferred and the root has the class "both".
 extern const std::string_view page_style;
 

@@ -8,6 +8,7 @@
 
 #include <darboux/vector.h>
 
+#include "../base64.h"
 #include "html.h"
 
 namespace darboux {
