@@ -141,26 +141,6 @@ struct NearLabels {
   Labels position, position_uv, position_normal, all;
 };
 
-// Points closer than the tolerance get one label, those farther than 1.5 tolerances none in common but through a chain.
-// First the points of each cell of an eighth are one, so that weld() meets few, however crowded they are.
-Labels label_places(const std::vector<Vec3<double>>& points, const Vec3<double>& low, double tolerance) {
-  const double size = std::fmax(tolerance / 8, std::numeric_limits<double>::min());
-  std::unordered_map<std::array<double, 3>, std::uint32_t, HashOfBits> first_in_cell(points.size());
-  std::vector<Vec3<double>> firsts(points.size(), detail::nan_vector<double>());
-  Labels labels(points.size(), none);
-  for (std::uint32_t v = 0; v < points.size(); ++v) {
-    if (!detail::finite(points[v])) continue;
-    const Vec3<double> cell = (points[v] - low) / size;
-    labels[v] = first_in_cell.try_emplace({std::floor(cell.x), std::floor(cell.y), std::floor(cell.z)}, v)
-                    .first->second;
-    if (labels[v] == v) firsts[v] = points[v];
-  }
-  const Labels welded = weld(firsts, 1.25 * tolerance);
-  for (std::uint32_t& label : labels)
-    if (label != none) label = welded[label];
-  return labels;
-}
-
 NearLabels label_by_distance(const Joint& joint, const Labels& exact) {
   std::vector<Vec3<double>> points(exact.size(), detail::nan_vector<double>());
   Eigen::AlignedBox3d box;
@@ -174,9 +154,9 @@ NearLabels label_by_distance(const Joint& joint, const Labels& exact) {
   }
   NearLabels near;
   const double tolerance = box.isEmpty() ? 0 : same * norm(from_eigen(box.sizes()));
-  near.position = label_places(points, from_eigen(box.min()), tolerance);
+  near.position = weld(points, tolerance);
   for (std::uint32_t v = 0; v < exact.size(); ++v)
-    if (exact[v] != none) near.position[v] = near.position[exact[v]];
+    near.position[v] = exact[v] == none ? none : near.position[exact[v]];
   near.position_normal = near.position_uv = near.position;
   part(near.position_uv, joint, 6, 8, uv_box.isEmpty() ? 0 : same * uv_box.sizes().maxCoeff());
   part(near.position_normal, joint, 3, 6, 2 * same);

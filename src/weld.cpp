@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 
 #include <darboux/weld.h>
 
@@ -17,6 +18,123 @@ std::uint32_t hash_of_cell(std::int64_t x, std::int64_t y, std::int64_t z) {
                             static_cast<std::uint64_t>(z) * 0x165667b19e3779f9;
   return static_cast<std::uint32_t>((sum ^ sum >> 32) * 0xd6e8feb86659fd93 >> 32);
 }
+
+double Vec3<double>::*const axes[] = {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z};
+
+bool near(const Vec3<double>& difference, double tolerance) {
+  return std::fabs(difference.x) <= tolerance && std::fabs(difference.y) <= tolerance &&
+         std::fabs(difference.z) <= tolerance;
+}
+
+struct Box {
+  Vec3<double> low, high;
+  Vec3<double> size() const { return high - low; }
+  double Vec3<double>::*longest_axis() const {
+    return *std::max_element(std::begin(axes), std::end(axes),
+                             [size = size()](auto a, auto b) { return size.*a < size.*b; });
+  }
+};
+
+Box around(const Box& a, const Box& b) {
+  Box result;
+  for (const auto axis : axes) {
+    result.low.*axis = std::min(a.low.*axis, b.low.*axis);
+    result.high.*axis = std::max(a.high.*axis, b.high.*axis);
+  }
+  return result;
+}
+
+// Along each axis how far two boxes are apart; 0 where they overlap.
+Vec3<double> gap(const Box& a, const Box& b) {
+  Vec3<double> result;
+  for (const auto axis : axes)
+    result.*axis = std::max({a.low.*axis - b.high.*axis, b.low.*axis - a.high.*axis, 0.0});
+  return result;
+}
+
+// Finds the groups by boxes, each halved at the median of its longest side until its points are near each other. However
+// the points lie, two boxes are not looked into that are apart, near as a whole, or joined already.
+class Boxes {
+ public:
+  Boxes(std::span<const Vec3<double>> points, double tolerance)
+      : points_(points), tolerance_(tolerance), groups_(points.size()) {
+    for (std::uint32_t i = 0; i < points.size(); ++i)
+      if (detail::finite(points[i])) order_.push_back(i);
+    if (!order_.empty()) build(order_);
+  }
+  std::vector<std::uint32_t> representatives() { return groups_.representatives(); }
+
+ private:
+  using Indices = std::span<std::uint32_t>;
+  struct Node {
+    Box box;
+    Indices points;
+    std::uint32_t second =
+        0;  // the second half; the first is the next node. 0 where the points are near each other
+    bool joined = false;  // the points are one group
+  };
+
+  Box box_of(Indices points) const {
+    Box box{points_[points[0]], points_[points[0]]};
+    for (const std::uint32_t i : points) box = around(box, {points_[i], points_[i]});
+    return box;
+  }
+  std::pair<Indices, Indices> halves(Indices points, const Box& box) const {
+    const std::size_t middle = points.size() / 2;
+    std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(middle), points.end(),
+                     [this, axis = box.longest_axis()](std::uint32_t i, std::uint32_t j) {
+                       return points_[i].*axis < points_[j].*axis;
+                     });
+    return {points.first(middle), points.subspan(middle)};
+  }
+
+  std::uint32_t build(Indices points) {
+    const auto number = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.push_back({box_of(points), points});
+    if (near(nodes_[number].box.size(), tolerance_)) {
+      for (const std::uint32_t i : points) groups_.join(points[0], i);
+      nodes_[number].joined = true;
+      return number;
+    }
+    const auto [first, second] = halves(points, nodes_[number].box);
+    build(first);
+    nodes_[number].second = build(second);
+    join(number + 1, nodes_[number].second);
+    nodes_[number].joined = are_joined(number + 1, nodes_[number].second);
+    return number;
+  }
+
+  bool are_joined(std::uint32_t a, std::uint32_t b) {
+    return nodes_[a].joined && nodes_[b].joined &&
+           groups_.find(nodes_[a].points[0]) == groups_.find(nodes_[b].points[0]);
+  }
+  // Every point of one node with every near one of the other.
+  void join(std::uint32_t a, std::uint32_t b) {
+    if (!near(gap(nodes_[a].box, nodes_[b].box), tolerance_) || are_joined(a, b)) return;
+    if (nodes_[a].points.size() < nodes_[b].points.size()) std::swap(a, b);
+    if (nodes_[a].second == 0) std::swap(a, b);
+    if (const std::uint32_t second = nodes_[a].second) {
+      join(a + 1, b);
+      join(second, b);
+    } else if (any_near(nodes_[a].points, nodes_[b].points)) {
+      groups_.join(nodes_[a].points[0], nodes_[b].points[0]);
+    }
+  }
+  bool any_near(Indices a, Indices b) const {
+    const Box box_a = box_of(a), box_b = box_of(b);
+    if (!near(gap(box_a, box_b), tolerance_)) return false;
+    if (near(around(box_a, box_b).size(), tolerance_)) return true;
+    if (a.size() < b.size()) return any_near(b, a);
+    const auto [first, second] = halves(a, box_a);
+    return any_near(first, b) || any_near(second, b);
+  }
+
+  std::span<const Vec3<double>> points_;
+  double tolerance_;
+  DisjointSets groups_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
 
 }  // namespace
 
@@ -34,20 +152,23 @@ std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tol
 
   DisjointSets groups(points.size());
   HashTable distinct;
+  std::size_t asked = 0;  // pairs of points
   for (std::uint32_t i = 0; i < points.size(); ++i) {
+    // Where cells are crowded, as when all but one point lie within the tolerance of each other, boxes are faster.
+    if (asked > 32 * (std::size_t{i} + 1000)) return Boxes(points, tolerance).representatives();
     const Vec3<double>& p = points[i];
     if (!detail::finite(p)) continue;
     const std::uint32_t hash = hash_of_cell(cell(p.x), cell(p.y), cell(p.z));
     const auto joins_its_equal = [&](std::uint32_t j) {
+      ++asked;
       if (!(p == points[j])) return false;
       groups.join(i, j);
       return true;
     };
     if (distinct.any_of(hash, joins_its_equal)) continue;
     const auto join_if_near = [&](std::uint32_t j) {
-      const Vec3<double> d = p - points[j];
-      if (std::fabs(d.x) <= tolerance && std::fabs(d.y) <= tolerance && std::fabs(d.z) <= tolerance)
-        groups.join(i, j);
+      ++asked;
+      if (near(p - points[j], tolerance)) groups.join(i, j);
       return false;  // there may be more
     };
     const std::int64_t x_end = last_cell(p.x), y_end = last_cell(p.y), z_end = last_cell(p.z);

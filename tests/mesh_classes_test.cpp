@@ -57,7 +57,10 @@ TEST(Weld, EqualsTheQuadraticSearch) {
   for (const auto& [centre, size, tolerance] :
        {Case{0, 1, 1e-2}, Case{0, 1, 0.1}, Case{0, 1, 0}, Case{1e6, 1, 1e-3}, Case{-1e9, 1e-6, 2e-7},
         Case{0, huge, 1e-2 * huge}, Case{0, huge, huge}, Case{0, huge, 0}, Case{0, 1e-308, 1e-310},
-        Case{0, 1, least}, Case{0, 1, INFINITY}}) {
+        Case{0, 1, least}, Case{0, 1, INFINITY},
+        // crowded far below the tolerance, or below the finest cell
+        Case{0, 1, 0.02}, Case{0, 1, 0.3}, Case{0, 1, 1}, Case{1e9, 1e-3, 1e-4}, Case{0, 1e-18, 1e-19},
+        Case{0, 1e-18, 0}}) {
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> uniform(-1, 1);
     const auto move = [&](double x, double distance) {
@@ -71,6 +74,7 @@ TEST(Weld, EqualsTheQuadraticSearch) {
       const Vec3<double> q{move(p.x, d), move(p.y, d), move(p.z, d)};
       points.insert(points.end(), {p, q, i % 2 == 0 ? p : q});
     }
+    if (size < 1e-3) points.push_back({1, 1e9, 0});
     std::shuffle(points.begin(), points.end(), random);
     const double used = std::isfinite(tolerance) ? tolerance : 0;
     const auto near = [&](std::uint32_t i, std::uint32_t j) { return within(points[i], points[j], used); };
@@ -91,6 +95,37 @@ TEST(Weld, FindsEqualPointsOfMany) {
   for (std::uint32_t i = 0; i < points.size(); ++i)
     expected.push_back(first.try_emplace({points[i].x, points[i].y, points[i].z}, i).first->second);
   for (const double tolerance : {0.0, 1e-3, 0.09}) EXPECT_EQ(weld(points, tolerance), expected) << tolerance;
+}
+
+// One vertex so far away that the tolerance, a share of the size, is beyond all that the others differ by. Asking each
+// pair would take minutes.
+TEST(Weld, StandsOneVertexFarAway) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (const double far : {1e9, 1e30}) {
+    const double tolerance = 1e-8 * far;
+    std::vector<Vec3<double>> points;
+    for (int i = 0; i < 150000; ++i) {
+      // Two crowds, each smaller than the tolerance, and apart along a diagonal by what only their nearest points show.
+      const double x = 0.9 * uniform(random), y = 0.9 * uniform(random), z = uniform(random);
+      points.push_back({tolerance * (x + y < 0.9 ? x : 0.9 - x), tolerance * (x + y < 0.9 ? y : 0.9 - y), z});
+      points.push_back({2.3 * tolerance - points.back().x, 2.3 * tolerance - points.back().y, z});
+    }
+    points.push_back({0, 0, far});
+    const auto group = [&](double shift) {
+      std::vector<Vec3<double>> moved = points;
+      for (std::size_t i = 1; i < moved.size(); i += 2)
+        moved[i].x -= shift * tolerance, moved[i].y -= shift * tolerance;
+      const std::vector<std::uint32_t> first = weld(moved, tolerance);
+      EXPECT_EQ(first.back(), points.size() - 1);
+      for (std::size_t i = 2; i + 1 < points.size(); ++i)
+        EXPECT_EQ(first[i], first[1] == 0 ? 0 : i % 2) << far << ", point " << i;
+      return first[1];
+    };
+    // Points of the two hypotenuses are near if 2.3 - x - x' <= 1 for both coordinates: sums of 4.6 - 1.8 - 2 shift.
+    EXPECT_EQ(group(0), 1u);
+    EXPECT_EQ(group(0.41), 0u);
+  }
 }
 
 struct Counts {
