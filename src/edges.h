@@ -10,7 +10,7 @@
 
 namespace darboux {
 
-// The edges between nodes, by the smaller of the two they join. Edge 3t + k runs from corner k of triangle t to its next.
+// The edges between nodes, of as many triangles as check_consistent() permits, by the smaller of the two they join. Edge 3t + k runs from corner k of triangle t to its next.
 class EdgesByNode {
  public:
   // \param node which of the nodes corner k of triangle t is: node(t, k)

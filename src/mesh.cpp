@@ -15,6 +15,10 @@ void check_consistent(const Mesh& mesh, const std::string& name) {
   check_size(mesh.normals.size(), "normals");
   check_size(mesh.uvs.size(), "uvs");
   check_size(mesh.tangents.size(), "tangents");
+  constexpr std::size_t most_triangles = 0xffffffff / 3;  // whose corners, and edges, 32 bits number
+  if (mesh.triangles.size() > most_triangles)
+    throw MeshError(name, std::to_string(mesh.triangles.size()) + " triangles, permitted are at most " +
+                              std::to_string(most_triangles));
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t index : mesh.triangles[t])
       if (index >= n)

@@ -26,7 +26,7 @@ struct Mesh {
   std::size_t corners() const { return 3 * triangles.size(); }
 };
 
-/// Throws MeshError unless every attribute is empty or as long as positions and every index names a vertex.
+/// Throws MeshError unless attributes are empty or as long as positions, indices name vertices, and 32 bits number the corners.
 /// \param name what the message calls the mesh
 void check_consistent(const Mesh& mesh, const std::string& name);
 
