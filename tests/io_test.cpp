@@ -452,6 +452,22 @@ TEST(Rewrite, TangentsAreAppendedAndAllElseIsKept) {
   EXPECT_EQ(std::bit_cast<std::uint64_t>(tiny), std::bit_cast<std::uint64_t>(1e-310));
 }
 
+TEST(Rewrite, NoVariantHidesTheColours) {
+  const TempFolder folder;
+  Builder b = one_triangle();
+  b.json["materials"] = Json::parse("[{}]");
+  b.json["extensionsUsed"] = {"KHR_materials_variants"};
+  b.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "red"}}};
+  b.json["meshes"][0]["primitives"][0]["extensions"] = Json::parse(
+      R"({"KHR_materials_variants": {"mappings": [{"material": 0, "variants": [0]}]}, "OTHER_one": {}})");
+  GltfDocument document = GltfDocument::load(test::write_bytes(folder / "in.glb", b.glb()));
+  document.set_colours(0, 0, std::vector<Vec3<float>>(3, {1, 0, 0}), "{}");
+  document.save_glb(folder / "out.glb");
+  const Json json = test::split_glb(test::read_bytes(folder / "out.glb")).json;
+  EXPECT_EQ(json["meshes"][0]["primitives"][0]["extensions"].dump(), R"({"OTHER_one":{}})");
+  EXPECT_EQ(json["meshes"][0]["primitives"][0]["material"], 1);
+}
+
 TEST(Rewrite, ReplacedTangentsAreReadByTheSecondReader) {
   const TempFolder folder;
   for (const char* name : {"torus_016.three.glb", "torus_016.none.glb", "cylinder_016.three.glb"}) {
@@ -499,8 +515,7 @@ TEST(Rewrite, RemapCopiesEveryAttributeBitForBit) {
                                    {"indices", {{"bufferView", sparse_indices}, {"componentType", 5121}}},
                                    {"values", {{"bufferView", sparse_values}}}}}});
   b.primitive({{"POSITION", position}, {"COLOR_0", color}, {"JOINTS_0", joint}, {"_CUSTOM", custom}},
-              {{"mode", 5},
-               {"targets", {{{"POSITION", morph}, {"NORMAL", morph}}}}});
+              {{"mode", 5}, {"targets", {{{"POSITION", morph}, {"NORMAL", morph}}}}});
   b.primitive({{"POSITION", position}, {"COLOR_0", color}}, {{"mode", 6}});
   const std::string source = test::write_bytes(folder / "in.glb", b.glb());
 

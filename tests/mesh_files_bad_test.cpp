@@ -311,6 +311,18 @@ TEST(InAChild, AnswersAndFailures) {
                 },
                 {1u << 30, 1}),
             "takes more than 1 seconds of processor time");
+  EXPECT_EQ(failure_of(
+                []() -> std::string {
+                  ::sleep(60);
+                  return "";
+                },
+                {1u << 30, 1}),
+            "does not answer within 10 seconds");
+  EXPECT_EQ(failure_of([]() -> std::string {
+              ::raise(SIGKILL);
+              return "";
+            }),
+            "is killed, as a system does that is short of memory");
 #if !defined(__SANITIZE_ADDRESS__)
   EXPECT_EQ(failure_of([] { return std::string(std::size_t{1} << 28, 'x'); }, {1u << 26, 20}),
             "asks for more than 64 MiB");

@@ -1,4 +1,5 @@
 // PLY, STL, COLLADA and FBX: every corner as the file has it, and what a mesh in them is judged to be.
+#include <cctype>
 #include <cmath>
 #include <functional>
 
@@ -210,6 +211,13 @@ TEST(MeshFiles, EachSolidOfAnStlIsAMesh) {
   EXPECT_EQ(asset.primitives[1].data.corners(), torus.corners());
   ASSERT_EQ(asset.skipped.size(), 1u);
   EXPECT_EQ(asset.skipped[0].mesh, 1u);
+
+  std::string shouted = test::stl_text(torus, "A name");
+  for (char& c : shouted) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  const Asset capitals = read("b.stl", shouted);
+  ASSERT_EQ(capitals.primitives.size(), 1u);
+  EXPECT_EQ(capitals.primitives[0].name, "A NAME");
+  EXPECT_EQ(capitals.primitives[0].data.positions, asset.primitives[0].data.positions);
 }
 
 // ---- COLLADA -------------------------------------------------------------------------------------------------------

@@ -143,7 +143,7 @@ class GltfDocument {
 
   /// Shows one primitive in these colours and nothing else: gives it a COLOR_0 accessor (float VEC3, linear RGB, one a vertex),
   /// appended to the binary chunk, and a white material that is not lit (KHR_materials_unlit), one for the whole document. Its
-  /// old colours and material stay where they are.
+  /// old colours and material stay where they are; KHR_materials_variants, which would hide the colours, goes.
   /// \param extras_json a JSON object whose keys the mesh's extras get, unless they are something else than an object
   /// \throws MeshError when the primitive does not exist or the count differs from POSITION's \throws ParameterError when
   /// extras_json is no object

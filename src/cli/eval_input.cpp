@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -19,6 +18,7 @@
 
 #include "command.h"
 #include "io/input.h"
+#include "text.h"
 
 namespace darboux {
 namespace {
@@ -432,8 +432,7 @@ class KeptInput final : public PointInput {
 
 std::string input_format_of(const std::string& path) {
   if (path == "-") return "csv";
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = lower(std::filesystem::path(path).extension().string());
   std::string known;
   for (const std::string_view format : input_formats) {
     if (extension == "." + std::string(format)) return std::string(format);

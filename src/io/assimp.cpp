@@ -135,9 +135,10 @@ Imported import(const std::string& bytes, const std::string& format) {
     primitive.instances = instances[m];
     result.asset.primitives.push_back(std::move(primitive));
   }
-  for (const std::string& message : dropped)
-    result.asset.skipped.push_back({result.asset.skipped.size() + result.asset.primitives.size(), 0,
-                                    "assimp drops an object (" + in_quotes(message) + ")"});
+  // Those have no number: they are counted on after the meshes.
+  for (std::size_t i = 0; i < dropped.size(); ++i)
+    result.asset.skipped.push_back(
+        {scene->mNumMeshes + i, 0, "assimp drops an object (" + in_quotes(dropped[i]) + ")"});
   if (result.asset.primitives.empty())
     result.refusal = "has no faces" + (dropped.empty() ? "" : " (" + in_quotes(dropped[0]) + ")");
   return result;

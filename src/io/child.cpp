@@ -21,6 +21,11 @@ namespace {
 
 constexpr int out_of_memory = 3;  // exit status
 
+// A child that waits, or shares its processor, has ten times as long.
+std::chrono::seconds patience(const ChildLimits& limits) {
+  return std::chrono::seconds(10) * limits.seconds;
+}
+
 void limit(decltype(RLIMIT_CPU) resource, std::uint64_t most) {
   rlimit value{};
   if (::getrlimit(resource, &value) != 0 || value.rlim_cur <= most) return;
@@ -86,9 +91,12 @@ bool read_until(std::chrono::steady_clock::time_point deadline, int pipe, std::s
   }
 }
 
-std::string why(int status, const ChildLimits& limits) {
-  if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL))
+std::string why(int status, bool in_time, const ChildLimits& limits) {
+  if (!in_time) return "does not answer within " + std::to_string(patience(limits).count()) + " seconds";
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
     return "takes more than " + std::to_string(limits.seconds) + " seconds of processor time";
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
+    return "is killed, as a system does that is short of memory";
   if (WIFSIGNALED(status)) return std::string("crashes (") + ::strsignal(WTERMSIG(status)) + ")";
   if (WEXITSTATUS(status) == out_of_memory)
     return "asks for more than " + std::to_string(limits.bytes >> 20) + " MiB";
@@ -112,17 +120,18 @@ std::string in_child(const std::function<std::string()>& work, const ChildLimits
     ::close(ends[1]);
   }
   if (child < 0) throw ChildFailure("cannot have a process of its own");
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10) * limits.seconds;
   std::string bytes;
-  if (!read_until(deadline, from_child.value, bytes)) ::kill(child, SIGKILL);
+  const bool in_time =
+      read_until(std::chrono::steady_clock::now() + patience(limits), from_child.value, bytes);
+  if (!in_time) ::kill(child, SIGKILL);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   std::uint64_t size = 0;
-  if (bytes.size() < sizeof size) throw ChildFailure(why(status, limits));
+  if (bytes.size() < sizeof size) throw ChildFailure(why(status, in_time, limits));
   std::memcpy(&size, bytes.data(), sizeof size);
   bytes.erase(0, sizeof size);
-  if (bytes.size() != size) throw ChildFailure(why(status, limits));
+  if (bytes.size() != size) throw ChildFailure(why(status, in_time, limits));
   return bytes;
 }
 

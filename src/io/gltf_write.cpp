@@ -259,8 +259,12 @@ void GltfDocument::set_colours(std::size_t mesh, std::size_t primitive, std::spa
   place_in(file_->json["extensionsUsed"], unlit);
   const std::size_t material = place_in(file_->json["materials"], white);
   Json& json = file_->json["meshes"][mesh];
-  json["primitives"][primitive]["attributes"]["COLOR_0"] = accessor;
-  json["primitives"][primitive]["material"] = material;
+  Json& painted = json["primitives"][primitive];
+  painted["attributes"]["COLOR_0"] = accessor;
+  painted["material"] = material;
+  // A variant's material would hide the colours.
+  if (painted.contains("extensions") && painted["extensions"].is_object())
+    painted["extensions"].erase("KHR_materials_variants");
   if (!json.contains("extras") || json["extras"].is_object()) json["extras"].update(extras);
 }
 

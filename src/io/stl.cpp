@@ -8,6 +8,7 @@
 
 #include <darboux/error.h>
 
+#include "../text.h"
 #include "mesh_files.h"
 #include "points.h"
 
@@ -42,14 +43,15 @@ void read_text(InputBytes& bytes, const StlParts& parts) {
   std::size_t corners = 0;
   while (lines.next()) {
     split_fields(lines.text(), ' ', fields);
-    if (!begun && fields[0] != "solid") lines.fail("something before the first solid");
+    const std::string word = lower(fields[0]);
+    if (!begun && word != "solid") lines.fail("something before the first solid");
     begun = true;
-    ended = fields[0] == "endsolid";
-    if (fields[0] == "solid") parts.solid(trimmed(lines.text().substr(fields[0].size())));
-    if ((ended || fields[0] == "endloop") && corners % 3 != 0)
+    ended = word == "endsolid";
+    if (word == "solid") parts.solid(trimmed(lines.text().substr(fields[0].size())));
+    if ((ended || word == "endloop") && corners % 3 != 0)
       lines.fail("a triangle of " + std::to_string(corners) + " vertices");
-    if (fields[0] == "endloop") corners = 0;
-    if (fields[0] != "vertex") continue;
+    if (word == "endloop") corners = 0;
+    if (word != "vertex") continue;
     if (fields.size() != 4) lines.fail("a vertex of " + std::to_string(fields.size() - 1) + " numbers");
     parts.corner({number_of(fields[1], lines), number_of(fields[2], lines), number_of(fields[3], lines)},
                  "line ", lines.number());
@@ -67,7 +69,7 @@ void read_parts(InputBytes& bytes, const StlParts& parts) {
   const bool whole = static_cast<bool>(peek.read(start.data(), start.size()));
   std::memcpy(&triangles, start.data() + 80, sizeof triangles);
   if (whole && size == 84 + std::uint64_t{50} * triangles) return read_binary(bytes, triangles, parts);
-  if (std::string_view(start.data(), start.size()).starts_with("solid")) return read_text(bytes, parts);
+  if (lower({start.data(), 5}) == "solid") return read_text(bytes, parts);
   throw FileError(
       bytes.path(),
       "is no STL file, permitted are ASCII, which begins with solid, and binary: 84 bytes and 50 for "
