@@ -109,7 +109,7 @@ std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {
   pugi::xml_node suites = document.append_child("testsuites");
   suites.append_attribute("name") = "darboux validate";
   for (const JudgedFile& file : files) {
-    std::size_t tests = 0, failures = 0, errors = 0;
+    std::size_t tests = 0, failures = 0, errors = 0, skipped = 0;
     pugi::xml_node suite = suites.append_child("testsuite");
     const std::string path = xml_text(file.path);
     suite.append_attribute("name") = path.c_str();
@@ -124,7 +124,7 @@ std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {
     if (!file.error.empty() || file.primitives.empty()) {
       pugi::xml_node test = add_case("file");
       if (!file.worse)
-        append(test, "skipped", "baseline", "as in the baseline");
+        append(test, "skipped", "baseline", "as in the baseline"), ++skipped;
       else if (file.error.empty())
         append(test, "failure", "undetermined", "holds no triangles to judge"), ++failures;
       else
@@ -145,9 +145,7 @@ std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {
           append(test, "failure", std::string(f.code), text + ". To do: " + std::string(f.to_do));
           failed = true;
         }
-        // With a baseline a file counts for this only where nothing in it fails.
-        if (j.report.verdict == Verdict::undetermined && file.worse && !failed &&
-            (!with_baseline || file.verdict == Verdict::undetermined)) {
+        if (j.report.verdict == Verdict::undetermined && p.less_determined()) {
           append(test, "failure", "undetermined", "nothing or too little is known to compare with");
           failed = true;
         }
@@ -157,6 +155,7 @@ std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {
     suite.append_attribute("tests") = tests;
     suite.append_attribute("failures") = failures;
     suite.append_attribute("errors") = errors;
+    suite.append_attribute("skipped") = skipped;
   }
   std::ostringstream text;
   document.save(text, "  ", pugi::format_default, pugi::encoding_utf8);

@@ -86,6 +86,12 @@ std::size_t JudgedPrimitive::known_count(std::string_view code) const {
   return at == known.end() ? 0 : at->second;
 }
 
+bool JudgedPrimitive::less_determined() const {
+  return static_cast<std::size_t>(std::count_if(judgements.begin(), judgements.end(), [](const Judgement& j) {
+           return j.report.verdict == Verdict::undetermined;
+         })) > known_not_pass;
+}
+
 std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments) {
   std::vector<JudgedFile> files;
   for (const std::string& argument : arguments) {
@@ -114,7 +120,7 @@ void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector
         }
         if (!options.keep_errors) primitive.data = {};
         primitive.other_uvs = {};
-        file.primitives.push_back({std::move(primitive), std::move(judgements), {}});
+        file.primitives.push_back({std::move(primitive), std::move(judgements)});
       }
     } catch (const FileError& e) {
       file.error = e.what();
@@ -141,6 +147,18 @@ Json read_baseline(const std::string& path) {
   }
 }
 
+namespace {
+
+bool is_pass(const Json& entry, const std::string& path) {
+  const std::string verdict = entry.at("verdict");
+  if (std::find(verdict_names.begin(), verdict_names.end(), verdict) == verdict_names.end())
+    throw FileError(path, "has a verdict '" + verdict + "', permitted are " +
+                              joined({verdict_names.begin(), verdict_names.end()}));
+  return verdict == "pass";
+}
+
+}  // namespace
+
 void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& path, const Json& baseline) {
   try {
     std::map<std::string, const Json*> then;
@@ -160,6 +178,7 @@ void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& pa
         const auto p =
             by_number.find({mesh.at("mesh").get<std::size_t>(), mesh.at("primitive").get<std::size_t>()});
         if (p == by_number.end()) continue;
+        p->second->known_not_pass += !is_pass(mesh, path);
         for (const Json& finding : mesh.at("findings")) {
           if (!finding.at("count").is_number_unsigned())
             throw FileError(
@@ -168,15 +187,13 @@ void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& pa
         }
       }
       // What fails has an error, which counts; what is undetermined has none.
-      const std::string verdict = entry.at("verdict");
-      if (std::find(verdict_names.begin(), verdict_names.end(), verdict) == verdict_names.end())
-        throw FileError(path, "has a verdict '" + verdict + "', permitted are " +
-                                  joined({verdict_names.begin(), verdict_names.end()}));
-      file.worse = file.verdict == Verdict::undetermined && verdict == "pass";
-      for (const JudgedPrimitive& p : file.primitives)
+      file.worse = is_pass(entry, path) && file.primitives.empty();
+      for (const JudgedPrimitive& p : file.primitives) {
+        file.worse |= p.less_determined();
         for (const Judgement& j : p.judgements)
           for (const Finding& f : j.report.findings)
             file.worse |= f.severity == Severity::error && p.worse(f);
+      }
     }
   } catch (const Json::exception& e) {
     throw FileError(path, "is no report of darboux validate --json: " + std::string(e.what()));

@@ -17,13 +17,16 @@ namespace darboux {
 struct JudgedPrimitive {
   Primitive primitive;  ///< without its data, unless errors are kept
   std::vector<Judgement> judgements;
-  std::map<std::string, std::size_t, std::less<>> known;  ///< counts of findings in the baseline, by code
+  std::map<std::string, std::size_t, std::less<>> known{};  ///< counts of findings in the baseline, by code
+  std::size_t known_not_pass = 0;  ///< meshes and parts that did not pass in the baseline
 
   /// Of one code, over all parts.
   std::size_t count(std::string_view code) const;
   /// Whether there is more of it than in the baseline.
   bool worse(const Finding& finding) const { return count(finding.code) > known_count(finding.code); }
   std::size_t known_count(std::string_view code) const;
+  /// Whether more parts are undetermined than did not pass in the baseline.
+  bool less_determined() const;
 };
 
 struct JudgedFile {
@@ -47,7 +50,8 @@ void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector
 Json read_baseline(const std::string& path);
 
 /// Lets only that count against the run what is worse than in the baseline: an error that is new or more frequent in a
-/// primitive (whatever its severity was), a file that is undetermined and passed then, one that could be read then.
+/// primitive (whatever its severity was), a primitive of which more parts are undetermined than did not pass then, a file
+/// without triangles that passed then, one that could be read then.
 /// \param path where it was read from, for messages \throws FileError where it is no such report
 void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& path, const Json& baseline);
 
