@@ -1,12 +1,19 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, and does the main job: validates a mesh that another tool made and writes a
 # convergence report. Runs from anywhere, and again.
+#   ./demo.sh          all of it
+#   ./demo.sh TOOL     with a tool that is built
 set -euo pipefail
 cd "$(dirname "$0")"
-.ci/install build
-cmake --preset release -DDARBOUX_BUILD_TESTS=OFF
-cmake --build --preset release --target darboux_tool
-tool=build/release/bin/darboux
+if [ $# -gt 0 ]; then
+  tool=$1
+else
+  .ci/install build
+  cmake --preset release -DDARBOUX_BUILD_TESTS=OFF
+  cmake --build --preset release --target darboux_tool
+  tool=build/release/bin/darboux
+fi
+mkdir -p build
 report=build/convergence.html
 echo
 echo "== The tangents three.js computed for a torus, against the truth"
