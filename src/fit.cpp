@@ -30,7 +30,7 @@ struct Data {
 };
 
 Data usable_vertices(const Mesh& mesh) {
-  if (mesh.uvs.empty()) throw MeshError("mesh", "has no uvs, a fit needs one uv set");
+  if (mesh.uvs.empty()) throw UndeterminedError("mesh", "has no uvs, a fit needs one uv set");
   std::vector<bool> referenced(mesh.positions.size(), false);
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t v : triangle) referenced[v] = true;
@@ -42,11 +42,13 @@ Data usable_vertices(const Mesh& mesh) {
     box.extend(to_eigen(mesh.positions[v]));
   }
   if (usable.size() < 4)
-    throw MeshError("mesh", std::to_string(usable.size()) + " usable vertices, a fit needs at least 4");
+    throw UndeterminedError("mesh",
+                            std::to_string(usable.size()) + " usable vertices, a fit needs at least 4");
   Data data;
   data.all.centre = box.center();
   data.all.size = box.diagonal().stableNorm();
-  if (!(data.all.size > 0)) throw MeshError("mesh", "all vertices are at one point, a fit needs an extent");
+  if (!(data.all.size > 0))
+    throw UndeterminedError("mesh", "all vertices are at one point, a fit needs an extent");
   data.all.positions.reserve(usable.size());
   data.all.uvs.reserve(usable.size());
   for (const std::uint32_t v : usable) {
@@ -136,7 +138,11 @@ std::optional<Trial> tried(const Data& data, UvStart start, const SurfaceSpecifi
   const double error = rms(start.model, start.state);
   if (!std::isfinite(error)) return std::nullopt;
   const double permitted = fits_below * (start.model.free_affine.empty() ? 1 : affine_share);
-  const bool fits = solved.converged && error <= permitted && determined(start.model, start.state);
+  bool fits = solved.converged && error <= permitted;
+  if (fits && !determined(start.model, start.state)) {
+    // On a surface that came out as one of revolution the offset of u is a rotation, and may be held.
+    fits = std::erase(start.model.free_affine, 4) == 1 && determined(start.model, start.state);
+  }
   return Trial{start.model, start.state, error, fits, solved.iterations};
 }
 

@@ -17,7 +17,8 @@ constexpr std::size_t most_parts = 256;
 struct Recognised {
   std::optional<MeshFit> fit;
   std::vector<Truth> truth;
-  std::string reason;  // of the nearest that does not fit
+  std::string reason;       // of the nearest that does not fit
+  bool too_little = false;  // to tell any surface
   bool fits() const { return fit && fit->fits; }
 };
 
@@ -48,10 +49,19 @@ Recognised by_uvs(const Mesh& mesh, const JudgeOptions& options) {
     else
       result.fit = std::move(fit);
     result.reason = nearest(*result.fit);
+  } catch (const UndeterminedError& e) {
+    result.reason = std::string(": ") + e.what();
+    result.too_little = true;
   } catch (const MeshError& e) {
     result.reason = std::string(": ") + e.what();
   }
   return result;
+}
+
+// By its positions alone: what was declared, or any where nothing was.
+void look_at_positions(const Mesh& mesh, const JudgeOptions& options, Recognised& result) {
+  if (options.surface && !mesh.uvs.empty()) return;
+  if (auto fit = fit_positions(mesh, options.surface, options.placement)) take(mesh, result, std::move(*fit));
 }
 
 // A part: the declared surface, else any, else by its positions alone.
@@ -60,10 +70,12 @@ Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options) {
   if (!result.fits() && options.surface) {
     JudgeOptions any = options;
     any.surface.reset();
+    any.placement.reset();  // it was the declared surface's
     result = by_uvs(mesh, any);
   }
   if (!result.fits())
-    if (auto fit = fit_positions(mesh)) take(mesh, result, std::move(*fit));
+    if (auto fit = fit_positions(mesh, {}, options.surface ? std::nullopt : options.placement))
+      take(mesh, result, std::move(*fit));
   return result;
 }
 
@@ -88,10 +100,10 @@ Judgement judgement_of(const Subject& subject, Recognised recognised, const Judg
   const Mesh& mesh = subject.mesh;
   MeshReport& report = result.report;
   if (mesh.uvs.empty()) add(report, finding(Code::uv_missing, std::max<std::size_t>(mesh.corners(), 1)));
-  if (fits || !options.references.analytic || mesh.uvs.empty()) return result;
+  if (fits || !options.references.analytic || (mesh.uvs.empty() && !declared)) return result;
   const std::size_t corners = std::max<std::size_t>(mesh.corners(), 1);
   // A declared surface that is near enough is no mismatch, even where the fit cannot tell which of its charts it is.
-  if (declared && !(result.fit && result.fit->rms_relative <= fits_below)) {
+  if (declared && !recognised.too_little && !(result.fit && result.fit->rms_relative <= fits_below)) {
     add(report, finding(Code::surface_mismatch, corners, recognised.reason));
     report.verdict = Verdict::fail;
   } else {
@@ -222,8 +234,7 @@ Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
   Subject subject = prepare(mesh, options);
   if (!options.references.analytic) return judge_whole(std::move(subject), {}, options);
   Recognised recognised = by_uvs(mesh, options);
-  if (!recognised.fits() && !options.surface)
-    if (auto fit = fit_positions(mesh)) take(mesh, recognised, std::move(*fit));
+  if (!recognised.fits()) look_at_positions(mesh, options, recognised);
   return judge_whole(std::move(subject), std::move(recognised), options);
 }
 
@@ -236,11 +247,10 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
 
   Parts parts(mesh, options);
   if (options.surface && !parts.declared) parts.recognised.clear();
-  if (!parts.rest.empty() && !options.surface)
-    if (auto fit = fit_positions(mesh)) {
-      take(mesh, whole, std::move(*fit));
-      parts.recognised.clear();
-    }
+  if (!parts.rest.empty()) {
+    look_at_positions(mesh, options, whole);
+    if (whole.fits()) parts.recognised.clear();
+  }
   if (parts.recognised.empty()) {
     Judgement result = judge_whole(std::move(subject), std::move(whole), options);
     add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));

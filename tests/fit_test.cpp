@@ -194,19 +194,22 @@ TEST(Fit, FindsAffineUvs) {
     Vec2<double> to{1, 1};             // stored uvs run from 0 to this
   };
   const std::vector<Case> cases{
-      {"torus", {1, 0, 0, 1, 0, 0.25}},          // v stored from another circle
-      {"torus", {1, 0, 0, 0.5, 0, 0}, {1, 2}},   // v stored from 0 to 2
-      {"torus", {0.5, 0, 0, 0.5, 0, 0.1}},       // a quarter, stored as a whole
-      {"torus", {1, 0.5, 0, 1, 0, 0}},           // sheared
-      {"torus", {0, 1, 0.5, 0, 0, 0.3}},         // swapped and scaled
-      {"sphere", {0.25, 0, 0, 0.5, 0, 0.25}},    // a patch
-      {"sphere", {1, 0.3, 0, 1, 0, 0}},          // sheared
-      {"cylinder", {1, 1, 0, 1, 0, 0}},          // sheared by a turn
-      {"cylinder", {0.3, 0, 0, 1, 0, 0}},        // a strip
-      {"cone", {1, 0, 0, 0.6, 0, 0}},            // a frustum
-      {"plane", {1, 0.4, 0, 1, 0, 0}},           // a parallelogram
-      {"disk", {0.5, 0, 0, 1, 0, 0}},            // half of it
-      {"ellipsoid", {0.5, 0, 0, 0.8, 0.1, 0.1}}  // a patch
+      {"torus", {1, 0, 0, 1, 0, 0.25}},                       // v stored from another circle
+      {"torus", {1, 0, 0, 0.5, 0, 0}, {1, 2}},                // v stored from 0 to 2
+      {"torus", {0.5, 0, 0, 0.5, 0, 0.1}},                    // a quarter, stored as a whole
+      {"torus", {1, 0.5, 0, 1, 0, 0}},                        // sheared
+      {"torus", {0, 1, 0.5, 0, 0, 0.3}},                      // swapped and scaled
+      {"sphere", {0.25, 0, 0, 0.5, 0, 0.25}},                 // a patch
+      {"sphere", {1, 0.3, 0, 1, 0, 0}},                       // sheared
+      {"cylinder", {1, 1, 0, 1, 0, 0}},                       // sheared by a turn
+      {"cylinder", {0.3, 0, 0, 1, 0, 0}},                     // a strip
+      {"cone", {1, 0, 0, 0.6, 0, 0}},                         // a frustum
+      {"plane", {1, 0.4, 0, 1, 0, 0}},                        // a parallelogram
+      {"disk", {0.5, 0, 0, 1, 0, 0}},                         // half of it
+      {"ellipsoid", {0.5, 0, 0, 0.8, 0.1, 0.1}},              // a patch
+      {"elliptic-paraboloid", {1, 0, 0, 0.5, 0, 0.25}},       // a band, its offset told and its scale not
+      {"hyperbolic-paraboloid", {0.5, 0, 0, 0.5, 0.2, 0.1}},  // a patch
+      {"two-sheet-hyperboloid", {0.5, 0, 0, 0.5, 0, 0.3}},    // a patch
   };
   for (const Case& c : cases) {
     std::mt19937_64 random(seed);

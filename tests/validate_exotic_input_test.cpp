@@ -235,6 +235,59 @@ TEST(ValidateExoticInput, AMismatchSaysHowFarItIs) {
   }
 }
 
+// Without uvs a declared surface is looked for by the positions, with the values and the placement that are given; where it is not
+// found, that is said, and nothing else is taken instead.
+TEST(ValidateExoticInput, ADeclaredSurfaceIsFoundWithoutUvs) {
+  Mesh mesh = sample_mesh(make_surface("sphere:radius=2"), {.columns = 24, .rows = 13});
+  mesh.uvs.clear();
+  mesh.tangents.clear();
+  const Eigen::Isometry3d there = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d elsewhere = there;
+  elsewhere.translation().x() = 0.1;
+  struct Case {
+    const char* surface;
+    std::optional<Eigen::Isometry3d> placement;
+    bool found;
+  };
+  for (const auto& [surface, placement, found] :
+       {Case{"sphere", {}, true}, Case{"sphere:radius=2", {}, true}, Case{"sphere:radius=2", there, true},
+        Case{"sphere", there, true}, Case{"sphere:radius=2.1", {}, false}, Case{"sphere", elsewhere, false},
+        Case{"torus", {}, false}, Case{"cylinder", {}, false}}) {
+    SCOPED_TRACE(surface);
+    JudgeOptions options;
+    options.surface = parse_specification(surface);
+    options.placement = placement;
+    for (const Judgement& judgement : {judge(mesh, options), judge_parts(mesh, options).at(0)}) {
+      EXPECT_EQ(judgement.report.verdict, found ? Verdict::pass : Verdict::undetermined);
+      EXPECT_EQ(judgement.report.reference, found ? "analytic" : "none");
+      EXPECT_EQ(finding_of(judgement.report, "SURFACE_UNKNOWN") != nullptr, !found);
+      EXPECT_FALSE(finding_of(judgement.report, "SURFACE_MISMATCH"));
+    }
+  }
+  // What is given is known exactly, what is fitted is not.
+  JudgeOptions options;
+  options.surface = parse_specification("sphere:radius=2");
+  const MeshFit free = *judge(mesh, options).fit;
+  options.placement = there;
+  const MeshFit held = *judge(mesh, options).fit;
+  EXPECT_EQ(free.surface.surface.parameters()[0].value, 2);
+  EXPECT_EQ(free.covariance(6, 6), 0);
+  EXPECT_EQ(held.covariance.norm(), 0);
+  EXPECT_TRUE(held.surface.placement.isApprox(there, 0));
+}
+
+// Too little to tell is no mismatch.
+TEST(ValidateExoticInput, ADeclaredSurfaceOfATriangleIsUndetermined) {
+  Mesh mesh = ball();
+  mesh.triangles = {mesh.triangles[60]};
+  JudgeOptions options;
+  options.surface = parse_specification("sphere");
+  const MeshReport report = judge(mesh, options).report;
+  EXPECT_EQ(report.verdict, Verdict::undetermined);
+  EXPECT_TRUE(finding_of(report, "SURFACE_UNKNOWN"));
+  EXPECT_FALSE(finding_of(report, "SURFACE_MISMATCH"));
+}
+
 // What is no surface of the catalogue is none of those that are declared, whichever it is.
 TEST(ValidateExoticInput, NoDeclarationFitsABentMesh) {
   Mesh mesh = sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.4"), {.columns = 16, .rows = 9});

@@ -3,16 +3,23 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <darboux/any_surface.h>
+#include <darboux/error.h>
 #include <darboux/fit_points.h>
 #include <darboux/mesh.h>
 #include <darboux/placed_surface.h>
 
 namespace darboux {
+
+/// A mesh with too little to tell one surface from another: fewer than four usable vertices, no extent, no uvs.
+class UndeterminedError : public MeshError {
+  using MeshError::MeshError;
+};
 
 /// A surface counts as the mesh's when the rms distance of the positions from it, at their own uv, is at most
 /// this share of the bounding box's diagonal.
@@ -50,7 +57,8 @@ struct MeshFit : SurfaceUncertainty {
 /// Scale and offset of the data do not matter. Method: docs/theory/fit-with-uvs.md.
 /// \param kind name, with the parameters that are held
 /// \param placement held when given
-/// \throws ParameterError for an unknown kind or parameter, or a kind other than those of fitted_kinds(); MeshError without uvs or with fewer than four usable vertices
+/// \throws ParameterError for an unknown kind or parameter, or a kind other than those of fitted_kinds(); UndeterminedError;
+/// MeshError where the positions do not follow the uvs at all
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
@@ -59,8 +67,12 @@ MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
 /// box's diagonal. A kind fits where the rms distance of all
 /// vertices is at most fits_below of that diagonal and none ten times as far. 1024 vertices are fitted, all are held against it. Cost: some 50 ms,
 /// and 1 us a vertex.
+/// \param kind no other than this, with the parameters that are given; nothing where fit_points() does not know it
+/// \param placement held when given
 /// \throws MeshError when the mesh is inconsistent
-std::optional<MeshFit> fit_positions(const Mesh& mesh);
+std::optional<MeshFit> fit_positions(const Mesh& mesh,
+                                     const std::optional<SurfaceSpecification>& kind = std::nullopt,
+                                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
 /// The truth at each vertex by a surface that fits. Of a chart that is the surface's own: truth_at(). Else at the foot of the position:
 /// for a projected chart with t = unit(a - d (n·a) / (n·d)), b likewise; for an unknown one t and b are NaN, with infinite
@@ -73,6 +85,8 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit);
 /// this says. Infinite where first order fails, as in UncertainFrame. Cost: below 1 us for most kinds, at most 10 us.
 /// \throws ParameterError for a fit without a covariance
 Truth truth_at(const MeshFit& fit, const Vec2<double>& stored);
+/// The same at many. Cost: a little less each.
+std::vector<Truth> truths_at(const MeshFit& fit, std::span<const Vec2<double>> stored);
 
 /// The kinds of surface that can be fitted, in the order in which they are tried.
 const std::vector<std::string_view>& fitted_kinds();

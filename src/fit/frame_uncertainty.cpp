@@ -25,37 +25,62 @@ constexpr int most_columns = 6 + most_parameters + 6;
 using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_columns>;
 using Ways = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, most_columns>;  // of (u, v)
 
-// What δ does to the surface at a fixed (u, v).
-struct Velocities {
-  Columns position, dpdu, dpdv;
-  int parameters;  // of the surface
+// The covariance of δ, with or without the translation, which turns no frame at a fixed (u, v).
+struct Spread {
+  const SurfaceUncertainty& uncertainty;
+  Eigen::Index
+      parameters;  // the column of the surface's first; those before are of the rotation, and the translation
+  Eigen::MatrixXd covariance;
+
+  static Spread whole(const SurfaceUncertainty& uncertainty) {
+    return {uncertainty, 6, uncertainty.covariance};
+  }
+  static Spread without_translation(const SurfaceUncertainty& uncertainty) {
+    const Eigen::MatrixXd& c = uncertainty.covariance;
+    const Eigen::Index rest = std::max<Eigen::Index>(c.rows() - 6, 0);
+    Spread result{uncertainty, 3, Eigen::MatrixXd(3 + rest, 3 + rest)};
+    if (c.rows() < 6 || c.cols() != c.rows()) return whole(uncertainty);  // which is refused
+    result.covariance << c.topLeftCorner(3, 3), c.topRightCorner(3, rest), c.bottomLeftCorner(rest, 3),
+        c.bottomRightCorner(rest, rest);
+    return result;
+  }
 };
 
-Velocities velocities(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
-                      const Vec2<double>& uv, const Jet2<double>& j, const Frame<double>& frame) {
+// What δ does to the surface at a fixed (u, v).
+struct Velocities {
+  Columns position, dpdu, dpdv;  // position is empty without translation
+  int parameters;                // of the surface
+};
+
+Velocities velocities(const PlacedSurface& placed, const Spread& spread, const Vec2<double>& uv,
+                      const Jet2<double>& j, const Frame<double>& frame) {
   const ParameterJet by = parameter_jet(placed.surface, uv);
-  const Eigen::Index n = uncertainty.covariance.rows(), of_surface = 6 + by.count;
-  if ((n != of_surface && n != of_surface + 6) || uncertainty.covariance.cols() != n)
-    throw ParameterError("fit", "covariance has " + std::to_string(n) + " rows, permitted are " +
+  const Eigen::MatrixXd& given = spread.uncertainty.covariance;
+  const Eigen::Index rows = given.rows(), of_surface = 6 + by.count, n = spread.covariance.rows();
+  if ((rows != of_surface && rows != of_surface + 6) || given.cols() != rows)
+    throw ParameterError("fit", "covariance has " + std::to_string(rows) + " rows, permitted are " +
                                     std::to_string(of_surface) + ", or 6 more, for a " +
                                     std::string(placed.surface.info().name));
   Eigen::Matrix3d local;  // takes the surface's axes to t, b, n
   local << to_eigen(frame.t).transpose(), to_eigen(frame.b).transpose(), to_eigen(frame.n).transpose();
   const Eigen::Matrix3d rotation = placed.placement.linear(), to_frame = local * rotation.transpose();
-  const Eigen::Vector3d from_centre = placed.placement * to_eigen(j.position) - uncertainty.centre;
-  Velocities result{Columns::Zero(3, n), Columns::Zero(3, n), Columns::Zero(3, n), by.count};
+  const bool moves = spread.parameters == 6;
+  Velocities result{Columns::Zero(3, moves ? n : 0), Columns::Zero(3, n), Columns::Zero(3, n), by.count};
   const auto rigid = [&](Columns& columns, const Eigen::Vector3d& a) {
     columns.leftCols<3>() = -to_frame * fit::cross_matrix(a);  // ω × a
   };
-  rigid(result.position, from_centre);
   rigid(result.dpdu, rotation * to_eigen(j.dpdu));
   rigid(result.dpdv, rotation * to_eigen(j.dpdv));
-  result.position.middleCols<3>(3) = to_frame;
+  if (moves) {
+    rigid(result.position, placed.placement * to_eigen(j.position) - spread.uncertainty.centre);
+    result.position.middleCols<3>(3) = to_frame;
+  }
   for (int k = 0; k < by.count; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    result.position.col(6 + k) = local * to_eigen(by.position[at]);
-    result.dpdu.col(6 + k) = local * to_eigen(by.dpdu[at]);
-    result.dpdv.col(6 + k) = local * to_eigen(by.dpdv[at]);
+    const Eigen::Index column = spread.parameters + k;
+    if (moves) result.position.col(column) = local * to_eigen(by.position[at]);
+    result.dpdu.col(column) = local * to_eigen(by.dpdu[at]);
+    result.dpdv.col(column) = local * to_eigen(by.dpdv[at]);
   }
   return result;
 }
@@ -98,8 +123,7 @@ struct FirstOrder {
 };
 
 // At this sample of the surface; nothing where it has no frame to turn.
-std::optional<FirstOrder> first_order(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
-                                      Sample<double> s) {
+std::optional<FirstOrder> first_order(const PlacedSurface& placed, const Spread& spread, Sample<double> s) {
   const Status status = s.frame.status;
   if (has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero |
                       Status::parallel))
@@ -110,19 +134,20 @@ std::optional<FirstOrder> first_order(const PlacedSurface& placed, const Surface
   if (has(s.frame.status, Status::no_frame | singular)) return std::nullopt;
   const Vec2<double> uv{s.u, s.v};
   return FirstOrder{placed,
-                    uncertainty.covariance,
+                    spread.covariance,
                     at_pole,
                     uv,
                     s.jet,
                     s.frame,
                     shape_operator(s.jet, s.frame),
-                    velocities(placed, uncertainty, uv, s.jet, s.frame)};
+                    velocities(placed, spread, uv, s.jet, s.frame)};
 }
 
 // How the frame turns: its covariance, and whether first order tells n and t at all.
 struct Turning {
   Eigen::Matrix3d covariance;
-  double normal;  // standard deviation, radians
+  Eigen::Matrix3d of_dpdu;  // the covariance of dpdu, along t, b, n
+  double normal;            // standard deviation, radians
   bool knows_normal, knows_tangent;
 };
 
@@ -137,7 +162,9 @@ Turning turning(const FirstOrder& at) {
   const Columns spread = turn.lazyProduct(at.covariance);
   result.covariance = spread.lazyProduct(turn.transpose());
   // First order holds where three standard deviations change dpdu by less than its length, and n by less than a radian.
-  const double change = root(Columns(at.d.dpdu.lazyProduct(at.covariance)).cwiseProduct(at.d.dpdu).sum());
+  const Columns change_of_dpdu = at.d.dpdu.lazyProduct(at.covariance);
+  result.of_dpdu = change_of_dpdu.lazyProduct(at.d.dpdu.transpose());
+  const double change = root(result.of_dpdu.trace());
   result.knows_tangent = !at.at_pole && 3 * change < e;
   result.normal = root(result.covariance(0, 0) + result.covariance(1, 1));
   result.knows_normal =
@@ -166,7 +193,8 @@ UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncerta
   UncertainFrame result = placed_frame(placed, sample);
   result.covariance = Eigen::Vector3d(infinity, infinity, infinity).asDiagonal();
   result.normal_deg = result.tangent_deg = infinity;
-  std::optional<FirstOrder> at = first_order(placed, uncertainty, sample);
+  const Spread spread = p ? Spread::whole(uncertainty) : Spread::without_translation(uncertainty);
+  std::optional<FirstOrder> at = first_order(placed, spread, sample);
   if (!at) return result;
   if (p) {
     // The foot x + d n = p stays a foot: (1 - d S) w = -(velocity + d (what turns n towards t, b)), w the foot's way
@@ -219,6 +247,46 @@ Vec2<double> searched_foot(const AnySurface& surface, const Vec3<double>& p) {
   return last->projector(p).uv;
 }
 
+Truth truth_at(const MeshFit& fit, const Spread& spread, const Vec2<double>& stored) {
+  const UvConvention& convention = fit.surface.uv;
+  const Vec2<double> uv = convention.surface_uv(stored);
+  const Sample<double> sample = fit.surface.surface.sample(uv.x, uv.y);
+  Truth truth = fit.surface.truth(stored, sample);
+  truth.normal_deg = truth.tangent_deg = infinity;
+  std::optional<FirstOrder> at = first_order(fit.surface, spread, sample);
+  if (!at) return truth;
+  // Along stored u: a = M00 dpdu + M10 dpdv.
+  const auto& m = convention.affine;
+  const Eigen::Vector3d u(at->s.e, 0, 0), v(at->s.f, at->s.g, 0), a = m[0] * u + m[2] * v;
+  const Eigen::Index n = spread.covariance.rows(), map = spread.parameters + at->d.parameters;
+  if (n > map) {  // the uv map is uncertain as well, and moves the point
+    Ways way = Ways::Zero(2, n);
+    for (int row = 0; row < 2; ++row) {
+      way(row, map + 2 * row) = stored.x;
+      way(row, map + 2 * row + 1) = stored.y;
+      way(row, map + 4 + row) = 1;
+    }
+    at->go(way);
+  }
+  const Turning turns = turning(*at);
+  if (!turns.knows_normal) return truth;
+  truth.normal_deg = turns.normal * degrees;
+  if (!turns.knows_tangent) return truth;
+  Eigen::Matrix3d of_a = m[0] * m[0] * turns.of_dpdu;
+  if (n > map || m[2] != 0) {
+    Columns along = m[0] * at->d.dpdu + m[2] * at->d.dpdv;
+    if (n > map) {
+      along.col(map) += u;
+      along.col(map + 2) += v;
+    }
+    of_a = Columns(along.lazyProduct(spread.covariance)).lazyProduct(along.transpose());
+  }
+  if (!(9 * of_a.trace() < a.squaredNorm())) return truth;
+  const double lengthening = a.dot(of_a * a) / a.squaredNorm();  // what only changes its length
+  truth.tangent_deg = root((of_a.trace() - lengthening) / a.squaredNorm()) * degrees;
+  return truth;
+}
+
 }  // namespace
 
 UncertainFrame frame_near(const PointFit& fit, const Vec3<double>& p) {
@@ -238,41 +306,15 @@ UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv) {
 }
 
 Truth truth_at(const MeshFit& fit, const Vec2<double>& stored) {
-  const UvConvention& convention = fit.surface.uv;
-  const Vec2<double> uv = convention.surface_uv(stored);
-  const Sample<double> sample = fit.surface.surface.sample(uv.x, uv.y);
-  Truth truth = fit.surface.truth(stored, sample);
-  truth.normal_deg = truth.tangent_deg = infinity;
-  std::optional<FirstOrder> at = first_order(fit.surface, fit, sample);
-  if (!at) return truth;
-  // Along stored u: a = M00 dpdu + M10 dpdv.
-  const auto& m = convention.affine;
-  const Eigen::Vector3d u(at->s.e, 0, 0), v(at->s.f, at->s.g, 0), a = m[0] * u + m[2] * v;
-  const Eigen::Index n = fit.covariance.rows();
-  const Eigen::Index map = 6 + at->d.parameters;
-  if (n > map) {  // the uv map is uncertain as well, and moves the point
-    Ways way = Ways::Zero(2, n);
-    for (int row = 0; row < 2; ++row) {
-      way(row, map + 2 * row) = stored.x;
-      way(row, map + 2 * row + 1) = stored.y;
-      way(row, map + 4 + row) = 1;
-    }
-    at->go(way);
-  }
-  Columns along = m[0] * at->d.dpdu + m[2] * at->d.dpdv;
-  if (n > map) {
-    along.col(map) += u;
-    along.col(map + 2) += v;
-  }
-  const Turning turns = turning(*at);
-  if (!turns.knows_normal) return truth;
-  truth.normal_deg = turns.normal * degrees;
-  const Columns spread = along.lazyProduct(fit.covariance);
-  const Eigen::Matrix3d of_a = spread.lazyProduct(along.transpose());
-  if (!turns.knows_tangent || !(9 * of_a.trace() < a.squaredNorm())) return truth;
-  const double lengthening = a.dot(of_a * a) / a.squaredNorm();  // what only changes its length
-  truth.tangent_deg = root((of_a.trace() - lengthening) / a.squaredNorm()) * degrees;
-  return truth;
+  return truth_at(fit, Spread::without_translation(fit), stored);
+}
+
+std::vector<Truth> truths_at(const MeshFit& fit, std::span<const Vec2<double>> stored) {
+  const Spread spread = Spread::without_translation(fit);
+  std::vector<Truth> result;
+  result.reserve(stored.size());
+  for (const Vec2<double>& uv : stored) result.push_back(truth_at(fit, spread, uv));
+  return result;
 }
 
 }  // namespace darboux

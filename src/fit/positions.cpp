@@ -53,9 +53,38 @@ std::optional<Eigen::Matrix3d> projection_of(const Mesh& mesh, const std::vector
   return result;
 }
 
+// What is given instead of what was found, then known exactly. False where it is not permitted.
+bool hold(const std::optional<SurfaceSpecification>& kind, const std::optional<Eigen::Isometry3d>& placement,
+          PointFit& found) {
+  if (placement) {
+    found.surface->placement = *placement;
+    found.covariance.topRows<6>().setZero();
+    found.covariance.leftCols<6>().setZero();
+  }
+  if (!kind) return true;
+  std::vector<double> values;
+  for (const ParameterValue& p : found.surface->surface.parameters()) {
+    const auto k = static_cast<Eigen::Index>(6 + values.size());
+    values.push_back(p.value);
+    for (const auto& [name, value] : kind->parameters)
+      if (name == p.name) {
+        values.back() = value;
+        found.covariance.row(k).setZero();
+        found.covariance.col(k).setZero();
+      }
+  }
+  try {
+    found.surface->surface = found.surface->surface.with(values);
+  } catch (const ParameterError&) {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 
-std::optional<MeshFit> fit_positions(const Mesh& mesh) {
+std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<SurfaceSpecification>& only,
+                                     const std::optional<Eigen::Isometry3d>& placement) {
   check_consistent(mesh, "mesh");
   const std::vector<std::uint32_t> vertices = usable_vertices(mesh);
   PointCloud cloud;
@@ -68,9 +97,16 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh) {
       cloud.positions.push_back(mesh.positions[vertices[i]]);
   }
   const double size = box.isEmpty() ? 0 : box.diagonal().stableNorm();
-  for (const std::string_view kind : found_kinds()) {
-    const PointFit found = fit_points(cloud, {.surface = std::string(kind)});
-    if (!found.usable || !(found.rms <= fits_below * size)) continue;
+  const std::vector<std::string_view> kinds =
+      only ? std::vector<std::string_view>{only->name} : found_kinds();
+  for (const std::string_view kind : kinds) {
+    PointFit found;
+    try {
+      found = fit_points(cloud, {.surface = std::string(kind)});
+    } catch (const ParameterError&) {
+      return std::nullopt;  // no kind for positions alone
+    }
+    if (!found.usable || !(found.rms <= fits_below * size) || !hold(only, placement, found)) continue;
     double squares = 0, farthest = 0;
     for (const std::uint32_t v : vertices) {
       const double d = norm(frame_near(found, mesh.positions[v]).position - mesh.positions[v]);
@@ -97,12 +133,9 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh) {
 }
 
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit) {
+  if (fit.chart == UvChart::own) return truths_at(fit, mesh.uvs);
   std::vector<Truth> result;
   result.reserve(mesh.positions.size());
-  if (fit.chart == UvChart::own) {
-    for (const Vec2<double>& uv : mesh.uvs) result.push_back(truth_at(fit, uv));
-    return result;
-  }
   const Vec3<double> none = detail::nan_vector<double>();
   const Eigen::Vector3d d = fit.projection.col(2);
   for (const Vec3<double>& p : mesh.positions) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include <Eigen/Eigenvalues>
@@ -425,7 +426,11 @@ void UvModel::polish(UvState& state, Mixture& mixture, const std::optional<doubl
     if (!(length < last)) return;  // rounding is all that is left
     state = moved(state, step);
     if (mixture.robust) update(mixture, squares, *points, sigma);
-    if (length < last_digits) return;
+    // Of least squares the next step is about this one times it and the residuals.
+    const double rms =
+        std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) / static_cast<double>(squares.size()));
+    const double next = mixture.robust ? length : length * std::fmin(1, 10 * (length + rms));
+    if (next < last_digits) return;
     last = length;
   }
 }

@@ -185,6 +185,23 @@ UvPoints negated(UvPoints points) {
 
 constexpr int many_rounds = 8, few_rounds = 4;
 
+// Stored coordinates from `from` on, in units of 1 / scale.
+struct Unit {
+  double scale = 1, from = 0;
+};
+
+// As they are stored; where they are in other units altogether, pixels say, and for coordinates that do not turn, also from 0 to
+// 1 over all points.
+std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored) {
+  const auto [low, high] = std::minmax_element(stored.begin(), stored.end());
+  const double range = *high - *low;
+  const Unit whole{1 / range, *low};
+  if (range > 4) return {whole};
+  const bool differs = std::fabs(*low) > 0.05 || std::fabs(*high - 1) > 0.05;
+  if (coordinate == Coordinate::turn || !(range > 1e-6) || !differs) return {{}};
+  return {{}, whole};
+}
+
 }  // namespace
 
 ConventionStarts convention_starts(const UvKind& kind, const UvPoints& points, const UvHeld& held,
@@ -220,27 +237,35 @@ std::vector<int> observable_affine(UvModel model) {
   // The offset first, as placements absorb it; then scales, which lengths absorb; shears last.
   constexpr std::array<int, 6> order{4, 5, 3, 0, 2, 1};
   model.free_affine.assign(order.begin(), order.end());
-  // Any state will do that has no symmetry by chance.
-  UvState state;
-  state.parameters = model.kind->starts.front();
-  for (std::size_t k = 0; k < state.parameters.size(); ++k)
-    state.parameters[k] *= 1 + 0.21 * static_cast<double>(k);
-  state.affine = {1.1, 0.07, 0.05, 0.93, 0.03, 0.02};
+  // Any states will do that have no symmetry by chance. An offset that a scale and lengths absorb together is held at zero only if
+  // they do so there too: not where a surface goes as v or 2v - 1 and their squares, which have their apex where these vanish.
+  std::vector<Eigen::MatrixXd> jacobians;
+  for (const double offset : {0.0, 0.5}) {
+    UvState state;
+    state.parameters = model.kind->starts.front();
+    for (std::size_t k = 0; k < state.parameters.size(); ++k)
+      state.parameters[k] *= 1 + 0.21 * static_cast<double>(k);
+    state.affine = {1.1, 0.07, 0.05, 0.93, offset, offset};
+    Eigen::MatrixXd& j = jacobians.emplace_back(model.jacobian(state, few.count()));
+    if (model.placement_held) j.leftCols<6>().setZero();
+    for (Eigen::Index k = 0; k < j.cols(); ++k)
+      if (const double size = j.col(k).norm(); size > 0) j.col(k) /= size;
+  }
+  const Eigen::Index first = jacobians.front().cols() - 6;
   std::vector<int> observable;
-  Eigen::MatrixXd j = model.jacobian(state, few.count());
-  if (model.placement_held) j.leftCols<6>().setZero();
-  for (Eigen::Index k = 0; k < j.cols(); ++k)
-    if (const double size = j.col(k).norm(); size > 0) j.col(k) /= size;
-  const Eigen::Index first = j.cols() - 6;
-  for (Eigen::Index k = 0; k < 6; ++k) {
-    const Eigen::VectorXd column = j.col(first + k);
-    j.col(first + k).setZero();
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> others(j.rows(), j.cols());
-    others.setThreshold(1e-10);
-    others.compute(j);
-    if ((j * others.solve(column) - column).norm() < 1e-8) continue;
-    j.col(first + k) = column;
-    observable.push_back(order[static_cast<std::size_t>(k)]);
+  for (Eigen::Index k = first; k < first + 6; ++k) {
+    const auto others_absorb = [k](Eigen::MatrixXd j) {
+      const Eigen::VectorXd column = j.col(k);
+      j.col(k).setZero();
+      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> others(j.rows(), j.cols());
+      others.setThreshold(1e-10);
+      others.compute(j);
+      return (j * others.solve(column) - column).norm() < 1e-8;
+    };
+    if (!std::all_of(jacobians.begin(), jacobians.end(), others_absorb))
+      observable.push_back(order[static_cast<std::size_t>(k - first)]);
+    else
+      for (Eigen::MatrixXd& j : jacobians) j.col(k).setZero();
   }
   std::sort(observable.begin(), observable.end());
   return observable;
@@ -255,6 +280,7 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
     const std::vector<double>* at;
     double distance;
   };
+  const SurfaceInfo info = make_surface(kind.name).info();
   std::vector<Candidate> candidates;
   const auto keep_nearest = [&](std::size_t most) {
     std::stable_sort(candidates.begin(), candidates.end(),
@@ -278,25 +304,29 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
       shears{-2, -1, -0.5, 0.5, 1, 2};
   for (const UvConvention& convention : uv_conventions()) {
     model.convention = convention;
-    // Stored uvs of another unit altogether, pixels say, are brought to [0, 1] first.
-    std::array<double, 2> unit{1, 1}, from{0, 0};
-    Vec2<double> low{1e300, 1e300}, high{-1e300, -1e300};
+    std::vector<double> u, v;
     for (const auto& stored : points.uvs) {
       const Vec2<double> uv = convention.surface_uv(stored);
-      low = {std::fmin(low.x, uv.x), std::fmin(low.y, uv.y)};
-      high = {std::fmax(high.x, uv.x), std::fmax(high.y, uv.y)};
+      u.push_back(uv.x), v.push_back(uv.y);
     }
-    if (high.x - low.x > 4) unit[0] = 1 / (high.x - low.x), from[0] = low.x;
-    if (high.y - low.y > 4) unit[1] = 1 / (high.y - low.y), from[1] = low.y;
+    const std::vector<Unit> units_u = units(info.u, u), units_v = units(info.v, v);
+    // Scales that lengths absorb, and offsets that placements do, are not searched, and may be any.
     const auto add = [&](double su, double shear, double sv, double o) {
-      const double ou = is_free(4) ? -su * unit[0] * from[0] : 0;
-      const double ov = is_free(5) ? o - sv * unit[1] * from[1] : 0;
-      const Affine affine{is_free(0) ? su * unit[0] : 1, shear, 0, is_free(3) ? sv * unit[1] : 1, ou, ov};
-      for (const auto& at : kind.starts) {
-        Candidate c{convention, affine, &at, 0};
-        c.distance = robust ? distance(model, c) : residual(linear_problem(model, affine, at));
-        if (std::isfinite(c.distance)) candidates.push_back(c);
-      }
+      for (const Unit& for_u : units_u)
+        for (const Unit& for_v : units_v) {
+          const double scale_u = su * for_u.scale, scale_v = sv * for_v.scale;
+          const Affine affine{scale_u,
+                              shear,
+                              0,
+                              scale_v,
+                              is_free(4) ? -scale_u * for_u.from : 0,
+                              is_free(5) ? o - scale_v * for_v.from : 0};
+          for (const auto& at : kind.starts) {
+            Candidate c{convention, affine, &at, 0};
+            c.distance = robust ? distance(model, c) : residual(linear_problem(model, affine, at));
+            if (std::isfinite(c.distance)) candidates.push_back(c);
+          }
+        }
     };
     for (const double su : choices(0, scales))
       for (const double sv : choices(3, scales))
