@@ -75,6 +75,15 @@ export class Browser {
   async mouse(type, x, y, more = {}) {
     await this.send('Input.dispatchMouseEvent', {type, x, y, button: 'left', clickCount: 1, ...more});
   }
+  /// Fingers that go down at the first of `places`, each a list of one [x, y] a finger, are moved to the others, and go up.
+  async touch(...places) {
+    const points = fingers => fingers.map(([x, y], id) => ({x, y, id}));
+    await this.send('Emulation.setTouchEmulationEnabled', {enabled: true, maxTouchPoints: 5});
+    for (const [k, fingers] of places.entries())
+      await this.send('Input.dispatchTouchEvent', {type: k === 0 ? 'touchStart' : 'touchMove', touchPoints: points(fingers)});
+    await this.send('Input.dispatchTouchEvent', {type: 'touchEnd', touchPoints: []});
+    await this.value('new Promise(r => setTimeout(r, 200))');
+  }
 
   async screenshot(path) {
     const {cssContentSize: size} = await this.send('Page.getLayoutMetrics');

@@ -1,6 +1,6 @@
 // look_at_validate.mjs TOOL DATA [SCREENSHOTS]: runs `TOOL validate --report` on the meshes in DATA and looks at the page in
 // headless chromium: no script fails and nothing is asked of a network; the numbers are those of --json; the mesh and its uvs
-// are drawn, and turn by mouse and keys; names cannot run a script. Exit status 77 where chromium is not installed.
+// are drawn, and turn by mouse, keys and fingers; names cannot run a script. Exit status 77 where chromium is not installed.
 // SCREENSHOTS begins the names of pictures that are left behind.
 import assert from 'node:assert/strict';
 import {spawnSync} from 'node:child_process';
@@ -126,6 +126,49 @@ async function expect_turning(browser) {
   assert.equal(before, first, '0 does not start again');
 }
 
+// On the screen of a phone fingers on the view turn and zoom it, and neither move nor zoom the page, as they do beside it.
+async function expect_fingers(browser) {
+  await browser.send('Emulation.setDeviceMetricsOverride', {width: 400, height: 800, deviceScaleFactor: 2, mobile: true});
+  const view = async () => (await browser.value(look(0, 'view'))).hash;
+  const page = () => browser.value('({zoom: visualViewport.scale, left: visualViewport.pageLeft, top: visualViewport.pageTop})');
+  const to = name => browser.value(`(canvas => {
+    canvas.scrollIntoView({block: 'center'});
+    const {left, top, width, height} = canvas.getBoundingClientRect();
+    return [Math.round(left + width / 2), Math.round(top + height / 2)];
+  })(document.querySelector('canvas.${name}'))`);
+  const one = ([x, y]) => [0, 60, 120].map(down => [[x, y + down]]);
+  const two = ([x, y], ...distances) => distances.map(d => [[x - d / 2, y], [x + d / 2, y]]);
+
+  await browser.value(`document.querySelector('canvas.view').focus()`);
+  await browser.key('0');
+  const first = await view();
+  for (const key of ['+', '+']) await browser.key(key);
+  const larger = await view();
+  await browser.key('0');
+
+  const centre = await to('view'), before = await page();
+  await browser.touch(...two(centre, 160, 200, 250));
+  assert.equal(await view(), larger, 'two fingers 1.25² times as far apart do not do what + + does');
+  await browser.touch(...two(centre, 250, 200, 160));
+  assert.equal(await view(), first, 'two fingers closer together do not undo it');
+  await browser.touch(...one(centre));
+  assert.notEqual(await view(), first, 'one finger does not turn it');
+  assert.deepEqual(await page(), before, 'fingers on the view change the page');
+
+  // Where this is not so the above says nothing.
+  const eventually = async (condition, otherwise) => {
+    for (let k = 0; k < 100; ++k)
+      if (condition(await page())) return;
+      else await browser.value('new Promise(r => setTimeout(r, 100))');
+    assert.fail(otherwise);
+  };
+  const beside = await to('uv'), still = await page();
+  await browser.touch(...one(beside));
+  await eventually(({top}) => top < still.top, 'a finger beside the view does not move the page');
+  await browser.touch(...two(beside, 160, 200, 250));
+  await eventually(({zoom}) => zoom > still.zoom, 'two fingers beside the view do not zoom the page');
+}
+
 // ---- meshes that pass, fail and have parts; without uvs and tangents; names that would be scripts; a file that is none
 const evil = `</script><script>document.body.dataset.broken=1</script><img src=x onerror="document.body.dataset.broken=1">'"&`;
 mkdirSync(join(folder, 'a<'));
@@ -169,6 +212,7 @@ try {
   await browser.send('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-scheme', value: 'dark'}]});
   assert.notEqual(await browser.value(background), light);
   if (screenshots) await browser.screenshot(screenshots + 'dark.png');
+  await expect_fingers(browser);
   assert.deepEqual(browser.complaints(), []);
 } finally {
   await browser.close();
