@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,7 @@
 #include <tiny_gltf.h>
 
 #include <darboux/mesh_classes.h>
+#include <darboux/statistics.h>
 
 namespace darboux::test {
 
@@ -180,6 +182,23 @@ inline std::map<VertexClass, OfClass> second_opinion(const Read& mesh, const std
       c.bitangent.push_back(degrees(w * mesh.normals[v].cross(tangent(v)), truth[v].b));
     }
   return result;
+}
+
+// \param slack what rounding may add
+inline void expect_same(const std::optional<Statistics>& found, std::vector<Real> angles, double slack,
+                        const std::string& what) {
+  ASSERT_EQ(found.has_value(), !angles.empty()) << what;
+  if (!found) return;
+  std::ranges::sort(angles);
+  Real sum = 0;
+  for (const Real x : angles) sum += x * x;
+  const auto near = [&](double value, Real expected, const char* name) {
+    EXPECT_NEAR(value, static_cast<double>(expected), 1e-6 * static_cast<double>(expected) + slack)
+        << what << ", " << name;
+  };
+  near(found->max, angles.back(), "max");
+  near(found->rms, std::sqrt(sum / static_cast<Real>(angles.size())), "rms");
+  near(found->p95, angles[(95 * angles.size() + 99) / 100 - 1], "p95");
 }
 
 }  // namespace darboux::test

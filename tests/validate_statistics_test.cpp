@@ -1,4 +1,4 @@
-// The statistics of a verdict against a second computation: second_opinion.h, with the formulas of the surfaces written out anew.
+// The statistics of a verdict against a second computation: second_opinion.h, with the formulas of second_shapes.h.
 #include <filesystem>
 #include <random>
 
@@ -10,82 +10,14 @@
 
 #include "io_files.h"
 #include "random_pose.h"
-#include "second_opinion.h"
+#include "second_shapes.h"
 
 namespace darboux {
 namespace {
 
 using namespace test;
 
-// ---- directions by the formulas of the catalogue
-
-Directions ellipsoid(Real a, Real b, Real c, const V2& p) {
-  const Real C = std::cos(2 * pi_real * p.x()), S = std::sin(2 * pi_real * p.x()),
-             x = std::cos(pi_real * p.y()), y = std::sin(pi_real * p.y());
-  return {{-a * S, b * C, 0}, {a * x * C, b * x * S, c * y}, {y * C / a, y * S / b, -x / c}};
-}
-Directions torus(const V2& p) {
-  const Real C = std::cos(2 * pi_real * p.x()), S = std::sin(2 * pi_real * p.x()),
-             x = std::cos(2 * pi_real * p.y()), y = std::sin(2 * pi_real * p.y());
-  return {{-S, C, 0}, {-y * C, -y * S, x}, {x * C, x * S, y}};
-}
-Directions cone(Real radius, Real height, const V2& p) {  // a cylinder has no slope
-  const Real C = std::cos(2 * pi_real * p.x()), S = std::sin(2 * pi_real * p.x());
-  return {{-S, C, 0}, {-radius * C, -radius * S, height}, {height * C, height * S, radius}};
-}
-
-// A surface as the library is told it, and as it is computed here, up to a rotation or a mirror image.
-struct Shape {
-  std::string specification;
-  std::function<Directions(const V2&)> at;
-  Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
-  bool poles = false;   // at v = 0 and 1
-  bool affine = false;  // its uvs are an affine map of the surface's, which is fitted whatever is declared
-};
-
-Eigen::Isometry3d axes(const Eigen::Matrix3d& linear, double y = 0) {
-  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  result.linear() = linear;
-  result.translation() = Eigen::Vector3d(0, y, 0);
-  return result;
-}
-
-// three.js has y up; its spheres begin at -x and its cylinders at +z, from the bottom at y = -1.
-std::optional<Shape> shape_of(const std::string& file) {
-  const auto sphere_axes = axes((Eigen::Matrix3d() << -1, 0, 0, 0, 0, 1, 0, 1, 0).finished());
-  const auto cylinder_axes = axes((Eigen::Matrix3d() << 0, 1, 0, 0, 0, 1, 1, 0, 0).finished(), -1);
-  const std::string name = file.substr(0, file.find('_'));
-  if (name == "torus" || name == "jittertorus") return Shape{"torus:major_radius=1,minor_radius=0.4", torus};
-  if (name == "sphere" || name == "plainsphere")
-    return Shape{"sphere:radius=1", [](const V2& p) { return ellipsoid(1, 1, 1, p); }, sphere_axes, true};
-  if (name == "ellipsoid")
-    return Shape{"ellipsoid:semi_axis_x=1,semi_axis_y=0.5,semi_axis_z=0.7",
-                 [](const V2& p) { return ellipsoid(1, 0.5L, 0.7L, p); }, sphere_axes, true};
-  if (name == "cylinder")
-    return Shape{"cylinder:radius=1,height=2", [](const V2& p) { return cone(0, 2, p); }, cylinder_axes};
-  if (name == "cone")  // a frustum: half of a cone of twice its height
-    return Shape{"cone:radius=1,height=4", [](const V2& p) { return cone(1, 4, p); }, cylinder_axes, false,
-                 true};
-  return std::nullopt;
-}
-
 // ---- what is compared
-
-void expect_equal(const std::optional<Statistics>& found, std::vector<Real> angles, double slack,
-                  const std::string& what) {
-  ASSERT_EQ(found.has_value(), !angles.empty()) << what;
-  if (!found) return;
-  std::ranges::sort(angles);
-  Real sum = 0;
-  for (const Real x : angles) sum += x * x;
-  const auto near = [&](double value, Real expected, const char* name) {
-    EXPECT_NEAR(value, static_cast<double>(expected), 1e-6 * static_cast<double>(expected) + slack)
-        << what << ", " << name;
-  };
-  near(found->max, angles.back(), "max");
-  near(found->rms, std::sqrt(sum / static_cast<Real>(angles.size())), "rms");
-  near(found->p95, angles[(95 * angles.size() + 99) / 100 - 1], "p95");
-}
 
 // \param fitted whether the truth of the report is uncertain: no angle is then farther off than so many of the largest standard
 // deviation, and neither is a maximum, an rms or a percentile of them. Eight, as the roundings of a row of a grid are equal, not
@@ -106,30 +38,13 @@ void expect_equal(const MeshReport& report, const std::map<VertexClass, OfClass>
                  tangent = fitted && c.tangent_deg ? 8 * c.tangent_uncertainty_deg.max() : 0;
     EXPECT_TRUE(std::isfinite(normal)) << name;
     EXPECT_TRUE(std::isfinite(tangent) || c.vertex_class == VertexClass::pole) << name;
-    expect_equal(c.normal_deg, e.normal, rounding + normal, name + " normals");
-    expect_equal(c.tangent_deg, e.tangent, rounding + tangent, name + " tangents");
-    expect_equal(c.bitangent_deg, e.bitangent, rounding + normal + tangent, name + " bitangents");
+    expect_same(c.normal_deg, e.normal, rounding + normal, name + " normals");
+    expect_same(c.tangent_deg, e.tangent, rounding + tangent, name + " tangents");
+    expect_same(c.bitangent_deg, e.bitangent, rounding + normal + tangent, name + " bitangents");
   }
 }
 
 // ---- the meshes
-
-struct Truths {
-  std::vector<Directions> at;
-  std::vector<bool> pole;
-};
-
-// \param linear from the axes of the formulas to those of the mesh, orthogonal
-Truths truths_of(const Read& mesh, const Shape& shape, const Eigen::Matrix3d& linear) {
-  Truths result;
-  const Eigen::Matrix<Real, 3, 3> m = linear.cast<Real>();
-  for (const V2& uv : mesh.uvs) {
-    const Directions d = shape.at(uv);
-    result.at.push_back({m * d.t, m * d.b, m * d.n});
-    result.pole.push_back(shape.poles && (uv.y() == 0 || uv.y() == 1));
-  }
-  return result;
-}
 
 JudgeOptions declared(const Shape& shape) {
   JudgeOptions options;
