@@ -22,11 +22,12 @@ constexpr std::size_t most_open = 4;            // sections, before they are fol
 
 constexpr std::string_view style = R"css(
 [hidden]{display:none!important}
-h2{margin-top:1.75rem;overflow-wrap:anywhere}
-h3{display:inline;font-size:1rem;overflow-wrap:anywhere}
+h2{margin-top:1.75rem}
+h3{display:inline;font-size:1rem}
 h4{font-size:.95rem;margin:1.25rem 0 .25rem}
 summary{cursor:pointer}
 summary .soft{margin-left:.5rem}
+h1,h2,h3,p{overflow-wrap:anywhere}
 details>p:first-of-type{margin-top:.75rem}
 th[colspan]{text-align:center;border-bottom:1px solid var(--line)}
 figcaption{margin-top:.4rem}

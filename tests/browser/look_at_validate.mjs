@@ -129,6 +129,7 @@ async function expect_turning(browser) {
 // On the screen of a phone fingers on the view turn and zoom it, and neither move nor zoom the page, as they do beside it.
 async function expect_fingers(browser) {
   await browser.send('Emulation.setDeviceMetricsOverride', {width: 400, height: 800, deviceScaleFactor: 2, mobile: true});
+  assert.equal(await browser.value('innerWidth'), 400, 'the page is wider than the screen');
   const view = async () => (await browser.value(look(0, 'view'))).hash;
   const page = () => browser.value('({zoom: visualViewport.scale, left: visualViewport.pageLeft, top: visualViewport.pageTop})');
   const to = name => browser.value(`(canvas => {
