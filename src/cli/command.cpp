@@ -48,6 +48,10 @@ Json array(const Vec3<double>& a) {
   return {number(a.x), number(a.y), number(a.z)};
 }
 
+std::string utf8(const std::string& text) {
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+}
+
 double parse_finite(const std::string& subject, std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

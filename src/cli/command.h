@@ -55,6 +55,8 @@ void add_compare(CLI::App& app, Common& common);
 /// A number as JSON: null for NaN and infinities, else printed so that it reads back to the same bits.
 Json number(double x);
 Json array(const Vec3<double>& a);
+/// A text as JSON shows it: what is not UTF-8 becomes U+FFFD.
+std::string utf8(const std::string& text);
 
 /// Parses the whole text as a finite double, whatever the locale.
 /// \throws ParameterError naming `subject`

@@ -36,6 +36,7 @@ std::string uri_of(const std::string& path) {
 Json rule_json(std::string_view code, std::string_view message, std::string_view to_do, Severity severity) {
   return {{"id", code},
           {"shortDescription", {{"text", message}}},
+          {"fullDescription", {{"text", std::string(message) + ". To do: " + std::string(to_do)}}},
           {"help", {{"text", to_do}}},
           {"defaultConfiguration", {{"level", sarif_level(severity)}}}};
 }
@@ -54,10 +55,12 @@ Json result_json(const std::string& path, std::string_view code, Severity severi
           {"partialFingerprints", {{"primaryLocationLineHash", std::string(code) + '/' + place}}}};
 }
 
-// UTF-8 without control characters, whatever a file put into it: XML 1.0 has no others.
+// Without what XML 1.0 does not have, whatever a file put into it: control characters become '?', U+FFFE and U+FFFF U+FFFD.
 std::string xml_text(const std::string& text) {
-  return Json::parse(Json(one_line(text)).dump(-1, ' ', false, Json::error_handler_t::replace))
-      .get<std::string>();
+  std::string result = utf8(one_line(text));
+  for (const char* none : {"\xEF\xBF\xBE", "\xEF\xBF\xBF"})
+    for (std::size_t at = 0; (at = result.find(none, at)) != std::string::npos;) result[at + 2] = '\xBD';
+  return result;
 }
 
 void append(pugi::xml_node& node, const char* child, const std::string& type, const std::string& text) {

@@ -164,7 +164,7 @@ void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& pa
     std::map<std::string, const Json*> then;
     for (const Json& entry : baseline.at("files")) then[entry.at("file").get<std::string>()] = &entry;
     for (JudgedFile& file : files) {
-      const auto old = then.find(file.path);
+      const auto old = then.find(utf8(file.path));
       if (old == then.end()) continue;
       const Json& entry = *old->second;
       const bool was_unreadable = entry.contains("error");

