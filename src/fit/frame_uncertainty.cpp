@@ -22,38 +22,43 @@ constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::para
 
 // One column for each component of δ, rows along t, b, n.
 constexpr int most_columns = 6 + most_parameters + 6;
-using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, most_columns>;
-using Ways = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, most_columns>;  // of (u, v)
+constexpr int any = Eigen::Dynamic;
+template <int N>
+using Columns = Eigen::Matrix<double, 3, N, 0, 3, N == any ? most_columns : N>;
+using Ways = Eigen::Matrix<double, 2, any, 0, 2, most_columns>;  // of (u, v)
 
-// The covariance of δ, with or without the translation, which turns no frame at a fixed (u, v).
+// The covariance of δ, N numbers, with or without the translation, which turns no frame at a fixed (u, v).
+template <int N>
 struct Spread {
   const SurfaceUncertainty& uncertainty;
-  Eigen::Index
-      parameters;  // the column of the surface's first; those before are of the rotation, and the translation
-  Eigen::MatrixXd covariance;
-
-  static Spread whole(const SurfaceUncertainty& uncertainty) {
-    return {uncertainty, 6, uncertainty.covariance};
-  }
-  static Spread without_translation(const SurfaceUncertainty& uncertainty) {
-    const Eigen::MatrixXd& c = uncertainty.covariance;
-    const Eigen::Index rest = std::max<Eigen::Index>(c.rows() - 6, 0);
-    Spread result{uncertainty, 3, Eigen::MatrixXd(3 + rest, 3 + rest)};
-    if (c.rows() < 6 || c.cols() != c.rows()) return whole(uncertainty);  // which is refused
-    result.covariance << c.topLeftCorner(3, 3), c.topRightCorner(3, rest), c.bottomLeftCorner(rest, 3),
-        c.bottomRightCorner(rest, rest);
-    return result;
-  }
+  Eigen::Index parameters;  // the column of the surface's first; before are the rotation, and the translation
+  Eigen::Matrix<double, N, N> covariance;
 };
+
+Spread<any> whole(const SurfaceUncertainty& uncertainty) {
+  return {uncertainty, 6, uncertainty.covariance};
+}
+Spread<any> without_translation(const SurfaceUncertainty& uncertainty) {
+  const Eigen::MatrixXd& c = uncertainty.covariance;
+  if (c.rows() < 6 || c.cols() != c.rows()) return whole(uncertainty);  // which is refused
+  const Eigen::Index rest = c.rows() - 6;
+  Spread<any> result{uncertainty, 3, Eigen::MatrixXd(3 + rest, 3 + rest)};
+  result.covariance << c.topLeftCorner(3, 3), c.topRightCorner(3, rest), c.bottomLeftCorner(rest, 3),
+      c.bottomRightCorner(rest, rest);
+  return result;
+}
 
 // What δ does to the surface at a fixed (u, v).
+template <int N>
 struct Velocities {
-  Columns position, dpdu, dpdv;  // position is empty without translation
-  int parameters;                // of the surface
+  Columns<any> position;  // empty without translation
+  Columns<N> dpdu, dpdv;
+  int parameters;  // of the surface
 };
 
-Velocities velocities(const PlacedSurface& placed, const Spread& spread, const Vec2<double>& uv,
-                      const Jet2<double>& j, const Frame<double>& frame) {
+template <int N>
+Velocities<N> velocities(const PlacedSurface& placed, const Spread<N>& spread, const Vec2<double>& uv,
+                         const Jet2<double>& j, const Frame<double>& frame) {
   const ParameterJet by = parameter_jet(placed.surface, uv);
   const Eigen::MatrixXd& given = spread.uncertainty.covariance;
   const Eigen::Index rows = given.rows(), of_surface = 6 + by.count, n = spread.covariance.rows();
@@ -65,15 +70,16 @@ Velocities velocities(const PlacedSurface& placed, const Spread& spread, const V
   local << to_eigen(frame.t).transpose(), to_eigen(frame.b).transpose(), to_eigen(frame.n).transpose();
   const Eigen::Matrix3d rotation = placed.placement.linear(), to_frame = local * rotation.transpose();
   const bool moves = spread.parameters == 6;
-  Velocities result{Columns::Zero(3, moves ? n : 0), Columns::Zero(3, n), Columns::Zero(3, n), by.count};
-  const auto rigid = [&](Columns& columns, const Eigen::Vector3d& a) {
-    columns.leftCols<3>() = -to_frame * fit::cross_matrix(a);  // ω × a
+  Velocities<N> result{Columns<any>::Zero(3, moves ? n : 0), Columns<N>::Zero(3, n), Columns<N>::Zero(3, n),
+                       by.count};
+  const auto rigid = [&](auto& columns, const Eigen::Vector3d& a) {
+    columns.template leftCols<3>() = -to_frame * fit::cross_matrix(a);  // ω × a
   };
   rigid(result.dpdu, rotation * to_eigen(j.dpdu));
   rigid(result.dpdv, rotation * to_eigen(j.dpdv));
   if (moves) {
     rigid(result.position, placed.placement * to_eigen(j.position) - spread.uncertainty.centre);
-    result.position.middleCols<3>(3) = to_frame;
+    result.position.template middleCols<3>(3) = to_frame;
   }
   for (int k = 0; k < by.count; ++k) {
     const auto at = static_cast<std::size_t>(k);
@@ -101,15 +107,16 @@ double root(double x) {
 }
 
 // A point of a fitted surface and what δ does to it, to first order.
+template <int N>
 struct FirstOrder {
   const PlacedSurface& placed;
-  const Eigen::MatrixXd& covariance;
+  const Eigen::Matrix<double, N, N>& covariance;
   bool at_pole;
   Vec2<double> uv;
   Jet2<double> j;
   Frame<double> frame;
-  ShapeOperator<double> s;
-  Velocities d;
+  double e, f, g;  // dpdu = e t, dpdv = f t + g b
+  Velocities<N> d;
 
   Eigen::Vector3d in_frame(const Vec3<double>& a) const {
     return {dot(a, frame.t), dot(a, frame.b), dot(a, frame.n)};
@@ -123,7 +130,9 @@ struct FirstOrder {
 };
 
 // At this sample of the surface; nothing where it has no frame to turn.
-std::optional<FirstOrder> first_order(const PlacedSurface& placed, const Spread& spread, Sample<double> s) {
+template <int N>
+std::optional<FirstOrder<N>> first_order(const PlacedSurface& placed, const Spread<N>& spread,
+                                         Sample<double> s) {
   const Status status = s.frame.status;
   if (has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero |
                       Status::parallel))
@@ -133,14 +142,16 @@ std::optional<FirstOrder> first_order(const PlacedSurface& placed, const Spread&
   if (at_pole) s = placed.surface.sample(s.u, s.v + (s.v < 0.5 ? 0x1p-20 : -0x1p-20));
   if (has(s.frame.status, Status::no_frame | singular)) return std::nullopt;
   const Vec2<double> uv{s.u, s.v};
-  return FirstOrder{placed,
-                    spread.covariance,
-                    at_pole,
-                    uv,
-                    s.jet,
-                    s.frame,
-                    shape_operator(s.jet, s.frame),
-                    velocities(placed, spread, uv, s.jet, s.frame)};
+  return FirstOrder<N>{placed,
+                       spread.covariance,
+                       at_pole,
+                       uv,
+                       s.jet,
+                       s.frame,
+                       dot(s.jet.dpdu, s.frame.t),
+                       dot(s.jet.dpdv, s.frame.t),
+                       dot(s.jet.dpdv, s.frame.b),
+                       velocities(placed, spread, uv, s.jet, s.frame)};
 }
 
 // How the frame turns: its covariance, and whether first order tells n and t at all.
@@ -151,18 +162,19 @@ struct Turning {
   bool knows_normal, knows_tangent;
 };
 
-Turning turning(const FirstOrder& at) {
-  const double e = at.s.e, f = at.s.f, g = at.s.g;
+template <int N>
+Turning turning(const FirstOrder<N>& at) {
+  const double e = at.e, f = at.f, g = at.g;
   // n stays orthogonal to the partials, t along dpdu: n' = -turn_t b + turn_b t, t' = turn_n b - turn_b n.
-  Columns turn(3, at.d.dpdu.cols());
+  Columns<N> turn(3, at.d.dpdu.cols());
   turn.row(1) = -at.d.dpdu.row(2) / e;
   turn.row(0) = (at.d.dpdv.row(2) + f * turn.row(1)) / g;
   turn.row(2) = at.d.dpdu.row(1) / e;
   Turning result;
-  const Columns spread = turn.lazyProduct(at.covariance);
+  const Columns<N> spread = turn.lazyProduct(at.covariance);
   result.covariance = spread.lazyProduct(turn.transpose());
   // First order holds where three standard deviations change dpdu by less than its length, and n by less than a radian.
-  const Columns change_of_dpdu = at.d.dpdu.lazyProduct(at.covariance);
+  const Columns<N> change_of_dpdu = at.d.dpdu.lazyProduct(at.covariance);
   result.of_dpdu = change_of_dpdu.lazyProduct(at.d.dpdu.transpose());
   const double change = root(result.of_dpdu.trace());
   result.knows_tangent = !at.at_pole && 3 * change < e;
@@ -193,14 +205,14 @@ UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncerta
   UncertainFrame result = placed_frame(placed, sample);
   result.covariance = Eigen::Vector3d(infinity, infinity, infinity).asDiagonal();
   result.normal_deg = result.tangent_deg = infinity;
-  const Spread spread = p ? Spread::whole(uncertainty) : Spread::without_translation(uncertainty);
-  std::optional<FirstOrder> at = first_order(placed, spread, sample);
+  const Spread<any> spread = p ? whole(uncertainty) : without_translation(uncertainty);
+  std::optional<FirstOrder<any>> at = first_order(placed, spread, sample);
   if (!at) return result;
   if (p) {
     // The foot x + d n = p stays a foot: (1 - d S) w = -(velocity + d (what turns n towards t, b)), w the foot's way
     // along t and b over the moving surface. [doCarmo2016, sec. 3-3]
-    const ShapeOperator<double>& s = at->s;
-    const Velocities& d = at->d;
+    const ShapeOperator<double> s = shape_operator(at->j, at->frame);
+    const Velocities<any>& d = at->d;
     const double distance = dot(*p - at->j.position, at->frame.n);
     Eigen::Matrix2d moving;
     moving << 1 - distance * s.a, -distance * s.m, -distance * s.m, 1 - distance * s.c;
@@ -247,17 +259,18 @@ Vec2<double> searched_foot(const AnySurface& surface, const Vec3<double>& p) {
   return last->projector(p).uv;
 }
 
-Truth truth_at(const MeshFit& fit, const Spread& spread, const Vec2<double>& stored) {
+template <int N>
+Truth truth_at(const MeshFit& fit, const Spread<N>& spread, const Vec2<double>& stored) {
   const UvConvention& convention = fit.surface.uv;
   const Vec2<double> uv = convention.surface_uv(stored);
   const Sample<double> sample = fit.surface.surface.sample(uv.x, uv.y);
   Truth truth = fit.surface.truth(stored, sample);
   truth.normal_deg = truth.tangent_deg = infinity;
-  std::optional<FirstOrder> at = first_order(fit.surface, spread, sample);
+  std::optional<FirstOrder<N>> at = first_order(fit.surface, spread, sample);
   if (!at) return truth;
   // Along stored u: a = M00 dpdu + M10 dpdv.
   const auto& m = convention.affine;
-  const Eigen::Vector3d u(at->s.e, 0, 0), v(at->s.f, at->s.g, 0), a = m[0] * u + m[2] * v;
+  const Eigen::Vector3d u(at->e, 0, 0), v(at->f, at->g, 0), a = m[0] * u + m[2] * v;
   const Eigen::Index n = spread.covariance.rows(), map = spread.parameters + at->d.parameters;
   if (n > map) {  // the uv map is uncertain as well, and moves the point
     Ways way = Ways::Zero(2, n);
@@ -274,12 +287,13 @@ Truth truth_at(const MeshFit& fit, const Spread& spread, const Vec2<double>& sto
   if (!turns.knows_tangent) return truth;
   Eigen::Matrix3d of_a = m[0] * m[0] * turns.of_dpdu;
   if (n > map || m[2] != 0) {
-    Columns along = m[0] * at->d.dpdu + m[2] * at->d.dpdv;
+    Columns<N> along = m[0] * at->d.dpdu + m[2] * at->d.dpdv;
     if (n > map) {
       along.col(map) += u;
       along.col(map + 2) += v;
     }
-    of_a = Columns(along.lazyProduct(spread.covariance)).lazyProduct(along.transpose());
+    const Columns<N> change = along.lazyProduct(spread.covariance);
+    of_a = change.lazyProduct(along.transpose());
   }
   if (!(9 * of_a.trace() < a.squaredNorm())) return truth;
   const double lengthening = a.dot(of_a * a) / a.squaredNorm();  // what only changes its length
@@ -306,14 +320,30 @@ UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv) {
 }
 
 Truth truth_at(const MeshFit& fit, const Vec2<double>& stored) {
-  return truth_at(fit, Spread::without_translation(fit), stored);
+  return truth_at(fit, without_translation(fit), stored);
 }
 
 std::vector<Truth> truths_at(const MeshFit& fit, std::span<const Vec2<double>> stored) {
-  const Spread spread = Spread::without_translation(fit);
+  const Spread<any> spread = without_translation(fit);
   std::vector<Truth> result;
   result.reserve(stored.size());
-  for (const Vec2<double>& uv : stored) result.push_back(truth_at(fit, spread, uv));
+  const auto all = [&](const auto& of_size) {
+    for (const Vec2<double>& uv : stored) result.push_back(truth_at(fit, of_size, uv));
+  };
+  // One to three parameters, and plain uvs: the compiler knows all sizes.
+  switch (spread.covariance.rows()) {
+    case 4:
+      all(Spread<4>{fit, spread.parameters, spread.covariance});
+      break;
+    case 5:
+      all(Spread<5>{fit, spread.parameters, spread.covariance});
+      break;
+    case 6:
+      all(Spread<6>{fit, spread.parameters, spread.covariance});
+      break;
+    default:
+      all(spread);
+  }
   return result;
 }
 

@@ -26,7 +26,8 @@ void fill(const X& surface, const Vec2<double>& uv, ParameterJet& result) {
   auto dual = rebind<D>(surface);
   constexpr auto parameters = decltype(dual)::parameters();
   for (int k = 0; k < n; ++k) parameters[static_cast<std::size_t>(k)].of(dual).derivative[k] = 1;
-  const Jet2<D> j = jet(dual, D(uv.x), D(uv.y));
+  const Jet2<D> j = dual.jet(detail::as_constant<D>(prepare<X::info.u>(uv.x)),
+                             detail::as_constant<D>(prepare<X::info.v>(uv.y)));
   result.count = n;
   const auto derivative = [](const Vec3<D>& a, int k) {
     return Vec3<double>{a.x.derivative[k], a.y.derivative[k], a.z.derivative[k]};
