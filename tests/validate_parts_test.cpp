@@ -93,6 +93,31 @@ TEST(ValidateParts, UnknownUvsOnAKnownSurface) {
   EXPECT_GT(judgement.report.tangent_uncertainty_deg.rms(), 1e-4) << "as the neighbours know it";
 }
 
+// A placement that is given with a surface is that surface's; other parts lie where they lie.
+TEST(ValidateParts, APlacementIsTheDeclaredSurfaces) {
+  std::mt19937_64 random(63);
+  Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 32, .rows = 16});
+  Mesh other = cap(0.3, 0.2, 0.4);
+  place(other, random_pose(random, 3));
+  append(mesh, other);
+  JudgeOptions options;
+  options.surface = parse_specification("torus");
+  options.placement = Eigen::Isometry3d::Identity();
+  for (const bool there : {true, false}) {
+    if (!there) options.placement->translation().x() = 1;
+    const std::vector<Judgement> judgements = judge_parts(mesh, options);
+    if (!there) {
+      ASSERT_EQ(judgements.size(), 1u);
+      EXPECT_TRUE(has(judgements[0].report, "SURFACE_MISMATCH"));
+      continue;
+    }
+    ASSERT_EQ(judgements.size(), 2u);
+    EXPECT_EQ(judgements[0].fit->surface.surface.info().name, "torus");
+    EXPECT_EQ(judgements[1].fit->surface.surface.info().name, "sphere");
+    for (const Judgement& j : judgements) EXPECT_EQ(j.report.verdict, Verdict::pass);
+  }
+}
+
 // A torus, two caps and a plane in one mesh: each is itself, corners add up, and what is wrong in one is found there.
 TEST(ValidateParts, EachSurfaceOfAMeshIsItself) {
   std::mt19937_64 random(62);
