@@ -4,10 +4,9 @@
 #   ./demo.sh          all of it
 #   ./demo.sh TOOL     with a tool that is built
 set -euo pipefail
+tool=${1:+$(realpath "$1")}
 cd "$(dirname "$0")"
-if [ $# -gt 0 ]; then
-  tool=$1
-else
+if [ -z "$tool" ]; then
   .ci/install build
   cmake --preset release -DDARBOUX_BUILD_TESTS=OFF
   cmake --build --preset release --target darboux_tool

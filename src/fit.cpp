@@ -113,9 +113,11 @@ UvHeld held_values(const Data& data, const UvKind& kind, const SurfaceSpecificat
   return held;
 }
 
-// Whether the points tell all that is estimated, and more: those on a line lie on a thin strip in any position.
+// Whether the points tell all that is estimated, and more: those on a line lie on a thin strip in any position. Under an affine map
+// two more points must follow: nearly every quad lies on some Möbius strip.
 bool determined(const UvModel& model, const UvState& state) {
-  return 3 * model.points->count() > model.unknowns() &&
+  const std::size_t spare = model.free_affine.empty() ? 1 : 6;
+  return 3 * model.points->count() >= model.unknowns() + spare &&
          model.spread(state, model.sums(state, Mixture{})).undetermined.empty();
 }
 

@@ -4,6 +4,7 @@
 #include <darboux/error.h>
 #include <darboux/judge.h>
 
+#include "fit/kinds.h"
 #include "text.h"
 #include "validate/findings.h"
 #include "validate/parts.h"
@@ -19,6 +20,7 @@ struct Recognised {
   std::vector<Truth> truth;
   std::string reason;       // of the nearest that does not fit
   bool too_little = false;  // to tell any surface
+  bool declared = false;    // it is the declared surface
   bool fits() const { return fit && fit->fits; }
 };
 
@@ -44,9 +46,10 @@ Recognised by_uvs(const Mesh& mesh, const JudgeOptions& options) {
   try {
     MeshFit fit = options.surface ? fit_surface(mesh, *options.surface, options.placement)
                                   : fit_any_surface(mesh, options.placement);
-    if (fit.fits)
+    if (fit.fits) {
       take(mesh, result, std::move(fit));
-    else
+      result.declared = options.surface.has_value();
+    } else
       result.fit = std::move(fit);
     result.reason = nearest(*result.fit);
   } catch (const UndeterminedError& e) {
@@ -61,12 +64,19 @@ Recognised by_uvs(const Mesh& mesh, const JudgeOptions& options) {
 // By its positions alone: what was declared, or any where nothing was.
 void look_at_positions(const Mesh& mesh, const JudgeOptions& options, Recognised& result) {
   if (options.surface && !mesh.uvs.empty()) return;
-  if (auto fit = fit_positions(mesh, options.surface, options.placement)) take(mesh, result, std::move(*fit));
+  if (auto fit = fit_positions(mesh, options.surface, options.placement)) {
+    take(mesh, result, std::move(*fit));
+    result.declared = options.surface.has_value();
+  } else if (options.surface) {
+    result.reason = ": there are no uvs, and by the positions alone it is not " +
+                    fit::with_article(options.surface->name) + " as declared";
+  }
 }
 
 // A part: the declared surface, else any, else by its positions alone.
 Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options) {
   Recognised result = by_uvs(mesh, options);
+  if (!result.fits() && options.surface) look_at_positions(mesh, options, result);
   if (!result.fits() && options.surface) {
     JudgeOptions any = options;
     any.surface.reset();
@@ -180,7 +190,7 @@ struct Parts {
       // The whole mesh as one part was looked at before.
       Recognised found = one ? Recognised{} : recognise_part(part.mesh, options);
       if (found.fits()) {
-        declared |= options.surface && found.fit->surface.surface.info().name == options.surface->name;
+        declared |= found.declared;
         recognised.push_back({std::move(part), std::move(found)});
       } else if (!at_creases) {
         look_at(whole, options, std::move(of_whole), true);
@@ -247,7 +257,7 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
 
   Parts parts(mesh, options);
   if (options.surface && !parts.declared) parts.recognised.clear();
-  if (!parts.rest.empty()) {
+  if (!parts.rest.empty() || parts.recognised.empty()) {
     look_at_positions(mesh, options, whole);
     if (whole.fits()) parts.recognised.clear();
   }

@@ -52,8 +52,8 @@ Vec3<double> gap(const Box& a, const Box& b) {
   return result;
 }
 
-// Finds the groups by boxes, each halved at the median of its longest side until its points are near each other. However
-// the points lie, two boxes are not looked into that are apart, near as a whole, or joined already.
+// Finds the groups by boxes, each halved at the median of its longest side until its points are near each other. Two boxes
+// are not looked into that are apart, near as a whole, or joined already.
 class Boxes {
  public:
   Boxes(std::span<const Vec3<double>> points, double tolerance)
@@ -79,12 +79,11 @@ class Boxes {
     for (const std::uint32_t i : points) box = around(box, {points_[i], points_[i]});
     return box;
   }
-  std::pair<Indices, Indices> halves(Indices points, const Box& box) const {
+  std::pair<Indices, Indices> halves(Indices points, double Vec3<double>::*axis) const {
     const std::size_t middle = points.size() / 2;
-    std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(middle), points.end(),
-                     [this, axis = box.longest_axis()](std::uint32_t i, std::uint32_t j) {
-                       return points_[i].*axis < points_[j].*axis;
-                     });
+    std::nth_element(
+        points.begin(), points.begin() + static_cast<std::ptrdiff_t>(middle), points.end(),
+        [this, axis](std::uint32_t i, std::uint32_t j) { return points_[i].*axis < points_[j].*axis; });
     return {points.first(middle), points.subspan(middle)};
   }
 
@@ -96,7 +95,7 @@ class Boxes {
       nodes_[number].joined = true;
       return number;
     }
-    const auto [first, second] = halves(points, nodes_[number].box);
+    const auto [first, second] = halves(points, nodes_[number].box.longest_axis());
     build(first);
     nodes_[number].second = build(second);
     join(number + 1, nodes_[number].second);
@@ -123,10 +122,24 @@ class Boxes {
   bool any_near(Indices a, Indices b) const {
     const Box box_a = box_of(a), box_b = box_of(b);
     if (!near(gap(box_a, box_b), tolerance_)) return false;
-    if (near(around(box_a, box_b).size(), tolerance_)) return true;
-    if (a.size() < b.size()) return any_near(b, a);
-    const auto [first, second] = halves(a, box_a);
-    return any_near(first, b) || any_near(second, b);
+    // Along an axis that is not open all points are near. Where one is open, the two points that are nearest along it decide; where
+    // more are, the box is halved that is longest along one of them.
+    const Vec3<double> all = around(box_a, box_b).size();
+    double Vec3<double>::*along = nullptr;
+    double longest = -1;
+    bool halve_a = true;
+    int open = 0;
+    for (const auto axis : axes) {
+      if (all.*axis <= tolerance_) continue;
+      ++open;
+      for (const bool is_a : {true, false})
+        if (const double length = (is_a ? box_a : box_b).size().*axis; length > longest)
+          along = axis, longest = length, halve_a = is_a;
+    }
+    if (open <= 1) return true;
+    const auto [first, second] = halves(halve_a ? a : b, along);
+    const Indices other = halve_a ? b : a;
+    return any_near(first, other) || any_near(second, other);
   }
 
   std::span<const Vec3<double>> points_;
@@ -139,7 +152,7 @@ class Boxes {
 }  // namespace
 
 std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tolerance) {
-  if (!std::isfinite(tolerance)) tolerance = 0;
+  if (!(tolerance >= 0 && std::isfinite(tolerance))) tolerance = 0;
   double largest = 0;
   for (const auto& p : points)
     if (detail::finite(p)) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});

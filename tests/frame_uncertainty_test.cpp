@@ -265,6 +265,10 @@ TEST(FrameUncertainty, FeetAreTheNearestPoints) {
       if (k % 10 == 0) p.x = 0;
       if (k % 10 == 1) p.y = 0;
       if (k % 10 == 2) p.z = 0;
+      if (k % 10 == 3) p.x *= 1e-17;
+      if (k % 10 == 4) p.y *= 1e-17;
+      if (k % 10 == 5) p.z *= 1e-17;
+      if (k % 10 == 6) p.z *= 1e-300;
       const double found = norm(frame_near(fit, p).position - p), searched = std::fabs(search(p).distance);
       EXPECT_NEAR(found, searched, 1e-13) << kind << " from " << p.x << ", " << p.y << ", " << p.z;
     }

@@ -107,9 +107,11 @@ void expect_honest(Spoilt how) {
         SCOPED_TRACE(c.surface + " jitter " + std::to_string(c.jitter) + " shear " + std::to_string(c.shear) +
                      " n " + std::to_string(n) + (normal ? " normals" : " tangents"));
         // A strip that is twisted or bent much within a cell is no smooth mesh of 32 cells.
-        if (n == 64 && how == Spoilt::no) {
-          EXPECT_GE(errors.size(), 0.97 * static_cast<double>(interior));
+        if (n == 64) {
+          // Noise is a bend of half a radian within a cell of the narrow strip.
+          EXPECT_GE(errors.size(), (how == Spoilt::noisy ? 0.85 : 0.97) * static_cast<double>(interior));
         }
+        ASSERT_GE(errors.size(), 0.5 * static_cast<double>(interior));
         EXPECT_GE(covered, 0.93 * static_cast<double>(errors.size()));
         EXPECT_LE(median(bars), (how != Spoilt::no ? 12
                                  : n == 64         ? 5

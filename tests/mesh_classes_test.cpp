@@ -53,14 +53,15 @@ TEST(Weld, EqualsTheQuadraticSearch) {
                    least = std::numeric_limits<double>::denorm_min();
   struct Case {
     double centre, size, tolerance;
+    bool one_far = false;
   };
-  for (const auto& [centre, size, tolerance] :
+  for (const auto& [centre, size, tolerance, one_far] :
        {Case{0, 1, 1e-2}, Case{0, 1, 0.1}, Case{0, 1, 0}, Case{1e6, 1, 1e-3}, Case{-1e9, 1e-6, 2e-7},
         Case{0, huge, 1e-2 * huge}, Case{0, huge, huge}, Case{0, huge, 0}, Case{0, 1e-308, 1e-310},
         Case{0, 1, least}, Case{0, 1, INFINITY},
         // crowded far below the tolerance, or below the finest cell
-        Case{0, 1, 0.02}, Case{0, 1, 0.3}, Case{0, 1, 1}, Case{1e9, 1e-3, 1e-4}, Case{0, 1e-18, 1e-19},
-        Case{0, 1e-18, 0}}) {
+        Case{0, 1, 0.02}, Case{0, 1, 0.3}, Case{0, 1, 1}, Case{1e9, 1e-3, 1e-4}, Case{0, 1e-18, 1e-19, true},
+        Case{0, 1e-18, 0, true}}) {
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> uniform(-1, 1);
     const auto move = [&](double x, double distance) {
@@ -74,7 +75,7 @@ TEST(Weld, EqualsTheQuadraticSearch) {
       const Vec3<double> q{move(p.x, d), move(p.y, d), move(p.z, d)};
       points.insert(points.end(), {p, q, i % 2 == 0 ? p : q});
     }
-    if (size < 1e-3) points.push_back({1, 1e9, 0});
+    if (one_far) points.push_back({1, 1e9, 0});
     std::shuffle(points.begin(), points.end(), random);
     const double used = std::isfinite(tolerance) ? tolerance : 0;
     const auto near = [&](std::uint32_t i, std::uint32_t j) { return within(points[i], points[j], used); };
@@ -125,6 +126,25 @@ TEST(Weld, StandsOneVertexFarAway) {
     // Points of the two hypotenuses are near if 2.3 - x - x' <= 1 for both coordinates: sums of 4.6 - 1.8 - 2 shift.
     EXPECT_EQ(group(0), 1u);
     EXPECT_EQ(group(0.41), 0u);
+  }
+}
+
+// Crowds that are near along each axis by other points, and only so, whichever way they are halved first: asking pairs, or halving along
+// z, would take minutes.
+TEST(Weld, PartsCrowdsThatAreNearlyNear) {
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> uniform(0, 0.5);
+  for (const double beyond : {5e-10, -5e-10}) {
+    std::vector<Vec3<double>> points;
+    for (int i = 0; i < 100000; ++i) {
+      points.push_back(i % 2 == 0 ? Vec3<double>{1e-9, 0, uniform(random)}
+                                  : Vec3<double>{0, 1e-9, uniform(random)});
+      points.push_back({1 + beyond, 1 + beyond, uniform(random)});
+    }
+    // Of each of the first, one of x and y is 0, and so 1 + beyond away.
+    const std::vector<std::uint32_t> first = weld(points, 1);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      ASSERT_EQ(first[i], beyond > 0 ? i % 2 : 0) << "point " << i << ", " << beyond;
   }
 }
 

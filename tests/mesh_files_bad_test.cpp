@@ -322,7 +322,7 @@ TEST(InAChild, AnswersAndFailures) {
               ::raise(SIGKILL);
               return "";
             }),
-            "is killed, as a system does that is short of memory");
+            "is killed, as systems do that are short of memory or time");
 #if !defined(__SANITIZE_ADDRESS__)
   EXPECT_EQ(failure_of([] { return std::string(std::size_t{1} << 28, 'x'); }, {1u << 26, 20}),
             "asks for more than 64 MiB");

@@ -11,6 +11,8 @@
 #include <darboux/judge.h>
 #include <darboux/sample_mesh.h>
 
+#include "append_mesh.h"
+
 namespace darboux {
 namespace {
 
@@ -274,6 +276,71 @@ TEST(ValidateExoticInput, ADeclaredSurfaceIsFoundWithoutUvs) {
   EXPECT_EQ(free.covariance(6, 6), 0);
   EXPECT_EQ(held.covariance.norm(), 0);
   EXPECT_TRUE(held.surface.placement.isApprox(there, 0));
+}
+
+// Exact meshes without uvs, declared in any way, have no error: where the surface is not found, that is said. At an apex and on the one side of a
+// strip nothing is known.
+TEST(ValidateExoticInput, DeclaredExactMeshesWithoutUvsNeverFail) {
+  for (const std::string_view kind : fitted_kinds()) {
+    const AnySurface surface = make_surface(kind);
+    Mesh mesh = sample_mesh(surface, {.columns = 24, .rows = 13});
+    mesh.uvs.clear();
+    mesh.tangents.clear();
+    for (const bool values : {false, true})
+      for (const bool placed : {false, true}) {
+        SCOPED_TRACE(std::string(kind) + (values ? " with its values" : "") + (placed ? " placed" : ""));
+        JudgeOptions options;
+        options.surface = parse_specification(values ? surface.specification(17) : std::string(kind));
+        if (placed) options.placement = Eigen::Isometry3d::Identity();
+        for (const Judgement& j : {judge(mesh, options), judge_parts(mesh, options).at(0)}) {
+          EXPECT_NE(j.report.verdict, Verdict::fail);
+          const bool found = std::ranges::count(found_kinds(), kind) > 0;
+          EXPECT_EQ(j.report.reference, found ? "analytic" : "none");
+        }
+      }
+  }
+}
+
+// Two spheres, neither of which is the declared one.
+TEST(ValidateExoticInput, NothingElseIsTakenForTheDeclaredSurface) {
+  Mesh mesh = sample_mesh(make_surface("sphere:radius=1"), {.columns = 24, .rows = 13});
+  append(mesh, sample_mesh(make_surface("sphere:radius=3"), {.columns = 24, .rows = 13}));
+  for (const bool uvs : {true, false}) {
+    if (!uvs) mesh.uvs.clear(), mesh.tangents.clear();
+    JudgeOptions options;
+    options.surface = parse_specification("sphere:radius=2");
+    const std::vector<Judgement> judgements = judge_parts(mesh, options);
+    ASSERT_EQ(judgements.size(), 1u);
+    EXPECT_EQ(judgements[0].report.verdict, uvs ? Verdict::fail : Verdict::undetermined);
+    EXPECT_TRUE(finding_of(judgements[0].report, uvs ? "SURFACE_MISMATCH" : "SURFACE_UNKNOWN"));
+    options.surface = parse_specification("sphere:radius=3");  // and then the other is one of its own
+    EXPECT_EQ(judge_parts(mesh, options).size(), 2u);
+  }
+}
+
+// Of a small cap the radius is hardly told: where it is given, the rest moves with it.
+TEST(ValidateExoticInput, WhatIsNotGivenFollowsWhatIs) {
+  Mesh mesh =
+      sample_mesh(make_surface("sphere:radius=2"), {.columns = 32, .rows = 16, .v_first = 0.97, .v_last = 1});
+  mesh.uvs.clear();
+  mesh.tangents.clear();
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> noise(0, 1e-5);
+  for (auto& p : mesh.positions) p = p + Vec3<double>{noise(random), noise(random), noise(random)};
+  JudgeOptions options;
+  options.surface = parse_specification("sphere");
+  const MeshFit free = *judge(mesh, options).fit;
+  const double radius = free.surface.surface.parameters()[0].value,
+               deviation = std::sqrt(free.covariance(6, 6));
+  EXPECT_GT(deviation, 1e-4);
+  EXPECT_LT(std::fabs(radius - 2), 4 * deviation);
+  options.surface = parse_specification("sphere:radius=2");
+  const MeshFit held = *judge(mesh, options).fit;
+  ASSERT_TRUE(held.fits);
+  EXPECT_LT(held.rms, 1.05 * free.rms);
+  // The centre is known as well as the cap's height then, and is at 0.
+  EXPECT_LT(std::sqrt(held.covariance(5, 5)), 0.1 * std::sqrt(free.covariance(5, 5)));
+  EXPECT_LT(held.surface.placement.translation().norm(), 5e-5);
 }
 
 // Too little to tell is no mismatch.

@@ -67,7 +67,7 @@ MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
 /// box's diagonal. A kind fits where the rms distance of all
 /// vertices is at most fits_below of that diagonal and none ten times as far. 1024 vertices are fitted, all are held against it. Cost: some 50 ms,
 /// and 1 us a vertex.
-/// \param kind no other than this, with the parameters that are given; nothing where fit_points() does not know it
+/// \param kind no other than this, with the parameters that are given; nothing where it is not of found_kinds()
 /// \param placement held when given
 /// \throws MeshError when the mesh is inconsistent
 std::optional<MeshFit> fit_positions(const Mesh& mesh,

@@ -170,6 +170,12 @@ void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& pa
       const bool was_unreadable = entry.contains("error");
       if (!file.error.empty() || was_unreadable) {
         file.worse = file.worse && !was_unreadable;
+        if (was_unreadable)  // whatever it is now was no better then
+          for (JudgedPrimitive& p : file.primitives) {
+            p.known_not_pass = p.judgements.size();
+            for (const Judgement& j : p.judgements)
+              for (const Finding& f : j.report.findings) p.known[std::string(f.code)] = p.count(f.code);
+          }
         continue;
       }
       std::map<std::pair<std::size_t, std::size_t>, JudgedPrimitive*> by_number;

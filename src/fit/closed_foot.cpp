@@ -51,32 +51,33 @@ Vec2<double> foot(const Ellipsoid<>& s, const Vec3<double>& p) {
   const std::array<double, 3> e{s.semi_axis_x / size, s.semi_axis_y / size, s.semi_axis_z / size};
   const std::array<double, 3> y{p.x / size, p.y / size, p.z / size};
   const auto least = static_cast<std::size_t>(std::min_element(e.begin(), e.end()) - e.begin());
-  const double left = -e[least] * e[least];
-  const auto term = [&](std::size_t i, double t) {
-    return y[i] == 0 ? 0 : e[i] * y[i] / ((e[i] - e[least]) * (e[i] + e[least]) + (t - left));
+  // shift = t + the square of the least semi-axis, which next to the plane of the others is far smaller than t.
+  const auto over = [&](std::size_t i, double shift) {
+    return (e[i] - e[least]) * (e[i] + e[least]) + shift;
   };
+  const auto term = [&](std::size_t i, double shift) { return y[i] == 0 ? 0 : e[i] * y[i] / over(i, shift); };
   std::array<double, 3> q;  // the foot, over the semi-axes
   double beside = 0;
   for (std::size_t i = 0; i < 3; ++i)
-    if (i != least) beside += term(i, left) * term(i, left);
+    if (i != least) beside += term(i, 0) * term(i, 0);
   if (y[least] == 0 && beside <= 1) {
     // In the plane of the two greater axes, within the focal ellipse: either of two feet.
-    for (std::size_t i = 0; i < 3; ++i) q[i] = term(i, left);
+    for (std::size_t i = 0; i < 3; ++i) q[i] = term(i, 0);
     q[least] = std::sqrt(1 - beside);
   } else {
-    double t = left + e[least] * std::fabs(y[least]);
+    double root = e[least] * std::fabs(y[least]);
     for (int step = 0; step < 100; ++step) {
       double f = -1, slope = 0;
       for (std::size_t i = 0; i < 3; ++i) {
-        const double x = term(i, t);
+        const double x = term(i, root);
         f += x * x;
-        if (x != 0) slope -= 2 * x * x / ((e[i] - e[least]) * (e[i] + e[least]) + (t - left));
+        if (x != 0) slope -= 2 * x * x / over(i, root);
       }
-      const double next = t - f / slope;
-      if (!(next > t)) break;
-      t = next;
+      const double next = root - f / slope;
+      if (!(next > root)) break;
+      root = next;
     }
-    for (std::size_t i = 0; i < 3; ++i) q[i] = term(i, t);
+    for (std::size_t i = 0; i < 3; ++i) q[i] = term(i, root);
   }
   return {turns(q[1], q[0]), std::atan2(std::hypot(q[0], q[1]), -q[2]) / std::numbers::pi};
 }

@@ -138,7 +138,8 @@ std::optional<FirstOrder<N>> first_order(const PlacedSurface& placed, const Spre
                       Status::parallel))
     return std::nullopt;
   // At a pole the covariance of n is that beside it, where dpdu tells directions apart.
-  const bool at_pole = has(status, Status::dpdu_zero);
+  // A foot may miss it by a rounding.
+  const bool at_pole = has(status, Status::dpdu_zero) || norm(s.jet.dpdu) < 1e-9 * norm(s.jet.d2pduv);
   if (at_pole) s = placed.surface.sample(s.u, s.v + (s.v < 0.5 ? 0x1p-20 : -0x1p-20));
   if (has(s.frame.status, Status::no_frame | singular)) return std::nullopt;
   const Vec2<double> uv{s.u, s.v};

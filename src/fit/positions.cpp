@@ -53,26 +53,50 @@ std::optional<Eigen::Matrix3d> projection_of(const Mesh& mesh, const std::vector
   return result;
 }
 
-// What is given instead of what was found, then known exactly. False where it is not permitted.
+// Parameters that are given, in place of those found: what else was found moves to where it is likeliest then, as a Gaussian with the
+// fit's covariance does, and is known as much better. A placement that is given is taken as it is. False where what comes out is not
+// permitted.
 bool hold(const std::optional<SurfaceSpecification>& kind, const std::optional<Eigen::Isometry3d>& placement,
           PointFit& found) {
-  if (placement) {
-    found.surface->placement = *placement;
-    found.covariance.topRows<6>().setZero();
-    found.covariance.leftCols<6>().setZero();
-  }
-  if (!kind) return true;
+  Eigen::MatrixXd& c = found.covariance;
+  Eigen::VectorXd move = Eigen::VectorXd::Zero(c.rows());
   std::vector<double> values;
+  std::vector<Eigen::Index> held;
   for (const ParameterValue& p : found.surface->surface.parameters()) {
     const auto k = static_cast<Eigen::Index>(6 + values.size());
     values.push_back(p.value);
+    if (!kind) continue;
     for (const auto& [name, value] : kind->parameters)
       if (name == p.name) {
-        values.back() = value;
-        found.covariance.row(k).setZero();
-        found.covariance.col(k).setZero();
+        held.push_back(k);
+        move[k] = value - p.value;
       }
   }
+  if (!held.empty()) {
+    const Eigen::MatrixXd gain =
+        c(held, held).completeOrthogonalDecomposition().solve(c(held, Eigen::all)).transpose();
+    const Eigen::VectorXd given = move(held);
+    move = gain * given;
+    c -= (gain * c(held, Eigen::all)).eval();
+    move(held) = given;
+    c(held, Eigen::all).setZero();
+    c(Eigen::all, held).setZero();
+  }
+  Eigen::Isometry3d& at = found.surface->placement;
+  if (placement) {
+    at = *placement;
+    c.topRows<6>().setZero();
+    c.leftCols<6>().setZero();
+  } else if (const double angle = move.head<3>().norm(); angle > 0) {
+    const Eigen::AngleAxisd turn(angle, move.head<3>() / angle);
+    at.translation() = found.centre + turn * (at.translation() - found.centre);
+    at.linear() = (turn * at.linear()).eval();
+  }
+  if (!placement) at.translation() += move.segment<3>(3);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] += move[static_cast<Eigen::Index>(6 + k)];
+  for (std::size_t k = 0; kind && k < values.size(); ++k)  // exactly
+    for (const auto& [name, value] : kind->parameters)
+      if (name == found.surface->surface.parameters()[k].name) values[k] = value;
   try {
     found.surface->surface = found.surface->surface.with(values);
   } catch (const ParameterError&) {
@@ -97,15 +121,9 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<Surfa
       cloud.positions.push_back(mesh.positions[vertices[i]]);
   }
   const double size = box.isEmpty() ? 0 : box.diagonal().stableNorm();
-  const std::vector<std::string_view> kinds =
-      only ? std::vector<std::string_view>{only->name} : found_kinds();
-  for (const std::string_view kind : kinds) {
-    PointFit found;
-    try {
-      found = fit_points(cloud, {.surface = std::string(kind)});
-    } catch (const ParameterError&) {
-      return std::nullopt;  // no kind for positions alone
-    }
+  for (const std::string_view kind : found_kinds()) {
+    if (only && only->name != kind) continue;
+    PointFit found = fit_points(cloud, {.surface = std::string(kind)});
     if (!found.usable || !(found.rms <= fits_below * size) || !hold(only, placement, found)) continue;
     double squares = 0, farthest = 0;
     for (const std::uint32_t v : vertices) {
@@ -118,7 +136,7 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<Surfa
     MeshFit fit{{found.covariance, found.centre}, *found.surface};
     fit.rms = rms;
     fit.rms_relative = rms / size;
-    fit.sigma = found.sigma;
+    fit.sigma = only || placement ? rms : found.sigma;
     fit.fits = true;
     fit.iterations = found.iterations;
     fit.chart = UvChart::unknown;

@@ -96,7 +96,7 @@ std::string why(int status, bool in_time, const ChildLimits& limits) {
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
     return "takes more than " + std::to_string(limits.seconds) + " seconds of processor time";
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
-    return "is killed, as a system does that is short of memory";
+    return "is killed, as systems do that are short of memory or time";
   if (WIFSIGNALED(status)) return std::string("crashes (") + ::strsignal(WTERMSIG(status)) + ")";
   if (WEXITSTATUS(status) == out_of_memory)
     return "asks for more than " + std::to_string(limits.bytes >> 20) + " MiB";

@@ -426,10 +426,12 @@ void UvModel::polish(UvState& state, Mixture& mixture, const std::optional<doubl
     if (!(length < last)) return;  // rounding is all that is left
     state = moved(state, step);
     if (mixture.robust) update(mixture, squares, *points, sigma);
-    // Of least squares the next step is about this one times it and the residuals.
-    const double rms =
-        std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) / static_cast<double>(squares.size()));
-    const double next = mixture.robust ? length : length * std::fmin(1, 10 * (length + rms));
+    double next = length;
+    if (!mixture.robust) {  // about this step times it and the residuals
+      const double rms = std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) /
+                                   static_cast<double>(squares.size()));
+      next = length * std::fmin(1, 10 * (length + rms));
+    }
     if (next < last_digits) return;
     last = length;
   }

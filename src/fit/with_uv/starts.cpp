@@ -309,8 +309,9 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
       const Vec2<double> uv = convention.surface_uv(stored);
       u.push_back(uv.x), v.push_back(uv.y);
     }
-    const std::vector<Unit> units_u = units(info.u, u), units_v = units(info.v, v);
-    // Scales that lengths absorb, and offsets that placements do, are not searched, and may be any.
+    const std::vector<Unit> plain{{}}, units_u = is_free(0) || is_free(4) ? units(info.u, u) : plain,
+                                       units_v = is_free(3) || is_free(5) ? units(info.v, v) : plain;
+    // A scale that lengths absorb is not searched; where the offset is, it may be any.
     const auto add = [&](double su, double shear, double sv, double o) {
       for (const Unit& for_u : units_u)
         for (const Unit& for_v : units_v) {
