@@ -113,11 +113,9 @@ UvHeld held_values(const Data& data, const UvKind& kind, const SurfaceSpecificat
   return held;
 }
 
-// Whether the points tell all that is estimated, and more: those on a line lie on a thin strip in any position. Under an affine map
-// two more points must follow: nearly every quad lies on some Möbius strip.
+// Whether the points tell all that is estimated, and more: those on a line lie on a thin strip in any position.
 bool determined(const UvModel& model, const UvState& state) {
-  const std::size_t spare = model.free_affine.empty() ? 1 : 6;
-  return 3 * model.points->count() >= model.unknowns() + spare &&
+  return 3 * model.points->count() > model.unknowns() &&
          model.spread(state, model.sums(state, Mixture{})).undetermined.empty();
 }
 
@@ -171,6 +169,8 @@ std::optional<Trial> try_conventions(const Data& data, const UvKind& kind, const
 
 std::optional<Trial> try_affine(const Data& data, const UvKind& kind, const SurfaceSpecification& given,
                                 const UvHeld& held) {
+  // Two points must follow beyond those that any such surface goes through: nearly every quad lies on a Möbius strip.
+  if (3 * data.all.count() < 6 + kind.parameters.size() + 6 + 6) return std::nullopt;
   std::optional<Trial> best;
   for (UvStart& start : affine_starts(kind, data.few, held, false)) {
     keep_better(best, tried(data, std::move(start), given));

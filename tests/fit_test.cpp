@@ -241,6 +241,22 @@ TEST(Fit, FindsAffineUvs) {
   }
 }
 
+// Twelve numbers are hardly more than a strip and an affine map of its uvs have.
+TEST(Fit, AQuadIsNoSurfaceUnderAnAffineMap) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int i = 0; i < 40; ++i) {
+    Mesh mesh;
+    for (int k = 0; k < 4; ++k) {
+      mesh.positions.push_back({uniform(random), uniform(random), 0.2 * uniform(random)});
+      mesh.uvs.push_back({uniform(random), uniform(random)});
+    }
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    const MeshFit fit = fit_any_surface(mesh);
+    EXPECT_FALSE(fit.fits) << fit.surface.surface.specification(6);
+  }
+}
+
 // A cylinder stored with v from 0 to 3 is one whose height is that of one unit of v.
 TEST(Fit, LengthsAbsorbWhatTheyCan) {
   Mesh mesh = sample_mesh(Cylinder{1.0, 6.0}, {.columns = 24, .rows = 8});
