@@ -134,4 +134,10 @@ struct Builder {
   std::string glb() const { return make_glb(json.dump(), bin); }
 };
 
+inline Builder one_triangle() {
+  Builder b;
+  b.primitive({{"POSITION", b.positions({0, 0, 0, 1, 0, 0, 0, 1, 0})}});
+  return b;
+}
+
 }  // namespace darboux::test
