@@ -6,6 +6,7 @@
 
 #include "fit/kinds.h"
 #include "text.h"
+#include "triangle_signs.h"
 #include "validate/findings.h"
 #include "validate/parts.h"
 
@@ -129,7 +130,7 @@ std::vector<bool> poles(const std::vector<Truth>& truth) {
 }
 
 Judgement judge_whole(Subject subject, Recognised recognised, const JudgeOptions& options) {
-  subject.classes = classify(subject.mesh, poles(recognised.truth));
+  subject.classes = classify(subject.mesh, poles(recognised.truth), subject.raw_sign);
   return judgement_of(subject, std::move(recognised), options, options.surface.has_value());
 }
 
@@ -208,7 +209,7 @@ std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> par
   for (const RecognisedPart& p : parts)
     for (std::size_t v = 0; v < p.recognised.truth.size(); ++v)
       if (p.recognised.truth[v].pole) is_pole[p.part.vertices[v]] = true;
-  whole.classes = classify(mesh, is_pole);
+  whole.classes = classify(mesh, is_pole, whole.raw_sign);
   // A vertex of two parts is at a crease of theirs, and no one frame is right there.
   std::vector<std::uint32_t> parts_at(mesh.positions.size(), 0);
   for (const RecognisedPart& p : parts)

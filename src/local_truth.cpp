@@ -9,6 +9,7 @@
 #include <darboux/local_jets.h>
 #include <darboux/local_truth.h>
 
+#include "local_jets/batch.h"
 #include "mesh_frames/rings.h"
 
 namespace darboux {
@@ -52,42 +53,85 @@ bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<cons
   return change_u > 2 * norm(jet.dpdu) || change_v > 2 * norm(jet.dpdv);
 }
 
-// Kept from node to node, for its memory.
-struct Near {
-  Rings::Walk walk;
-  std::vector<Vec3<double>> positions;
-  std::vector<Vec2<double>> uvs;
-};
+// Nodes whose polynomials are found at once.
+constexpr std::size_t at_once = 64;
 
-// Of a node, from the fewest rings that tell how well they know it; of the finest degree where the first leaves more than that.
-Truth truth_at(const Rings& rings, Index node, Near& near) {
-  auto& [walk, positions, uvs] = near;
-  positions.clear();
-  uvs.clear();
-  int degree = first_degree;
-  std::optional<UvJet> best;
-  rings.start(node, walk);
-  rings.grow(walk);
-  for (int ring = 2; ring <= most_rings; ++ring) {
-    rings.grow(walk);
-    for (std::size_t i = positions.size() == 0 ? 0 : walk.ends[walk.ends.size() - 2]; i < walk.near.size();
-         ++i) {
-      const Vec3<double>& p = rings.position(walk.near[i]);
-      const Vec2<double>& uv = rings.uv(walk.near[i]);
-      if (!detail::finite(p) || !std::isfinite(uv.x) || !std::isfinite(uv.y)) continue;
-      positions.push_back(p);
-      uvs.push_back(uv);
-    }
-    const UvJet jet = uv_jet(uvs, positions, rings.uv(node), {.degree = degree});
-    if (!std::isfinite(jet.normal_error) || !std::isfinite(jet.tangent_error)) continue;
-    best = jet;
-    if (degree == finest_degree || std::fmax(jet.normal_error, jet.tangent_error) < close) break;
-    degree = finest_degree;
+// The truth at some nodes, each from the fewest rings that tell how well they know it; of the finest degree where the first leaves more
+// than that.
+class LocalTruth {
+ public:
+  explicit LocalTruth(const Rings& rings) : rings_(rings) {}
+
+  std::span<const Truth> operator()(std::span<const Index> nodes) {
+    open_.clear();
+    for (const Index node : nodes) open_.push_back({.node = node});
+    for (int ring = 2; ring <= most_rings; ++ring)
+      for (const int degree : {finest_degree, first_degree}) fit(ring, degree);
+    truths_.clear();
+    for (const Open& o : open_)
+      truths_.push_back(o.best && !o.singular ? truth_of(*o.best, Rings::sign(o.node)) : no_truth());
+    return truths_;
   }
-  if (!best) return no_truth();
-  const auto nearest = std::span<const Vec2<double>>(uvs).first(std::min(walk.ends[1], uvs.size()));
-  return is_singular(best->jet, rings.uv(node), nearest) ? no_truth() : truth_of(*best, Rings::sign(node));
-}
+
+ private:
+  struct Open {
+    Index node;
+    int degree = first_degree;  // of its next polynomial, 0 where none is to come
+    std::optional<UvJet> best{};
+    bool singular = false;
+  };
+  // Whose polynomial is asked for, and where its neighbours are.
+  struct Asked {
+    Open* open;
+    std::size_t begin, end, first_ring_end;
+  };
+
+  void gather(Open& open, int ring) {
+    rings_.start(open.node, walk_);
+    for (int r = 0; r < ring; ++r) rings_.grow(walk_);
+    Asked asked{&open, uvs_.size(), 0, 0};
+    for (const Index near : walk_.near) {
+      const Vec3<double>& p = rings_.position(near);
+      const Vec2<double>& uv = rings_.uv(near);
+      if (!detail::finite(p) || !std::isfinite(uv.x) || !std::isfinite(uv.y)) continue;
+      positions_.push_back(p);
+      uvs_.push_back(uv);
+    }
+    asked.end = uvs_.size();
+    asked.first_ring_end = std::min(asked.begin + walk_.ends[1], asked.end);
+    asked_.push_back(asked);
+  }
+
+  void fit(int ring, int degree) {
+    positions_.clear(), uvs_.clear(), asked_.clear(), neighbours_.clear();
+    for (Open& open : open_)
+      if (open.degree == degree) gather(open, ring);
+    for (const Asked& a : asked_)
+      neighbours_.push_back({&uvs_[a.begin], &positions_[a.begin], a.end - a.begin, rings_.uv(a.open->node)});
+    jets_.resize(asked_.size());
+    uv_jets(neighbours_, degree, false, false, jets_);
+    for (std::size_t k = 0; k < asked_.size(); ++k) {
+      const auto& [open, begin, end, first_ring_end] = asked_[k];
+      const UvJet& jet = jets_[k];
+      if (!std::isfinite(jet.normal_error) || !std::isfinite(jet.tangent_error)) continue;
+      open->best = jet;
+      open->singular =
+          is_singular(jet.jet, rings_.uv(open->node), std::span(uvs_).subspan(begin, first_ring_end - begin));
+      const bool enough = degree == finest_degree || std::fmax(jet.normal_error, jet.tangent_error) < close;
+      open->degree = enough ? 0 : finest_degree;
+    }
+  }
+
+  const Rings& rings_;
+  Rings::Walk walk_;
+  std::vector<Open> open_;
+  std::vector<Asked> asked_;
+  std::vector<Vec3<double>> positions_;
+  std::vector<Vec2<double>> uvs_;
+  std::vector<kernels::UvNeighbours> neighbours_;
+  std::vector<UvJet> jets_;
+  std::vector<Truth> truths_;
+};
 
 }  // namespace
 
@@ -103,15 +147,20 @@ std::vector<Truth> local_truth(const Mesh& mesh) {
       node_of[mesh.triangles[c / 3][c % 3]] = node;
   std::vector<Truth> result(mesh.positions.size(), no_truth());
   std::vector<Index> first(rings.size(), none);  // of each node the vertex that has its truth
-  Near near;
+  LocalTruth truth(rings);
+  std::vector<Index> nodes;
   for (Index v = 0; v < node_of.size(); ++v) {
-    if (node_of[v] == none) continue;
-    Index& known = first[node_of[v]];
-    if (known == none)
-      result[known = v] = truth_at(rings, node_of[v], near);
-    else
-      result[v] = result[known];
+    if (node_of[v] != none && first[node_of[v]] == none) {
+      first[node_of[v]] = v;
+      nodes.push_back(node_of[v]);
+    }
+    if (nodes.size() < at_once && v + 1 < node_of.size()) continue;
+    const std::span<const Truth> truths = truth(nodes);
+    for (std::size_t k = 0; k < nodes.size(); ++k) result[first[nodes[k]]] = truths[k];
+    nodes.clear();
   }
+  for (Index v = 0; v < node_of.size(); ++v)
+    if (node_of[v] != none) result[v] = result[first[node_of[v]]];
   return result;
 }
 

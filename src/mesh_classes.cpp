@@ -9,6 +9,7 @@
 
 #include "disjoint_sets.h"
 #include "edges.h"
+#include "triangle_signs.h"
 
 namespace darboux {
 namespace {
@@ -98,21 +99,9 @@ First uv_places(const Mesh& mesh, const First& place, double tolerance) {
   return uv_place;
 }
 
-// The sign of a triangle's area in uv; 0: it has none.
-std::vector<std::int8_t> signs_of_triangles(const Mesh& mesh) {
-  std::vector<std::int8_t> signs(mesh.triangles.size(), 0);
-  if (mesh.uvs.empty()) return signs;
-  for (std::size_t t = 0; t < signs.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    if (!is_degenerate(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]))
-      signs[t] = signed_uv_area2(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]) > 0 ? 1 : -1;
-  }
-  return signs;
-}
-
-// The same around each vertex: +1, -1, or 0 where no triangle has any. A vertex shared by both signs counts as +1;
+// Of the triangles around each vertex: +1, -1, or 0 where no triangle has any. A vertex shared by both signs counts as +1;
 // its defect is found by the handedness of its island.
-std::vector<std::int8_t> signs_of_vertices(const Mesh& mesh, const std::vector<std::int8_t>& triangle_sign) {
+std::vector<std::int8_t> signs_of_vertices(const Mesh& mesh, std::span<const signed char> triangle_sign) {
   std::vector<std::int8_t> signs(mesh.positions.size(), 0);
   for (std::size_t t = 0; t < triangle_sign.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t])
@@ -122,8 +111,7 @@ std::vector<std::int8_t> signs_of_vertices(const Mesh& mesh, const std::vector<s
 
 // Each vertex that is one, unless it is a pole; the others are interior.
 std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
-                                           const std::vector<std::int8_t>& triangle_sign,
-                                           double uv_tolerance) {
+                                           std::span<const signed char> triangle_sign, double uv_tolerance) {
   std::vector<std::int8_t> sign = signs_of_vertices(mesh, triangle_sign);
   const auto same_chart = [&](std::uint32_t a, std::uint32_t b) {
     return mesh.uvs.empty() ||
@@ -149,7 +137,7 @@ std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
 
 // Marks the places on edges with one triangle, and joins triangles of one sign over edges that share position and uv.
 void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
-                const std::vector<std::int8_t>& sign, std::vector<bool>& border, DisjointSets& islands) {
+                std::span<const signed char> sign, std::vector<bool>& border, DisjointSets& islands) {
   struct Edge {
     std::uint32_t greater, uv_low, uv_high;
     std::int8_t sign;
@@ -180,14 +168,28 @@ void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
 
 }  // namespace
 
+std::vector<signed char> triangle_signs(const Mesh& mesh) {
+  std::vector<signed char> signs(mesh.triangles.size(), 0);
+  if (mesh.uvs.empty()) return signs;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    if (!is_degenerate(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]))
+      signs[t] = signed_uv_area2(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]) > 0 ? 1 : -1;
+  }
+  return signs;
+}
+
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
+  return classify(mesh, is_pole, triangle_signs(mesh));
+}
+
+MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> sign) {
   const std::size_t n = mesh.positions.size();
   std::vector<bool> in_use(n, false);
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t v : triangle) in_use[v] = true;
   const Tolerances tolerance = tolerances(mesh, in_use);
   const First place = places(mesh, in_use, tolerance.position);
-  const std::vector<std::int8_t> sign = signs_of_triangles(mesh);
 
   MeshClasses classes;
   classes.of_vertex = seams_and_creases(mesh, place, sign, tolerance.uv);

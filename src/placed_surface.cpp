@@ -56,7 +56,7 @@ Truth PlacedSurface::truth(const Vec2<double>& stored, const Sample<double>& at)
     return a * s.jet.dpdu + b * s.jet.dpdv;
   };
   const auto& m = uv.affine;
-  const Eigen::Matrix3d rotation = placement.linear();
+  const auto rotation = placement.linear();
   const auto placed = [&](const Vec3<double>& a) { return from_eigen(rotation * to_eigen(a)); };
   return {from_eigen(placement * to_eigen(at.jet.position)),
           placed(frame.n),

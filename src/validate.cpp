@@ -11,6 +11,7 @@
 #include <darboux/validate.h>
 
 #include "text.h"
+#include "triangle_signs.h"
 #include "validate/explain.h"
 #include "validate/facts.h"
 #include "validate/findings.h"
@@ -147,25 +148,25 @@ class Judge {
            rounded(3 * options_.max_angle_deg, 4) + " elsewhere";
   }
 
-  std::vector<Angles> angles_to(std::span<const Truth> truth, bool inward) const {
-    std::vector<Angles> result(mesh_.positions.size());
-    if (!truth.empty())
-      for (std::uint32_t v = 0; v < result.size(); ++v)
-        if (corners_of_[v] > 0) result[v] = angles(mesh_, v, facts_[v], truth[v], inward, signs_.raw());
-    return result;
+  Angles angles_to(std::span<const Truth> truth, bool inward, std::uint32_t v) const {
+    if (truth.empty() || corners_of_[v] == 0) return {};
+    return angles(mesh_, v, facts_[v], truth[v], inward, signs_.raw());
   }
-  std::vector<ClassReport> class_reports(const std::vector<Angles>& angles,
-                                         std::span<const Truth> truth) const {
+  // \param angles_at of a vertex
+  template <class AnglesAt>
+  std::vector<ClassReport> class_reports(std::span<const Truth> truth, const AnglesAt& angles_at) const {
     ClassSums sums(mesh_);
-    for (std::uint32_t v = 0; v < angles.size(); ++v)
-      sums.add(classes_.of_vertex[v], v, corners_of_[v], angles[v], truth.empty() ? nullptr : &truth[v]);
+    for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
+      sums.add(classes_.of_vertex[v], v, corners_of_[v], angles_at(v), truth.empty() ? nullptr : &truth[v]);
     return sums.reports();
   }
 
   // With what decides; MikkTSpace has its own comparison, by corners.
   void compare() {
-    angles_ = angles_to(truth_, report_.inward);
-    report_.classes = class_reports(angles_, truth_);
+    angles_.reserve(mesh_.positions.size());
+    for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
+      angles_.push_back(angles_to(truth_, report_.inward, v));
+    report_.classes = class_reports(truth_, [this](std::uint32_t v) { return angles_[v]; });
     if (!options_.keep_errors) return;
     report_.errors_deg.reserve(mesh_.corners());
     for (const Triangle& triangle : mesh_.triangles)
@@ -275,7 +276,8 @@ void Judge::compare_with_neighbours() {
     report.classes = report_.classes;
     return;
   }
-  report.classes = class_reports(angles_to(subject_.local, false), subject_.local);
+  report.classes =
+      class_reports(subject_.local, [this](std::uint32_t v) { return angles_to(subject_.local, false, v); });
   std::size_t agreeing = 0;
   for (std::uint32_t v = 0; v < truth_.size(); ++v) {
     if (classes_.of_vertex[v] != VertexClass::interior || !known(truth_[v]) || !known(subject_.local[v]))
@@ -479,7 +481,7 @@ MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const Valida
   std::vector<bool> is_pole;
   for (const Truth& t : truth) is_pole.push_back(t.pole);
   Subject subject = prepare(mesh, options);
-  subject.classes = classify(mesh, is_pole);
+  subject.classes = classify(mesh, is_pole, subject.raw_sign);
   return judge_subject(subject, truth, options);
 }
 

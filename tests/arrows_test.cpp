@@ -68,10 +68,12 @@ std::vector<Rule> rules(const Includes& tree) {
       {"xsimd stays in the kernels", "(?!src/kernels/|tests/).*", "", "xsimd/.*"},
       {"threads stay behind these", "(?!src/evaluate\\.cpp|src/pieces\\.h|tests/).*", "", "tbb/.*"},
       {"local jets know no parametric surface and no mesh",
-       "(include/darboux|src)/(point_cloud|local_jets|neighbours)\\.(h|cpp)",
-       std::string(standard) + "|Eigen/.*|nanoflann\\.hpp|darboux/"
-                               "(vector|surface|forms|point_cloud|local_jets|error)\\.h|(neighbours|"
-                               "pieces)\\.h",
+       "(include/darboux|src)/(point_cloud|local_jets|local_jets/[a-z_]+|neighbours)\\.(h|cpp)",
+       std::string(standard) +
+           "|Eigen/.*|nanoflann\\.hpp|darboux/"
+           "(elementary|vector|surface|frame|forms|evaluate|point_cloud|local_jets|error)\\.h|(neighbours|"
+           "pieces|"
+           "(local_jets/)?(batch|uv_fit|least_squares)|(\\.\\./)?kernels/(dispatch|uv_jets))\\.h",
        ""},
       {"nanoflann stays behind neighbours.h", "(?!src/neighbours\\.h|tests/).*", "", "nanoflann\\.hpp"},
       {"a mesh knows no parametric surface", "(include/darboux|src)/" + mesh_core + "\\.(h|cpp)",
@@ -79,7 +81,7 @@ std::vector<Rule> rules(const Includes& tree) {
            mesh_core +
            "\\.h|darboux/statistics\\.h|disjoint_sets\\.h|tbb/.*|sys/"
            "mman\\.h|(arithmetic|buffer|connectivity|creases|input|rings|triangle|(\\.\\./)?"
-           "(pieces|text|edges|hash_table))\\.h",
+           "(pieces|text|edges|hash_table|triangle_signs))\\.h",
        ""},
       {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",
        std::string(standard) + "|Eigen/.*|darboux/.*", ""},

@@ -20,11 +20,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#define TINYGLTF_NO_INCLUDE_JSON
-#include <tiny_gltf.h>
-
 #include <darboux/mesh_classes.h>
 #include <darboux/statistics.h>
+
+#include "second_reader.h"
 
 namespace darboux::test {
 
@@ -43,13 +42,6 @@ struct Read {
   std::vector<std::array<std::size_t, 3>> triangles;
 };
 
-inline const unsigned char* bytes_of(const tinygltf::Model& model, int accessor, std::size_t element) {
-  const auto& a = model.accessors.at(static_cast<std::size_t>(accessor));
-  const auto& view = model.bufferViews.at(static_cast<std::size_t>(a.bufferView));
-  return model.buffers.at(static_cast<std::size_t>(view.buffer)).data.data() + view.byteOffset +
-         a.byteOffset + element * static_cast<std::size_t>(a.ByteStride(view));
-}
-
 template <class V>
 std::vector<V> vectors(const tinygltf::Model& model, const std::string& name) {
   const auto& attributes = model.meshes.at(0).primitives.at(0).attributes;
@@ -66,23 +58,15 @@ std::vector<V> vectors(const tinygltf::Model& model, const std::string& name) {
 }
 
 inline Read second_read(const std::string& path) {
-  tinygltf::TinyGLTF loader;
-  tinygltf::Model model;
-  std::string error, warning;
-  EXPECT_TRUE(loader.LoadBinaryFromFile(&model, &error, &warning, path)) << error;
+  const tinygltf::Model model = load_second(path);
   Read mesh{vectors<V3>(model, "POSITION"),
             vectors<V3>(model, "NORMAL"),
             vectors<V2>(model, "TEXCOORD_0"),
             vectors<V4>(model, "TANGENT"),
             {}};
-  const int accessor = model.meshes.at(0).primitives.at(0).indices;
-  const auto& a = model.accessors.at(static_cast<std::size_t>(accessor));
-  mesh.triangles.resize(a.count / 3);
-  for (std::size_t c = 0; c < a.count; ++c) {
-    std::uint32_t index = 0;  // little endian
-    std::memcpy(&index, bytes_of(model, accessor, c), a.componentType == 5123 ? 2 : 4);
-    mesh.triangles[c / 3][c % 3] = index;
-  }
+  const auto indices = second_indices(model, model.meshes.at(0).primitives.at(0).indices);
+  mesh.triangles.resize(indices.size() / 3);
+  for (std::size_t c = 0; c < indices.size(); ++c) mesh.triangles[c / 3][c % 3] = indices[c];
   return mesh;
 }
 

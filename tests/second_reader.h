@@ -35,31 +35,31 @@ inline tinygltf::Model load_second(const std::string& path) {
   return model;
 }
 
+inline const unsigned char* bytes_of(const tinygltf::Model& model, int accessor, std::size_t element) {
+  const auto& a = model.accessors.at(static_cast<std::size_t>(accessor));
+  const auto& view = model.bufferViews.at(static_cast<std::size_t>(a.bufferView));
+  return model.buffers.at(static_cast<std::size_t>(view.buffer)).data.data() + view.byteOffset +
+         a.byteOffset + element * static_cast<std::size_t>(a.ByteStride(view));
+}
+
 inline std::vector<std::uint32_t> second_floats(const tinygltf::Model& model, int accessor_index) {
   const auto& accessor = model.accessors.at(static_cast<std::size_t>(accessor_index));
-  const auto& view = model.bufferViews.at(static_cast<std::size_t>(accessor.bufferView));
-  const auto& buffer = model.buffers.at(static_cast<std::size_t>(view.buffer)).data;
-  const auto stride = static_cast<std::size_t>(accessor.ByteStride(view));
   const auto components =
       static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type)));
   EXPECT_EQ(accessor.componentType, TINYGLTF_COMPONENT_TYPE_FLOAT);
   std::vector<std::uint32_t> values(accessor.count * components);
   for (std::size_t i = 0; i < accessor.count; ++i)
-    std::memcpy(&values[i * components], buffer.data() + view.byteOffset + accessor.byteOffset + i * stride,
-                components * 4);
+    std::memcpy(&values[i * components], bytes_of(model, accessor_index, i), components * 4);
   return values;
 }
 
 inline std::vector<std::uint32_t> second_indices(const tinygltf::Model& model, int accessor_index) {
   const auto& accessor = model.accessors.at(static_cast<std::size_t>(accessor_index));
-  const auto& view = model.bufferViews.at(static_cast<std::size_t>(accessor.bufferView));
-  const auto& buffer = model.buffers.at(static_cast<std::size_t>(view.buffer)).data;
   const bool narrow = accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
   EXPECT_TRUE(narrow || accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
-  std::vector<std::uint32_t> values(accessor.count, 0);
+  std::vector<std::uint32_t> values(accessor.count, 0);  // little endian
   for (std::size_t i = 0; i < accessor.count; ++i)
-    std::memcpy(&values[i], buffer.data() + view.byteOffset + accessor.byteOffset + i * (narrow ? 2 : 4),
-                narrow ? 2 : 4);
+    std::memcpy(&values[i], bytes_of(model, accessor_index, i), narrow ? 2 : 4);
   return values;
 }
 

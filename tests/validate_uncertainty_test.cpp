@@ -1,6 +1,7 @@
 // What the fit does not know: beside the error, and never taken for one. Local jets as a second reference.
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -134,6 +135,28 @@ TEST(ValidateUncertainty, WhatIsHeldIsCertain) {
   EXPECT_LT(truth_at(placed, {0.3, 0.2}).normal_deg, 1e-12);
   EXPECT_TRUE(held.covariance.isZero(0));
   EXPECT_EQ(held.covariance.rows(), 8);
+}
+
+// A covariance of no numbers, as where squares overflow, tells nothing; it does not tell that all is certain.
+TEST(ValidateUncertainty, WhatIsNoNumberIsUnknown) {
+  MeshFit fit{{}, {make_surface("torus")}};
+  for (const double x : {std::numeric_limits<double>::infinity(), std::nan("")}) {
+    fit.covariance = Eigen::MatrixXd::Constant(8, 8, x);
+    for (const Truth& truth :
+         {truth_at(fit, {0.3, 0.2}), truths_at(fit, std::vector<Vec2<double>>{{0.3, 0.2}})[0]}) {
+      EXPECT_EQ(truth.normal_deg, std::numeric_limits<double>::infinity()) << x;
+      EXPECT_EQ(truth.tangent_deg, std::numeric_limits<double>::infinity()) << x;
+    }
+    for (const bool near : {false, true}) {
+      PointFit of_points;
+      of_points.surface = fit.surface;
+      of_points.covariance = fit.covariance;
+      const UncertainFrame frame =
+          near ? frame_near(of_points, {1.3, 0.2, 0.1}) : frame_at(of_points, {0.3, 0.2});
+      EXPECT_EQ(frame.normal_deg, std::numeric_limits<double>::infinity()) << x;
+      EXPECT_EQ(frame.tangent_deg, std::numeric_limits<double>::infinity()) << x;
+    }
+  }
 }
 
 // On both sides of each border, by a hundredth of the deviation.

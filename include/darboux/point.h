@@ -25,9 +25,24 @@ bool outside(const S& x) {
     return false;
 }
 
-}  // namespace detail
+// The bits a surface declares at prepared coordinates.
+template <class X, class PU, class PV>
+Status declared(const X& surface, const PU& u, const PV& v) {
+  if constexpr (DeclaresSingularPoints<X>)
+    return surface.singular(u, v);
+  else
+    return Status::regular;
+}
 
-namespace detail {
+// What status() says of (u, v), also given prepared, where the parameters are finite.
+template <class X, std::floating_point S, class PU, class PV>
+Status status_of_point(const X& surface, S u, S v, const PU& pu, const PV& pv) {
+  if (!std::isfinite(u) || !std::isfinite(v)) return Status::non_finite_input;
+  Status result = declared(surface, pu, pv);
+  if (outside<X::info.u>(u) || outside<X::info.v>(v)) result |= Status::outside_domain;
+  return result;
+}
+
 // Those of an adaptor's base too.
 template <class X>
 bool parameters_are_finite(const X& surface) {
@@ -44,13 +59,8 @@ bool parameters_are_finite(const X& surface) {
 /// parameter).
 template <ParametricSurface X, std::floating_point S>
 Status status(const X& surface, S u, S v) {
-  if (!std::isfinite(u) || !std::isfinite(v) || !detail::parameters_are_finite(surface))
-    return Status::non_finite_input;
-  Status result = Status::regular;
-  if constexpr (DeclaresSingularPoints<X>)
-    result |= surface.singular(prepare<X::info.u>(u), prepare<X::info.v>(v));
-  if (detail::outside<X::info.u>(u) || detail::outside<X::info.v>(v)) result |= Status::outside_domain;
-  return result;
+  if (!detail::parameters_are_finite(surface)) return Status::non_finite_input;
+  return detail::status_of_point(surface, u, v, prepare<X::info.u>(u), prepare<X::info.v>(v));
 }
 
 namespace detail {
@@ -66,15 +76,6 @@ constexpr bool limits_by_series = [] {
   else
     return !HasClosedFrame<X>;
 }();
-
-// The bits a surface declares at prepared coordinates.
-template <class X, class PU, class PV>
-Status declared(const X& surface, const PU& u, const PV& v) {
-  if constexpr (DeclaresSingularPoints<X>)
-    return surface.singular(u, v);
-  else
-    return Status::regular;
-}
 
 // The frame at prepared coordinates, `at` what the surface and the domain say of the point, j its jet where it has no closed
 // frame.
@@ -180,9 +181,10 @@ struct Sample {
 template <std::floating_point S>
 Sample<S> make_sample(S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   Sample<S> result{u, v, j, frame};
-  for (const Vec3<S>& a : {j.position, j.dpdu, j.dpdv, j.d2pdu2, j.d2pduv, j.d2pdv2})
-    if (!detail::finite(a) && !has(frame.status, Status::non_finite_input))
-      result.frame.status |= Status::overflow;
+  const auto finite = [](const auto&... a) { return (detail::finite(a) && ...); };
+  if (!finite(j.position, j.dpdu, j.dpdv, j.d2pdu2, j.d2pduv, j.d2pdv2) &&
+      !has(frame.status, Status::non_finite_input))
+    result.frame.status |= Status::overflow;
   return result;
 }
 template <ParametricSurface X, std::floating_point S>

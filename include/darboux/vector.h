@@ -129,13 +129,18 @@ int scale_exponent(const V<S>& a) {
   return small_component<S> < m && m < 1 / small_component<S> ? 0 : exponent(a);
 }
 
-// a · a for lanes that are all certain to need no scaling; others diverge.
-template <template <class> class V, Lanewise S>
-S ordinary_square(const V<S>& a) {
+// Whether a · a shows that there is nothing to scale, that is, that it is certain that scale_exponent is 0.
+template <Binary S>
+auto is_ordinary(const S& square) {
   using T = Element<S>;
   constexpr T small = static_cast<T>(4 * small_component<T> * small_component<T>), large = T(4) / small;
+  return S(small) < square && square < S(large);
+}
+// a · a for lanes that are all ordinary; others diverge.
+template <template <class> class V, Lanewise S>
+S ordinary_square(const V<S>& a) {
   const S square = dot(a, a);
-  if (!(S(small) < square && square < S(large))) S::diverge();
+  if (!is_ordinary(square)) S::diverge();
   return square;
 }
 
@@ -165,6 +170,8 @@ requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) S norm(cons
   if constexpr (detail::Lanewise<S>) {
     return sqrt(detail::ordinary_square(a));
   } else {
+    if constexpr (std::floating_point<S>)
+      if (const S square = dot(a, a); detail::is_ordinary(square)) return sqrt(square);
     const int e = detail::scale_exponent(a);
     if (e == 0) return sqrt(dot(a, a));
     const V<S> scaled = detail::scaled_by_power_of_two(a, -e);
@@ -179,6 +186,8 @@ requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) V<S> unit(c
   if constexpr (detail::Lanewise<S>) {
     return a / sqrt(detail::ordinary_square(a));
   } else {
+    if constexpr (std::floating_point<S>)
+      if (const S square = dot(a, a); detail::is_ordinary(square)) return a / sqrt(square);
     const int e = detail::scale_exponent(a);
     const V<S> scaled = e == 0 ? a : detail::scaled_by_power_of_two(a, -e);
     const S length = sqrt(dot(scaled, scaled));

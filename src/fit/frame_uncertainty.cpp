@@ -1,8 +1,10 @@
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include <darboux/error.h>
 #include <darboux/fit.h>
@@ -10,7 +12,6 @@
 #include <darboux/project.h>
 
 #include "closed_foot.h"
-#include "manifolds.h"
 #include "parameter_jet.h"
 
 namespace darboux {
@@ -20,74 +21,57 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double degrees = 180 / std::numbers::pi;
 constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
 
-// One column for each component of δ, rows along t, b, n.
 constexpr int most_columns = 6 + most_parameters + 6;
 constexpr int any = Eigen::Dynamic;
+// A column for each component of δ: the turns about t, b and n, and the share by which the partial along t grows.
 template <int N>
-using Columns = Eigen::Matrix<double, 3, N, 0, 3, N == any ? most_columns : N>;
+using Turns = Eigen::Matrix<double, 4, N, Eigen::RowMajor, 4, N == any ? most_columns : N>;
 using Ways = Eigen::Matrix<double, 2, any, 0, 2, most_columns>;  // of (u, v)
 
-// The covariance of δ, N numbers, with or without the translation, which turns no frame at a fixed (u, v).
+// A fitted surface with the covariance of δ, N numbers, with or without the translation, which turns no frame at a fixed (u, v).
 template <int N>
-struct Spread {
-  const SurfaceUncertainty& uncertainty;
+struct Fitted {
+  const PlacedSurface& placed;
+  SurfaceWithParameters surface;
+  Eigen::Matrix3d rotation;
   Eigen::Index parameters;  // the column of the surface's first; before are the rotation, and the translation
   Eigen::Matrix<double, N, N> covariance;
+
+  Eigen::Vector3d placed_direction(const Vec3<double>& a) const { return rotation * to_eigen(a); }
+
+  // Of a row of Turns.
+  double variance(const Turns<N>& turns, int row) const {
+    double result = 0;
+    for (Eigen::Index k = 0; k < turns.cols(); ++k) {
+      double before = 0;
+      for (Eigen::Index i = 0; i < k; ++i) before += covariance(i, k) * turns(row, i);
+      result += (2 * before + covariance(k, k) * turns(row, k)) * turns(row, k);
+    }
+    return result;
+  }
+  std::array<double, 4> variances(const Turns<N>& turns) const {
+    return {variance(turns, 0), variance(turns, 1), variance(turns, 2), variance(turns, 3)};
+  }
 };
 
-Spread<any> whole(const SurfaceUncertainty& uncertainty) {
-  return {uncertainty, 6, uncertainty.covariance};
-}
-Spread<any> without_translation(const SurfaceUncertainty& uncertainty) {
+Fitted<any> fitted(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
+                   bool with_translation) {
+  Fitted<any> result{placed, SurfaceWithParameters(placed.surface), placed.placement.linear(), 6, {}};
   const Eigen::MatrixXd& c = uncertainty.covariance;
-  if (c.rows() < 6 || c.cols() != c.rows()) return whole(uncertainty);  // which is refused
-  const Eigen::Index rest = c.rows() - 6;
-  Spread<any> result{uncertainty, 3, Eigen::MatrixXd(3 + rest, 3 + rest)};
-  result.covariance << c.topLeftCorner(3, 3), c.topRightCorner(3, rest), c.bottomLeftCorner(rest, 3),
-      c.bottomRightCorner(rest, rest);
-  return result;
-}
-
-// What δ does to the surface at a fixed (u, v).
-template <int N>
-struct Velocities {
-  Columns<any> position;  // empty without translation
-  Columns<N> dpdu, dpdv;
-  int parameters;  // of the surface
-};
-
-template <int N>
-Velocities<N> velocities(const PlacedSurface& placed, const Spread<N>& spread, const Vec2<double>& uv,
-                         const Jet2<double>& j, const Frame<double>& frame) {
-  const ParameterJet by = parameter_jet(placed.surface, uv);
-  const Eigen::MatrixXd& given = spread.uncertainty.covariance;
-  const Eigen::Index rows = given.rows(), of_surface = 6 + by.count, n = spread.covariance.rows();
-  if ((rows != of_surface && rows != of_surface + 6) || given.cols() != rows)
-    throw ParameterError("fit", "covariance has " + std::to_string(rows) + " rows, permitted are " +
+  const Eigen::Index of_surface = 6 + result.surface.parameters();
+  if ((c.rows() != of_surface && c.rows() != of_surface + 6) || c.cols() != c.rows())
+    throw ParameterError("fit", "covariance has " + std::to_string(c.rows()) + " rows, permitted are " +
                                     std::to_string(of_surface) + ", or 6 more, for a " +
                                     std::string(placed.surface.info().name));
-  Eigen::Matrix3d local;  // takes the surface's axes to t, b, n
-  local << to_eigen(frame.t).transpose(), to_eigen(frame.b).transpose(), to_eigen(frame.n).transpose();
-  const Eigen::Matrix3d rotation = placed.placement.linear(), to_frame = local * rotation.transpose();
-  const bool moves = spread.parameters == 6;
-  Velocities<N> result{Columns<any>::Zero(3, moves ? n : 0), Columns<N>::Zero(3, n), Columns<N>::Zero(3, n),
-                       by.count};
-  const auto rigid = [&](auto& columns, const Eigen::Vector3d& a) {
-    columns.template leftCols<3>() = -to_frame * fit::cross_matrix(a);  // ω × a
-  };
-  rigid(result.dpdu, rotation * to_eigen(j.dpdu));
-  rigid(result.dpdv, rotation * to_eigen(j.dpdv));
-  if (moves) {
-    rigid(result.position, placed.placement * to_eigen(j.position) - spread.uncertainty.centre);
-    result.position.template middleCols<3>(3) = to_frame;
+  if (with_translation) {
+    result.covariance = c;
+    return result;
   }
-  for (int k = 0; k < by.count; ++k) {
-    const auto at = static_cast<std::size_t>(k);
-    const Eigen::Index column = spread.parameters + k;
-    if (moves) result.position.col(column) = local * to_eigen(by.position[at]);
-    result.dpdu.col(column) = local * to_eigen(by.dpdu[at]);
-    result.dpdv.col(column) = local * to_eigen(by.dpdv[at]);
-  }
+  const Eigen::Index rest = c.rows() - 6;
+  result.parameters = 3;
+  result.covariance.resize(3 + rest, 3 + rest);
+  result.covariance << c.topLeftCorner(3, 3), c.topRightCorner(3, rest), c.bottomLeftCorner(rest, 3),
+      c.bottomRightCorner(rest, rest);
   return result;
 }
 
@@ -102,86 +86,118 @@ bool pole_has_normal(const AnySurface& surface, const Vec2<double>& uv, const Je
   return sides <= norm(normal(uv.x, uv.y) - normal(uv.x, v)) + 1e-9;
 }
 
+// Of a variance, which rounding may make negative; of one that is not known, infinite.
 double root(double x) {
-  return std::sqrt(std::fmax(x, 0));
+  return x > 0 ? std::sqrt(x) : std::isnan(x) ? infinity : 0;
 }
 
-// A point of a fitted surface and what δ does to it, to first order.
-template <int N>
-struct FirstOrder {
-  const PlacedSurface& placed;
-  const Eigen::Matrix<double, N, N>& covariance;
-  bool at_pole;
-  Vec2<double> uv;
-  Jet2<double> j;
-  Frame<double> frame;
-  double e, f, g;  // dpdu = e t, dpdv = f t + g b
-  Velocities<N> d;
+// Two partials of a surface, or a change of them, in its axes.
+struct Partials {
+  Vec3<double> u, v;
+};
 
-  Eigen::Vector3d in_frame(const Vec3<double>& a) const {
-    return {dot(a, frame.t), dot(a, frame.b), dot(a, frame.n)};
-  }
-  // The point moves over the surface too.
-  void go(const Ways& way) {
-    const Eigen::Vector3d uu = in_frame(j.d2pdu2), mixed = in_frame(j.d2pduv), vv = in_frame(j.d2pdv2);
-    d.dpdu += uu * way.row(0) + mixed * way.row(1);
-    d.dpdv += mixed * way.row(0) + vv * way.row(1);
+// The frame along the first of two partials: u = e t, v = f t + g b.
+struct Chart {
+  const Vec3<double>&t, &b, &n;
+  double e, f, g;
+  double by_e = 1 / e, by_g = 1 / g;
+
+  Chart(const Vec3<double>& along, const Vec3<double>& across, const Vec3<double>& normal,
+        const Partials& partials)
+      : t(along), b(across), n(normal), e(dot(partials.u, t)), f(dot(partials.v, t)), g(dot(partials.v, b)) {}
+
+  // A column of Turns. n stays orthogonal to the partials, t along the first: n' = -turn_t b + turn_b t,
+  // t' = turn_n b - turn_b n.
+  Eigen::Vector4d turn(const Partials& change) const {
+    const double lift = by_e * dot(change.u, n);
+    return {by_g * (dot(change.v, n) - f * lift), -lift, by_e * dot(change.u, b), by_e * dot(change.u, t)};
   }
 };
 
-// At this sample of the surface; nothing where it has no frame to turn.
-template <int N>
-std::optional<FirstOrder<N>> first_order(const PlacedSurface& placed, const Spread<N>& spread,
-                                         Sample<double> s) {
-  const Status status = s.frame.status;
-  if (has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero |
-                      Status::parallel))
-    return std::nullopt;
+// A point of a fitted surface, where the surface's parameters move it, and the frame there.
+struct Point {
+  Sample<double> s;
+  ParameterJet& by;
+  bool at_pole = false;
+
+  Point(const SurfaceWithParameters& surface, const Vec2<double>& uv, ParameterJet& place)
+      : s(surface.sample(uv, place)), by(place) {}
+  Chart chart() const { return {s.frame.t, s.frame.b, s.frame.n, {s.jet.dpdu, s.jet.dpdv}}; }
+};
+
+// Whether it has a frame to turn. At a pole it goes beside it.
+bool has_first_order(const SurfaceWithParameters& surface, Point& at) {
+  const Sample<double>& s = at.s;
+  if (has(s.frame.status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero |
+                              Status::parallel))
+    return false;
   // At a pole the covariance of n is that beside it, where dpdu tells directions apart.
   // A foot may miss it by a rounding.
-  const bool at_pole = has(status, Status::dpdu_zero) || norm(s.jet.dpdu) < 1e-9 * norm(s.jet.d2pduv);
-  if (at_pole) s = placed.surface.sample(s.u, s.v + (s.v < 0.5 ? 0x1p-20 : -0x1p-20));
-  if (has(s.frame.status, Status::no_frame | singular)) return std::nullopt;
-  const Vec2<double> uv{s.u, s.v};
-  return FirstOrder<N>{placed,
-                       spread.covariance,
-                       at_pole,
-                       uv,
-                       s.jet,
-                       s.frame,
-                       dot(s.jet.dpdu, s.frame.t),
-                       dot(s.jet.dpdv, s.frame.t),
-                       dot(s.jet.dpdv, s.frame.b),
-                       velocities(placed, spread, uv, s.jet, s.frame)};
+  at.at_pole = has(s.frame.status, Status::dpdu_zero) || norm(s.jet.dpdu) < 1e-9 * norm(s.jet.d2pduv);
+  if (at.at_pole) at.s = surface.sample({s.u, s.v + (s.v < 0.5 ? 0x1p-20 : -0x1p-20)}, at.by);
+  return !has(s.frame.status, Status::no_frame | singular);
 }
 
-// How the frame turns: its covariance, and whether first order tells n and t at all.
-struct Turning {
-  Eigen::Matrix3d covariance;
-  Eigen::Matrix3d of_dpdu;  // the covariance of dpdu, along t, b, n
-  double normal;            // standard deviation, radians
+// What δ does at a fixed (u, v) to the frame of a chart, of which the surface's partials are `seen`.
+template <int N, class Seen>
+Turns<N> turns_of(const Fitted<N>& fit, const Point& at, const Chart& chart, Seen seen) {
+  Turns<N> result(4, fit.covariance.cols());
+  result.row(0).template head<3>() = fit.placed_direction(chart.t);
+  result.row(1).template head<3>() = fit.placed_direction(chart.b);
+  result.row(2).template head<3>() = fit.placed_direction(chart.n);
+  result.row(3).template head<3>().setZero();
+  if (N == any) result.rightCols(result.cols() - 3).setZero();
+  const Eigen::Index count = N == any ? fit.surface.parameters() : N - 3,
+                     first = N == any ? fit.parameters : 3;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    result.col(first + k) = chart.turn(seen({at.by.dpdu[i], at.by.dpdv[i]}));
+  }
+  return result;
+}
+
+// The point moves over the surface too.
+template <int N, class Seen>
+void go(Turns<N>& turns, const Point& at, const Chart& chart, Seen seen, const Ways& way) {
+  const Jet2<double>& j = at.s.jet;
+  turns += chart.turn(seen({j.d2pdu2, j.d2pduv})) * way.row(0) +
+           chart.turn(seen({j.d2pduv, j.d2pdv2})) * way.row(1);
+}
+
+Partials as_they_are(const Partials& p) {
+  return p;
+}
+
+// Whether first order tells n and t at all: where three standard deviations change n by less than a radian, and dpdu by less
+// than its length.
+struct Known {
+  double normal;  // standard deviation, radians
   bool knows_normal, knows_tangent;
 };
 
-template <int N>
-Turning turning(const FirstOrder<N>& at) {
-  const double e = at.e, f = at.f, g = at.g;
-  // n stays orthogonal to the partials, t along dpdu: n' = -turn_t b + turn_b t, t' = turn_n b - turn_b n.
-  Columns<N> turn(3, at.d.dpdu.cols());
-  turn.row(1) = -at.d.dpdu.row(2) / e;
-  turn.row(0) = (at.d.dpdv.row(2) + f * turn.row(1)) / g;
-  turn.row(2) = at.d.dpdu.row(1) / e;
-  Turning result;
-  const Columns<N> spread = turn.lazyProduct(at.covariance);
-  result.covariance = spread.lazyProduct(turn.transpose());
-  // First order holds where three standard deviations change dpdu by less than its length, and n by less than a radian.
-  const Columns<N> change_of_dpdu = at.d.dpdu.lazyProduct(at.covariance);
-  result.of_dpdu = change_of_dpdu.lazyProduct(at.d.dpdu.transpose());
-  const double change = root(result.of_dpdu.trace());
-  result.knows_tangent = !at.at_pole && 3 * change < e;
-  result.normal = root(result.covariance(0, 0) + result.covariance(1, 1));
-  result.knows_normal =
-      3 * result.normal < 1 && (result.knows_tangent || pole_has_normal(at.placed.surface, at.uv, at.j));
+Known known(const PlacedSurface& placed, const Point& at, const Chart& chart,
+            const std::array<double, 4>& variances) {
+  const auto& [t, b, n, growth] = variances;
+  Known result;
+  result.knows_tangent = !at.at_pole && chart.e > 0 && 9 * (b + n + growth) < 1;
+  result.normal = root(t + b);
+  result.knows_normal = 3 * result.normal < 1 &&
+                        (result.knows_tangent || pole_has_normal(placed.surface, {at.s.u, at.s.v}, at.s.jet));
+  return result;
+}
+
+// How δ moves the point at a fixed (u, v), along t and b.
+Ways velocity(const Fitted<any>& fit, const Point& at, const Chart& chart, const Eigen::Vector3d& centre) {
+  const Eigen::Vector3d arm = fit.placed.placement * to_eigen(at.s.jet.position) - centre;
+  Ways result = Ways::Zero(2, fit.covariance.cols());
+  for (int row = 0; row < 2; ++row) {
+    const Vec3<double>& along = row == 0 ? chart.t : chart.b;
+    const Eigen::Vector3d placed = fit.placed_direction(along);
+    result.block<1, 3>(row, 0) = arm.cross(placed).transpose();
+    result.block<1, 3>(row, 3) = placed.transpose();
+    for (int k = 0; k < fit.surface.parameters(); ++k)
+      result(row, fit.parameters + k) = dot(along, at.by.position[static_cast<std::size_t>(k)]);
+  }
   return result;
 }
 
@@ -202,39 +218,42 @@ UncertainFrame placed_frame(const PlacedSurface& placed, const Sample<double>& s
 // The frame at uv with its covariance; where the point p stays and its foot moves, p is given, in the surface's axes.
 UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
                                const Vec2<double>& uv, const Vec3<double>* p) {
-  const Sample<double> sample = placed.surface.sample(uv.x, uv.y);
-  UncertainFrame result = placed_frame(placed, sample);
+  const Fitted<any> fit = fitted(placed, uncertainty, p != nullptr);
+  ParameterJet by;
+  Point at(fit.surface, uv, by);
+  UncertainFrame result = placed_frame(placed, at.s);
   result.covariance = Eigen::Vector3d(infinity, infinity, infinity).asDiagonal();
   result.normal_deg = result.tangent_deg = infinity;
-  const Spread<any> spread = p ? whole(uncertainty) : without_translation(uncertainty);
-  std::optional<FirstOrder<any>> at = first_order(placed, spread, sample);
-  if (!at) return result;
+  if (!has_first_order(fit.surface, at)) return result;
+  const Chart chart = at.chart();
+  Turns<any> turns = turns_of(fit, at, chart, as_they_are);
   if (p) {
     // The foot x + d n = p stays a foot: (1 - d S) w = -(velocity + d (what turns n towards t, b)), w the foot's way
     // along t and b over the moving surface. [doCarmo2016, sec. 3-3]
-    const ShapeOperator<double> s = shape_operator(at->j, at->frame);
-    const Velocities<any>& d = at->d;
-    const double distance = dot(*p - at->j.position, at->frame.n);
+    const ShapeOperator<double> s = shape_operator(at.s.jet, at.s.frame);
+    const double distance = dot(*p - at.s.jet.position, chart.n);
     Eigen::Matrix2d moving;
     moving << 1 - distance * s.a, -distance * s.m, -distance * s.m, 1 - distance * s.c;
     // Nearest points have both eigenvalues positive; at zero, a focal point, the foot is not unique.
     if (!(moving.determinant() > 1e-9 * moving.trace() * moving.trace())) return result;
-    Ways way(2, d.dpdu.cols());
-    way.row(0) = distance / s.e * d.dpdu.row(2) - d.position.row(0);
-    way.row(1) = distance / s.g * (d.dpdv.row(2) - s.f / s.e * d.dpdu.row(2)) - d.position.row(1);
+    Ways way = -velocity(fit, at, chart, uncertainty.centre);
+    way.row(0) -= distance * turns.row(1);
+    way.row(1) += distance * turns.row(0);
     way = (moving.inverse() * way).eval();
     way.row(1) /= s.g;                                   // now dv
     way.row(0) = (way.row(0) - s.f * way.row(1)) / s.e;  // and du
-    at->go(way);
+    go(turns, at, chart, as_they_are, way);
   }
-  const Turning turns = turning(*at);
-  if (turns.knows_normal) {
-    result.normal_deg = turns.normal * degrees;
-    result.covariance.topLeftCorner<2, 2>() = turns.covariance.topLeftCorner<2, 2>();
-  }
-  if (turns.knows_normal && turns.knows_tangent) {
-    result.covariance = turns.covariance;
-    result.tangent_deg = root(turns.covariance(1, 1) + turns.covariance(2, 2)) * degrees;
+  const std::array<double, 4> variances = fit.variances(turns);
+  const Known knows = known(placed, at, chart, variances);
+  if (!knows.knows_normal) return result;
+  const auto turn = turns.topRows<3>();
+  const Eigen::Matrix3d covariance = turn.lazyProduct(fit.covariance).eval().lazyProduct(turn.transpose());
+  result.normal_deg = knows.normal * degrees;
+  result.covariance.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>();
+  if (knows.knows_tangent) {
+    result.covariance = covariance;
+    result.tangent_deg = root(variances[1] + variances[2]) * degrees;
   }
   return result;
 }
@@ -261,44 +280,49 @@ Vec2<double> searched_foot(const AnySurface& surface, const Vec3<double>& p) {
 }
 
 template <int N>
-Truth truth_at(const MeshFit& fit, const Spread<N>& spread, const Vec2<double>& stored) {
-  const UvConvention& convention = fit.surface.uv;
-  const Vec2<double> uv = convention.surface_uv(stored);
-  const Sample<double> sample = fit.surface.surface.sample(uv.x, uv.y);
-  Truth truth = fit.surface.truth(stored, sample);
+Truth truth_at(const Fitted<N>& fit, const Vec2<double>& stored, ParameterJet& by) {
+  const UvConvention& convention = fit.placed.uv;
+  Point at(fit.surface, convention.surface_uv(stored), by);
+  Truth truth = fit.placed.truth(stored, at.s);
   truth.normal_deg = truth.tangent_deg = infinity;
-  std::optional<FirstOrder<N>> at = first_order(fit.surface, spread, sample);
-  if (!at) return truth;
-  // Along stored u: a = M00 dpdu + M10 dpdv.
-  const auto& m = convention.affine;
-  const Eigen::Vector3d u(at->e, 0, 0), v(at->f, at->g, 0), a = m[0] * u + m[2] * v;
-  const Eigen::Index n = spread.covariance.rows(), map = spread.parameters + at->d.parameters;
+  if (!has_first_order(fit.surface, at)) return truth;
+  const Chart chart = at.chart();
+  const Eigen::Index n = fit.covariance.cols(), map = fit.parameters + fit.surface.parameters();
+  Ways way;
+  Turns<N> turns = turns_of(fit, at, chart, as_they_are);
   if (n > map) {  // the uv map is uncertain as well, and moves the point
-    Ways way = Ways::Zero(2, n);
+    way = Ways::Zero(2, n);
     for (int row = 0; row < 2; ++row) {
       way(row, map + 2 * row) = stored.x;
       way(row, map + 2 * row + 1) = stored.y;
       way(row, map + 4 + row) = 1;
     }
-    at->go(way);
+    go(turns, at, chart, as_they_are, way);
   }
-  const Turning turns = turning(*at);
-  if (!turns.knows_normal) return truth;
-  truth.normal_deg = turns.normal * degrees;
-  if (!turns.knows_tangent) return truth;
-  Eigen::Matrix3d of_a = m[0] * m[0] * turns.of_dpdu;
-  if (n > map || m[2] != 0) {
-    Columns<N> along = m[0] * at->d.dpdu + m[2] * at->d.dpdv;
+  std::array<double, 4> variances = fit.variances(turns);
+  const Known knows = known(fit.placed, at, chart, variances);
+  if (!knows.knows_normal) return truth;
+  truth.normal_deg = knows.normal * degrees;
+  if (!knows.knows_tangent) return truth;
+  const auto& m = convention.affine;
+  if (n > map || m[0] == 0 || m[2] != 0) {
+    // The chart of the stored uvs, whose partials are M00 dpdu + M10 dpdv and M01 dpdu + M11 dpdv.
+    const auto stored_partials = [&](const Partials& p) {
+      return Partials{m[0] * p.u + m[2] * p.v, m[1] * p.u + m[3] * p.v};
+    };
+    const Partials partials = stored_partials({at.s.jet.dpdu, at.s.jet.dpdv});
+    const Vec3<double> t = unit(partials.u), b = cross(chart.n, t);
+    const Chart own(t, b, chart.n, partials);
+    turns = turns_of(fit, at, own, stored_partials);
     if (n > map) {
-      along.col(map) += u;
-      along.col(map + 2) += v;
+      go(turns, at, own, stored_partials, way);
+      turns.col(map) += own.turn({at.s.jet.dpdu, {}});
+      turns.col(map + 2) += own.turn({at.s.jet.dpdv, {}});
     }
-    const Columns<N> change = along.lazyProduct(spread.covariance);
-    of_a = change.lazyProduct(along.transpose());
+    variances = fit.variances(turns);
   }
-  if (!(9 * of_a.trace() < a.squaredNorm())) return truth;
-  const double lengthening = a.dot(of_a * a) / a.squaredNorm();  // what only changes its length
-  truth.tangent_deg = root((of_a.trace() - lengthening) / a.squaredNorm()) * degrees;
+  const auto& [of_t, of_b, of_n, growth] = variances;
+  if (9 * (of_b + of_n + growth) < 1) truth.tangent_deg = root(of_b + of_n) * degrees;
   return truth;
 }
 
@@ -321,29 +345,35 @@ UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv) {
 }
 
 Truth truth_at(const MeshFit& fit, const Vec2<double>& stored) {
-  return truth_at(fit, without_translation(fit), stored);
+  ParameterJet by;
+  return truth_at(fitted(fit.surface, fit, false), stored, by);
 }
 
 std::vector<Truth> truths_at(const MeshFit& fit, std::span<const Vec2<double>> stored) {
-  const Spread<any> spread = without_translation(fit);
+  const Fitted<any> any_size = fitted(fit.surface, fit, false);
   std::vector<Truth> result;
   result.reserve(stored.size());
   const auto all = [&](const auto& of_size) {
-    for (const Vec2<double>& uv : stored) result.push_back(truth_at(fit, of_size, uv));
+    ParameterJet by;
+    for (const Vec2<double>& uv : stored) result.push_back(truth_at(of_size, uv, by));
+  };
+  const auto with_size = [&]<int N>(std::integral_constant<int, N>) {
+    all(Fitted<N>{any_size.placed, any_size.surface, any_size.rotation, any_size.parameters,
+                  any_size.covariance});
   };
   // One to three parameters, and plain uvs: the compiler knows all sizes.
-  switch (spread.covariance.rows()) {
+  switch (any_size.covariance.rows()) {
     case 4:
-      all(Spread<4>{fit, spread.parameters, spread.covariance});
+      with_size(std::integral_constant<int, 4>());
       break;
     case 5:
-      all(Spread<5>{fit, spread.parameters, spread.covariance});
+      with_size(std::integral_constant<int, 5>());
       break;
     case 6:
-      all(Spread<6>{fit, spread.parameters, spread.covariance});
+      with_size(std::integral_constant<int, 6>());
       break;
     default:
-      all(spread);
+      all(any_size);
   }
   return result;
 }

@@ -15,12 +15,15 @@ namespace kernels {
 
 #if defined(DARBOUX_WITH_BASELINE)
 extern const Kernels table_baseline;
+extern const UvJetTable uv_jet_table_baseline;
 #endif
 #if defined(DARBOUX_WITH_AVX2)
 extern const Kernels table_avx2;
+extern const UvJetTable uv_jet_table_avx2;
 #endif
 #if defined(DARBOUX_WITH_AVX512)
 extern const Kernels table_avx512;
+extern const UvJetTable uv_jet_table_avx512;
 #endif
 
 namespace {
@@ -29,6 +32,7 @@ struct Known {
   InstructionSet set;
   std::string_view name;
   const Kernels* kernels;
+  const UvJetTable* uv_jets;
   bool (*runs)();
 };
 
@@ -36,16 +40,16 @@ constexpr auto always = [] { return true; };
 
 const std::vector<Known>& all_known() {
   static const std::vector<Known> list {
-    {InstructionSet::points, "points", nullptr, always},
+    {InstructionSet::points, "points", nullptr, nullptr, always},
 #if defined(DARBOUX_WITH_BASELINE)
-        {InstructionSet::baseline, "baseline", &table_baseline, always},
+        {InstructionSet::baseline, "baseline", &table_baseline, &uv_jet_table_baseline, always},
 #endif
 #if defined(DARBOUX_WITH_AVX2)
-        {InstructionSet::avx2, "avx2", &table_avx2,
+        {InstructionSet::avx2, "avx2", &table_avx2, &uv_jet_table_avx2,
          [] { return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0; }},
 #endif
 #if defined(DARBOUX_WITH_AVX512)
-        {InstructionSet::avx512, "avx512", &table_avx512, [] {
+        {InstructionSet::avx512, "avx512", &table_avx512, &uv_jet_table_avx512, [] {
            return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0 &&
                   __builtin_cpu_supports("avx512cd") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
                   __builtin_cpu_supports("avx512vl") != 0;
@@ -60,6 +64,15 @@ std::string permitted_names() {
   for (const InstructionSet set : instruction_sets())
     text += (text.empty() ? "" : ", ") + std::string(name_of(set));
   return text;
+}
+
+const Known& find(InstructionSet set) {
+  if (set == InstructionSet::automatic) set = chosen_instruction_set();
+  for (const Known& known : all_known())
+    if (known.set == set && known.runs()) return known;
+  throw ParameterError("instruction set", "'" + std::string(name_of(set)) +
+                                              "' is none of this machine and build, permitted are " +
+                                              permitted_names());
 }
 
 // The catalogue's types over T, to their place in it.
@@ -86,21 +99,19 @@ const KernelTable<T>& table_over(const Kernels& kernels) {
 
 template <class T>
 Found<T> find_kernels(const std::type_info& type, InstructionSet set) {
-  if (set == InstructionSet::automatic) set = chosen_instruction_set();
-  for (const Known& known : all_known())
-    if (known.set == set && known.runs()) {
-      const auto place = places<T>().find(type);
-      if (known.kernels == nullptr || place == places<T>().end()) return {};
-      const KernelTable<T>& table = table_over<T>(*known.kernels);
-      const auto& kernels = table.surface.at(place->second);
-      return {known.kernels, &table, kernels[0] == nullptr ? nullptr : &kernels};
-    }
-  throw ParameterError("instruction set", "'" + std::string(name_of(set)) +
-                                              "' is none of this machine and build, permitted are " +
-                                              permitted_names());
+  const Known& known = find(set);
+  const auto place = places<T>().find(type);
+  if (known.kernels == nullptr || place == places<T>().end()) return {};
+  const KernelTable<T>& table = table_over<T>(*known.kernels);
+  const auto& kernels = table.surface.at(place->second);
+  return {known.kernels, &table, kernels[0] == nullptr ? nullptr : &kernels};
 }
 template Found<double> find_kernels(const std::type_info&, InstructionSet);
 template Found<float> find_kernels(const std::type_info&, InstructionSet);
+
+const UvJetTable* find_uv_jets(InstructionSet set) {
+  return find(set).uv_jets;
+}
 
 }  // namespace kernels
 

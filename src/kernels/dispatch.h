@@ -7,6 +7,7 @@
 #include <darboux/evaluate.h>
 
 #include "kernels.h"
+#include "uv_jets.h"
 
 namespace darboux::kernels {
 
@@ -21,5 +22,8 @@ struct Found {
 /// \throws ParameterError when this build or machine has not that instruction set, or DARBOUX_ISA names none
 template <class T>
 Found<T> find_kernels(const std::type_info& type, InstructionSet set);
+
+/// Null: point by point. \throws as find_kernels
+const UvJetTable* find_uv_jets(InstructionSet set);
 
 }  // namespace darboux::kernels

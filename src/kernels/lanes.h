@@ -12,6 +12,13 @@
 
 #include <darboux/scalar.h>
 
+// A kernel has everything inlined; instrumented, that would take minutes to compile.
+#if defined(__SANITIZE_ADDRESS__)
+#define DARBOUX_FLATTEN
+#else
+#define DARBOUX_FLATTEN [[gnu::flatten]]
+#endif
+
 namespace darboux::kernels {
 namespace {
 

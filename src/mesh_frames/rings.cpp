@@ -85,10 +85,14 @@ void Rings::stop_at_creases() {
 }
 
 void Rings::start(Index node, Walk& walk) const {
-  if (walk.seen.empty()) walk.seen.assign(size(), std::numeric_limits<Index>::max());
+  if (++walk.starts == 0) walk.seen.clear();  // all were used
+  if (walk.seen.empty()) {
+    walk.seen.assign(size(), 0);
+    walk.starts = 1;
+  }
   walk.near.assign(1, node);
   walk.ends.assign(1, 1);
-  walk.seen[node] = node;
+  walk.seen[node] = walk.starts;
 }
 
 void Rings::grow(Walk& walk) const {
@@ -101,8 +105,8 @@ void Rings::grow(Walk& walk) const {
                       taken = whole ? count : std::min(count, most_triangles);
     for (std::size_t k = 0; k < taken && (whole || walk.near.size() < most_nodes); ++k)
       for (const Index node : nodes_[triangles_[begin + k * count / taken]]) {
-        if (walk.seen[node] == walk.near.front()) continue;
-        walk.seen[node] = walk.near.front();
+        if (walk.seen[node] == walk.starts) continue;
+        walk.seen[node] = walk.starts;
         walk.near.push_back(node);
       }
   }

@@ -31,7 +31,8 @@ class Rings {
   struct Walk {
     std::vector<Index> near;
     std::vector<std::size_t> ends;
-    std::vector<Index> seen;  // of each node: the last centre that reached it
+    std::vector<Index> seen;  // of each node: the last start that reached it
+    Index starts = 0;
   };
   void start(Index node, Walk& walk) const;
   // From now on walks end at the ends of sharp edges, by creases.h, and none should start there.

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <darboux/frame.h>
-#include <darboux/mesh_frames.h>
 
 namespace darboux {
 namespace {
@@ -65,17 +64,6 @@ bool faces_inward(const Mesh& mesh, std::span<const Truth> truth) {
       against += dot(mesh.normals[v], truth[v].normal) < 0 && dot(face, truth[v].normal) < 0;
   }
   return 2 * against > mesh.corners();
-}
-
-std::vector<signed char> triangle_signs(const Mesh& mesh) {
-  std::vector<signed char> signs(mesh.triangles.size(), 0);
-  if (mesh.uvs.empty()) return signs;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    if (!is_degenerate(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]))
-      signs[t] = signed_uv_area2(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]) > 0 ? 1 : -1;
-  }
-  return signs;
 }
 
 void ClassSums::add(VertexClass vertex_class, std::uint32_t vertex, std::uint32_t corners,

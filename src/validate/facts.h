@@ -33,9 +33,6 @@ Angles angles(const Mesh& mesh, std::uint32_t v, const VertexFacts& facts, const
 // A mesh seen from inside, compared with -n: at most corners the normal and the winding both oppose the surface's n.
 bool faces_inward(const Mesh& mesh, std::span<const Truth> truth);
 
-// The raw sign of each triangle, 0 without uv area.
-std::vector<signed char> triangle_signs(const Mesh& mesh);
-
 // Statistics of angles by class. Add each vertex with the number of its corners, or each corner.
 class ClassSums {
  public:

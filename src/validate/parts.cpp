@@ -5,7 +5,7 @@
 #include "../disjoint_sets.h"
 #include "../mesh_frames/creases.h"
 #include "../mesh_frames/rings.h"
-#include "facts.h"
+#include "../triangle_signs.h"
 
 namespace darboux {
 

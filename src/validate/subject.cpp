@@ -8,7 +8,7 @@
 #include <darboux/local_truth.h>
 #include <darboux/mikktspace.h>
 
-#include "facts.h"
+#include "../triangle_signs.h"
 
 namespace darboux {
 

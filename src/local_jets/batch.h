@@ -1,0 +1,17 @@
+// uv_jet() of many points.
+#pragma once
+
+#include <span>
+
+#include <darboux/evaluate.h>
+#include <darboux/local_jets.h>
+
+#include "../kernels/uv_jets.h"
+
+namespace darboux {
+
+// To the bits of uv_jet(). \throws ParameterError as find_kernels
+void uv_jets(std::span<const kernels::UvNeighbours> of, int degree, bool u_periodic, bool v_periodic,
+             std::span<UvJet> results, InstructionSet set = InstructionSet::automatic);
+
+}  // namespace darboux

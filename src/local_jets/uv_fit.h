@@ -1,0 +1,139 @@
+// P(u, v) as a polynomial through the neighbours of a point, over a number type as in least_squares.h.
+#pragma once
+
+#include <darboux/frame.h>
+#include <darboux/surface.h>
+
+#include "least_squares.h"
+
+namespace darboux {
+
+template <class S>
+struct UvFitResult {
+  S sized;  // 1 where the neighbours have an extent in space and in both coordinates; else there is nothing
+  S condition, residual_rms;
+  Jet2<S> jet;  // its position relative to the origin of the given ones
+  Frame<S> frame;
+  S dpdu_error, dpdv_error, tangent_error, normal_error;
+};
+
+template <int degree, class S>
+class UvFit {
+ public:
+  using Fit = LeastSquares<degree, 3, S>;
+
+  // Of n neighbours or fewer, to be filled in: the roots of their weights, uvs relative to the query, and positions relative to any
+  // place near it. What stays zero changes nothing.
+  auto* resize(std::size_t n) {
+    n_ = n;
+    return given_ = fit_.resize(n);
+  }
+
+  // \param count of the neighbours \param total the sum of their weights
+  UvFitResult<S> solve(const S& count, const S& total) {
+    using std::sqrt;
+    const S zero(0), one(1), two(2);
+    UvFitResult<S> result;
+    // Coordinates (x, y) = A (u, v) whose columns are orthonormal but for a common factor: a chart that is stretched or
+    // sheared gives the same ones.
+    S u_size(0), v_size(0), radius(0);
+    for (std::size_t i = 0; i < n_; ++i) {
+      u_size = larger(u_size, given_[i].x);
+      v_size = larger(v_size, given_[i].y);
+      for (const S& value : given_[i].values) radius = larger(radius, value);
+    }
+    S xx(0), xy(0), before(0), yy(0), size(0);
+    const S per_u = one / u_size, per_v = one / v_size;
+    for (std::size_t i = 0; i < n_; ++i) {
+      S &x = given_[i].x, &y = given_[i].y;
+      x = x * per_u;
+      y = y * per_v;
+      xx = xx + x * x;
+      xy = xy + x * y;
+      before = before + y * y;
+    }
+    xx = sqrt(xx);
+    xy = xy / xx;
+    const S shear = xy / xx;
+    for (std::size_t i = 0; i < n_; ++i) {
+      S& y = given_[i].y;
+      y = y - shear * given_[i].x;
+      yy = yy + y * y;
+    }
+    yy = sqrt(yy);
+    const S per_xx = one / xx, per_yy = one / yy;
+    for (std::size_t i = 0; i < n_; ++i) {
+      S &x = given_[i].x, &y = given_[i].y;
+      x = x * per_xx;
+      y = y * per_yy;
+      size = larger(size, x * x + y * y);
+    }
+    size = sqrt(size);
+    const S per_size = one / size, per_radius = one / radius;
+    for (std::size_t i = 0; i < n_; ++i) {
+      given_[i].x = given_[i].x * per_size;
+      given_[i].y = given_[i].y * per_size;
+      for (S& value : given_[i].values) value = value * per_radius;
+    }
+    result.sized =
+        select(u_size > zero && v_size > zero && radius > zero && yy * S(Fit::worst_condition) > sqrt(before),
+               one, zero);
+    fit_.solve(count, total);
+    result.condition = fit_.condition();
+    result.residual_rms = radius * fit_.residual_rms();
+
+    const S a00 = per_xx * per_size * per_u, a11 = per_yy * per_size * per_v,
+            a10 = -(xy * per_xx) * per_yy * per_size * per_u;
+    Vec3<S> c[Fit::jet];
+    for (int k = 0; k < Fit::jet; ++k)
+      c[k] = {radius * fit_.coefficient(k, 0), radius * fit_.coefficient(k, 1),
+              radius * fit_.coefficient(k, 2)};
+    const Vec3<S> dpdu = a00 * c[1] + a10 * c[2], dpdv = a11 * c[2];
+    result.jet = {c[0],
+                  dpdu,
+                  dpdv,
+                  two * a00 * a00 * c[3] + two * a00 * a10 * c[4] + two * a10 * a10 * c[5],
+                  a00 * a11 * c[4] + two * a10 * a11 * c[5],
+                  two * a11 * a11 * c[5]};
+    result.frame = frame_from_partials(dpdu, dpdv);
+
+    using Gain = typename Fit::Gain;
+    const auto error = [this](const Gain& gain, const Vec3<S>& s) {
+      const S components[] = {s.x, s.y, s.z};
+      return fit_.error(gain, components);
+    };
+    const auto length_error = [&](const Gain& gain) {
+      return radius * sqrt(S(error(gain, {one, zero, zero}) + error(gain, {zero, one, zero}) +
+                             error(gain, {zero, zero, one})));
+    };
+    const Gain of_dpdu = fit_.gain({{zero, a00, a10, zero, zero, zero}}),
+               of_dpdv = fit_.gain({{zero, zero, a11, zero, zero, zero}});
+    result.dpdu_error = length_error(of_dpdu);
+    result.dpdv_error = length_error(of_dpdv);
+    // δt = (b b·δdpdu + n n·δdpdu)/|dpdu|; δn = -Σ r n·δdp over u and v, with r the gradients of u and v in the surface.
+    const Vec3<S>&t = result.frame.t, &b = result.frame.b, &n = result.frame.n;
+    const S e = dot(dpdu, t), f = dot(dpdv, t), g = dot(dpdv, b);
+    const S per_e = one / e, per_g = one / g, along = f * per_e * per_g;
+    result.tangent_error = radius * per_e * sqrt(S(error(of_dpdu, b) + error(of_dpdu, n)));
+    Gain along_t, along_b;
+    for (int k = 0; k < Fit::M; ++k) {
+      along_t.of[k] = per_e * of_dpdu.of[k];
+      along_b.of[k] = per_g * of_dpdv.of[k] - along * of_dpdu.of[k];
+    }
+    result.normal_error = radius * sqrt(S(error(along_t, n) + error(along_b, n)));
+    return result;
+  }
+
+ private:
+  static S larger(const S& most, const S& x) {
+    using std::abs;
+    const S size = abs(x);
+    return select(size > most, size, most);
+  }
+
+  std::size_t n_ = 0;
+  typename Fit::Given* given_ = nullptr;
+  Fit fit_;
+};
+
+}  // namespace darboux
