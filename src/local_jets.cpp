@@ -167,6 +167,7 @@ class OneUvFit {
     UvJet result{fitted.jet,           fitted.frame,        fitted.dpdu_error, fitted.dpdv_error,
                  fitted.tangent_error, fitted.normal_error, fitted.condition,  fitted.residual_rms};
     result.jet.position = fitted.jet.position + positions[0];
+    if (has(result.frame.status, Status::no_frame)) result.tangent_error = result.normal_error = nan;
     return result;
   }
 

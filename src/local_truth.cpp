@@ -4,6 +4,7 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <darboux/error.h>
 #include <darboux/local_jets.h>
@@ -86,6 +87,7 @@ class LocalTruth {
     std::size_t begin, end, first_ring_end;
   };
 
+  // Walks all rings anew, which costs little beside a polynomial.
   void gather(Open& open, int ring) {
     rings_.start(open.node, walk_);
     for (int r = 0; r < ring; ++r) rings_.grow(walk_);
@@ -98,6 +100,10 @@ class LocalTruth {
       uvs_.push_back(uv);
     }
     asked.end = uvs_.size();
+    if (asked.end - asked.begin < jet_coefficients(open.degree + 1) + 3) {  // which would not tell the error
+      positions_.resize(asked.begin), uvs_.resize(asked.begin);
+      return;
+    }
     asked.first_ring_end = std::min(asked.begin + walk_.ends[1], asked.end);
     asked_.push_back(asked);
   }

@@ -292,6 +292,58 @@ TEST(LocalJets, WhatDeterminesNothingIsFlagged) {
   }
 }
 
+// Points along a line have partials and no normal, however few they are.
+TEST(UvJets, OfALineHaveNoFrameAndNoErrorOfIt) {
+  Random random(70);
+  for (std::size_t n = jet_coefficients(3); n < 25; ++n) {
+    Patch patch;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto& [u, v] = patch.uvs.emplace_back(random.uniform(-1, 1), random.uniform(-1, 1));
+      patch.points.push_back({0, 0, 1 + u + 0.5 * v});
+    }
+    const UvJet jet = uv_jet(patch.uvs, patch.points, {0, 0});
+    EXPECT_TRUE(has(jet.frame.status, Status::no_frame)) << n;
+    EXPECT_NEAR(jet.jet.dpdu.z, 1, 1e-13 * jet.condition);
+    EXPECT_TRUE(std::isnan(jet.tangent_error) && std::isnan(jet.normal_error)) << n;
+  }
+}
+
+// By powers of two all is exact.
+TEST(UvJets, ErrorsOfDirectionsHaveNoUnit) {
+  Random random(71);
+  Patch patch = random_patch(make_surface(specifications[0]), random, 30, 0.1);
+  add_noise(patch, random, 1e-3);
+  for (auto& uv : patch.uvs) uv = uv - patch.uv;
+  const UvJet jet = uv_jet(patch.uvs, patch.points, {0, 0});
+  ASSERT_GT(jet.normal_error, 1e-4);
+  for (const auto& [of_points, of_uvs] : std::vector<std::pair<int, int>>{{990, 0},
+                                                                          {660, 0},
+                                                                          {-660, 0},
+                                                                          {-990, 0},
+                                                                          {0, 660},
+                                                                          {0, -660},
+                                                                          {660, 660},
+                                                                          {-660, -660},
+                                                                          {-300, 600}}) {
+    Patch scaled = patch;
+    for (auto& p : scaled.points) p = std::ldexp(1.0, of_points) * p;
+    for (auto& uv : scaled.uvs) uv = std::ldexp(1.0, of_uvs) * uv;
+    const UvJet other = uv_jet(scaled.uvs, scaled.points, {0, 0});
+    EXPECT_EQ(other.frame.t, jet.frame.t) << of_points << ' ' << of_uvs;
+    EXPECT_EQ(other.normal_error, jet.normal_error) << of_points << ' ' << of_uvs;
+    EXPECT_EQ(other.tangent_error, jet.tangent_error) << of_points << ' ' << of_uvs;
+    EXPECT_EQ(other.dpdu_error, std::ldexp(jet.dpdu_error, of_points - of_uvs)) << of_points << ' ' << of_uvs;
+    EXPECT_EQ(other.condition, jet.condition);
+  }
+  // An extent that is no normal number is none.
+  for (const bool of_points : {true, false}) {
+    Patch scaled = patch;
+    for (auto& p : scaled.points) p = (of_points ? 1e-310 : 1) * p;
+    for (auto& uv : scaled.uvs) uv = (of_points ? 1 : 1e-310) * uv;
+    expect_nothing(uv_jet(scaled.uvs, scaled.points, {0, 0}), Status::no_frame);
+  }
+}
+
 TEST(LocalJets, WhatDoesNotTellTheErrorHasAnInfiniteOne) {
   Random random(63);
   const AnySurface surface = make_surface(specifications[0]);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,8 @@
 #include <darboux/mesh_classes.h>
 #include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
+
+#include "../src/mesh_frames/rings.h"
 
 namespace darboux {
 namespace {
@@ -158,6 +161,25 @@ TEST(LocalTruth, IsFarBetterThanAverages) {
           error_of([&](std::size_t corner, std::uint32_t) { return frames.corner(corner).t; });
       EXPECT_GE(error, 20 * local) << c.surface << " jitter " << c.jitter << ' ' << method;
     }
+  }
+}
+
+// A walk that was started as often as there are numbers goes on as a new one does; and so does one from the same node again.
+TEST(Rings, WalksStartAnew) {
+  const Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 9, .rows = 7});
+  const Rings rings(mesh);
+  const auto near = [&](std::size_t node, Rings::Walk& walk) {
+    rings.start(static_cast<Index>(node), walk);
+    rings.grow(walk);
+    rings.grow(walk);
+    return walk.near;
+  };
+  for (Index node = 0; node < rings.size(); ++node) {
+    Rings::Walk walk;
+    const std::vector<Index> expected = near(node, walk);
+    walk.starts = std::numeric_limits<Index>::max();
+    near((node + rings.size() / 2) % rings.size(), walk);
+    for (int again = 0; again < 2; ++again) EXPECT_EQ(near(node, walk), expected) << node;
   }
 }
 

@@ -11,6 +11,9 @@
 #include <darboux/catalogue.h>
 #include <darboux/error.h>
 #include <darboux/evaluate.h>
+#include <darboux/local_jets.h>
+#include <darboux/local_truth.h>
+#include <darboux/sample_mesh.h>
 
 #include "refusal_of.h"
 
@@ -93,6 +96,10 @@ TEST(InstructionSets, AreChosenByTheEnvironment) {
   }
   ASSERT_EQ(::setenv("DARBOUX_ISA", "altivec", 1), 0);
   EXPECT_REFUSED(evaluate(Torus{}, points, outputs), "DARBOUX_ISA: 'altivec' is no instruction set");
+  EXPECT_REFUSED(uv_jets({{{0, 0, 0}}, {}, {{0, 0}}}, {.neighbours = 10}),
+                 "DARBOUX_ISA: 'altivec' is no instruction set");
+  EXPECT_REFUSED(local_truth(sample_mesh(make_surface("torus"), {.columns = 9, .rows = 9})),
+                 "DARBOUX_ISA: 'altivec' is no instruction set");
   EXPECT_EQ(
       refusal_of([&] { evaluate(Torus{}, points, outputs, {.instruction_set = InstructionSet::points}); }),
       "accepted");

@@ -104,6 +104,7 @@ TEST(UvJetsInLanes, HaveTheBitsOfOneAmongOddOnes) {
     std::vector<Patch> patches = regular_patches(random, 9);
     patches[4] = odd;
     expect_those_of_one(patches);
+    expect_those_of_one(std::vector<Patch>(19, odd));  // registers of nothing else
   }
 }
 

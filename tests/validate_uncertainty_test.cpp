@@ -13,6 +13,7 @@
 #include <darboux/sample_mesh.h>
 
 #include "random_pose.h"
+#include "refusal_of.h"
 
 namespace darboux {
 namespace {
@@ -156,6 +157,58 @@ TEST(ValidateUncertainty, WhatIsNoNumberIsUnknown) {
       EXPECT_EQ(frame.normal_deg, std::numeric_limits<double>::infinity()) << x;
       EXPECT_EQ(frame.tangent_deg, std::numeric_limits<double>::infinity()) << x;
     }
+  }
+}
+
+// Values come of the surface itself, to the bit; those of many are those of one, whose sizes the compiler does not know.
+TEST(ValidateUncertainty, OfManyIsThatOfOne) {
+  std::mt19937_64 random(53);
+  std::cout << "seed 53\n";
+  std::normal_distribution<double> normal(0, 1);
+  std::vector<Vec2<double>> uvs{{0.3, 0.2},  {0.3, 0},    {0.1, 1},   {0, 0.5},
+                                {0.3, 1e-9}, {0.7, 0.25}, {-0.2, 1.1}};
+  uvs.push_back({std::nan(""), 0.5});
+  const auto root = [&](Eigen::Index n) {
+    return Eigen::MatrixXd(1e-3 * Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(random); }));
+  };
+  for (const std::string_view kind : fitted_kinds())
+    for (const UvConvention& convention : uv_conventions())
+      for (const bool map_is_known : {true, false}) {
+        MeshFit fit{{}, {make_surface(std::string(kind)), random_pose(random, 2), convention}};
+        const auto n = static_cast<Eigen::Index>(fit.surface.surface.parameters().size());
+        const Eigen::MatrixXd factor = root(6 + n + (map_is_known ? 0 : 6));
+        fit.covariance = factor * factor.transpose();
+        const std::vector<Truth> many = truths_at(fit, uvs);
+        for (std::size_t i = 0; i < uvs.size(); ++i) {
+          SCOPED_TRACE(std::string(kind) + ", " + std::string(convention.name) + ", uv " + std::to_string(i));
+          const Truth one = truth_at(fit, uvs[i]), exact = fit.surface.truth(uvs[i]);
+          for (const Truth* other : {&many[i], &exact}) {
+            const auto same = [](const Vec3<double>& a, const Vec3<double>& b) {
+              return a == b || (!detail::finite(a) && !detail::finite(b));
+            };
+            EXPECT_TRUE(same(one.position, other->position) && same(one.normal, other->normal) &&
+                        same(one.tangent, other->tangent) && same(one.bitangent, other->bitangent));
+            EXPECT_EQ(one.status, other->status);
+            EXPECT_EQ(one.pole, other->pole);
+          }
+          // Sums of the same products, perhaps in another order.
+          const auto equal = [](double a, double b) { return a == b || std::fabs(a - b) <= 1e-12 * b; };
+          EXPECT_TRUE(equal(one.normal_deg, many[i].normal_deg))
+              << one.normal_deg << ' ' << many[i].normal_deg;
+          EXPECT_TRUE(equal(one.tangent_deg, many[i].tangent_deg))
+              << one.tangent_deg << ' ' << many[i].tangent_deg;
+        }
+      }
+}
+
+// A covariance of another surface is refused, also where nobody asks for a point.
+TEST(ValidateUncertainty, CovariancesOfAnotherSizeAreRefused) {
+  MeshFit fit{{}, {make_surface("torus")}};
+  for (const Eigen::Index n : {0, 7, 13, 20}) {
+    fit.covariance = Eigen::MatrixXd::Zero(n, n);
+    EXPECT_REFUSED(truths_at(fit, {}), "fit: covariance has " + std::to_string(n) + " rows, permitted are 8");
+    EXPECT_REFUSED(truth_at(fit, {0.3, 0.2}),
+                   "fit: covariance has " + std::to_string(n) + " rows, permitted are 8");
   }
 }
 

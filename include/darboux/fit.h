@@ -85,7 +85,7 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit);
 /// this says. Infinite where first order fails, as in UncertainFrame. Cost: below 1 us for most kinds, at most 10 us.
 /// \throws ParameterError for a fit without a covariance
 Truth truth_at(const MeshFit& fit, const Vec2<double>& stored);
-/// The same at many. Cost: half of that each.
+/// The same at many. Cost: two thirds of that each.
 std::vector<Truth> truths_at(const MeshFit& fit, std::span<const Vec2<double>> stored);
 
 /// The kinds of surface that can be fitted, in the order in which they are tried.

@@ -46,7 +46,7 @@ struct FitCandidate {
 
 /// How far a fitted surface may be from the true one.
 struct SurfaceUncertainty {
-  /// Covariance of δ = (ω, τ, δp): the fitted surface's place and parameters are those of the true one after
+  /// The symmetric covariance of δ = (ω, τ, δp): the fitted surface's place and parameters are those of the true one after
   /// x -> centre + exp(ω) (x - centre) + τ, ω in radians, τ in the units of the points, both along the axes of the
   /// points' space; then the parameters in their order. What the points cannot tell because of a symmetry, lengths
   /// that only bound the patch, and what is held, are fixed by convention: their variance is zero. Where a mesh's uv map was

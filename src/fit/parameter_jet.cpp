@@ -4,6 +4,8 @@
 
 #include <darboux/catalogue.h>
 
+#include "../flatten.h"
+
 namespace darboux {
 namespace {
 
@@ -22,7 +24,7 @@ constexpr bool differentiable =
 // The jet at prepared coordinates, and its derivatives. Flattened, so that those of the second partials, which nobody asks
 // for, are not computed.
 template <class X, class U, class V>
-[[gnu::flatten]] Jet2<double> fill(const X& surface, U u, V v, ParameterJet& by) {
+DARBOUX_FLATTEN Jet2<double> fill(const X& surface, U u, V v, ParameterJet& by) {
   constexpr int n = parameter_count<X>;
   using D = Dual<double, n>;
   auto dual = rebind<D>(surface);

@@ -12,12 +12,7 @@
 
 #include <darboux/scalar.h>
 
-// A kernel has everything inlined; instrumented, that would take minutes to compile.
-#if defined(__SANITIZE_ADDRESS__)
-#define DARBOUX_FLATTEN
-#else
-#define DARBOUX_FLATTEN [[gnu::flatten]]
-#endif
+#include "../flatten.h"
 
 namespace darboux::kernels {
 namespace {

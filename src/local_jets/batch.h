@@ -10,7 +10,7 @@
 
 namespace darboux {
 
-// To the bits of uv_jet(). \throws ParameterError as find_kernels
+// To the bits of uv_jet(); each has a neighbour or more. \throws ParameterError as find_kernels
 void uv_jets(std::span<const kernels::UvNeighbours> of, int degree, bool u_periodic, bool v_periodic,
              std::span<UvJet> results, InstructionSet set = InstructionSet::automatic);
 

@@ -1,6 +1,8 @@
 // P(u, v) as a polynomial through the neighbours of a point, over a number type as in least_squares.h.
 #pragma once
 
+#include <limits>
+
 #include <darboux/frame.h>
 #include <darboux/surface.h>
 
@@ -10,7 +12,7 @@ namespace darboux {
 
 template <class S>
 struct UvFitResult {
-  S sized;  // 1 where the neighbours have an extent in space and in both coordinates; else there is nothing
+  S sized;  // 1 where the neighbours have an extent, not subnormal, in space and in both coordinates; else there is nothing
   S condition, residual_rms;
   Jet2<S> jet;  // its position relative to the origin of the given ones
   Frame<S> frame;
@@ -52,12 +54,11 @@ class UvFit {
       xy = xy + x * y;
       before = before + y * y;
     }
+    const S slope = xy / xx;
     xx = sqrt(xx);
-    xy = xy / xx;
-    const S shear = xy / xx;
     for (std::size_t i = 0; i < n_; ++i) {
       S& y = given_[i].y;
-      y = y - shear * given_[i].x;
+      y = y - slope * given_[i].x;
       yy = yy + y * y;
     }
     yy = sqrt(yy);
@@ -75,15 +76,17 @@ class UvFit {
       given_[i].y = given_[i].y * per_size;
       for (S& value : given_[i].values) value = value * per_radius;
     }
-    result.sized =
-        select(u_size > zero && v_size > zero && radius > zero && yy * S(Fit::worst_condition) > sqrt(before),
-               one, zero);
+    const S infinite(std::numeric_limits<double>::infinity());
+    result.sized = select(per_u < infinite && per_v < infinite && per_radius < infinite &&
+                              yy * S(Fit::worst_condition) > sqrt(before),
+                          one, zero);
     fit_.solve(count, total);
     result.condition = fit_.condition();
     result.residual_rms = radius * fit_.residual_rms();
 
-    const S a00 = per_xx * per_size * per_u, a11 = per_yy * per_size * per_v,
-            a10 = -(xy * per_xx) * per_yy * per_size * per_u;
+    // Without the units of u and v, whose squares may overflow.
+    const S b00 = per_xx * per_size, b11 = per_yy * per_size, b10 = -slope * b11;
+    const S a00 = per_u * b00, a10 = per_u * b10, a11 = per_v * b11;
     Vec3<S> c[Fit::jet];
     for (int k = 0; k < Fit::jet; ++k)
       c[k] = {radius * fit_.coefficient(k, 0), radius * fit_.coefficient(k, 1),
@@ -103,24 +106,25 @@ class UvFit {
       return fit_.error(gain, components);
     };
     const auto length_error = [&](const Gain& gain) {
-      return radius * sqrt(S(error(gain, {one, zero, zero}) + error(gain, {zero, one, zero}) +
-                             error(gain, {zero, zero, one})));
+      return sqrt(S(error(gain, {one, zero, zero}) + error(gain, {zero, one, zero}) +
+                    error(gain, {zero, zero, one})));
     };
-    const Gain of_dpdu = fit_.gain({{zero, a00, a10, zero, zero, zero}}),
-               of_dpdv = fit_.gain({{zero, zero, a11, zero, zero, zero}});
-    result.dpdu_error = length_error(of_dpdu);
-    result.dpdv_error = length_error(of_dpdv);
+    const Gain of_dpdu = fit_.gain({{zero, b00, b10, zero, zero, zero}}),
+               of_dpdv = fit_.gain({{zero, zero, b11, zero, zero, zero}});
+    const S u_unit = radius * per_u, v_unit = radius * per_v;
+    result.dpdu_error = u_unit * length_error(of_dpdu);
+    result.dpdv_error = v_unit * length_error(of_dpdv);
     // δt = (b b·δdpdu + n n·δdpdu)/|dpdu|; δn = -Σ r n·δdp over u and v, with r the gradients of u and v in the surface.
     const Vec3<S>&t = result.frame.t, &b = result.frame.b, &n = result.frame.n;
     const S e = dot(dpdu, t), f = dot(dpdv, t), g = dot(dpdv, b);
-    const S per_e = one / e, per_g = one / g, along = f * per_e * per_g;
-    result.tangent_error = radius * per_e * sqrt(S(error(of_dpdu, b) + error(of_dpdu, n)));
+    const S per_e = u_unit / e, per_g = v_unit / g, shear = f / g;
     Gain along_t, along_b;
     for (int k = 0; k < Fit::M; ++k) {
       along_t.of[k] = per_e * of_dpdu.of[k];
-      along_b.of[k] = per_g * of_dpdv.of[k] - along * of_dpdu.of[k];
+      along_b.of[k] = per_g * of_dpdv.of[k] - shear * along_t.of[k];
     }
-    result.normal_error = radius * sqrt(S(error(along_t, n) + error(along_b, n)));
+    result.tangent_error = sqrt(S(error(along_t, b) + error(along_t, n)));
+    result.normal_error = sqrt(S(error(along_t, n) + error(along_b, n)));
     return result;
   }
 
