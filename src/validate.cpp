@@ -63,6 +63,18 @@ struct Signs {
   }
 
   bool raw() const { return all.raw > all.gltf; }
+  // Of each vertex how many corners have another sign than their island; empty where none has.
+  std::vector<std::uint32_t> wrong(const Mesh& mesh, const MeshClasses& classes) const {
+    if (all.raw == 0 || all.gltf == 0) return {};
+    std::vector<std::uint32_t> result(mesh.positions.size(), 0);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (of_triangle[t] == 0) continue;
+      const bool raw = raw_in(classes.island_of_triangle[t]);
+      for (const std::uint32_t v : mesh.triangles[t])
+        result[v] += (mesh.tangents[v].w == of_triangle[t]) != raw;
+    }
+    return result;
+  }
   // Where both signs hold half the island, the mesh's convention decides.
   bool raw_in(std::int32_t island) const {
     const SignCount& count = islands[static_cast<std::size_t>(island)];
@@ -175,7 +187,7 @@ class Judge {
   }
 
   void judge_corners();
-  Code error_of(std::size_t triangle, std::uint32_t v) const;
+  Code error_of(std::uint32_t v, bool wrong_sign) const;
   void compare_with_neighbours();
   void compare_with_mikktspace();
   void look_at_signs();
@@ -196,8 +208,8 @@ class Judge {
   MeshReport report_;
 };
 
-// The first error that fits a corner.
-Code Judge::error_of(std::size_t triangle, std::uint32_t v) const {
+// The first error that fits a corner of v whose w is of the wrong sign or not.
+Code Judge::error_of(std::uint32_t v, bool wrong_sign) const {
   using enum Code;
   const VertexFacts& f = facts_[v];
   const Angles& a = angles_[v];
@@ -210,9 +222,7 @@ Code Judge::error_of(std::size_t triangle, std::uint32_t v) const {
     if (!f.tangent_unit) return tangent_not_unit;
     if (!f.sign_valid) return tangent_invalid_sign;
     if (!f.orthogonal) return tangent_not_orthogonal;
-    if (const int raw = signs_.of_triangle[triangle];
-        raw != 0 && (mesh_.tangents[v].w == raw) != signs_.raw_in(classes_.island_of_triangle[triangle]))
-      return tangent_handedness;
+    if (wrong_sign) return tangent_handedness;
     if (!pole && is_beyond(a.tangent, tangent_deviation, limit)) return tangent_angle;
   }
   if (!f.normal_finite) return normal_not_finite;
@@ -223,39 +233,50 @@ Code Judge::error_of(std::size_t triangle, std::uint32_t v) const {
   return no_code;
 }
 
+// The corners of a vertex are alike but for the sign of their triangles.
 void Judge::judge_corners() {
   const bool has_tangents = !mesh_.tangents.empty(), local = report_.reference == "local";
   std::array<std::size_t, corner_errors> count{};
   double worst_tangent = 0, worst_normal = 0, pole_worst = 0;
   std::size_t pole_beyond = 0;
-  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-    for (const std::uint32_t v : mesh_.triangles[t]) {
-      const VertexFacts& f = facts_[v];
-      const Angles& a = angles_[v];
-      const Code error = error_of(t, v);
-      if (error != no_code) ++count[static_cast<std::size_t>(error)];
+  const std::vector<std::uint32_t> wrong_signs = signs_.wrong(mesh_, classes_);
+  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+    const std::uint32_t corners = corners_of_[v], wrong = wrong_signs.empty() ? 0 : wrong_signs[v];
+    if (corners == 0) continue;
+    const VertexFacts& f = facts_[v];
+    const Angles& a = angles_[v];
+    std::size_t without_error = 0;
+    for (const bool wrong_sign : {false, true}) {
+      const std::uint32_t alike = wrong_sign ? wrong : corners - wrong;
+      if (alike == 0) continue;
+      const Code error = error_of(v, wrong_sign);
+      if (error == no_code)
+        without_error += alike;
+      else
+        count[static_cast<std::size_t>(error)] += alike;
       if (error == Code::tangent_angle) worst_tangent = std::fmax(worst_tangent, a.tangent);
       if (error == Code::normal_angle) worst_normal = std::fmax(worst_normal, a.normal);
-
-      report_.zero_tangents += has_tangents && f.tangent_zero;
-      report_.non_finite += !f.tangent_finite || !f.normal_finite || !f.position_finite || !f.uv_finite;
-      report_.non_unit += has_tangents && f.has_tangent && !f.tangent_unit;
-      report_.non_orthogonal += !f.orthogonal;
-      const double limit = limit_of(v);
-      if (is_pole(v) && a.tangent > limit) {
-        ++pole_beyond;
-        pole_worst = std::fmax(pole_worst, a.tangent);
-      }
-      if (truth_.empty() || !f.uv_finite) continue;
-      report_.normal_uncertainty_deg.add(truth_[v].normal_deg);
-      report_.tangent_uncertainty_deg.add(truth_[v].tangent_deg);
-      if (is_pole(v)) continue;
-      const bool compared = a.normal >= 0 || a.tangent >= 0;
-      if (!compared && !local) continue;
-      ++judged_;
-      undecided_ += error == no_code && (!compared || is_undecided(a.normal, truth_[v].normal_deg, limit) ||
-                                         is_undecided(a.tangent, truth_[v].tangent_deg, limit));
     }
+    if (has_tangents && f.tangent_zero) report_.zero_tangents += corners;
+    if (!f.tangent_finite || !f.normal_finite || !f.position_finite || !f.uv_finite)
+      report_.non_finite += corners;
+    if (has_tangents && f.has_tangent && !f.tangent_unit) report_.non_unit += corners;
+    if (!f.orthogonal) report_.non_orthogonal += corners;
+    const double limit = limit_of(v);
+    if (is_pole(v) && a.tangent > limit) {
+      pole_beyond += corners;
+      pole_worst = std::fmax(pole_worst, a.tangent);
+    }
+    if (truth_.empty() || !f.uv_finite) continue;
+    report_.normal_uncertainty_deg.add(truth_[v].normal_deg, corners);
+    report_.tangent_uncertainty_deg.add(truth_[v].tangent_deg, corners);
+    if (is_pole(v)) continue;
+    const bool compared = a.normal >= 0 || a.tangent >= 0;
+    if (!compared && !local) continue;
+    judged_ += corners;
+    if (!compared || is_undecided(a.normal, truth_[v].normal_deg, limit) ||
+        is_undecided(a.tangent, truth_[v].tangent_deg, limit))
+      undecided_ += without_error;
   }
   for (std::size_t k = 0; k < corner_errors; ++k) {
     const auto code = static_cast<Code>(k);

@@ -5,14 +5,16 @@
 
 #include <darboux/catalogue.h>
 
+#include "../../flatten.h"
 #include "../../text.h"
 #include "../kinds.h"
 
 namespace darboux {
 namespace {
 
+// Flattened, so that the second derivatives, which nobody asks for, are not computed.
 template <template <class> class Surface>
-void evaluate(const double* parameters, std::span<const Vec2<double>> uvs, UvBlock& block) {
+DARBOUX_FLATTEN void evaluate(const double* parameters, std::span<const Vec2<double>> uvs, UvBlock& block) {
   constexpr auto info = Surface<double>::info;
   constexpr int N = static_cast<int>(Surface<double>::parameters().size());
   using D = Dual<double, N>;
