@@ -146,7 +146,7 @@ struct FromPosition : X {
   auto jet(const PU& u, const PV& v) const {
     using S = std::remove_cvref_t<decltype(X::position(u, v).x)>;
     return detail::jet_by_duals<X::info.u, X::info.v, S>(
-        [this](const auto& a, const auto& b) { return X::position(a, b); }, u, v);
+        [this](const auto& a, const auto& b) { return this->X::position(a, b); }, u, v);
   }
 
   template <class To>

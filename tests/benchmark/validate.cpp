@@ -1,6 +1,7 @@
 // What `darboux validate` costs, as the tables of docs/reports/validate.md, for validate.sh:
 //   benchmark_validate WORK [--quick]
 // WORK is an empty folder. Each measurement is a process of its own: reading, the verdict, the processor's time, the peak of memory.
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -79,14 +80,22 @@ Cost cost_of(const std::string& file, const Judged& judged) {
   });
 }
 
-// The median of several processes, each number by itself.
-Cost typical(const std::string& file, int rounds, const Judged& judged) {
-  std::vector<double> reading, rest, peak;
-  for (int i = 0; i < rounds; ++i) {
-    const Cost cost = cost_of(file, judged);
-    reading.push_back(cost.reading), rest.push_back(cost.rest), peak.push_back(cost.peak);
-  }
-  return {median(reading), median(rest), median(peak)};
+struct Measured {
+  std::string file;
+  Judged judged;
+};
+// The medians of several processes each, every number by itself. All take turns, as a machine can be slow for a while.
+std::vector<Cost> typical(const std::vector<Measured>& measured, int rounds) {
+  std::vector<std::array<std::vector<double>, 3>> costs(measured.size());
+  for (int i = 0; i < rounds; ++i)
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+      const Cost cost = cost_of(measured[k].file, measured[k].judged);
+      costs[k][0].push_back(cost.reading), costs[k][1].push_back(cost.rest), costs[k][2].push_back(cost.peak);
+    }
+  std::vector<Cost> result;
+  for (const auto& [reading, rest, peak] : costs)
+    result.push_back({median(reading), median(rest), median(peak)});
+  return result;
 }
 
 void write_mesh(const std::string& file, const AnySurface& surface, const SampleMeshOptions& options,
@@ -154,10 +163,13 @@ void run(const std::string& work, bool quick) {
   const auto judged = [](const JudgeOptions& options) {
     return [&options](const Mesh& mesh) { judge_parts(mesh, options); };
   };
-  const Cost reading = typical(torus, rounds, [](const Mesh&) {}),
-             mikk = typical(torus, rounds, mikktspace_of),
-             declared = typical(torus, rounds, judged(analytic)), three = typical(torus, rounds, judged(all)),
-             none = typical(bent, rounds, judged(unknown));
+  const std::vector<Cost> costs = typical({{torus, [](const Mesh&) {}},
+                                           {torus, mikktspace_of},
+                                           {torus, judged(analytic)},
+                                           {torus, judged(all)},
+                                           {bent, judged(unknown)}},
+                                          rounds);
+  const Cost &reading = costs[0], &mikk = costs[1], &declared = costs[2], &three = costs[3], &none = costs[4];
 
   std::vector<std::string> files;
   for (const char* name : {"sphere", "torus", "cylinder", "cone"}) {
