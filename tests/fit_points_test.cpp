@@ -1,4 +1,5 @@
 // A surface found in points: exact and noisy, anywhere and at any scale, and points that determine none.
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <numbers>
@@ -248,6 +249,35 @@ TEST_P(FoundKind, IsFoundInAGrid) {
   ASSERT_TRUE(fit.usable) << fit.reason;
   EXPECT_EQ(fit.surface->surface.info().name, GetParam());
   EXPECT_EQ(fit.inliers, cloud.positions.size());
+}
+
+// A turn about its axis changes nothing, exactly or nearly so; all else is known.
+TEST(FitPoints, FindsEllipsoidsOfRevolution) {
+  Random random(90);
+  std::cout << "seed 90\n";
+  for (int repeat = 0; repeat < 40; ++repeat) {
+    const double c = random.uniform(0.4, 2), from = random.uniform(0, 0.3),
+                 noise = repeat % 2 == 0 ? 0 : 1e-9;
+    if (std::fabs(c - 1) < 0.05) continue;  // nearly a sphere
+    const AnySurface truth = make_surface("ellipsoid").with(std::vector{1.0, 1.0, c});
+    PointCloud cloud;
+    for (int i = 0; i < 500; ++i) {
+      const Vec3<double> p = truth.jet(random.uniform(0, 1), random.uniform(from, 1 - from)).position;
+      cloud.positions.push_back(p + noise * Vec3<double>{random.normal(), random.normal(), random.normal()});
+    }
+    for (const char* kind : {"ellipsoid", "auto"}) {
+      const PointFit fit = fit_points(cloud, of_kind(kind));
+      ASSERT_TRUE(fit.usable) << fit.reason << ", semi-axis " << c << ", noise " << noise;
+      ASSERT_EQ(fit.surface->surface.info().name, "ellipsoid");
+      std::vector<double> expected{1, 1, c};
+      std::sort(expected.rbegin(), expected.rend());
+      const std::vector<ParameterValue> found = fit.surface->surface.parameters();
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(found[k].value, expected[k], 1e-12 + 30 * noise) << repeat;
+        EXPECT_LT(fit.standard_errors[k].value, 1e-12 + noise) << repeat;
+      }
+    }
+  }
 }
 
 TEST(FitPoints, TakesAKnownNoise) {

@@ -330,7 +330,9 @@ Found refine(const Search& search, const Lead& lead, bool give_up) {
   for (int k = 0; k < all; ++k)
     if (freedom == all || k != 2) free.push_back(k);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian(free, free));
-  const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-300).cwiseInverse();
+  // Below that is rounding: the turn of an ellipsoid of revolution would spoil what else is known.
+  const double rounding = std::max(0x1p-52 * eigen.eigenvalues().maxCoeff(), 1e-300);
+  const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(rounding).cwiseInverse();
   found.least_known = std::sqrt(inverse[0]);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(all, all);
   covariance(free, free) = noise.sigma * noise.sigma * eigen.eigenvectors() * inverse.asDiagonal() *
