@@ -96,6 +96,13 @@ inline void update_bias(const Noise& noise, PointStates& points) {
   for (std::size_t i = 0; i < points.d.size(); ++i) points.bias[i] = bias(noise.sigma, points.curvature[i]);
 }
 
+inline double root_mean_square_of_bias(const PointStates& points) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < points.bias.size(); ++i)
+    if (points.kept[i]) sum += points.bias[i] * points.bias[i], count += 1;
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
 // A cost function of all points that Ceres sees as few residuals, those of compressed.h over the tangent (rotation vector,
 // shape's parameters).
 //   descend: the weights are fixed: robust, from afar

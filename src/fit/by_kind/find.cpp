@@ -281,6 +281,8 @@ Found refine(const Search& search, const Lead& lead, bool give_up) {
     if (gates == 0) states.kept = states.regular;
     update_bias(noise, states);
     update(noise, states, phase == Phase::descend);
+    // The biases are those of the sigma before; they go with it, and the distances by as much.
+    if (!noise.sigma_known) noise.sigma = std::max(noise.sigma, root_mean_square_of_bias(states));
     if (phase == Phase::descend) weights = inlier_probabilities(states, noise);
     BatchedCost<Shape> cost(phase, search.cloud, model.origin, noise, states, weights);
     const Model<Shape> before = model;
