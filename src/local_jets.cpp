@@ -207,9 +207,6 @@ void check_length(std::size_t size, const char* attribute, const PointCloud& clo
                                   " positions, permitted is one each or none");
 }
 
-// Points of a cloud whose polynomials are found at once.
-constexpr std::size_t at_once = 64;
-
 // fit(some points, the indices of the `count` nearest to each, the results of all) for every point of a cloud; `make()` makes a fit, once a piece.
 template <class Result, class Make>
 std::vector<Result> at_every_point(const PointCloud& cloud, const CloudJetOptions& options,
@@ -234,14 +231,14 @@ std::vector<Result> at_every_point(const PointCloud& cloud, const CloudJetOption
       [&](std::size_t begin, std::size_t end) {
         auto fit = make();
         std::vector<std::size_t> points;
-        std::vector<std::uint32_t> near(k * at_once);
+        std::vector<std::uint32_t> near(k * jets_at_once);
         std::vector<double> squared(k);
         for (std::size_t i = begin; i < end; ++i) {
           if (detail::finite(cloud.positions[i])) {
             tree.nearest(cloud.positions[i], std::span(near).subspan(k * points.size(), k), squared);
             points.push_back(i);
           }
-          if (points.size() < at_once && i + 1 < end) continue;
+          if (points.size() < jets_at_once && i + 1 < end) continue;
           fit(points, near, k, results);
           points.clear();
         }
@@ -276,9 +273,9 @@ void uv_jets(std::span<const kernels::UvNeighbours> of, int degree, bool u_perio
   const kernels::UvJetTable* const table = kernels::find_uv_jets(set);
   with_degree(degree, [&](auto constant) {
     std::optional<OneUvFit<constant>> by_itself;
-    for (std::size_t first = 0; first < of.size(); first += at_once) {
-      const auto some = of.subspan(first, std::min(at_once, of.size() - first));
-      bool done[at_once] = {};
+    for (std::size_t first = 0; first < of.size(); first += jets_at_once) {
+      const auto some = of.subspan(first, std::min(jets_at_once, of.size() - first));
+      bool done[jets_at_once] = {};
       if (table)
         table->of_degree[constant - 2](
             {some.data(), some.size(), u_periodic, v_periodic, &results[first], done});

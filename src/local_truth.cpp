@@ -54,9 +54,6 @@ bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<cons
   return change_u > 2 * norm(jet.dpdu) || change_v > 2 * norm(jet.dpdv);
 }
 
-// Nodes whose polynomials are found at once.
-constexpr std::size_t at_once = 64;
-
 // The truth at some nodes, each from the fewest rings that tell how well they know it; of the finest degree where the first leaves more
 // than that.
 class LocalTruth {
@@ -160,7 +157,7 @@ std::vector<Truth> local_truth(const Mesh& mesh) {
       first[node_of[v]] = v;
       nodes.push_back(node_of[v]);
     }
-    if (nodes.size() < at_once && v + 1 < node_of.size()) continue;
+    if (nodes.size() < jets_at_once && v + 1 < node_of.size()) continue;
     const std::span<const Truth> truths = truth(nodes);
     for (std::size_t k = 0; k < nodes.size(); ++k) result[first[nodes[k]]] = truths[k];
     nodes.clear();

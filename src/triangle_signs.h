@@ -1,4 +1,4 @@
-// Which way a triangle's uvs wind, found once for all that ask.
+// Which way a triangle's uvs wind, found once for all that ask; mesh_classes.cpp has the bodies.
 #pragma once
 
 #include <span>

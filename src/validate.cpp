@@ -63,6 +63,11 @@ struct Signs {
   }
 
   bool raw() const { return all.raw > all.gltf; }
+  // Where both signs hold half the island, the mesh's convention decides.
+  bool raw_in(std::int32_t island) const {
+    const SignCount& count = islands[static_cast<std::size_t>(island)];
+    return count.raw == count.gltf ? raw() : count.raw > count.gltf;
+  }
   // Of each vertex how many corners have another sign than their island; empty where none has.
   std::vector<std::uint32_t> wrong(const Mesh& mesh, const MeshClasses& classes) const {
     if (all.raw == 0 || all.gltf == 0) return {};
@@ -74,11 +79,6 @@ struct Signs {
         result[v] += (mesh.tangents[v].w == of_triangle[t]) != raw;
     }
     return result;
-  }
-  // Where both signs hold half the island, the mesh's convention decides.
-  bool raw_in(std::int32_t island) const {
-    const SignCount& count = islands[static_cast<std::size_t>(island)];
-    return count.raw == count.gltf ? raw() : count.raw > count.gltf;
   }
 };
 

@@ -22,6 +22,13 @@ double nearest_period(double x, bool periodic) {
   return periodic ? x - std::round(x) : x;
 }
 
+// A member over lanes, and where each lane's goes.
+template <class From, class To>
+struct Member {
+  From from;
+  To to;
+};
+
 // Writes a number of each lane to its place in the results.
 template <class Place>
 void put(const UvJetWork& work, std::size_t first, const S& value, const Place& place) {
@@ -34,6 +41,34 @@ void put(const UvJetWork& work, std::size_t first, const Vec3<S>& value, const P
   put(work, first, value.x, [&](UvJet& jet) -> double& { return place(jet).x; });
   put(work, first, value.y, [&](UvJet& jet) -> double& { return place(jet).y; });
   put(work, first, value.z, [&](UvJet& jet) -> double& { return place(jet).z; });
+}
+
+// All of it, regular.
+void put(const UvJetWork& work, std::size_t first, const UvFitResult<S>& result) {
+  using From = Jet2<S>;
+  using To = Jet2<double>;
+  constexpr Member<Vec3<S> From::*, Vec3<double> To::*> of_jet[] = {
+      {&From::position, &To::position}, {&From::dpdu, &To::dpdu},     {&From::dpdv, &To::dpdv},
+      {&From::d2pdu2, &To::d2pdu2},     {&From::d2pduv, &To::d2pduv}, {&From::d2pdv2, &To::d2pdv2}};
+  for (const auto& m : of_jet)
+    put(work, first, result.jet.*m.from, [&m](UvJet& jet) -> Vec3<double>& { return jet.jet.*m.to; });
+  constexpr Member<Vec3<S> Frame<S>::*, Vec3<double> Frame<double>::*> of_frame[] = {
+      {&Frame<S>::t, &Frame<double>::t},
+      {&Frame<S>::b, &Frame<double>::b},
+      {&Frame<S>::n, &Frame<double>::n}};
+  for (const auto& m : of_frame)
+    put(work, first, result.frame.*m.from, [&m](UvJet& jet) -> Vec3<double>& { return jet.frame.*m.to; });
+  using R = UvFitResult<S>;
+  constexpr Member<S R::*, double UvJet::*> numbers[] = {
+      {&R::dpdu_error, &UvJet::dpdu_error},       {&R::dpdv_error, &UvJet::dpdv_error},
+      {&R::tangent_error, &UvJet::tangent_error}, {&R::normal_error, &UvJet::normal_error},
+      {&R::condition, &UvJet::condition},         {&R::residual_rms, &UvJet::residual_rms}};
+  for (const auto& m : numbers)
+    put(work, first, result.*m.from, [&m](UvJet& jet) -> double& { return jet.*m.to; });
+  for (std::size_t k = 0; k < W && first + k < work.count; ++k) {
+    work.results[first + k].frame.handedness = 1;
+    work.results[first + k].frame.status = Status::regular;
+  }
 }
 
 template <int degree>
@@ -75,41 +110,7 @@ DARBOUX_FLATTEN void uv_jets(const UvJetWork& work) {
         (result.sized > S(0) && result.condition < S(UvFit<degree, S>::Fit::worst_condition)).all() &&
         !diverged;
     for (std::size_t k = 0; k < W && first + k < work.count; ++k) work.done[first + k] = good;
-    if (!good) continue;
-    put(
-        work, first, result.jet.position, [](UvJet & jet) -> auto& { return jet.jet.position; });
-    put(
-        work, first, result.jet.dpdu, [](UvJet & jet) -> auto& { return jet.jet.dpdu; });
-    put(
-        work, first, result.jet.dpdv, [](UvJet & jet) -> auto& { return jet.jet.dpdv; });
-    put(
-        work, first, result.jet.d2pdu2, [](UvJet & jet) -> auto& { return jet.jet.d2pdu2; });
-    put(
-        work, first, result.jet.d2pduv, [](UvJet & jet) -> auto& { return jet.jet.d2pduv; });
-    put(
-        work, first, result.jet.d2pdv2, [](UvJet & jet) -> auto& { return jet.jet.d2pdv2; });
-    put(
-        work, first, result.frame.t, [](UvJet & jet) -> auto& { return jet.frame.t; });
-    put(
-        work, first, result.frame.b, [](UvJet & jet) -> auto& { return jet.frame.b; });
-    put(
-        work, first, result.frame.n, [](UvJet & jet) -> auto& { return jet.frame.n; });
-    put(
-        work, first, result.frame.handedness, [](UvJet & jet) -> auto& { return jet.frame.handedness; });
-    put(
-        work, first, result.dpdu_error, [](UvJet & jet) -> auto& { return jet.dpdu_error; });
-    put(
-        work, first, result.dpdv_error, [](UvJet & jet) -> auto& { return jet.dpdv_error; });
-    put(
-        work, first, result.tangent_error, [](UvJet & jet) -> auto& { return jet.tangent_error; });
-    put(
-        work, first, result.normal_error, [](UvJet & jet) -> auto& { return jet.normal_error; });
-    put(
-        work, first, result.condition, [](UvJet & jet) -> auto& { return jet.condition; });
-    put(
-        work, first, result.residual_rms, [](UvJet & jet) -> auto& { return jet.residual_rms; });
-    for (std::size_t k = 0; k < W && first + k < work.count; ++k)
-      work.results[first + k].frame.status = Status::regular;
+    if (good) put(work, first, result);
   }
 }
 

@@ -33,7 +33,7 @@ class LeastSquares {
     S of[M];
   };
 
-  // Of n values; zeros, to be overwritten. What stays zero changes nothing.
+  // Of n values, to be written by the caller. One that is zero with its weight changes nothing.
   Given* resize(std::size_t n) {
     n_ = n;
     rows_ = std::max<std::size_t>(n, columns + 1);
@@ -41,7 +41,6 @@ class LeastSquares {
       given_.resize(rows_);
       system_.resize(rows_ * width);
     }
-    std::fill_n(given_.begin(), n, Given{});
     return given_.data();
   }
 

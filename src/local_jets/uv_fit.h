@@ -24,8 +24,8 @@ class UvFit {
  public:
   using Fit = LeastSquares<degree, 3, S>;
 
-  // Of n neighbours or fewer, to be filled in: the roots of their weights, uvs relative to the query, and positions relative to any
-  // place near it. What stays zero changes nothing.
+  // Of n neighbours, to be written by the caller: the roots of their weights, uvs relative to the query, and positions relative to any
+  // place near it. One that is zero changes nothing.
   auto* resize(std::size_t n) {
     n_ = n;
     return given_ = fit_.resize(n);
