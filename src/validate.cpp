@@ -127,7 +127,7 @@ class Judge {
                         : !subject.mikktspace.empty() && only_mikktspace() ? "mikktspace"
                                                                            : "none";
     report_.handedness = judge_handedness(signs_.all);
-    if (report_.reference == "analytic") report_.inward = faces_inward(mesh_, truth_);
+    if (report_.reference == "analytic" && faces_inward(mesh_, truth_)) report_.inward = mesh_.corners();
   }
 
   MeshReport report() && {
@@ -177,7 +177,7 @@ class Judge {
   void compare() {
     angles_.reserve(mesh_.positions.size());
     for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
-      angles_.push_back(angles_to(truth_, report_.inward, v));
+      angles_.push_back(angles_to(truth_, report_.inward > 0, v));
     report_.classes = class_reports(truth_, [this](std::uint32_t v) { return angles_[v]; });
     if (!options_.keep_errors) return;
     report_.errors_deg.reserve(mesh_.corners());
@@ -458,7 +458,7 @@ void Judge::add_notes() {
                   deviation_text(report_.normal_uncertainty_deg.rms(), 2, " deg rms") + ", tangents to " +
                   deviation_text(report_.tangent_uncertainty_deg.rms(), 2, " deg rms")));
   const std::size_t at_least_one = std::max<std::size_t>(mesh_.corners(), 1);
-  add(report_, finding(Code::normals_inward, report_.inward ? mesh_.corners() : 0));
+  add(report_, finding(Code::normals_inward, report_.inward));
   add(report_, finding(Code::tangent_missing, mesh_.tangents.empty() ? at_least_one : 0,
                        mesh_.normals.empty() ? "" : "; only its normals are judged"));
   add(report_, finding(Code::normal_missing, mesh_.normals.empty() ? at_least_one : 0));

@@ -3,10 +3,12 @@
 /// wrote down. Every float of a glTF keeps its bits.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -44,6 +46,12 @@ struct Primitive {
   /// Its other uv sets, each with its number, where it has tangents and uvs: the tangents may follow one of them. Of a glTF
   /// those of TEXCOORD_0 to TEXCOORD_7.
   std::vector<std::pair<int, std::vector<Vec2<double>>>> other_uvs;
+  /// Whether the material says which set its tangents belong to. Where it does not, any set will do.
+  bool names_uv_set = false;
+  /// KHR_texture_transform of the texture that names the set: uv' = M uv + offset, M row by row, then the offset. Not applied to `data`.
+  std::optional<std::array<double, 6>> texture_transform;
+  /// Indices at the end that are no whole triangle; they are left out.
+  std::size_t leftover_indices = 0;
 };
 
 /// What a morph target of a primitive adds to its vertices at weight 1, one entry a vertex; empty where it adds nothing.

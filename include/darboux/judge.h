@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <darboux/fit.h>
@@ -15,11 +16,25 @@ namespace darboux {
 struct JudgeOptions : ValidateOptions {
   std::optional<SurfaceSpecification> surface;  ///< the kind with its fixed parameters; nothing: recognise it
   std::optional<Eigen::Isometry3d> placement;   ///< where the surface lies; nothing: fit it
+  /// Seconds after which no further surface is looked for; the report then depends on the machine. Nothing: no limit.
+  std::optional<double> budget;
 };
 
+/// Why a surface was recognised, or not: how far the data over-determine it against what else they may be.
+struct Evidence {
+  double log10_odds =
+      0;  ///< of the surface against its rivals; recognised where it is at least evidence_needed
+  std::string
+      rival;  ///< the best other explanation: "polyhedron", "faceted", "authored normals", a kind of surface
+  std::string text;  ///< one sentence for people: what speaks for it, what against
+};
+/// One wrong surface in 10^4 meshes that are none.
+inline constexpr double evidence_needed = 4;
+
 struct Judgement {
-  std::optional<MeshFit> fit;  ///< the nearest surface; nothing where no fit could start
-  MeshReport report;           ///< against fit's surface where it fits
+  std::optional<MeshFit> fit;          ///< the nearest surface; nothing where no fit could start
+  MeshReport report;                   ///< against fit's surface where it fits
+  std::optional<Evidence> evidence{};  ///< where a surface was looked for, none declared
   /// Which of the parts it is, counted from 0; nothing: the whole mesh.
   std::optional<std::size_t> part{};
   /// Of a part: which triangles of the mesh the report's corners are those of, in order. Empty for the whole mesh.

@@ -14,6 +14,12 @@ namespace darboux {
 /// Three vertex indices. The winding order p0, p1, p2 is the file's.
 using Triangle = std::array<std::uint32_t, 3>;
 
+/// Half the steps by which a file rounded each component of an attribute, in the attribute's own units: the true value lies within
+/// that of the stored one. 0: not rounded beyond single precision.
+struct HalfSteps {
+  double position = 0, normal = 0, uv = 0, tangent = 0;
+};
+
 /// Vertices with their attributes and triangles over them. Attributes are double, in which every float of a
 /// file keeps its value; an attribute the mesh lacks is empty, any other has one entry a vertex.
 struct Mesh {
@@ -22,6 +28,7 @@ struct Mesh {
   std::vector<Vec2<double>> uvs;       ///< as stored, unflipped
   std::vector<Vec4<double>> tangents;  ///< unit direction and sign w = ±1, as stored
   std::vector<Triangle> triangles;
+  HalfSteps half_steps{};
 
   std::size_t corners() const { return 3 * triangles.size(); }
 };

@@ -17,9 +17,10 @@
 
 namespace darboux {
 
-enum class Verdict { pass, undetermined, fail };
+/// In the order of how bad they are. nothing: there is nothing to judge, neither triangles nor normals nor tangents.
+enum class Verdict { nothing, pass, undetermined, fail };
 enum class Severity { info, warning, error };
-inline constexpr std::array<std::string_view, 3> verdict_names{"pass", "undetermined", "fail"};
+inline constexpr std::array<std::string_view, 4> verdict_names{"nothing", "pass", "undetermined", "fail"};
 inline constexpr std::array<std::string_view, 3> severity_names{"info", "warning", "error"};
 
 /// A kind of finding: its code, which stays, and what it means. The whole list: finding_kinds().
@@ -67,11 +68,22 @@ struct LocalReport {
   double agreement = 0;
 };
 
+/// The tangents against those of the mesh's own triangles: each corner's triangles span a cone of directions in the plane of its
+/// normal, and any positive average of them lies inside.
+struct TrianglesReport {
+  std::size_t judged = 0;   ///< corners whose triangles span a cone of less than 180 degrees
+  std::size_t outside = 0;  ///< of these, corners whose tangent is farther from the cone than permitted
+  double worst_deg = 0;     ///< the farthest of those outside
+};
+
 /// The mesh against MikkTSpace's tangents of its own positions, normals and uvs, mikktspace.h.
 struct MikkReport {
   /// The share of corners whose stored tangent has MikkTSpace's bits in single precision, w under the one of both sign
   /// conventions that holds at more of them.
   double equal_bits = 0;
+  /// Which MikkTSpace the tangents are of, where nearly all corners agree: "original", to the bit; "sorted edges", to the bit that of
+  /// ports whose edges are all sorted; "reordered sums", the original within the rounding of single precision; else "none".
+  std::string_view variant = "none";
   std::vector<ClassReport> classes;  ///< as MeshReport has them, without normals and deviations
 };
 
@@ -85,17 +97,20 @@ struct Handedness {
 
 struct MeshReport {
   std::size_t corners = 0;
-  /// What decided: "analytic" where a truth was given, else "local" where it was asked for and the mesh has uvs, else
-  /// "mikktspace" where nothing else was asked for, else "none".
+  /// The first of "analytic", "triangles" and "local" that judged any corner; "mikktspace" where nothing else was asked for;
+  /// else "none".
   std::string_view reference = "none";
-  bool inward =
-      false;  ///< most normals and triangles face against the surface's n; all were compared with -n
+  std::size_t inward =
+      0;  ///< corners whose normal and triangles face against the surface's n, compared with -n
+  std::size_t faceted = 0;  ///< corners whose normal is their triangle's, where neighbours turn by more
   Handedness handedness;
   std::size_t zero_tangents = 0, non_unit = 0, non_orthogonal = 0, non_finite = 0;  ///< corners
   std::size_t degenerate_triangles = 0, degenerate_uv_triangles = 0;
   std::vector<ClassReport> classes;  ///< against what decided; empty ones left out
   /// Standard deviations of the truth in degrees over all corners, whatever the mesh stores.
   Spread normal_uncertainty_deg, tangent_uncertainty_deg;
+  std::optional<TrianglesReport>
+      triangles;                         ///< where it was asked for and there are tangents, normals and uvs
   std::optional<LocalReport> local;      ///< where it was asked for and there are uvs
   std::optional<MikkReport> mikktspace;  ///< where it was asked for and there are tangents, normals and uvs
   std::vector<Finding> findings;         ///< errors first
@@ -108,6 +123,7 @@ struct MeshReport {
 /// What a mesh is compared with.
 struct References {
   bool analytic = true;    ///< the surface it was made from, declared or recognised
+  bool triangles = true;   ///< the mesh's own triangles
   bool mikktspace = true;  ///< MikkTSpace's tangents of the mesh's own data
   bool local = true;       ///< polynomials through the mesh's own positions and uvs, with their error
 };

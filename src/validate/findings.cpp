@@ -16,7 +16,7 @@ constexpr std::array kinds{
                 "normalise before writing; undo scale in quantised data"},
     FindingKind{"TANGENT_INVALID_SIGN", error, "w of the tangent is neither +1 nor -1",
                 "write the sign itself, not a product or an interpolated value"},
-    FindingKind{"TANGENT_NOT_ORTHOGONAL", error, "tangents lean on the normal (|t.n| > 0.02)",
+    FindingKind{"TANGENT_NOT_ORTHOGONAL", error, "tangents lean on the normal (|t.n| > 0.26)",
                 "project, t - (t.n) n, then normalise"},
     FindingKind{"TANGENT_HANDEDNESS", error,
                 "w differs from the rest of its uv island: the normal map is mirrored here",
@@ -33,6 +33,26 @@ constexpr std::array kinds{
     FindingKind{"UV_NOT_FINITE", error, "uvs hold NaN or infinity", "repair the source"},
     FindingKind{"SURFACE_MISMATCH", error, "the declared surface does not fit the positions at their uvs",
                 "correct the declaration, or the mesh"},
+    FindingKind{"SURFACE_TANGENT_ANGLE", warning,
+                "tangents point away from the recognised surface's direction of u by more than the limit, at "
+                "too many corners "
+                "for a mistake at a few",
+                "declare the surface (--surface) if it is the right one; else nothing"},
+    FindingKind{"SURFACE_NORMAL_ANGLE", warning,
+                "normals point away from the recognised surface's by more than the limit, at too many "
+                "corners for a mistake "
+                "at a few",
+                "declare the surface (--surface) if it is the right one; else nothing"},
+    FindingKind{"LOCAL_TANGENT_ANGLE", warning,
+                "tangents point away from the direction of u that neighbouring vertices tell by more than "
+                "three times the limit",
+                "compute tangents again if the mesh was changed after them"},
+    FindingKind{
+        "LOCAL_NORMAL_ANGLE", warning,
+        "normals point away from those that neighbouring vertices tell by more than three times the limit",
+        "nothing, if the normals are meant so; else recompute them"},
+    FindingKind{"TANGENT_LEANS", warning, "tangents lean on the normal (0.02 < |t.n| <= 0.26)",
+                "project, t - (t.n) n, then normalise"},
     FindingKind{"TANGENT_NOT_MIKKTSPACE", warning, "tangents differ from MikkTSpace's by more than permitted",
                 "bake and render with the same tangents: darboux tangents writes MikkTSpace's"},
     FindingKind{"TANGENT_AXES", warning, "tangents are those of other axes",
@@ -55,6 +75,9 @@ constexpr std::array kinds{
     FindingKind{"NORMALS_OPPOSE_WINDING", warning,
                 "triangles are wound clockwise as seen along their normals",
                 "reverse the winding, as after baking a mirror"},
+    FindingKind{"INDICES_LEFT_OVER", warning,
+                "the last indices are no whole triangle (counted in indices); the whole triangles are judged",
+                "write three indices per triangle"},
     FindingKind{"REFERENCES_DISAGREE", warning,
                 "the surface's frames and those of the mesh's own positions and uvs differ",
                 "look for ripples, or declare another surface"},
@@ -75,6 +98,15 @@ constexpr std::array kinds{
                 "normals and triangles face the inside of the surface; they were compared with its inward "
                 "normal",
                 "nothing, if the mesh is seen from inside"},
+    FindingKind{"FACETED", info,
+                "normals are those of the triangles (flat shading), and neighbours turn by more than that",
+                "nothing, if it is meant so"},
+    FindingKind{"TANGENT_TEXTURE_TRANSFORM", info,
+                "tangents follow the uvs after KHR_texture_transform, and are judged by them", "nothing"},
+    FindingKind{"TANGENT_UV_SET_USED", info,
+                "the material names no uv set for tangents; they follow another set than the first, and are "
+                "judged by it",
+                "nothing"},
     FindingKind{"TANGENT_MISSING", info, "the mesh stores no tangents",
                 "add them: darboux tangents in.glb -o out.glb"},
     FindingKind{"NORMAL_MISSING", info, "the mesh stores no normals: neither they nor bitangents are judged",
@@ -82,6 +114,10 @@ constexpr std::array kinds{
     FindingKind{"UV_MISSING", info, "the mesh has no uvs, so tangents have no truth", "unwrap it"},
     FindingKind{"SURFACE_UNKNOWN", info, "no surface of the catalogue fits",
                 "judge another kind in C++, with PlacedSurface"},
+    FindingKind{
+        "BUDGET_SPENT", info,
+        "the time for recognising surfaces was spent (--budget); what was not looked at counts as unknown",
+        "raise --budget, or declare the surface"},
     FindingKind{
         "CREASE_SHARED", info,
         "vertices are shared by two surfaces that meet at an angle: no normal or tangent is right for "
