@@ -9,6 +9,7 @@
 #include "triangle_signs.h"
 #include "validate/findings.h"
 #include "validate/parts.h"
+#include "validate/uv_choice.h"
 
 namespace darboux {
 namespace {
@@ -90,24 +91,19 @@ Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options) {
   return result;
 }
 
-// Where the surface is known and its chart is not, the neighbours tell the tangents: theirs, turned into the tangent plane.
-void complete(const Subject& subject, Recognised& recognised) {
-  if (!recognised.fits() || recognised.fit->chart != UvChart::unknown || subject.local.empty()) return;
-  for (std::size_t v = 0; v < recognised.truth.size(); ++v) {
-    Truth& truth = recognised.truth[v];
-    const Truth& local = subject.local[v];
-    const auto along = [&](const Vec3<double>& a) { return unit(a - dot(a, truth.normal) * truth.normal); };
-    truth.tangent = along(local.tangent);
-    truth.bitangent = along(local.bitangent);
-    truth.tangent_deg = local.tangent_deg;
-  }
+// Whose n may be on either side.
+bool is_planar(const AnySurface& surface) {
+  return surface.info().name == "plane" || surface.info().name == "disk";
 }
 
 Judgement judgement_of(const Subject& subject, Recognised recognised, const JudgeOptions& options,
                        bool declared) {
-  complete(subject, recognised);
   const bool fits = recognised.fits();
-  Judgement result{std::move(recognised.fit), judge_subject(subject, recognised.truth, options)};
+  const bool planar = fits && is_planar(recognised.fit->surface.surface);
+  const Basis basis = declared || recognised.declared ? Basis::declared
+                      : planar                        ? Basis::recognised_unsided
+                                                      : Basis::recognised;
+  Judgement result{std::move(recognised.fit), judge_subject(subject, recognised.truth, basis, options)};
   const Mesh& mesh = subject.mesh;
   MeshReport& report = result.report;
   if (mesh.uvs.empty()) add(report, finding(Code::uv_missing, std::max<std::size_t>(mesh.corners(), 1)));
@@ -130,7 +126,7 @@ std::vector<bool> poles(const std::vector<Truth>& truth) {
 }
 
 Judgement judge_whole(Subject subject, Recognised recognised, const JudgeOptions& options) {
-  subject.classes = classify(subject.mesh, poles(recognised.truth), subject.raw_sign);
+  classify_subject(subject, poles(recognised.truth), options);
   return judgement_of(subject, std::move(recognised), options, options.surface.has_value());
 }
 
@@ -209,7 +205,7 @@ std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> par
   for (const RecognisedPart& p : parts)
     for (std::size_t v = 0; v < p.recognised.truth.size(); ++v)
       if (p.recognised.truth[v].pole) is_pole[p.part.vertices[v]] = true;
-  whole.classes = classify(mesh, is_pole, whole.raw_sign);
+  classify_subject(whole, is_pole, options);
   // A vertex of two parts is at a crease of theirs, and no one frame is right there.
   std::vector<std::uint32_t> parts_at(mesh.positions.size(), 0);
   for (const RecognisedPart& p : parts)
@@ -238,10 +234,35 @@ std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> par
   return result;
 }
 
+// Calls judge_as(mesh, options) with the uvs that the tangents follow, and says which they are. Nothing where they are the mesh's.
+template <class JudgeAs>
+std::optional<std::vector<Judgement>> judge_by_other_uvs(const Mesh& mesh, const JudgeOptions& options,
+                                                         const JudgeAs& judge_as) {
+  std::optional<UvChoice> choice = choose_uvs(mesh, options);
+  if (!choice) return std::nullopt;
+  Mesh other = mesh;
+  other.uvs = std::move(choice->uvs);
+  JudgeOptions others = options;
+  others.texture_transform.reset();
+  others.names_uv_set = true;
+  std::vector<Judgement> judgements = judge_as(other, others);
+  const std::size_t corners = std::max<std::size_t>(mesh.corners(), 1);
+  if (choice->transformed) add(judgements.front().report, finding(Code::tangent_texture_transform, corners));
+  if (choice->set) {
+    for (Judgement& j : judgements) j.uv_set = choice->set;
+    add(judgements.front().report,
+        finding(Code::tangent_uv_set_used, corners, ": TEXCOORD_" + std::to_string(*choice->set)));
+  }
+  return judgements;
+}
+
 }  // namespace
 
 Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
   check(mesh, options);
+  if (auto other = judge_by_other_uvs(
+          mesh, options, [](const Mesh& m, const JudgeOptions& o) { return std::vector{judge(m, o)}; }))
+    return std::move(other->front());
   Subject subject = prepare(mesh, options);
   if (!options.references.analytic) return judge_whole(std::move(subject), {}, options);
   Recognised recognised = by_uvs(mesh, options);
@@ -251,6 +272,7 @@ Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
 
 std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options) {
   check(mesh, options);
+  if (auto other = judge_by_other_uvs(mesh, options, judge_parts)) return std::move(*other);
   Subject subject = prepare(mesh, options);
   if (!options.references.analytic) return {judge_whole(std::move(subject), {}, options)};
   Recognised whole = by_uvs(mesh, options);

@@ -110,7 +110,7 @@ std::vector<std::int8_t> signs_of_vertices(const Mesh& mesh, std::span<const sig
 }
 
 // Each vertex that is one, unless it is a pole; the others are interior.
-std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
+std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place, const First& normal,
                                            std::span<const signed char> triangle_sign, double uv_tolerance) {
   std::vector<std::int8_t> sign = signs_of_vertices(mesh, triangle_sign);
   const auto same_chart = [&](std::uint32_t a, std::uint32_t b) {
@@ -118,7 +118,6 @@ std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
            (std::fabs(mesh.uvs[a].x - mesh.uvs[b].x) <= uv_tolerance &&
             std::fabs(mesh.uvs[a].y - mesh.uvs[b].y) <= uv_tolerance && sign[a] * sign[b] >= 0);
   };
-  const First normal = normals(mesh, place);
   std::vector<bool> several_normals(place.size(), false), several_charts(place.size(), false);
   for (std::uint32_t v = 0; v < place.size(); ++v) {
     const std::uint32_t first = normal[v];
@@ -180,19 +179,23 @@ std::vector<signed char> triangle_signs(const Mesh& mesh) {
 }
 
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
-  return classify(mesh, is_pole, triangle_signs(mesh));
+  VertexJoins joins;
+  return classify(mesh, is_pole, triangle_signs(mesh), joins);
 }
 
-MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> sign) {
+MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> sign,
+                     VertexJoins& joins) {
   const std::size_t n = mesh.positions.size();
   std::vector<bool> in_use(n, false);
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t v : triangle) in_use[v] = true;
   const Tolerances tolerance = tolerances(mesh, in_use);
-  const First place = places(mesh, in_use, tolerance.position);
+  joins.position = places(mesh, in_use, tolerance.position);
+  joins.position_and_normal = normals(mesh, joins.position);
+  const First& place = joins.position;
 
   MeshClasses classes;
-  classes.of_vertex = seams_and_creases(mesh, place, sign, tolerance.uv);
+  classes.of_vertex = seams_and_creases(mesh, place, joins.position_and_normal, sign, tolerance.uv);
   std::vector<bool> ring(n, false), border(n, false);
   const auto pole = [&](std::uint32_t v) { return !is_pole.empty() && is_pole[v]; };
   for (const Triangle& triangle : mesh.triangles)

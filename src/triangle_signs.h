@@ -6,12 +6,15 @@
 
 #include <darboux/mesh_classes.h>
 
+#include "vertex_joins.h"
+
 namespace darboux {
 
 // The raw sign of each triangle, 0 without uv area.
 std::vector<signed char> triangle_signs(const Mesh& mesh);
 
-// The public one, with the signs at hand.
-MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> signs);
+// The public one, with the signs at hand. \param joins what it joins on the way is put there
+MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> signs,
+                     VertexJoins& joins);
 
 }  // namespace darboux

@@ -2,6 +2,7 @@
 /// The whole verdict on a mesh in one call: recognise or fit its surface, then validate. Target darboux::fit.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -18,6 +19,12 @@ struct JudgeOptions : ValidateOptions {
   std::optional<Eigen::Isometry3d> placement;   ///< where the surface lies; nothing: fit it
   /// Seconds after which no further surface is looked for; the report then depends on the machine. Nothing: no limit.
   std::optional<double> budget;
+  /// KHR_texture_transform of the texture that reads the tangents, as Primitive has it. Tangents of the plain and of the
+  /// transformed uvs are both accepted: TANGENT_TEXTURE_TRANSFORM says so.
+  std::optional<std::array<double, 6>> texture_transform{};
+  /// Whether the mesh's uv set is the one that its tangents belong to. Where it is not, tangents of another are accepted, and
+  /// TANGENT_UV_SET_USED names it.
+  bool names_uv_set = true;
 };
 
 /// Why a surface was recognised, or not: how far the data over-determine it against what else they may be.
@@ -34,6 +41,7 @@ inline constexpr double evidence_needed = 4;
 struct Judgement {
   std::optional<MeshFit> fit;          ///< the nearest surface; nothing where no fit could start
   MeshReport report;                   ///< against fit's surface where it fits
+  std::optional<int> uv_set{};         ///< the set its tangents follow, where that is not the mesh's own
   std::optional<Evidence> evidence{};  ///< where a surface was looked for, none declared
   /// Which of the parts it is, counted from 0; nothing: the whole mesh.
   std::optional<std::size_t> part{};

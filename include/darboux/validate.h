@@ -26,7 +26,7 @@ inline constexpr std::array<std::string_view, 3> severity_names{"info", "warning
 /// A kind of finding: its code, which stays, and what it means. The whole list: finding_kinds().
 struct FindingKind {
   std::string_view code;
-  Severity severity;
+  Severity severity;  ///< of the sure case; on weaker evidence the same code is a warning
   std::string_view message;  ///< what is wrong, in plain words
   std::string_view to_do;    ///< what to do about it
 };
@@ -118,6 +118,7 @@ struct MeshReport {
   /// corner, the angle in degrees of the tangent, or of the normal where there are no tangents. NaN where nothing is compared.
   std::vector<float> errors_deg;
   Verdict verdict = Verdict::undetermined;
+  Verdict without_errors = Verdict::undetermined;  ///< what the verdict would be if no finding were an error
 };
 
 /// What a mesh is compared with.

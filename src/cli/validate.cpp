@@ -13,7 +13,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> files;
-  std::string surface = "auto", placement = "fit", reference = "analytic,mikktspace,local";
+  std::string surface = "auto", placement = "fit", reference = "analytic,triangles,local,mikktspace";
   double max_angle = 5;
   bool findings = false, details = false;
   std::vector<std::string> fail_on;
@@ -43,10 +43,12 @@ Eigen::Isometry3d parse_placement(const std::string& text) {
 }
 
 References parse_references(const std::string& text) {
-  References result{false, false, false};
+  References result{false, false, false, false};
   for (const std::string& name : split(text, ',')) {
     if (name == "analytic")
       result.analytic = true;
+    else if (name == "triangles")
+      result.triangles = true;
     else if (name == "mikktspace")
       result.mikktspace = true;
     else if (name == "local")

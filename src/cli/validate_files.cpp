@@ -112,6 +112,8 @@ void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector
       for (Primitive& primitive : asset.primitives) {
         JudgeOptions with_uvs = options;
         with_uvs.other_uvs = primitive.other_uvs;
+        with_uvs.names_uv_set = primitive.names_uv_set;
+        with_uvs.texture_transform = primitive.texture_transform;
         std::vector<Judgement> judgements = judge_parts(primitive.data, with_uvs);
         add_node_findings(primitive, judgements.front().report);
         for (Judgement& j : judgements) {

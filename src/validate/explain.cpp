@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
@@ -16,6 +17,8 @@ namespace darboux {
 namespace {
 
 constexpr std::size_t most_samples = 4096, least_samples = 10;
+// Normals of a map have no error of discretisation; eight unknowns fit a few of them whatever they are.
+constexpr std::size_t least_normals = 50;
 constexpr double most = 0.9, explained_below = 0.8;
 
 struct Pair {
@@ -28,7 +31,7 @@ double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
   return 180 / std::numbers::pi * angle_between(a, b);
 }
 
-std::vector<Pair> samples_of(const Subject& subject, std::span<const signed char> raw_sign,
+std::vector<Pair> samples_of(const Subject& subject,
                              const std::function<Directions(std::size_t)>& reference) {
   const Mesh& mesh = subject.mesh;
   const std::size_t step = (mesh.corners() + most_samples - 1) / most_samples;
@@ -41,7 +44,7 @@ std::vector<Pair> samples_of(const Subject& subject, std::span<const signed char
         !detail::finite(d.b) || subject.classes.of_vertex[v] == VertexClass::pole)
       continue;
     const Vec3<double> along = unit(d.t), across = unit(d.b - dot(d.b, along) * along);
-    samples.push_back({c, unit(t.xyz()), along, across, t.w, static_cast<double>(raw_sign[c / 3])});
+    samples.push_back({c, unit(t.xyz()), along, across, t.w, static_cast<double>(subject.raw_sign[c / 3])});
   }
   return samples;
 }
@@ -101,9 +104,9 @@ bool explained_by_uv_set(const Subject& subject, const std::vector<Pair>& sample
   return false;
 }
 
-// The linear map M that takes the stored tangents to the reference's, up to their length: the least of sum |T x M t|² at
-// |M| = 1.
-void explain_by_map(const std::vector<Pair>& samples, double limit, std::size_t corners, MeshReport& report) {
+// The linear map M that takes the stored vectors to the reference's t, up to their length: the least of sum |T x M t|² at
+// |M| = 1. \returns what it does, where it explains nearly all
+std::optional<std::string> explaining_map(const std::vector<Pair>& samples, double limit) {
   Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
   for (const Pair& s : samples) {
     const Eigen::Vector3d t = to_eigen(s.stored), to = to_eigen(s.t);
@@ -114,9 +117,9 @@ void explain_by_map(const std::vector<Pair>& samples, double limit, std::size_t 
     sum += by.transpose() * by / static_cast<double>(samples.size());
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(sum);
-  // Tangents in one plane leave M open.
+  // Vectors in one plane leave M open.
   constexpr double told = 1e-3;
-  if (!(solver.eigenvalues()[1] > told)) return;
+  if (!(solver.eigenvalues()[1] > told)) return std::nullopt;
   const Eigen::Matrix<double, 9, 1> column = solver.eigenvectors().col(0);
   Eigen::Matrix3d m = Eigen::Map<const Eigen::Matrix3d>(column.data());
   double along = 0;
@@ -125,32 +128,51 @@ void explain_by_map(const std::vector<Pair>& samples, double limit, std::size_t 
   std::size_t within = 0;
   for (const Pair& s : samples)
     within += angle_deg(s.t, from_eigen(Eigen::Vector3d(m * to_eigen(s.stored)))) <= limit;
-  if (static_cast<double>(within) < most * static_cast<double>(samples.size())) return;
+  if (static_cast<double>(within) < most * static_cast<double>(samples.size())) return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m);
   const Eigen::Vector3d scale = svd.singularValues() / svd.singularValues()[2];
-  if (!(scale[0] < 1e3)) return;
+  if (!(scale[0] < 1e3)) return std::nullopt;
   const bool even = scale[0] < 1.01;
-  add(report,
-      finding(Code::tangent_stale, corners,
-              ": by a map that " +
-                  (even ? std::string("turns")
-                        : "scales as " + rounded(scale[0], 3) + " : " + rounded(scale[1], 3) + " : 1") +
-                  (m.determinant() < 0 ? " and mirrors" : "")));
+  return ": by a map that " +
+         (even ? std::string("turns")
+               : "scales as " + rounded(scale[0], 3) + " : " + rounded(scale[1], 3) + " : 1") +
+         (m.determinant() < 0 ? " and mirrors" : "");
 }
 
 }  // namespace
 
-void explain(const Subject& subject, std::span<const signed char> raw_sign,
-             const std::function<Directions(std::size_t)>& reference, const ValidateOptions& options,
-             MeshReport& report) {
+bool explain_tangents(const Subject& subject, const std::function<Directions(std::size_t)>& reference,
+                      const ValidateOptions& options, MeshReport& report) {
   const double limit = options.max_angle_deg;
   const std::size_t corners = subject.mesh.corners();
-  const std::vector<Pair> samples = samples_of(subject, raw_sign, reference);
-  if (samples.size() < least_samples) return;
-  if (share_within(samples, limit, [](const Pair& s) { return s.t; }) >= explained_below) return;
-  if (explained_by_uv_set(subject, samples, options, report)) return;
-  if (explained_by_axes(samples, limit, corners, report)) return;
-  explain_by_map(samples, limit, corners, report);
+  const std::vector<Pair> samples = samples_of(subject, reference);
+  if (samples.size() < least_samples) return false;
+  if (share_within(samples, limit, [](const Pair& s) { return s.t; }) >= explained_below) return false;
+  if (explained_by_uv_set(subject, samples, options, report)) return true;
+  if (explained_by_axes(samples, limit, corners, report)) return true;
+  const std::optional<std::string> map = explaining_map(samples, limit);
+  if (map) add(report, finding(Code::tangent_stale, corners, *map));
+  return map.has_value();
+}
+
+bool explain_normals(const Subject& subject, const Accurate& accurate, const ValidateOptions& options,
+                     MeshReport& report) {
+  const Mesh& mesh = subject.mesh;
+  const double limit = options.max_angle_deg;
+  const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
+  std::vector<Pair> samples;
+  for (std::size_t v = 0; v < mesh.positions.size(); v += step) {
+    const auto vertex = static_cast<std::uint32_t>(v);
+    if (accurate.normal(vertex) == Claim::none) continue;
+    const Vec3<double>& n = accurate.truth(vertex).normal;
+    samples.push_back({v, unit(mesh.normals[v]), accurate.inward(vertex) ? -n : n, {}, 1, 1});
+  }
+  if (samples.size() < least_samples) return false;
+  if (share_within(samples, limit, [](const Pair& s) { return -s.t; }) >= most) return true;
+  if (samples.size() < least_normals) return false;
+  const std::optional<std::string> map = explaining_map(samples, limit / 5);
+  if (map) add(report, finding(Code::normal_stale, mesh.corners(), *map));
+  return map.has_value();
 }
 
 }  // namespace darboux

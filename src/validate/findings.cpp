@@ -16,44 +16,25 @@ constexpr std::array kinds{
                 "normalise before writing; undo scale in quantised data"},
     FindingKind{"TANGENT_INVALID_SIGN", error, "w of the tangent is neither +1 nor -1",
                 "write the sign itself, not a product or an interpolated value"},
-    FindingKind{"TANGENT_NOT_ORTHOGONAL", error, "tangents lean on the normal (|t.n| > 0.26)",
+    FindingKind{"TANGENT_NOT_ORTHOGONAL", error,
+                "tangents lean on the normal (|t.n| > 0.26; from 0.02 a warning)",
                 "project, t - (t.n) n, then normalise"},
     FindingKind{"TANGENT_HANDEDNESS", error,
                 "w differs from the rest of its uv island: the normal map is mirrored here",
                 "compute w from the sign of the uv area; split vertices where uvs are mirrored"},
-    FindingKind{"TANGENT_ANGLE", error, "tangents point away from the true direction by more than permitted",
+    FindingKind{"TANGENT_ANGLE", error, "tangents point away from the true direction by more than the limit",
                 "see whether tangents belong to another uv set, or were computed before the uvs or normals "
                 "were changed"},
     FindingKind{"NORMAL_NOT_FINITE", error, "normals hold NaN or infinity",
                 "look for triangles without area"},
     FindingKind{"NORMAL_NOT_UNIT", error, "normals are not of unit length", "normalise before writing"},
-    FindingKind{"NORMAL_ANGLE", error, "normals point away from the true direction by more than permitted",
+    FindingKind{"NORMAL_ANGLE", error, "normals point away from the true direction by more than the limit",
                 "transform normals by the inverse transpose; recompute after deforming"},
     FindingKind{"POSITION_NOT_FINITE", error, "positions hold NaN or infinity", "repair the source"},
     FindingKind{"UV_NOT_FINITE", error, "uvs hold NaN or infinity", "repair the source"},
     FindingKind{"SURFACE_MISMATCH", error, "the declared surface does not fit the positions at their uvs",
                 "correct the declaration, or the mesh"},
-    FindingKind{"SURFACE_TANGENT_ANGLE", warning,
-                "tangents point away from the recognised surface's direction of u by more than the limit, at "
-                "too many corners "
-                "for a mistake at a few",
-                "declare the surface (--surface) if it is the right one; else nothing"},
-    FindingKind{"SURFACE_NORMAL_ANGLE", warning,
-                "normals point away from the recognised surface's by more than the limit, at too many "
-                "corners for a mistake "
-                "at a few",
-                "declare the surface (--surface) if it is the right one; else nothing"},
-    FindingKind{"LOCAL_TANGENT_ANGLE", warning,
-                "tangents point away from the direction of u that neighbouring vertices tell by more than "
-                "three times the limit",
-                "compute tangents again if the mesh was changed after them"},
-    FindingKind{
-        "LOCAL_NORMAL_ANGLE", warning,
-        "normals point away from those that neighbouring vertices tell by more than three times the limit",
-        "nothing, if the normals are meant so; else recompute them"},
-    FindingKind{"TANGENT_LEANS", warning, "tangents lean on the normal (0.02 < |t.n| <= 0.26)",
-                "project, t - (t.n) n, then normalise"},
-    FindingKind{"TANGENT_NOT_MIKKTSPACE", warning, "tangents differ from MikkTSpace's by more than permitted",
+    FindingKind{"TANGENT_NOT_MIKKTSPACE", warning, "tangents differ from MikkTSpace's by more than the limit",
                 "bake and render with the same tangents: darboux tangents writes MikkTSpace's"},
     FindingKind{"TANGENT_AXES", warning, "tangents are those of other axes",
                 "swap or negate the axes where the tangents or uvs are written"},
@@ -62,6 +43,9 @@ constexpr std::array kinds{
     FindingKind{
         "TANGENT_STALE", warning, "tangents are those of the mesh before its positions were transformed",
         "transform tangents by M, normals by its inverse transpose, w by the sign of its determinant"},
+    FindingKind{"NORMAL_STALE", warning,
+                "normals were not taken along a linear map of the positions, or were taken as positions are",
+                "transform normals by the inverse transpose of the map"},
     FindingKind{"TANGENT_HANDEDNESS_CONVENTION", warning,
                 "w is MikkTSpace's raw sign, and glTF's is its opposite",
                 "negate w in glTF files; readers of the raw convention leave it as it is"},
@@ -149,6 +133,12 @@ std::span<const FindingKind> finding_kinds() {
 Finding finding(Code code, std::size_t count, const std::string& more) {
   const FindingKind& kind = kinds[static_cast<std::size_t>(code)];
   return {kind.code, kind.severity, count, std::string(kind.message) + more, kind.to_do};
+}
+
+Finding warning(Code code, std::size_t count, const std::string& more) {
+  Finding result = finding(code, count, more);
+  result.severity = Severity::warning;
+  return result;
 }
 
 void add(MeshReport& report, Finding finding) {

@@ -23,15 +23,11 @@ enum class Code : std::size_t {
   position_not_finite,
   uv_not_finite,
   surface_mismatch,
-  surface_tangent_angle,
-  surface_normal_angle,
-  local_tangent_angle,
-  local_normal_angle,
-  tangent_leans,
   tangent_not_mikktspace,
   tangent_axes,
   tangent_uv_set,
   tangent_stale,
+  normal_stale,
   handedness_convention,
   handedness_mixed,
   vertex_across_mirror,
@@ -61,6 +57,8 @@ inline constexpr std::size_t corner_errors = 12;
 
 // The finding with its message, and more about this case after it.
 Finding finding(Code code, std::size_t count, const std::string& more = {});
+// The same where the evidence is too weak for an error.
+Finding warning(Code code, std::size_t count, const std::string& more = {});
 
 // Adds it behind all that are as severe; nothing where count is 0.
 void add(MeshReport& report, Finding finding);

@@ -65,19 +65,33 @@ Part part_of(const Mesh& whole, std::vector<std::uint32_t> triangles) {
   take(whole.normals, part.mesh.normals);
   take(whole.uvs, part.mesh.uvs);
   take(whole.tangents, part.mesh.tangents);
+  part.mesh.half_steps = whole.half_steps;
   return part;
 }
 
 Subject restrict_to(const Subject& whole, const Part& part) {
-  Subject subject{part.mesh, {}, {}, {}, {}, {}};
+  Subject subject{.mesh = part.mesh};
+  subject.normals.all_oppose = whole.normals.all_oppose;
+  subject.cones = whole.cones.restricted_to(part.vertices);
+  const bool normals = !whole.mesh.normals.empty();
   for (const std::uint32_t v : part.vertices) {
     subject.classes.of_vertex.push_back(whole.classes.of_vertex[v]);
     subject.across_mirror.push_back(whole.across_mirror[v]);
+    subject.has_uv_area.push_back(whole.has_uv_area[v]);
+    if (normals) {
+      subject.normals.unsupported.push_back(whole.normals.unsupported[v]);
+      subject.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);
+    }
     if (!whole.local.empty()) subject.local.push_back(whole.local[v]);
   }
   std::unordered_map<std::int32_t, std::int32_t> island;
   for (const std::uint32_t t : part.triangles) {
     subject.raw_sign.push_back(whole.raw_sign[t]);
+    if (normals) {
+      subject.normals.faceted.push_back(whole.normals.faceted[t]);
+      subject.normals.opposing += whole.normals.opposes[t] ? 3 : 0;
+      subject.normals.opposes.push_back(whole.normals.opposes[t]);
+    }
     const std::int32_t of_whole = whole.classes.island_of_triangle[t];
     const auto next = static_cast<std::int32_t>(island.size());
     subject.classes.island_of_triangle.push_back(

@@ -1,6 +1,7 @@
-// What is wrong with a vertex in itself, and how far its frame is from a truth.
+// Angles between what is stored and a truth, and their statistics by class.
 #pragma once
 
+#include <array>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -8,30 +9,28 @@
 #include <darboux/placed_surface.h>
 #include <darboux/validate.h>
 
+#include "sound.h"
+
 namespace darboux {
 
 inline constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
-// What is the same for every corner of a vertex.
-struct VertexFacts {
-  bool position_finite = true, uv_finite = true, normal_finite = true, normal_unit = true;
-  bool has_normal = false;   // finite and not zero
-  bool has_tangent = false;  // likewise
-  bool tangent_finite = true, tangent_zero = false, tangent_unit = true, sign_valid = true, orthogonal = true;
-};
-VertexFacts stored_facts(const Mesh& mesh, std::uint32_t v);
-
 // Degrees between what is stored and a truth; negative where there is nothing to compare.
 struct Angles {
   double normal = -1, tangent = -1, bitangent = -1;
+  double projected_tangent = -1;  // of the tangent made square to the stored normal, which is what readers do
 };
 
-// \param raw the sign convention of the stored w
-Angles angles(const Mesh& mesh, std::uint32_t v, const VertexFacts& facts, const Truth& truth, bool inward,
+// \param inward whether to compare with -n \param raw the sign convention of the stored w
+Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, const Truth& truth, bool inward,
               bool raw);
 
-// A mesh seen from inside, compared with -n: at most corners the normal and the winding both oppose the surface's n.
-bool faces_inward(const Mesh& mesh, std::span<const Truth> truth);
+// Vertices seen from inside, to be compared with -n: where the normal and the winding both oppose the surface's n at most of
+// their corners. Of a plate with two sides each side is compared with its own.
+std::vector<bool> inward_vertices(const Mesh& mesh, std::span<const Truth> truth);
+
+// Vertices whose normal opposes the surface's n, whatever the winding.
+std::vector<bool> opposed_vertices(const Mesh& mesh, std::span<const Truth> truth);
 
 // Statistics of angles by class. Add each vertex with the number of its corners, or each corner.
 class ClassSums {

@@ -1,4 +1,4 @@
-#include "facts.h"
+#include "angles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,64 +6,47 @@
 #include <darboux/frame.h>
 
 namespace darboux {
-namespace {
 
-constexpr double unit_tolerance = 0.0005;      // of |t|², as the Khronos glTF validator
-constexpr double orthogonal_tolerance = 0.02;  // of t·n
-
-bool is_unit(const Vec3<double>& a) {
-  return std::fabs(1 - dot(a, a)) <= unit_tolerance;
-}
-
-}  // namespace
-
-VertexFacts stored_facts(const Mesh& mesh, std::uint32_t v) {
-  VertexFacts f{.position_finite = detail::finite(mesh.positions[v])};
-  if (!mesh.uvs.empty()) f.uv_finite = std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);
-  if (!mesh.normals.empty()) {
-    f.normal_finite = detail::finite(mesh.normals[v]);
-    f.normal_unit = is_unit(mesh.normals[v]);
-    f.has_normal = f.normal_finite && mesh.normals[v] != Vec3<double>{};
-  }
-  if (!mesh.tangents.empty()) {
-    const Vec4<double>& t = mesh.tangents[v];
-    f.tangent_finite = detail::finite(t.xyz()) && std::isfinite(t.w);
-    f.tangent_zero = t.xyz() == Vec3<double>{};
-    f.has_tangent = f.tangent_finite && !f.tangent_zero;
-    f.tangent_unit = is_unit(t.xyz());
-    f.sign_valid = t.w == 1 || t.w == -1;
-    if (!mesh.normals.empty() && f.normal_finite && f.tangent_finite)
-      f.orthogonal = std::fabs(dot(t.xyz(), mesh.normals[v])) <= orthogonal_tolerance;
-  }
-  return f;
-}
-
-Angles angles(const Mesh& mesh, std::uint32_t v, const VertexFacts& facts, const Truth& truth, bool inward,
+Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, const Truth& truth, bool inward,
               bool raw) {
   Angles result;
-  if (!facts.uv_finite || !detail::finite(truth.normal)) return result;
-  if (facts.has_normal)
+  if (!checks.uv_finite || !detail::finite(truth.normal)) return result;
+  if (checks.has_normal)
     result.normal =
         degrees_per_radian * angle_between(mesh.normals[v], inward ? -truth.normal : truth.normal);
-  if (!facts.has_tangent || !detail::finite(truth.tangent)) return result;
+  if (!checks.has_tangent || !detail::finite(truth.tangent)) return result;
   const Vec4<double>& t = mesh.tangents[v];
-  result.tangent = degrees_per_radian * angle_between(t.xyz(), truth.tangent);
-  if (facts.has_normal && facts.sign_valid)
+  result.tangent = result.projected_tangent = degrees_per_radian * angle_between(t.xyz(), truth.tangent);
+  constexpr double orthogonal = 1e-4;  // which turns a projection by less than a hundredth of a degree
+  if (const Vec3<double> n = checks.has_normal ? mesh.normals[v] : Vec3<double>{};
+      std::fabs(dot(t.xyz(), n)) > orthogonal)
+    result.projected_tangent =
+        degrees_per_radian * angle_between(t.xyz() - (dot(t.xyz(), n) / dot(n, n)) * n, truth.tangent);
+  if (checks.has_normal && checks.sign_valid)
     result.bitangent = degrees_per_radian *
                        angle_between((raw ? t.w : -t.w) * cross(mesh.normals[v], t.xyz()), truth.bitangent);
   return result;
 }
 
-bool faces_inward(const Mesh& mesh, std::span<const Truth> truth) {
-  std::size_t against = 0;
-  if (mesh.normals.empty()) return false;
+std::vector<bool> inward_vertices(const Mesh& mesh, std::span<const Truth> truth) {
+  std::vector<bool> inward(mesh.positions.size(), false);
+  if (mesh.normals.empty()) return inward;
+  std::vector<std::int32_t> against(mesh.positions.size(), 0);  // less those that agree
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vec3<double> face =
         cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
     for (const std::uint32_t v : {a, b, c})
-      against += dot(mesh.normals[v], truth[v].normal) < 0 && dot(face, truth[v].normal) < 0;
+      against[v] += dot(mesh.normals[v], truth[v].normal) < 0 && dot(face, truth[v].normal) < 0 ? 1 : -1;
   }
-  return 2 * against > mesh.corners();
+  for (std::size_t v = 0; v < inward.size(); ++v) inward[v] = against[v] > 0;
+  return inward;
+}
+
+std::vector<bool> opposed_vertices(const Mesh& mesh, std::span<const Truth> truth) {
+  std::vector<bool> opposed(mesh.positions.size(), false);
+  for (std::size_t v = 0; v < mesh.normals.size(); ++v)
+    opposed[v] = dot(mesh.normals[v], truth[v].normal) < 0;
+  return opposed;
 }
 
 void ClassSums::add(VertexClass vertex_class, std::uint32_t vertex, std::uint32_t corners,

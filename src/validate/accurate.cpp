@@ -1,0 +1,53 @@
+#include "accurate.h"
+
+namespace darboux {
+
+Claim claim_of(double angle, double deviation, double limit) {
+  if (!(angle >= 0)) return Claim::none;
+  if (angle - certain * deviation > limit) return Claim::beyond;
+  return angle + certain * deviation <= limit ? Claim::within : Claim::none;
+}
+
+double limit_of(VertexClass vertex_class, double max_angle_deg) {
+  return (vertex_class == VertexClass::interior ? 1 : 3) * max_angle_deg;
+}
+
+Accurate::Accurate(const Subject& subject, std::span<const VertexChecks> checks,
+                   std::span<const std::uint32_t> corners_of, std::span<const Truth> truth, Basis basis,
+                   bool raw, double max_angle_deg)
+    : truth_(truth), basis_(basis) {
+  const Mesh& mesh = subject.mesh;
+  const std::size_t n = mesh.positions.size();
+  if (truth.empty()) return;
+  inward_ = basis == Basis::recognised_unsided ? opposed_vertices(mesh, truth) : inward_vertices(mesh, truth);
+  angles_.resize(n);
+  normals_.assign(n, Claim::none), tangents_.assign(n, Claim::none);
+  struct {
+    std::size_t compared = 0, beyond = 0;
+    void add(Claim claim, std::size_t corners) {
+      if (claim != Claim::none) compared += corners;
+      if (claim == Claim::beyond) beyond += corners;
+    }
+    double agree() const {
+      return compared == 0 ? 1 : static_cast<double>(compared - beyond) / static_cast<double>(compared);
+    }
+  } all_normals, all_tangents;
+  // Flat shading is deliberate; on a plane it is no other than smooth shading.
+  const std::vector<bool>& faceted = subject.normals.faceted_vertices;
+  const bool leave_out_faceted = basis == Basis::recognised && !faceted.empty();
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (corners_of[v] == 0 || (leave_out_faceted && faceted[v])) continue;
+    const Angles& a = angles_[v] = darboux::angles(mesh, v, checks[v], truth[v], inward_[v], raw);
+    const VertexClass vertex_class = subject.classes.of_vertex[v];
+    if (vertex_class == VertexClass::pole) continue;
+    const double limit = limit_of(vertex_class, max_angle_deg);
+    normals_[v] = claim_of(a.normal, truth[v].normal_deg, limit);
+    tangents_[v] = claim_of(a.projected_tangent, truth[v].tangent_deg, limit);
+    all_normals.add(normals_[v], corners_of[v]);
+    all_tangents.add(tangents_[v], corners_of[v]);
+  }
+  normals_agree_ = all_normals.agree();
+  tangents_agree_ = all_tangents.agree();
+}
+
+}  // namespace darboux

@@ -1,0 +1,60 @@
+// Question 3, accurate: are normals and tangents those of a known surface?
+//
+// What it may claim. A corner farther from the surface's frame than the limit, by more than three standard deviations of the
+// truth, is wrong where the surface was declared. Where it was only recognised, the surface may be the wrong one: a corner is an
+// error only where at least 80 % of the part agree with the surface (normals and tangents counted apart), or where a named mistake
+// explains the rest; else it is a warning, and question 2 decides. From what evidence: the surface's truth at each vertex. At
+// poles, where no direction is right for every texture, and of faceted normals on a recognised surface, nothing is claimed.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "angles.h"
+#include "claim.h"
+#include "subject.h"
+
+namespace darboux {
+
+inline constexpr double certain = 3;  // standard deviations
+
+// An angle that is known to a standard deviation against its limit; negative: nothing is compared.
+Claim claim_of(double angle, double deviation, double limit);
+
+class Accurate {
+ public:
+  Accurate() = default;
+  // \param truth of the surface at each vertex; empty: none is known, and nothing is claimed
+  Accurate(const Subject& subject, std::span<const VertexChecks> checks,
+           std::span<const std::uint32_t> corners_of, std::span<const Truth> truth, Basis basis, bool raw,
+           double max_angle_deg);
+
+  bool known() const { return !truth_.empty(); }
+  bool declared() const { return basis_ == Basis::declared; }
+  const Truth& truth(std::uint32_t v) const { return truth_[v]; }
+  std::span<const Truth> truths() const { return truth_; }
+  const Angles& angles(std::uint32_t v) const { return angles_[v]; }
+  bool inward(std::uint32_t v) const { return inward_[v]; }
+  Claim normal(std::uint32_t v) const { return normals_[v]; }
+  Claim tangent(std::uint32_t v) const { return tangents_[v]; }
+
+  // The share of corners that agree, of those compared; 1 where none is.
+  double normals_agree() const { return normals_agree_; }
+  double tangents_agree() const { return tangents_agree_; }
+  // Whether what is beyond is an error. \param explained by a named mistake
+  bool decides(double agree, bool explained) const { return declared() || explained || agree >= enough; }
+  static constexpr double enough = 0.8;
+
+ private:
+  std::span<const Truth> truth_;
+  Basis basis_ = Basis::declared;
+  std::vector<bool> inward_;
+  std::vector<Angles> angles_;
+  std::vector<Claim> normals_, tangents_;
+  double normals_agree_ = 1, tangents_agree_ = 1;
+};
+
+// Three times as far at seams, pole rings, creases and borders as in the interior.
+double limit_of(VertexClass vertex_class, double max_angle_deg);
+
+}  // namespace darboux

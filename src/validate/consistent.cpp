@@ -1,0 +1,292 @@
+#include "consistent.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include <darboux/frame.h>
+#include <darboux/mesh_frames.h>
+
+#include "angles.h"
+#include "rounding.h"
+
+namespace darboux {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+std::size_t place_of(std::uint32_t v, int sign) {
+  return 2 * std::size_t{v} + (sign > 0 ? 1 : 0);
+}
+
+// A multiple of dpdu in its direction, of ordinary size; zero or NaN where there is none.
+Vec3<double> along_u(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv, int sign) {
+  const double s = sign, dv1 = s * (uv[1].y - uv[0].y), dv2 = s * (uv[2].y - uv[0].y);
+  const Vec3<double> t = dv2 * (p[1] - p[0]) - dv1 * (p[2] - p[0]);
+  const double size = std::fmax(std::fabs(t.x), std::fmax(std::fabs(t.y), std::fabs(t.z)));
+  return t / size;
+}
+
+std::array<Vec3<double>, 3> positions_of(const Mesh& mesh, const Triangle& t) {
+  return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+}
+std::array<Vec2<double>, 3> uvs_of(const Mesh& mesh, const Triangle& t) {
+  return {mesh.uvs[t[0]], mesh.uvs[t[1]], mesh.uvs[t[2]]};
+}
+
+Vec3<double> square_to(const Vec3<double>& a, const Vec3<double>& n) {
+  return a - (dot(a, n) / dot(n, n)) * n;
+}
+
+bool has_direction(const Vec3<double>& a) {
+  return detail::finite(a) && !(a == Vec3<double>{});
+}
+
+// The signed uv area, and whether rounding leaves its sign.
+int certain_sign(const std::array<Vec2<double>, 3>& uv, double half_step) {
+  const Vec2<double> a = uv[1] - uv[0], b = uv[2] - uv[0];
+  const double sizes = std::hypot(a.x, a.y) + std::hypot(b.x, b.y);
+  const double area = signed_uv_area2(uv[0], uv[1], uv[2]);
+  const double error = 2 * std::numbers::sqrt2 * half_step * sizes + 8 * half_step * half_step;
+  return std::fabs(area) <= error ? 0 : area > 0 ? 1 : -1;
+}
+
+// An arc of directions in a plane, radians.
+struct Arc {
+  double middle, half;
+};
+
+// The smallest arc that holds all; half is pi or more where they leave no gap of 180 degrees.
+Arc hull(std::vector<Arc>& arcs) {
+  std::sort(arcs.begin(), arcs.end(),
+            [](const Arc& a, const Arc& b) { return a.middle - a.half < b.middle - b.half; });
+  double reached = arcs[0].middle + arcs[0].half, widest = -1, from = 0, to = 0;
+  const double first = arcs[0].middle - arcs[0].half;
+  for (const Arc& arc : arcs) {
+    if (const double low = arc.middle - arc.half; low - reached > widest)
+      widest = low - reached, from = low, to = reached;
+    reached = std::fmax(reached, arc.middle + arc.half);
+  }
+  if (first + 2 * pi - reached > widest)
+    widest = first + 2 * pi - reached, from = first, to = reached;
+  else
+    to += 2 * pi;
+  if (!(widest > pi)) return {0, pi};
+  return {(from + to) / 2, (to - from) / 2};
+}
+
+// What is looked at closely: the tangents that lie along no triangle of their own vertex.
+class Closely {
+ public:
+  Closely(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
+          const std::vector<bool>& vertices)
+      : mesh_(mesh), raw_sign_(raw_sign), joins_(joins) {
+    const std::size_t n = mesh.positions.size();
+    std::vector<bool> group(n, false), near(n, false);
+    for (std::uint32_t v = 0; v < n; ++v)
+      if (vertices[v]) group[joins.position_and_normal[v]] = true;
+    const auto in_group = [&](std::uint32_t v) { return group[joins.position_and_normal[v]]; };
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      bool any = false;
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = mesh.triangles[t][k];
+        if (!in_group(v)) continue;
+        corners_.push_back({joins.position_and_normal[v], t, k});
+        any = true;
+      }
+      if (any)
+        for (const std::uint32_t v : mesh.triangles[t]) near[joins.position[v]] = true;
+    }
+    std::sort(corners_.begin(), corners_.end());
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      for (std::uint32_t k = 0; k < 3; ++k)
+        if (const auto [a, b] = std::minmax(place(t, k), place(t, k + 1)); near[a] && near[b] && a != b)
+          edges_.push_back({a, b, t, k});
+    std::sort(edges_.begin(), edges_.end());
+  }
+
+  // \returns the claim, and how far outside in degrees
+  std::pair<Claim, double> judge(std::uint32_t v, int sign, double limit_deg) {
+    const Vec3<double> n = unit(mesh_.normals[v]), t = square_to(mesh_.tangents[v].xyz(), n);
+    if (!has_direction(n) || !has_direction(t)) return {Claim::none, 0};
+    arcs_.clear();
+    uncertain_ = false;
+    x_ = unit(t), y_ = cross(n, x_), n_ = n;
+    const std::uint32_t group = joins_.position_and_normal[v];
+    for (auto c = std::lower_bound(corners_.begin(), corners_.end(), Corner{group, 0, 0});
+         c != corners_.end() && c->group == group; ++c) {
+      const Triangle& triangle = mesh_.triangles[c->triangle];
+      add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
+      for (std::uint32_t k = 0; k < 3; ++k) add_other_diagonal(*c, k, sign);
+    }
+    if (arcs_.empty()) return {Claim::none, 0};
+    const Arc cone = hull(arcs_);
+    if (cone.half >= pi / 2) return {Claim::none, 0};
+    // The tangent is the direction 0.
+    const double away = std::fabs(std::remainder(cone.middle, 2 * pi)) - cone.half;
+    const double rounding =
+        std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
+    const double outside = degrees_per_radian * (away - rounding);
+    if (outside <= limit_deg) return {Claim::within, 0};
+    return {uncertain_ ? Claim::none : Claim::beyond, outside};
+  }
+
+ private:
+  struct Corner {
+    std::uint32_t group, triangle, k;
+    auto operator<=>(const Corner&) const = default;
+  };
+  struct Edge {
+    std::uint32_t low, high, triangle, k;  // places; from corner k to the next
+    auto operator<=>(const Edge&) const = default;
+  };
+
+  std::uint32_t corner(std::uint32_t t, std::uint32_t k) const { return mesh_.triangles[t][k % 3]; }
+  std::uint32_t place(std::uint32_t t, std::uint32_t k) const { return joins_.position[corner(t, k)]; }
+
+  // The direction of a triangle with its interval, where its uvs wind as asked.
+  void add(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv, int sign) {
+    double size = 0, size_uv = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      size = std::fmax(size, std::fmax(std::fabs(p[k].x), std::fmax(std::fabs(p[k].y), std::fabs(p[k].z))));
+      size_uv = std::fmax(size_uv, std::fmax(std::fabs(uv[k].x), std::fabs(uv[k].y)));
+    }
+    if (is_degenerate(p[0], p[1], p[2]) || is_degenerate(uv[0], uv[1], uv[2])) return;
+    const double hp = half_step(mesh_.half_steps.position, size),
+                 hu = half_step(mesh_.half_steps.uv, size_uv);
+    const int winds = certain_sign(uv, hu);
+    if (winds == -sign) return;
+    if (winds == 0) {
+      uncertain_ = true;
+      return;
+    }
+    const Vec3<double> e1 = p[1] - p[0], e2 = p[2] - p[0];
+    const double s = sign, dv1 = s * (uv[1].y - uv[0].y), dv2 = s * (uv[2].y - uv[0].y);
+    const Vec3<double> t = dv2 * e1 - dv1 * e2;
+    const double x = dot(t, x_), y = dot(t, y_), length = std::hypot(x, y), whole = norm(t);
+    const double hn = half_step(mesh_.half_steps.normal, 1);
+    const double error = 2 * std::numbers::sqrt3 * hp * (std::fabs(dv1) + std::fabs(dv2) + 4 * hu) +
+                         2 * hu * (norm(e1) + norm(e2)) + std::numbers::sqrt3 * hn * std::fabs(dot(t, n_)) +
+                         4 * single_roundoff * whole;
+    if (!(error < length)) {
+      uncertain_ = true;
+      return;
+    }
+    arcs_.push_back({std::atan2(y, x), std::asin(error / length)});
+  }
+
+  // Of the quads that edge k of the corner's triangle cuts, the triangles of the other diagonal that have the corner.
+  void add_other_diagonal(const Corner& c, std::uint32_t k, int sign) {
+    const std::uint32_t t = c.triangle;
+    if (raw_sign_[t] != sign) return;
+    const auto [low, high] = std::minmax(place(t, k), place(t, k + 1));
+    const std::uint32_t p = corner(t, k), q = corner(t, k + 1), r = corner(t, k + 2);
+    const auto same = [&](std::uint32_t a, std::uint32_t b) {
+      return joins_.position_and_normal[a] == joins_.position_and_normal[b] && mesh_.uvs[a] == mesh_.uvs[b];
+    };
+    for (auto e = std::lower_bound(edges_.begin(), edges_.end(), Edge{low, high, 0, 0});
+         e != edges_.end() && e->low == low && e->high == high; ++e) {
+      if (e->triangle == t || raw_sign_[e->triangle] != sign) continue;
+      if (!same(corner(e->triangle, e->k), q) || !same(corner(e->triangle, e->k + 1), p)) continue;
+      const std::uint32_t x = corner(e->triangle, e->k + 2);
+      const Triangle first{p, x, r}, second{x, q, r};
+      const auto winds = [&](const Triangle& a) {
+        const double area = signed_uv_area2(mesh_.uvs[a[0]], mesh_.uvs[a[1]], mesh_.uvs[a[2]]);
+        return area * sign > 0;
+      };
+      if (!winds(first) || !winds(second)) continue;  // not convex in uv
+      for (const Triangle& other : {first, second})
+        if (other[0] == corner(t, c.k) || other[1] == corner(t, c.k) || other[2] == corner(t, c.k))
+          add(positions_of(mesh_, other), uvs_of(mesh_, other), sign);
+    }
+  }
+
+  const Mesh& mesh_;
+  std::span<const signed char> raw_sign_;
+  const VertexJoins& joins_;
+  std::vector<Corner> corners_;
+  std::vector<Edge> edges_;
+  // Of the tangent at hand: its plane, and what its triangles say.
+  Vec3<double> x_{}, y_{}, n_{};
+  std::vector<Arc> arcs_;
+  bool uncertain_ = false;  // a triangle tells no direction, and may have drawn the tangent anywhere
+};
+
+}  // namespace
+
+Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
+             std::span<const double> limit_deg) {
+  const std::size_t n = mesh.positions.size();
+  claims_.assign(2 * n, Claim::none);
+  std::vector<bool> asked(2 * n, false), vertices(n, false);
+  bool any = false;
+  // Most tangents lie near the direction of some triangle of their own vertex, and so within its cone widened by the limit.
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (raw_sign[t] == 0) continue;
+    const Triangle& triangle = mesh.triangles[t];
+    const Vec3<double> along = along_u(positions_of(mesh, triangle), uvs_of(mesh, triangle), raw_sign[t]);
+    for (const std::uint32_t v : triangle) {
+      const std::size_t place = place_of(v, raw_sign[t]);
+      if (claims_[place] == Claim::within) continue;
+      asked[place] = true;
+      const Vec3<double>&n = mesh.normals[v], a = square_to(along, n),
+            b = square_to(mesh.tangents[v].xyz(), n);
+      const double limit = std::cos(std::fmin(limit_deg[v], 90) / degrees_per_radian), product = dot(a, b);
+      if (product > 0 && product * product > limit * limit * dot(a, a) * dot(b, b))
+        claims_[place] = Claim::within;
+    }
+  }
+  for (std::uint32_t v = 0; v < n; ++v)
+    for (const int sign : {-1, 1})
+      if (const std::size_t place = place_of(v, sign); asked[place] && claims_[place] != Claim::within)
+        vertices[v] = any = true;
+  if (!any) return;
+  Closely closely(mesh, raw_sign, joins, vertices);
+  for (std::uint32_t v = 0; v < n; ++v)
+    for (const int sign : {-1, 1}) {
+      const std::size_t place = place_of(v, sign);
+      if (!asked[place] || claims_[place] == Claim::within) continue;
+      const auto [claim, degrees] = closely.judge(v, sign, limit_deg[v]);
+      claims_[place] = claim;
+      if (claim == Claim::beyond)
+        outside_.emplace_back(static_cast<std::uint32_t>(place), static_cast<float>(degrees));
+    }
+}
+
+Claim Cones::claim(std::uint32_t v, int sign) const {
+  if (sign != 0) return claims_[place_of(v, sign)];
+  const Claim a = claims_[place_of(v, -1)], b = claims_[place_of(v, 1)];
+  if (a == Claim::within || b == Claim::within) return Claim::within;
+  return a == Claim::beyond || b == Claim::beyond ? Claim::beyond : Claim::none;
+}
+
+double Cones::outside_deg(std::uint32_t v, int sign) const {
+  const auto of = [&](int s) {
+    const auto place = static_cast<std::uint32_t>(place_of(v, s));
+    const auto at = std::lower_bound(outside_.begin(), outside_.end(), std::pair{place, -1.0f});
+    return at != outside_.end() && at->first == place ? double{at->second} : 0;
+  };
+  if (sign != 0) return of(sign);
+  if (claim(v, 0) != Claim::beyond) return 0;
+  const double a = of(-1), b = of(1);
+  return a == 0 ? b : b == 0 ? a : std::fmin(a, b);
+}
+
+Cones Cones::restricted_to(std::span<const std::uint32_t> vertices) const {
+  Cones result;
+  if (empty()) return result;
+  result.claims_.reserve(2 * vertices.size());
+  for (std::uint32_t i = 0; i < vertices.size(); ++i)
+    for (const int sign : {-1, 1}) {
+      const Claim claim = claims_[place_of(vertices[i], sign)];
+      result.claims_.push_back(claim);
+      if (claim == Claim::beyond)
+        result.outside_.emplace_back(static_cast<std::uint32_t>(place_of(i, sign)),
+                                     static_cast<float>(outside_deg(vertices[i], sign)));
+    }
+  return result;
+}
+
+}  // namespace darboux

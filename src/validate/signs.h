@@ -1,0 +1,43 @@
+// Which sign convention the stored w follow.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "subject.h"
+
+namespace darboux {
+
+struct SignCount {
+  std::size_t raw = 0, gltf = 0;
+};
+
+// Of the whole mesh and of each island, over the corners of triangles with uv area.
+class Signs {
+ public:
+  Signs(const Subject& subject, std::span<const VertexChecks> checks);
+
+  const SignCount& all() const { return all_; }
+  std::span<const SignCount> islands() const { return islands_; }
+  bool raw() const { return all_.raw > all_.gltf; }
+  // Whether the corner of v in triangle t has another sign than its island.
+  bool wrong(std::uint32_t t, std::uint32_t v) const;
+  Handedness handedness() const;
+
+ private:
+  // Triangles without area, in uv or in space, take no part: nothing is seen of them.
+  bool counts(std::uint32_t t) const;
+  // Where both signs hold half the island, the mesh's convention decides.
+  bool raw_in(const SignCount& island) const {
+    return island.raw == island.gltf ? raw() : island.raw > island.gltf;
+  }
+
+  const Subject& subject_;
+  std::span<const VertexChecks> checks_;
+  SignCount all_;
+  std::vector<SignCount> islands_;
+};
+
+}  // namespace darboux

@@ -1,0 +1,197 @@
+#include "sound.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <darboux/mesh_frames.h>
+
+#include "../mesh_frames/creases.h"
+#include "angles.h"
+#include "rounding.h"
+
+namespace darboux {
+namespace {
+
+constexpr double unit_tolerance = 0.0005;        // of |t|², as the Khronos glTF validator
+constexpr double orthogonal_tolerance = 0.02;    // of t·n
+constexpr double along_normal_tolerance = 0.26;  // 75 degrees
+constexpr double supported_deg = 80;
+constexpr double faceted_deg = 0.1;
+constexpr double most_against = 0.99;
+
+// Of |a|² where each component is known up to half a step.
+bool is_unit(const Vec3<double>& a, double half_step) {
+  const double rounding = 2 * std::numbers::sqrt3 * half_step + 3 * half_step * half_step;
+  return std::fabs(1 - dot(a, a)) <= std::fmax(unit_tolerance, rounding);
+}
+
+// The plane of a triangle, and by how much rounding of its positions may turn it.
+struct Plane {
+  Vec3<double> normal{};  // unit
+  double uncertain = 1;   // the sine of that angle; 1: it is not known
+  bool area = false;
+};
+
+class Planes {
+ public:
+  explicit Planes(const Mesh& mesh) : mesh_(mesh), scale_(1) {
+    double largest = 0;  // finite ones only
+    for (const Vec3<double>& p : mesh.positions)
+      if (detail::finite(p)) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    if (largest > 0) scale_ = std::ldexp(1.0, -std::clamp(std::ilogb(largest) + 1, -1000, 1000));
+  }
+
+  Plane operator()(std::uint32_t t) const {
+    const auto& [i, j, k] = mesh_.triangles[t];
+    const std::array<Vec3<double>, 3> p{scale_ * mesh_.positions[i], scale_ * mesh_.positions[j],
+                                        scale_ * mesh_.positions[k]};
+    const Vec3<double> e1 = p[1] - p[0], e2 = p[2] - p[0], across = cross(e1, e2);
+    const double twice_area = norm(across);
+    if (!std::isfinite(twice_area) || is_degenerate(p[0], p[1], p[2])) return {};
+    double size = 0;
+    for (const Vec3<double>& q : p)
+      size = std::fmax(size, std::fmax(std::fabs(q.x), std::fmax(std::fabs(q.y), std::fabs(q.z))));
+    const double step = half_step(scale_ * mesh_.half_steps.position, size);
+    const double error = 2 * std::numbers::sqrt3 * step * (norm(e1) + norm(e2) + 2 * step);
+    return {across / twice_area, std::fmin(error / twice_area, 1), true};
+  }
+
+ private:
+  const Mesh& mesh_;
+  double scale_;
+};
+
+// Which candidates have a neighbour that turns by more and has other normals at the edge they share.
+void keep_faceted(const Mesh& mesh, const VertexJoins& joins, const Planes& planes,
+                  std::vector<bool>& candidates) {
+  // Only what touches a candidate is looked at.
+  std::vector<bool> near(mesh.positions.size(), false);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (candidates[t])
+      for (const std::uint32_t v : mesh.triangles[t]) near[joins.position[v]] = true;
+  std::vector<std::uint32_t> about;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    int touching = 0;
+    for (const std::uint32_t v : mesh.triangles[t]) touching += near[joins.position[v]];
+    if (touching >= 2) about.push_back(t);
+  }
+  std::vector<bool> result(candidates.size(), false);
+  const double rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
+  for_each_shared_edge(
+      about.size(), mesh.positions.size(),
+      [&](std::uint32_t i, std::uint32_t k) { return joins.position[mesh.triangles[about[i]][k]]; },
+      [&](const SharedEdge& e) {
+        const std::uint32_t a = about[e.triangle[0]], b = about[e.triangle[1]];
+        if (!(candidates[a] && !result[a]) && !(candidates[b] && !result[b])) return;
+        const auto normal_at = [&](std::uint32_t t, std::uint32_t place) {
+          for (const std::uint32_t v : mesh.triangles[t])
+            if (joins.position[v] == place) return joins.position_and_normal[v];
+          return place;
+        };
+        if (normal_at(a, e.node[0]) == normal_at(b, e.node[0]) &&
+            normal_at(a, e.node[1]) == normal_at(b, e.node[1]))
+          return;
+        const Plane p = planes(a), q = planes(b);
+        if (!p.area || !q.area) return;
+        const double turn = angle_between(p.normal, q.normal),
+                     allowed = faceted_deg / degrees_per_radian + p.uncertain + q.uncertain + rounding;
+        if (!(turn > allowed)) return;
+        result[a] = result[a] || candidates[a];
+        result[b] = result[b] || candidates[b];
+      });
+  candidates = std::move(result);
+}
+
+}  // namespace
+
+VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
+  VertexChecks c{.position_finite = detail::finite(mesh.positions[v])};
+  if (!mesh.uvs.empty()) c.uv_finite = std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);
+  if (!mesh.normals.empty()) {
+    c.normal_finite = detail::finite(mesh.normals[v]);
+    c.normal_unit = is_unit(mesh.normals[v], mesh.half_steps.normal);
+    c.has_normal = c.normal_finite && mesh.normals[v] != Vec3<double>{};
+  }
+  if (mesh.tangents.empty()) return c;
+  const Vec4<double>& t = mesh.tangents[v];
+  c.tangent_finite = detail::finite(t.xyz()) && std::isfinite(t.w);
+  c.tangent_zero = t.xyz() == Vec3<double>{};
+  c.has_tangent = c.tangent_finite && !c.tangent_zero;
+  c.tangent_unit = is_unit(t.xyz(), mesh.half_steps.tangent);
+  c.sign_valid = std::fabs(std::fabs(t.w) - 1) <= mesh.half_steps.tangent;
+  if (!mesh.normals.empty() && c.normal_finite && c.tangent_finite) {
+    const double along = std::fabs(dot(t.xyz(), mesh.normals[v])),
+                 rounding = std::numbers::sqrt3 * (mesh.half_steps.normal + mesh.half_steps.tangent);
+    c.orthogonal = along <= orthogonal_tolerance;
+    c.along_normal = along > along_normal_tolerance + rounding;
+    c.leans = !c.along_normal && along > orthogonal_tolerance + rounding;
+  }
+  return c;
+}
+
+NormalChecks check_normals(const Mesh& mesh, const VertexJoins& joins) {
+  NormalChecks result;
+  if (mesh.normals.empty()) return result;
+  const std::size_t n = mesh.positions.size();
+  const Planes planes(mesh);
+  const double least = std::cos(supported_deg / degrees_per_radian),
+               rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
+  std::vector<bool> asked(n, false), supported(n, false), has_area(mesh.triangles.size(), false);
+  result.faceted.assign(mesh.triangles.size(), false);
+  result.opposes.assign(mesh.triangles.size(), false);
+  bool any_candidate = false;
+  std::size_t corners = 0, against = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Plane plane = planes(t);
+    if (!plane.area) continue;
+    has_area[t] = true;
+    int opposing = 0;
+    bool candidate = true;
+    const double own =
+        std::cos(std::fmin(faceted_deg / degrees_per_radian + plane.uncertain + rounding, 1.0));
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      const Vec3<double>& m = mesh.normals[v];
+      const double along = dot(m, plane.normal), square = dot(m, m);
+      if (!(square > 0) || !std::isfinite(square)) {
+        candidate = false;
+        continue;
+      }
+      opposing += along < 0;
+      ++corners;
+      asked[v] = true;
+      // cos(80° + the uncertainty) |m|, to first order.
+      const double enough = least - plane.uncertain;
+      if (plane.uncertain >= 1 ||
+          (along >= 0 && (enough <= 0 || along * along >= enough * enough * square)) ||
+          (along < 0 && enough < 0 && along * along <= enough * enough * square))
+        supported[v] = true;
+      candidate = candidate && along > 0 && along * along >= own * own * square;
+    }
+    against += static_cast<std::size_t>(opposing);
+    result.opposes[t] = opposing == 3;
+    result.opposing += opposing == 3 ? 3 : 0;
+    if (!candidate || plane.uncertain >= 1) continue;
+    result.faceted[t] = any_candidate = true;
+  }
+  result.all_oppose =
+      corners > 0 && static_cast<double>(against) >= most_against * static_cast<double>(corners);
+  result.unsupported.assign(n, false);
+  if (!result.all_oppose) {
+    for (std::uint32_t v = 0; v < n; ++v)
+      if (supported[v]) supported[joins.position_and_normal[v]] = true;
+    for (std::uint32_t v = 0; v < n; ++v)
+      result.unsupported[v] = asked[v] && !supported[v] && !supported[joins.position_and_normal[v]];
+  }
+  result.faceted_vertices.assign(n, false);
+  if (!any_candidate) return result;
+  keep_faceted(mesh, joins, planes, result.faceted);
+  for (const bool faceted : {true, false})
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      if (has_area[t] && result.faceted[t] == faceted)
+        for (const std::uint32_t v : mesh.triangles[t]) result.faceted_vertices[v] = faceted;
+  return result;
+}
+
+}  // namespace darboux

@@ -1,0 +1,43 @@
+// Question 1, sound: is what is stored fit to be used at all, whatever the surface?
+//
+// What it may claim. Numbers that are not finite, tangents that are zero where the uvs have area, lengths beyond what rounding
+// explains, signs other than +1 and -1 or that differ within a uv island, tangents along the normal, normals that no triangle at
+// the vertex supports: no reader can use these, so they are errors. From what evidence: the stored numbers, their rounding
+// (Mesh::half_steps), and the triangles' own planes.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "../vertex_joins.h"
+
+namespace darboux {
+
+// What is the same for every corner of a vertex.
+struct VertexChecks {
+  bool position_finite = true, uv_finite = true, normal_finite = true, normal_unit = true;
+  bool has_normal = false;   // finite and not zero
+  bool has_tangent = false;  // likewise
+  bool tangent_finite = true, tangent_zero = false, tangent_unit = true, sign_valid = true;
+  bool orthogonal = true;     // |t.n| <= 0.02
+  bool leans = false;         // beyond what rounding adds to that
+  bool along_normal = false;  // |t.n| > 0.26, likewise
+};
+VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v);
+
+// The stored normals beside the planes of the triangles.
+struct NormalChecks {
+  std::vector<bool>
+      unsupported;  // vertices whose normal is more than 80 degrees from every triangle that shares it
+  std::vector<bool>
+      faceted;  // triangles whose three normals are their own, beside one that turns and has others
+  std::vector<bool> faceted_vertices;  // of which all triangles with area are faceted
+  std::vector<bool> opposes;           // triangles whose three normals all oppose the winding
+  std::size_t opposing = 0;            // corners of these
+  bool all_oppose = false;  // at least 99 % of corners oppose the winding; then none is unsupported
+};
+// \param joins of vertices that triangles use; the result is empty where the mesh has no normals
+NormalChecks check_normals(const Mesh& mesh, const VertexJoins& joins);
+
+}  // namespace darboux
