@@ -115,6 +115,11 @@ Judgement judgement_of(const Subject& subject, Recognised recognised, const Judg
     report.verdict = Verdict::fail;
   } else {
     add(report, finding(Code::surface_unknown, corners, recognised.reason));
+    // What was declared could not be compared, nor anything else.
+    if (declared && report.reference == "none") {
+      report.without_errors = std::max(report.without_errors, Verdict::undetermined);
+      report.verdict = std::max(report.verdict, Verdict::undetermined);
+    }
   }
   return result;
 }

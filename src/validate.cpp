@@ -113,7 +113,7 @@ class Judge {
   std::span<const Truth> statistics_truth() const {
     return accurate_.known() ? accurate_.truths() : std::span<const Truth>(subject_.local);
   }
-  // What the statistics are of: angles to the surface, else to the neighbours.
+  // What the statistics are of: angles to the surface, else to the neighbours, else how far outside its cone a tangent lies.
   Angles statistics_angles(std::uint32_t v) const {
     if (corners_of_[v] == 0) return {};
     if (accurate_.known()) return accurate_.angles(v);
@@ -164,16 +164,13 @@ void Judge::compare() {
       class_reports(statistics_truth(), [this](std::uint32_t v) { return statistics_angles(v); });
   if (!options_.keep_errors) return;
   report_.errors_deg.reserve(mesh_.corners());
-  for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
-    for (const std::uint32_t v : mesh_.triangles[t]) {
-      const Angles a = statistics_angles(v);
-      double angle = mesh_.tangents.empty() ? a.normal : a.tangent;
-      // Where nothing tells the direction itself: how far outside the cone.
-      if (angle < 0 && !subject_.cones.empty() &&
-          subject_.cones.claim(v, subject_.raw_sign[t]) != Claim::none)
-        angle = subject_.cones.outside_deg(v, subject_.raw_sign[t]);
-      report_.errors_deg.push_back(kept(angle));
-    }
+  std::vector<float> of_vertex(mesh_.positions.size());
+  for (std::uint32_t v = 0; v < of_vertex.size(); ++v) {
+    const Angles a = statistics_angles(v);
+    of_vertex[v] = kept(mesh_.tangents.empty() ? a.normal : a.tangent);
+  }
+  for (const Triangle& triangle : mesh_.triangles)
+    for (const std::uint32_t v : triangle) report_.errors_deg.push_back(of_vertex[v]);
 }
 
 // Nearly all corners of a vertex are alike: the others are listed.
@@ -415,9 +412,13 @@ void Judge::compare_with_mikktspace() {
         equal_raw += t.w == m.w ? corners : 0;
         equal_gltf += t.w == -m.w ? corners : 0;
       }
-      if (!is_pole(v) && a.tangent > limit_of(v)) {
+      const double off =
+          checks_[v].has_normal && !checks_[v].orthogonal
+              ? degrees_per_radian * angle_between(square_to(t.xyz(), mesh_.normals[v]), direction)
+              : a.tangent;
+      if (!is_pole(v) && off > limit_of(v)) {
         beyond += corners;
-        worst = std::fmax(worst, a.tangent);
+        worst = std::fmax(worst, off);
       }
     }
     sums.add(classes_.of_vertex[v], v, corners, a, nullptr);

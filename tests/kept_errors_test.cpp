@@ -73,7 +73,8 @@ TEST(KeptErrors, StatisticsAreOfThem) {
   for (const char* kind : {"sphere", "torus", "cylinder", "cone", "plane", "helicoid"})
     for (const bool tangents : {true, false})
       for (const References references :
-           {References{true, true, true}, References{false, false, true}, References{false, true, false}}) {
+           {References{true, true, true, true}, References{false, false, true, false},
+            References{false, true, false, false}, References{false, false, false, true}}) {
         Mesh mesh = sample_mesh(make_surface(kind), {.columns = 24, .rows = 13, .jitter = 0.25});
         spoil(mesh, random);
         place(mesh, random_pose(random, 1));
@@ -94,7 +95,8 @@ TEST(KeptErrors, StatisticsAreOfThem) {
             EXPECT_TRUE(std::isnan(judgement.report.errors_deg[c]));
           }
       }
-  EXPECT_EQ(references_seen, 6 * (3 + 2)) << "without tangents there is nothing for MikkTSpace";
+  EXPECT_EQ(references_seen, 6 * (4 + 2))
+      << "without tangents there is nothing for MikkTSpace and the triangles";
 }
 
 // Against a truth that is given the errors are the angles themselves.

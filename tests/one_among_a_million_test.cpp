@@ -45,7 +45,7 @@ std::size_t corners_of(const Mesh& mesh, std::uint32_t v) {
 
 MeshReport report_of(const Mesh& mesh) {
   ValidateOptions options;
-  options.references = {.analytic = true, .mikktspace = false, .local = false};
+  options.references = {.analytic = true, .mikktspace = false, .local = false, .triangles = false};
   return validate(mesh, known().truth, options);
 }
 

@@ -50,7 +50,7 @@ JudgeOptions declared(const Shape& shape) {
   JudgeOptions options;
   options.surface = parse_specification(shape.specification);
   options.placement = shape.placement;
-  options.references = {.analytic = true, .mikktspace = false, .local = false};
+  options.references = {.analytic = true, .mikktspace = false, .local = false, .triangles = false};
   return options;
 }
 

@@ -26,7 +26,7 @@ inline constexpr std::array<std::string_view, 3> severity_names{"info", "warning
 /// A kind of finding: its code, which stays, and what it means. The whole list: finding_kinds().
 struct FindingKind {
   std::string_view code;
-  Severity severity;  ///< of the sure case; on weaker evidence the same code is a warning
+  Severity severity;         ///< of the sure case; on weaker evidence the same code is a warning
   std::string_view message;  ///< what is wrong, in plain words
   std::string_view to_do;    ///< what to do about it
 };
@@ -106,7 +106,8 @@ struct MeshReport {
   Handedness handedness;
   std::size_t zero_tangents = 0, non_unit = 0, non_orthogonal = 0, non_finite = 0;  ///< corners
   std::size_t degenerate_triangles = 0, degenerate_uv_triangles = 0;
-  std::vector<ClassReport> classes;  ///< against what decided; empty ones left out
+  /// Against the surface, else against local jets, else how far outside its cone a tangent lies; empty ones left out.
+  std::vector<ClassReport> classes;
   /// Standard deviations of the truth in degrees over all corners, whatever the mesh stores.
   Spread normal_uncertainty_deg, tangent_uncertainty_deg;
   std::optional<TrianglesReport>
@@ -124,9 +125,9 @@ struct MeshReport {
 /// What a mesh is compared with.
 struct References {
   bool analytic = true;    ///< the surface it was made from, declared or recognised
-  bool triangles = true;   ///< the mesh's own triangles
   bool mikktspace = true;  ///< MikkTSpace's tangents of the mesh's own data
   bool local = true;       ///< polynomials through the mesh's own positions and uvs, with their error
+  bool triangles = true;   ///< the mesh's own triangles, and what any average of them can be
 };
 
 struct ValidateOptions {

@@ -20,8 +20,7 @@ Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, con
   constexpr double orthogonal = 1e-4;  // which turns a projection by less than a hundredth of a degree
   if (const Vec3<double> n = checks.has_normal ? mesh.normals[v] : Vec3<double>{};
       std::fabs(dot(t.xyz(), n)) > orthogonal)
-    result.projected_tangent =
-        degrees_per_radian * angle_between(t.xyz() - (dot(t.xyz(), n) / dot(n, n)) * n, truth.tangent);
+    result.projected_tangent = degrees_per_radian * angle_between(square_to(t.xyz(), n), truth.tangent);
   if (checks.has_normal && checks.sign_valid)
     result.bitangent = degrees_per_radian *
                        angle_between((raw ? t.w : -t.w) * cross(mesh.normals[v], t.xyz()), truth.bitangent);

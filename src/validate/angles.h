@@ -15,6 +15,11 @@ namespace darboux {
 
 inline constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
+// The part of a vector that is square to n.
+inline Vec3<double> square_to(const Vec3<double>& a, const Vec3<double>& n) {
+  return a - (dot(a, n) / dot(n, n)) * n;
+}
+
 // Degrees between what is stored and a truth; negative where there is nothing to compare.
 struct Angles {
   double normal = -1, tangent = -1, bitangent = -1;

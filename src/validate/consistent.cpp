@@ -15,6 +15,9 @@
 namespace darboux {
 namespace {
 
+constexpr double one_sided = 3;  // times the limit
+constexpr double uniform_deg = 0.1;
+
 constexpr double pi = std::numbers::pi;
 
 std::size_t place_of(std::uint32_t v, int sign) {
@@ -34,10 +37,6 @@ std::array<Vec3<double>, 3> positions_of(const Mesh& mesh, const Triangle& t) {
 }
 std::array<Vec2<double>, 3> uvs_of(const Mesh& mesh, const Triangle& t) {
   return {mesh.uvs[t[0]], mesh.uvs[t[1]], mesh.uvs[t[2]]};
-}
-
-Vec3<double> square_to(const Vec3<double>& a, const Vec3<double>& n) {
-  return a - (dot(a, n) / dot(n, n)) * n;
 }
 
 bool has_direction(const Vec3<double>& a) {
@@ -81,8 +80,8 @@ Arc hull(std::vector<Arc>& arcs) {
 class Closely {
  public:
   Closely(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
-          const std::vector<bool>& vertices)
-      : mesh_(mesh), raw_sign_(raw_sign), joins_(joins) {
+          const std::vector<bool>& vertices, double max_angle_deg)
+      : mesh_(mesh), raw_sign_(raw_sign), joins_(joins), max_angle_deg_(max_angle_deg) {
     const std::size_t n = mesh.positions.size();
     std::vector<bool> group(n, false), near(n, false);
     for (std::uint32_t v = 0; v < n; ++v)
@@ -102,7 +101,7 @@ class Closely {
     std::sort(corners_.begin(), corners_.end());
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
       for (std::uint32_t k = 0; k < 3; ++k)
-        if (const auto [a, b] = std::minmax(place(t, k), place(t, k + 1)); near[a] && near[b] && a != b)
+        if (const auto [a, b] = std::minmax({place(t, k), place(t, k + 1)}); near[a] && near[b] && a != b)
           edges_.push_back({a, b, t, k});
     std::sort(edges_.begin(), edges_.end());
   }
@@ -112,6 +111,8 @@ class Closely {
     const Vec3<double> n = unit(mesh_.normals[v]), t = square_to(mesh_.tangents[v].xyz(), n);
     if (!has_direction(n) || !has_direction(t)) return {Claim::none, 0};
     arcs_.clear();
+    rim_.clear();
+    flat_ = true;
     uncertain_ = false;
     x_ = unit(t), y_ = cross(n, x_), n_ = n;
     const std::uint32_t group = joins_.position_and_normal[v];
@@ -119,6 +120,11 @@ class Closely {
          c != corners_.end() && c->group == group; ++c) {
       const Triangle& triangle = mesh_.triangles[c->triangle];
       add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
+      if (raw_sign_[c->triangle] == sign) {
+        rim_.push_back(place(c->triangle, c->k + 1)), rim_.push_back(place(c->triangle, c->k + 2));
+        for (const std::uint32_t w : triangle)
+          flat_ = flat_ && !(angle_between(mesh_.normals[w], n) > uniform_deg / degrees_per_radian);
+      }
       for (std::uint32_t k = 0; k < 3; ++k) add_other_diagonal(*c, k, sign);
     }
     if (arcs_.empty()) return {Claim::none, 0};
@@ -130,6 +136,7 @@ class Closely {
         std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
     const double outside = degrees_per_radian * (away - rounding);
     if (outside <= limit_deg) return {Claim::within, 0};
+    if (outside <= one_sided * max_angle_deg_ && !is_uniform(cone) && !is_closed()) return {Claim::within, 0};
     return {uncertain_ ? Claim::none : Claim::beyond, outside};
   }
 
@@ -146,6 +153,19 @@ class Closely {
   std::uint32_t corner(std::uint32_t t, std::uint32_t k) const { return mesh_.triangles[t][k % 3]; }
   std::uint32_t place(std::uint32_t t, std::uint32_t k) const { return joins_.position[corner(t, k)]; }
 
+  // Whether neither directions nor normals turn, as on a flat face with its uvs laid flat.
+  bool is_uniform(const Arc& cone) const {
+    double widest = 0;
+    for (const Arc& arc : arcs_) widest = std::fmax(widest, arc.half);
+    return flat_ && cone.half <= widest + uniform_deg / degrees_per_radian;
+  }
+  // Whether the triangles go all round the vertex. One side of a curved surface leaves out half of the directions.
+  bool is_closed() {
+    std::sort(rim_.begin(), rim_.end());
+    for (std::size_t i = 0; i < rim_.size(); i += 2)
+      if (i + 1 == rim_.size() || rim_[i] != rim_[i + 1]) return false;
+    return true;
+  }
   // The direction of a triangle with its interval, where its uvs wind as asked.
   void add(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv, int sign) {
     double size = 0, size_uv = 0;
@@ -181,7 +201,7 @@ class Closely {
   void add_other_diagonal(const Corner& c, std::uint32_t k, int sign) {
     const std::uint32_t t = c.triangle;
     if (raw_sign_[t] != sign) return;
-    const auto [low, high] = std::minmax(place(t, k), place(t, k + 1));
+    const auto [low, high] = std::minmax({place(t, k), place(t, k + 1)});
     const std::uint32_t p = corner(t, k), q = corner(t, k + 1), r = corner(t, k + 2);
     const auto same = [&](std::uint32_t a, std::uint32_t b) {
       return joins_.position_and_normal[a] == joins_.position_and_normal[b] && mesh_.uvs[a] == mesh_.uvs[b];
@@ -206,18 +226,21 @@ class Closely {
   const Mesh& mesh_;
   std::span<const signed char> raw_sign_;
   const VertexJoins& joins_;
+  double max_angle_deg_;
   std::vector<Corner> corners_;
   std::vector<Edge> edges_;
   // Of the tangent at hand: its plane, and what its triangles say.
   Vec3<double> x_{}, y_{}, n_{};
   std::vector<Arc> arcs_;
-  bool uncertain_ = false;  // a triangle tells no direction, and may have drawn the tangent anywhere
+  std::vector<std::uint32_t> rim_;  // places about the vertex, twice each where the triangles go all round
+  bool flat_ = true;                // normals do not turn, either
+  bool uncertain_ = false;          // a triangle tells no direction, and may have drawn the tangent anywhere
 };
 
 }  // namespace
 
 Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
-             std::span<const double> limit_deg) {
+             std::span<const double> limit_deg, double max_angle_deg) {
   const std::size_t n = mesh.positions.size();
   claims_.assign(2 * n, Claim::none);
   std::vector<bool> asked(2 * n, false), vertices(n, false);
@@ -226,7 +249,9 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const Vert
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (raw_sign[t] == 0) continue;
     const Triangle& triangle = mesh.triangles[t];
-    const Vec3<double> along = along_u(positions_of(mesh, triangle), uvs_of(mesh, triangle), raw_sign[t]);
+    const std::array<Vec3<double>, 3> p = positions_of(mesh, triangle);
+    if (is_degenerate(p[0], p[1], p[2])) continue;
+    const Vec3<double> along = along_u(p, uvs_of(mesh, triangle), raw_sign[t]);
     for (const std::uint32_t v : triangle) {
       const std::size_t place = place_of(v, raw_sign[t]);
       if (claims_[place] == Claim::within) continue;
@@ -243,7 +268,7 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const Vert
       if (const std::size_t place = place_of(v, sign); asked[place] && claims_[place] != Claim::within)
         vertices[v] = any = true;
   if (!any) return;
-  Closely closely(mesh, raw_sign, joins, vertices);
+  Closely closely(mesh, raw_sign, joins, vertices, max_angle_deg);
   for (std::uint32_t v = 0; v < n; ++v)
     for (const int sign : {-1, 1}) {
       const std::size_t place = place_of(v, sign);

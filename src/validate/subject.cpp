@@ -88,7 +88,7 @@ void classify_subject(Subject& subject, const std::vector<bool>& is_pole, const 
   std::vector<double> limit_deg(mesh.positions.size(), options.max_angle_deg);
   for (std::size_t v = 0; v < limit_deg.size(); ++v)
     if (subject.classes.of_vertex[v] == VertexClass::border) limit_deg[v] *= 3;
-  subject.cones = Cones(mesh, subject.raw_sign, joins, limit_deg);
+  subject.cones = Cones(mesh, subject.raw_sign, joins, limit_deg, options.max_angle_deg);
 }
 
 }  // namespace darboux

@@ -13,7 +13,8 @@ double share_within(const Mesh& mesh, const JudgeOptions& options) {
   const std::vector<signed char> sign = triangle_signs(mesh);
   VertexJoins joins;
   classify(mesh, {}, sign, joins);
-  const Cones cones(mesh, sign, joins, std::vector<double>(mesh.positions.size(), options.max_angle_deg));
+  const Cones cones(mesh, sign, joins, std::vector<double>(mesh.positions.size(), options.max_angle_deg),
+                    options.max_angle_deg);
   std::size_t within = 0, judged = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) {

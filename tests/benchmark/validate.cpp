@@ -158,7 +158,7 @@ void run(const std::string& work, bool quick) {
 
   JudgeOptions all, analytic, unknown;
   analytic.surface = parse_specification("torus");
-  analytic.references = {.analytic = true, .mikktspace = false, .local = false};
+  analytic.references = {.analytic = true, .mikktspace = false, .local = false, .triangles = false};
   unknown.references = analytic.references;
   const auto judged = [](const JudgeOptions& options) {
     return [&options](const Mesh& mesh) { judge_parts(mesh, options); };
