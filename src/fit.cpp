@@ -4,6 +4,7 @@
 #include <darboux/error.h>
 #include <darboux/fit.h>
 
+#include "fit/fit_kinds.h"
 #include "fit/kinds.h"
 #include "fit/with_uv/starts.h"
 
@@ -260,17 +261,28 @@ MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
 }
 
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
+  if (std::optional<MeshFit> fit = fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any)) return std::move(*fit);
+  throw MeshError("mesh", "is none of the surfaces that can be fitted");
+}
+
+std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,
+                                 std::span<const std::string_view> kinds, UvMaps maps) {
   const Data data = usable_vertices(mesh);
   std::optional<Trial> best;
-  for (const auto attempt : {try_conventions, try_affine})
+  for (const bool affine : {false, true}) {
+    if (affine ? maps == UvMaps::plain : maps == UvMaps::affine) continue;
     for (const UvKind& kind : uv_kinds()) {
+      if (std::find(kinds.begin(), kinds.end(), kind.name) == kinds.end()) continue;
       const SurfaceSpecification given{std::string(kind.name), {}};
-      std::optional<Trial> trial = attempt(data, kind, given, held_values(data, kind, given, placement));
+      const UvHeld held = held_values(data, kind, given, placement);
+      std::optional<Trial> trial =
+          affine ? try_affine(data, kind, given, held) : try_conventions(data, kind, given, held);
       if (trial && trial->fits)
         if (MeshFit fit = completed(data, *trial, given, placement); fit.fits) return fit;
       keep_better(best, std::move(trial));
     }
-  if (!best) throw MeshError("mesh", "is none of the surfaces that can be fitted");
+  }
+  if (!best) return std::nullopt;
   return completed(data, *best, {std::string(best->model.kind->name), {}}, placement);
 }
 

@@ -5,8 +5,7 @@
 #include <darboux/judge.h>
 
 #include "fit/kinds.h"
-#include "text.h"
-#include "triangle_signs.h"
+#include "recognise/recognise.h"
 #include "validate/findings.h"
 #include "validate/parts.h"
 #include "validate/uv_choice.h"
@@ -16,79 +15,44 @@ namespace {
 
 constexpr std::size_t most_parts = 256;
 
-// What a mesh was taken for, and the truth at its vertices where it fits.
-struct Recognised {
-  std::optional<MeshFit> fit;
-  std::vector<Truth> truth;
-  std::string reason;       // of the nearest that does not fit
-  bool too_little = false;  // to tell any surface
-  bool declared = false;    // it is the declared surface
-  bool fits() const { return fit && fit->fits; }
-};
-
 void take(const Mesh& mesh, Recognised& result, MeshFit fit) {
   result.fit = std::move(fit);
   result.truth = truths(mesh, *result.fit);
 }
 
-// Of a fit that does not fit: what it came to, and why that is not enough. An affine map is so free that it must fit better.
-std::string nearest(const MeshFit& fit) {
-  const bool affine = fit.surface.uv.name == "affine";
-  const double permitted = affine ? fits_below / 100 : fits_below;
-  return ": nearest is " + fit.surface.surface.specification(6) + " with an rms distance of " +
-         rounded(fit.rms_relative, 2) + " of the mesh's size, " +
-         (fit.rms_relative <= permitted ? "which leaves some of its unknowns open"
-                                        : "permitted is " + rounded(permitted, 1)) +
-         (affine ? " under affine uvs" : "");
-}
-
-// Through its own uvs: the declared surface, or any.
-Recognised by_uvs(const Mesh& mesh, const JudgeOptions& options) {
+// The declared surface through the mesh's uvs, and by its positions where there are none or the mesh is a part.
+Recognised find_declared(const Mesh& mesh, const JudgeOptions& options, bool part) {
   Recognised result;
   try {
-    MeshFit fit = options.surface ? fit_surface(mesh, *options.surface, options.placement)
-                                  : fit_any_surface(mesh, options.placement);
-    if (fit.fits) {
+    MeshFit fit = fit_surface(mesh, *options.surface, options.placement);
+    result.reason = nearest_fit(fit);
+    result.declared = fit.fits;
+    if (fit.fits)
       take(mesh, result, std::move(fit));
-      result.declared = options.surface.has_value();
-    } else
+    else
       result.fit = std::move(fit);
-    result.reason = nearest(*result.fit);
   } catch (const UndeterminedError& e) {
     result.reason = std::string(": ") + e.what();
     result.too_little = true;
   } catch (const MeshError& e) {
     result.reason = std::string(": ") + e.what();
   }
-  return result;
-}
-
-// By its positions alone: what was declared, or any where nothing was.
-void look_at_positions(const Mesh& mesh, const JudgeOptions& options, Recognised& result) {
-  if (options.surface && !mesh.uvs.empty()) return;
+  if (result.fits() || !(mesh.uvs.empty() || part)) return result;
   if (auto fit = fit_positions(mesh, options.surface, options.placement)) {
     take(mesh, result, std::move(*fit));
-    result.declared = options.surface.has_value();
-  } else if (options.surface) {
+    result.declared = true;
+  } else if (mesh.uvs.empty()) {
     result.reason = ": there are no uvs, and by the positions alone it is not " +
                     fit::with_article(options.surface->name) + " as declared";
   }
+  return result;
 }
 
-// A part: the declared surface, else any, else by its positions alone.
-Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options) {
-  Recognised result = by_uvs(mesh, options);
-  if (!result.fits() && options.surface) look_at_positions(mesh, options, result);
-  if (!result.fits() && options.surface) {
-    JudgeOptions any = options;
-    any.surface.reset();
-    any.placement.reset();  // it was the declared surface's
-    result = by_uvs(mesh, any);
-  }
-  if (!result.fits())
-    if (auto fit = fit_positions(mesh, {}, options.surface ? std::nullopt : options.placement))
-      take(mesh, result, std::move(*fit));
-  return result;
+// A part: the declared surface, else any.
+Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
+  if (!options.surface) return recognise(mesh, options.placement, effort);
+  Recognised result = find_declared(mesh, options, true);
+  return result.fits() ? result : recognise(mesh, {}, effort);  // the placement was the declared surface's
 }
 
 // Whose n may be on either side.
@@ -104,6 +68,7 @@ Judgement judgement_of(const Subject& subject, Recognised recognised, const Judg
                       : planar                        ? Basis::recognised_unsided
                                                       : Basis::recognised;
   Judgement result{std::move(recognised.fit), judge_subject(subject, recognised.truth, basis, options)};
+  result.evidence = std::move(recognised.evidence);
   const Mesh& mesh = subject.mesh;
   MeshReport& report = result.report;
   if (mesh.uvs.empty()) add(report, finding(Code::uv_missing, std::max<std::size_t>(mesh.corners(), 1)));
@@ -116,7 +81,7 @@ Judgement judgement_of(const Subject& subject, Recognised recognised, const Judg
   } else {
     add(report, finding(Code::surface_unknown, corners, recognised.reason));
     // What was declared could not be compared, nor anything else.
-    if (declared && report.reference == "none") {
+    if (declared && (recognised.too_little || report.reference == "none")) {
       report.without_errors = std::max(report.without_errors, Verdict::undetermined);
       report.verdict = std::max(report.verdict, Verdict::undetermined);
     }
@@ -163,10 +128,10 @@ struct Parts {
   bool declared = false;        // the declared surface is among them
   std::size_t passed_over = 0;  // parts that were not looked at, as there are too many
 
-  Parts(const Mesh& mesh, const JudgeOptions& options) {
+  Parts(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
     std::vector<std::uint32_t> all(mesh.triangles.size());
     std::iota(all.begin(), all.end(), 0);
-    look_at(mesh, options, std::move(all), false);
+    look_at(mesh, options, effort, std::move(all), false);
     std::sort(recognised.begin(), recognised.end(), [](const RecognisedPart& a, const RecognisedPart& b) {
       return a.part.triangles.front() < b.part.triangles.front();
     });
@@ -174,30 +139,36 @@ struct Parts {
   }
 
  private:
-  // Cuts at the borders of charts and where normals break, and what is not recognised then at its creases.
-  void look_at(const Mesh& whole, const JudgeOptions& options, std::vector<std::uint32_t> triangles,
+  // Cuts at the borders of charts and where normals break, and what is not recognised then at its creases. The largest first, as only
+  // so many are looked at.
+  void look_at(const Mesh& whole, const JudgeOptions& options, Effort& effort, std::vector<std::uint32_t> triangles,
                bool at_creases) {
     const Part from = part_of(whole, triangles);
-    const std::vector<std::vector<std::uint32_t>> pieces = parts_of(from.mesh, at_creases);
-    if (pieces.size() > most_parts) passed_over = std::max(passed_over, pieces.size());
+    std::vector<std::vector<std::uint32_t>> pieces = parts_of(from.mesh, at_creases);
+    std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
     const bool one = pieces.size() == 1;
-    if (pieces.size() > most_parts || (one && at_creases)) {
-      rest.insert(rest.end(), triangles.begin(), triangles.end());
-      return;
-    }
-    for (const std::vector<std::uint32_t>& piece : pieces) {
+    const auto is_rest = [&](const std::vector<std::uint32_t>& piece) {
+      for (const std::uint32_t t : piece) rest.push_back(from.triangles[t]);
+    };
+    if (one && at_creases) return is_rest(pieces.front());
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      if (i >= most_parts) {
+        ++passed_over;
+        is_rest(pieces[i]);
+        continue;
+      }
       std::vector<std::uint32_t> of_whole;
-      for (const std::uint32_t t : piece) of_whole.push_back(from.triangles[t]);
+      for (const std::uint32_t t : pieces[i]) of_whole.push_back(from.triangles[t]);
       Part part = part_of(whole, of_whole);
       // The whole mesh as one part was looked at before.
-      Recognised found = one ? Recognised{} : recognise_part(part.mesh, options);
+      Recognised found = one ? Recognised{} : recognise_part(part.mesh, options, effort);
       if (found.fits()) {
         declared |= found.declared;
         recognised.push_back({std::move(part), std::move(found)});
       } else if (!at_creases) {
-        look_at(whole, options, std::move(of_whole), true);
+        look_at(whole, options, effort, std::move(of_whole), true);
       } else {
-        rest.insert(rest.end(), of_whole.begin(), of_whole.end());
+        is_rest(pieces[i]);
       }
     }
   }
@@ -239,6 +210,15 @@ std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> par
   return result;
 }
 
+Recognised look_at_whole(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
+  if (!options.references.analytic) return {};
+  return options.surface ? find_declared(mesh, options, false) : recognise(mesh, options.placement, effort);
+}
+
+void note_budget(MeshReport& report, const Effort& effort) {
+  add(report, finding(Code::budget_spent, effort.spent() ? std::max<std::size_t>(report.corners, 1) : 0));
+}
+
 // Calls judge_as(mesh, options) with the uvs that the tangents follow, and says which they are. Nothing where they are the mesh's.
 template <class JudgeAs>
 std::optional<std::vector<Judgement>> judge_by_other_uvs(const Mesh& mesh, const JudgeOptions& options,
@@ -269,42 +249,45 @@ Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
           mesh, options, [](const Mesh& m, const JudgeOptions& o) { return std::vector{judge(m, o)}; }))
     return std::move(other->front());
   Subject subject = prepare(mesh, options);
-  if (!options.references.analytic) return judge_whole(std::move(subject), {}, options);
-  Recognised recognised = by_uvs(mesh, options);
-  if (!recognised.fits()) look_at_positions(mesh, options, recognised);
-  return judge_whole(std::move(subject), std::move(recognised), options);
+  Effort effort(options.budget);
+  Recognised recognised = look_at_whole(mesh, options, effort);
+  Judgement result = judge_whole(std::move(subject), std::move(recognised), options);
+  note_budget(result.report, effort);
+  return result;
 }
 
 std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options) {
   check(mesh, options);
   if (auto other = judge_by_other_uvs(mesh, options, judge_parts)) return std::move(*other);
   Subject subject = prepare(mesh, options);
-  if (!options.references.analytic) return {judge_whole(std::move(subject), {}, options)};
-  Recognised whole = by_uvs(mesh, options);
-  if (whole.fits()) return {judge_whole(std::move(subject), std::move(whole), options)};
+  Effort effort(options.budget);
+  Recognised whole = look_at_whole(mesh, options, effort);
+  if (!options.references.analytic || whole.fits())
+    return {judge_whole(std::move(subject), std::move(whole), options)};
 
-  Parts parts(mesh, options);
+  Parts parts(mesh, options, effort);
   if (options.surface && !parts.declared) parts.recognised.clear();
-  if (!parts.rest.empty() || parts.recognised.empty()) {
-    look_at_positions(mesh, options, whole);
-    if (whole.fits()) parts.recognised.clear();
-  }
   if (parts.recognised.empty()) {
     Judgement result = judge_whole(std::move(subject), std::move(whole), options);
     add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
+    note_budget(result.report, effort);
     return {std::move(result)};
   }
   if (!parts.rest.empty()) {
     Recognised unknown;
     unknown.reason = whole.reason;
+    unknown.evidence = whole.evidence;
     parts.recognised.push_back({part_of(mesh, std::move(parts.rest)), std::move(unknown)});
   }
   std::vector<Judgement> result = judge_each(std::move(subject), std::move(parts.recognised), options);
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t v : triangle) used[v] = true;
-  add(result.front().report, finding(Code::vertex_unreferenced,
-                                     static_cast<std::size_t>(std::count(used.begin(), used.end(), false))));
+  MeshReport& first = result.front().report;
+  add(first, finding(Code::vertex_unreferenced,
+                     static_cast<std::size_t>(std::count(used.begin(), used.end(), false))));
+  add(first, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
+  note_budget(first, effort);
   return result;
 }
 

@@ -1,0 +1,19 @@
+// The fit through uvs of some kinds under some maps: fit_any_surface() is that of all under any.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include <darboux/fit.h>
+
+namespace darboux {
+
+enum class UvMaps { plain, affine, any };  // flips and swaps; affine maps; the first, then the others
+
+// The first of fitted_kinds() among `kinds` that fits, else the nearest; nothing where none could start.
+// \throws UndeterminedError as fit_any_surface() does
+std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,
+                                 std::span<const std::string_view> kinds, UvMaps maps);
+
+}  // namespace darboux

@@ -1,0 +1,200 @@
+#include "evidence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include <darboux/frame.h>
+
+#include "../text.h"
+
+namespace darboux {
+namespace {
+
+enum class Symmetry { plane, sphere, axis, none };
+
+// What is known of a kind beforehand.
+struct Kind {
+  std::string_view name;
+  Symmetry symmetry;
+  int unknowns;  // of a profile through rings about the axis; of lengths between points of a ball; else of the whole fit
+  double prior;  // log10 odds of a part of somebody's model being one, against all that it may be
+};
+constexpr Kind known_kinds[] = {
+    {"sphere", Symmetry::sphere, 2, -2},    {"cylinder", Symmetry::axis, 1, -1},
+    {"cone", Symmetry::axis, 2, -1},        {"torus", Symmetry::axis, 3, -3},
+    {"ellipsoid", Symmetry::sphere, 4, -3}, {"elliptic-paraboloid", Symmetry::none, 10, -5},
+    {"catenoid", Symmetry::axis, 3, -5},
+};
+constexpr Kind any_other{"", Symmetry::none, 10, -6};
+
+constexpr double same = 1e-3;          // lengths and places of rings, of the size
+constexpr double agree_deg = 5, tight_deg = 1;
+constexpr double most_positions = 8, most_uvs = 4, most_normals = 4;
+constexpr double least_explained = 100;  // what the surface leaves, against what a plane leaves
+
+const Kind& kind_of(const MeshFit& fit) {
+  for (const Kind& kind : known_kinds)
+    if (kind.name == fit.surface.surface.info().name) return kind;
+  return any_other;
+}
+
+// How many values differ.
+std::size_t different(std::vector<double> values, double tolerance) {
+  std::sort(values.begin(), values.end());
+  std::size_t count = values.empty() ? 0 : 1;
+  for (std::size_t i = 1; i < values.size(); ++i) count += values[i] - values[i - 1] > tolerance;
+  return count;
+}
+
+// Vertices that the symmetry of a lattice puts onto the surface together count once: rings about an axis, lengths between neighbours
+// on a ball.
+struct Orbits {
+  std::size_t count = 0;
+  std::vector<std::size_t> of_place;  // rings only
+  std::size_t sides = 0;              // of the finest ring that goes all round, 0 where none does
+};
+
+Orbits rings(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
+  struct Ring {
+    double z, r;
+    std::vector<double> angles;
+  };
+  std::vector<Ring> list;
+  Orbits result;
+  const double tolerance = same * shape.size;
+  const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
+  for (const std::uint32_t v : shape.places) {
+    const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[v]);
+    const double r = std::hypot(p.x(), p.y());
+    auto at = std::find_if(list.begin(), list.end(), [&](const Ring& ring) {
+      return std::fabs(ring.z - p.z()) <= tolerance && std::fabs(ring.r - r) <= tolerance;
+    });
+    if (at == list.end()) {
+      if (list.size() >= 256) {  // plenty
+        result.of_place.push_back(255);
+        continue;
+      }
+      at = list.insert(list.end(), {p.z(), r, {}});
+    }
+    at->angles.push_back(std::atan2(p.y(), p.x()));
+    result.of_place.push_back(static_cast<std::size_t>(at - list.begin()));
+  }
+  result.count = list.size();
+  for (Ring& ring : list) {
+    if (!(ring.r > tolerance)) continue;
+    const double step = tolerance / ring.r;
+    std::sort(ring.angles.begin(), ring.angles.end());
+    double widest = ring.angles.front() + 2 * M_PI - ring.angles.back();
+    for (std::size_t i = 1; i < ring.angles.size(); ++i)
+      widest = std::fmax(widest, ring.angles[i] - ring.angles[i - 1]);
+    const std::size_t sides = different(ring.angles, step);
+    if (widest <= 1.6 * 2 * M_PI / static_cast<double>(sides) || widest < M_PI / 6) result.sides = std::max(result.sides, sides);
+  }
+  return result;
+}
+
+// Lengths of edges, on the unit ball that the surface is the image of.
+std::size_t lengths(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
+  Eigen::Vector3d axes = Eigen::Vector3d::Ones();
+  for (const ParameterValue& p : fit.surface.surface.parameters()) {
+    if (p.name == "radius") axes.setConstant(p.value);
+    if (p.name == "semi_axis_x") axes.x() = p.value;
+    if (p.name == "semi_axis_y") axes.y() = p.value;
+    if (p.name == "semi_axis_z") axes.z() = p.value;
+  }
+  const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
+  std::vector<double> values;
+  for (const auto& [v, w] : shape.edges) {
+    const Eigen::Vector3d a = to_local * to_eigen(mesh.positions[v]), b = to_local * to_eigen(mesh.positions[w]);
+    values.push_back((a - b).cwiseQuotient(axes).norm());
+    if (values.size() >= 4096) break;
+  }
+  return different(std::move(values), 10 * same);
+}
+
+// Of each place, in orbits where they are known: whether the stored normals there are the surface's, on either side.
+struct Normals {
+  double agree = 0;    // the share of vertices
+  double tight = 0;    // the share within a degree
+  std::size_t compared = 0;
+};
+
+Normals compare_normals(const Mesh& mesh, const std::vector<Truth>& truth) {
+  Normals result;
+  std::size_t agree = 0, tight = 0;
+  std::vector<bool> used(mesh.positions.size(), false);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t) used[v] = true;
+  const std::size_t step = std::max<std::size_t>(1, used.size() / 4096);
+  for (std::size_t v = 0; v < used.size(); v += step) {
+    const Vec3<double>&n = mesh.normals[v], &m = truth[v].normal;
+    if (!used[v] || !detail::finite(n) || n == Vec3<double>{} || !detail::finite(m) || truth[v].pole) continue;
+    const double angle = angle_between(n, dot(n, m) < 0 ? -m : m) * 180 / M_PI;
+    ++result.compared;
+    agree += angle <= agree_deg;
+    tight += angle <= tight_deg;
+  }
+  if (result.compared == 0) return result;
+  result.agree = static_cast<double>(agree) / static_cast<double>(result.compared);
+  result.tight = static_cast<double>(tight) / static_cast<double>(result.compared);
+  return result;
+}
+
+}  // namespace
+
+Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
+  const Kind& kind = kind_of(fit);
+  const std::string name(fit.surface.surface.info().name);
+  Evidence result{.log10_odds = kind.prior, .rival = "chance", .text = ""};
+  const double explained = shape.thickness * shape.size / std::fmax(fit.rms, 1e-12 * shape.size);
+  if (!(explained >= least_explained)) {
+    result.log10_odds = -10;
+    result.rival = "plane";
+    result.text = "it explains the positions only " + rounded(explained, 2) + " times as well as a plane";
+    return result;
+  }
+  // Positions: spare orbits.
+  Orbits orbits;
+  if (kind.symmetry == Symmetry::axis)
+    orbits = rings(mesh, shape, fit);
+  else
+    orbits.count = lengths(mesh, shape, fit);
+  const bool own = fit.chart == UvChart::own, affine = own && fit.surface.uv.name == "affine";
+  const auto places = static_cast<double>(shape.places.size());
+  const double unknowns = static_cast<double>(6 + fit.surface.surface.parameters().size()) + (affine ? 6 : 0);
+  const double by_orbits = static_cast<double>(orbits.count) - kind.unknowns,
+               by_places = ((own ? 3 : 1) * places - unknowns) / (own ? 3 : 1);
+  const double sharp = std::fmin(1, std::log10(explained) / 3);
+  const double positions = std::fmin(std::fmin(by_orbits, by_places) * sharp, most_positions);
+  // Uvs: the same orbits once more, where they are the surface's own.
+  const double uvs = !own ? 0 : std::fmax(0, std::fmin(static_cast<double>(orbits.count) - (affine ? 3 : 1), most_uvs));
+  // Normals that are the surface's and not their triangles'.
+  double normals = 0;
+  Normals compared;
+  const bool faceted = shape.faceted > 0.5;
+  if (!mesh.normals.empty() && !faceted) {
+    compared = compare_normals(mesh, truths(mesh, fit));
+    if (compared.compared > 0)
+      normals = compared.agree >= 0.8
+                    ? std::fmin((compared.tight >= 0.8 ? 1.5 : 1) * static_cast<double>(orbits.count), most_normals)
+                    : compared.agree >= 0.5 ? 0 : -3;
+  } else if (faceted) {
+    normals = -4;
+  }
+  // A ring of eight sides or more with smooth normals is meant round.
+  const double round = orbits.sides >= 8 && (normals > 0 || (own && mesh.normals.empty())) ? 2 : 0;
+  const double fine = shape.turn_deg <= 15 ? 2 : shape.turn_deg <= 31 ? 1 : 0;
+  result.log10_odds += positions + uvs + normals + round + fine;
+  result.rival = faceted ? "faceted" : normals < 0 ? "authored normals" : positions < 2 ? "polyhedron" : "chance";
+  result.text = name + ": " + std::to_string(orbits.count) +
+                (kind.symmetry == Symmetry::axis ? " different rings" : " different lengths of edges") + " of " +
+                std::to_string(shape.places.size()) + " places, " + rounded(explained, 2) +
+                " times as near as to a plane" + (own ? ", uvs are its own" : "") +
+                (compared.compared > 0 ? ", normals agree at " + rounded(100 * compared.agree, 3) + " %" : "") +
+                (faceted ? ", normals are the triangles'" : "") + ", faces turn by " + rounded(shape.turn_deg, 2) + " deg";
+  return result;
+}
+
+}  // namespace darboux

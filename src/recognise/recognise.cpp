@@ -1,0 +1,173 @@
+#include "recognise.h"
+
+#include <array>
+
+#include <darboux/error.h>
+
+#include "../fit/fit_kinds.h"
+#include "../text.h"
+#include "evidence.h"
+#include "shape.h"
+
+namespace darboux {
+namespace {
+
+constexpr double flat = 1e-6;                  // thickness of what is a plane or nothing
+constexpr std::size_t fewest_in_a_plane = 4;   // triangles
+constexpr double plane_normals = 0.8;          // share of normals that must be the plane's
+
+}  // namespace
+
+std::string nearest_fit(const MeshFit& fit) {
+  const bool affine = fit.surface.uv.name == "affine";
+  const double limit = affine ? fits_below / 100 : fits_below;
+  return ": nearest is " + fit.surface.surface.specification(6) + " with an rms distance of " +
+         rounded(fit.rms_relative, 2) + " of the mesh's size, " +
+         (fit.rms_relative <= limit ? "which leaves some of its unknowns open" : "expected at most " + rounded(limit, 1)) +
+         (affine ? " under affine uvs" : "");
+}
+
+namespace {
+
+// One mesh that is looked at.
+class Search {
+ public:
+  Search(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort)
+      : mesh_(mesh), placement_(placement), effort_(effort), shape_(shape_of(mesh)) {}
+
+  Recognised result() && {
+    if (shape_.places.size() < 3 || !(shape_.size > 0)) {
+      result_.too_little = true;
+      result_.reason = ": " + std::to_string(shape_.places.size()) + " different places, a surface needs more";
+      return std::move(result_);
+    }
+    if (shape_.thickness <= flat) {
+      look_for_plane();
+      return std::move(result_);
+    }
+    if (const std::string against = against_any_surface(shape_); !against.empty()) {
+      result_.evidence = Evidence{-10, against.substr(0, against.find(':')), against};
+      result_.reason = ": " + against;
+      return std::move(result_);
+    }
+    if (!effort_.may_search()) {
+      result_.reason = effort_.spent() ? ": the time for it was spent" : ": too many parts are none already";
+      return std::move(result_);
+    }
+    look_for_surface();
+    if (result_.fits()) effort_.found();
+    return std::move(result_);
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 2> planar_{"plane", "disk"};
+
+  std::optional<MeshFit> by_uvs(std::span<const std::string_view> kinds, UvMaps maps) {
+    if (mesh_.uvs.empty()) return std::nullopt;
+    try {
+      std::optional<MeshFit> fit = fit_kinds(mesh_, placement_, kinds, maps);
+      if (fit && !fit->fits) {
+        if (!result_.fit || fit->rms_relative < result_.fit->rms_relative) {
+          result_.reason = nearest_fit(*fit);
+          result_.fit = std::move(*fit);
+        }
+        return std::nullopt;
+      }
+      return fit;
+    } catch (const MeshError& e) {
+      result_.reason = std::string(": ") + e.what();
+      return std::nullopt;
+    }
+  }
+
+  void take(MeshFit fit, Evidence evidence) {
+    result_.truth = truths(mesh_, fit);
+    result_.fit = std::move(fit);
+    result_.evidence = std::move(evidence);
+  }
+
+  // Takes a fit that the evidence is enough for.
+  bool weigh(MeshFit fit) {
+    Evidence evidence = evidence_for(mesh_, shape_, fit);
+    if (evidence.log10_odds >= evidence_needed) {
+      take(std::move(fit), std::move(evidence));
+      return true;
+    }
+    if (!result_.evidence || evidence.log10_odds > result_.evidence->log10_odds) {
+      result_.reason = ": not enough speaks for " + evidence.text;
+      result_.evidence = std::move(evidence);
+    }
+    return false;
+  }
+
+  void look_for_plane() {
+    Evidence evidence{-10, "polygon", ""};
+    std::size_t agree = 0, compared = 0;
+    for (const Vec3<double>& n : mesh_.normals) {
+      if (!detail::finite(n) || n == Vec3<double>{}) continue;
+      ++compared;
+      agree += std::fabs(to_eigen(n).normalized().dot(shape_.plane_normal)) >= 0.996;  // 5 degrees
+    }
+    if (static_cast<double>(agree) < plane_normals * static_cast<double>(compared)) {
+      evidence.rival = "authored normals";
+      evidence.text = "the places lie in a plane, the normals are others";
+    } else if (mesh_.triangles.size() < fewest_in_a_plane) {
+      evidence.text = "a polygon of " + std::to_string(mesh_.triangles.size()) + " triangles: a plane says no more";
+    } else {
+      std::optional<MeshFit> fit = by_uvs(planar_, UvMaps::any);
+      if (!fit) fit = fit_positions(mesh_, SurfaceSpecification{"plane", {}}, placement_);
+      if (fit) {
+        take(std::move(*fit), {evidence_needed + 4, "polygon", "all places lie in a plane, and the normals are its"});
+        return;
+      }
+    }
+    result_.reason = ": " + (evidence.text.empty() ? std::string("the places lie in a plane") : evidence.text);
+    result_.evidence = std::move(evidence);
+  }
+
+  void look_for_surface() {
+    if (auto fit = by_uvs(fitted_kinds(), UvMaps::plain))
+      if (weigh(std::move(*fit))) return;
+    for (const std::string_view kind : found_kinds()) {
+      if (kind == "plane" || effort_.spent()) continue;
+      auto fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
+      if (!fit) continue;
+      if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
+      if (weigh(std::move(*fit))) return;
+    }
+    if (effort_.spent() || mesh_.uvs.empty() || !effort_.may_search_affine()) return;
+    if (auto fit = by_uvs(fitted_kinds(), UvMaps::affine)) weigh(std::move(*fit));
+  }
+
+  const Mesh& mesh_;
+  const std::optional<Eigen::Isometry3d>& placement_;
+  Effort& effort_;
+  Shape shape_;
+  Recognised result_;
+};
+
+}  // namespace
+
+Effort::Effort(const std::optional<double>& budget) {
+  if (budget)
+    until_ = std::chrono::steady_clock::now() +
+             std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(*budget));
+}
+
+bool Effort::spent() const {
+  return until_ && std::chrono::steady_clock::now() >= *until_;
+}
+
+bool Effort::may_search() {
+  return !spent() && searches_-- > 0;
+}
+
+bool Effort::may_search_affine() {
+  return !spent() && affine_-- > 0;
+}
+
+Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort) {
+  return Search(mesh, placement, effort).result();
+}
+
+}  // namespace darboux

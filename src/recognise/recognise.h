@@ -1,0 +1,44 @@
+// Which surface a mesh, or a part of one, was made from: cheap questions first, fits last, then the evidence.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <darboux/judge.h>
+
+namespace darboux {
+
+// What a mesh was taken for, and the truth at its vertices where it fits.
+struct Recognised {
+  std::optional<MeshFit> fit;
+  std::vector<Truth> truth;
+  std::string reason;       // of what does not fit, for SURFACE_UNKNOWN
+  bool too_little = false;  // to tell any surface
+  bool declared = false;    // it is the declared surface
+  std::optional<Evidence> evidence{};
+  bool fits() const { return fit && fit->fits; }
+};
+
+// Of a fit that does not fit: what it came to, and why that is not enough. An affine map is so free that it must fit better.
+std::string nearest_fit(const MeshFit& fit);
+
+// How much may still be tried on one mesh.
+class Effort {
+ public:
+  explicit Effort(const std::optional<double>& budget);
+  bool spent() const;           // the budget is
+  bool may_search();            // for a surface; counts as failed until found() is called
+  void found() { ++searches_; }
+  bool may_search_affine();
+
+ private:
+  std::optional<std::chrono::steady_clock::time_point> until_;
+  int searches_ = 8, affine_ = 2;
+};
+
+// Any surface of the catalogue, with evidence. \param placement held when given
+Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort);
+
+}  // namespace darboux

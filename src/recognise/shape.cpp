@@ -1,0 +1,131 @@
+#include "shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <darboux/frame.h>
+#include <darboux/weld.h>
+
+#include "../mesh_frames/creases.h"
+#include "../text.h"
+
+namespace darboux {
+namespace {
+
+constexpr double same = 1e-6;           // of the size
+constexpr double flat_deg = 1;          // faces that turn by less do not turn
+constexpr double facet_deg = 1;         // a normal that is its triangle's
+constexpr std::size_t fewest = 8;       // places
+constexpr double most_polyhedral = 0.2; // of the edges that turn
+constexpr double most_faceted = 0.5;
+// Many small facets of equal turns are a surface all the same.
+constexpr std::size_t fine_places = 48;
+constexpr double fine_turn_deg = 35;
+
+}  // namespace
+
+Shape shape_of(const Mesh& mesh) {
+  Shape shape;
+  std::vector<bool> used(mesh.positions.size(), false);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t) used[v] = detail::finite(mesh.positions[v]);
+  Eigen::AlignedBox3d box;
+  for (std::uint32_t v = 0; v < used.size(); ++v)
+    if (used[v]) box.extend(to_eigen(mesh.positions[v]));
+  if (box.isEmpty()) return shape;
+  shape.size = box.diagonal().stableNorm();
+  shape.centre = box.center();
+  if (!(shape.size > 0) || !std::isfinite(shape.size)) return shape;
+  std::vector<Vec3<double>> points = mesh.positions;
+  for (std::uint32_t v = 0; v < used.size(); ++v)
+    if (!used[v]) points[v] = detail::nan_vector<double>();
+  const std::vector<std::uint32_t> place = weld(points, same * shape.size);
+  for (std::uint32_t v = 0; v < used.size(); ++v)
+    if (used[v] && place[v] == v) shape.places.push_back(v);
+
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  const auto n = static_cast<double>(shape.places.size());
+  const auto local = [&](std::uint32_t v) {
+    return Eigen::Vector3d((to_eigen(mesh.positions[v]) - shape.centre) / shape.size);
+  };
+  for (const std::uint32_t v : shape.places) mean += local(v) / n;
+  for (const std::uint32_t v : shape.places) {
+    const Eigen::Vector3d d = local(v) - mean;
+    spread += d * d.transpose() / n;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  shape.plane_normal = axes.eigenvectors().col(0);
+  double squares = 0;  // by distances: the eigenvalue keeps half the digits only
+  for (const std::uint32_t v : shape.places) {
+    const double d = (local(v) - mean).dot(shape.plane_normal);
+    squares += d * d / n;
+  }
+  shape.thickness = std::sqrt(squares);
+
+  const auto scaled_face = [&](std::uint32_t t) {
+    const Eigen::Vector3d a = local(mesh.triangles[t][0]), b = local(mesh.triangles[t][1]), c = local(mesh.triangles[t][2]);
+    return Eigen::Vector3d((b - a).cross(c - a));
+  };
+  std::vector<Eigen::Vector3d> faces(mesh.triangles.size(), Eigen::Vector3d::Zero());
+  std::size_t with_area = 0, faceted = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Eigen::Vector3d face = scaled_face(t);
+    const double area = face.norm();
+    if (!(area > 1e-12)) continue;
+    faces[t] = face / area;
+    ++with_area;
+    if (mesh.normals.empty()) continue;
+    bool own = true;
+    for (const std::uint32_t v : mesh.triangles[t])
+      own = own && angle_between(mesh.normals[v], from_eigen(faces[t])) <= facet_deg * M_PI / 180;
+    faceted += own;
+  }
+  shape.faceted = with_area == 0 ? 0 : static_cast<double>(faceted) / static_cast<double>(with_area);
+  std::vector<double> turns;
+  std::size_t moderate = 0;
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = t[k], w = t[(k + 1) % 3];
+      if (!used[v] || !used[w] || place[v] == place[w]) continue;
+      edges.push_back({std::min(place[v], place[w]), std::max(place[v], place[w])});
+    }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  shape.edges = std::move(edges);
+  for_each_shared_edge(
+      mesh.triangles.size(), mesh.positions.size(),
+      [&](std::uint32_t t, std::uint32_t k) { return place[mesh.triangles[t][k]]; },
+      [&](const SharedEdge& e) {
+        const Eigen::Vector3d &a = faces[e.triangle[0]], &b = faces[e.triangle[1]];
+        if (a.isZero() || b.isZero()) return;
+        const double turn = std::atan2(a.cross(b).norm(), (e.turned ? -1 : 1) * a.dot(b)) * 180 / M_PI;
+        if (turn <= flat_deg) return;
+        turns.push_back(turn);
+        moderate += turn <= crease_deg;
+      });
+  shape.turning = turns.size();
+  if (turns.empty()) return shape;
+  shape.moderate = static_cast<double>(moderate) / static_cast<double>(turns.size());
+  const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
+  std::nth_element(turns.begin(), middle, turns.end());
+  shape.turn_deg = *middle;
+  return shape;
+}
+
+std::string against_any_surface(const Shape& shape) {
+  if (shape.places.size() < fewest)
+    return "polyhedron: " + std::to_string(shape.places.size()) + " places lie on many surfaces";
+  if (shape.turning > 0 && shape.moderate < 1 - most_polyhedral)
+    return "polyhedron: " + rounded(100 * (1 - shape.moderate), 2) + " % of its edges turn by more than " +
+           rounded(crease_deg, 3) + " deg";
+  if (shape.faceted > most_faceted && !(shape.places.size() >= fine_places && shape.turn_deg <= fine_turn_deg))
+    return "faceted: " + rounded(100 * shape.faceted, 2) + " % of its triangles store their own normals";
+  return "";
+}
+
+}  // namespace darboux

@@ -1,0 +1,32 @@
+// What a mesh looks like before any surface is fitted: how many places it has, how its faces turn, whether it is flat.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <darboux/mesh.h>
+
+namespace darboux {
+
+struct Shape {
+  std::vector<std::uint32_t> places;  // one vertex of each different finite position that triangles use
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double size = 0;       // diagonal of the bounding box
+  double thickness = 0;  // rms distance from the best plane, over the size
+  Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitZ();
+  std::vector<std::array<std::uint32_t, 2>> edges;  // between places, by vertex; each once
+  std::size_t turning = 0;                          // edges whose faces turn by more than a degree
+  double moderate = 1;                              // the share of these that turn by no more than 50 degrees
+  double turn_deg = 0;                              // their median
+  double faceted = 0;                               // the share of triangles whose normals are their own, of those with area
+};
+
+Shape shape_of(const Mesh& mesh);
+
+// Why no curved surface need be looked for: "polyhedron: ...". Empty where one may be.
+std::string against_any_surface(const Shape& shape);
+
+}  // namespace darboux
