@@ -29,7 +29,7 @@ constexpr Kind known_kinds[] = {
 };
 constexpr Kind any_other{"", Symmetry::none, 10, -6};
 
-constexpr double same = 1e-3;          // lengths and places of rings, of the size
+constexpr double same = 1e-3;  // places of rings, of the size; lengths within ten times that, of their median
 constexpr double agree_deg = 5, tight_deg = 1;
 constexpr double most_positions = 8, most_uvs = 4, most_normals = 4;
 constexpr double least_explained = 100;  // what the surface leaves, against what a plane leaves
@@ -40,11 +40,13 @@ const Kind& kind_of(const MeshFit& fit) {
   return any_other;
 }
 
-// How many values differ.
+// How many values differ: intervals of that width that hold them all.
 std::size_t different(std::vector<double> values, double tolerance) {
   std::sort(values.begin(), values.end());
-  std::size_t count = values.empty() ? 0 : 1;
-  for (std::size_t i = 1; i < values.size(); ++i) count += values[i] - values[i - 1] > tolerance;
+  std::size_t count = 0;
+  double end = -1;
+  for (const double x : values)
+    if (count == 0 || x > end) ++count, end = x + tolerance;
   return count;
 }
 
@@ -111,7 +113,11 @@ std::size_t lengths(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
     values.push_back((a - b).cwiseQuotient(axes).norm());
     if (values.size() >= 4096) break;
   }
-  return different(std::move(values), 10 * same);
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  const double tolerance = 10 * same * *middle;
+  return different(std::move(values), tolerance);
 }
 
 // Of each place, in orbits where they are known: whether the stored normals there are the surface's, on either side.

@@ -1,6 +1,8 @@
 #include "recognise.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <darboux/error.h>
 
@@ -12,8 +14,9 @@
 namespace darboux {
 namespace {
 
-constexpr double flat = 1e-6;                  // thickness of what is a plane or nothing
+constexpr double flat = fits_below;            // thickness of what is a plane or nothing
 constexpr std::size_t fewest_in_a_plane = 4;   // triangles
+constexpr std::size_t fewest_under_a_map = 40;  // places, of a surface that only its uvs tell
 constexpr double plane_normals = 0.8;          // share of normals that must be the plane's
 
 }  // namespace
@@ -28,6 +31,11 @@ std::string nearest_fit(const MeshFit& fit) {
 }
 
 namespace {
+
+bool is_quadric(std::string_view kind) {
+  constexpr std::string_view others[] = {"torus", "helicoid", "catenoid", "moebius-strip", "klein-bottle", "enneper"};
+  return std::find(std::begin(others), std::end(others), kind) == std::end(others);
+}
 
 // One mesh that is looked at.
 class Search {
@@ -50,12 +58,12 @@ class Search {
       result_.reason = ": " + against;
       return std::move(result_);
     }
-    if (!effort_.may_search()) {
-      result_.reason = effort_.spent() ? ": the time for it was spent" : ": too many parts are none already";
+    if (!effort_.may_search(shape_)) {
+      result_.reason = effort_.spent() ? ": the time for it was spent" : ": parts like it, or many others, are none";
       return std::move(result_);
     }
     look_for_surface();
-    if (result_.fits()) effort_.found();
+    if (!result_.fits()) effort_.failed(shape_);
     return std::move(result_);
   }
 
@@ -128,15 +136,19 @@ class Search {
   void look_for_surface() {
     if (auto fit = by_uvs(fitted_kinds(), UvMaps::plain))
       if (weigh(std::move(*fit))) return;
+    const bool quadric = lies_on_quadric(mesh_, shape_);
     for (const std::string_view kind : found_kinds()) {
-      if (kind == "plane" || effort_.spent()) continue;
+      if (kind == "plane" || is_quadric(kind) != quadric || effort_.spent()) continue;
       auto fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
       if (!fit) continue;
       if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
       if (weigh(std::move(*fit))) return;
     }
-    if (effort_.spent() || mesh_.uvs.empty() || !effort_.may_search_affine()) return;
-    if (auto fit = by_uvs(fitted_kinds(), UvMaps::affine)) weigh(std::move(*fit));
+    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine()) return;
+    std::vector<std::string_view> kinds;
+    for (const std::string_view kind : fitted_kinds())
+      if (is_quadric(kind) == quadric) kinds.push_back(kind);
+    if (auto fit = by_uvs(kinds, UvMaps::affine)) weigh(std::move(*fit));
   }
 
   const Mesh& mesh_;
@@ -145,6 +157,19 @@ class Search {
   Shape shape_;
   Recognised result_;
 };
+
+}  // namespace
+
+namespace {
+
+constexpr std::size_t most_failures = 12;
+
+// What parts that repeat have in common, wherever they lie.
+Effort::Outline outline(const Shape& shape) {
+  const auto digits = [](double x, double step) { return static_cast<std::size_t>(std::llround(x / step)); };
+  return {shape.places.size(), shape.edges.size(), shape.turning, digits(shape.thickness, 1e-5),
+          digits(shape.turn_deg, 1e-2)};
+}
 
 }  // namespace
 
@@ -158,8 +183,13 @@ bool Effort::spent() const {
   return until_ && std::chrono::steady_clock::now() >= *until_;
 }
 
-bool Effort::may_search() {
-  return !spent() && searches_-- > 0;
+bool Effort::may_search(const Shape& shape) const {
+  return !spent() && failed_.size() < most_failures &&
+         std::find(failed_.begin(), failed_.end(), outline(shape)) == failed_.end();
+}
+
+void Effort::failed(const Shape& shape) {
+  failed_.push_back(outline(shape));
 }
 
 bool Effort::may_search_affine() {

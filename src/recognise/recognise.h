@@ -1,12 +1,15 @@
 // Which surface a mesh, or a part of one, was made from: cheap questions first, fits last, then the evidence.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <darboux/judge.h>
+
+#include "shape.h"
 
 namespace darboux {
 
@@ -24,18 +27,22 @@ struct Recognised {
 // Of a fit that does not fit: what it came to, and why that is not enough. An affine map is so free that it must fit better.
 std::string nearest_fit(const MeshFit& fit);
 
-// How much may still be tried on one mesh.
+// How much may still be tried on one mesh: parts like those that were no surface are not tried again, and after some of them no
+// others either.
 class Effort {
  public:
+  using Outline = std::array<std::size_t, 5>;
+
   explicit Effort(const std::optional<double>& budget);
-  bool spent() const;           // the budget is
-  bool may_search();            // for a surface; counts as failed until found() is called
-  void found() { ++searches_; }
+  bool spent() const;  // the budget is
+  bool may_search(const Shape& shape) const;
+  void failed(const Shape& shape);
   bool may_search_affine();
 
  private:
   std::optional<std::chrono::steady_clock::time_point> until_;
-  int searches_ = 8, affine_ = 2;
+  std::vector<Outline> failed_;
+  int affine_ = 2;
 };
 
 // Any surface of the catalogue, with evidence. \param placement held when given

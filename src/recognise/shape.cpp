@@ -18,6 +18,8 @@ namespace {
 constexpr double same = 1e-6;           // of the size
 constexpr double flat_deg = 1;          // faces that turn by less do not turn
 constexpr double facet_deg = 1;         // a normal that is its triangle's
+constexpr std::size_t quadric_places = 400;
+constexpr double near_quadric = 1e-3;  // of the size
 constexpr std::size_t fewest = 8;       // places
 constexpr double most_polyhedral = 0.2; // of the edges that turn
 constexpr double most_faceted = 0.5;
@@ -115,6 +117,31 @@ Shape shape_of(const Mesh& mesh) {
   std::nth_element(turns.begin(), middle, turns.end());
   shape.turn_deg = *middle;
   return shape;
+}
+
+bool lies_on_quadric(const Mesh& mesh, const Shape& shape) {
+  using Row = Eigen::Matrix<double, 10, 1>;
+  const std::size_t step = std::max<std::size_t>(1, shape.places.size() / quadric_places);
+  Eigen::Matrix<double, 10, 10> values = Eigen::Matrix<double, 10, 10>::Zero(), slopes = values;
+  double count = 0;
+  for (std::size_t i = 0; i < shape.places.size(); i += step) {
+    const Eigen::Vector3d p = 2 * (to_eigen(mesh.positions[shape.places[i]]) - shape.centre) / shape.size;
+    const double x = p.x(), y = p.y(), z = p.z();
+    Row f, fx, fy, fz;
+    f << x * x, y * y, z * z, x * y, y * z, z * x, x, y, z, 1;
+    fx << 2 * x, 0, 0, y, 0, z, 1, 0, 0, 0;
+    fy << 0, 2 * y, 0, x, z, 0, 0, 1, 0, 0;
+    fz << 0, 0, 2 * z, 0, y, x, 0, 0, 1, 0;
+    values += f * f.transpose();
+    slopes += fx * fx.transpose() + fy * fy.transpose() + fz * fz.transpose();
+    count += 1;
+  }
+  if (count < 10) return true;
+  // The least of sum F² over sum |grad F|², a squared distance [Taubin1991]. The constant has no slope.
+  slopes += 1e-9 * count * Eigen::Matrix<double, 10, 10>::Identity();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, 10, 10>> solver(values, slopes,
+                                                                                      Eigen::EigenvaluesOnly);
+  return std::sqrt(std::fmax(solver.eigenvalues()[0], 0)) <= 2 * near_quadric;
 }
 
 std::string against_any_surface(const Shape& shape) {

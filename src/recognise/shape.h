@@ -26,6 +26,10 @@ struct Shape {
 
 Shape shape_of(const Mesh& mesh);
 
+// Whether the places lie on a quadric within a thousandth of the size: a sphere, cylinder, cone, ellipsoid, paraboloid,
+// hyperboloid. Looks at some hundreds of them.
+bool lies_on_quadric(const Mesh& mesh, const Shape& shape);
+
 // Why no curved surface need be looked for: "polyhedron: ...". Empty where one may be.
 std::string against_any_surface(const Shape& shape);
 
