@@ -116,6 +116,7 @@ void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector
         with_uvs.texture_transform = primitive.texture_transform;
         std::vector<Judgement> judgements = judge_parts(primitive.data, with_uvs);
         add_node_findings(primitive, judgements.front().report);
+        add(judgements.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
         for (Judgement& j : judgements) {
           raise(fail_on, j.report);
           file.verdict = std::max(file.verdict, j.report.verdict);

@@ -1,4 +1,9 @@
 // OBJ and FBX through assimp.
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -144,12 +149,111 @@ Imported import(const std::string& bytes, const std::string& format) {
   return result;
 }
 
+/// The index behind the first or second slash of a face's corner, "7/3/5"; nothing where there is none.
+std::optional<long> index_of(std::string_view corner, int slashes) {
+  for (; slashes > 0; --slashes) {
+    const std::size_t slash = corner.find('/');
+    if (slash == std::string_view::npos) return std::nullopt;
+    corner.remove_prefix(slash + 1);
+  }
+  long value = 0;
+  if (std::from_chars(corner.data(), corner.data() + corner.size(), value).ec != std::errc{})
+    return std::nullopt;
+  return value;
+}
+
+/// An OBJ whose faces name uvs or normals that are not there, which assimp drops: without these references.
+std::string without_missing(const std::string& text) {
+  const auto each_line = [&](auto f) {
+    for (std::size_t begin = 0; begin < text.size();) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      f(std::string_view(text).substr(begin, end - begin));
+      begin = end + 1;
+    }
+  };
+  long uvs = 0, normals = 0;
+  each_line([&](std::string_view line) {
+    uvs += line.starts_with("vt ") || line.starts_with("vt\t");
+    normals += line.starts_with("vn ") || line.starts_with("vn\t");
+  });
+  const auto corners_of = [](std::string_view line) {
+    std::vector<std::string_view> corners;
+    for (std::size_t at = 1; at < line.size();) {
+      const std::size_t begin = line.find_first_not_of(" \t\r", at);
+      if (begin == std::string_view::npos) break;
+      const std::size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());
+      corners.push_back(line.substr(begin, end - begin));
+      at = end;
+    }
+    return corners;
+  };
+  const auto is_face = [](std::string_view line) {
+    return line.starts_with("f ") || line.starts_with("f\t");
+  };
+  const auto is_missing = [](std::optional<long> index, long count) {
+    return index && std::labs(*index) > count;
+  };
+  bool any = false;
+  each_line([&](std::string_view line) {
+    if (is_face(line) && !any)
+      for (const std::string_view corner : corners_of(line))
+        any = any || is_missing(index_of(corner, 1), uvs) || is_missing(index_of(corner, 2), normals);
+  });
+  if (!any) return text;
+  std::string result;
+  each_line([&](std::string_view line) {
+    bool no_uv = false, no_normal = false;
+    if (is_face(line))
+      for (const std::string_view corner : corners_of(line)) {
+        no_uv = no_uv || is_missing(index_of(corner, 1), uvs);
+        no_normal = no_normal || is_missing(index_of(corner, 2), normals);
+      }
+    if (!no_uv && !no_normal) {
+      result.append(line) += '\n';
+      return;
+    }
+    result += 'f';
+    for (const std::string_view corner : corners_of(line)) {
+      const auto uv = index_of(corner, 1), normal = index_of(corner, 2);
+      result.append(" ").append(corner.substr(0, corner.find('/')));
+      if (uv && !no_uv) result += '/' + std::to_string(*uv);
+      if (normal && !no_normal) result += (uv && !no_uv ? "/" : "//") + std::to_string(*normal);
+    }
+    result += '\n';
+  });
+  return result;
+}
+
+/// The version of an FBX, 7400 for 7.4, where it states one.
+std::optional<unsigned> fbx_version(std::string_view bytes) {
+  constexpr std::string_view magic = "Kaydara FBX Binary  ";
+  constexpr std::size_t at = 23;
+  if (bytes.starts_with(magic) && bytes.size() >= at + 4) {
+    std::uint32_t version;
+    std::memcpy(&version, bytes.data() + at, sizeof version);
+    return version;
+  }
+  const std::size_t key = bytes.substr(0, 4096).find("FBXVersion:");
+  if (key == std::string_view::npos) return std::nullopt;
+  const std::size_t digits = bytes.find_first_of("0123456789", key);
+  unsigned version = 0;
+  if (digits == std::string_view::npos ||
+      std::from_chars(bytes.data() + digits, bytes.data() + bytes.size(), version).ec != std::errc{})
+    return std::nullopt;
+  return version;
+}
+
 }  // namespace
 
 Asset read_with_assimp(const std::string& path, const std::string& bytes, const std::string& format) {
   const std::string permitted =
       std::string(", permitted is an ") + (format == "obj" ? "OBJ" : "FBX") + " with faces";
   if (bytes.empty()) throw FileError(path, "is empty" + permitted);
+  if (format == "fbx")
+    if (const auto version = fbx_version(bytes); version && *version < 7100)
+      throw FileError(path, "expected FBX 7.1 (2011) or later, got " + std::to_string(*version / 1000) + "." +
+                                std::to_string(*version / 100 % 10) +
+                                ": Autodesk's FBX Converter 2013 reads it and writes it anew");
   // For each byte assimp has some 50 of its own, most for FBX in ASCII, of which it reads 1 MB in a second at least.
   const ChildLimits limits{(std::uint64_t{1} << 30) + 256 * bytes.size(),
                            static_cast<unsigned>(20 + bytes.size() / 500000)};
@@ -157,7 +261,7 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, const 
   try {
     const std::string answer = in_child(
         [&] {
-          Imported imported = import(bytes, format);
+          Imported imported = import(format == "obj" ? without_missing(bytes) : bytes, format);
           Pack pack;
           visit(pack, imported.refusal, imported.asset);
           return std::move(pack.bytes);

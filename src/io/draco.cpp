@@ -1,6 +1,7 @@
 // KHR_draco_mesh_compression: primitives whose triangles and attributes are a stream of Draco.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <exception>
 #include <string>
 #include <type_traits>
@@ -124,6 +125,40 @@ void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute
   });
 }
 
+/// Half the step of floats that Draco quantised, which it does not tell after decoding: the fewest bits with which all values
+/// are minimum + k range / (2^bits - 1), the minimum that of the component, the range the largest of all. 0 where there are none.
+double half_step_of(const Accessor& values) {
+  if (values.component_type != component_f32 || values.count < 2) return 0;
+  const std::size_t n = values.components, step = std::max<std::size_t>(1, values.count / 1000);
+  std::vector<double> low(n, std::numeric_limits<double>::infinity());
+  double range = 0, largest = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    double high = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < values.count; ++i) {
+      const double x = raw_component<float>(values, i, k);
+      if (!std::isfinite(x)) return 0;
+      low[k] = std::min(low[k], x), high = std::max(high, x);
+    }
+    range = std::max(range, high - low[k]);
+    largest = std::max({largest, std::fabs(low[k]), std::fabs(high)});
+  }
+  if (!(range > 0)) return 0;
+  constexpr int most_bits = 20;  // beyond it the steps are those of floats
+  for (int bits = 1; bits <= most_bits; ++bits) {
+    const double steps = static_cast<double>((1 << bits) - 1);
+    const double rounding = 4 * 0x1p-24 * largest / range * steps;
+    if (rounding > 0.1) return 0;
+    bool all = true;
+    for (std::size_t i = 0; all && i < values.count; i += step)
+      for (std::size_t k = 0; all && k < n; ++k) {
+        const double place = (raw_component<float>(values, i, k) - low[k]) / range * steps;
+        all = std::fabs(place - std::round(place)) <= rounding + 1e-3;
+      }
+    if (all) return 0.5 * range / steps;
+  }
+  return 0;
+}
+
 std::vector<std::uint32_t> corners_of(const draco::Mesh& mesh, const Place& compressed) {
   std::vector<std::uint32_t> corners;
   corners.reserve(std::size_t{3} * mesh.num_faces());
@@ -189,9 +224,12 @@ void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_in
     }
   }
   Json& primitive = file.json["meshes"][mesh_index]["primitives"][primitive_index];
-  for (const Renewed& a : attributes)
-    primitive["attributes"][a.name] =
+  for (const Renewed& a : attributes) {
+    const std::size_t index =
         file.append_attribute(file.json["accessors"][a.old_accessor], a.values, a.name == "POSITION");
+    file.json["meshes"][mesh_index]["primitives"][primitive_index]["attributes"][a.name] = index;
+    if (const double step = half_step_of(a.values); step > 0) file.half_steps[index] = step;
+  }
   primitive["indices"] = file.append_indices(corners);
   if (primitive.contains("mode")) primitive["mode"] = triangles;
   remove_extension(primitive, extension);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,6 +26,8 @@ struct GltfFile {
   /// One for each entry of "buffers". Buffer 0 is what becomes the binary chunk, padding included. One that
   /// has neither a uri nor the chunk has no bytes.
   std::vector<std::optional<std::string>> buffers;
+  /// Of accessors whose floats were decoded from coarser numbers: half their step.
+  std::map<std::size_t, double> half_steps;
   std::string other_chunks;  ///< chunks of the GLB that glTF 2.0 does not define, headers included
 
   io::Place root() const { return {path, json, "the document"}; }

@@ -31,15 +31,18 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
     throw FileError(path, "ends within the header of a GLB, permitted are at least 20 bytes");
   if (const std::uint32_t version = read_u32(bytes, 4); version != 2)
     throw FileError(path, "is GLB version " + std::to_string(version) + ", permitted is version 2");
-  if (const std::uint32_t length = read_u32(bytes, 8); length != bytes.size())
-    throw FileError(path, "states a length of " + std::to_string(length) + " bytes but has " +
-                              std::to_string(bytes.size()) + ", permitted are equal lengths");
+  // Bytes after the stated length are nobody's.
+  if (const std::uint32_t length = read_u32(bytes, 8);
+      length > bytes.size() || length < header_bytes + chunk_header_bytes)
+    throw FileError(path, "states a length of " + std::to_string(length) + " bytes, expected at most the " +
+                              std::to_string(bytes.size()) + " there are and at least 20");
+  else
+    bytes = bytes.substr(0, length);
   Chunks chunks;
   std::size_t at = header_bytes;
   for (std::size_t number = 0; at < bytes.size(); ++number) {
     const std::string name = "chunk " + std::to_string(number);
-    if (bytes.size() - at < chunk_header_bytes)
-      throw FileError(path, "ends within the header of " + name + ", permitted are whole chunks");
+    if (bytes.size() - at < chunk_header_bytes) break;  // padding that some tools count in
     const std::size_t length = read_u32(bytes, at), left = bytes.size() - at - chunk_header_bytes;
     const std::uint32_t type = read_u32(bytes, at + 4);
     if (length > left)
@@ -61,15 +64,11 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
   return chunks;
 }
 
-// Extensions a file may require. All but the first three change how a surface looks, not where it is.
-constexpr std::string_view supported_extensions[] = {
-    "KHR_mesh_quantization",   "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression", "KHR_texture_transform",
-    "KHR_texture_basisu",      "EXT_texture_webp",
-    "EXT_texture_avif",        "KHR_lights_punctual",
-    "KHR_materials_unlit",     "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_ior",       "KHR_materials_clearcoat",
-    "KHR_materials_specular",  "KHR_materials_transmission"};
+// Extensions that change triangles or hang on them, and are known.
+constexpr std::string_view known_extensions[] = {"KHR_mesh_quantization",   "KHR_draco_mesh_compression",
+                                                 "EXT_meshopt_compression", "KHR_materials_variants",
+                                                 "EXT_mesh_features",       "EXT_structural_metadata",
+                                                 "EXT_mesh_manifold",       "CESIUM_primitive_outline"};
 
 void check_version(const Place& document) {
   const Place asset = document.at("asset");
@@ -80,18 +79,36 @@ void check_version(const Place& document) {
     asset.at("minVersion").fail("is " + asset.at("minVersion").shown() + ", permitted is \"2.0\"");
 }
 
+// Whether some object that holds triangles has the extension.
+bool hangs_on_triangles(const Place& document, const char* name) {
+  const auto any = [&](const Place& owner, const char* key, auto&& also) {
+    if (!owner.has(key)) return false;
+    const Place list = owner.at(key);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (list.at(i).extension(name) || also(list.at(i))) return true;
+    return false;
+  };
+  const auto nothing = [](const Place&) { return false; };
+  for (const char* key : {"buffers", "bufferViews", "accessors"})
+    if (any(document, key, nothing)) return true;
+  return any(document, "meshes", [&](const Place& mesh) { return any(mesh, "primitives", nothing); });
+}
+
+// A required extension that is unknown is refused where it may change triangles. Materials, textures, lights, animations and nodes
+// have no part in a mesh in its own space.
 void check_extensions(const Place& document) {
   if (!document.has("extensionsRequired")) return;
   const Place required = document.at("extensionsRequired");
   for (std::size_t i = 0; i < required.size(); ++i) {
     const std::string& name = required.at(i).text();
-    if (std::find(std::begin(supported_extensions), std::end(supported_extensions), name) !=
-        std::end(supported_extensions))
+    if (std::find(std::begin(known_extensions), std::end(known_extensions), name) !=
+            std::end(known_extensions) ||
+        !hangs_on_triangles(document, name.c_str()))
       continue;
     std::string list;
-    for (const std::string_view supported : supported_extensions)
-      list += (list.empty() ? "" : ", ") + std::string(supported);
-    required.at(i).fail("is " + in_quotes(name) + ", which is not supported, permitted are " + list);
+    for (const std::string_view known : known_extensions)
+      list += (list.empty() ? "" : ", ") + std::string(known);
+    required.at(i).fail("may change triangles, expected one of " + list + " there, got " + in_quotes(name));
   }
 }
 

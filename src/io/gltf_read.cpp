@@ -1,6 +1,7 @@
 // Meshes and nodes of a glTF document as an Asset.
 #include <array>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include <Eigen/Geometry>
@@ -51,21 +52,19 @@ std::vector<std::uint32_t> read_indices(const GltfFile& file, const Place& primi
 
 /// Triangles in glTF's winding (section 3.7.2.1): a strip turns over every other triangle, a fan ends with
 /// its hub.
-std::vector<Triangle> make_triangles(const Place& primitive, std::uint64_t mode,
-                                     const std::vector<std::uint32_t>& corners) {
+/// \param leftover is set to how many corners at the end are no whole triangle
+std::vector<Triangle> make_triangles(std::uint64_t mode, const std::vector<std::uint32_t>& corners,
+                                     std::size_t& leftover) {
   const std::size_t n = corners.size();
   std::vector<Triangle> result;
   if (mode == triangles) {
-    if (n % 3 != 0)
-      primitive.fail("has " + std::to_string(n) +
-                     " corners in mode 4 (triangles), permitted is a multiple of 3");
+    leftover = n % 3;
     result.reserve(n / 3);
-    for (std::size_t i = 0; i < n; i += 3) result.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    for (std::size_t i = 0; i + 2 < n; i += 3) result.push_back({corners[i], corners[i + 1], corners[i + 2]});
     return result;
   }
-  if (n < 3)
-    primitive.fail("has " + std::to_string(n) + " corners in mode " + std::to_string(mode) +
-                   ", permitted are at least 3");
+  leftover = n < 3 ? n : 0;
+  if (n < 3) return result;
   result.reserve(n - 2);
   for (std::size_t i = 0; i + 2 < n; ++i) {
     if (mode == triangle_strip)
@@ -73,6 +72,19 @@ std::vector<Triangle> make_triangles(const Place& primitive, std::uint64_t mode,
     else
       result.push_back({corners[i + 1], corners[i + 2], corners[0]});
   }
+  return result;
+}
+
+/// Half the step of the numbers that numbers() gives, 0 for floats.
+double half_step(const Accessor& accessor) {
+  double result = 0;
+  with_component(accessor.component_type, [&](auto zero) {
+    using T = decltype(zero);
+    if constexpr (!std::is_floating_point_v<T>)
+      result =
+          0.5 /
+          (accessor.normalized && sizeof(T) < 4 ? static_cast<double>(std::numeric_limits<T>::max()) : 1);
+  });
   return result;
 }
 
@@ -97,21 +109,28 @@ Vec4<double> make_vec4(const double* p) {
 void read_triangles(const GltfFile& file, const Place& place, std::uint64_t mode, Primitive& primitive) {
   const Place attributes = place.at("attributes");
   Mesh& mesh = primitive.data;
-  mesh.positions = gather<Vec3<double>>(read_attribute(file, attributes, "POSITION", "VEC3", 0), make_vec3);
+  const auto read = [&](const std::string& name, const char* type, std::size_t count, auto make, auto& values,
+                        double& step) {
+    const Accessor accessor = read_attribute(file, attributes, name, type, count);
+    values = gather<typename std::remove_reference_t<decltype(values)>::value_type>(accessor, make);
+    const auto decoded = file.half_steps.find(attributes.at(name.c_str()).integer());
+    step = decoded != file.half_steps.end() ? decoded->second : half_step(accessor);
+  };
+  read("POSITION", "VEC3", 0, make_vec3, mesh.positions, mesh.half_steps.position);
   const std::size_t vertices = mesh.positions.size();
   if (attributes.has("NORMAL"))
-    mesh.normals =
-        gather<Vec3<double>>(read_attribute(file, attributes, "NORMAL", "VEC3", vertices), make_vec3);
+    read("NORMAL", "VEC3", vertices, make_vec3, mesh.normals, mesh.half_steps.normal);
   if (attributes.has("TANGENT"))
-    mesh.tangents =
-        gather<Vec4<double>>(read_attribute(file, attributes, "TANGENT", "VEC4", vertices), make_vec4);
+    read("TANGENT", "VEC4", vertices, make_vec4, mesh.tangents, mesh.half_steps.tangent);
   const TangentSpace space = tangent_space(file, place);
   primitive.needs_tangents = space.needed;
   for (const std::uint64_t set : {space.texcoord, std::uint64_t{0}}) {
     const std::string name = "TEXCOORD_" + std::to_string(set);
     if (primitive.texcoord >= 0 || !attributes.has(name.c_str())) continue;
-    mesh.uvs = gather<Vec2<double>>(read_attribute(file, attributes, name, "VEC2", vertices), make_vec2);
+    read(name, "VEC2", vertices, make_vec2, mesh.uvs, mesh.half_steps.uv);
     primitive.texcoord = static_cast<int>(set);
+    primitive.names_uv_set = space.names && set == space.texcoord;
+    if (primitive.names_uv_set) primitive.texture_transform = space.transform;
   }
   if (!mesh.tangents.empty() && !mesh.uvs.empty())
     for (int set = 0; set < most_uv_sets; ++set) {
@@ -127,7 +146,7 @@ void read_triangles(const GltfFile& file, const Place& place, std::uint64_t mode
     corners.resize(vertices);
     for (std::size_t i = 0; i < vertices; ++i) corners[i] = static_cast<std::uint32_t>(i);
   }
-  mesh.triangles = make_triangles(place, mode, corners);
+  mesh.triangles = make_triangles(mode, corners, primitive.leftover_indices);
 }
 
 template <std::size_t N>
@@ -245,6 +264,10 @@ Asset read_gltf(const GltfFile& file) {
       if (mode < triangles) {
         asset.skipped.push_back(
             {m, p, "mode " + std::to_string(mode) + " (" + mode_names[mode] + ") has no triangles"});
+        continue;
+      }
+      if (!place.has("attributes") || !place.at("attributes").has("POSITION")) {
+        asset.skipped.push_back({m, p, "it has no POSITION"});
         continue;
       }
       Primitive& primitive = asset.primitives.emplace_back();

@@ -3,6 +3,7 @@
 /// ...".
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -62,14 +63,14 @@ class Place {
 
   std::uint64_t integer(std::uint64_t least = 0,
                         std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const {
-    const bool natural =
-        json_->is_number_unsigned() || (json_->is_number_integer() && json_->get<std::int64_t>() >= 0);
-    if (!natural || json_->get<std::uint64_t>() < least || json_->get<std::uint64_t>() > most)
-      fail("is " + shown() + ", permitted is an integer " +
+    const std::optional<std::uint64_t> value = whole();
+    if (!value || *value < least || *value > most)
+      fail("expected an integer " +
            (most == std::numeric_limits<std::uint64_t>::max()
                 ? "not below " + std::to_string(least)
-                : "from " + std::to_string(least) + " to " + std::to_string(most)));
-    return json_->get<std::uint64_t>();
+                : "from " + std::to_string(least) + " to " + std::to_string(most)) +
+           ", got " + shown());
+    return *value;
   }
   /// The integer under a key that may be missing.
   std::uint64_t integer_or(const char* key, std::uint64_t fallback) const {
@@ -89,6 +90,16 @@ class Place {
   }
 
  private:
+  // 1 may be written 1.0; a double names integers up to 2^53.
+  std::optional<std::uint64_t> whole() const {
+    if (json_->is_number_unsigned()) return json_->get<std::uint64_t>();
+    if (json_->is_number_integer() && json_->get<std::int64_t>() >= 0) return json_->get<std::uint64_t>();
+    if (!json_->is_number_float()) return std::nullopt;
+    const double x = json_->get<double>();
+    if (!(x >= 0 && x <= 0x1p53) || x != std::floor(x)) return std::nullopt;
+    return static_cast<std::uint64_t>(x);
+  }
+
   const std::string* file_;
   const Json* json_;
   std::string name_;

@@ -1,7 +1,12 @@
 // PCD files.
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <span>
+
+extern "C" {
+#include <liblzf/lzf.h>
+}
 
 #include <darboux/error.h>
 
@@ -26,18 +31,50 @@ Type pcd_type(std::string_view kind, std::uint64_t bytes, const Lines& lines) {
   lines.fail("TYPE " + in_quotes(kind) + " of SIZE " + std::to_string(bytes) + " is no type of PCD");
 }
 
+// Data that PCL compressed with LZF: two counts of bytes, and behind them for each field its numbers of all points.
+std::string decompressed(PointReader& reader, std::uint64_t expected) {
+  InputBytes& bytes = reader.bytes();
+  std::array<unsigned char, 8> head{};
+  const auto cut_off = [&](std::uint64_t got, std::uint64_t asked) {
+    throw FileError(reader.path(), "ends within its compressed data: expected " + std::to_string(asked) +
+                                       " bytes, got " + std::to_string(got));
+  };
+  if (const std::size_t n = bytes.take(reinterpret_cast<char*>(head.data()), 8); n != 8) cut_off(n, 8);
+  const auto count = [&](std::size_t at) {
+    return std::uint64_t{head[at]} | std::uint64_t{head[at + 1]} << 8 | std::uint64_t{head[at + 2]} << 16 |
+           std::uint64_t{head[at + 3]} << 24;
+  };
+  const std::uint64_t packed = count(0), whole = count(4);
+  if (whole != expected)
+    throw FileError(reader.path(), "expected " + std::to_string(expected) + " bytes of points, got " +
+                                       std::to_string(whole));
+  // Three bytes stand for 264 at most.
+  if (whole / 88 > packed)
+    throw FileError(reader.path(), "expected at least " + std::to_string(whole / 88) +
+                                       " compressed bytes for " + std::to_string(whole) + ", got " +
+                                       std::to_string(packed));
+  if (bytes.size() && packed > *bytes.size() - bytes.taken()) cut_off(*bytes.size() - bytes.taken(), packed);
+  std::string from(packed, '\0'), to(whole, '\0');
+  if (const std::size_t n = bytes.take(from.data(), packed); n != packed) cut_off(n, packed);
+  if (whole > 0 && lzf_decompress(from.data(), static_cast<unsigned>(packed), to.data(),
+                                  static_cast<unsigned>(whole)) != whole)
+    throw FileError(reader.path(), "expected data compressed with LZF, got something else");
+  return to;
+}
+
 }  // namespace
 
 PointFile read_pcd_points(PointReader& reader) {
   Lines lines(reader.bytes(),
               "the lines of a PCD file: VERSION, FIELDS, SIZE, TYPE, COUNT, WIDTH, HEIGHT, VIEWPOINT, "
-              "POINTS, DATA ascii or DATA binary, then rows as the header has them");
+              "POINTS, DATA ascii, binary or binary_compressed, then rows as the header has them");
   std::vector<std::string> names, kinds;
   std::vector<std::uint64_t> sizes, counts;
   Table table{"point", 0, {}};
   std::uint64_t height = 1;
   std::optional<std::uint64_t> width, points;
   std::optional<Encoding> encoding;
+  bool compressed = false;
   std::vector<std::string_view> words;
   while (!encoding) {
     if (!lines.next()) throw FileError(reader.path(), "ends within its header, permitted is a PCD file");
@@ -64,8 +101,8 @@ PointFile read_pcd_points(PointReader& reader) {
     } else if (key == "POINTS") {
       points = number();
     } else if (key == "DATA" && words.size() == 2) {
-      if (words[1] == "binary_compressed")
-        lines.fail("the data are compressed (pcl_convert_pcd_ascii_binary IN.pcd OUT.pcd 1 undoes it)");
+      compressed = words[1] == "binary_compressed";
+      if (compressed) encoding = Encoding::little;
       if (words[1] == "ascii") encoding = Encoding::ascii;
       if (words[1] == "binary") encoding = Encoding::little;
       if (!encoding) lines.fail("the header has " + in_quotes(lines.text()));
@@ -89,8 +126,29 @@ PointFile read_pcd_points(PointReader& reader) {
     lines.fail("WIDTH " + std::to_string(*width) + " times HEIGHT " + std::to_string(height) +
                ", but POINTS " + std::to_string(*points));
   table.rows = points ? *points : *width * height;
-  RowReader rows(reader.bytes(), lines, *encoding);
   const PointColumns columns = point_columns(table, reader.path());
+  if (compressed) {
+    std::uint64_t row_bytes = 0;
+    for (std::size_t k = 0; k < sizes.size(); ++k) row_bytes += sizes[k] * counts[k];
+    if (row_bytes == 0 || table.rows > UINT32_MAX / row_bytes)
+      lines.fail("points beyond the 4 GiB of compressed data");
+    const std::string data = decompressed(reader, table.rows * row_bytes);
+    for (std::uint64_t i = 0; i < table.rows; ++i) {
+      PointNumbers point{};
+      std::uint64_t begin = 0;
+      for (std::size_t k = 0, field = 0; k < sizes.size(); ++k) {
+        for (std::uint64_t j = 0; j < counts[k]; ++j, ++field)
+          if (const int slot = columns.slots[field]; slot >= 0)
+            point[static_cast<std::size_t>(slot)] =
+                decode(table.fields[field].type, data.data() + begin + (i * counts[k] + j) * sizes[k],
+                       Encoding::little);
+        begin += table.rows * counts[k] * sizes[k];
+      }
+      reader.add(columns, point, "point ", i);
+    }
+    return reader.finish();
+  }
+  RowReader rows(reader.bytes(), lines, *encoding);
   for (std::uint64_t i = 0; i < table.rows; ++i)
     reader.add(columns, rows.read_point(table, i, columns), "point ", i);
   rows.expect_end(table);

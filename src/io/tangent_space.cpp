@@ -1,5 +1,7 @@
 #include "tangent_space.h"
 
+#include <cmath>
+
 namespace darboux::io {
 namespace {
 
@@ -25,17 +27,35 @@ std::uint64_t texcoord(const Place& texture) {
   return texture.has("texCoord") ? texture.at("texCoord").integer(0, most_sets) : 0;
 }
 
+// uv' = translation rotation scale uv, the rotation counter-clockwise in a space whose v runs down, as the extension has it.
+std::optional<std::array<double, 6>> transform_of(const Place& texture) {
+  const auto transform = texture.extension("KHR_texture_transform");
+  if (!transform) return std::nullopt;
+  const auto pair = [&](const char* key, double fallback) {
+    std::array<double, 2> values{fallback, fallback};
+    if (!transform->has(key)) return values;
+    const Place list = transform->at(key);
+    if (list.size() != 2) list.fail("expected 2 numbers, got " + std::to_string(list.size()));
+    return std::array<double, 2>{list.at(std::size_t{0}).number(), list.at(1).number()};
+  };
+  const auto offset = pair("offset", 0), scale = pair("scale", 1);
+  const double angle = transform->has("rotation") ? transform->at("rotation").number() : 0;
+  const double c = std::cos(angle), s = std::sin(angle);
+  return std::array<double, 6>{c * scale[0], s * scale[1], -s * scale[0], c * scale[1], offset[0], offset[1]};
+}
+
 TangentSpace of_material(const Place& material) {
   TangentSpace result;
-  bool found = false;
   for (const Reader& reader : readers) {
     const auto owner =
         reader.extension == nullptr ? std::optional(material) : material.extension(reader.extension);
     if (!owner) continue;
     const bool has_texture = owner->has(reader.texture);
     result.needed = result.needed || has_texture || reader.without_texture;
-    if (has_texture && !found) result.texcoord = texcoord(owner->at(reader.texture));
-    found = found || has_texture;
+    if (!has_texture || result.names) continue;
+    result.names = true;
+    result.texcoord = texcoord(owner->at(reader.texture));
+    result.transform = transform_of(owner->at(reader.texture));
   }
   return result;
 }

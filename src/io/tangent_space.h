@@ -2,7 +2,9 @@
 /// What of a glTF material reads the tangent frame.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 
 #include "gltf_file.h"
 
@@ -11,7 +13,9 @@ namespace darboux::io {
 /// What the materials of a primitive ask of its tangents.
 struct TangentSpace {
   bool needed = false;         ///< something reads them
+  bool names = false;          ///< a texture that does names its uv set
   std::uint64_t texcoord = 0;  ///< TEXCOORD set of the first texture that does, 0 when there is none
+  std::optional<std::array<double, 6>> transform;  ///< its KHR_texture_transform, as Primitive has it
 };
 
 /// The primitive's material first, then those of its KHR_materials_variants. In each: normalTexture, the

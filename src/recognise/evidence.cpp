@@ -92,7 +92,8 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
     for (std::size_t i = 1; i < ring.angles.size(); ++i)
       widest = std::fmax(widest, ring.angles[i] - ring.angles[i - 1]);
     const std::size_t sides = different(ring.angles, step);
-    if (widest <= 1.6 * 2 * M_PI / static_cast<double>(sides) || widest < M_PI / 6) result.sides = std::max(result.sides, sides);
+    if (widest <= 1.6 * 2 * M_PI / static_cast<double>(sides) || widest < M_PI / 6)
+      result.sides = std::max(result.sides, sides);
   }
   return result;
 }
@@ -109,7 +110,8 @@ std::size_t lengths(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
   const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
   std::vector<double> values;
   for (const auto& [v, w] : shape.edges) {
-    const Eigen::Vector3d a = to_local * to_eigen(mesh.positions[v]), b = to_local * to_eigen(mesh.positions[w]);
+    const Eigen::Vector3d a = to_local * to_eigen(mesh.positions[v]),
+                          b = to_local * to_eigen(mesh.positions[w]);
     values.push_back((a - b).cwiseQuotient(axes).norm());
     if (values.size() >= 4096) break;
   }
@@ -122,8 +124,8 @@ std::size_t lengths(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
 
 // Of each place, in orbits where they are known: whether the stored normals there are the surface's, on either side.
 struct Normals {
-  double agree = 0;    // the share of vertices
-  double tight = 0;    // the share within a degree
+  double agree = 0;  // the share of vertices
+  double tight = 0;  // the share within a degree
   std::size_t compared = 0;
 };
 
@@ -136,7 +138,8 @@ Normals compare_normals(const Mesh& mesh, const std::vector<Truth>& truth) {
   const std::size_t step = std::max<std::size_t>(1, used.size() / 4096);
   for (std::size_t v = 0; v < used.size(); v += step) {
     const Vec3<double>&n = mesh.normals[v], &m = truth[v].normal;
-    if (!used[v] || !detail::finite(n) || n == Vec3<double>{} || !detail::finite(m) || truth[v].pole) continue;
+    if (!used[v] || !detail::finite(n) || n == Vec3<double>{} || !detail::finite(m) || truth[v].pole)
+      continue;
     const double angle = angle_between(n, dot(n, m) < 0 ? -m : m) * 180 / M_PI;
     ++result.compared;
     agree += angle <= agree_deg;
@@ -175,7 +178,8 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   const double sharp = std::fmin(1, std::log10(explained) / 3);
   const double positions = std::fmin(std::fmin(by_orbits, by_places) * sharp, most_positions);
   // Uvs: the same orbits once more, where they are the surface's own.
-  const double uvs = !own ? 0 : std::fmax(0, std::fmin(static_cast<double>(orbits.count) - (affine ? 3 : 1), most_uvs));
+  const double uvs =
+      !own ? 0 : std::fmax(0, std::fmin(static_cast<double>(orbits.count) - (affine ? 3 : 1), most_uvs));
   // Normals that are the surface's and not their triangles'.
   double normals = 0;
   Normals compared;
@@ -183,9 +187,11 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   if (!mesh.normals.empty() && !faceted) {
     compared = compare_normals(mesh, truths(mesh, fit));
     if (compared.compared > 0)
-      normals = compared.agree >= 0.8
-                    ? std::fmin((compared.tight >= 0.8 ? 1.5 : 1) * static_cast<double>(orbits.count), most_normals)
-                    : compared.agree >= 0.5 ? 0 : -3;
+      normals =
+          compared.agree >= 0.8
+              ? std::fmin((compared.tight >= 0.8 ? 1.5 : 1) * static_cast<double>(orbits.count), most_normals)
+          : compared.agree >= 0.5 ? 0
+                                  : -3;
   } else if (faceted) {
     normals = -4;
   }
@@ -193,13 +199,18 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   const double round = orbits.sides >= 8 && (normals > 0 || (own && mesh.normals.empty())) ? 2 : 0;
   const double fine = shape.turn_deg <= 15 ? 2 : shape.turn_deg <= 31 ? 1 : 0;
   result.log10_odds += positions + uvs + normals + round + fine;
-  result.rival = faceted ? "faceted" : normals < 0 ? "authored normals" : positions < 2 ? "polyhedron" : "chance";
-  result.text = name + ": " + std::to_string(orbits.count) +
-                (kind.symmetry == Symmetry::axis ? " different rings" : " different lengths of edges") + " of " +
-                std::to_string(shape.places.size()) + " places, " + rounded(explained, 2) +
-                " times as near as to a plane" + (own ? ", uvs are its own" : "") +
-                (compared.compared > 0 ? ", normals agree at " + rounded(100 * compared.agree, 3) + " %" : "") +
-                (faceted ? ", normals are the triangles'" : "") + ", faces turn by " + rounded(shape.turn_deg, 2) + " deg";
+  result.rival = faceted         ? "faceted"
+                 : normals < 0   ? "authored normals"
+                 : positions < 2 ? "polyhedron"
+                                 : "chance";
+  result.text =
+      name + ": " + std::to_string(orbits.count) +
+      (kind.symmetry == Symmetry::axis ? " different rings" : " different lengths of edges") + " of " +
+      std::to_string(shape.places.size()) + " places, " + rounded(explained, 2) +
+      " times as near as to a plane" + (own ? ", uvs are its own" : "") +
+      (compared.compared > 0 ? ", normals agree at " + rounded(100 * compared.agree, 3) + " %" : "") +
+      (faceted ? ", normals are the triangles'" : "") + ", faces turn by " + rounded(shape.turn_deg, 2) +
+      " deg";
   return result;
 }
 

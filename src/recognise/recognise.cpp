@@ -14,10 +14,10 @@
 namespace darboux {
 namespace {
 
-constexpr double flat = fits_below;            // thickness of what is a plane or nothing
-constexpr std::size_t fewest_in_a_plane = 4;   // triangles
+constexpr double flat = fits_below;             // thickness of what is a plane or nothing
+constexpr std::size_t fewest_in_a_plane = 4;    // triangles
 constexpr std::size_t fewest_under_a_map = 40;  // places, of a surface that only its uvs tell
-constexpr double plane_normals = 0.8;          // share of normals that must be the plane's
+constexpr double plane_normals = 0.8;           // share of normals that must be the plane's
 
 }  // namespace
 
@@ -26,14 +26,16 @@ std::string nearest_fit(const MeshFit& fit) {
   const double limit = affine ? fits_below / 100 : fits_below;
   return ": nearest is " + fit.surface.surface.specification(6) + " with an rms distance of " +
          rounded(fit.rms_relative, 2) + " of the mesh's size, " +
-         (fit.rms_relative <= limit ? "which leaves some of its unknowns open" : "expected at most " + rounded(limit, 1)) +
+         (fit.rms_relative <= limit ? "which leaves some of its unknowns open"
+                                    : "expected at most " + rounded(limit, 1)) +
          (affine ? " under affine uvs" : "");
 }
 
 namespace {
 
 bool is_quadric(std::string_view kind) {
-  constexpr std::string_view others[] = {"torus", "helicoid", "catenoid", "moebius-strip", "klein-bottle", "enneper"};
+  constexpr std::string_view others[] = {"torus",         "helicoid",     "catenoid",
+                                         "moebius-strip", "klein-bottle", "enneper"};
   return std::find(std::begin(others), std::end(others), kind) == std::end(others);
 }
 
@@ -46,7 +48,8 @@ class Search {
   Recognised result() && {
     if (shape_.places.size() < 3 || !(shape_.size > 0)) {
       result_.too_little = true;
-      result_.reason = ": " + std::to_string(shape_.places.size()) + " different places, a surface needs more";
+      result_.reason =
+          ": " + std::to_string(shape_.places.size()) + " different places, a surface needs more";
       return std::move(result_);
     }
     if (shape_.thickness <= flat) {
@@ -59,7 +62,8 @@ class Search {
       return std::move(result_);
     }
     if (!effort_.may_search(shape_)) {
-      result_.reason = effort_.spent() ? ": the time for it was spent" : ": parts like it, or many others, are none";
+      result_.reason =
+          effort_.spent() ? ": the time for it was spent" : ": parts like it, or many others, are none";
       return std::move(result_);
     }
     look_for_surface();
@@ -120,16 +124,19 @@ class Search {
       evidence.rival = "authored normals";
       evidence.text = "the places lie in a plane, the normals are others";
     } else if (mesh_.triangles.size() < fewest_in_a_plane) {
-      evidence.text = "a polygon of " + std::to_string(mesh_.triangles.size()) + " triangles: a plane says no more";
+      evidence.text =
+          "a polygon of " + std::to_string(mesh_.triangles.size()) + " triangles: a plane says no more";
     } else {
       std::optional<MeshFit> fit = by_uvs(planar_, UvMaps::any);
       if (!fit) fit = fit_positions(mesh_, SurfaceSpecification{"plane", {}}, placement_);
       if (fit) {
-        take(std::move(*fit), {evidence_needed + 4, "polygon", "all places lie in a plane, and the normals are its"});
+        take(std::move(*fit),
+             {evidence_needed + 4, "polygon", "all places lie in a plane, and the normals are its"});
         return;
       }
     }
-    result_.reason = ": " + (evidence.text.empty() ? std::string("the places lie in a plane") : evidence.text);
+    result_.reason =
+        ": " + (evidence.text.empty() ? std::string("the places lie in a plane") : evidence.text);
     result_.evidence = std::move(evidence);
   }
 
@@ -144,7 +151,8 @@ class Search {
       if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
       if (weigh(std::move(*fit))) return;
     }
-    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine()) return;
+    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine())
+      return;
     std::vector<std::string_view> kinds;
     for (const std::string_view kind : fitted_kinds())
       if (is_quadric(kind) == quadric) kinds.push_back(kind);
@@ -175,8 +183,9 @@ Effort::Outline outline(const Shape& shape) {
 
 Effort::Effort(const std::optional<double>& budget) {
   if (budget)
-    until_ = std::chrono::steady_clock::now() +
-             std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(*budget));
+    until_ =
+        std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                               std::chrono::duration<double>(*budget));
 }
 
 bool Effort::spent() const {

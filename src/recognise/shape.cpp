@@ -15,13 +15,13 @@
 namespace darboux {
 namespace {
 
-constexpr double same = 1e-6;           // of the size
-constexpr double flat_deg = 1;          // faces that turn by less do not turn
-constexpr double facet_deg = 1;         // a normal that is its triangle's
+constexpr double same = 1e-6;    // of the size
+constexpr double flat_deg = 1;   // faces that turn by less do not turn
+constexpr double facet_deg = 1;  // a normal that is its triangle's
 constexpr std::size_t quadric_places = 400;
-constexpr double near_quadric = 1e-3;  // of the size
-constexpr std::size_t fewest = 8;       // places
-constexpr double most_polyhedral = 0.2; // of the edges that turn
+constexpr double near_quadric = 1e-3;    // of the size
+constexpr std::size_t fewest = 8;        // places
+constexpr double most_polyhedral = 0.2;  // of the edges that turn
 constexpr double most_faceted = 0.5;
 // Many small facets of equal turns are a surface all the same.
 constexpr std::size_t fine_places = 48;
@@ -69,7 +69,8 @@ Shape shape_of(const Mesh& mesh) {
   shape.thickness = std::sqrt(squares);
 
   const auto scaled_face = [&](std::uint32_t t) {
-    const Eigen::Vector3d a = local(mesh.triangles[t][0]), b = local(mesh.triangles[t][1]), c = local(mesh.triangles[t][2]);
+    const Eigen::Vector3d a = local(mesh.triangles[t][0]), b = local(mesh.triangles[t][1]),
+                          c = local(mesh.triangles[t][2]);
     return Eigen::Vector3d((b - a).cross(c - a));
   };
   std::vector<Eigen::Vector3d> faces(mesh.triangles.size(), Eigen::Vector3d::Zero());
@@ -139,8 +140,8 @@ bool lies_on_quadric(const Mesh& mesh, const Shape& shape) {
   if (count < 10) return true;
   // The least of sum F² over sum |grad F|², a squared distance [Taubin1991]. The constant has no slope.
   slopes += 1e-9 * count * Eigen::Matrix<double, 10, 10>::Identity();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, 10, 10>> solver(values, slopes,
-                                                                                      Eigen::EigenvaluesOnly);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, 10, 10>> solver(
+      values, slopes, Eigen::EigenvaluesOnly);
   return std::sqrt(std::fmax(solver.eigenvalues()[0], 0)) <= 2 * near_quadric;
 }
 
@@ -150,7 +151,8 @@ std::string against_any_surface(const Shape& shape) {
   if (shape.turning > 0 && shape.moderate < 1 - most_polyhedral)
     return "polyhedron: " + rounded(100 * (1 - shape.moderate), 2) + " % of its edges turn by more than " +
            rounded(crease_deg, 3) + " deg";
-  if (shape.faceted > most_faceted && !(shape.places.size() >= fine_places && shape.turn_deg <= fine_turn_deg))
+  if (shape.faceted > most_faceted &&
+      !(shape.places.size() >= fine_places && shape.turn_deg <= fine_turn_deg))
     return "faceted: " + rounded(100 * shape.faceted, 2) + " % of its triangles store their own normals";
   return "";
 }

@@ -21,7 +21,7 @@ struct Shape {
   std::size_t turning = 0;                          // edges whose faces turn by more than a degree
   double moderate = 1;                              // the share of these that turn by no more than 50 degrees
   double turn_deg = 0;                              // their median
-  double faceted = 0;                               // the share of triangles whose normals are their own, of those with area
+  double faceted = 0;  // the share of triangles whose normals are their own, of those with area
 };
 
 Shape shape_of(const Mesh& mesh);
