@@ -6,9 +6,9 @@
 
 #include "fit/kinds.h"
 #include "recognise/recognise.h"
+#include "recognise/uv_choice.h"
 #include "validate/findings.h"
 #include "validate/parts.h"
-#include "validate/uv_choice.h"
 
 namespace darboux {
 namespace {
@@ -141,11 +141,12 @@ struct Parts {
  private:
   // Cuts at the borders of charts and where normals break, and what is not recognised then at its creases. The largest first, as only
   // so many are looked at.
-  void look_at(const Mesh& whole, const JudgeOptions& options, Effort& effort, std::vector<std::uint32_t> triangles,
-               bool at_creases) {
+  void look_at(const Mesh& whole, const JudgeOptions& options, Effort& effort,
+               std::vector<std::uint32_t> triangles, bool at_creases) {
     const Part from = part_of(whole, triangles);
     std::vector<std::vector<std::uint32_t>> pieces = parts_of(from.mesh, at_creases);
-    std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    std::stable_sort(pieces.begin(), pieces.end(),
+                     [](const auto& a, const auto& b) { return a.size() > b.size(); });
     const bool one = pieces.size() == 1;
     const auto is_rest = [&](const std::vector<std::uint32_t>& piece) {
       for (const std::uint32_t t : piece) rest.push_back(from.triangles[t]);
@@ -210,9 +211,10 @@ std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> par
   return result;
 }
 
-Recognised look_at_whole(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
+Recognised look_at_whole(const Mesh& mesh, const JudgeOptions& options, Effort& effort, Ways ways) {
   if (!options.references.analytic) return {};
-  return options.surface ? find_declared(mesh, options, false) : recognise(mesh, options.placement, effort);
+  return options.surface ? find_declared(mesh, options, false)
+                         : recognise(mesh, options.placement, effort, ways);
 }
 
 void note_budget(MeshReport& report, const Effort& effort) {
@@ -250,7 +252,7 @@ Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
     return std::move(other->front());
   Subject subject = prepare(mesh, options);
   Effort effort(options.budget);
-  Recognised recognised = look_at_whole(mesh, options, effort);
+  Recognised recognised = look_at_whole(mesh, options, effort, Ways::both);
   Judgement result = judge_whole(std::move(subject), std::move(recognised), options);
   note_budget(result.report, effort);
   return result;
@@ -261,12 +263,18 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
   if (auto other = judge_by_other_uvs(mesh, options, judge_parts)) return std::move(*other);
   Subject subject = prepare(mesh, options);
   Effort effort(options.budget);
-  Recognised whole = look_at_whole(mesh, options, effort);
+  Recognised whole = look_at_whole(mesh, options, effort, Ways::uvs);
   if (!options.references.analytic || whole.fits())
     return {judge_whole(std::move(subject), std::move(whole), options)};
 
   Parts parts(mesh, options, effort);
   if (options.surface && !parts.declared) parts.recognised.clear();
+  if (!options.surface && (!parts.rest.empty() || parts.recognised.empty())) {
+    if (Recognised by_positions = recognise(mesh, options.placement, effort, Ways::positions);
+        by_positions.fits() || whole.reason.empty())
+      whole = std::move(by_positions);
+    if (whole.fits()) parts.recognised.clear();
+  }
   if (parts.recognised.empty()) {
     Judgement result = judge_whole(std::move(subject), std::move(whole), options);
     add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));

@@ -230,7 +230,7 @@ Code Judge::error_of(const CornerGroup& group) const {
     if (tangent_error(group) != Decider::nobody) return tangent_angle;
   }
   if (!c.normal_finite) return normal_not_finite;
-  if (!c.normal_unit) return normal_not_unit;
+  if (!c.normal_unit && (c.has_normal || subject_.normals.drawn[v])) return normal_not_unit;
   if (normal_error(v)) return normal_angle;
   if (!c.position_finite) return position_not_finite;
   if (!c.uv_finite) return uv_not_finite;

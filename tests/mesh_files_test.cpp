@@ -99,7 +99,7 @@ TEST(MeshFiles, WhatIsWrittenIsReadAndPasses) {
         const std::vector<Judgement> judgements = judge_parts(primitive.data);
         ASSERT_EQ(judgements.size(), 1u);
         // Without normals there is nothing to compare.
-        EXPECT_EQ(judgements[0].report.verdict, format.normals ? Verdict::pass : Verdict::undetermined);
+        EXPECT_EQ(judgements[0].report.verdict, format.normals ? Verdict::pass : Verdict::nothing);
         EXPECT_TRUE(judgements[0].fit && judgements[0].fit->fits);
       }
     }

@@ -233,7 +233,7 @@ TEST(ValidateExoticInput, AMismatchSaysHowFarItIs) {
     EXPECT_EQ(mismatch->count, scaled.corners());
     // 0.1 over the diagonal of a cube of edge 2.2: 0.02624.
     EXPECT_NE(mismatch->message.find("rms distance of 0.026 "), std::string::npos) << mismatch->message;
-    EXPECT_NE(mismatch->message.find("permitted is 0.0001"), std::string::npos) << mismatch->message;
+    EXPECT_NE(mismatch->message.find("expected at most 0.0001"), std::string::npos) << mismatch->message;
   }
 }
 

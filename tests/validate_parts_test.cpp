@@ -165,13 +165,14 @@ TEST(ValidateParts, SharpEdgesWithSharedVertices) {
     if (p.x > 0) p = {0, p.y, -p.x};
   const std::vector<Judgement> judgements = judge_parts(mesh);
   ASSERT_EQ(judgements.size(), 2u);
-  for (const Judgement& j : judgements) {
-    ASSERT_TRUE(j.fit && j.fit->fits);
-    EXPECT_EQ(j.fit->surface.surface.info().name, "plane");
-    EXPECT_TRUE(has(j.report, "CREASE_SHARED"));
-  }
+  ASSERT_TRUE(judgements[0].fit && judgements[0].fit->fits);
+  EXPECT_EQ(judgements[0].fit->surface.surface.info().name, "plane");
+  EXPECT_TRUE(has(judgements[0].report, "CREASE_SHARED"));
   EXPECT_EQ(judgements[0].report.verdict, Verdict::pass);
-  EXPECT_EQ(judgements[1].report.verdict, Verdict::fail) << "its normals were not folded";
+  EXPECT_FALSE(judgements[1].fit && judgements[1].fit->fits)
+      << "normals that were not folded are not a plane's";
+  EXPECT_TRUE(has(judgements[1].report, "NORMAL_ANGLE"));
+  EXPECT_EQ(judgements[1].report.verdict, Verdict::fail);
 }
 
 // More parts than anybody would read: one judgement, that says so.
@@ -206,9 +207,6 @@ TEST_F(OtherPeople, MirrorTestFollowsMikkTSpaceAndItsCapsAreSpheres) {
   std::map<std::string, int> kinds;
   double equal = 0, corners = 0;
   for (const Judgement& j : judged("khronos/NormalTangentMirrorTest.glb")) {
-    ASSERT_TRUE(j.fit && j.fit->fits);
-    const std::string kind(j.fit->surface.surface.info().name);
-    ++kinds[kind];
     EXPECT_EQ(j.report.verdict, Verdict::pass);
     EXPECT_EQ(j.report.handedness.convention, "gltf");
     ASSERT_TRUE(j.report.mikktspace.has_value());
@@ -218,7 +216,8 @@ TEST_F(OtherPeople, MirrorTestFollowsMikkTSpaceAndItsCapsAreSpheres) {
     }
     equal += j.report.mikktspace->equal_bits * static_cast<double>(j.report.corners);
     corners += static_cast<double>(j.report.corners);
-    if (kind != "sphere") continue;
+    if (!j.fit || !j.fit->fits) continue;  // the frames about the caps
+    ++kinds[std::string(j.fit->surface.surface.info().name)];
     EXPECT_NEAR(j.fit->surface.surface.parameters()[0].value, 0.1, 1e-5);
     EXPECT_EQ(j.fit->chart, UvChart::projected);
     // The evidence: T 0.34 max, 0.23 rms; normals 0.34, 0.28, each over all caps and other classes.

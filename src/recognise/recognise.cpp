@@ -42,8 +42,8 @@ bool is_quadric(std::string_view kind) {
 // One mesh that is looked at.
 class Search {
  public:
-  Search(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort)
-      : mesh_(mesh), placement_(placement), effort_(effort), shape_(shape_of(mesh)) {}
+  Search(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort, Ways ways)
+      : mesh_(mesh), placement_(placement), effort_(effort), ways_(ways), shape_(shape_of(mesh)) {}
 
   Recognised result() && {
     if (shape_.places.size() < 3 || !(shape_.size > 0)) {
@@ -141,9 +141,9 @@ class Search {
   }
 
   void look_for_surface() {
-    if (auto fit = by_uvs(fitted_kinds(), UvMaps::plain))
-      if (weigh(std::move(*fit))) return;
     const bool quadric = lies_on_quadric(mesh_, shape_);
+    if (ways_ != Ways::positions && look_through_uvs(quadric)) return;
+    if (ways_ == Ways::uvs) return;
     for (const std::string_view kind : found_kinds()) {
       if (kind == "plane" || is_quadric(kind) != quadric || effort_.spent()) continue;
       auto fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
@@ -151,17 +151,24 @@ class Search {
       if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
       if (weigh(std::move(*fit))) return;
     }
+  }
+
+  bool look_through_uvs(bool quadric) {
+    if (auto fit = by_uvs(fitted_kinds(), UvMaps::plain))
+      if (weigh(std::move(*fit))) return true;
     if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine())
-      return;
+      return false;
     std::vector<std::string_view> kinds;
     for (const std::string_view kind : fitted_kinds())
       if (is_quadric(kind) == quadric) kinds.push_back(kind);
-    if (auto fit = by_uvs(kinds, UvMaps::affine)) weigh(std::move(*fit));
+    auto fit = by_uvs(kinds, UvMaps::affine);
+    return fit && weigh(std::move(*fit));
   }
 
   const Mesh& mesh_;
   const std::optional<Eigen::Isometry3d>& placement_;
   Effort& effort_;
+  Ways ways_;
   Shape shape_;
   Recognised result_;
 };
@@ -205,8 +212,9 @@ bool Effort::may_search_affine() {
   return !spent() && affine_-- > 0;
 }
 
-Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort) {
-  return Search(mesh, placement, effort).result();
+Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+                     Ways ways) {
+  return Search(mesh, placement, effort, ways).result();
 }
 
 }  // namespace darboux

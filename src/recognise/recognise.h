@@ -45,7 +45,11 @@ class Effort {
   int affine_ = 2;
 };
 
+// By what a surface is looked for. Uvs that are its own tell more, so that a mesh of several parts is first looked at through them.
+enum class Ways { uvs, positions, both };
+
 // Any surface of the catalogue, with evidence. \param placement held when given
-Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort);
+Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+                     Ways ways = Ways::both);
 
 }  // namespace darboux

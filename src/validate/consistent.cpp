@@ -112,7 +112,7 @@ class Closely {
     if (!has_direction(n) || !has_direction(t)) return {Claim::none, 0};
     arcs_.clear();
     rim_.clear();
-    flat_ = true;
+    normals_turn_ = 0;
     uncertain_ = false;
     x_ = unit(t), y_ = cross(n, x_), n_ = n;
     const std::uint32_t group = joins_.position_and_normal[v];
@@ -123,7 +123,8 @@ class Closely {
       if (raw_sign_[c->triangle] == sign) {
         rim_.push_back(place(c->triangle, c->k + 1)), rim_.push_back(place(c->triangle, c->k + 2));
         for (const std::uint32_t w : triangle)
-          flat_ = flat_ && !(angle_between(mesh_.normals[w], n) > uniform_deg / degrees_per_radian);
+          if (const double turn = angle_between(mesh_.normals[w], n); turn > normals_turn_)
+            normals_turn_ = turn;
       }
       for (std::uint32_t k = 0; k < 3; ++k) add_other_diagonal(*c, k, sign);
     }
@@ -136,7 +137,10 @@ class Closely {
         std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
     const double outside = degrees_per_radian * (away - rounding);
     if (outside <= limit_deg) return {Claim::within, 0};
-    if (outside <= one_sided * max_angle_deg_ && !is_uniform(cone) && !is_closed()) return {Claim::within, 0};
+    // The frame turns over a triangle about as its normals do.
+    if (outside <= one_sided * max_angle_deg_ + degrees_per_radian * normals_turn_ && !is_uniform(cone) &&
+        !is_closed())
+      return {Claim::within, 0};
     return {uncertain_ ? Claim::none : Claim::beyond, outside};
   }
 
@@ -157,7 +161,8 @@ class Closely {
   bool is_uniform(const Arc& cone) const {
     double widest = 0;
     for (const Arc& arc : arcs_) widest = std::fmax(widest, arc.half);
-    return flat_ && cone.half <= widest + uniform_deg / degrees_per_radian;
+    return normals_turn_ <= uniform_deg / degrees_per_radian &&
+           cone.half <= widest + uniform_deg / degrees_per_radian;
   }
   // Whether the triangles go all round the vertex. One side of a curved surface leaves out half of the directions.
   bool is_closed() {
@@ -233,7 +238,7 @@ class Closely {
   Vec3<double> x_{}, y_{}, n_{};
   std::vector<Arc> arcs_;
   std::vector<std::uint32_t> rim_;  // places about the vertex, twice each where the triangles go all round
-  bool flat_ = true;                // normals do not turn, either
+  double normals_turn_ = 0;         // from the tangent's vertex to others of its triangles, the most
   bool uncertain_ = false;          // a triangle tells no direction, and may have drawn the tangent anywhere
 };
 

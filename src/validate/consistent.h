@@ -25,7 +25,7 @@ class Cones {
  public:
   Cones() = default;
   // \param raw_sign of each triangle, 0 without uv area
-  // \param limit_deg of each vertex: how far outside a tangent may lie; three times max_angle_deg where the triangles lie on one side
+  // \param limit_deg of each vertex: how far outside a tangent may lie; three times max_angle_deg and the turn of the normals over its triangles where the triangles lie on one side
   // of a curved vertex only, as at creases, tips and folds of the uvs: the true direction may lie half a triangle beyond them
   Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
         std::span<const double> limit_deg, double max_angle_deg);

@@ -80,6 +80,7 @@ Subject restrict_to(const Subject& whole, const Part& part) {
     subject.has_uv_area.push_back(whole.has_uv_area[v]);
     if (normals) {
       subject.normals.unsupported.push_back(whole.normals.unsupported[v]);
+      subject.normals.drawn.push_back(whole.normals.drawn[v]);
       subject.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);
     }
     if (!whole.local.empty()) subject.local.push_back(whole.local[v]);

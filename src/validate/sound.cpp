@@ -139,6 +139,7 @@ NormalChecks check_normals(const Mesh& mesh, const VertexJoins& joins) {
   const double least = std::cos(supported_deg / degrees_per_radian),
                rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
   std::vector<bool> asked(n, false), supported(n, false), has_area(mesh.triangles.size(), false);
+  result.drawn.assign(n, false);
   result.faceted.assign(mesh.triangles.size(), false);
   result.opposes.assign(mesh.triangles.size(), false);
   bool any_candidate = false;
@@ -152,6 +153,7 @@ NormalChecks check_normals(const Mesh& mesh, const VertexJoins& joins) {
     const double own =
         std::cos(std::fmin(faceted_deg / degrees_per_radian + plane.uncertain + rounding, 1.0));
     for (const std::uint32_t v : mesh.triangles[t]) {
+      result.drawn[v] = true;
       const Vec3<double>& m = mesh.normals[v];
       const double along = dot(m, plane.normal), square = dot(m, m);
       if (!(square > 0) || !std::isfinite(square)) {

@@ -30,6 +30,7 @@ VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v);
 struct NormalChecks {
   std::vector<bool>
       unsupported;  // vertices whose normal is more than 80 degrees from every triangle that shares it
+  std::vector<bool> drawn;  // vertices of a triangle with area; nothing is seen of the others
   std::vector<bool>
       faceted;  // triangles whose three normals are their own, beside one that turns and has others
   std::vector<bool> faceted_vertices;  // of which all triangles with area are faceted

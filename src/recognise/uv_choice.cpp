@@ -1,7 +1,7 @@
 #include "uv_choice.h"
 
 #include "../triangle_signs.h"
-#include "subject.h"
+#include "../validate/subject.h"
 
 namespace darboux {
 namespace {
