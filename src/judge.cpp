@@ -288,6 +288,14 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
     parts.recognised.push_back({part_of(mesh, std::move(parts.rest)), std::move(unknown)});
   }
   std::vector<Judgement> result = judge_each(std::move(subject), std::move(parts.recognised), options);
+  // What is left of a mesh of which something was judged leaves nothing open.
+  const bool judged = std::any_of(result.begin(), result.end(),
+                                  [](const Judgement& j) { return j.report.without_errors == Verdict::pass; });
+  for (Judgement& j : result)
+    if (judged && j.report.without_errors == Verdict::undetermined) {
+      j.report.without_errors = Verdict::pass;
+      if (j.report.verdict == Verdict::undetermined) j.report.verdict = Verdict::pass;
+    }
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t v : triangle) used[v] = true;

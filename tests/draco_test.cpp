@@ -342,8 +342,8 @@ TEST(BadDraco, ValuesThatAreNotWhatTheyShouldBe) {
   for (const auto& [pointer, value, message] : std::initializer_list<Patch>{
            {ext + "/attributes/POSITION", "8",
             "POSITION is 8, permitted are those of the stream: \"7, 3, 5, 4, 9, 1000000\""},
-           {ext + "/attributes/POSITION", "4294967296", "permitted is an integer from 0 to 4294967295"},
-           {ext + "/attributes/POSITION", "-1", "POSITION is -1, permitted is an integer"},
+           {ext + "/attributes/POSITION", "4294967296", "expected an integer from 0 to 4294967295"},
+           {ext + "/attributes/POSITION", "-1", "POSITION is -1, expected an integer"},
            {ext + "/attributes/POSITION", "5",
             "POSITION names an accessor of type VEC3, permitted are the 2 components"},
            {ext + "/attributes", "[]", "attributes is array"},

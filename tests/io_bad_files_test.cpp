@@ -178,7 +178,6 @@ TEST(BadFiles, LyingHeaders) {
   expect_bytes_refused(with(4, 3), "is GLB version 3");
   expect_bytes_refused(with(8, 0), "states a length of 0 bytes");
   expect_bytes_refused(with(8, 0xFFFFFFFF), "states a length of 4294967295 bytes");
-  expect_bytes_refused(good + "x", "states a length of");
   expect_bytes_refused(with(12, 0xFFFFFFFF), "states 4294967295 bytes for chunk 0");
   expect_bytes_refused(with(12, static_cast<std::uint32_t>(good.size()) - 19), "for chunk 0");
   expect_bytes_refused(with(12, json_length - 4), "for chunk 1");
@@ -231,12 +230,15 @@ void expect_patch_refused(const Patch& patch) {
 }
 
 TEST(BadFiles, Extensions) {
-  for (const char* name : {"KHR_meshopt_compression", "no such thing"}) {
+  // What is unknown and hangs on something with triangles may change them.
+  for (const char* where :
+       {"/bufferViews/0", "/accessors/0", "/buffers/0", "/meshes/0", "/meshes/0/primitives/0"}) {
     Builder b = rich();
-    b.json["extensionsRequired"].push_back(name);
-    expect_bytes_refused(b.glb(), "extensionsRequired[1] is \"" + std::string(name) +
-                                      "\", which is not supported, permitted are KHR_mesh_quantization, "
-                                      "KHR_draco_mesh_compression, EXT_meshopt_compression");
+    b.json["extensionsRequired"].push_back("KHR_meshopt_compression");
+    b.json[Json::json_pointer(where)]["extensions"]["KHR_meshopt_compression"] = Json::object();
+    expect_bytes_refused(b.glb(),
+                         "extensionsRequired[1] may change triangles, expected one of KHR_mesh_quantization, "
+                         "KHR_draco_mesh_compression, EXT_meshopt_compression");
   }
   expect_patch_refused({"/extensionsRequired", "[3]", "extensionsRequired[0] is 3, permitted is a text"});
   expect_patch_refused({"/extensionsRequired", "{}", "extensionsRequired is object, permitted is an array"});
@@ -253,13 +255,13 @@ TEST(BadFiles, ValuesThatAreNotWhatTheyShouldBe) {
            {"/accessors/0/count", "5", "asks for 5 elements"},
            {"/accessors/0/count", "3",
             "names an accessor of 4 elements, permitted are as many as POSITION's, 3"},
-           {"/accessors/0/count", "0", "accessors[0].count is 0, permitted is an integer not below 1"},
-           {"/accessors/0/count", "-1", "accessors[0].count is -1, permitted is an integer"},
-           {"/accessors/0/count", "4.0", "accessors[0].count is 4.0, permitted is an integer"},
-           {"/accessors/0/count", "1e30", "accessors[0].count is 1e+30, permitted is an integer"},
+           {"/accessors/0/count", "0", "accessors[0].count is 0, expected an integer not below 1"},
+           {"/accessors/0/count", "-1", "accessors[0].count is -1, expected an integer"},
+           {"/accessors/0/count", "4.5", "accessors[0].count is 4.5, expected an integer"},
+           {"/accessors/0/count", "1e30", "accessors[0].count is 1e+30, expected an integer"},
            {"/accessors/0/count", "100000000000000000000",
-            "accessors[0].count is 1e+20, permitted is an integer"},
-           {"/accessors/0/count", "\"4\"", "accessors[0].count is \"4\", permitted is an integer"},
+            "accessors[0].count is 1e+20, expected an integer"},
+           {"/accessors/0/count", "\"4\"", "accessors[0].count is \"4\", expected an integer"},
            {"/accessors/0/count", nullptr, "accessors[0] has no count, permitted is one with it"},
            {"/accessors/0/bufferView", "99",
             "accessors[0].bufferView is 99, permitted are 0 to 4, the bufferViews there are"},
@@ -267,7 +269,7 @@ TEST(BadFiles, ValuesThatAreNotWhatTheyShouldBe) {
            {"/accessors/0/byteOffset", "4", "asks for 4 elements of 12 bytes from byte 4"},
            {"/accessors/0/byteOffset", "18446744073709551612", "from byte 18446744073709551612"},
            {"/accessors/0/componentType", "5124", "is 5124, permitted are 5120"},
-           {"/accessors/0/componentType", "\"FLOAT\"", "is \"FLOAT\", permitted is an integer"},
+           {"/accessors/0/componentType", "\"FLOAT\"", "is \"FLOAT\", expected an integer"},
            {"/accessors/0/type", "\"VEC5\"", "accessors[0].type is \"VEC5\""},
            {"/accessors/0/type", "3", "accessors[0].type is 3, permitted is a text"},
            {"/accessors/0/type", "\"VEC2\"", "POSITION names an accessor of type VEC2, permitted is VEC3"},
@@ -280,7 +282,7 @@ TEST(BadFiles, ValuesThatAreNotWhatTheyShouldBe) {
             "accessors[3] has no bufferView and 9007199254740992 elements"},
            {"/accessors/3/count", "1000000", "accessors[3] has no bufferView and 1000000 elements"},
            {"/accessors/3/sparse/count", "5",
-            "accessors[3].sparse.count is 5, permitted is an integer from 1 to 4"},
+            "accessors[3].sparse.count is 5, expected an integer from 1 to 4"},
            {"/accessors/3/sparse/count", "0", "accessors[3].sparse.count is 0"},
            {"/accessors/3/sparse/indices/componentType", "5126",
             "is 5126, permitted are 5121, 5123 and 5125"},
@@ -291,7 +293,6 @@ TEST(BadFiles, ValuesThatAreNotWhatTheyShouldBe) {
            {"/accessors/3/sparse/values", nullptr, "accessors[3].sparse has no values"},
            {"/accessors/4/componentType", "5126", "asks for 6 elements of 4 bytes"},
            {"/accessors/4/componentType", "5120", "permitted are SCALAR and 5121, 5123 or 5125"},
-           {"/accessors/4/count", "5", "has 5 corners in mode 4 (triangles), permitted is a multiple of 3"},
            {"/accessors/4/bufferView", "3", "indices leads to index 128 at place 2, permitted are 0 to 3"},
            {"/accessors", "{}", "accessors is object, permitted is an array"},
            {"/bufferViews/0/buffer", "1", "bufferViews[0].buffer is 1, permitted are 0 to 0"},
@@ -300,18 +301,16 @@ TEST(BadFiles, ValuesThatAreNotWhatTheyShouldBe) {
            {"/bufferViews/0/byteOffset", "18446744073709551600", "from byte 18446744073709551600"},
            {"/bufferViews/0/byteOffset", "100000", "from byte 100000"},
            {"/bufferViews/1/byteStride", "0",
-            "bufferViews[1].byteStride is 0, permitted is an integer from 4 to 252"},
+            "bufferViews[1].byteStride is 0, expected an integer from 4 to 252"},
            {"/bufferViews/1/byteStride", "256", "bufferViews[1].byteStride is 256"},
            {"/bufferViews/1/byteStride", "8",
             "has elements of 12 bytes, permitted are at most the byteStride"},
            {"/buffers/0/byteLength", "100000", "buffers[0].byteLength is 100000, permitted are at most"},
            {"/buffers/0/byteLength", "-5", "buffers[0].byteLength is -5"},
            {"/buffers", nullptr, "bufferViews[0].buffer is 0, permitted are none: there are no buffers"},
-           {"/meshes/0/primitives/0/attributes/POSITION", nullptr, "attributes has no POSITION"},
            {"/meshes/0/primitives/0/attributes/POSITION", "77", "POSITION is 77, permitted are 0 to 4"},
-           {"/meshes/0/primitives/0/attributes", nullptr, "meshes[0].primitives[0] has no attributes"},
            {"/meshes/0/primitives/0/attributes", "[]", "attributes is array, permitted is an object"},
-           {"/meshes/0/primitives/0/mode", "7", "mode is 7, permitted is an integer from 0 to 6"},
+           {"/meshes/0/primitives/0/mode", "7", "mode is 7, expected an integer from 0 to 6"},
            {"/meshes/0/primitives/0/material", "1", "material is 1, permitted are 0 to 0"},
            {"/meshes/0/primitives", nullptr, "meshes[0] has no primitives"},
            {"/meshes/0/name", "7", "meshes[0].name is 7"},

@@ -270,7 +270,7 @@ TEST(BadMeshFiles, Fbx) {
     expect_bytes_refused(bytes, part, "bad.fbx");
   };
   refused(with("PolygonVertexIndex: *36 {\n a: 0", "PolygonVertexIndex: *36 {\n a: 99"), "out of range");
-  refused(with("FBXVersion: 7400", "FBXVersion: 6100"), "unsupported, old format version");
+  refused(with("FBXVersion: 7400", "FBXVersion: 6100"), "expected FBX 7.1 (2011) or later, got 6.1: Autodesk's FBX Converter 2013");
   refused(with("C: \"OO\",10,20\n", ""), "has no faces, permitted is an FBX with faces");
   // Nodes within each other: assimp calls itself until its stack ends.
   refused(with("C: \"OO\",20,0\n", "C: \"OO\",20,0\nC: \"OO\",20,20\n"), "cannot be read by assimp");

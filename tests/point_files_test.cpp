@@ -64,7 +64,9 @@ class PointFiles : public ::testing::Test {
     const std::string path = write_bytes(folder_ / name, bytes);
     const std::string message = refusal_of<FileError>([&] { read_points(path); });
     EXPECT_EQ(message.rfind(path, 0), 0u) << message;
-    EXPECT_NE(message.find("permitted"), std::string::npos) << message;
+    EXPECT_TRUE(message.find("permitted") != std::string::npos ||
+                message.find("expected") != std::string::npos)
+        << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     for (const std::string& word : words)
       EXPECT_NE(message.find(word), std::string::npos) << word << " in " << message;
@@ -131,6 +133,31 @@ std::string pcd_header(const std::string& data, std::size_t points) {
          "TYPE F F F U F F F F F\nCOUNT 1 1 1 1 1 1 1 1 1\nWIDTH " +
          std::to_string(points) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + std::to_string(points) +
          "\nDATA " + data + "\n";
+}
+
+// The numbers of all points, field by field, as compressed PCD files have them.
+std::string by_fields(const PointCloud& cloud) {
+  const std::string rows = binary_rows(cloud, false);
+  constexpr std::size_t sizes[] = {8, 8, 8, 1, 8, 8, 8, 8, 8};
+  const std::size_t row = rows.size() / cloud.positions.size();
+  std::string result;
+  for (std::size_t k = 0, at = 0; k < std::size(sizes); at += sizes[k++])
+    for (std::size_t i = 0; i < cloud.positions.size(); ++i) result += rows.substr(i * row + at, sizes[k]);
+  return result;
+}
+
+// LZF that copies nothing: runs of up to 32 bytes behind a byte that counts them, less one. With both sizes before it.
+std::string lzf_literals(const std::string& bytes) {
+  std::string data;
+  for (std::size_t at = 0; at < bytes.size(); at += 32) {
+    const std::string run = bytes.substr(at, 32);
+    data += static_cast<char>(run.size() - 1);
+    data += run;
+  }
+  std::string sizes;
+  for (const std::size_t n : {data.size(), bytes.size()})
+    for (int k = 0; k < 4; ++k) sizes += static_cast<char>(n >> (8 * k) & 255);
+  return sizes + data;
 }
 
 // ---- what is read --------------------------------------------------------------------------------------------------
@@ -247,6 +274,8 @@ TEST_F(PointFiles, Ply) {
 
 TEST_F(PointFiles, Pcd) {
   expect_same(read("a.pcd", pcd_header("binary", 3) + binary_rows(difficult, false)).cloud, difficult);
+  expect_same(read("a.pcd", pcd_header("binary_compressed", 3) + lzf_literals(by_fields(difficult))).cloud,
+              difficult);
   expect_same(read("a.pcd",
                    "VERSION .7\nFIELDS x y z fpfh\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 2\nWIDTH 1\n"
                    "HEIGHT 2\nDATA ascii\n0.1 2 3 9 9\nnan nan nan 9 9\n")
@@ -435,7 +464,17 @@ TEST_F(PointFiles, RefusesBrokenPly) {
 
 TEST_F(PointFiles, RefusesBrokenPcd) {
   refused("a.pcd", "", {"within its header"});
-  refused("a.pcd", pcd_header("binary_compressed", 3), {"compressed", "pcl_convert_pcd_ascii_binary"});
+  const std::string packed = pcd_header("binary_compressed", 3);
+  refused("a.pcd", packed, {"ends within its compressed data"});
+  refused("a.pcd", packed + lzf_literals(std::string(7, 'x')), {"expected 195 bytes of points, got 7"});
+  std::string cut = packed + lzf_literals(by_fields(difficult));
+  refused("a.pcd", cut.substr(0, cut.size() - 1), {"ends within its compressed data"});
+  cut[packed.size() + 8] = '\xFF';  // a copy of bytes that are not there
+  refused("a.pcd", cut, {"expected data compressed with LZF"});
+  // A size that nothing could unfold to is refused before it is allocated.
+  refused("a.pcd",
+          pcd_header("binary_compressed", 60000000) + std::string("\x04\0\0\0\0\x47\x75\xE8", 8) + "xxxx",
+          {"compressed bytes"});
   refused("a.pcd", pcd_header("zip", 3), {"zip"});
   refused("a.pcd", pcd_header("binary", 4) + binary_rows(difficult, false), {"ends at point 3"});
   refused("a.pcd", pcd_header("binary", 2) + binary_rows(difficult, false), {"goes on"});

@@ -410,9 +410,9 @@ TEST_F(SurfaceFiles, RefusesBadJsonInOneLine) {
   refused(bezier, "{" + bezier_net + ", \"degree_u\": 3}",
           {"degree_u is 3, permitted is 1", "rows of points"});
   refused(bezier, "{" + bezier_net + ", \"degree_v\": 0}",
-          {"degree_v is 0, permitted is an integer from 1 to 15"});
+          {"degree_v is 0, expected an integer from 1 to 15"});
   refused(bezier, "{" + bezier_net + ", \"degree_v\": 2.5}",
-          {"degree_v is 2.5, permitted is an integer from 1 to 15"});
+          {"degree_v is 2.5, expected an integer from 1 to 15"});
   refused(bezier, "{" + bezier_net + ", \"weights\": [[1,1,1]]}", {"weights holds 1 rows, permitted are 2"});
   refused(bezier, "{" + bezier_net + ", \"weights\": [[1,1,1],[1,1]]}",
           {"weights[1] holds 2 weights, permitted are 3"});

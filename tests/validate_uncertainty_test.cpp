@@ -251,14 +251,14 @@ TEST(ValidateUncertainty, AnErrorBelowTheUncertaintyIsNoFinding) {
   Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 8, .rows = 6});
   place(mesh, random_pose(random, 1));
   add_noise(mesh, 1e-4, random);
-  const MeshReport exact = judge(mesh).report;
+  JudgeOptions options;
+  options.surface = parse_specification("torus");  // six rows are too few to be recognised
+  const MeshReport exact = judge(mesh, options).report;
   EXPECT_EQ(exact.verdict, Verdict::pass);
   const double s = exact.tangent_uncertainty_deg.rms();
   EXPECT_GT(s, 1e-4);
-  JudgeOptions options;
   options.max_angle_deg = s;
   options.references.triangles = false;  // they know floats to far less
-  options.surface = parse_specification("torus");
   Mesh below = mesh, above = mesh;
   turn_tangents(below, 2 * s);
   turn_tangents(above,

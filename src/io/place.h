@@ -65,11 +65,10 @@ class Place {
                         std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const {
     const std::optional<std::uint64_t> value = whole();
     if (!value || *value < least || *value > most)
-      fail("expected an integer " +
+      fail("is " + shown() + ", expected an integer " +
            (most == std::numeric_limits<std::uint64_t>::max()
                 ? "not below " + std::to_string(least)
-                : "from " + std::to_string(least) + " to " + std::to_string(most)) +
-           ", got " + shown());
+                : "from " + std::to_string(least) + " to " + std::to_string(most)));
     return *value;
   }
   /// The integer under a key that may be missing.

@@ -67,7 +67,7 @@ class Search {
       return std::move(result_);
     }
     look_for_surface();
-    if (!result_.fits()) effort_.failed(shape_);
+    if (!result_.fits() && ways_ != Ways::uvs) effort_.failed(shape_);
     return std::move(result_);
   }
 
