@@ -24,7 +24,7 @@ struct Kind {
 constexpr Kind known_kinds[] = {
     {"sphere", Symmetry::sphere, 2, -2},    {"cylinder", Symmetry::axis, 1, -1},
     {"cone", Symmetry::axis, 2, -1},        {"torus", Symmetry::axis, 3, -3},
-    {"ellipsoid", Symmetry::sphere, 4, -3}, {"elliptic-paraboloid", Symmetry::none, 10, -5},
+    {"ellipsoid", Symmetry::sphere, 3, -3}, {"elliptic-paraboloid", Symmetry::none, 10, -5},
     {"catenoid", Symmetry::axis, 3, -5},
 };
 constexpr Kind any_other{"", Symmetry::none, 10, -6};
@@ -58,7 +58,7 @@ struct Orbits {
   std::size_t sides = 0;              // of the finest ring that goes all round, 0 where none does
 };
 
-Orbits rings(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
+Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
   struct Ring {
     double z, r;
     std::vector<double> angles;
@@ -66,7 +66,7 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
   std::vector<Ring> list;
   Orbits result;
   const double tolerance = same * shape.size;
-  const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
+  const Eigen::Isometry3d to_local = placement.inverse();
   for (const std::uint32_t v : shape.places) {
     const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[v]);
     const double r = std::hypot(p.x(), p.y());
@@ -96,6 +96,21 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
       result.sides = std::max(result.sides, sides);
   }
   return result;
+}
+
+// Places up to the signs of their coordinates.
+std::size_t folded(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
+  std::vector<Eigen::Vector3d> list;
+  const Eigen::Isometry3d to_local = placement.inverse();
+  for (const std::uint32_t v : shape.places) {
+    const Eigen::Vector3d p = (to_local * to_eigen(mesh.positions[v])).cwiseAbs();
+    if (std::none_of(list.begin(), list.end(), [&](const Eigen::Vector3d& q) {
+          return (p - q).cwiseAbs().maxCoeff() <= same * shape.size;
+        }))
+      list.push_back(p);
+    if (list.size() >= 64) break;  // plenty
+  }
+  return list.size();
 }
 
 // Lengths of edges, on the unit ball that the surface is the image of.
@@ -129,17 +144,23 @@ struct Normals {
   std::size_t compared = 0;
 };
 
-Normals compare_normals(const Mesh& mesh, const std::vector<Truth>& truth) {
+// \param on_axis how near to the axis of the placement a place is a tip, which has no normal; negative: there is no axis
+Normals compare_normals(const Mesh& mesh, const std::vector<Truth>& truth, const Eigen::Isometry3d& placement,
+                        double on_axis) {
   Normals result;
   std::size_t agree = 0, tight = 0;
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t) used[v] = true;
   const std::size_t step = std::max<std::size_t>(1, used.size() / 4096);
+  const Eigen::Isometry3d to_local = placement.inverse();
   for (std::size_t v = 0; v < used.size(); v += step) {
     const Vec3<double>&n = mesh.normals[v], &m = truth[v].normal;
-    if (!used[v] || !detail::finite(n) || n == Vec3<double>{} || !detail::finite(m) || truth[v].pole)
+    if (!used[v] || !detail::finite(n) || n == Vec3<double>{} || !detail::finite(m) || truth[v].pole ||
+        !std::isfinite(truth[v].normal_deg))
       continue;
+    const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[v]);
+    if (std::hypot(p.x(), p.y()) <= on_axis) continue;
     const double angle = angle_between(n, dot(n, m) < 0 ? -m : m) * 180 / M_PI;
     ++result.compared;
     agree += angle <= agree_deg;
@@ -166,10 +187,23 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   }
   // Positions: spare orbits.
   Orbits orbits;
-  if (kind.symmetry == Symmetry::axis)
-    orbits = rings(mesh, shape, fit);
-  else
+  const Eigen::Isometry3d& placement = fit.surface.placement;
+  if (kind.symmetry == Symmetry::axis) {
+    orbits = rings(mesh, shape, placement);
+  } else {
     orbits.count = lengths(mesh, shape, fit);
+    // What a lathe or a mirror puts onto a ball together counts once, about whatever axis.
+    if (kind.symmetry == Symmetry::sphere)
+      orbits.count = std::min(orbits.count, folded(mesh, shape, placement));
+    if (kind.symmetry == Symmetry::sphere)
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const Eigen::Matrix3d& frame : {Eigen::Matrix3d(placement.linear()), shape.axes}) {
+          Eigen::Isometry3d turned = placement;
+          turned.linear() << frame.col((axis + 1) % 3), frame.col((axis + 2) % 3), frame.col(axis);
+          orbits.count = std::min(orbits.count, rings(mesh, shape, turned).count);
+        }
+      }
+  }
   const bool own = fit.chart == UvChart::own, affine = own && fit.surface.uv.name == "affine";
   const auto places = static_cast<double>(shape.places.size());
   const double unknowns = static_cast<double>(6 + fit.surface.surface.parameters().size()) + (affine ? 6 : 0);
@@ -185,7 +219,8 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   Normals compared;
   const bool faceted = shape.faceted > 0.5;
   if (!mesh.normals.empty() && !faceted) {
-    compared = compare_normals(mesh, truths(mesh, fit));
+    compared = compare_normals(mesh, truths(mesh, fit), placement,
+                               kind.symmetry == Symmetry::axis ? same * shape.size : -1);
     if (compared.compared > 0)
       normals =
           compared.agree >= 0.8
@@ -196,9 +231,11 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
     normals = -4;
   }
   // A ring of eight sides or more with smooth normals is meant round.
+  // Without normals and uvs of its own a surface says nothing that is judged, and positions alone must say more.
+  const double mute = !own && mesh.normals.empty() ? -2 : 0;
   const double round = orbits.sides >= 8 && (normals > 0 || (own && mesh.normals.empty())) ? 2 : 0;
   const double fine = shape.turn_deg <= 15 ? 2 : shape.turn_deg <= 31 ? 1 : 0;
-  result.log10_odds += positions + uvs + normals + round + fine;
+  result.log10_odds += positions + uvs + normals + mute + round + fine;
   result.rival = faceted         ? "faceted"
                  : normals < 0   ? "authored normals"
                  : positions < 2 ? "polyhedron"

@@ -8,6 +8,7 @@
 
 #include "../fit/fit_kinds.h"
 #include "../text.h"
+#include "by_normals.h"
 #include "evidence.h"
 #include "shape.h"
 
@@ -146,7 +147,9 @@ class Search {
     if (ways_ == Ways::uvs) return;
     for (const std::string_view kind : found_kinds()) {
       if (kind == "plane" || is_quadric(kind) != quadric || effort_.spent()) continue;
-      auto fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
+      std::optional<MeshFit> fit;
+      if (!placement_) fit = fit_by_normals(mesh_, shape_, kind);
+      if (!fit) fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
       if (!fit) continue;
       if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
       if (weigh(std::move(*fit))) return;

@@ -60,7 +60,9 @@ Shape shape_of(const Mesh& mesh) {
     spread += d * d.transpose() / n;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  shape.plane_normal = axes.eigenvectors().col(0);
+  shape.axes = axes.eigenvectors();
+  if (shape.axes.determinant() < 0) shape.axes.col(2) *= -1;
+  shape.plane_normal = shape.axes.col(0);
   double squares = 0;  // by distances: the eigenvalue keeps half the digits only
   for (const std::uint32_t v : shape.places) {
     const double d = (local(v) - mean).dot(shape.plane_normal);

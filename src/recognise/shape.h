@@ -14,8 +14,9 @@ namespace darboux {
 struct Shape {
   std::vector<std::uint32_t> places;  // one vertex of each different finite position that triangles use
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double size = 0;       // diagonal of the bounding box
-  double thickness = 0;  // rms distance from the best plane, over the size
+  double size = 0;                                     // diagonal of the bounding box
+  double thickness = 0;                                // rms distance from the best plane, over the size
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // of inertia, the thinnest first
   Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitZ();
   std::vector<std::array<std::uint32_t, 2>> edges;  // between places, by vertex; each once
   std::size_t turning = 0;                          // edges whose faces turn by more than a degree
