@@ -49,8 +49,9 @@ Recognised find_declared(const Mesh& mesh, const JudgeOptions& options, bool par
 }
 
 // A part: the declared surface, else any.
-Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
-  if (!options.surface) return recognise(mesh, options.placement, effort);
+Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options, Effort& effort,
+                          std::string_view charted) {
+  if (!options.surface) return recognise(mesh, options.placement, effort, charted);
   Recognised result = find_declared(mesh, options, true);
   return result.fits() ? result : recognise(mesh, {}, effort);  // the placement was the declared surface's
 }
@@ -128,7 +129,8 @@ struct Parts {
   bool declared = false;        // the declared surface is among them
   std::size_t passed_over = 0;  // parts that were not looked at, as there are too many
 
-  Parts(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
+  Parts(const Mesh& mesh, const JudgeOptions& options, Effort& effort, std::string_view charted)
+      : charted_(charted) {
     std::vector<std::uint32_t> all(mesh.triangles.size());
     std::iota(all.begin(), all.end(), 0);
     look_at(mesh, options, effort, std::move(all), false);
@@ -139,6 +141,8 @@ struct Parts {
   }
 
  private:
+  std::string_view charted_;  // what recognise() is asked for
+
   // Cuts at the borders of charts and where normals break, and what is not recognised then at its creases. The largest first, as only
   // so many are looked at.
   void look_at(const Mesh& whole, const JudgeOptions& options, Effort& effort,
@@ -162,11 +166,11 @@ struct Parts {
       for (const std::uint32_t t : pieces[i]) of_whole.push_back(from.triangles[t]);
       Part part = part_of(whole, of_whole);
       // The whole mesh as one part was looked at before.
-      Recognised found = one ? Recognised{} : recognise_part(part.mesh, options, effort);
+      Recognised found = one ? Recognised{} : recognise_part(part.mesh, options, effort, charted_);
       if (found.fits()) {
         declared |= found.declared;
         recognised.push_back({std::move(part), std::move(found)});
-      } else if (!at_creases) {
+      } else if (!at_creases && charted_.empty()) {
         look_at(whole, options, effort, std::move(of_whole), true);
       } else {
         is_rest(pieces[i]);
@@ -211,10 +215,9 @@ std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> par
   return result;
 }
 
-Recognised look_at_whole(const Mesh& mesh, const JudgeOptions& options, Effort& effort, Ways ways) {
+Recognised look_at_whole(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
   if (!options.references.analytic) return {};
-  return options.surface ? find_declared(mesh, options, false)
-                         : recognise(mesh, options.placement, effort, ways);
+  return options.surface ? find_declared(mesh, options, false) : recognise(mesh, options.placement, effort);
 }
 
 void note_budget(MeshReport& report, const Effort& effort) {
@@ -252,7 +255,7 @@ Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
     return std::move(other->front());
   Subject subject = prepare(mesh, options);
   Effort effort(options.budget);
-  Recognised recognised = look_at_whole(mesh, options, effort, Ways::both);
+  Recognised recognised = look_at_whole(mesh, options, effort);
   Judgement result = judge_whole(std::move(subject), std::move(recognised), options);
   note_budget(result.report, effort);
   return result;
@@ -263,18 +266,17 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
   if (auto other = judge_by_other_uvs(mesh, options, judge_parts)) return std::move(*other);
   Subject subject = prepare(mesh, options);
   Effort effort(options.budget);
-  Recognised whole = look_at_whole(mesh, options, effort, Ways::uvs);
-  if (!options.references.analytic || whole.fits())
+  Recognised whole = look_at_whole(mesh, options, effort);
+  // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves of a mirrored one,
+  // go before a whole whose uvs say nothing.
+  const bool uncharted =
+      whole.fits() && !options.surface && whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
+  if (!options.references.analytic || (whole.fits() && !uncharted))
     return {judge_whole(std::move(subject), std::move(whole), options)};
 
-  Parts parts(mesh, options, effort);
+  Parts parts(mesh, options, effort, uncharted ? whole.fit->surface.surface.info().name : std::string_view());
+  if (uncharted && !parts.rest.empty()) parts.recognised.clear();
   if (options.surface && !parts.declared) parts.recognised.clear();
-  if (!options.surface && (!parts.rest.empty() || parts.recognised.empty())) {
-    if (Recognised by_positions = recognise(mesh, options.placement, effort, Ways::positions);
-        by_positions.fits() || whole.reason.empty())
-      whole = std::move(by_positions);
-    if (whole.fits()) parts.recognised.clear();
-  }
   if (parts.recognised.empty()) {
     Judgement result = judge_whole(std::move(subject), std::move(whole), options);
     add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
@@ -289,8 +291,9 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
   }
   std::vector<Judgement> result = judge_each(std::move(subject), std::move(parts.recognised), options);
   // What is left of a mesh of which something was judged leaves nothing open.
-  const bool judged = std::any_of(result.begin(), result.end(),
-                                  [](const Judgement& j) { return j.report.without_errors == Verdict::pass; });
+  const bool judged = std::any_of(result.begin(), result.end(), [](const Judgement& j) {
+    return j.report.without_errors == Verdict::pass;
+  });
   for (Judgement& j : result)
     if (judged && j.report.without_errors == Verdict::undetermined) {
       j.report.without_errors = Verdict::pass;

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t fitted_vertices = 1024;
+constexpr double tip_share =
+    30;  // a normal is known to two degrees where its radius is this many times the error
 constexpr double far_share = 10 * fits_below;  // of the size: no vertex is farther from the surface
 
 // Vertices that triangles use and whose positions are finite.
@@ -156,9 +158,21 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit) {
   result.reserve(mesh.positions.size());
   const Vec3<double> none = detail::nan_vector<double>();
   const Eigen::Vector3d d = fit.projection.col(2);
+  // A cone's apex has no normal, and what lies as near to it as positions are known may be on any side of it.
+  const bool tipped = fit.surface.surface.info().name == "cone";
+  const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
+  const auto is_tip = [&](const Vec3<double>& p) {
+    if (!tipped) return false;
+    const Eigen::Vector3d q = to_local * to_eigen(p);
+    const double known_to =
+        std::fmax(fit.rms, std::fmax(mesh.half_steps.position, 0x1p-24 * to_eigen(p).cwiseAbs().maxCoeff()));
+    return std::hypot(q.x(), q.y()) <= tip_share * known_to;
+  };
   for (const Vec3<double>& p : mesh.positions) {
     Truth truth{none, none, none, none, Status::no_frame, false, infinity, infinity};
-    if (detail::finite(p)) {
+    if (is_tip(p)) {
+      truth.pole = true;
+    } else if (detail::finite(p)) {
       const UncertainFrame frame = frame_near(fit.surface, fit, p);
       truth.position = frame.position;
       truth.normal = frame.n;

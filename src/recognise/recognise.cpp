@@ -43,8 +43,9 @@ bool is_quadric(std::string_view kind) {
 // One mesh that is looked at.
 class Search {
  public:
-  Search(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort, Ways ways)
-      : mesh_(mesh), placement_(placement), effort_(effort), ways_(ways), shape_(shape_of(mesh)) {}
+  Search(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+         std::string_view charted)
+      : mesh_(mesh), placement_(placement), effort_(effort), charted_(charted), shape_(shape_of(mesh)) {}
 
   Recognised result() && {
     if (shape_.places.size() < 3 || !(shape_.size > 0)) {
@@ -68,7 +69,7 @@ class Search {
       return std::move(result_);
     }
     look_for_surface();
-    if (!result_.fits() && ways_ != Ways::uvs) effort_.failed(shape_);
+    if (!result_.fits() && charted_.empty()) effort_.failed(shape_);
     return std::move(result_);
   }
 
@@ -141,10 +142,15 @@ class Search {
     result_.evidence = std::move(evidence);
   }
 
+  // From the quick to the slow.
   void look_for_surface() {
+    if (!charted_.empty()) {
+      if (auto fit = by_uvs(std::array{charted_}, UvMaps::any)) weigh(std::move(*fit));
+      return;
+    }
+    if (auto fit = by_uvs(fitted_kinds(), UvMaps::plain))
+      if (weigh(std::move(*fit))) return;
     const bool quadric = lies_on_quadric(mesh_, shape_);
-    if (ways_ != Ways::positions && look_through_uvs(quadric)) return;
-    if (ways_ == Ways::uvs) return;
     for (const std::string_view kind : found_kinds()) {
       if (kind == "plane" || is_quadric(kind) != quadric || effort_.spent()) continue;
       std::optional<MeshFit> fit;
@@ -154,24 +160,18 @@ class Search {
       if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
       if (weigh(std::move(*fit))) return;
     }
-  }
-
-  bool look_through_uvs(bool quadric) {
-    if (auto fit = by_uvs(fitted_kinds(), UvMaps::plain))
-      if (weigh(std::move(*fit))) return true;
     if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine())
-      return false;
+      return;
     std::vector<std::string_view> kinds;
     for (const std::string_view kind : fitted_kinds())
       if (is_quadric(kind) == quadric) kinds.push_back(kind);
-    auto fit = by_uvs(kinds, UvMaps::affine);
-    return fit && weigh(std::move(*fit));
+    if (auto fit = by_uvs(kinds, UvMaps::affine)) weigh(std::move(*fit));
   }
 
   const Mesh& mesh_;
   const std::optional<Eigen::Isometry3d>& placement_;
   Effort& effort_;
-  Ways ways_;
+  std::string_view charted_;
   Shape shape_;
   Recognised result_;
 };
@@ -216,8 +216,8 @@ bool Effort::may_search_affine() {
 }
 
 Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
-                     Ways ways) {
-  return Search(mesh, placement, effort, ways).result();
+                     std::string_view charted) {
+  return Search(mesh, placement, effort, charted).result();
 }
 
 }  // namespace darboux

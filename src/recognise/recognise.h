@@ -5,6 +5,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <darboux/judge.h>
@@ -45,11 +46,9 @@ class Effort {
   int affine_ = 2;
 };
 
-// By what a surface is looked for. Uvs that are its own tell more, so that a mesh of several parts is first looked at through them.
-enum class Ways { uvs, positions, both };
-
 // Any surface of the catalogue, with evidence. \param placement held when given
+// \param charted nothing but this kind, through uvs that are its own; empty: any, by uvs, normals and positions
 Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
-                     Ways ways = Ways::both);
+                     std::string_view charted = {});
 
 }  // namespace darboux
