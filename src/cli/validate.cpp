@@ -16,7 +16,9 @@ struct Arguments {
   std::string surface = "auto", placement = "fit", reference = "analytic,triangles,local,mikktspace";
   double max_angle = 5;
   bool findings = false, details = false;
-  std::vector<std::string> fail_on;
+  std::vector<std::string> fail_on, ignore, severity, exclude;
+  bool strict = false, github = false;
+  std::optional<double> budget;
   std::string configuration, baseline, sarif, junit;
   Pictures pictures;
 };
@@ -54,10 +56,11 @@ References parse_references(const std::string& text) {
     else if (name == "local")
       result.local = true;
     else
-      throw ParameterError("--reference",
-                           "'" + name +
-                               "' is no reference, permitted are analytic, mikktspace and local, with commas "
-                               "between");
+      throw ParameterError(
+          "--reference",
+          "'" + name +
+              "' is no reference, expected analytic, triangles, local and mikktspace, with commas "
+              "between");
   }
   return result;
 }
@@ -77,11 +80,31 @@ void list_findings(const Common& common) {
 }
 
 // Refuses codes that there are not.
-void check_codes(const std::vector<std::string>& codes) {
-  for (const std::string& code : codes)
-    if (std::none_of(finding_kinds().begin(), finding_kinds().end(),
-                     [&](const FindingKind& kind) { return kind.code == code; }))
-      throw ParameterError("--fail-on", "'" + code + "' is no finding, permitted are those of --findings");
+void check_code(const std::string& option, const std::string& code) {
+  if (std::none_of(finding_kinds().begin(), finding_kinds().end(),
+                   [&](const FindingKind& kind) { return kind.code == code; }))
+    throw ParameterError(option, "expected a code that --findings lists, got '" + code + "'");
+}
+
+Policy policy_of(const Arguments& arguments) {
+  Policy policy;
+  policy.strict = arguments.strict;
+  policy.ignore = arguments.ignore;
+  for (const std::string& code : arguments.ignore) check_code("--ignore", code);
+  for (const std::string& code : arguments.fail_on) {
+    check_code("--fail-on", code);
+    policy.severity[code] = Severity::error;
+  }
+  for (const std::string& text : arguments.severity) {
+    const std::size_t at = std::min(text.find('='), text.size());
+    const std::string code = text.substr(0, at), name = text.substr(std::min(at + 1, text.size()));
+    check_code("--severity", code);
+    const auto found = std::find(severity_names.begin(), severity_names.end(), name);
+    if (found == severity_names.end())
+      throw ParameterError("--severity", "expected " + code + "=error, warning or info, got '" + text + "'");
+    policy.severity[code] = static_cast<Severity>(found - severity_names.begin());
+  }
+  return policy;
 }
 
 // No output may replace a file that is judged, or another output.
@@ -109,7 +132,9 @@ void run(const Arguments& arguments, Common& common) {
   if (arguments.findings) return list_findings(common);
   if (arguments.files.empty())
     throw ParameterError("validate", "needs FILES or folders to read, or --findings");
-  check_codes(arguments.fail_on);
+  const Policy policy = policy_of(arguments);
+  if (arguments.github && common.json)
+    throw ParameterError("--github", "expected text on standard output, got --json, which takes it");
   for (const auto& [option, file] : {std::pair{"--sarif", &arguments.sarif}, {"--junit", &arguments.junit}})
     if (*file == "-")
       throw ParameterError(option, "standard output is taken, permitted is the name of a file");
@@ -123,6 +148,9 @@ void run(const Arguments& arguments, Common& common) {
     make_surface(*options.surface);  // refuses values out of range before any file is read
   }
   options.references = parse_references(arguments.reference);
+  if (arguments.budget && !(*arguments.budget > 0))
+    throw ParameterError("--budget", "expected seconds > 0, got " + shortest(*arguments.budget));
+  options.budget = arguments.budget;
   if (!options.references.analytic && (options.surface || arguments.placement != "fit"))
     throw ParameterError("--reference",
                          "without analytic no surface is fitted, permitted with --surface and --placement "
@@ -136,15 +164,14 @@ void run(const Arguments& arguments, Common& common) {
   if (!arguments.sarif.empty()) sarif_file.emplace(arguments.sarif);
   if (!arguments.junit.empty()) junit_file.emplace(arguments.junit);
 
-  std::vector<JudgedFile> files = files_of(arguments.files);
+  std::vector<JudgedFile> files = files_of(arguments.files, arguments.exclude);
   check_outputs(arguments, files);
   check_pictures(arguments.pictures, files.size());
   options.keep_errors = arguments.pictures.any();
   {
     Progress progress("validate", common);
     parallel_for(
-        files.size(), common.threads,
-        [&](std::size_t i) { judge_file(files[i], options, arguments.fail_on); },
+        files.size(), common.threads, [&](std::size_t i) { judge_file(files[i], options, policy); },
         [&](double share) { progress.update(share); });
   }
   if (with_baseline) compare_with_baseline(files, arguments.baseline, baseline);
@@ -157,6 +184,7 @@ void run(const Arguments& arguments, Common& common) {
     print_json(report_json(files, with_baseline));
   else
     print_people(files, with_baseline, arguments.details);
+  if (arguments.github) print_github(files);
   if (sarif_file) {
     sarif_file->write(sarif(files, with_baseline).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
     sarif_file->commit();
@@ -213,16 +241,31 @@ void add_validate(CLI::App& app, Common& common) {
          "--max-angle", arguments->max_angle,
          "degrees an interior corner may be off; three times that at seams, pole rings, creases and borders")
       ->capture_default_str();
-  sub.add_option(
-         "--reference", arguments->reference,
-         "what to compare with, with commas between: analytic, the surface it was made from; mikktspace, "
-         "MikkTSpace's tangents of the mesh's data; local, what its positions and uvs say. The first of "
-         "analytic "
-         "and local that is known decides, mikktspace alone")
+  sub.add_option("--reference", arguments->reference,
+                 "what to compare with, with commas between: analytic, the surface it was made from; "
+                 "triangles, the mesh's "
+                 "own; local, what neighbouring vertices say; mikktspace, MikkTSpace's tangents. The first "
+                 "two make errors, "
+                 "the others warnings")
       ->capture_default_str();
   sub.add_option("--fail-on", arguments->fail_on,
                  "codes of findings that count as errors, with commas between; --findings lists them")
       ->delimiter(',');
+  sub.add_option(
+         "--severity", arguments->severity,
+         "CODE=error, warning or info, with commas between: how findings count; --fail-on CODE is CODE=error")
+      ->delimiter(',');
+  sub.add_option("--ignore", arguments->ignore,
+                 "codes of findings to drop, with commas between; their counts are printed")
+      ->delimiter(',');
+  sub.add_flag("--strict", arguments->strict, "warnings are errors, undetermined is fail");
+  sub.add_option("--exclude", arguments->exclude,
+                 "files of the folders to leave out: a pattern of paths relative to the folder, like 'old/*' "
+                 "or '*.stl'");
+  sub.add_option(
+      "--budget", arguments->budget,
+      "seconds per mesh after which no further surface is looked for (the rest is always complete)");
+  sub.add_flag("--github", arguments->github, "also print annotations for GitHub's workflows");
   sub.add_option("--baseline", arguments->baseline,
                  "an earlier --json report: only what is worse than there makes the exit status 1 or 2");
   sub.add_option("--sarif", arguments->sarif, "also write errors and warnings as SARIF 2.1.0 to this file");

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
 #include <sstream>
 
 #include <pugixml.hpp>
@@ -105,6 +106,52 @@ Json sarif(const std::vector<JudgedFile>& files, bool with_baseline) {
            "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"},
           {"version", "2.1.0"},
           {"runs", Json::array({std::move(run)})}};
+}
+
+void print_github(const std::vector<JudgedFile>& files) {
+  constexpr std::size_t most = 50;  // GitHub shows no more
+  const auto escaped = [](const std::string& text, bool property) {
+    std::string result;
+    for (const char c : text) {
+      if (c == '%')
+        result += "%25";
+      else if (c == '\r')
+        result += "%0D";
+      else if (c == '\n')
+        result += "%0A";
+      else if (property && c == ':')
+        result += "%3A";
+      else if (property && c == ',')
+        result += "%2C";
+      else
+        result += c;
+    }
+    return result;
+  };
+  std::size_t printed = 0, left_out = 0;
+  const auto print = [&](Severity severity, const std::string& path, std::string_view title,
+                         const std::string& message) {
+    if (++printed > most) {
+      ++left_out;
+      return;
+    }
+    std::cout << "::" << (severity == Severity::error ? "error" : "warning")
+              << " file=" << escaped(path, true) << ",title=" << title << "::" << escaped(message, false)
+              << '\n';
+  };
+  for (const Severity severity : {Severity::error, Severity::warning})
+    for (const JudgedFile& file : files) {
+      if (!file.error.empty() && severity == Severity::error)
+        print(severity, file.path, unreadable_code, file.error);
+      for (const JudgedPrimitive& p : file.primitives)
+        for (const Judgement& j : p.judgements)
+          for (const Finding& f : j.report.findings)
+            if (f.severity == severity)
+              print(severity, file.path, f.code,
+                    place_of(p.primitive, j) + ": " + f.message + " (" + std::to_string(f.count) +
+                        "). To do: " + std::string(f.to_do));
+    }
+  if (left_out > 0) std::cout << "::notice title=darboux::" << left_out << " more findings are in the log\n";
 }
 
 std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {

@@ -6,6 +6,8 @@
 #include <new>
 #include <numeric>
 
+#include <fnmatch.h>
+
 #include "../validate/findings.h"
 
 namespace darboux {
@@ -20,13 +22,20 @@ bool is_mesh_file(const fs::path& path) {
 }
 
 // The mesh files in a folder and in its folders; of a folder that cannot be listed the error.
-void list_folder(const fs::path& folder, std::vector<JudgedFile>& found) {
+void list_folder(const fs::path& folder, const fs::path& root, const std::vector<std::string>& exclude,
+                 std::vector<JudgedFile>& found) {
+  const auto is_excluded = [&](const fs::path& path) {
+    const std::string relative = path.lexically_relative(root).generic_string();
+    return std::any_of(exclude.begin(), exclude.end(), [&](const std::string& glob) {
+      return fnmatch(glob.c_str(), relative.c_str(), 0) == 0;
+    });
+  };
   std::error_code error;
   for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
     std::error_code unknown;
     if (i->is_directory(unknown) && !i->is_symlink(unknown))
-      list_folder(i->path(), found);
-    else if (is_mesh_file(i->path()) && i->is_regular_file(unknown))
+      list_folder(i->path(), root, exclude, found);
+    else if (is_mesh_file(i->path()) && i->is_regular_file(unknown) && !is_excluded(i->path()))
       found.push_back({.path = i->path().string()});
   }
   if (error)
@@ -35,9 +44,10 @@ void list_folder(const fs::path& folder, std::vector<JudgedFile>& found) {
                               "), permitted are folders that can be read"});
 }
 
-void list_folder(const std::string& folder, std::vector<JudgedFile>& files) {
+void list_folder(const std::string& folder, const std::vector<std::string>& exclude,
+                 std::vector<JudgedFile>& files) {
   std::vector<JudgedFile> found;
-  list_folder(fs::path(folder), found);
+  list_folder(fs::path(folder), fs::path(folder), exclude, found);
   if (found.empty())
     found.push_back({.path = folder,
                      .error = folder + ": holds no mesh file, permitted are folders with " +
@@ -61,15 +71,23 @@ void add_node_findings(const Primitive& primitive, MeshReport& report) {
   add(report, finding(Code::node_scale_not_uniform, sheared));
 }
 
-// A finding that was asked for counts as an error.
-void raise(const std::vector<std::string>& codes, MeshReport& report) {
-  for (Finding& f : report.findings)
-    if (std::find(codes.begin(), codes.end(), f.code) != codes.end()) {
-      f.severity = Severity::error;
-      report.verdict = Verdict::fail;
-    }
+void apply(const Policy& policy, MeshReport& report, std::map<std::string, std::size_t>& ignored) {
+  std::erase_if(report.findings, [&](const Finding& f) {
+    const bool drop = std::find(policy.ignore.begin(), policy.ignore.end(), f.code) != policy.ignore.end();
+    if (drop) ignored[std::string(f.code)] += f.count;
+    return drop;
+  });
+  bool any_error = false;
+  for (Finding& f : report.findings) {
+    if (const auto asked = policy.severity.find(f.code); asked != policy.severity.end())
+      f.severity = asked->second;
+    if (policy.strict && f.severity == Severity::warning) f.severity = Severity::error;
+    any_error = any_error || f.severity == Severity::error;
+  }
   std::stable_sort(report.findings.begin(), report.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+  report.verdict = any_error ? Verdict::fail : report.without_errors;
+  if (policy.strict && report.verdict == Verdict::undetermined) report.verdict = Verdict::fail;
 }
 
 }  // namespace
@@ -92,23 +110,23 @@ bool JudgedPrimitive::less_determined() const {
          })) > known_not_pass;
 }
 
-std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments) {
+std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
+                                 const std::vector<std::string>& exclude) {
   std::vector<JudgedFile> files;
   for (const std::string& argument : arguments) {
     std::error_code error;
     if (fs::is_directory(argument, error))
-      list_folder(argument, files);
+      list_folder(argument, exclude, files);
     else
       files.push_back({.path = argument});
   }
   return files;
 }
 
-void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector<std::string>& fail_on) {
+void judge_file(JudgedFile& file, const JudgeOptions& options, const Policy& policy) {
   if (file.error.empty()) try {
       Asset asset = read_asset(file.path);
       file.skipped = asset.skipped;
-      if (asset.primitives.empty()) file.verdict = Verdict::undetermined;
       for (Primitive& primitive : asset.primitives) {
         JudgeOptions with_uvs = options;
         with_uvs.other_uvs = primitive.other_uvs;
@@ -118,7 +136,7 @@ void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector
         add_node_findings(primitive, judgements.front().report);
         add(judgements.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
         for (Judgement& j : judgements) {
-          raise(fail_on, j.report);
+          apply(policy, j.report, file.ignored);
           file.verdict = std::max(file.verdict, j.report.verdict);
         }
         if (!options.keep_errors) primitive.data = {};
@@ -136,7 +154,7 @@ void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector
     file.primitives.clear();
     file.verdict = Verdict::fail;
   }
-  file.worse = file.verdict != Verdict::pass;
+  file.worse = file.verdict > Verdict::pass;
 }
 
 Json read_baseline(const std::string& path) {
@@ -157,7 +175,7 @@ bool is_pass(const Json& entry, const std::string& path) {
   if (std::find(verdict_names.begin(), verdict_names.end(), verdict) == verdict_names.end())
     throw FileError(path, "has a verdict '" + verdict + "', permitted are " +
                               joined({verdict_names.begin(), verdict_names.end()}));
-  return verdict == "pass";
+  return verdict == "pass" || verdict == "nothing";
 }
 
 }  // namespace
@@ -196,7 +214,8 @@ void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& pa
         }
       }
       // What fails has an error, which counts; what is undetermined has none.
-      file.worse = is_pass(entry, path) && file.primitives.empty();
+      is_pass(entry, path);  // refuses what is no verdict
+      file.worse = false;
       for (const JudgedPrimitive& p : file.primitives) {
         file.worse |= p.less_determined();
         for (const Judgement& j : p.judgements)

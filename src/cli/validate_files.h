@@ -34,17 +34,26 @@ struct JudgedFile {
   std::string error{};  ///< empty where the file could be read
   std::vector<JudgedPrimitive> primitives{};
   std::vector<SkippedPrimitive> skipped{};
-  Verdict verdict = Verdict::pass;
-  /// Whether it counts against the run: it is not pass or could not be read and, where there is a baseline, was better there.
+  std::map<std::string, std::size_t> ignored{};  ///< counts of findings that were dropped, by code
+  Verdict verdict = Verdict::nothing;            ///< the worst of its meshes and parts
+  /// Whether it counts against the run: it is neither pass nor nothing or could not be read and, where there is a baseline, was better there.
   bool worse = false;
 };
 
 /// The files that arguments name, a folder standing for all mesh files in it and in its folders, in the order of their names.
-/// What cannot be listed has an error.
-std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments);
+/// What cannot be listed has an error. \param exclude patterns as of fnmatch(3), of paths relative to the folder; * crosses folders
+std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
+                                 const std::vector<std::string>& exclude);
 
-/// Reads and judges one file. Findings with the codes of `fail_on` count as errors.
-void judge_file(JudgedFile& file, const JudgeOptions& options, const std::vector<std::string>& fail_on);
+/// How findings count, whatever the library says.
+struct Policy {
+  std::map<std::string, Severity, std::less<>> severity{};
+  std::vector<std::string> ignore{};  ///< codes that are dropped but for their counts
+  bool strict = false;                ///< warnings are errors, undetermined is fail
+};
+
+/// Reads and judges one file.
+void judge_file(JudgedFile& file, const JudgeOptions& options, const Policy& policy);
 
 /// An earlier report, `darboux validate --json`. \throws FileError
 Json read_baseline(const std::string& path);
@@ -69,6 +78,9 @@ void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool
 /// Static Analysis Results Interchange Format 2.1.0, with what GitHub's code scanning asks for.
 /// \param with_baseline whether to say what is new, unchanged or updated
 Json sarif(const std::vector<JudgedFile>& files, bool with_baseline);
+
+/// Annotations of GitHub's workflows, a line per error and warning, at most some dozens.
+void print_github(const std::vector<JudgedFile>& files);
 
 /// JUnit's XML, a test case each mesh or part; what counts against the run is a failure.
 std::string junit(const std::vector<JudgedFile>& files, bool with_baseline);

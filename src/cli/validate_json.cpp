@@ -39,6 +39,11 @@ Json judgement_json(const JudgedPrimitive& judged, const Judgement& judgement, b
             {"verdict", verdict_names[static_cast<std::size_t>(report.verdict)]}};
   if (judgement.part) json["part"] = *judgement.part;
   json["surface"] = nullptr;
+  json["evidence"] = nullptr;
+  if (judgement.evidence)
+    json["evidence"] = {{"log10_odds", number(judgement.evidence->log10_odds)},
+                        {"rival", judgement.evidence->rival},
+                        {"text", judgement.evidence->text}};
   json["uv"] = nullptr;
   if (judgement.fit && judgement.fit->fits) {
     const MeshFit& fit = *judgement.fit;
@@ -57,7 +62,8 @@ Json judgement_json(const JudgedPrimitive& judged, const Judgement& judgement, b
     }
     surface["centre"] = {number(fit.centre.x()), number(fit.centre.y()), number(fit.centre.z())};
     json["surface"] = surface;
-    json["uv"] = {{"convention", uv_convention(fit)}, {"texcoord", primitive.texcoord}};
+    json["uv"] = {{"convention", uv_convention(fit)},
+                  {"texcoord", judgement.uv_set.value_or(primitive.texcoord)}};
     if (fit.chart == UvChart::own) {
       for (const double x : fit.surface.uv.affine) affine.push_back(number(x));
       json["uv"]["affine"] = affine;
@@ -74,8 +80,13 @@ Json judgement_json(const JudgedPrimitive& judged, const Judgement& judgement, b
     if (report.local->compared > 0) local["agreement"] = number(report.local->agreement);
     json["references"]["local"] = local;
   }
+  if (report.triangles)
+    json["references"]["triangles"] = {{"judged", report.triangles->judged},
+                                       {"outside", report.triangles->outside},
+                                       {"worst_deg", number(report.triangles->worst_deg)}};
   if (report.mikktspace)
     json["references"]["mikktspace"] = {{"equal_bits", number(report.mikktspace->equal_bits)},
+                                        {"variant", report.mikktspace->variant},
                                         {"classes", classes_json(report.mikktspace->classes)}};
   json["frame_uncertainty_deg"] = nullptr;
   if (report.reference == "analytic" || report.reference == "local")
@@ -88,6 +99,7 @@ Json judgement_json(const JudgedPrimitive& judged, const Judgement& judgement, b
   json["non_unit"] = report.non_unit;
   json["non_orthogonal"] = report.non_orthogonal;
   json["non_finite"] = report.non_finite;
+  json["faceted"] = report.faceted;
   json["degenerate_triangles"] = report.degenerate_triangles;
   json["degenerate_uv_triangles"] = report.degenerate_uv_triangles;
   json["classes"] = classes_json(report.classes);
@@ -107,7 +119,7 @@ Json judgement_json(const JudgedPrimitive& judged, const Judgement& judgement, b
 
 Json report_json(const std::vector<JudgedFile>& files, bool with_baseline) {
   Json list = Json::array();
-  Verdict verdict = Verdict::pass;
+  Verdict verdict = Verdict::nothing;
   bool worse = false;
   for (const JudgedFile& file : files) {
     verdict = std::max(verdict, file.verdict);
@@ -123,7 +135,23 @@ Json report_json(const std::vector<JudgedFile>& files, bool with_baseline) {
       entry["skipped"].push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
     list.push_back(std::move(entry));
   }
-  Json json{{"files", std::move(list)}, {"verdict", verdict_names[static_cast<std::size_t>(verdict)]}};
+  Json verdicts = Json::object(), codes = Json::object(), ignored = Json::object();
+  for (const std::string_view name : verdict_names) verdicts[std::string(name)] = 0;
+  for (const JudgedFile& file : files) {
+    Json& count = verdicts[std::string(verdict_names[static_cast<std::size_t>(file.verdict)])];
+    count = count.get<std::size_t>() + 1;
+    for (const JudgedPrimitive& p : file.primitives)
+      for (const Judgement& j : p.judgements)
+        for (const Finding& f : j.report.findings)
+          codes[std::string(f.code)] = codes.value(std::string(f.code), std::size_t{0}) + f.count;
+    for (const auto& [code, n] : file.ignored) ignored[code] = ignored.value(code, std::size_t{0}) + n;
+  }
+  Json json{{"schema_version", 1},
+            {"tool_version", DARBOUX_VERSION},
+            {"files", std::move(list)},
+            {"totals", {{"verdicts", std::move(verdicts)}, {"codes", std::move(codes)}}},
+            {"ignored", std::move(ignored)},
+            {"verdict", verdict_names[static_cast<std::size_t>(verdict)]}};
   if (with_baseline) json["worse"] = worse;
   return json;
 }

@@ -55,7 +55,7 @@ std::string text(std::string_view words) {
 
 std::string badge(Verdict verdict) {
   constexpr std::pair<std::string_view, std::string_view> marks[] = {
-      {"good", "✓"}, {"plain", "?"}, {"bad", "✕"}};
+      {"plain", "–"}, {"good", "✓"}, {"plain", "?"}, {"bad", "✕"}};
   const auto k = static_cast<std::size_t>(verdict);
   return "<span class=\"verdict " + std::string(marks[k].first) + "\">" + std::string(marks[k].second) + ' ' +
          std::string(verdict_names[k]) + "</span>";
@@ -271,7 +271,7 @@ std::string digest(std::string_view hex) {
 }  // namespace
 
 std::string validate_page(const std::vector<JudgedFile>& files, double max_angle_deg) {
-  Verdict verdict = Verdict::pass;
+  Verdict verdict = Verdict::nothing;
   for (const JudgedFile& file : files)
     verdict = std::max(verdict, file.error.empty() ? file.verdict : Verdict::fail);
   const std::string what = files.size() == 1 ? one_line(files.front().path) : plural(files.size(), "file");

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <map>
+#include <span>
 
 #include "validate_files.h"
 
@@ -49,6 +51,7 @@ void print_mikktspace(const MikkReport& mikktspace) {
       corners += n;
     }
   std::cout << "    mikktspace: " << rounded(100 * mikktspace.equal_bits, 4) << " % of corners to the bit";
+  if (mikktspace.variant == "reordered sums") std::cout << " (the rest by rounding)";
   if (corners > 0)
     std::cout << ", tangents differ by " << rounded(std::sqrt(squares / corners), 2) << " deg rms, "
               << rounded(max, 3) << " at most";
@@ -83,6 +86,13 @@ void print_judgement(const JudgedPrimitive& judged, const Judgement& judgement, 
               << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals), "
               << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms") << " (tangents)\n";
   if (report.local && report.reference != "local") print_local(*report.local);
+  if (report.triangles && report.triangles->judged > 0) {
+    const TrianglesReport& t = *report.triangles;
+    std::cout << "    triangles: " << t.judged - t.outside << " of " << t.judged
+              << " corners lie within the cone of their own triangles";
+    if (t.outside > 0) std::cout << ", the others up to " << rounded(t.worst_deg, 3) << " deg outside";
+    std::cout << '\n';
+  }
   if (report.mikktspace) print_mikktspace(*report.mikktspace);
   for (const Finding& f : report.findings) {
     std::string count = std::to_string(f.count);
@@ -133,11 +143,81 @@ void print_summary(const JudgedFile& file, bool with_baseline) {
   }
 }
 
+// What of a code there is over all files.
+struct CodeTotal {
+  const Finding* first;
+  Severity severity;
+  std::size_t count = 0, files = 0;
+};
+
+std::vector<CodeTotal> totals_of(std::span<const JudgedFile> files) {
+  std::vector<CodeTotal> totals;
+  for (const JudgedFile& file : files) {
+    for (const JudgedPrimitive& p : file.primitives)
+      for (const Judgement& j : p.judgements)
+        for (const Finding& f : j.report.findings) {
+          if (f.severity == Severity::info) continue;
+          auto at = std::find_if(totals.begin(), totals.end(), [&](const CodeTotal& t) {
+            return t.first->code == f.code && t.severity == f.severity;
+          });
+          if (at == totals.end()) at = totals.insert(at, {&f, f.severity});
+          at->count += f.count;
+        }
+    for (CodeTotal& t : totals)
+      t.files += std::any_of(file.primitives.begin(), file.primitives.end(), [&](const JudgedPrimitive& p) {
+        return std::any_of(p.judgements.begin(), p.judgements.end(), [&](const Judgement& j) {
+          return std::any_of(j.report.findings.begin(), j.report.findings.end(), [&](const Finding& f) {
+            return f.code == t.first->code && f.severity == t.severity;
+          });
+        });
+      });
+  }
+  std::stable_sort(totals.begin(), totals.end(),
+                   [](const CodeTotal& a, const CodeTotal& b) { return a.severity > b.severity; });
+  return totals;
+}
+
+// What is wrong with a file, a line each code, and what to do.
+void print_failure(const JudgedFile& file) {
+  std::cout << "  " << one_line(file.path) << '\n';
+  if (!file.error.empty()) {
+    std::cout << "    cannot be read\n";
+    return;
+  }
+  for (const CodeTotal& t : totals_of(std::span(&file, 1)))
+    if (t.severity == Severity::error)
+      std::cout << "    " << t.first->code << " (" << t.count << "), to do: " << t.first->to_do << '\n';
+  if (file.verdict == Verdict::undetermined)
+    std::cout << "    undetermined: nothing could judge its tangents\n";
+}
+
+// The end of a report of several files, that reads alone: how many of each verdict, what was found, which files failed.
+void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable) {
+  constexpr std::size_t most_failures = 12;
+  std::array<std::size_t, verdict_names.size()> verdicts{};
+  for (const JudgedFile& file : files)
+    if (file.error.empty()) ++verdicts[static_cast<std::size_t>(file.verdict)];
+  const std::vector<CodeTotal> totals = totals_of(files);
+  if (!totals.empty()) std::cout << "found:\n";
+  for (const CodeTotal& t : totals)
+    std::cout << "  " << severity_names[static_cast<std::size_t>(t.severity)] << ' ' << t.first->code << ": "
+              << t.count << " in " << t.files << (t.files == 1 ? " file" : " files") << '\n';
+  std::size_t bad = 0;
+  for (const JudgedFile& file : files) {
+    if (file.verdict <= Verdict::pass && file.error.empty()) continue;
+    if (++bad == 1) std::cout << "failed or undetermined:\n";
+    if (bad <= most_failures) print_failure(file);
+  }
+  if (bad > most_failures) std::cout << "  and " << bad - most_failures << " more above\n";
+  std::string text = counted(verdicts);
+  if (unreadable > 0) text += (text.empty() ? "" : ", ") + std::to_string(unreadable) + " unreadable";
+  std::cout << files.size() << " files: " << text << '\n';
+}
+
 }  // namespace
 
 void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool details) {
   std::size_t judgements = 0, unreadable = 0;
-  std::array<std::size_t, verdict_names.size()> verdicts{};
   for (const JudgedFile& file : files)
     for (const JudgedPrimitive& p : file.primitives) judgements += p.judgements.size();
   const bool tables = details || judgements <= most_tables;
@@ -146,7 +226,6 @@ void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool
       ++unreadable;
       continue;
     }
-    ++verdicts[static_cast<std::size_t>(file.verdict)];
     std::cout << one_line(file.path) << ": " << verdict_names[static_cast<std::size_t>(file.verdict)] << '\n';
     if (file.primitives.empty()) std::cout << "  holds no triangles to judge\n";
     if (tables)
@@ -160,11 +239,11 @@ void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool
   if (!tables)
     std::cout << "--details shows a table and the notes of each of the " << judgements
               << " meshes and parts\n";
-  if (files.size() > 1) {
-    std::string text = counted(verdicts);
-    if (unreadable > 0) text += (text.empty() ? "" : ", ") + std::to_string(unreadable) + " unreadable";
-    std::cout << files.size() << " files: " << text << '\n';
-  }
+  if (files.size() > 1) print_closing(files, unreadable);
+  std::map<std::string, std::size_t> ignored;
+  for (const JudgedFile& file : files)
+    for (const auto& [code, count] : file.ignored) ignored[code] += count;
+  for (const auto& [code, count] : ignored) std::cout << "ignored: " << code << " (" << count << ")\n";
   if (with_baseline) {
     const auto worse = std::count_if(files.begin(), files.end(), [](const JudgedFile& f) { return f.worse; });
     std::cout << (worse == 0 ? "nothing is"

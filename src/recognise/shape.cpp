@@ -22,6 +22,7 @@ constexpr std::size_t quadric_places = 400;
 constexpr double near_quadric = 1e-3;    // of the size
 constexpr std::size_t fewest = 8;        // places
 constexpr double most_polyhedral = 0.2;  // of the edges that turn
+constexpr std::size_t many_places = 1000;  // beyond which folds, as of Schwarz's lantern, tell nothing
 constexpr double most_faceted = 0.5;
 // Many small facets of equal turns are a surface all the same.
 constexpr std::size_t fine_places = 48;
@@ -150,12 +151,12 @@ bool lies_on_quadric(const Mesh& mesh, const Shape& shape) {
 std::string against_any_surface(const Shape& shape) {
   if (shape.places.size() < fewest)
     return "polyhedron: " + std::to_string(shape.places.size()) + " places lie on many surfaces";
-  if (shape.turning > 0 && shape.moderate < 1 - most_polyhedral)
-    return "polyhedron: " + rounded(100 * (1 - shape.moderate), 2) + " % of its edges turn by more than " +
+  if (shape.turning > 0 && shape.moderate < 1 - most_polyhedral && shape.places.size() < many_places)
+    return "polyhedron: " + rounded(100 * (1 - shape.moderate), 3) + " % of its edges turn by more than " +
            rounded(crease_deg, 3) + " deg";
   if (shape.faceted > most_faceted &&
       !(shape.places.size() >= fine_places && shape.turn_deg <= fine_turn_deg))
-    return "faceted: " + rounded(100 * shape.faceted, 2) + " % of its triangles store their own normals";
+    return "faceted: " + rounded(100 * shape.faceted, 3) + " % of its triangles store their own normals";
   return "";
 }
 

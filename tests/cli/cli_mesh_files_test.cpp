@@ -34,12 +34,12 @@ TEST_F(MeshFiles, ValidateJudgesEachFormat) {
     EXPECT_LT(judged["classes"]["interior"]["normal_deg"]["max"].get<double>(), 1e-4);
   }
   write("torus.stl", stl_binary(mesh));
-  const Json stl = only_mesh(json("darboux validate torus.stl --json", 1));
-  EXPECT_EQ(stl["verdict"], "undetermined");
+  const Json stl = only_mesh(json("darboux validate torus.stl --json"));
+  EXPECT_EQ(stl["verdict"], "nothing");
   EXPECT_EQ(stl["surface"]["name"], "torus");
   EXPECT_TRUE(has_finding(stl, "NORMAL_MISSING"));
   // A folder of them all.
-  const Json all = json("darboux validate . --json", 1);
+  const Json all = json("darboux validate . --json");
   std::vector<std::string> names;
   for (const Json& file : all["files"]) names.push_back(fs::path(file["file"].get<std::string>()).filename());
   for (const char* name : {"torus.dae", "torus.fbx", "torus.ply", "torus.stl"})
@@ -61,7 +61,7 @@ TEST_F(MeshFiles, NodesAndMissingFacesAreTold) {
   Mesh points = torus();
   points.triangles.clear();
   write("points.ply", ply_text(points));
-  const std::string out = good("darboux validate points.ply", 1);
+  const std::string out = good("darboux validate points.ply");
   EXPECT_NE(out.find("holds no triangles to judge"), std::string::npos) << out;
   EXPECT_NE(out.find("its faces have no triangles"), std::string::npos) << out;
 }
@@ -116,6 +116,13 @@ TEST_F(MeshFiles, TangentsOfAnotherUvSetAreToldSo) {
                                    {"count", mesh.uvs.size()},
                                    {"type", "VEC2"}});
   glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = glb.json["accessors"].size() - 1;
+  // Without a material that names a set, tangents may follow any.
+  write("a.glb", make_glb(glb.json.dump(), glb.bin));
+  const Json any = only_mesh(json("darboux validate a.glb --json"));
+  EXPECT_EQ(any["uv"]["texcoord"], 1);
+  EXPECT_TRUE(has_finding(any, "TANGENT_UV_SET_USED"));
+  glb.json["materials"] = {{{"normalTexture", {{"index", 0}}}}};
+  glb.json["meshes"][0]["primitives"][0]["material"] = 0;
   write("a.glb", make_glb(glb.json.dump(), glb.bin));
   const Json judged = only_mesh(json("darboux validate a.glb --json", 1));
   EXPECT_EQ(judged["verdict"], "fail");

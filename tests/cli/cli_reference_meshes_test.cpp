@@ -50,7 +50,7 @@ TEST_F(ReferenceMeshes, ValidateRecognisesAndPassesThem) {
 TEST_F(ReferenceMeshes, ValidateCountsDegenerateUvs) {
   good("darboux mesh torus --grid 32x16 --degenerate-uvs 5 --degenerate 3 -o m.glb");
   int degenerate = 0, degenerate_uvs = 0;
-  const Json document = json("darboux validate m.glb --json", 1);
+  const Json document = json("darboux validate m.glb --json");
   for (const Json& mesh : document["files"][0]["meshes"]) {
     degenerate += mesh["degenerate_triangles"].get<int>();
     degenerate_uvs += mesh["degenerate_uv_triangles"].get<int>();
