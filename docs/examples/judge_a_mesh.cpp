@@ -26,7 +26,7 @@ int main(int argc, char** argv) try {
         std::printf("%s (%zu): %s\n", std::string(f.code).c_str(), f.count, f.message.c_str());
       const auto verdict = static_cast<std::size_t>(report.verdict);
       std::printf("%s\n", std::string(darboux::verdict_names[verdict]).c_str());
-      if (verdict != 0) status = 1;
+      if (report.verdict > darboux::Verdict::pass) status = 1;
     }
   return status;
 } catch (const darboux::Error& e) {
