@@ -140,6 +140,7 @@ class Judge {
   Code error_of(const CornerGroup& group) const;
   void count_vertex(std::uint32_t v);
   void compare_with_neighbours();
+  std::string_view variant(std::size_t equal, std::size_t near) const;
   void compare_with_mikktspace();
   void look_at_signs();
   void add_notes();
@@ -371,6 +372,28 @@ void Judge::compare_with_neighbours() {
                              "waves, or the uvs are others"));
 }
 
+// Which MikkTSpace: that whose edges are all sorted is made only where the original is nearly what is stored.
+std::string_view Judge::variant(std::size_t equal, std::size_t near) const {
+  const std::size_t corners = mesh_.corners();
+  const auto nearly_all = [&](std::size_t n) {
+    return corners > 0 && static_cast<double>(n) >= 0.99 * static_cast<double>(corners);
+  };
+  if (equal == corners && corners > 0) return "original";
+  if (static_cast<double>(equal) >= 0.9 * static_cast<double>(corners)) {
+    const std::vector<Vec4<float>> sorted = mikktspace_of(mesh_, mesh_.uvs, options_.threads, true);
+    const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
+    std::size_t raw = 0, gltf = 0;
+    for (std::size_t c = 0; c < corners; ++c) {
+      const Vec4<double>& t = mesh_.tangents[mesh_.triangles[c / 3][c % 3]];
+      const Vec4<float>& m = sorted[c];
+      if (m.w == 0 || bits(t.x) != bits(m.x) || bits(t.y) != bits(m.y) || bits(t.z) != bits(m.z)) continue;
+      raw += t.w == m.w, gltf += t.w == -m.w;
+    }
+    if (std::max(raw, gltf) > equal && nearly_all(std::max(raw, gltf))) return "sorted edges";
+  }
+  return nearly_all(equal) ? "original" : nearly_all(near) ? "reordered sums" : "none";
+}
+
 void Judge::compare_with_mikktspace() {
   if (subject_.mikktspace.empty()) return;
   MikkReport& report = report_.mikktspace.emplace();
@@ -430,12 +453,7 @@ void Judge::compare_with_mikktspace() {
   if (mesh_.corners() > 0)
     report.equal_bits =
         static_cast<double>(std::max(equal_raw, equal_gltf)) / static_cast<double>(mesh_.corners());
-  const auto nearly_all = [&](std::size_t corners) {
-    return mesh_.corners() > 0 && static_cast<double>(corners) >= 0.99 * static_cast<double>(mesh_.corners());
-  };
-  report.variant = nearly_all(std::max(equal_raw, equal_gltf)) ? "original"
-                   : nearly_all(near)                          ? "reordered sums"
-                                                               : "none";
+  report.variant = variant(std::max(equal_raw, equal_gltf), near);
   if (only_mikktspace()) report_.classes = report.classes;
   add(report_, finding(Code::tangent_not_mikktspace, beyond, worst_text(worst)));
 }

@@ -81,8 +81,9 @@ struct MikkReport {
   /// The share of corners whose stored tangent has MikkTSpace's bits in single precision, w under the one of both sign
   /// conventions that holds at more of them.
   double equal_bits = 0;
-  /// Which MikkTSpace the tangents are of, at 99 % of the corners or more: "original", to the bit; "reordered sums", the same within
-  /// 2e-5 degrees, a few units in the last place, as ports that add in another order have them; else "none".
+  /// Which MikkTSpace the tangents are of, at 99 % of the corners or more: "original", to the bit; "sorted edges", to the
+  /// bit that of ports that sort all edges, where the original leaves the last run unsorted; "reordered sums", the original within 2e-5
+  /// degrees, a few units in the last place, as ports that add in another order have them; else "none".
   std::string_view variant = "none";
   std::vector<ClassReport> classes;  ///< as MeshReport has them, without normals and deviations
 };

@@ -178,7 +178,11 @@ class Closely {
       size = std::fmax(size, std::fmax(std::fabs(p[k].x), std::fmax(std::fabs(p[k].y), std::fabs(p[k].z))));
       size_uv = std::fmax(size_uv, std::fmax(std::fabs(uv[k].x), std::fabs(uv[k].y)));
     }
-    if (is_degenerate(p[0], p[1], p[2]) || is_degenerate(uv[0], uv[1], uv[2])) return;
+    if (is_degenerate(uv[0], uv[1], uv[2]) || p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) return;
+    if (is_degenerate(p[0], p[1], p[2])) {  // three places on a line: MikkTSpace counts it, others do not
+      uncertain_ = true;
+      return;
+    }
     const double hp = half_step(mesh_.half_steps.position, size),
                  hu = half_step(mesh_.half_steps.uv, size_uv);
     const int winds = certain_sign(uv, hu);
@@ -202,6 +206,15 @@ class Closely {
     arcs_.push_back({std::atan2(y, x), std::asin(error / length)});
   }
 
+  // Whether a triangle has no area in space, or none in uv as far as its uvs are known.
+  bool is_open(const Triangle& t) const {
+    const auto p = positions_of(mesh_, t);
+    const auto uv = uvs_of(mesh_, t);
+    double size = 0;
+    for (const Vec2<double>& a : uv) size = std::fmax(size, std::fmax(std::fabs(a.x), std::fabs(a.y)));
+    return is_degenerate(p[0], p[1], p[2]) || certain_sign(uv, half_step(mesh_.half_steps.uv, size)) == 0;
+  }
+
   // Of the quads that edge k of the corner's triangle cuts, the triangles of the other diagonal that have the corner.
   void add_other_diagonal(const Corner& c, std::uint32_t k, int sign) {
     const std::uint32_t t = c.triangle;
@@ -221,6 +234,11 @@ class Closely {
         const double area = signed_uv_area2(mesh_.uvs[a[0]], mesh_.uvs[a[1]], mesh_.uvs[a[2]]);
         return area * sign > 0;
       };
+      // What the other diagonal would be is open where a half has no area.
+      if (is_open(first) || is_open(second)) {
+        uncertain_ = true;
+        continue;
+      }
       if (!winds(first) || !winds(second)) continue;  // not convex in uv
       for (const Triangle& other : {first, second})
         if (other[0] == corner(t, c.k) || other[1] == corner(t, c.k) || other[2] == corner(t, c.k))

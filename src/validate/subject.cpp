@@ -12,7 +12,8 @@
 
 namespace darboux {
 
-std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads) {
+std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
+                                       bool sort_all_edges) {
   const std::size_t n = mesh.positions.size();
   std::vector<float> positions(3 * n), normals(3 * n), texcoords(2 * n);
   std::vector<bool> finite(n);
@@ -45,7 +46,7 @@ std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<do
   std::vector<Vec4<float>> result(mesh.corners(), Vec4<float>{0, 0, 0, 0});
   if (corners.empty()) return result;
   mikktspace(MikkMesh{positions, normals, texcoords, corners, {}},
-             std::span<float>(&result[0].x, 4 * corners.size()), {.unserved_sign = 0, .threads = threads});
+             std::span<float>(&result[0].x, 4 * corners.size()), {.sort_all_edges = sort_all_edges, .unserved_sign = 0, .threads = threads});
   // To their triangles, from the last on, behind those that are left out.
   for (std::size_t t = mesh.triangles.size(), next = corners.size(); next < 3 * t;) {
     const auto& [a, b, c] = mesh.triangles[--t];

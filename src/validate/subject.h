@@ -34,7 +34,8 @@ Subject prepare(const Mesh& mesh, const ValidateOptions& options);
 void classify_subject(Subject& subject, const std::vector<bool>& is_pole, const ValidateOptions& options);
 
 // MikkTSpace's tangents under some uvs, as Subject has them. Triangles with numbers that are not finite are left out.
-std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads);
+std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
+                                       bool sort_all_edges = false);
 
 // validate() of what is prepared. \param truth at each vertex, or none \param basis of the truth
 MeshReport judge_subject(const Subject& subject, std::span<const Truth> truth, Basis basis,
