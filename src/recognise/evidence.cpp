@@ -30,6 +30,7 @@ constexpr Kind known_kinds[] = {
 constexpr Kind any_other{"", Symmetry::none, 10, -6};
 
 constexpr double same = 1e-3;  // places of rings, of the size; lengths within ten times that, of their median
+constexpr std::size_t looked_at = 5000;  // places and vertices of large meshes, spread evenly
 constexpr double agree_deg = 5, tight_deg = 1;
 constexpr double most_positions = 8, most_uvs = 4, most_normals = 4;
 constexpr double least_explained = 100;  // what the surface leaves, against what a plane leaves
@@ -54,8 +55,7 @@ std::size_t different(std::vector<double> values, double tolerance) {
 // on a ball.
 struct Orbits {
   std::size_t count = 0;
-  std::vector<std::size_t> of_place;  // rings only
-  std::size_t sides = 0;              // of the finest ring that goes all round, 0 where none does
+  std::size_t sides = 0;  // of the finest ring that goes all round, 0 where none does
 };
 
 Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
@@ -67,21 +67,18 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& plac
   Orbits result;
   const double tolerance = same * shape.size;
   const Eigen::Isometry3d to_local = placement.inverse();
-  for (const std::uint32_t v : shape.places) {
-    const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[v]);
+  const std::size_t step = std::max<std::size_t>(1, shape.places.size() / looked_at);
+  for (std::size_t i = 0; i < shape.places.size(); i += step) {
+    const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[shape.places[i]]);
     const double r = std::hypot(p.x(), p.y());
     auto at = std::find_if(list.begin(), list.end(), [&](const Ring& ring) {
       return std::fabs(ring.z - p.z()) <= tolerance && std::fabs(ring.r - r) <= tolerance;
     });
     if (at == list.end()) {
-      if (list.size() >= 256) {  // plenty
-        result.of_place.push_back(255);
-        continue;
-      }
+      if (list.size() >= 64) continue;  // plenty
       at = list.insert(list.end(), {p.z(), r, {}});
     }
     at->angles.push_back(std::atan2(p.y(), p.x()));
-    result.of_place.push_back(static_cast<std::size_t>(at - list.begin()));
   }
   result.count = list.size();
   for (Ring& ring : list) {
@@ -137,7 +134,7 @@ std::size_t lengths(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
   return different(std::move(values), tolerance);
 }
 
-// Of each place, in orbits where they are known: whether the stored normals there are the surface's, on either side.
+// Whether the stored normals are the surface's, on either side.
 struct Normals {
   double agree = 0;  // the share of vertices
   double tight = 0;  // the share within a degree
@@ -145,22 +142,29 @@ struct Normals {
 };
 
 // \param on_axis how near to the axis of the placement a place is a tip, which has no normal; negative: there is no axis
-Normals compare_normals(const Mesh& mesh, const std::vector<Truth>& truth, const Eigen::Isometry3d& placement,
-                        double on_axis) {
-  Normals result;
-  std::size_t agree = 0, tight = 0;
+Normals compare_normals(const Mesh& mesh, const MeshFit& fit, double on_axis) {
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t) used[v] = true;
-  const std::size_t step = std::max<std::size_t>(1, used.size() / 4096);
-  const Eigen::Isometry3d to_local = placement.inverse();
+  Mesh few;
+  few.half_steps = mesh.half_steps;
+  const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
+  const std::size_t step = std::max<std::size_t>(1, used.size() / looked_at);
   for (std::size_t v = 0; v < used.size(); v += step) {
-    const Vec3<double>&n = mesh.normals[v], &m = truth[v].normal;
-    if (!used[v] || !detail::finite(n) || n == Vec3<double>{} || !detail::finite(m) || truth[v].pole ||
-        !std::isfinite(truth[v].normal_deg))
-      continue;
+    const Vec3<double>& n = mesh.normals[v];
     const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[v]);
-    if (std::hypot(p.x(), p.y()) <= on_axis) continue;
+    if (!used[v] || !detail::finite(n) || n == Vec3<double>{} || !(std::hypot(p.x(), p.y()) > on_axis))
+      continue;
+    few.positions.push_back(mesh.positions[v]);
+    few.normals.push_back(n);
+    if (!mesh.uvs.empty()) few.uvs.push_back(mesh.uvs[v]);
+  }
+  Normals result;
+  std::size_t agree = 0, tight = 0;
+  const std::vector<Truth> truth = truths(few, fit);
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    const Vec3<double>&n = few.normals[v], &m = truth[v].normal;
+    if (!detail::finite(m) || truth[v].pole || !std::isfinite(truth[v].normal_deg)) continue;
     const double angle = angle_between(n, dot(n, m) < 0 ? -m : m) * 180 / M_PI;
     ++result.compared;
     agree += angle <= agree_deg;
@@ -219,8 +223,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   Normals compared;
   const bool faceted = shape.faceted > 0.5;
   if (!mesh.normals.empty() && !faceted) {
-    compared = compare_normals(mesh, truths(mesh, fit), placement,
-                               kind.symmetry == Symmetry::axis ? same * shape.size : -1);
+    compared = compare_normals(mesh, fit, kind.symmetry == Symmetry::axis ? same * shape.size : -1);
     if (compared.compared > 0)
       normals =
           compared.agree >= 0.8

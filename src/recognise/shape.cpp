@@ -18,10 +18,11 @@ namespace {
 constexpr double same = 1e-6;    // of the size
 constexpr double flat_deg = 1;   // faces that turn by less do not turn
 constexpr double facet_deg = 1;  // a normal that is its triangle's
+constexpr std::size_t looked_at = 5000;
 constexpr std::size_t quadric_places = 400;
-constexpr double near_quadric = 1e-3;    // of the size
-constexpr std::size_t fewest = 8;        // places
-constexpr double most_polyhedral = 0.2;  // of the edges that turn
+constexpr double near_quadric = 1e-3;      // of the size
+constexpr std::size_t fewest = 8;          // places
+constexpr double most_polyhedral = 0.2;    // of the edges that turn
 constexpr std::size_t many_places = 1000;  // beyond which folds, as of Schwarz's lantern, tell nothing
 constexpr double most_faceted = 0.5;
 // Many small facets of equal turns are a surface all the same.
@@ -71,43 +72,45 @@ Shape shape_of(const Mesh& mesh) {
   }
   shape.thickness = std::sqrt(squares);
 
-  const auto scaled_face = [&](std::uint32_t t) {
+  // Of large meshes some thousands of triangles and edges, spread evenly.
+  const std::size_t step = std::max<std::size_t>(1, mesh.triangles.size() / looked_at);
+  const auto face_of = [&](std::uint32_t t) -> Eigen::Vector3d {
     const Eigen::Vector3d a = local(mesh.triangles[t][0]), b = local(mesh.triangles[t][1]),
                           c = local(mesh.triangles[t][2]);
-    return Eigen::Vector3d((b - a).cross(c - a));
-  };
-  std::vector<Eigen::Vector3d> faces(mesh.triangles.size(), Eigen::Vector3d::Zero());
-  std::size_t with_area = 0, faceted = 0;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Eigen::Vector3d face = scaled_face(t);
+    const Eigen::Vector3d face = (b - a).cross(c - a);
     const double area = face.norm();
-    if (!(area > 1e-12)) continue;
-    faces[t] = face / area;
+    return area > 1e-12 ? Eigen::Vector3d(face / area) : Eigen::Vector3d::Zero();
+  };
+  std::size_t with_area = 0, faceted = 0;
+  const double own_cosine = std::cos(facet_deg * M_PI / 180);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); t += static_cast<std::uint32_t>(step)) {
+    const Eigen::Vector3d face = face_of(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = mesh.triangles[t][k], w = mesh.triangles[t][(k + 1) % 3];
+      if (used[v] && used[w] && place[v] != place[w])
+        shape.edges.push_back({std::min(place[v], place[w]), std::max(place[v], place[w])});
+    }
+    if (face.isZero()) continue;
     ++with_area;
     if (mesh.normals.empty()) continue;
     bool own = true;
-    for (const std::uint32_t v : mesh.triangles[t])
-      own = own && angle_between(mesh.normals[v], from_eigen(faces[t])) <= facet_deg * M_PI / 180;
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      const Eigen::Vector3d n = to_eigen(mesh.normals[v]);
+      own = own && n.dot(face) >= own_cosine * n.norm();
+    }
     faceted += own;
   }
+  std::sort(shape.edges.begin(), shape.edges.end());
+  shape.edges.erase(std::unique(shape.edges.begin(), shape.edges.end()), shape.edges.end());
   shape.faceted = with_area == 0 ? 0 : static_cast<double>(faceted) / static_cast<double>(with_area);
   std::vector<double> turns;
-  std::size_t moderate = 0;
-  std::vector<std::array<std::uint32_t, 2>> edges;
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = t[k], w = t[(k + 1) % 3];
-      if (!used[v] || !used[w] || place[v] == place[w]) continue;
-      edges.push_back({std::min(place[v], place[w]), std::max(place[v], place[w])});
-    }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  shape.edges = std::move(edges);
+  std::size_t moderate = 0, shared = 0;
   for_each_shared_edge(
       mesh.triangles.size(), mesh.positions.size(),
       [&](std::uint32_t t, std::uint32_t k) { return place[mesh.triangles[t][k]]; },
       [&](const SharedEdge& e) {
-        const Eigen::Vector3d &a = faces[e.triangle[0]], &b = faces[e.triangle[1]];
+        if (shared++ % step != 0) return;
+        const Eigen::Vector3d a = face_of(e.triangle[0]), b = face_of(e.triangle[1]);
         if (a.isZero() || b.isZero()) return;
         const double turn = std::atan2(a.cross(b).norm(), (e.turned ? -1 : 1) * a.dot(b)) * 180 / M_PI;
         if (turn <= flat_deg) return;
