@@ -148,9 +148,12 @@ class Search {
       if (auto fit = by_uvs(std::array{charted_}, UvMaps::any)) weigh(std::move(*fit));
       return;
     }
-    if (auto fit = by_uvs(fitted_kinds(), UvMaps::plain))
-      if (weigh(std::move(*fit))) return;
     const bool quadric = lies_on_quadric(mesh_, shape_);
+    std::vector<std::string_view> kinds;
+    for (const std::string_view kind : fitted_kinds())
+      if (is_quadric(kind) == quadric) kinds.push_back(kind);
+    if (auto fit = by_uvs(kinds, UvMaps::plain))
+      if (weigh(std::move(*fit))) return;
     for (const std::string_view kind : found_kinds()) {
       if (kind == "plane" || is_quadric(kind) != quadric || effort_.spent()) continue;
       std::optional<MeshFit> fit;
@@ -162,9 +165,6 @@ class Search {
     }
     if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine())
       return;
-    std::vector<std::string_view> kinds;
-    for (const std::string_view kind : fitted_kinds())
-      if (is_quadric(kind) == quadric) kinds.push_back(kind);
     if (auto fit = by_uvs(kinds, UvMaps::affine)) weigh(std::move(*fit));
   }
 

@@ -43,7 +43,7 @@ class Effort {
  private:
   std::optional<std::chrono::steady_clock::time_point> until_;
   std::vector<Outline> failed_;
-  int affine_ = 2;
+  int affine_ = 1;
 };
 
 // Any surface of the catalogue, with evidence. \param placement held when given
