@@ -39,5 +39,17 @@ TEST(Recognition, FindsSurfaces) {
       }
 }
 
+// Some places of large meshes are looked at. Their number may not keep step with the rows of a grid.
+TEST(Recognition, FindsSurfacesOfFineGrids) {
+  for (const std::string_view name : {"torus", "sphere", "cylinder", "cone", "ellipsoid", "catenoid"})
+    for (const int n : {200, 400}) {
+      const Mesh mesh = sample_mesh(make_surface(name), {.columns = n, .rows = n});
+      const std::vector<Judgement> judgements = judge_parts(mesh);
+      ASSERT_EQ(judgements.size(), 1u) << name << ' ' << n;
+      ASSERT_TRUE(judgements[0].fit && judgements[0].fit->fits) << name << ' ' << n;
+      EXPECT_EQ(judgements[0].fit->surface.surface.info().name, name) << n;
+    }
+}
+
 }  // namespace
 }  // namespace darboux

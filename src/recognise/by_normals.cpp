@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "../evenly_chosen.h"
 #include "../fit/fit_kinds.h"
 
 namespace darboux {
@@ -32,8 +33,7 @@ std::vector<Oriented> oriented_of(const Mesh& mesh, const Shape& shape) {
     for (const std::uint32_t v : t) used[v] = true;
   std::vector<Oriented> result;
   constexpr std::size_t most = 2000;
-  const std::size_t step = std::max<std::size_t>(1, used.size() / most);
-  for (std::size_t v = 0; v < used.size(); v += step) {
+  for (const std::size_t v : evenly_chosen(used.size(), most)) {
     const Vec3<double>& n = mesh.normals[v];
     if (!used[v] || !detail::finite(mesh.positions[v]) || !detail::finite(n) || n == Vec3<double>{}) continue;
     result.push_back({(to_eigen(mesh.positions[v]) - shape.centre) / shape.size, to_eigen(n).normalized()});

@@ -7,6 +7,7 @@
 
 #include <darboux/frame.h>
 
+#include "../evenly_chosen.h"
 #include "../text.h"
 
 namespace darboux {
@@ -67,8 +68,7 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& plac
   Orbits result;
   const double tolerance = same * shape.size;
   const Eigen::Isometry3d to_local = placement.inverse();
-  const std::size_t step = std::max<std::size_t>(1, shape.places.size() / looked_at);
-  for (std::size_t i = 0; i < shape.places.size(); i += step) {
+  for (const std::size_t i : evenly_chosen(shape.places.size(), looked_at)) {
     const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[shape.places[i]]);
     const double r = std::hypot(p.x(), p.y());
     auto at = std::find_if(list.begin(), list.end(), [&](const Ring& ring) {
@@ -149,8 +149,7 @@ Normals compare_normals(const Mesh& mesh, const MeshFit& fit, double on_axis) {
   Mesh few;
   few.half_steps = mesh.half_steps;
   const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
-  const std::size_t step = std::max<std::size_t>(1, used.size() / looked_at);
-  for (std::size_t v = 0; v < used.size(); v += step) {
+  for (const std::size_t v : evenly_chosen(used.size(), looked_at)) {
     const Vec3<double>& n = mesh.normals[v];
     const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[v]);
     if (!used[v] || !detail::finite(n) || n == Vec3<double>{} || !(std::hypot(p.x(), p.y()) > on_axis))

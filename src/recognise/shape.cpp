@@ -9,6 +9,7 @@
 #include <darboux/frame.h>
 #include <darboux/weld.h>
 
+#include "../evenly_chosen.h"
 #include "../mesh_frames/creases.h"
 #include "../text.h"
 
@@ -73,8 +74,7 @@ Shape shape_of(const Mesh& mesh) {
   shape.thickness = std::sqrt(squares);
 
   // Of large meshes some thousands of triangles and edges, spread evenly.
-  const std::size_t step = std::max<std::size_t>(1, mesh.triangles.size() / looked_at);
-  const auto face_of = [&](std::uint32_t t) -> Eigen::Vector3d {
+  const auto face_of = [&](std::size_t t) -> Eigen::Vector3d {
     const Eigen::Vector3d a = local(mesh.triangles[t][0]), b = local(mesh.triangles[t][1]),
                           c = local(mesh.triangles[t][2]);
     const Eigen::Vector3d face = (b - a).cross(c - a);
@@ -83,7 +83,7 @@ Shape shape_of(const Mesh& mesh) {
   };
   std::size_t with_area = 0, faceted = 0;
   const double own_cosine = std::cos(facet_deg * M_PI / 180);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); t += static_cast<std::uint32_t>(step)) {
+  for (const std::size_t t : evenly_chosen(mesh.triangles.size(), looked_at)) {
     const Eigen::Vector3d face = face_of(t);
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = mesh.triangles[t][k], w = mesh.triangles[t][(k + 1) % 3];
@@ -103,14 +103,21 @@ Shape shape_of(const Mesh& mesh) {
   std::sort(shape.edges.begin(), shape.edges.end());
   shape.edges.erase(std::unique(shape.edges.begin(), shape.edges.end()), shape.edges.end());
   shape.faceted = with_area == 0 ? 0 : static_cast<double>(faceted) / static_cast<double>(with_area);
+  // Edges between triangles, of some places.
+  std::vector<bool> looked(mesh.positions.size(), false);
+  for (const std::size_t i : evenly_chosen(shape.places.size(), looked_at)) looked[shape.places[i]] = true;
+  std::vector<std::uint32_t> around;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (std::any_of(mesh.triangles[t].begin(), mesh.triangles[t].end(),
+                    [&](std::uint32_t v) { return used[v] && looked[place[v]]; }))
+      around.push_back(t);
   std::vector<double> turns;
-  std::size_t moderate = 0, shared = 0;
+  std::size_t moderate = 0;
   for_each_shared_edge(
-      mesh.triangles.size(), mesh.positions.size(),
-      [&](std::uint32_t t, std::uint32_t k) { return place[mesh.triangles[t][k]]; },
+      around.size(), mesh.positions.size(),
+      [&](std::uint32_t t, std::uint32_t k) { return place[mesh.triangles[around[t]][k]]; },
       [&](const SharedEdge& e) {
-        if (shared++ % step != 0) return;
-        const Eigen::Vector3d a = face_of(e.triangle[0]), b = face_of(e.triangle[1]);
+        const Eigen::Vector3d a = face_of(around[e.triangle[0]]), b = face_of(around[e.triangle[1]]);
         if (a.isZero() || b.isZero()) return;
         const double turn = std::atan2(a.cross(b).norm(), (e.turned ? -1 : 1) * a.dot(b)) * 180 / M_PI;
         if (turn <= flat_deg) return;
@@ -128,10 +135,9 @@ Shape shape_of(const Mesh& mesh) {
 
 bool lies_on_quadric(const Mesh& mesh, const Shape& shape) {
   using Row = Eigen::Matrix<double, 10, 1>;
-  const std::size_t step = std::max<std::size_t>(1, shape.places.size() / quadric_places);
   Eigen::Matrix<double, 10, 10> values = Eigen::Matrix<double, 10, 10>::Zero(), slopes = values;
   double count = 0;
-  for (std::size_t i = 0; i < shape.places.size(); i += step) {
+  for (const std::size_t i : evenly_chosen(shape.places.size(), quadric_places)) {
     const Eigen::Vector3d p = 2 * (to_eigen(mesh.positions[shape.places[i]]) - shape.centre) / shape.size;
     const double x = p.x(), y = p.y(), z = p.z();
     Row f, fx, fy, fz;

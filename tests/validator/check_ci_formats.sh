@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# check_ci_formats.sh TOOL DATA WORK: whether `TOOL validate` writes SARIF and JUnit's XML that their schemas permit: of files that
+# check_ci_formats.sh TOOL DATA WORK: whether `TOOL validate` writes SARIF, JUnit's XML and JSON that their schemas permit: of files that
 # pass, fail, cannot be read, have awkward names, with and without a baseline. Exit status 77, a skip, where node or the schemas
 # cannot be had.
 set -euo pipefail
@@ -19,6 +19,7 @@ judge() {  # judge NAME WANTED_STATUS ARGUMENT...
   "$tool" validate "$@" --sarif "out/$name.sarif" --junit "out/$name.xml" >/dev/null 2>&1 || status=$?
   [ "$status" = "$wanted" ] || { echo "FAILED: $name: status $status, not $wanted"; exit 1; }
   # CI systems see a failure where the exit status says so, and only there.
+  "$tool" validate "$@" --json >"out/$name.json" 2>/dev/null || true
   local failed=0
   ! grep -qE '<(failure|error) ' "out/$name.xml" || failed=1
   [ $((status > 0)) = $failed ] || { echo "FAILED: $name: status $status, but the XML says otherwise"; exit 1; }
@@ -30,6 +31,8 @@ judge passing 0 assets/good.glb
 judge failing 1 assets
 judge absolute 1 "$PWD/assets" --fail-on TANGENT_NOT_MIKKTSPACE
 judge all 1 "$data"
+judge strict 1 "$data" --strict --ignore TANGENT_HANDEDNESS_CONVENTION
+judge local 1 "$data" --reference local,mikktspace
 
 # A control character, a byte that is no UTF-8, one of the two characters that XML lacks, and what has a meaning in XML and URIs.
 awkward=$'\x01\xff\xef\xbf\xbf<&">\'%# é:.'
@@ -54,3 +57,4 @@ for state in new unchanged updated; do
 done
 node "$here/check_sarif.js" out/*.sarif
 node "$here/check_junit.js" out/*.xml
+node "$here/check_json.js" "$here/../../docs/schemas/validate.schema.json" out/*.json

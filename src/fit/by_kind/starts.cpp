@@ -55,17 +55,6 @@ Eigen::Matrix2Xd across(const Oriented& sample, const Matrix3d& axes) {
 
 }  // namespace
 
-// One point at random of each of `count` stretches.
-std::vector<Eigen::Index> evenly_chosen(Eigen::Index of, Eigen::Index count, std::mt19937_64& random) {
-  count = std::min(of, count);
-  std::vector<Eigen::Index> chosen;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index from = i * of / count, to = (i + 1) * of / count;
-    chosen.push_back(from + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(to - from)));
-  }
-  return chosen;
-}
-
 Oriented oriented_points(const Matrix3Xd& cloud, const Matrix3Xd& normals, std::mt19937_64& random) {
   if (normals.cols() == cloud.cols()) {
     const std::vector<Eigen::Index> chosen = evenly_chosen(cloud.cols(), queries, random);

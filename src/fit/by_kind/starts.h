@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "../../evenly_chosen.h"
 #include "model.h"
 
 namespace darboux::fit {
@@ -13,9 +14,6 @@ namespace darboux::fit {
 struct Oriented {
   Eigen::Matrix3Xd points, normals;
 };
-
-// Indices of some points: one at random of each of `count` stretches, all where there are no more.
-std::vector<Eigen::Index> evenly_chosen(Eigen::Index of, Eigen::Index count, std::mt19937_64& random);
 
 // Points of the cloud with a normal each. Their own where there are any (as many columns as the cloud, of any length, zero or not
 // finite for none); else from the principal axes of their neighbours, of the two thirds whose neighbourhood is flattest, so that
