@@ -4,9 +4,12 @@
 #include <darboux/error.h>
 #include <darboux/fit.h>
 
+#include "evenly_chosen.h"
 #include "fit/fit_kinds.h"
 #include "fit/kinds.h"
+#include "fit/parameter_jet.h"
 #include "fit/with_uv/starts.h"
+#include "triangle_signs.h"
 
 namespace darboux {
 namespace {
@@ -28,13 +31,44 @@ constexpr double affine_share = 1e-2;
 // Usable vertices, centred and scaled to a bounding box of diagonal 1.
 struct Data {
   UvPoints all, trial, few;
+  std::vector<double> shears;  // that edges suggest
 };
+
+// Sheared columns of a grid are edges of one slope Δu/Δv, as are its diagonals: the slopes that most edges have.
+std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed char> signs) {
+  constexpr std::size_t looked_at = 2000, most = 3;
+  std::vector<double> slopes;
+  for (const std::size_t t : evenly_chosen(mesh.triangles.size(), looked_at)) {
+    if (signs[t] == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec2<double>&a = mesh.uvs[mesh.triangles[t][k]], &b = mesh.uvs[mesh.triangles[t][(k + 1) % 3]];
+      const double slope = (b.x - a.x) / (b.y - a.y);
+      if (std::fabs(slope) < 1e4) slopes.push_back(slope);
+    }
+  }
+  std::sort(slopes.begin(), slopes.end());
+  std::vector<std::pair<std::size_t, double>> groups;  // how many, and the one in their middle
+  for (std::size_t first = 0, last = 0; first < slopes.size(); first = last) {
+    const double end = slopes[first] + 1e-3 * (1 + std::fabs(slopes[first]));
+    while (last < slopes.size() && slopes[last] <= end) ++last;
+    groups.emplace_back(last - first, slopes[(first + last) / 2]);
+  }
+  std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<double> result;
+  for (const auto& [count, slope] : groups)
+    if (result.size() < most && 10 * count > slopes.size()) result.push_back(slope);
+  return result;
+}
 
 Data usable_vertices(const Mesh& mesh) {
   if (mesh.uvs.empty()) throw UndeterminedError("mesh", "has no uvs, a fit needs one uv set");
+  // Triangles without area place no vertex: uvs that collapsed do not name its place, nor do positions.
   std::vector<bool> referenced(mesh.positions.size(), false);
-  for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle) referenced[v] = true;
+  const std::vector<signed char> signs = triangle_signs(mesh);
+  const bool any = std::any_of(signs.begin(), signs.end(), [](signed char s) { return s != 0; });
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (signs[t] != 0 || !any) referenced[v] = true;
   std::vector<std::uint32_t> usable;
   Eigen::AlignedBox3d box;
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
@@ -58,6 +92,7 @@ Data usable_vertices(const Mesh& mesh) {
   }
   data.trial = data.all.chosen(trial_points, 1);
   data.few = data.trial.chosen(start_points, 1);
+  data.shears = slopes_of_edges(mesh, signs);
   return data;
 }
 
@@ -80,8 +115,31 @@ double rms(const UvModel& model, const UvState& state) {
   return rms(model.squares(state));
 }
 
+// What is looked for.
+struct Wanted {
+  const UvKind& kind;
+  std::vector<std::pair<std::string, double>> parameters{};  // that are held
+  std::optional<AnySurface> exact{};                         // all of it but its place
+  std::optional<Eigen::Isometry3d> placement{};
+
+  UvHeld held(double size, const Eigen::Vector3d& centre) const {
+    UvHeld result;
+    result.parameters.resize(kind.parameters.size());
+    if (exact) result.parameters.front() = 1 / size;
+    for (const auto& [name, value] : parameters)
+      for (std::size_t k = 0; k < kind.parameters.size(); ++k)
+        if (kind.parameters[k].name == name) result.parameters[k] = value / (kind.length[k] ? size : 1);
+    if (placement) {
+      result.placement = *placement;
+      result.placement->translation() = (placement->translation() - centre) / size;
+    }
+    return result;
+  }
+};
+
 std::optional<AnySurface> surface_of(const UvModel& model, const UvState& state, double size,
-                                     const SurfaceSpecification& given) {
+                                     const Wanted& given) {
+  if (given.exact) return given.exact;
   const UvKind& kind = *model.kind;
   SurfaceSpecification result{std::string(kind.name), {}};
   for (std::size_t k = 0; k < state.parameters.size(); ++k) {
@@ -100,20 +158,6 @@ std::optional<AnySurface> surface_of(const UvModel& model, const UvState& state,
   }
 }
 
-UvHeld held_values(const Data& data, const UvKind& kind, const SurfaceSpecification& given,
-                   const std::optional<Eigen::Isometry3d>& placement) {
-  UvHeld held;
-  held.parameters.resize(kind.parameters.size());
-  for (const auto& [name, value] : given.parameters)
-    for (std::size_t k = 0; k < kind.parameters.size(); ++k)
-      if (kind.parameters[k].name == name) held.parameters[k] = value / (kind.length[k] ? data.all.size : 1);
-  if (placement) {
-    held.placement = *placement;
-    held.placement->translation() = (placement->translation() - data.all.centre) / data.all.size;
-  }
-  return held;
-}
-
 // Whether the points tell all that is estimated, and more: those on a line lie on a thin strip in any position.
 bool determined(const UvModel& model, const UvState& state) {
   return 3 * model.points->count() > model.unknowns() &&
@@ -121,7 +165,7 @@ bool determined(const UvModel& model, const UvState& state) {
 }
 
 // From one start; nothing where the parameters that come out are not permitted.
-std::optional<Trial> tried(const Data& data, UvStart start, const SurfaceSpecification& given) {
+std::optional<Trial> tried(const Data& data, UvStart start, const Wanted& given) {
   start.model.points = &data.trial;
   Solved solved;
   if (start.median < hopeless && rms(start.model, start.state) < too_far) {
@@ -154,10 +198,10 @@ void keep_better(std::optional<Trial>& best, std::optional<Trial> trial) {
 }
 
 // The first of uv_conventions() that fits, else the best.
-std::optional<Trial> try_conventions(const Data& data, const UvKind& kind, const SurfaceSpecification& given,
-                                     const UvHeld& held) {
+std::optional<Trial> try_conventions(const Data& data, const Wanted& given) {
   std::optional<Trial> best;
-  for (UvStart& start : convention_starts(kind, data.few, held, false).proper) {
+  const UvHeld held = given.held(data.all.size, data.all.centre);
+  for (UvStart& start : convention_starts(given.kind, data.few, held, false).proper) {
     std::optional<Trial> trial = tried(data, std::move(start), given);
     if (best && best->fits) {
       if (trial && trial->fits) best->equivalent.push_back(trial->model.convention.name);
@@ -168,21 +212,31 @@ std::optional<Trial> try_conventions(const Data& data, const UvKind& kind, const
   return best;
 }
 
-std::optional<Trial> try_affine(const Data& data, const UvKind& kind, const SurfaceSpecification& given,
-                                const UvHeld& held) {
+std::optional<Trial> try_affine(const Data& data, const Wanted& given) {
   // Two points must follow beyond those that any such surface goes through: nearly every quad lies on a Möbius strip.
-  if (3 * data.all.count() < 6 + kind.parameters.size() + 6 + 6) return std::nullopt;
+  if (3 * data.all.count() < 6 + given.kind.parameters.size() + 6 + 6) return std::nullopt;
   std::optional<Trial> best;
-  for (UvStart& start : affine_starts(kind, data.few, held, false)) {
+  for (UvStart& start :
+       affine_starts(given.kind, data.few, given.held(data.all.size, data.all.centre), false, data.shears)) {
     keep_better(best, tried(data, std::move(start), given));
     if (best && best->fits) break;
   }
   return best;
 }
 
+// The one length of a rigid_kind(), which is held, makes room for the surface's own parameters, which are too.
+Eigen::MatrixXd with_exact_parameters(const Eigen::MatrixXd& covariance, const AnySurface& surface) {
+  const Eigen::Index own = SurfaceWithParameters(surface).parameters(), of_map = covariance.rows() - 7;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(6 + own + of_map, 6 + own + of_map);
+  result.topLeftCorner<6, 6>() = covariance.topLeftCorner<6, 6>();
+  result.topRightCorner(6, of_map) = covariance.topRightCorner(6, of_map);
+  result.bottomLeftCorner(of_map, 6) = covariance.bottomLeftCorner(of_map, 6);
+  result.bottomRightCorner(of_map, of_map) = covariance.bottomRightCorner(of_map, of_map);
+  return result;
+}
+
 // The answer from all vertices.
-MeshFit completed(const Data& data, Trial trial, const SurfaceSpecification& given,
-                  const std::optional<Eigen::Isometry3d>& placement) {
+MeshFit completed(const Data& data, Trial trial, const Wanted& given) {
   trial.model.points = &data.all;
   if (trial.fits) {
     Mixture squares;
@@ -213,15 +267,21 @@ MeshFit completed(const Data& data, Trial trial, const SurfaceSpecification& giv
     for (const auto& p : data.all.positions) centre += to_eigen(p) / n;
     static_cast<SurfaceUncertainty&>(fit) =
         trial.model.uncertainty(trial.state, sigma * sigma * spread.covariance, centre);
+    if (given.exact) fit.covariance = with_exact_parameters(fit.covariance, *given.exact);
   }
   fit.iterations = trial.iterations;
-  if (placement) {
-    fit.surface.placement = *placement;
+  if (given.placement) {
+    fit.surface.placement = *given.placement;
   } else {
     fit.surface.placement.linear() = trial.state.rotation.toRotationMatrix();
     fit.surface.placement.translation() = trial.state.translation * data.all.size + data.all.centre;
   }
   return fit;
+}
+
+MeshError no_start(std::string_view name) {
+  return MeshError("mesh", "no uv convention lets " + fit::with_article(name) +
+                               " start, the positions do not follow the uvs");
 }
 
 }  // namespace
@@ -237,27 +297,35 @@ const std::vector<std::string_view>& fitted_kinds() {
 
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
                     const std::optional<Eigen::Isometry3d>& placement) {
-  make_surface(given);  // refuses unknown names and values out of range
+  const AnySurface surface = make_surface(given);  // refuses unknown names and values out of range
   const UvKind* kind = find_uv_kind(given.name);
-  if (!kind) throw ParameterError(given.name, "cannot be fitted to a mesh, permitted are " + uv_kind_names());
+  if (!kind) return fit_surface(mesh, surface, placement);
   const Data data = usable_vertices(mesh);
-  const UvHeld held = held_values(data, *kind, given, placement);
-  std::optional<Trial> best = try_conventions(data, *kind, given, held);
+  const Wanted wanted{*kind, given.parameters, {}, placement};
+  std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) {
     // What another kind explains under a plain convention is that kind, and no limit of this one with bent uvs: a torus
     // of major radius 0 is a sphere.
     const bool another = std::any_of(uv_kinds().begin(), uv_kinds().end(), [&](const UvKind& other) {
       if (&other == kind) return false;
-      const SurfaceSpecification any{std::string(other.name), {}};
-      const auto trial = try_conventions(data, other, any, held_values(data, other, any, placement));
+      const auto trial = try_conventions(data, {other, {}, {}, placement});
       return trial && trial->fits;
     });
-    if (!another) keep_better(best, try_affine(data, *kind, given, held));
+    if (!another) keep_better(best, try_affine(data, wanted));
   }
-  if (!best)
-    throw MeshError("mesh", "no uv convention lets " + fit::with_article(given.name) +
-                                " start, the positions do not follow the uvs");
-  return completed(data, *best, given, placement);
+  if (!best) throw no_start(given.name);
+  return completed(data, *best, wanted);
+}
+
+MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
+                    const std::optional<Eigen::Isometry3d>& placement) {
+  const UvKind kind = rigid_kind(exact);
+  const Data data = usable_vertices(mesh);
+  const Wanted wanted{kind, {}, exact, placement};
+  std::optional<Trial> best = try_conventions(data, wanted);
+  if (!best || !best->fits) keep_better(best, try_affine(data, wanted));
+  if (!best) throw no_start(exact.info().name);
+  return completed(data, *best, wanted);
 }
 
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
@@ -273,17 +341,15 @@ std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Is
     if (affine ? maps == UvMaps::plain : maps == UvMaps::affine) continue;
     for (const UvKind& kind : uv_kinds()) {
       if (std::find(kinds.begin(), kinds.end(), kind.name) == kinds.end()) continue;
-      const SurfaceSpecification given{std::string(kind.name), {}};
-      const UvHeld held = held_values(data, kind, given, placement);
-      std::optional<Trial> trial =
-          affine ? try_affine(data, kind, given, held) : try_conventions(data, kind, given, held);
+      const Wanted wanted{kind, {}, {}, placement};
+      std::optional<Trial> trial = affine ? try_affine(data, wanted) : try_conventions(data, wanted);
       if (trial && trial->fits)
-        if (MeshFit fit = completed(data, *trial, given, placement); fit.fits) return fit;
+        if (MeshFit fit = completed(data, *trial, wanted); fit.fits) return fit;
       keep_better(best, std::move(trial));
     }
   }
   if (!best) return std::nullopt;
-  return completed(data, *best, {std::string(best->model.kind->name), {}}, placement);
+  return completed(data, *best, {*best->model.kind, {}, {}, placement});
 }
 
 }  // namespace darboux

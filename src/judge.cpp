@@ -24,7 +24,8 @@ void take(const Mesh& mesh, Recognised& result, MeshFit fit) {
 Recognised find_declared(const Mesh& mesh, const JudgeOptions& options, bool part) {
   Recognised result;
   try {
-    MeshFit fit = fit_surface(mesh, *options.surface, options.placement);
+    MeshFit fit = options.exact_surface ? fit_surface(mesh, *options.exact_surface, options.placement)
+                                        : fit_surface(mesh, *options.surface, options.placement);
     result.reason = nearest_fit(fit);
     result.declared = fit.fits;
     if (fit.fits)
@@ -38,12 +39,16 @@ Recognised find_declared(const Mesh& mesh, const JudgeOptions& options, bool par
     result.reason = std::string(": ") + e.what();
   }
   if (result.fits() || !(mesh.uvs.empty() || part)) return result;
-  if (auto fit = fit_positions(mesh, options.surface, options.placement)) {
+  const std::string_view kind =
+      options.exact_surface ? options.exact_surface->info().name : std::string_view(options.surface->name);
+  if (options.exact_surface) {
+    if (mesh.uvs.empty()) result.reason = ": there are no uvs, which tell where a " + std::string(kind) + " lies";
+  } else if (auto fit = fit_positions(mesh, options.surface, options.placement)) {
     take(mesh, result, std::move(*fit));
     result.declared = true;
   } else if (mesh.uvs.empty()) {
     result.reason = ": there are no uvs, and by the positions alone it is not " +
-                    fit::with_article(options.surface->name) + " as declared";
+                    fit::with_article(kind) + " as declared";
   }
   return result;
 }
@@ -51,7 +56,7 @@ Recognised find_declared(const Mesh& mesh, const JudgeOptions& options, bool par
 // A part: the declared surface, else any.
 Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options, Effort& effort,
                           std::string_view charted) {
-  if (!options.surface) return recognise(mesh, options.placement, effort, charted);
+  if (!options.declares_surface()) return recognise(mesh, options.placement, effort, charted);
   Recognised result = find_declared(mesh, options, true);
   return result.fits() ? result : recognise(mesh, {}, effort);  // the placement was the declared surface's
 }
@@ -98,7 +103,7 @@ std::vector<bool> poles(const std::vector<Truth>& truth) {
 
 Judgement judge_whole(Subject subject, Recognised recognised, const JudgeOptions& options) {
   classify_subject(subject, poles(recognised.truth), options);
-  return judgement_of(subject, std::move(recognised), options, options.surface.has_value());
+  return judgement_of(subject, std::move(recognised), options, options.declares_surface());
 }
 
 void check(const Mesh& mesh, const JudgeOptions& options) {
@@ -217,7 +222,7 @@ std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> par
 
 Recognised look_at_whole(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
   if (!options.references.analytic) return {};
-  return options.surface ? find_declared(mesh, options, false) : recognise(mesh, options.placement, effort);
+  return options.declares_surface() ? find_declared(mesh, options, false) : recognise(mesh, options.placement, effort);
 }
 
 void note_budget(MeshReport& report, const Effort& effort) {
@@ -270,13 +275,13 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
   // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves of a mirrored one,
   // go before a whole whose uvs say nothing.
   const bool uncharted =
-      whole.fits() && !options.surface && whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
+      whole.fits() && !options.declares_surface() && whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
   if (!options.references.analytic || (whole.fits() && !uncharted))
     return {judge_whole(std::move(subject), std::move(whole), options)};
 
   Parts parts(mesh, options, effort, uncharted ? whole.fit->surface.surface.info().name : std::string_view());
   if (uncharted && !parts.rest.empty()) parts.recognised.clear();
-  if (options.surface && !parts.declared) parts.recognised.clear();
+  if (options.declares_surface() && !parts.declared) parts.recognised.clear();
   if (parts.recognised.empty()) {
     Judgement result = judge_whole(std::move(subject), std::move(whole), options);
     add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));

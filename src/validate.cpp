@@ -76,7 +76,7 @@ class Judge {
     for (const Triangle& triangle : mesh_.triangles)
       for (const std::uint32_t v : triangle) ++corners_of_[v];
     accurate_ = Accurate(subject, checks_, corners_of_, truth, basis, signs_.raw(), options.max_angle_deg);
-    if (!subject.local.empty()) smooth_ = check_smooth(subject, checks_, signs_.raw(), options.max_angle_deg);
+    if (!subject.local.empty()) smooth_ = check_smooth(subject, accurate_, checks_, signs_.raw(), options.max_angle_deg);
     report_.corners = mesh_.corners();
     report_.handedness = signs_.handedness();
   }
@@ -212,7 +212,8 @@ Judge::Decider Judge::tangent_error(const CornerGroup& group) const {
 }
 
 bool Judge::normal_error(std::uint32_t v) const {
-  if (!mesh_.normals.empty() && subject_.normals.unsupported[v]) return true;
+  const bool within = accurate_.known() && accurate_.normal(v) == Claim::within;
+  if (!mesh_.normals.empty() && subject_.normals.unsupported[v] && !within) return true;
   return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
          accurate_.decides(accurate_.normals_agree(), normals_explained_);
 }

@@ -57,9 +57,15 @@ struct MeshFit : SurfaceUncertainty {
 /// Scale and offset of the data do not matter. Method: docs/theory/fit-with-uvs.md.
 /// \param kind name, with the parameters that are held
 /// \param placement held when given
-/// \throws ParameterError for an unknown kind or parameter, or a kind other than those of fitted_kinds(); UndeterminedError;
-/// MeshError where the positions do not follow the uvs at all
+/// A kind that is not among fitted_kinds() is taken as exact, below, with default values where none are given.
+/// \throws ParameterError for an unknown kind or parameter; UndeterminedError; MeshError where the positions do not follow the
+/// uvs at all
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
+                    const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
+
+/// The same of a surface whose parameters are all known, of any kind, from a file too: its placement and the uv convention.
+/// \throws UndeterminedError, MeshError as above
+MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
 /// Recognises a surface from the positions alone, the first of found_kinds() by fit_points() that fits, and whether the uvs, where there are any, are a
@@ -74,7 +80,8 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh,
                                      const std::optional<SurfaceSpecification>& kind = std::nullopt,
                                      const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
-/// The truth at each vertex by a surface that fits. Of a chart that is the surface's own: truth_at(). Else at the foot of the position:
+/// The truth at each vertex by a surface that fits. Of a chart that is the surface's own: truth_at(), unknown where all triangles of
+/// the vertex lack area, in space or uv, so that its uv need not name its place. Else at the foot of the position:
 /// for a projected chart with t = unit(a - d (n·a) / (n·d)), b likewise; for an unknown one t and b are NaN, with infinite
 /// deviation. Cost: about 1 us a vertex.
 /// \throws ParameterError for a fit without a covariance

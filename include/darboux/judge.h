@@ -16,6 +16,7 @@ namespace darboux {
 
 struct JudgeOptions : ValidateOptions {
   std::optional<SurfaceSpecification> surface;  ///< the kind with its fixed parameters; nothing: recognise it
+  std::optional<AnySurface> exact_surface;      ///< or the surface itself, of any kind, whose parameters are all known
   std::optional<Eigen::Isometry3d> placement;   ///< where the surface lies; nothing: fit it
   /// Seconds after which no further surface is looked for; the report then depends on the machine. Nothing: no limit.
   std::optional<double> budget;
@@ -25,6 +26,8 @@ struct JudgeOptions : ValidateOptions {
   /// Whether the mesh's uv set is the one that its tangents belong to. Where it is not, tangents of another are accepted, and
   /// TANGENT_UV_SET_USED names it.
   bool names_uv_set = true;
+
+  bool declares_surface() const { return surface || exact_surface; }
 };
 
 /// Why a surface was recognised, or not: how far the data over-determine it against what else they may be.

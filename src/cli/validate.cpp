@@ -144,14 +144,19 @@ void run(const Arguments& arguments, Common& common) {
     throw ParameterError("--max-angle",
                          shortest(arguments.max_angle) + " is out of range, permitted is 0 < degrees <= 180");
   if (arguments.surface != "auto") {
-    options.surface = parse_specification(arguments.surface);
-    make_surface(*options.surface);  // refuses values out of range before any file is read
+    // Refuses values out of range before any file is read.
+    const AnySurface surface = surface_argument(arguments.surface);
+    const auto& fitted = fitted_kinds();
+    if (std::find(fitted.begin(), fitted.end(), surface.info().name) != fitted.end() && surface.file().empty())
+      options.surface = parse_specification(arguments.surface);
+    else
+      options.exact_surface = surface;
   }
   options.references = parse_references(arguments.reference);
   if (arguments.budget && !(*arguments.budget > 0))
     throw ParameterError("--budget", "expected seconds > 0, got " + shortest(*arguments.budget));
   options.budget = arguments.budget;
-  if (!options.references.analytic && (options.surface || arguments.placement != "fit"))
+  if (!options.references.analytic && (options.declares_surface() || arguments.placement != "fit"))
     throw ParameterError("--reference",
                          "without analytic no surface is fitted, permitted with --surface and --placement "
                          "are lists with analytic");
@@ -232,7 +237,8 @@ void add_validate(CLI::App& app, Common& common) {
                  joined({asset_extensions().begin(), asset_extensions().end()}) +
                      " files, and folders: all such files in them");
   sub.add_option("--surface", arguments->surface,
-                 "auto, or the kind with the parameters that are known: torus:minor_radius=0.4")
+                 "auto, or the kind with the parameters that are known, torus:minor_radius=0.4; of kinds that are not "
+                 "fitted, and of formula:file=FILE, the surface itself: superellipsoid:exponent_u=0.5")
       ->capture_default_str();
   sub.add_option("--placement", arguments->placement,
                  "fit, identity, or 16 numbers, column by column, separated by commas")

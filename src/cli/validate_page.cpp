@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "base64.h"
@@ -18,20 +19,37 @@ extern const std::string_view validate_page_js, validate_page_js_sha256;  // emb
 namespace {
 
 constexpr std::size_t most_triangles = 300000;  // in the pictures of a page
-constexpr std::size_t most_open = 4;            // sections, before they are folded
+constexpr std::size_t most_open = 4;            // meshes, before they are folded
+constexpr std::size_t most_parts = 12;          // of a mesh, before those that pass are folded
 
 constexpr std::string_view style = R"css(
 [hidden]{display:none!important}
 h2{margin-top:1.75rem}
-h3{display:inline;font-size:1rem}
 h4{font-size:.95rem;margin:1.25rem 0 .25rem}
 summary{cursor:pointer}
-summary .soft{margin-left:.5rem}
-h1,h2,h3,p{overflow-wrap:anywhere}
-details>p:first-of-type{margin-top:.75rem}
+h1,h2,h3,p,li{overflow-wrap:anywhere}
 th[colspan]{text-align:center;border-bottom:1px solid var(--line)}
 figcaption{margin-top:.4rem}
-td.wrap{white-space:normal;min-width:16rem}
+.controls{display:flex;flex-wrap:wrap;align-items:center;gap:.5rem 1rem;margin:1rem 0 .75rem;font-size:.9rem}
+.controls label{display:flex;align-items:center;gap:.35rem}
+select{font:inherit;color:inherit;background:var(--card);border:1px solid var(--line);border-radius:.35rem;padding:.15rem .35rem;
+  max-width:16rem}
+.card.mesh{padding:0;margin:0 0 .6rem}
+.mesh>summary,.row{display:grid;grid-template-columns:8.5rem minmax(0,1fr) 7rem 7rem;gap:.1rem 1rem;align-items:baseline;
+  padding:.6rem 1rem;list-style:none}
+.mesh>summary::-webkit-details-marker{display:none}
+.mesh[open]>summary{border-bottom:1px solid var(--faint)}
+.body{padding:1rem}
+.name{font-weight:600;overflow-wrap:anywhere}
+.name .soft{font-weight:400}
+.codes{grid-column:2/-1;color:var(--soft);font-size:.85rem;overflow-wrap:anywhere}
+.row.head{color:var(--soft);font-size:.9rem;padding-top:0;padding-bottom:.3rem}
+.findings{list-style:none;margin:0;padding:0}
+.findings li{padding:.45rem 0;border-bottom:1px solid var(--faint)}
+.findings li>span{display:block}
+.findings .verdict{display:inline-block;margin-right:.4rem}
+.part{border:1px solid var(--faint);border-radius:.4rem;padding:.4rem .8rem;margin:.5rem 0}
+.part[open]>summary{margin-bottom:.5rem}
 .warn{background:#fbf1cf;color:#5d4700}
 .histogram{display:block;width:100%;max-width:48rem;font-size:12px}
 .histogram text{fill:var(--soft)}
@@ -39,13 +57,22 @@ td.wrap{white-space:normal;min-width:16rem}
 .grid{stroke:var(--faint)}
 .axis{stroke:var(--soft)}
 .limit{stroke:var(--ink);stroke-dasharray:5 4}
-canvas{display:block;width:100%;border:1px solid var(--line);border-radius:.35rem;color:var(--soft)}
+canvas{display:block;width:100%;max-width:32rem;border:1px solid var(--line);border-radius:.35rem;color:var(--soft)}
 canvas.uv,canvas.view{aspect-ratio:1}
 canvas.view{cursor:grab;touch-action:none}
 canvas.view:active{cursor:grabbing}
-.legend{display:flex;flex-wrap:wrap;align-items:center;gap:.25rem .5rem;margin:.75rem 0;font-size:.9rem;color:var(--soft)}
+.legend{display:flex;flex-wrap:wrap;align-items:center;gap:.25rem .5rem;margin:0 0 .75rem;font-size:.9rem;color:var(--soft)}
 .legend i{display:inline-block;height:1rem;width:min(16rem,40%);border-radius:.2rem}
 .legend i.none{width:1rem;margin-left:1rem}
+@media (max-width:40rem){
+  main{padding:1rem .75rem 2rem}
+  .row.head{display:none}
+  .mesh>summary,.row{grid-template-columns:auto minmax(0,1fr) auto;padding:.55rem .7rem}
+  .name{grid-column:1/-1}
+  .codes{grid-column:1/-1}
+  .body{padding:.7rem}
+  .part{padding:.4rem .5rem}
+}
 @media (prefers-color-scheme:dark){.warn{background:#4b3c08;color:#f6e3a1}}
 )css";
 
@@ -79,43 +106,97 @@ std::string css_gradient() {
          ")}\n.legend i.none{background:" + css_colour(not_compared) + "}\n";
 }
 
-// ---- one judgement
+// "shared/…/IridescenceSuzanne.glb": the beginning and the end, whole names where they fit. The whole path is the title.
+std::string path_text(const std::string& path) {
+  constexpr std::size_t most = 52;
+  const std::string line = one_line(path);
+  if (line.size() <= most) return text(line);
+  // Cuts between letters, not in one.
+  const auto is_inside = [&](std::size_t k) { return k < line.size() && (line[k] & 0xc0) == 0x80; };
+  std::size_t begin = line.find('/', 1), end = line.size() - std::min(line.size(), most - 14);
+  begin = begin == std::string::npos || begin > 12 ? 12 : begin + 1;
+  if (const std::size_t name = line.find('/', end); name != std::string::npos) end = name;
+  while (is_inside(begin)) ++begin;
+  while (is_inside(end)) ++end;
+  return "<bdi title=\"" + escape(line) + "\">" + escape(line.substr(0, begin)) + "…" +
+         escape(line.substr(end)) + "</bdi>";
+}
 
-struct Section {
+// ---- one mesh
+
+// A primitive and its judgements: the whole, or its parts.
+struct Entry {
+  const JudgedFile& file;
   const JudgedPrimitive& judged;
-  const Judgement& judgement;
+  std::size_t number;  // of its first judgement, as in the JSON
+  bool alone;          // in its file
   double limit;
-  std::size_t step;  // every step-th triangle is drawn
+  std::size_t step = 1;  // every step-th triangle is drawn
+  Verdict verdict = Verdict::nothing;
+  std::size_t corners = 0;
+  std::vector<std::uint32_t> triangles{};
+  std::vector<float> errors{};  // of their corners
+  float worst = std::numeric_limits<float>::quiet_NaN();
 
-  const MeshReport& report() const { return judgement.report; }
-  const Mesh& mesh() const { return judged.primitive.data; }
-  std::size_t triangles() const { return report().errors_deg.size() / 3; }
-  std::string quantity() const { return mesh().tangents.empty() ? "normal" : "tangent"; }
-  float worst() const {
-    float result = std::numeric_limits<float>::quiet_NaN();
-    for (const float e : report().errors_deg) result = std::fmax(result, e);
-    return result;
-  }
-  std::string worst_text() const {
-    return std::isnan(worst()) ? "nothing compared"
-                               : "largest " + quantity() + " error " + rounded(worst(), 3) + "°";
-  }
+  std::string quantity() const { return judged.primitive.data.tangents.empty() ? "normal" : "tangent"; }
 };
 
-std::string reference_text(const Section& s) {
-  const MeshReport& report = s.report();
+std::vector<Entry> entries_of(const std::vector<JudgedFile>& files, double max_angle_deg) {
+  std::vector<Entry> entries;
+  std::size_t number = 0;
+  for (const JudgedFile& file : files)
+    for (const JudgedPrimitive& judged : file.primitives) {
+      Entry e{file, judged, number, file.primitives.size() == 1, max_angle_deg};
+      number += judged.judgements.size();
+      for (const Judgement& j : judged.judgements) {
+        e.verdict = std::max(e.verdict, j.report.verdict);
+        e.corners += j.report.corners;
+        const std::size_t count = j.report.errors_deg.size() / 3;
+        for (std::size_t t = 0; t < count; ++t)
+          e.triangles.push_back(j.triangles.empty() ? static_cast<std::uint32_t>(t) : j.triangles[t]);
+        e.errors.insert(e.errors.end(), j.report.errors_deg.begin(), j.report.errors_deg.end());
+      }
+      for (const float error : e.errors) e.worst = std::fmax(e.worst, error);
+      entries.push_back(std::move(e));
+    }
+  std::vector<std::size_t> triangles;
+  for (const Entry& e : entries) triangles.push_back(e.triangles.size());
+  const std::vector<std::size_t> steps = picture_steps(triangles, most_triangles);
+  for (std::size_t k = 0; k < entries.size(); ++k) entries[k].step = steps[k];
+  std::vector<Entry> sorted;  // failures first
+  for (const Verdict v : {Verdict::fail, Verdict::undetermined, Verdict::pass, Verdict::nothing})
+    for (Entry& e : entries)
+      if (e.verdict == v) sorted.push_back(std::move(e));
+  return sorted;
+}
+
+std::string reference_text(const Judgement& judgement) {
+  const MeshReport& report = judgement.report;
   std::string words;
-  if (s.judgement.fit && s.judgement.fit->fits)
-    words = "The surface is " + text(s.judgement.fit->surface.surface.specification(6)) + "; the uvs are " +
-            text(uv_convention(*s.judgement.fit)) + ". ";
-  words += report.reference == "analytic" ? "Judged by that surface."
-           : report.reference == "local"  ? "Judged by polynomials through the mesh's own positions and uvs."
+  if (judgement.fit && judgement.fit->fits)
+    words = "The surface is " + text(judgement.fit->surface.surface.specification(6)) + "; the uvs are " +
+            text(uv_convention(*judgement.fit)) + ". ";
+  if (judgement.fit && judgement.fit->fits && judgement.evidence && !judgement.evidence->text.empty())
+    words += "What speaks for it: " + text(judgement.evidence->text) + ". ";
+  words += report.reference == "analytic"    ? "Judged by that surface."
+           : report.reference == "triangles" ? "Judged by the mesh's own triangles: what directions their uvs permit."
+           : report.reference == "local"
+               ? "Compared with polynomials through the mesh's own positions and uvs."
            : report.reference == "mikktspace" ? "Judged by MikkTSpace's tangents of the mesh's own data."
                                               : "No reference decides: nothing to compare with is known.";
   if (report.reference == "analytic" || report.reference == "local")
     words += " It is uncertain by " +
              escape(deviation_text(report.normal_uncertainty_deg.rms(), 2, "° rms")) + " (normals) and " +
              escape(deviation_text(report.tangent_uncertainty_deg.rms(), 2, "° rms")) + " (tangents).";
+  if (report.triangles && report.triangles->judged > 0) {
+    const TrianglesReport& t = *report.triangles;
+    words += " At " + std::to_string(t.judged - t.outside) + " of " + plural(t.judged, "corner") +
+             " the tangent lies within the cone of its own triangles";
+    if (t.outside > 0) words += ", at the others up to " + rounded(t.worst_deg, 3) + "° outside";
+    words += '.';
+  }
+  if (report.faceted > 0)
+    words += " Faceted: at " + plural(report.faceted, "corner") + " the normal is the triangle's own.";
   if (report.handedness.convention != "none")
     words += " The sign w follows the convention " + text(report.handedness.convention) + '.';
   if (report.mikktspace)
@@ -124,16 +205,18 @@ std::string reference_text(const Section& s) {
   return "<p>" + words + "</p>\n";
 }
 
-std::string findings_table(const MeshReport& report) {
+std::string findings_list(const MeshReport& report) {
   if (report.findings.empty()) return "<p>Nothing was found.</p>\n";
+  std::vector<const Finding*> worst_first;
+  for (const Finding& f : report.findings) worst_first.push_back(&f);
+  std::stable_sort(worst_first.begin(), worst_first.end(),
+                   [](const Finding* a, const Finding* b) { return a->severity > b->severity; });
   std::string rows;
-  for (const Finding& f : report.findings)
-    rows += "<tr class=finding><td>" + badge(f.severity) + "<th scope=row><code>" + text(f.code) +
-            "</code><td class=n>" + std::to_string(f.count) + "<td class=wrap>" + text(f.message) +
-            "<td class=wrap>" + text(f.to_do) + "</tr>\n";
-  return "<div class=scroll><table class=findings>\n<thead><tr><th scope=col>severity<th scope=col>code"
-         "<th scope=col class=n>corners<th scope=col>what<th scope=col>what to do</tr></thead>\n<tbody>" +
-         rows + "</tbody></table></div>\n";
+  for (const Finding* f : worst_first)
+    rows += "<li class=finding>" + badge(f->severity) + "<code>" + text(f->code) + "</code> <b>" +
+            std::to_string(f->count) + "</b><span class=message>" + text(f->message) +
+            "</span><span class=\"soft to-do\">" + text(f->to_do) + "</span></li>\n";
+  return "<ul class=findings>\n" + rows + "</ul>\n";
 }
 
 std::string class_table(const MeshReport& report) {
@@ -151,35 +234,34 @@ std::string class_table(const MeshReport& report) {
   std::string head;
   for (int k = 0; k < 3; ++k)
     head += "<th scope=col class=n>largest<th scope=col class=n>rms<th scope=col class=n>95&nbsp;% below";
-  return "<h4>Errors by class of vertices, in degrees</h4>\n<div class=scroll><table class=classes>\n"
+  return "<h4>Errors by class of vertices, in degrees</h4>\n<div class=scroll tabindex=0><table class=classes>\n"
          "<thead><tr><th rowspan=2 scope=col>class<th rowspan=2 scope=col class=n>corners"
          "<th colspan=3 scope=colgroup>normals<th colspan=3 scope=colgroup>tangents"
          "<th colspan=3 scope=colgroup>bitangents<th rowspan=2 scope=col class=n>worst<br>vertex</tr>\n<tr>" +
          head + "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
 }
 
-std::string legend(const Section& s) {
-  const std::string limit = rounded(s.limit, 4) + "°";
+std::string legend(double limit_deg) {
+  const std::string limit = rounded(limit_deg, 4) + "°";
   return "<div class=legend role=img aria-label=\"Colours from 0 to " + limit +
          " of error, dark to light; grey: not compared\"><span>0°</span><i></i><span>" + limit +
          " and more</span><i class=none></i><span>not compared</span></div>\n";
 }
 
-std::string pictures(const Section& s) {
-  if (s.triangles() == 0) return {};
-  const Json data = mesh_picture(s.mesh(), {.triangles = s.judgement.triangles,
-                                            .errors_deg = s.report().errors_deg,
-                                            .limit_deg = s.limit,
-                                            .step = s.step});
+std::string pictures(const Entry& e) {
+  if (e.triangles.empty()) return {};
+  const Json data = mesh_picture(
+      e.judged.primitive.data,
+      {.triangles = e.triangles, .errors_deg = e.errors, .limit_deg = e.limit, .step = e.step});
   std::string html =
-      "<h4>Where they are</h4>\n" + legend(s) +
+      legend(e.limit) +
       "<div hidden class=pictures>\n<figure><canvas class=view tabindex=0 role=application "
       "aria-label=\"The mesh, coloured by " +
-      s.quantity() +
+      e.quantity() +
       " error. Arrow keys turn it, plus and minus zoom, 0 starts again.\"></canvas>"
       "<p class=no-webgl hidden>The mesh is not shown: this browser has no WebGL 2.</p>"
       "<figcaption>The mesh, coloured by " +
-      s.quantity() +
+      e.quantity() +
       " error. Drag or use the arrow keys to turn it; the wheel (after a click), two fingers or + and "
       "− zoom; 0 starts again.</figcaption></figure>\n";
   if (const auto square = data.find("square"); square != data.end()) {
@@ -192,72 +274,186 @@ std::string pictures(const Section& s) {
             "</figcaption></figure>\n";
   }
   html += "</div>\n";
-  if (s.step > 1)
-    html += "<p class=soft>Of " + std::to_string(s.triangles()) + " triangles every " +
-            std::to_string(s.step) +
-            (s.step == 2   ? "nd"
-             : s.step == 3 ? "rd"
+  if (e.step > 1)
+    html += "<p class=soft>Of " + std::to_string(e.triangles.size()) + " triangles every " +
+            std::to_string(e.step) +
+            (e.step == 2   ? "nd"
+             : e.step == 3 ? "rd"
                            : "th") +
             " is drawn. Tables and histogram are of all.</p>\n";
   return html + "<script type=\"application/json\">" + script_json(data) + "</script>\n";
 }
 
-std::string section(const Section& s, std::size_t number, bool open) {
-  const MeshReport& report = s.report();
-  std::string html = "<details class=card id=m" + std::to_string(number) + (open ? " open" : "") +
-                     ">\n<summary>" + badge(report.verdict) + " <h3>" +
-                     text(place_of(s.judged.primitive, s.judgement)) + "</h3><span class=soft>" +
-                     plural(report.corners, "corner") + ", " + s.worst_text() + "</span></summary>\n";
-  html += reference_text(s) + "<h4>Findings</h4>\n" + findings_table(report) + class_table(report);
-  const std::string histogram = histogram_svg(report.errors_deg, s.limit, s.quantity() + " errors");
-  if (!histogram.empty())
-    html += "<h4>How many corners have which " + s.quantity() + " error</h4>\n<figure>" + histogram +
-            "</figure>\n";
-  return html + pictures(s) + "</details>\n";
+// How often each code was found over all parts, errors and warnings, errors first.
+std::vector<std::pair<std::string, std::size_t>> codes_of(const Entry& e) {
+  std::vector<std::pair<std::string, std::size_t>> codes;
+  for (const Severity severity : {Severity::error, Severity::warning})
+    for (const Judgement& j : e.judged.judgements)
+      for (const Finding& f : j.report.findings) {
+        if (f.severity != severity) continue;
+        const auto at = std::find_if(codes.begin(), codes.end(), [&](const auto& c) { return c.first == f.code; });
+        if (at == codes.end())
+          codes.push_back({std::string(f.code), f.count});
+        else
+          at->second += f.count;
+      }
+  return codes;
+}
+
+std::string histogram(const Entry& e) {
+  const std::string svg = histogram_svg(e.errors, e.limit, e.quantity() + " errors");
+  if (svg.empty()) return {};
+  std::size_t compared = 0, beyond = 0;
+  for (const float error : e.errors) compared += !std::isnan(error), beyond += error > e.limit;
+  std::string words = std::to_string(beyond) + " of " + plural(compared, "corner") +
+                      " compared lie beyond the interior's limit, " + rounded(e.limit, 4) + "°.";
+  std::string counted;
+  for (const auto& [code, count] : codes_of(e))
+    counted += (counted.empty() ? "" : ", ") + text(code) + ' ' + std::to_string(count);
+  if (beyond > 0 && !counted.empty())
+    words += " Seams, pole rings, creases and borders may be three times as far; a corner counts once, under the "
+             "first code it meets: " +
+             counted + '.';
+  return "<h4>How many corners have which " + e.quantity() + " error</h4>\n<figure>" + svg + "<figcaption>" +
+         words + "</figcaption></figure>\n";
+}
+
+std::string judgement_body(const Judgement& j, std::size_t number) {
+  return "<div class=judgement data-number=" + std::to_string(number) + " data-verdict=" +
+         std::string(verdict_names[static_cast<std::size_t>(j.report.verdict)]) + " data-corners=" +
+         std::to_string(j.report.corners) + ">\n" + findings_list(j.report) + reference_text(j) +
+         class_table(j.report) + "</div>\n";
+}
+
+// The parts of a mesh, failures first, those of many that pass folded into one.
+std::string parts(const Entry& e) {
+  const std::vector<Judgement>& all = e.judged.judgements;
+  std::vector<std::size_t> order(all.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const MeshReport &x = all[a].report, &y = all[b].report;
+    return x.verdict != y.verdict ? x.verdict > y.verdict : x.corners > y.corners;
+  });
+  std::string html = "<h4>Its " + plural(all.size(), "part") + "</h4>\n";
+  bool folded = false;
+  std::size_t shown = 0;
+  for (const std::size_t k : order) {
+    const MeshReport& report = all[k].report;
+    if (!folded && report.verdict <= Verdict::pass && shown > 0 && all.size() > most_parts) {
+      html += "<details class=part><summary>" + std::to_string(all.size() - shown) +
+              " more parts that pass</summary>\n";
+      folded = true;
+    }
+    ++shown;
+    html += "<details class=part" + std::string(report.verdict == Verdict::fail && shown == 1 ? " open" : "") +
+            "><summary>" + badge(report.verdict) + " part " + std::to_string(all[k].part.value_or(k)) +
+            "<span class=soft> " + plural(report.corners, "corner") +
+            (all[k].fit && all[k].fit->fits ? ", " + text(all[k].fit->surface.surface.info().name) : "") +
+            "</span></summary>\n" + judgement_body(all[k], e.number + k) + "</details>\n";
+  }
+  return html + (folded ? "</details>\n" : "");
+}
+
+std::string entry(const Entry& e, bool one_file, bool open) {
+  std::string codes, code_names;
+  for (const auto& [code, count] : codes_of(e)) {
+    codes += (codes.empty() ? "" : " · ") + text(code) + ' ' + std::to_string(count);
+    code_names += (code_names.empty() ? "" : " ") + code;
+  }
+  const std::string place =
+      "mesh " + std::to_string(e.judged.primitive.mesh) + " primitive " +
+      std::to_string(e.judged.primitive.primitive) +
+      (e.judged.primitive.name.empty() ? "" : " (" + one_line(e.judged.primitive.name) + ")");
+  const std::string name = one_file  ? text(place)
+                           : e.alone ? path_text(e.file.path)
+                                     : path_text(e.file.path) + " <span class=soft>" + text(place) + "</span>";
+  std::string html = "<details class=\"card mesh\" id=m" + std::to_string(e.number) + (open ? " open" : "") +
+                     " data-verdict=" + std::string(verdict_names[static_cast<std::size_t>(e.verdict)]) +
+                     " data-codes=\"" + escape(code_names) + "\" data-corners=" + std::to_string(e.corners) +
+                     " data-worst=" + (std::isnan(e.worst) ? "-1" : rounded(e.worst, 6)) + ">\n<summary><span>" +
+                     badge(e.verdict) + "</span><span class=name>" + name + "</span><span class=n>" +
+                     std::to_string(e.corners) + "</span><span class=n>" +
+                     (std::isnan(e.worst) ? "–" : rounded(e.worst, 3) + "°") + "</span>";
+  const std::size_t count = e.judged.judgements.size();
+  if (count > 1 || !codes.empty())
+    html += "<span class=codes>" + (count > 1 ? plural(count, "part") : "") +
+            (count > 1 && !codes.empty() ? " · " : "") + codes + "</span>";
+  html += "</summary>\n<div class=body>\n";
+  if (!one_file) html += "<p class=soft>" + text(e.file.path) + ", " + text(place) + "</p>\n";
+  html += pictures(e);
+  if (count == 1) html += judgement_body(e.judged.judgements.front(), e.number);
+  html += histogram(e);
+  if (count > 1) html += parts(e);
+  return html + "</div></details>\n";
 }
 
 // ---- the page
 
-std::vector<Section> sections_of(const std::vector<JudgedFile>& files, double max_angle_deg) {
-  std::vector<Section> sections;
-  std::vector<std::size_t> triangles;
-  for (const JudgedFile& file : files)
-    for (const JudgedPrimitive& judged : file.primitives)
-      for (const Judgement& judgement : judged.judgements)
-        triangles.push_back(sections.emplace_back(Section{judged, judgement, max_angle_deg, 1}).triangles());
-  const std::vector<std::size_t> steps = picture_steps(triangles, most_triangles);
-  for (std::size_t k = 0; k < sections.size(); ++k) sections[k].step = steps[k];
-  return sections;
+// Verdicts and codes to choose from, and what to sort by; of the script, which shows it.
+std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
+  std::string html = "<div hidden class=controls>\n";
+  for (const Verdict v : {Verdict::fail, Verdict::undetermined, Verdict::pass, Verdict::nothing}) {
+    const auto k = static_cast<std::size_t>(v);
+    const std::size_t count =
+        static_cast<std::size_t>(std::count_if(entries.begin(), entries.end(),
+                                               [&](const Entry& e) { return e.verdict == v; })) +
+        (v == Verdict::fail ? unread : 0);
+    if (count > 0)
+      html += "<label><input type=checkbox checked class=by-verdict value=" + std::string(verdict_names[k]) + ">" +
+              badge(v) + " " + std::to_string(count) + "</label>\n";
+  }
+  std::vector<std::pair<std::string, std::size_t>> codes;  // and of how many meshes
+  for (const Entry& e : entries)
+    for (const auto& [code, count] : codes_of(e)) {
+      const auto at = std::find_if(codes.begin(), codes.end(), [&](const auto& c) { return c.first == code; });
+      if (at == codes.end())
+        codes.push_back({code, 1});
+      else
+        ++at->second;
+    }
+  std::sort(codes.begin(), codes.end());
+  if (!codes.empty()) {
+    html += "<label>finding <select class=by-code><option value=\"\">any</option>";
+    for (const auto& [code, count] : codes)
+      html += "<option value=\"" + escape(code) + "\">" + escape(code) + " (" + std::to_string(count) + ")</option>";
+    html += "</select></label>\n";
+  }
+  return html +
+         "<label>sort by <select class=sort><option value=verdict>verdict</option><option value=name>name</option>"
+         "<option value=corners>corners</option><option value=worst>largest error</option></select></label>\n"
+         "<span class=\"soft shown\" aria-live=polite></span></div>\n";
 }
 
-std::string summary_table(const std::vector<JudgedFile>& files, const std::vector<Section>& sections) {
-  std::string rows;
-  std::size_t number = 0;
+// What has no picture: files that were not read, and what was not judged, a line for each reason.
+std::string unread_rows(const std::vector<JudgedFile>& files) {
+  std::string html;
+  for (const JudgedFile& file : files)
+    if (!file.error.empty())
+      html += "<div class=\"card mesh row\" data-verdict=fail data-codes=\"\" data-corners=0 data-worst=-1><span>" +
+              badge(Verdict::fail) + "</span><span class=name>" + path_text(file.path) +
+              "</span><span class=n>–</span><span class=n>–</span><span class=codes>Not read: " + text(file.error) +
+              "</span></div>\n";
+  return html;
+}
+
+std::string not_judged(const std::vector<JudgedFile>& files) {
+  std::map<std::string, std::vector<std::string>> by_reason;
   for (const JudgedFile& file : files) {
-    const std::size_t judged =
-        std::accumulate(file.primitives.begin(), file.primitives.end(), std::size_t{0},
-                        [](std::size_t sum, const JudgedPrimitive& p) { return sum + p.judgements.size(); });
-    if (judged == 0)
-      rows += "<tr><th scope=row>" + text(file.path) + "<td>–<td>" + badge(file.verdict) +
-              "<td class=n>–<td class=n>–<td class=n>–</tr>\n";
-    for (const std::size_t end = number + judged; number < end; ++number) {
-      const Section& s = sections[number];
-      const auto count = [&](Severity severity) {
-        return std::to_string(std::count_if(s.report().findings.begin(), s.report().findings.end(),
-                                            [&](const Finding& f) { return f.severity == severity; }));
-      };
-      rows += "<tr class=judgement><th scope=row>" + text(file.path) + "<td><a href=\"#m" +
-              std::to_string(number) + "\">" + text(place_of(s.judged.primitive, s.judgement)) + "</a><td>" +
-              badge(s.report().verdict) + "<td class=n>" + std::to_string(s.report().corners) +
-              "<td class=n>" + (std::isnan(s.worst()) ? "–" : rounded(s.worst(), 3) + "°") + "<td class=n>" +
-              count(Severity::error) + "<td class=n>" + count(Severity::warning) + "</tr>\n";
-    }
+    if (!file.error.empty()) continue;
+    for (const SkippedPrimitive& s : file.skipped)
+      by_reason[s.reason].push_back((files.size() > 1 ? file.path + ", " : std::string()) + "mesh " +
+                                    std::to_string(s.mesh) + " primitive " + std::to_string(s.primitive));
+    if (file.primitives.empty() && file.skipped.empty())
+      by_reason["no triangles to judge"].push_back(file.path);
   }
-  return "<section class=card><div class=scroll><table class=summary>\n<thead><tr><th scope=col>file"
-         "<th scope=col>mesh<th scope=col>verdict<th scope=col class=n>corners<th scope=col class=n>largest "
-         "error"
-         "<th scope=col class=n>errors<th scope=col class=n>warnings</tr></thead>\n<tbody>" +
-         rows + "</tbody></table></div></section>\n";
+  std::string html;
+  for (const auto& [reason, places] : by_reason) {
+    html += "<details class=part><summary>Not judged, " + std::to_string(places.size()) + ": " + text(reason) +
+            "</summary>\n<ul>\n";
+    for (const std::string& place : places) html += "<li>" + text(place) + "</li>\n";
+    html += "</ul></details>\n";
+  }
+  return html;
 }
 
 // The digest that a policy names a script by.
@@ -275,7 +471,9 @@ std::string validate_page(const std::vector<JudgedFile>& files, double max_angle
   for (const JudgedFile& file : files)
     verdict = std::max(verdict, file.error.empty() ? file.verdict : Verdict::fail);
   const std::string what = files.size() == 1 ? one_line(files.front().path) : plural(files.size(), "file");
-  const std::vector<Section> sections = sections_of(files, max_angle_deg);
+  const std::vector<Entry> entries = entries_of(files, max_angle_deg);
+  const auto unread = static_cast<std::size_t>(
+      std::count_if(files.begin(), files.end(), [](const JudgedFile& f) { return !f.error.empty(); }));
 
   // Nothing but the one script runs, whatever a file or a name holds.
   std::string page =
@@ -296,24 +494,20 @@ std::string validate_page(const std::vector<JudgedFile>& files, double max_angle
       "° are permitted, three times that at seams, pole rings, creases and "
       "borders.</p>\n<noscript><p class=card>The mesh and its uvs are drawn by JavaScript, which is off. All "
       "else is here.</p></noscript>\n";
-  if (files.size() > 1 || sections.size() > 1) page += summary_table(files, sections);
-  std::size_t number = 0;
-  for (const JudgedFile& file : files) {
-    if (files.size() > 1)
-      page += "<h2>" + text(file.path) + ' ' + badge(file.error.empty() ? file.verdict : Verdict::fail) +
-              "</h2>\n";
-    if (!file.error.empty()) {
-      page += "<p class=card>Not read: " + text(file.error) + "</p>\n";
-      continue;
-    }
-    if (file.primitives.empty()) page += "<p class=card>There are no triangles to judge.</p>\n";
-    for (const JudgedPrimitive& judged : file.primitives)
-      for (std::size_t k = 0; k < judged.judgements.size(); ++k, ++number)
-        page += section(sections[number], number, sections.size() <= most_open);
-    for (const SkippedPrimitive& s : file.skipped)
-      page += "<p class=soft>Not judged: mesh " + std::to_string(s.mesh) + " primitive " +
-              std::to_string(s.primitive) + ": " + text(s.reason) + ".</p>\n";
+  if (entries.size() + unread > 1)
+    page += controls(entries, unread) +
+            "<div class=\"row head\"><span>verdict</span><span>mesh</span><span class=n>corners</span>"
+            "<span class=n>largest error</span></div>\n";
+  page += "<div class=meshes>\n";
+  const std::size_t failed = static_cast<std::size_t>(std::count_if(
+      entries.begin(), entries.end(), [](const Entry& e) { return e.verdict == Verdict::fail; }));
+  bool unread_done = false;
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    if (entries[k].verdict != Verdict::fail && !unread_done) page += unread_rows(files), unread_done = true;
+    page += entry(entries[k], files.size() == 1, k < (failed > 0 ? failed : entries.size()) && k < most_open);
   }
+  if (!unread_done) page += unread_rows(files);
+  page += "</div>\n" + not_judged(files);
   Json scale{{"colours", Json::array()}, {"not_compared", {not_compared.x, not_compared.y, not_compared.z}}};
   for (const Vec3<float>& c : viridis()) scale["colours"].push_back({c.x, c.y, c.z});
   page += "<p class=soft>Made by darboux validate " DARBOUX_VERSION

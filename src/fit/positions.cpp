@@ -8,6 +8,9 @@
 #include <darboux/error.h>
 #include <darboux/fit.h>
 
+#include "../evenly_chosen.h"
+#include "../triangle_signs.h"
+
 namespace darboux {
 namespace {
 
@@ -115,13 +118,9 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<Surfa
   const std::vector<std::uint32_t> vertices = usable_vertices(mesh);
   PointCloud cloud;
   Eigen::AlignedBox3d box;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    box.extend(to_eigen(mesh.positions[vertices[i]]));
-    // Evenly over the mesh, the first and the last included.
-    if (i * fitted_vertices / vertices.size() != (i + 1) * fitted_vertices / vertices.size() ||
-        vertices.size() <= fitted_vertices)
-      cloud.positions.push_back(mesh.positions[vertices[i]]);
-  }
+  for (const std::uint32_t v : vertices) box.extend(to_eigen(mesh.positions[v]));
+  for (const std::size_t i : evenly_chosen(vertices.size(), fitted_vertices))
+    cloud.positions.push_back(mesh.positions[vertices[i]]);
   const double size = box.isEmpty() ? 0 : box.diagonal().stableNorm();
   for (const std::string_view kind : found_kinds()) {
     if (only && only->name != kind) continue;
@@ -153,10 +152,23 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<Surfa
 }
 
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit) {
-  if (fit.chart == UvChart::own) return truths_at(fit, mesh.uvs);
-  std::vector<Truth> result;
-  result.reserve(mesh.positions.size());
   const Vec3<double> none = detail::nan_vector<double>();
+  const Truth unknown{none, none, none, none, Status::no_frame, false, infinity, infinity};
+  std::vector<Truth> result;
+  if (fit.chart == UvChart::own) {
+    result = truths_at(fit, mesh.uvs);
+    const std::vector<signed char> signs = triangle_signs(mesh);
+    std::vector<bool> used(mesh.positions.size(), false), with_area(mesh.positions.size(), false);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (const std::uint32_t v : mesh.triangles[t]) {
+        used[v] = true;
+        if (signs[t] != 0) with_area[v] = true;
+      }
+    for (std::size_t v = 0; v < used.size(); ++v)
+      if (used[v] && !with_area[v]) result[v] = unknown;
+    return result;
+  }
+  result.reserve(mesh.positions.size());
   const Eigen::Vector3d d = fit.projection.col(2);
   // A cone's apex has no normal, and what lies as near to it as positions are known may be on any side of it.
   const bool tipped = fit.surface.surface.info().name == "cone";
@@ -169,7 +181,7 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit) {
     return std::hypot(q.x(), q.y()) <= tip_share * known_to;
   };
   for (const Vec3<double>& p : mesh.positions) {
-    Truth truth{none, none, none, none, Status::no_frame, false, infinity, infinity};
+    Truth truth = unknown;
     if (is_tip(p)) {
       truth.pole = true;
     } else if (detail::finite(p)) {

@@ -18,6 +18,7 @@ namespace {
 constexpr double flat = fits_below;             // thickness of what is a plane or nothing
 constexpr std::size_t fewest_in_a_plane = 4;    // triangles
 constexpr std::size_t fewest_under_a_map = 40;  // places, of a surface that only its uvs tell
+constexpr std::size_t fewest_by_positions = 32;  // places, where normals are stored that are not the surface's
 constexpr double plane_normals = 0.8;           // share of normals that must be the plane's
 
 }  // namespace
@@ -158,7 +159,8 @@ class Search {
       if (kind == "plane" || is_quadric(kind) != quadric || effort_.spent()) continue;
       std::optional<MeshFit> fit;
       if (!placement_) fit = fit_by_normals(mesh_, shape_, kind);
-      if (!fit) fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
+      if (!fit && (mesh_.normals.empty() || shape_.places.size() >= fewest_by_positions))
+        fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
       if (!fit) continue;
       if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
       if (weigh(std::move(*fit))) return;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -19,7 +20,7 @@ namespace {
 constexpr double same = 1e-6;    // of the size
 constexpr double flat_deg = 1;   // faces that turn by less do not turn
 constexpr double facet_deg = 1;  // a normal that is its triangle's
-constexpr std::size_t looked_at = 5000;
+constexpr std::size_t whole = 10000, looked_at = 5000;  // vertices: of larger meshes the triangles about some
 constexpr std::size_t quadric_places = 400;
 constexpr double near_quadric = 1e-3;      // of the size
 constexpr std::size_t fewest = 8;          // places
@@ -30,6 +31,19 @@ constexpr double most_faceted = 0.5;
 constexpr std::size_t fine_places = 48;
 constexpr double fine_turn_deg = 35;
 
+// All triangles, or all about some vertices.
+std::vector<std::uint32_t> looked_at_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& vertices) {
+  std::vector<bool> looked(mesh.positions.size(), vertices.size() <= whole);
+  if (vertices.size() > whole)
+    for (const std::size_t i : evenly_chosen(vertices.size(), looked_at)) looked[vertices[i]] = true;
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (std::any_of(mesh.triangles[t].begin(), mesh.triangles[t].end(),
+                    [&](std::uint32_t v) { return looked[v]; }))
+      result.push_back(t);
+  return result;
+}
+
 }  // namespace
 
 Shape shape_of(const Mesh& mesh) {
@@ -37,19 +51,30 @@ Shape shape_of(const Mesh& mesh) {
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t) used[v] = detail::finite(mesh.positions[v]);
+  std::vector<std::uint32_t> vertices;
   Eigen::AlignedBox3d box;
   for (std::uint32_t v = 0; v < used.size(); ++v)
-    if (used[v]) box.extend(to_eigen(mesh.positions[v]));
+    if (used[v]) box.extend(to_eigen(mesh.positions[v])), vertices.push_back(v);
   if (box.isEmpty()) return shape;
   shape.size = box.diagonal().stableNorm();
   shape.centre = box.center();
   if (!(shape.size > 0) || !std::isfinite(shape.size)) return shape;
-  std::vector<Vec3<double>> points = mesh.positions;
-  for (std::uint32_t v = 0; v < used.size(); ++v)
-    if (!used[v]) points[v] = detail::nan_vector<double>();
+
+  const std::vector<std::uint32_t> triangles = looked_at_triangles(mesh, vertices);
+  constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> index(mesh.positions.size(), none);  // of a vertex among those of the triangles
+  vertices.clear();
+  std::vector<Vec3<double>> points;
+  for (const std::uint32_t t : triangles)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (index[v] == none) {
+        index[v] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(v);
+        points.push_back(used[v] ? mesh.positions[v] : detail::nan_vector<double>());
+      }
   const std::vector<std::uint32_t> place = weld(points, same * shape.size);
-  for (std::uint32_t v = 0; v < used.size(); ++v)
-    if (used[v] && place[v] == v) shape.places.push_back(v);
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    if (used[vertices[i]] && place[i] == i) shape.places.push_back(vertices[i]);
 
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -73,51 +98,40 @@ Shape shape_of(const Mesh& mesh) {
   }
   shape.thickness = std::sqrt(squares);
 
-  // Of large meshes some thousands of triangles and edges, spread evenly.
-  const auto face_of = [&](std::size_t t) -> Eigen::Vector3d {
-    const Eigen::Vector3d a = local(mesh.triangles[t][0]), b = local(mesh.triangles[t][1]),
-                          c = local(mesh.triangles[t][2]);
-    const Eigen::Vector3d face = (b - a).cross(c - a);
-    const double area = face.norm();
-    return area > 1e-12 ? Eigen::Vector3d(face / area) : Eigen::Vector3d::Zero();
-  };
+  std::vector<Eigen::Vector3d> faces;  // unit normals, zero without area
   std::size_t with_area = 0, faceted = 0;
   const double own_cosine = std::cos(facet_deg * M_PI / 180);
-  for (const std::size_t t : evenly_chosen(mesh.triangles.size(), looked_at)) {
-    const Eigen::Vector3d face = face_of(t);
+  for (const std::uint32_t t : triangles) {
+    const auto& [v, w, x] = mesh.triangles[t];
+    const Eigen::Vector3d face = (local(w) - local(v)).cross(local(x) - local(v));
+    const double area = face.norm();
+    faces.push_back(area > 1e-12 ? Eigen::Vector3d(face / area) : Eigen::Vector3d::Zero());
+    if (!(area > 1e-12)) continue;
+    ++with_area;
+    faceted += !mesh.normals.empty() &&
+               std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::uint32_t corner) {
+                 const Eigen::Vector3d n = to_eigen(mesh.normals[corner]);
+                 return n.dot(faces.back()) >= own_cosine * n.norm();
+               });
+  }
+  shape.faceted = with_area == 0 ? 0 : static_cast<double>(faceted) / static_cast<double>(with_area);
+  for (const std::uint32_t t : triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = mesh.triangles[t][k], w = mesh.triangles[t][(k + 1) % 3];
-      if (used[v] && used[w] && place[v] != place[w])
-        shape.edges.push_back({std::min(place[v], place[w]), std::max(place[v], place[w])});
+      const std::uint32_t a = place[index[v]], b = place[index[w]];
+      if (used[v] && used[w] && a != b)
+        shape.edges.push_back({std::min(vertices[a], vertices[b]), std::max(vertices[a], vertices[b])});
     }
-    if (face.isZero()) continue;
-    ++with_area;
-    if (mesh.normals.empty()) continue;
-    bool own = true;
-    for (const std::uint32_t v : mesh.triangles[t]) {
-      const Eigen::Vector3d n = to_eigen(mesh.normals[v]);
-      own = own && n.dot(face) >= own_cosine * n.norm();
-    }
-    faceted += own;
-  }
   std::sort(shape.edges.begin(), shape.edges.end());
   shape.edges.erase(std::unique(shape.edges.begin(), shape.edges.end()), shape.edges.end());
-  shape.faceted = with_area == 0 ? 0 : static_cast<double>(faceted) / static_cast<double>(with_area);
-  // Edges between triangles, of some places.
-  std::vector<bool> looked(mesh.positions.size(), false);
-  for (const std::size_t i : evenly_chosen(shape.places.size(), looked_at)) looked[shape.places[i]] = true;
-  std::vector<std::uint32_t> around;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    if (std::any_of(mesh.triangles[t].begin(), mesh.triangles[t].end(),
-                    [&](std::uint32_t v) { return used[v] && looked[place[v]]; }))
-      around.push_back(t);
+
   std::vector<double> turns;
   std::size_t moderate = 0;
   for_each_shared_edge(
-      around.size(), mesh.positions.size(),
-      [&](std::uint32_t t, std::uint32_t k) { return place[mesh.triangles[around[t]][k]]; },
+      triangles.size(), points.size(),
+      [&](std::uint32_t t, std::uint32_t k) { return place[index[mesh.triangles[triangles[t]][k]]]; },
       [&](const SharedEdge& e) {
-        const Eigen::Vector3d a = face_of(around[e.triangle[0]]), b = face_of(around[e.triangle[1]]);
+        const Eigen::Vector3d &a = faces[e.triangle[0]], &b = faces[e.triangle[1]];
         if (a.isZero() || b.isZero()) return;
         const double turn = std::atan2(a.cross(b).norm(), (e.turned ? -1 : 1) * a.dot(b)) * 180 / M_PI;
         if (turn <= flat_deg) return;

@@ -12,7 +12,8 @@
 namespace darboux {
 
 struct Shape {
-  std::vector<std::uint32_t> places;  // one vertex of each different finite position that triangles use
+  // One vertex of each different finite position that triangles use; of large meshes about some thousands of vertices, as the rest.
+  std::vector<std::uint32_t> places;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double size = 0;                                     // diagonal of the bounding box
   double thickness = 0;                                // rms distance from the best plane, over the size

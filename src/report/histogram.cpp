@@ -12,7 +12,7 @@ namespace darboux {
 namespace {
 
 constexpr int bins_per_decade = 5, least_decade = -7;  // smaller errors count as 1e-7 degrees
-constexpr double left = 56, right = 624, top = 12, bottom = 196;
+constexpr double left = 64, right = 624, top = 12, bottom = 196;
 
 std::string text(double x, double y, const char* anchor, const std::string& content) {
   return "<text x=\"" + rounded(x, 5) + "\" y=\"" + rounded(y, 5) + "\" text-anchor=\"" + anchor + "\">" +
@@ -90,7 +90,9 @@ std::string histogram_svg(std::span<const float> errors_deg, double limit_deg, c
     svg += line(x, top, x, bottom, "limit") + text(x > right - 90 ? x - 5 : x + 5, top + 10,
                                                    x > right - 90 ? "end" : "start",
                                                    "limit " + rounded(limit_deg, 4) + "°");
-  svg += text((left + right) / 2, 236, "middle",
+  const std::string middle = rounded((top + bottom) / 2, 5);
+  svg += "<text transform=\"translate(14 " + middle + ") rotate(-90)\" text-anchor=\"middle\">corners</text>\n" +
+         text((left + right) / 2, 236, "middle",
               what + " in degrees" + (first == least_decade ? ", 1e-7 and less at the left" : ""));
   return svg + "</svg>\n";
 }

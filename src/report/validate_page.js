@@ -245,7 +245,7 @@ function open(section) {
     section.querySelector('.no-webgl').hidden = false;
   }
 }
-for (const section of document.querySelectorAll('details')) {
+for (const section of document.querySelectorAll('details.mesh')) {
   section.addEventListener('toggle', () => { if (section.open) open(section); });
   if (section.open) open(section);
 }
@@ -256,5 +256,33 @@ const follow = () => {
 };
 addEventListener('hashchange', follow);
 follow();
+
+// ---- which meshes are shown, and in which order
+const controls = document.querySelector('.controls');
+if (controls) {
+  const list = document.querySelector('.meshes'), meshes = [...list.children];
+  const verdicts = [...controls.querySelectorAll('.by-verdict')], code = controls.querySelector('.by-code');
+  const sort = controls.querySelector('.sort'), shown = controls.querySelector('.shown');
+  const name = mesh => mesh.querySelector('.name').textContent;
+  const orders = {
+    verdict: () => 0,  // as they came
+    name: (a, b) => name(a).localeCompare(name(b)),
+    corners: (a, b) => b.dataset.corners - a.dataset.corners,
+    worst: (a, b) => b.dataset.worst - a.dataset.worst};
+  const choose = () => {
+    const permitted = new Set(verdicts.filter(v => v.checked).map(v => v.value));
+    let count = 0;
+    for (const mesh of meshes) {
+      mesh.hidden = !permitted.has(mesh.dataset.verdict) ||
+                    code && code.value !== '' && !mesh.dataset.codes.split(' ').includes(code.value);
+      count += !mesh.hidden;
+    }
+    shown.textContent = count === meshes.length ? '' : `${count} of ${meshes.length} are shown`;
+    list.append(...[...meshes].sort(orders[sort.value]));
+  };
+  controls.hidden = false;
+  controls.addEventListener('change', choose);
+  choose();
+}
 document.body.dataset.ready = 'yes';
 })();

@@ -12,12 +12,12 @@
 
 namespace darboux {
 
-// What it claims of each vertex; empty without local truth.
+// What it claims of each vertex; empty without local truth. Vertices that `accurate` knows all of are left out.
 struct Smooth {
   std::vector<Claim> normals, tangents;
 };
-Smooth check_smooth(const Subject& subject, std::span<const VertexChecks> checks, bool raw,
-                    double max_angle_deg);
+Smooth check_smooth(const Subject& subject, const Accurate& accurate, std::span<const VertexChecks> checks,
+                    bool raw, double max_angle_deg);
 
 // Angles to the local truth. Where all normals oppose their winding, that is a finding of its own, and the others' side is taken.
 Angles local_angles(const Subject& subject, std::uint32_t v, const VertexChecks& checks, bool raw);

@@ -37,21 +37,30 @@ function judge(files, ...more) {
   return {url: pathToFileURL(page).href, page, report: JSON.parse(stdout)};
 }
 
-// The numbers of the page's tables, section by section, as a reader sees them.
-const shown = `[...document.querySelectorAll('details')].map(section => {
-  const rows = name => [...section.querySelectorAll('tr.' + name)].map(row => [...row.cells].map(c => c.textContent.trim()));
-  return {summary: section.querySelector('summary').textContent, findings: rows('finding'), classes: rows('vertex-class'),
-          bars: [...section.querySelectorAll('rect title')].map(t => parseInt(t.textContent))};
+// What the page says of each judgement, in the order of the JSON, as a reader sees it.
+const shown = `[...document.querySelectorAll('.judgement')].sort((a, b) => a.dataset.number - b.dataset.number).map(section => {
+  const words = (from, name) => from.querySelector(name).textContent;
+  return {number: Number(section.dataset.number), verdict: section.dataset.verdict, corners: Number(section.dataset.corners),
+          findings: [...section.querySelectorAll('.finding')].map(
+            f => ['.verdict', 'code', 'b', '.message', '.to-do'].map(name => words(f, name))),
+          classes: [...section.querySelectorAll('tr.vertex-class')].map(row => [...row.cells].map(c => c.textContent.trim()))};
 })`;
+// And of each mesh, in the order of the page.
+const shown_meshes = `[...document.querySelectorAll('details.mesh')].map(mesh => ({
+  summary: mesh.querySelector('summary').textContent, verdict: mesh.dataset.verdict, codes: mesh.dataset.codes,
+  corners: Number(mesh.dataset.corners), hidden: mesh.hidden, open: mesh.open,
+  compared: [...mesh.querySelectorAll('rect title')].reduce((sum, t) => sum + parseInt(t.textContent), 0)}))`;
 
+const grade = f => ['info', 'warning', 'error'].indexOf(f.severity);
 function expect_same_numbers(sections, report) {
   const meshes = report.files.flatMap(f => f.meshes);
-  assert.equal(sections.length, meshes.length);
+  assert.deepEqual(sections.map(s => s.number), meshes.map((_, i) => i));
   meshes.forEach((mesh, i) => {
     const section = sections[i];
-    assert.match(section.summary, new RegExp(mesh.verdict));
-    assert.match(section.summary, new RegExp(`${mesh.corners} corners`));
-    assert.deepEqual(section.findings, mesh.findings.map(f => [f.severity, f.code, String(f.count), f.message, f.to_do]));
+    assert.equal(section.verdict, mesh.verdict);
+    assert.equal(section.corners, mesh.corners);
+    const worst_first = [...mesh.findings].sort((a, b) => grade(b) - grade(a));
+    assert.deepEqual(section.findings, worst_first.map(f => [f.severity, f.code, String(f.count), f.message, f.to_do]));
     const classes = Object.entries(mesh.classes);
     assert.deepEqual(section.classes.map(row => row[0]), classes.map(([name]) => name));
     classes.forEach(([, c], k) => {
@@ -66,16 +75,60 @@ function expect_same_numbers(sections, report) {
         else assert.equal(Number(cell), counted ? x : Number(x.toPrecision(3)), JSON.stringify(section.classes[k]));
       });
     });
-    const compared = section.bars.reduce((a, b) => a + b, 0);
-    assert.ok(compared <= mesh.corners);
-    if (mesh.findings.every(f => f.severity === 'info' || f.severity === 'warning') && mesh.reference !== 'none')
-      assert.ok(compared > 0, 'an empty histogram');
   });
+}
+
+// A row for each mesh with all its parts, failures first; its histogram has what was compared.
+const order = ['fail', 'undetermined', 'pass', 'nothing'];
+function expect_rows(meshes, report) {
+  const wanted = new Map();
+  for (const f of report.files)
+    for (const m of f.meshes) {
+      const key = `${f.file} ${m.mesh} ${m.primitive}`, row = wanted.get(key) ?? {corners: 0, verdict: 3, found: new Set()};
+      row.corners += m.corners;
+      row.verdict = Math.min(row.verdict, order.indexOf(m.verdict));
+      for (const finding of m.findings) if (finding.severity !== 'info') row.found.add(finding.code);
+      wanted.set(key, row);
+    }
+  const as_text = rows => rows.map(r => JSON.stringify(r)).sort();
+  assert.deepEqual(as_text(meshes.map(m => [m.verdict, m.corners, m.codes.split(' ').filter(c => c).sort()])),
+                   as_text([...wanted.values()].map(r => [order[r.verdict], r.corners, [...r.found].sort()])));
+  meshes.forEach((mesh, i) => {
+    assert.ok(mesh.compared <= mesh.corners);
+    assert.ok(mesh.summary.includes(mesh.verdict) && mesh.summary.includes(String(mesh.corners)));
+    if (i > 0) assert.ok(order.indexOf(meshes[i - 1].verdict) <= order.indexOf(mesh.verdict), 'failures are not first');
+    if (mesh.verdict === 'pass') assert.ok(mesh.compared > 0, 'an empty histogram');
+  });
+  assert.ok(meshes[0].open, 'the first failure is folded');
+}
+
+// Verdicts, codes and orders that a reader chooses.
+async function expect_controls(browser) {
+  const choose = async (name, value) => {
+    await browser.value(`(control => {
+      if (control.type === 'checkbox') control.checked = ${JSON.stringify(value)}; else control.value = ${JSON.stringify(value)};
+      control.dispatchEvent(new Event('change', {bubbles: true}));
+    })(document.querySelector(${JSON.stringify(name)}))`);
+    return (await browser.value(shown_meshes)).filter(m => !m.hidden);
+  };
+  const all = await browser.value(shown_meshes);
+  assert.ok(all.every(m => !m.hidden));
+  const failing = await choose('.by-verdict[value=pass]', false);
+  assert.ok(failing.length > 0 && failing.length < all.length && failing.every(m => m.verdict !== 'pass'));
+  assert.match(await browser.value(`document.querySelector('.shown').textContent`), /of \d+ are shown/);
+  await choose('.by-verdict[value=pass]', true);
+  const code = all.find(m => m.codes).codes.split(' ')[0];
+  const found = await choose('.by-code', code);
+  assert.deepEqual(found.map(m => m.summary), all.filter(m => m.codes.split(' ').includes(code)).map(m => m.summary));
+  await choose('.by-code', '');
+  const by_corners = (await choose('.sort', 'corners')).map(m => m.corners);
+  assert.deepEqual(by_corners, [...by_corners].sort((a, b) => b - a));
+  assert.deepEqual(await choose('.sort', 'verdict'), all);
 }
 
 // What a canvas of a section shows: the share of its pixels that are drawn, how many colours, and all of it as a number.
 const look = (section, name) => `(() => {
-  const canvas = document.querySelectorAll('details')[${section}].querySelector('canvas.${name}');
+  const canvas = document.querySelectorAll('details.mesh')[${section}].querySelector('canvas.${name}');
   if (!canvas) return null;
   const {data} = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height), colours = new Set();
   let drawn = 0, hash = 0;
@@ -87,7 +140,7 @@ const look = (section, name) => `(() => {
 })()`;
 
 async function expect_drawn(browser, section, {uvs, views = true}) {
-  await browser.value(`document.querySelectorAll('details')[${section}].open = true`);
+  await browser.value(`document.querySelectorAll('details.mesh')[${section}].open = true`);
   await browser.value('new Promise(r => setTimeout(r, 100))');
   const uv = await browser.value(look(section, 'uv'));
   assert.equal(uv !== null, uvs);
@@ -191,13 +244,22 @@ try {
   assert.match(await browser.value('document.title'), /^fail: 6 files/);
   const sections = await browser.value(shown);
   expect_same_numbers(sections, many.report);
-  assert.ok(sections.some(s => s.summary.includes(evil)), 'the name is not shown as it is');
+  const meshes = await browser.value(shown_meshes);
+  expect_rows(meshes, many.report);
+  await expect_controls(browser);
   const page_text = await browser.value('document.body.textContent');
+  assert.ok(page_text.includes(evil), 'the name is not shown as it is');
   assert.ok(page_text.includes(evil_path) && page_text.includes('none.glb'));
-  for (let i = 0; i < sections.length; ++i) await expect_drawn(browser, i, {uvs: true});
+  for (let i = 0; i < meshes.length; ++i) await expect_drawn(browser, i, {uvs: true});
   assert.deepEqual(browser.complaints(), []);
   assert.equal(await browser.value('document.body.dataset.broken'), undefined);
   if (screenshots) await browser.screenshot(screenshots + 'many.png');
+  // On a phone nothing but tables of numbers, which scroll by themselves, is wider than the screen.
+  await browser.send('Emulation.setDeviceMetricsOverride', {width: 400, height: 800, deviceScaleFactor: 1, mobile: false});
+  assert.deepEqual(await browser.value(`[...document.querySelectorAll('main *')].filter(
+    e => !e.closest('.scroll') && e.getBoundingClientRect().right > 400).map(e => e.outerHTML.slice(0, 100))`), []);
+  if (screenshots) await browser.screenshot(screenshots + 'narrow.png');
+  await browser.send('Emulation.clearDeviceMetricsOverride');
   // Even markup that came through would not run.
   await browser.value(`document.body.insertAdjacentHTML('beforeend', '<img src=x onerror="document.body.dataset.broken=1">')`);
   await browser.value('new Promise(r => setTimeout(r, 300))');

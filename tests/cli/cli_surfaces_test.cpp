@@ -50,6 +50,27 @@ const char* const neck =
     "a = 2   # radius of the neck; length\nt = 2*v - 1\n"
     "x = a*cosh(t)*cos(2*pi*u)\ny = a*cosh(t)*sin(2*pi*u)\nz = a*t\n";
 
+// Kinds that are not fitted, and surfaces from files, are declared as they are: only their place is looked for.
+TEST_F(Cli, AMeshPassesByTheSurfaceItWasMadeOf) {
+  write_bytes(path("my.surface"), neck);
+  for (const std::string surface :
+       {"graph", "superellipsoid:exponent_u=0.8", "bspline-patch", "formula:file=my.surface,a=3", "torus"}) {
+    good("darboux mesh " + surface + " --grid 12x12 -o m.glb");
+    for (const char* more : {"", " --placement identity"}) {
+      const Json mesh = only_mesh(json("darboux validate m.glb --surface " + surface + more + " --json"));
+      EXPECT_EQ(mesh["verdict"], "pass") << surface;
+      EXPECT_EQ(mesh["reference"], "analytic") << surface;
+      EXPECT_EQ(mesh["surface"]["name"], surface.substr(0, surface.find(':')));
+    }
+  }
+  good("darboux mesh formula:file=my.surface --grid 12x12 -o m.glb");
+  const Json other = only_mesh(json("darboux validate m.glb --surface formula:file=my.surface,a=3 --json", 1));
+  EXPECT_EQ(other["verdict"], "fail");
+  EXPECT_EQ(other["findings"][0]["code"], "SURFACE_MISMATCH");
+  refused("darboux validate m.glb --surface formula:file=none.surface", {"none.surface"});
+  refused("darboux validate m.glb --surface graph:slope=1", {"graph", "slope"});
+}
+
 TEST_F(Cli, AFormulaGoesWhereverASurfaceIsAskedFor) {
   write_bytes(path("my.surface"), neck);
   const Json document = json("darboux eval formula:file=my.surface --at 0.3,0.7 --json");

@@ -56,6 +56,7 @@ template <template <class> class Surface>
 UvKind kind(const std::vector<Shape>& shapes = {}) {
   const AnySurface surface{Surface<double>{}};
   UvKind result{surface.info().name, surface.parameters(), {}, {{}}, &evaluate<Surface>};
+  result.coordinates = {surface.info().u, surface.info().v};
   for (const ParameterValue& p : result.parameters) {
     const auto shape =
         std::find_if(shapes.begin(), shapes.end(), [&](const Shape& s) { return s.name == p.name; });
@@ -113,6 +114,27 @@ std::string uv_kind_names() {
   std::vector<std::string> names;
   for (const UvKind& k : uv_kinds()) names.emplace_back(k.name);
   return joined(names);
+}
+
+UvKind rigid_kind(const AnySurface& surface) {
+  UvKind result{surface.info().name, {{"size", 1, 1, Range::positive(), "", {}}}, {true}, {{1}}, {}};
+  result.tied_to = {0};
+  result.coordinates = {surface.info().u, surface.info().v};
+  result.evaluate = [surface](const double* parameters, std::span<const Vec2<double>> uvs, UvBlock& block) {
+    for (std::size_t i = 0; i < uvs.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(3 * i);
+      const Jet2<double> jet = surface.jet(uvs[i].x, uvs[i].y);
+      const Eigen::Vector3d p = to_eigen(jet.position);
+      block.position.segment<3>(row) = *parameters * p;
+      if (block.by_parameter.rows() > 0) block.by_parameter.col(0).segment<3>(row) = p;
+      if (block.by_uv.rows() == 0) continue;
+      // Where partials are infinite, as on a superellipsoid's edges, a point tells nothing of the uv map.
+      for (const auto& [column, partial] : {std::pair{0, jet.dpdu}, {1, jet.dpdv}})
+        block.by_uv.block<3, 1>(row, column) =
+            detail::finite(partial) ? Eigen::Vector3d(*parameters * to_eigen(partial)) : Eigen::Vector3d::Zero();
+    }
+  };
+  return result;
 }
 
 const UvKind* find_uv_kind(std::string_view name) {

@@ -1,6 +1,8 @@
 // The kinds of surface that are fitted through their uvs, behind one type.
 #pragma once
 
+#include <array>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -27,11 +29,12 @@ struct UvKind {
   /// shape matter, and one is enough where there are none.
   std::vector<std::vector<double>> starts;
   /// Position and derivatives of the surface with these parameters at each uv. Blocks have room for all of them.
-  void (*evaluate)(const double* parameters, std::span<const Vec2<double>> uvs, UvBlock& block);
+  std::function<void(const double* parameters, std::span<const Vec2<double>> uvs, UvBlock& block)> evaluate;
 
   /// For each parameter the length to which the linear start ties it in the ratio of `starts`, itself where to none: lengths
   /// that are linear only together, as height and semi_axis_z of the one-sheet hyperboloid.
   std::vector<int> tied_to{};
+  std::array<Coordinate, 2> coordinates{};  ///< what u and v are
 
   int parameter_count() const { return static_cast<int>(parameters.size()); }
   /// Whether the surface is of this kind with 0 for the k-th parameter.
@@ -45,6 +48,9 @@ const std::vector<UvKind>& uv_kinds();
 
 /// The names of all of them, "plane, disk, ...", for messages.
 std::string uv_kind_names();
+
+/// A surface that is known but for its place: one length, by which all of it is multiplied.
+UvKind rigid_kind(const AnySurface& surface);
 
 /// The kind of that name, null where it is not among them.
 const UvKind* find_uv_kind(std::string_view name);

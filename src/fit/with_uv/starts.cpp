@@ -271,7 +271,8 @@ std::vector<int> observable_affine(UvModel model) {
   return observable;
 }
 
-std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, const UvHeld& held, bool robust) {
+std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, const UvHeld& held, bool robust,
+                                   std::span<const double> sheared) {
   constexpr std::size_t enough = 64, few = 24, looked_at = 160, kept = 40, best = 10;
   const UvPoints points = all.chosen(enough, 1), few_points = points.chosen(few, 1);
   struct Candidate {
@@ -280,7 +281,6 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
     const std::vector<double>* at;
     double distance;
   };
-  const SurfaceInfo info = make_surface(kind.name).info();
   std::vector<Candidate> candidates;
   const auto keep_nearest = [&](std::size_t most) {
     std::stable_sort(candidates.begin(), candidates.end(),
@@ -309,31 +309,41 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
       const Vec2<double> uv = convention.surface_uv(stored);
       u.push_back(uv.x), v.push_back(uv.y);
     }
-    const std::vector<Unit> plain{{}}, units_u = is_free(0) || is_free(4) ? units(info.u, u) : plain,
-                                       units_v = is_free(3) || is_free(5) ? units(info.v, v) : plain;
+    const std::vector<Unit> plain{{}}, units_u = is_free(0) || is_free(4) ? units(kind.coordinates[0], u) : plain,
+                                       units_v = is_free(3) || is_free(5) ? units(kind.coordinates[1], v) : plain;
     // A scale that lengths absorb is not searched; where the offset is, it may be any.
+    const auto add_one = [&](double scale_u, double shear, double scale_v, double from_u, double from_v) {
+      const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, is_free(5) ? from_v : 0};
+      for (const auto& at : kind.starts) {
+        Candidate c{convention, affine, &at, 0};
+        c.distance = robust ? distance(model, c) : residual(linear_problem(model, affine, at));
+        if (std::isfinite(c.distance)) candidates.push_back(c);
+      }
+    };
     const auto add = [&](double su, double shear, double sv, double o) {
       for (const Unit& for_u : units_u)
         for (const Unit& for_v : units_v) {
           const double scale_u = su * for_u.scale, scale_v = sv * for_v.scale;
-          const Affine affine{scale_u,
-                              shear,
-                              0,
-                              scale_v,
-                              is_free(4) ? -scale_u * for_u.from : 0,
-                              is_free(5) ? o - scale_v * for_v.from : 0};
-          for (const auto& at : kind.starts) {
-            Candidate c{convention, affine, &at, 0};
-            c.distance = robust ? distance(model, c) : residual(linear_problem(model, affine, at));
-            if (std::isfinite(c.distance)) candidates.push_back(c);
-          }
+          add_one(scale_u, shear, scale_v, -scale_u * for_u.from, o - scale_v * for_v.from);
         }
     };
     for (const double su : choices(0, scales))
       for (const double sv : choices(3, scales))
         for (const double o : choices(5, turns)) add(su, 0, sv, o);
-    if (is_free(1))
+    if (is_free(1)) {
       for (const double shear : shears) add(1, shear, 1, 0);
+      // Along stored (slope, 1) the surface's u stays; the convention maps both.
+      const auto& m = convention.affine;
+      for (const double slope : sheared) {
+        const double along_u = m[0] * slope + m[1], along_v = m[2] * slope + m[3];
+        if (along_v == 0) continue;
+        const double shear = -along_u / along_v;
+        std::vector<double> straight;
+        for (std::size_t i = 0; i < u.size(); ++i) straight.push_back(u[i] + shear * v[i]);
+        for (const Unit& unit : units(kind.coordinates[0], straight))
+          add_one(unit.scale, unit.scale * shear, 1, -unit.scale * unit.from, 0);
+      }
+    }
   }
   if (!robust) {
     keep_nearest(looked_at);
