@@ -85,6 +85,7 @@ class Judge {
     compare();
     look_for_explanations();
     judge_corners();
+    keep_errors_by_triangles();
     compare_with_neighbours();
     compare_with_mikktspace();
     look_at_signs();
@@ -108,7 +109,7 @@ class Judge {
   }
   bool is_pole(std::uint32_t v) const { return classes_.of_vertex[v] == VertexClass::pole; }
   std::string worst_text(double worst, const std::string& more = {}) const {
-    return " (worst " + rounded(worst, 4) + " deg, limit " + rounded(options_.max_angle_deg, 4) +
+    return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) + rounded(options_.max_angle_deg, 4) +
            " in the interior, " + rounded(3 * options_.max_angle_deg, 4) + " elsewhere" + more + ")";
   }
   std::span<const Truth> statistics_truth() const {
@@ -139,6 +140,7 @@ class Judge {
   bool normal_error(std::uint32_t v) const;
   Code error_of(const CornerGroup& group) const;
   void count_vertex(std::uint32_t v);
+  void keep_errors_by_triangles();
   void compare_with_neighbours();
   std::string_view variant(std::size_t equal, std::size_t near) const;
   void compare_with_mikktspace();
@@ -345,6 +347,18 @@ void Judge::judge_corners() {
     add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
   add(report_, warning(Code::tangent_not_orthogonal, leaning));
   add(report_, finding(Code::pole_tangent, poles.counted(), " (worst " + rounded(poles.worst, 4) + " deg)"));
+}
+
+// Where there is nothing that statistics are of.
+void Judge::keep_errors_by_triangles() {
+  for (std::size_t c = 0; c < report_.errors_deg.size(); ++c) {
+    if (!std::isnan(report_.errors_deg[c])) continue;
+    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
+    const auto sign = static_cast<std::int8_t>(subject_.raw_sign[c / 3]);
+    if (mesh_.tangents.empty() ? normal_error(v) : tangent_error({v, sign, false, 1}) == Decider::triangles)
+      report_.errors_deg[c] =
+          kept(mesh_.tangents.empty() ? supported_deg : subject_.cones.outside_deg(v, sign));
+  }
 }
 
 void Judge::compare_with_neighbours() {

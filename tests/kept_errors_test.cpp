@@ -51,6 +51,10 @@ void expect_same_statistics(const Mesh& mesh, const std::vector<VertexClass>& cl
   for (const ClassReport& c : report.classes) {
     const auto& of_class = errors[static_cast<std::size_t>(c.vertex_class)];
     seen += of_class.size();
+    if (report.reference == "triangles") {  // only what lies outside their cones
+      for (const float e : of_class) EXPECT_TRUE(e > 0 && e <= static_cast<float>(report.triangles->worst_deg));
+      continue;
+    }
     ASSERT_EQ(of_class.empty(), !judged(c, mesh).has_value());
     if (of_class.empty()) continue;
     double squares = 0;
@@ -88,6 +92,12 @@ TEST(KeptErrors, StatisticsAreOfThem) {
           for (const Truth& t : truths(mesh, *judgement.fit)) is_pole.push_back(t.pole);
         references_seen += judgement.report.reference != "none";
         expect_same_statistics(mesh, classify(mesh, is_pole).of_vertex, judgement.report);
+        if (judgement.report.reference == "triangles") {
+          EXPECT_EQ(static_cast<std::size_t>(std::count_if(judgement.report.errors_deg.begin(),
+                                                           judgement.report.errors_deg.end(),
+                                                           [](float e) { return !std::isnan(e); })),
+                    judgement.report.triangles->outside);
+        }
         // At vertices 40 and 41 nothing is compared.
         if (!tangents) continue;
         for (std::size_t c = 0; c < mesh.corners(); ++c)

@@ -117,7 +117,9 @@ struct MeshReport {
   std::optional<MikkReport> mikktspace;  ///< where it was asked for and there are tangents, normals and uvs
   std::vector<Finding> findings;         ///< errors first
   /// Where ValidateOptions::keep_errors asks for them, three for each triangle: what `classes` has the statistics of at that
-  /// corner, the angle in degrees of the tangent, or of the normal where there are no tangents. NaN where nothing is compared.
+  /// corner, the angle in degrees of the tangent, or of the normal where there are no tangents. Where there is none, and the
+  /// triangles alone say that the corner is in error, how far the tangent lies outside their cone, or that the normal is more
+  /// than 80 degrees from them. NaN where nothing is compared.
   std::vector<float> errors_deg;
   Verdict verdict = Verdict::undetermined;
   Verdict without_errors = Verdict::undetermined;  ///< what the verdict would be if no finding were an error

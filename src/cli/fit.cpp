@@ -255,8 +255,9 @@ void print_people(const Arguments& arguments, const PointFit& fit, const Members
   const auto also = [](std::size_t count, const char* what) {
     return count > 0 ? ", " + std::to_string(count) + what : std::string();
   };
-  print_line("points", std::to_string(members.inliers) + " on the surface, " +
-                           std::to_string(members.outliers) + " outliers" +
+  print_line("points", (fit.usable ? std::to_string(members.inliers) + " on the surface, " +
+                                         std::to_string(members.outliers) + " outliers"
+                                   : std::to_string(members.inliers + members.outliers)) +
                            also(members.not_finite, " not finite") + also(members.unused, " in no triangle"));
   if (fit.usable) {
     for (const ParameterValue& p : fit.surface->surface.parameters()) {

@@ -39,6 +39,7 @@ Json rule_json(std::string_view code, std::string_view message, std::string_view
           {"shortDescription", {{"text", message}}},
           {"fullDescription", {{"text", std::string(message) + ". To do: " + std::string(to_do)}}},
           {"help", {{"text", to_do}}},
+          {"helpUri", std::string(DARBOUX_DOCS_URL "/findings.md#") + lower(std::string(code))},
           {"defaultConfiguration", {{"level", sarif_level(severity)}}}};
 }
 

@@ -67,6 +67,9 @@ canvas.view:active{cursor:grabbing}
 @media (max-width:40rem){
   main{padding:1rem .75rem 2rem}
   .row.head{display:none}
+  .name{order:1}
+  .histogram{font-size:16px}
+  .codes{order:2}
   .mesh>summary,.row{grid-template-columns:auto minmax(0,1fr) auto;padding:.55rem .7rem}
   .name{grid-column:1/-1}
   .codes{grid-column:1/-1}
@@ -108,7 +111,7 @@ std::string css_gradient() {
 
 // "shared/…/IridescenceSuzanne.glb": the beginning and the end, whole names where they fit. The whole path is the title.
 std::string path_text(const std::string& path) {
-  constexpr std::size_t most = 52;
+  constexpr std::size_t most = 64;
   const std::string line = one_line(path);
   if (line.size() <= most) return text(line);
   // Cuts between letters, not in one.
@@ -183,7 +186,8 @@ std::string reference_text(const Judgement& judgement) {
            : report.reference == "local"
                ? "Compared with polynomials through the mesh's own positions and uvs."
            : report.reference == "mikktspace" ? "Judged by MikkTSpace's tangents of the mesh's own data."
-                                              : "No reference decides: nothing to compare with is known.";
+           : judgement.report.corners == 0 ? ""
+                                           : "No surface is known here; normals were held against their own triangles.";
   if (report.reference == "analytic" || report.reference == "local")
     words += " It is uncertain by " +
              escape(deviation_text(report.normal_uncertainty_deg.rms(), 2, "° rms")) + " (normals) and " +
@@ -222,6 +226,7 @@ std::string findings_list(const MeshReport& report) {
 std::string class_table(const MeshReport& report) {
   std::string rows;
   for (const ClassReport& c : report.classes) {
+    if (!c.normal_deg && !c.tangent_deg && !c.bitangent_deg) continue;
     rows += "<tr class=vertex-class><th scope=row>" +
             text(vertex_class_names[static_cast<std::size_t>(c.vertex_class)]) + "<td class=n>" +
             std::to_string(c.corners);

@@ -17,7 +17,6 @@ namespace {
 constexpr double unit_tolerance = 0.0005;        // of |t|², as the Khronos glTF validator
 constexpr double orthogonal_tolerance = 0.02;    // of t·n
 constexpr double along_normal_tolerance = 0.26;  // 75 degrees
-constexpr double supported_deg = 80;
 constexpr double faceted_deg = 0.1;
 constexpr double most_against = 0.99;
 

@@ -26,10 +26,12 @@ struct VertexChecks {
 };
 VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v);
 
+constexpr double supported_deg = 80;  // how far a normal may be from all triangles that share it
+
 // The stored normals beside the planes of the triangles.
 struct NormalChecks {
   std::vector<bool>
-      unsupported;  // vertices whose normal is more than 80 degrees from every triangle that shares it
+      unsupported;  // vertices whose normal is more than supported_deg from every triangle that shares it
   std::vector<bool> drawn;  // vertices of a triangle with area; nothing is seen of the others
   std::vector<bool>
       faceted;  // triangles whose three normals are their own, beside one that turns and has others

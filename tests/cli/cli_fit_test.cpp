@@ -139,7 +139,9 @@ TEST_F(Cli, FitSaysWhyItIsNotUsable) {
   EXPECT_TRUE(fit["surface"].is_null());
   EXPECT_TRUE(fit["frame_uncertainty_deg"].is_null());
   EXPECT_FALSE(fit["reason"].get<std::string>().empty());
-  EXPECT_NE(good("darboux fit three.xyz", 1).find("not usable"), std::string::npos);
+  const std::string unusable = good("darboux fit three.xyz", 1);
+  EXPECT_NE(unusable.find("not usable"), std::string::npos);
+  EXPECT_EQ(unusable.find("on the surface"), std::string::npos) << "there is none";
   const Result r = sh("darboux fit three.xyz --frames frames.csv");
   EXPECT_EQ(r.status, 1);
   expect_one_line(r.err);

@@ -11,6 +11,9 @@ let failed = 0, results = 0;
 for (const file of process.argv.slice(2)) {
   const text = fs.readFileSync(file, 'utf8'), log = JSON.parse(text);
   for (const run of log.runs) results += run.results.length;
+  for (const rule of log.runs.flatMap(run => run.tool.driver.rules))
+    if (!rule.helpUri?.endsWith('/findings.md#' + rule.id.toLowerCase()))
+      ++failed, console.log(`FAILED: ${file}: ${rule.id} has no helpUri`);
   if (permits(log)) continue;
   ++failed;
   console.log(`FAILED: ${file}: ${ajv.errorsText(permits.errors, {separator: '\n  '})}`);
