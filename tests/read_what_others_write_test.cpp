@@ -1,9 +1,11 @@
 // Files that are not quite as the standard has them, or use what has no part in triangles: they are read.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include <darboux/io.h>
+#include <darboux/judge.h>
 
 #include "io_files.h"
 
@@ -109,6 +111,23 @@ TEST(ReadWhatOthersWrite, StepsOfIntegers) {
   EXPECT_EQ(steps.tangent, 0.5 / 127);
   EXPECT_EQ(steps.uv, 0.5 / 65535);
   EXPECT_EQ(steps.normal, 0);
+}
+
+// Few decimals of unit vectors are steps too: 3 × 0.577² = 0.9988 is no wrong length.
+TEST(ReadWhatOthersWrite, StepsOfDecimals) {
+  const std::string faces = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1//1 2//2 3//3\n";
+  const auto step = [&](const std::string& normals) {
+    return read(normals + faces, "a.obj").primitives.at(0).data.half_steps.normal;
+  };
+  EXPECT_EQ(step("vn 0.577 0.577 0.577\nvn 0 0.707 0.707\nvn 0 0 1\n"), 0.5e-3);
+  EXPECT_EQ(step("vn 0.58 0.58 0.58\nvn 0 0.71 0.71\nvn 0 0 1\n"), 0.5e-2);
+  EXPECT_EQ(step("vn 0.57735 0.57735 0.57735\nvn 0 0.7071 0.7071\nvn 0 0 1\n"), 0);
+  EXPECT_EQ(step("vn 1 0 0\nvn 0 -1 0\nvn 0 0 1\n"), 0) << "exact";
+  EXPECT_EQ(step("vn 0.6 0.8 0\nvn 0 -1 0\nvn 0 0 1\n"), 0) << "exact";
+  EXPECT_EQ(step("vn 5.77 5.77 5.77\nvn 0 0.71 0.71\nvn 0 0 1\n"), 0) << "no unit vectors";
+  const Mesh mesh = read("vn 0.577 0.577 0.577\nvn 0.408 0.408 0.816\nvn 0 0.707 0.707\n" + faces, "a.obj").primitives.at(0).data;
+  const MeshReport report = judge(mesh).report;
+  EXPECT_TRUE(std::ranges::none_of(report.findings, [](const Finding& f) { return f.code == "NORMAL_NOT_UNIT"; }));
 }
 
 TEST(ReadWhatOthersWrite, TheUvSetThatTheMaterialNames) {

@@ -123,16 +123,50 @@ std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
   return files;
 }
 
+namespace {
+
+// Whether two primitives have the same judgement.
+bool same(const Primitive& a, const Primitive& b) {
+  const Mesh &x = a.data, &y = b.data;
+  const auto steps = [](const Mesh& m) {
+    const HalfSteps& s = m.half_steps;
+    return std::tuple(s.position, s.normal, s.uv, s.tangent);
+  };
+  return x.positions == y.positions && x.normals == y.normals && x.uvs == y.uvs && x.tangents == y.tangents &&
+         x.triangles == y.triangles && steps(x) == steps(y) && a.other_uvs == b.other_uvs &&
+         a.names_uv_set == b.names_uv_set && a.texture_transform == b.texture_transform;
+}
+
+// For each primitive the first that is the same.
+std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives) {
+  std::vector<std::size_t> result(primitives.size());
+  for (std::size_t i = 0; i < primitives.size(); ++i)
+    for (result[i] = 0; result[i] < i; ++result[i])
+      if (same(primitives[result[i]], primitives[i])) break;
+  return result;
+}
+
+std::vector<Judgement> judge_primitive(const Primitive& primitive, const JudgeOptions& options) {
+  JudgeOptions with_uvs = options;
+  with_uvs.other_uvs = primitive.other_uvs;
+  with_uvs.names_uv_set = primitive.names_uv_set;
+  with_uvs.texture_transform = primitive.texture_transform;
+  return judge_parts(primitive.data, with_uvs);
+}
+
+}  // namespace
+
 void judge_file(JudgedFile& file, const JudgeOptions& options, const Policy& policy) {
   if (file.error.empty()) try {
       Asset asset = read_asset(file.path);
       file.skipped = asset.skipped;
-      for (Primitive& primitive : asset.primitives) {
-        JudgeOptions with_uvs = options;
-        with_uvs.other_uvs = primitive.other_uvs;
-        with_uvs.names_uv_set = primitive.names_uv_set;
-        with_uvs.texture_transform = primitive.texture_transform;
-        std::vector<Judgement> judgements = judge_parts(primitive.data, with_uvs);
+      const std::vector<std::size_t> first = first_of(asset.primitives);
+      std::map<std::size_t, std::vector<Judgement>> repeated;  // judgements of those that come again
+      for (std::size_t i = 0; i < first.size(); ++i) {
+        Primitive& primitive = asset.primitives[i];
+        std::vector<Judgement> judgements =
+            first[i] < i ? repeated[first[i]] : judge_primitive(primitive, options);
+        if (first[i] == i && std::count(first.begin(), first.end(), i) > 1) repeated[i] = judgements;
         add_node_findings(primitive, judgements.front().report);
         add(judgements.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
         for (Judgement& j : judgements) {

@@ -1,5 +1,6 @@
 // Which file of a mesh is read how.
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -18,7 +19,26 @@ std::span<const std::string_view> asset_extensions() {
   return list;
 }
 
-Asset read_asset(const std::string& path) {
+namespace {
+
+// Half a step of the decimals with which somebody wrote unit vectors, two to four, as "0.577 0.577 0.577"; 0 where there are more
+// or fewer: one decimal is exact.
+template <class Vector>
+double half_step_of_decimals(const std::vector<Vector>& directions) {
+  int most = 0;
+  for (const Vector& d : directions)
+    for (const double x : {d.x, d.y, d.z}) {
+      if (!(std::fabs(x) <= 1.001)) return 0;  // no unit vector
+      double tens = std::pow(10, most);
+      while (std::fabs(x * tens - std::round(x * tens)) > tens * 0x1p-23) {
+        if (++most > 4) return 0;
+        tens *= 10;
+      }
+    }
+  return most < 2 ? 0 : 0.5 * std::pow(10, -most);
+}
+
+Asset read_any(const std::string& path) {
   io::expect_regular_file(path);
   std::string magic(4, '\0');
   std::ifstream(path, std::ios::binary).read(magic.data(), 4);
@@ -32,6 +52,17 @@ Asset read_asset(const std::string& path) {
     return io::read_with_assimp(path, io::read_file(path), extension.substr(1));
   throw FileError(path, "is of no known kind, permitted are GLB by its content and by their names " +
                             joined({asset_extensions().begin(), asset_extensions().end()}));
+}
+
+}  // namespace
+
+Asset read_asset(const std::string& path) {
+  Asset asset = read_any(path);
+  for (Primitive& p : asset.primitives) {
+    if (p.data.half_steps.normal == 0) p.data.half_steps.normal = half_step_of_decimals(p.data.normals);
+    if (p.data.half_steps.tangent == 0) p.data.half_steps.tangent = half_step_of_decimals(p.data.tangents);
+  }
+  return asset;
 }
 
 }  // namespace darboux

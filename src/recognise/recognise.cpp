@@ -35,10 +35,15 @@ std::string nearest_fit(const MeshFit& fit) {
 
 namespace {
 
-bool is_quadric(std::string_view kind) {
-  constexpr std::string_view others[] = {"torus",         "helicoid",     "catenoid",
-                                         "moebius-strip", "klein-bottle", "enneper"};
-  return std::find(std::begin(others), std::end(others), kind) == std::end(others);
+bool may_be(std::string_view kind, Quadric quadric) {
+  const auto among = [&](std::initializer_list<std::string_view> list) {
+    return std::find(list.begin(), list.end(), kind) != list.end();
+  };
+  if (among({"torus", "helicoid", "catenoid", "moebius-strip", "klein-bottle", "enneper"}))
+    return quadric == Quadric::none;
+  const bool closed = among({"sphere", "ellipsoid"});
+  return quadric == Quadric::any || (quadric == Quadric::definite && closed) ||
+         (quadric == Quadric::indefinite && !closed);
 }
 
 // One mesh that is looked at.
@@ -78,7 +83,7 @@ class Search {
   static constexpr std::array<std::string_view, 2> planar_{"plane", "disk"};
 
   std::optional<MeshFit> by_uvs(std::span<const std::string_view> kinds, UvMaps maps) {
-    if (mesh_.uvs.empty()) return std::nullopt;
+    if (mesh_.uvs.empty() || !shape_.one_chart) return std::nullopt;
     try {
       std::optional<MeshFit> fit = fit_kinds(mesh_, placement_, kinds, maps);
       if (fit && !fit->fits) {
@@ -149,14 +154,14 @@ class Search {
       if (auto fit = by_uvs(std::array{charted_}, UvMaps::any)) weigh(std::move(*fit));
       return;
     }
-    const bool quadric = lies_on_quadric(mesh_, shape_);
+    const Quadric quadric = quadric_of(mesh_, shape_);
     std::vector<std::string_view> kinds;
     for (const std::string_view kind : fitted_kinds())
-      if (is_quadric(kind) == quadric) kinds.push_back(kind);
+      if (may_be(kind, quadric)) kinds.push_back(kind);
     if (auto fit = by_uvs(kinds, UvMaps::plain))
       if (weigh(std::move(*fit))) return;
     for (const std::string_view kind : found_kinds()) {
-      if (kind == "plane" || is_quadric(kind) != quadric || effort_.spent()) continue;
+      if (kind == "plane" || !may_be(kind, quadric) || effort_.spent()) continue;
       std::optional<MeshFit> fit;
       if (!placement_) fit = fit_by_normals(mesh_, shape_, kind);
       if (!fit && (mesh_.normals.empty() || shape_.places.size() >= fewest_by_positions))
@@ -165,7 +170,7 @@ class Search {
       if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
       if (weigh(std::move(*fit))) return;
     }
-    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine())
+    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !shape_.one_chart || !effort_.may_search_affine())
       return;
     if (auto fit = by_uvs(kinds, UvMaps::affine)) weigh(std::move(*fit));
   }

@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include <darboux/fit.h>
 #include <darboux/frame.h>
 #include <darboux/weld.h>
 
@@ -22,7 +23,9 @@ constexpr double flat_deg = 1;   // faces that turn by less do not turn
 constexpr double facet_deg = 1;  // a normal that is its triangle's
 constexpr std::size_t whole = 10000, looked_at = 5000;  // vertices: of larger meshes the triangles about some
 constexpr std::size_t quadric_places = 400;
-constexpr double near_quadric = 1e-3;      // of the size
+constexpr double near_quadric = 3 * fits_below;  // of the size
+constexpr double apart = 10;     // how many times as far the second nearest quadric must be
+constexpr double clear = 1e-3;   // of the largest eigenvalue of a quadric's form
 constexpr std::size_t fewest = 8;          // places
 constexpr double most_polyhedral = 0.2;    // of the edges that turn
 constexpr std::size_t many_places = 1000;  // beyond which folds, as of Schwarz's lantern, tell nothing
@@ -30,6 +33,22 @@ constexpr double most_faceted = 0.5;
 // Many small facets of equal turns are a surface all the same.
 constexpr std::size_t fine_places = 48;
 constexpr double fine_turn_deg = 35;
+
+constexpr std::size_t fewest_jumps = 8;
+constexpr double same_jump = 2e-3;  // in units of uv
+constexpr double most_alike = 0.5;
+
+// Whether half of the values lie in two short stretches.
+bool two_values(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  std::size_t most = 0, second = 0;
+  for (std::size_t first = 0, last = 0; first < values.size(); first = last) {
+    while (last < values.size() && values[last] <= values[first] + same_jump) ++last;
+    second = std::max(second, std::min(most, last - first));
+    most = std::max(most, last - first);
+  }
+  return static_cast<double>(most + second) >= most_alike * static_cast<double>(values.size());
+}
 
 // All triangles, or all about some vertices.
 std::vector<std::uint32_t> looked_at_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& vertices) {
@@ -125,12 +144,23 @@ Shape shape_of(const Mesh& mesh) {
   std::sort(shape.edges.begin(), shape.edges.end());
   shape.edges.erase(std::unique(shape.edges.begin(), shape.edges.end()), shape.edges.end());
 
-  std::vector<double> turns;
+  std::vector<double> turns, jumps_u, jumps_v;
   std::size_t moderate = 0;
+  const auto node = [&](std::uint32_t t, std::uint32_t k) {
+    return place[index[mesh.triangles[triangles[t]][k]]];
+  };
   for_each_shared_edge(
-      triangles.size(), points.size(),
-      [&](std::uint32_t t, std::uint32_t k) { return place[index[mesh.triangles[triangles[t]][k]]]; },
+      triangles.size(), points.size(), node,
       [&](const SharedEdge& e) {
+        if (!mesh.uvs.empty())
+          for (const std::uint32_t end : e.node) {
+            Vec2<double> uv[2];
+            for (std::size_t side = 0; side < 2; ++side)
+              for (std::uint32_t k = 0; k < 3; ++k)
+                if (node(e.triangle[side], k) == end) uv[side] = mesh.uvs[mesh.triangles[triangles[e.triangle[side]]][k]];
+            const double u = std::fabs(uv[0].x - uv[1].x), v = std::fabs(uv[0].y - uv[1].y);
+            if (std::isfinite(u + v) && (u > 1e-6 || v > 1e-6)) jumps_u.push_back(u), jumps_v.push_back(v);
+          }
         const Eigen::Vector3d &a = faces[e.triangle[0]], &b = faces[e.triangle[1]];
         if (a.isZero() || b.isZero()) return;
         const double turn = std::atan2(a.cross(b).norm(), (e.turned ? -1 : 1) * a.dot(b)) * 180 / M_PI;
@@ -138,6 +168,7 @@ Shape shape_of(const Mesh& mesh) {
         turns.push_back(turn);
         moderate += turn <= crease_deg;
       });
+  shape.one_chart = jumps_u.size() < fewest_jumps || two_values(jumps_u) || two_values(jumps_v);
   shape.turning = turns.size();
   if (turns.empty()) return shape;
   shape.moderate = static_cast<double>(moderate) / static_cast<double>(turns.size());
@@ -147,7 +178,7 @@ Shape shape_of(const Mesh& mesh) {
   return shape;
 }
 
-bool lies_on_quadric(const Mesh& mesh, const Shape& shape) {
+Quadric quadric_of(const Mesh& mesh, const Shape& shape) {
   using Row = Eigen::Matrix<double, 10, 1>;
   Eigen::Matrix<double, 10, 10> values = Eigen::Matrix<double, 10, 10>::Zero(), slopes = values;
   double count = 0;
@@ -163,12 +194,20 @@ bool lies_on_quadric(const Mesh& mesh, const Shape& shape) {
     slopes += fx * fx.transpose() + fy * fy.transpose() + fz * fz.transpose();
     count += 1;
   }
-  if (count < 10) return true;
+  if (count < 10) return Quadric::any;
   // The least of sum F² over sum |grad F|², a squared distance [Taubin1991]. The constant has no slope.
   slopes += 1e-9 * count * Eigen::Matrix<double, 10, 10>::Identity();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, 10, 10>> solver(
-      values, slopes, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::fmax(solver.eigenvalues()[0], 0)) <= 2 * near_quadric;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, 10, 10>> solver(values, slopes);
+  const auto distance = [&](int k) { return std::sqrt(std::fmax(solver.eigenvalues()[k], 0)) / 2; };
+  if (distance(0) > near_quadric) return Quadric::none;
+  if (distance(1) < apart * near_quadric) return Quadric::any;
+  const Row q = solver.eigenvectors().col(0);
+  Eigen::Matrix3d form;
+  form << q[0], q[3] / 2, q[5] / 2, q[3] / 2, q[1], q[4] / 2, q[5] / 2, q[4] / 2, q[2];
+  Eigen::Vector3d shares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(form, Eigen::EigenvaluesOnly).eigenvalues();
+  shares /= shares[0] + shares[2] < 0 ? shares[0] : shares[2];  // of the largest
+  const double least = shares.minCoeff();
+  return least > clear ? Quadric::definite : least < -clear ? Quadric::indefinite : Quadric::any;
 }
 
 std::string against_any_surface(const Shape& shape) {

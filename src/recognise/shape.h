@@ -24,13 +24,17 @@ struct Shape {
   double moderate = 1;                              // the share of these that turn by no more than 50 degrees
   double turn_deg = 0;                              // their median
   double faceted = 0;  // the share of triangles whose normals are their own, of those with area
+  // Whether uvs may be a surface's own, or an affine map of them: those jump by one period across a seam, or by two, and not by another
+  // vector at every vertex, as between the islands of an atlas.
+  bool one_chart = true;
 };
 
 Shape shape_of(const Mesh& mesh);
 
-// Whether the places lie on a quadric within a thousandth of the size: a sphere, cylinder, cone, ellipsoid, paraboloid,
-// hyperboloid. Looks at some hundreds of them.
-bool lies_on_quadric(const Mesh& mesh, const Shape& shape);
+// What quadric the places lie on, within three times fits_below: definite, a sphere or an ellipsoid; indefinite, a cone, a
+// hyperboloid or a saddle; any where that is not clear, or the places lie on more than one.
+enum class Quadric { none, definite, indefinite, any };
+Quadric quadric_of(const Mesh& mesh, const Shape& shape);  // looks at some hundreds of places
 
 // Why no curved surface need be looked for: "polyhedron: ...". Empty where one may be.
 std::string against_any_surface(const Shape& shape);
