@@ -170,7 +170,7 @@ class Search {
       if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
       if (weigh(std::move(*fit))) return;
     }
-    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !shape_.one_chart || !effort_.may_search_affine())
+    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine(shape_))
       return;
     if (auto fit = by_uvs(kinds, UvMaps::affine)) weigh(std::move(*fit));
   }
@@ -218,8 +218,9 @@ void Effort::failed(const Shape& shape) {
   failed_.push_back(outline(shape));
 }
 
-bool Effort::may_search_affine() {
-  return !spent() && affine_-- > 0;
+bool Effort::may_search_affine(const Shape& shape) {
+  if (!one_chart_) one_chart_ = shape.one_chart;
+  return *one_chart_ && shape.one_chart && !spent() && affine_-- > 0;
 }
 
 Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort,

@@ -38,12 +38,14 @@ class Effort {
   bool spent() const;  // the budget is
   bool may_search(const Shape& shape) const;
   void failed(const Shape& shape);
-  bool may_search_affine();
+  // Once, and not in what falls apart into islands of an atlas: only kinds that are found by positions are charted there.
+  bool may_search_affine(const Shape& shape);
 
  private:
   std::optional<std::chrono::steady_clock::time_point> until_;
   std::vector<Outline> failed_;
   int affine_ = 1;
+  std::optional<bool> one_chart_;  // of what was looked at first
 };
 
 // Any surface of the catalogue, with evidence. \param placement held when given
