@@ -53,7 +53,8 @@ std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed cha
     while (last < slopes.size() && slopes[last] <= end) ++last;
     groups.emplace_back(last - first, slopes[(first + last) / 2]);
   }
-  std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<double> result;
   for (const auto& [count, slope] : groups)
     if (result.size() < most && 10 * count > slopes.size()) result.push_back(slope);
@@ -329,7 +330,8 @@ MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
 }
 
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
-  if (std::optional<MeshFit> fit = fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any)) return std::move(*fit);
+  if (std::optional<MeshFit> fit = fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any))
+    return std::move(*fit);
   throw MeshError("mesh", "is none of the surfaces that can be fitted");
 }
 

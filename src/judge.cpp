@@ -42,13 +42,14 @@ Recognised find_declared(const Mesh& mesh, const JudgeOptions& options, bool par
   const std::string_view kind =
       options.exact_surface ? options.exact_surface->info().name : std::string_view(options.surface->name);
   if (options.exact_surface) {
-    if (mesh.uvs.empty()) result.reason = ": there are no uvs, which tell where a " + std::string(kind) + " lies";
+    if (mesh.uvs.empty())
+      result.reason = ": there are no uvs, which tell where a " + std::string(kind) + " lies";
   } else if (auto fit = fit_positions(mesh, options.surface, options.placement)) {
     take(mesh, result, std::move(*fit));
     result.declared = true;
   } else if (mesh.uvs.empty()) {
-    result.reason = ": there are no uvs, and by the positions alone it is not " +
-                    fit::with_article(kind) + " as declared";
+    result.reason = ": there are no uvs, and by the positions alone it is not " + fit::with_article(kind) +
+                    " as declared";
   }
   return result;
 }
@@ -222,7 +223,8 @@ std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> par
 
 Recognised look_at_whole(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
   if (!options.references.analytic) return {};
-  return options.declares_surface() ? find_declared(mesh, options, false) : recognise(mesh, options.placement, effort);
+  return options.declares_surface() ? find_declared(mesh, options, false)
+                                    : recognise(mesh, options.placement, effort);
 }
 
 void note_budget(MeshReport& report, const Effort& effort) {
@@ -274,8 +276,8 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
   Recognised whole = look_at_whole(mesh, options, effort);
   // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves of a mirrored one,
   // go before a whole whose uvs say nothing.
-  const bool uncharted =
-      whole.fits() && !options.declares_surface() && whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
+  const bool uncharted = whole.fits() && !options.declares_surface() &&
+                         whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
   if (!options.references.analytic || (whole.fits() && !uncharted))
     return {judge_whole(std::move(subject), std::move(whole), options)};
 

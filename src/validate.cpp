@@ -76,7 +76,8 @@ class Judge {
     for (const Triangle& triangle : mesh_.triangles)
       for (const std::uint32_t v : triangle) ++corners_of_[v];
     accurate_ = Accurate(subject, checks_, corners_of_, truth, basis, signs_.raw(), options.max_angle_deg);
-    if (!subject.local.empty()) smooth_ = check_smooth(subject, accurate_, checks_, signs_.raw(), options.max_angle_deg);
+    if (!subject.local.empty())
+      smooth_ = check_smooth(subject, accurate_, checks_, signs_.raw(), options.max_angle_deg);
     report_.corners = mesh_.corners();
     report_.handedness = signs_.handedness();
   }
@@ -109,8 +110,9 @@ class Judge {
   }
   bool is_pole(std::uint32_t v) const { return classes_.of_vertex[v] == VertexClass::pole; }
   std::string worst_text(double worst, const std::string& more = {}) const {
-    return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) + rounded(options_.max_angle_deg, 4) +
-           " in the interior, " + rounded(3 * options_.max_angle_deg, 4) + " elsewhere" + more + ")";
+    return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) +
+           rounded(options_.max_angle_deg, 4) + " in the interior, " +
+           rounded(3 * options_.max_angle_deg, 4) + " elsewhere" + more + ")";
   }
   std::span<const Truth> statistics_truth() const {
     return accurate_.known() ? accurate_.truths() : std::span<const Truth>(subject_.local);

@@ -34,8 +34,8 @@ std::string findings(const std::vector<Judgement>& judgements) {
   std::string text;
   for (const Judgement& j : judgements)
     for (const Finding& f : j.report.findings)
-      text += "\n  " + std::string(severity_names[static_cast<std::size_t>(f.severity)]) + ' ' + std::string(f.code) +
-              " (" + std::to_string(f.count) + "): " + f.message;
+      text += "\n  " + std::string(severity_names[static_cast<std::size_t>(f.severity)]) + ' ' +
+              std::string(f.code) + " (" + std::to_string(f.count) + "): " + f.message;
   return text;
 }
 
@@ -104,7 +104,8 @@ TEST(DeclaredSurfaces, AnyPlacement) {
     options.placement = pose;
     expect_pass(surface, mesh, options);
     options.placement = pose * Eigen::Translation3d(0.3, 0.1, 0.2);
-    EXPECT_EQ(judge(mesh, options).report.verdict, Verdict::fail) << surface.info().name << ": a placement that is another's";
+    EXPECT_EQ(judge(mesh, options).report.verdict, Verdict::fail)
+        << surface.info().name << ": a placement that is another's";
   }
 }
 
@@ -115,7 +116,8 @@ TEST(DeclaredSurfaces, AnExactSurfaceIsNoOther) {
   JudgeOptions options;
   options.exact_surface = surface;
   EXPECT_EQ(judge(mesh, options).report.verdict, Verdict::pass);
-  for (const char* other : {"superellipsoid:exponent_u=0.71", "superellipsoid:exponent_u=0.7,semi_axis_z=0.99"}) {
+  for (const char* other :
+       {"superellipsoid:exponent_u=0.71", "superellipsoid:exponent_u=0.7,semi_axis_z=0.99"}) {
     options.exact_surface = make_surface(other);
     const Judgement j = judge(mesh, options);
     EXPECT_EQ(j.report.verdict, Verdict::fail) << other;

@@ -52,7 +52,8 @@ void expect_same_statistics(const Mesh& mesh, const std::vector<VertexClass>& cl
     const auto& of_class = errors[static_cast<std::size_t>(c.vertex_class)];
     seen += of_class.size();
     if (report.reference == "triangles") {  // only what lies outside their cones
-      for (const float e : of_class) EXPECT_TRUE(e > 0 && e <= static_cast<float>(report.triangles->worst_deg));
+      for (const float e : of_class)
+        EXPECT_TRUE(e > 0 && e <= static_cast<float>(report.triangles->worst_deg));
       continue;
     }
     ASSERT_EQ(of_class.empty(), !judged(c, mesh).has_value());

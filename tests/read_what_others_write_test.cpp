@@ -125,9 +125,12 @@ TEST(ReadWhatOthersWrite, StepsOfDecimals) {
   EXPECT_EQ(step("vn 1 0 0\nvn 0 -1 0\nvn 0 0 1\n"), 0) << "exact";
   EXPECT_EQ(step("vn 0.6 0.8 0\nvn 0 -1 0\nvn 0 0 1\n"), 0) << "exact";
   EXPECT_EQ(step("vn 5.77 5.77 5.77\nvn 0 0.71 0.71\nvn 0 0 1\n"), 0) << "no unit vectors";
-  const Mesh mesh = read("vn 0.577 0.577 0.577\nvn 0.408 0.408 0.816\nvn 0 0.707 0.707\n" + faces, "a.obj").primitives.at(0).data;
+  const Mesh mesh = read("vn 0.577 0.577 0.577\nvn 0.408 0.408 0.816\nvn 0 0.707 0.707\n" + faces, "a.obj")
+                        .primitives.at(0)
+                        .data;
   const MeshReport report = judge(mesh).report;
-  EXPECT_TRUE(std::ranges::none_of(report.findings, [](const Finding& f) { return f.code == "NORMAL_NOT_UNIT"; }));
+  EXPECT_TRUE(
+      std::ranges::none_of(report.findings, [](const Finding& f) { return f.code == "NORMAL_NOT_UNIT"; }));
 }
 
 TEST(ReadWhatOthersWrite, TheUvSetThatTheMaterialNames) {

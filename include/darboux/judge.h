@@ -16,8 +16,9 @@ namespace darboux {
 
 struct JudgeOptions : ValidateOptions {
   std::optional<SurfaceSpecification> surface;  ///< the kind with its fixed parameters; nothing: recognise it
-  std::optional<AnySurface> exact_surface;      ///< or the surface itself, of any kind, whose parameters are all known
-  std::optional<Eigen::Isometry3d> placement;   ///< where the surface lies; nothing: fit it
+  std::optional<AnySurface>
+      exact_surface;  ///< or the surface itself, of any kind, whose parameters are all known
+  std::optional<Eigen::Isometry3d> placement;  ///< where the surface lies; nothing: fit it
   /// Seconds after which no further surface is looked for; the report then depends on the machine. Nothing: no limit.
   std::optional<double> budget;
   /// KHR_texture_transform of the texture that reads the tangents, as Primitive has it. Tangents of the plain and of the

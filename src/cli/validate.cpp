@@ -147,7 +147,8 @@ void run(const Arguments& arguments, Common& common) {
     // Refuses values out of range before any file is read.
     const AnySurface surface = surface_argument(arguments.surface);
     const auto& fitted = fitted_kinds();
-    if (std::find(fitted.begin(), fitted.end(), surface.info().name) != fitted.end() && surface.file().empty())
+    if (std::find(fitted.begin(), fitted.end(), surface.info().name) != fitted.end() &&
+        surface.file().empty())
       options.surface = parse_specification(arguments.surface);
     else
       options.exact_surface = surface;
@@ -237,7 +238,8 @@ void add_validate(CLI::App& app, Common& common) {
                  joined({asset_extensions().begin(), asset_extensions().end()}) +
                      " files, and folders: all such files in them");
   sub.add_option("--surface", arguments->surface,
-                 "auto, or the kind with the parameters that are known, torus:minor_radius=0.4; of kinds that are not "
+                 "auto, or the kind with the parameters that are known, torus:minor_radius=0.4; of kinds "
+                 "that are not "
                  "fitted, and of formula:file=FILE, the surface itself: superellipsoid:exponent_u=0.5")
       ->capture_default_str();
   sub.add_option("--placement", arguments->placement,

@@ -181,13 +181,15 @@ std::string reference_text(const Judgement& judgement) {
             text(uv_convention(*judgement.fit)) + ". ";
   if (judgement.fit && judgement.fit->fits && judgement.evidence && !judgement.evidence->text.empty())
     words += "What speaks for it: " + text(judgement.evidence->text) + ". ";
-  words += report.reference == "analytic"    ? "Judged by that surface."
-           : report.reference == "triangles" ? "Judged by the mesh's own triangles: what directions their uvs permit."
+  words += report.reference == "analytic" ? "Judged by that surface."
+           : report.reference == "triangles"
+               ? "Judged by the mesh's own triangles: what directions their uvs permit."
            : report.reference == "local"
                ? "Compared with polynomials through the mesh's own positions and uvs."
            : report.reference == "mikktspace" ? "Judged by MikkTSpace's tangents of the mesh's own data."
-           : judgement.report.corners == 0 ? ""
-                                           : "No surface is known here; normals were held against their own triangles.";
+           : judgement.report.corners == 0
+               ? ""
+               : "No surface is known here; normals were held against their own triangles.";
   if (report.reference == "analytic" || report.reference == "local")
     words += " It is uncertain by " +
              escape(deviation_text(report.normal_uncertainty_deg.rms(), 2, "° rms")) + " (normals) and " +
@@ -239,7 +241,8 @@ std::string class_table(const MeshReport& report) {
   std::string head;
   for (int k = 0; k < 3; ++k)
     head += "<th scope=col class=n>largest<th scope=col class=n>rms<th scope=col class=n>95&nbsp;% below";
-  return "<h4>Errors by class of vertices, in degrees</h4>\n<div class=scroll tabindex=0><table class=classes>\n"
+  return "<h4>Errors by class of vertices, in degrees</h4>\n<div class=scroll tabindex=0><table "
+         "class=classes>\n"
          "<thead><tr><th rowspan=2 scope=col>class<th rowspan=2 scope=col class=n>corners"
          "<th colspan=3 scope=colgroup>normals<th colspan=3 scope=colgroup>tangents"
          "<th colspan=3 scope=colgroup>bitangents<th rowspan=2 scope=col class=n>worst<br>vertex</tr>\n<tr>" +
@@ -255,9 +258,9 @@ std::string legend(double limit_deg) {
 
 std::string pictures(const Entry& e) {
   if (e.triangles.empty()) return {};
-  const Json data = mesh_picture(
-      e.judged.primitive.data,
-      {.triangles = e.triangles, .errors_deg = e.errors, .limit_deg = e.limit, .step = e.step});
+  const Json data =
+      mesh_picture(e.judged.primitive.data,
+                   {.triangles = e.triangles, .errors_deg = e.errors, .limit_deg = e.limit, .step = e.step});
   std::string html =
       legend(e.limit) +
       "<div hidden class=pictures>\n<figure><canvas class=view tabindex=0 role=application "
@@ -296,7 +299,8 @@ std::vector<std::pair<std::string, std::size_t>> codes_of(const Entry& e) {
     for (const Judgement& j : e.judged.judgements)
       for (const Finding& f : j.report.findings) {
         if (f.severity != severity) continue;
-        const auto at = std::find_if(codes.begin(), codes.end(), [&](const auto& c) { return c.first == f.code; });
+        const auto at =
+            std::find_if(codes.begin(), codes.end(), [&](const auto& c) { return c.first == f.code; });
         if (at == codes.end())
           codes.push_back({std::string(f.code), f.count});
         else
@@ -316,18 +320,19 @@ std::string histogram(const Entry& e) {
   for (const auto& [code, count] : codes_of(e))
     counted += (counted.empty() ? "" : ", ") + text(code) + ' ' + std::to_string(count);
   if (beyond > 0 && !counted.empty())
-    words += " Seams, pole rings, creases and borders may be three times as far; a corner counts once, under the "
-             "first code it meets: " +
-             counted + '.';
+    words +=
+        " Seams, pole rings, creases and borders may be three times as far; a corner counts once, under the "
+        "first code it meets: " +
+        counted + '.';
   return "<h4>How many corners have which " + e.quantity() + " error</h4>\n<figure>" + svg + "<figcaption>" +
          words + "</figcaption></figure>\n";
 }
 
 std::string judgement_body(const Judgement& j, std::size_t number) {
-  return "<div class=judgement data-number=" + std::to_string(number) + " data-verdict=" +
-         std::string(verdict_names[static_cast<std::size_t>(j.report.verdict)]) + " data-corners=" +
-         std::to_string(j.report.corners) + ">\n" + findings_list(j.report) + reference_text(j) +
-         class_table(j.report) + "</div>\n";
+  return "<div class=judgement data-number=" + std::to_string(number) +
+         " data-verdict=" + std::string(verdict_names[static_cast<std::size_t>(j.report.verdict)]) +
+         " data-corners=" + std::to_string(j.report.corners) + ">\n" + findings_list(j.report) +
+         reference_text(j) + class_table(j.report) + "</div>\n";
 }
 
 // The parts of a mesh, failures first, those of many that pass folded into one.
@@ -350,8 +355,9 @@ std::string parts(const Entry& e) {
       folded = true;
     }
     ++shown;
-    html += "<details class=part" + std::string(report.verdict == Verdict::fail && shown == 1 ? " open" : "") +
-            "><summary>" + badge(report.verdict) + " part " + std::to_string(all[k].part.value_or(k)) +
+    html += "<details class=part" +
+            std::string(report.verdict == Verdict::fail && shown == 1 ? " open" : "") + "><summary>" +
+            badge(report.verdict) + " part " + std::to_string(all[k].part.value_or(k)) +
             "<span class=soft> " + plural(report.corners, "corner") +
             (all[k].fit && all[k].fit->fits ? ", " + text(all[k].fit->surface.surface.info().name) : "") +
             "</span></summary>\n" + judgement_body(all[k], e.number + k) + "</details>\n";
@@ -369,15 +375,16 @@ std::string entry(const Entry& e, bool one_file, bool open) {
       "mesh " + std::to_string(e.judged.primitive.mesh) + " primitive " +
       std::to_string(e.judged.primitive.primitive) +
       (e.judged.primitive.name.empty() ? "" : " (" + one_line(e.judged.primitive.name) + ")");
-  const std::string name = one_file  ? text(place)
-                           : e.alone ? path_text(e.file.path)
-                                     : path_text(e.file.path) + " <span class=soft>" + text(place) + "</span>";
+  const std::string name = one_file ? text(place)
+                           : e.alone
+                               ? path_text(e.file.path)
+                               : path_text(e.file.path) + " <span class=soft>" + text(place) + "</span>";
   std::string html = "<details class=\"card mesh\" id=m" + std::to_string(e.number) + (open ? " open" : "") +
                      " data-verdict=" + std::string(verdict_names[static_cast<std::size_t>(e.verdict)]) +
                      " data-codes=\"" + escape(code_names) + "\" data-corners=" + std::to_string(e.corners) +
-                     " data-worst=" + (std::isnan(e.worst) ? "-1" : rounded(e.worst, 6)) + ">\n<summary><span>" +
-                     badge(e.verdict) + "</span><span class=name>" + name + "</span><span class=n>" +
-                     std::to_string(e.corners) + "</span><span class=n>" +
+                     " data-worst=" + (std::isnan(e.worst) ? "-1" : rounded(e.worst, 6)) +
+                     ">\n<summary><span>" + badge(e.verdict) + "</span><span class=name>" + name +
+                     "</span><span class=n>" + std::to_string(e.corners) + "</span><span class=n>" +
                      (std::isnan(e.worst) ? "–" : rounded(e.worst, 3) + "°") + "</span>";
   const std::size_t count = e.judged.judgements.size();
   if (count > 1 || !codes.empty())
@@ -400,17 +407,18 @@ std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
   for (const Verdict v : {Verdict::fail, Verdict::undetermined, Verdict::pass, Verdict::nothing}) {
     const auto k = static_cast<std::size_t>(v);
     const std::size_t count =
-        static_cast<std::size_t>(std::count_if(entries.begin(), entries.end(),
-                                               [&](const Entry& e) { return e.verdict == v; })) +
+        static_cast<std::size_t>(
+            std::count_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.verdict == v; })) +
         (v == Verdict::fail ? unread : 0);
     if (count > 0)
-      html += "<label><input type=checkbox checked class=by-verdict value=" + std::string(verdict_names[k]) + ">" +
-              badge(v) + " " + std::to_string(count) + "</label>\n";
+      html += "<label><input type=checkbox checked class=by-verdict value=" + std::string(verdict_names[k]) +
+              ">" + badge(v) + " " + std::to_string(count) + "</label>\n";
   }
   std::vector<std::pair<std::string, std::size_t>> codes;  // and of how many meshes
   for (const Entry& e : entries)
     for (const auto& [code, count] : codes_of(e)) {
-      const auto at = std::find_if(codes.begin(), codes.end(), [&](const auto& c) { return c.first == code; });
+      const auto at =
+          std::find_if(codes.begin(), codes.end(), [&](const auto& c) { return c.first == code; });
       if (at == codes.end())
         codes.push_back({code, 1});
       else
@@ -420,11 +428,13 @@ std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
   if (!codes.empty()) {
     html += "<label>finding <select class=by-code><option value=\"\">any</option>";
     for (const auto& [code, count] : codes)
-      html += "<option value=\"" + escape(code) + "\">" + escape(code) + " (" + std::to_string(count) + ")</option>";
+      html += "<option value=\"" + escape(code) + "\">" + escape(code) + " (" + std::to_string(count) +
+              ")</option>";
     html += "</select></label>\n";
   }
   return html +
-         "<label>sort by <select class=sort><option value=verdict>verdict</option><option value=name>name</option>"
+         "<label>sort by <select class=sort><option value=verdict>verdict</option><option "
+         "value=name>name</option>"
          "<option value=corners>corners</option><option value=worst>largest error</option></select></label>\n"
          "<span class=\"soft shown\" aria-live=polite></span></div>\n";
 }
@@ -434,10 +444,12 @@ std::string unread_rows(const std::vector<JudgedFile>& files) {
   std::string html;
   for (const JudgedFile& file : files)
     if (!file.error.empty())
-      html += "<div class=\"card mesh row\" data-verdict=fail data-codes=\"\" data-corners=0 data-worst=-1><span>" +
-              badge(Verdict::fail) + "</span><span class=name>" + path_text(file.path) +
-              "</span><span class=n>–</span><span class=n>–</span><span class=codes>Not read: " + text(file.error) +
-              "</span></div>\n";
+      html +=
+          "<div class=\"card mesh row\" data-verdict=fail data-codes=\"\" data-corners=0 "
+          "data-worst=-1><span>" +
+          badge(Verdict::fail) + "</span><span class=name>" + path_text(file.path) +
+          "</span><span class=n>–</span><span class=n>–</span><span class=codes>Not read: " +
+          text(file.error) + "</span></div>\n";
   return html;
 }
 
@@ -453,8 +465,8 @@ std::string not_judged(const std::vector<JudgedFile>& files) {
   }
   std::string html;
   for (const auto& [reason, places] : by_reason) {
-    html += "<details class=part><summary>Not judged, " + std::to_string(places.size()) + ": " + text(reason) +
-            "</summary>\n<ul>\n";
+    html += "<details class=part><summary>Not judged, " + std::to_string(places.size()) + ": " +
+            text(reason) + "</summary>\n<ul>\n";
     for (const std::string& place : places) html += "<li>" + text(place) + "</li>\n";
     html += "</ul></details>\n";
   }

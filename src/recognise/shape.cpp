@@ -18,17 +18,17 @@
 namespace darboux {
 namespace {
 
-constexpr double same = 1e-6;    // of the size
-constexpr double flat_deg = 1;   // faces that turn by less do not turn
-constexpr double facet_deg = 1;  // a normal that is its triangle's
+constexpr double same = 1e-6;                           // of the size
+constexpr double flat_deg = 1;                          // faces that turn by less do not turn
+constexpr double facet_deg = 1;                         // a normal that is its triangle's
 constexpr std::size_t whole = 10000, looked_at = 5000;  // vertices: of larger meshes the triangles about some
 constexpr std::size_t quadric_places = 400;
 constexpr double near_quadric = 3 * fits_below;  // of the size
-constexpr double apart = 10;     // how many times as far the second nearest quadric must be
-constexpr double clear = 1e-3;   // of the largest eigenvalue of a quadric's form
-constexpr std::size_t fewest = 8;          // places
-constexpr double most_polyhedral = 0.2;    // of the edges that turn
-constexpr std::size_t many_places = 1000;  // beyond which folds, as of Schwarz's lantern, tell nothing
+constexpr double apart = 10;                     // how many times as far the second nearest quadric must be
+constexpr double clear = 1e-3;                   // of the largest eigenvalue of a quadric's form
+constexpr std::size_t fewest = 8;                // places
+constexpr double most_polyhedral = 0.2;          // of the edges that turn
+constexpr std::size_t many_places = 1000;        // beyond which folds, as of Schwarz's lantern, tell nothing
 constexpr double most_faceted = 0.5;
 // Many small facets of equal turns are a surface all the same.
 constexpr std::size_t fine_places = 48;
@@ -149,25 +149,24 @@ Shape shape_of(const Mesh& mesh) {
   const auto node = [&](std::uint32_t t, std::uint32_t k) {
     return place[index[mesh.triangles[triangles[t]][k]]];
   };
-  for_each_shared_edge(
-      triangles.size(), points.size(), node,
-      [&](const SharedEdge& e) {
-        if (!mesh.uvs.empty())
-          for (const std::uint32_t end : e.node) {
-            Vec2<double> uv[2];
-            for (std::size_t side = 0; side < 2; ++side)
-              for (std::uint32_t k = 0; k < 3; ++k)
-                if (node(e.triangle[side], k) == end) uv[side] = mesh.uvs[mesh.triangles[triangles[e.triangle[side]]][k]];
-            const double u = std::fabs(uv[0].x - uv[1].x), v = std::fabs(uv[0].y - uv[1].y);
-            if (std::isfinite(u + v) && (u > 1e-6 || v > 1e-6)) jumps_u.push_back(u), jumps_v.push_back(v);
-          }
-        const Eigen::Vector3d &a = faces[e.triangle[0]], &b = faces[e.triangle[1]];
-        if (a.isZero() || b.isZero()) return;
-        const double turn = std::atan2(a.cross(b).norm(), (e.turned ? -1 : 1) * a.dot(b)) * 180 / M_PI;
-        if (turn <= flat_deg) return;
-        turns.push_back(turn);
-        moderate += turn <= crease_deg;
-      });
+  for_each_shared_edge(triangles.size(), points.size(), node, [&](const SharedEdge& e) {
+    if (!mesh.uvs.empty())
+      for (const std::uint32_t end : e.node) {
+        Vec2<double> uv[2];
+        for (std::size_t side = 0; side < 2; ++side)
+          for (std::uint32_t k = 0; k < 3; ++k)
+            if (node(e.triangle[side], k) == end)
+              uv[side] = mesh.uvs[mesh.triangles[triangles[e.triangle[side]]][k]];
+        const double u = std::fabs(uv[0].x - uv[1].x), v = std::fabs(uv[0].y - uv[1].y);
+        if (std::isfinite(u + v) && (u > 1e-6 || v > 1e-6)) jumps_u.push_back(u), jumps_v.push_back(v);
+      }
+    const Eigen::Vector3d &a = faces[e.triangle[0]], &b = faces[e.triangle[1]];
+    if (a.isZero() || b.isZero()) return;
+    const double turn = std::atan2(a.cross(b).norm(), (e.turned ? -1 : 1) * a.dot(b)) * 180 / M_PI;
+    if (turn <= flat_deg) return;
+    turns.push_back(turn);
+    moderate += turn <= crease_deg;
+  });
   shape.one_chart = jumps_u.size() < fewest_jumps || two_values(jumps_u) || two_values(jumps_v);
   shape.turning = turns.size();
   if (turns.empty()) return shape;
@@ -204,7 +203,8 @@ Quadric quadric_of(const Mesh& mesh, const Shape& shape) {
   const Row q = solver.eigenvectors().col(0);
   Eigen::Matrix3d form;
   form << q[0], q[3] / 2, q[5] / 2, q[3] / 2, q[1], q[4] / 2, q[5] / 2, q[4] / 2, q[2];
-  Eigen::Vector3d shares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(form, Eigen::EigenvaluesOnly).eigenvalues();
+  Eigen::Vector3d shares =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(form, Eigen::EigenvaluesOnly).eigenvalues();
   shares /= shares[0] + shares[2] < 0 ? shares[0] : shares[2];  // of the largest
   const double least = shares.minCoeff();
   return least > clear ? Quadric::definite : least < -clear ? Quadric::indefinite : Quadric::any;

@@ -91,7 +91,8 @@ std::string histogram_svg(std::span<const float> errors_deg, double limit_deg, c
                                                    x > right - 90 ? "end" : "start",
                                                    "limit " + rounded(limit_deg, 4) + "°");
   const std::string middle = rounded((top + bottom) / 2, 5);
-  svg += "<text transform=\"translate(14 " + middle + ") rotate(-90)\" text-anchor=\"middle\">corners</text>\n" +
+  svg += "<text transform=\"translate(14 " + middle +
+         ") rotate(-90)\" text-anchor=\"middle\">corners</text>\n" +
          text((left + right) / 2, 236, "middle",
               what + " in degrees" + (first == least_decade ? ", 1e-7 and less at the left" : ""));
   return svg + "</svg>\n";

@@ -64,7 +64,8 @@ TEST_F(Cli, AMeshPassesByTheSurfaceItWasMadeOf) {
     }
   }
   good("darboux mesh formula:file=my.surface --grid 12x12 -o m.glb");
-  const Json other = only_mesh(json("darboux validate m.glb --surface formula:file=my.surface,a=3 --json", 1));
+  const Json other =
+      only_mesh(json("darboux validate m.glb --surface formula:file=my.surface,a=3 --json", 1));
   EXPECT_EQ(other["verdict"], "fail");
   EXPECT_EQ(other["findings"][0]["code"], "SURFACE_MISMATCH");
   refused("darboux validate m.glb --surface formula:file=none.surface", {"none.surface"});

@@ -130,8 +130,9 @@ UvKind rigid_kind(const AnySurface& surface) {
       if (block.by_uv.rows() == 0) continue;
       // Where partials are infinite, as on a superellipsoid's edges, a point tells nothing of the uv map.
       for (const auto& [column, partial] : {std::pair{0, jet.dpdu}, {1, jet.dpdv}})
-        block.by_uv.block<3, 1>(row, column) =
-            detail::finite(partial) ? Eigen::Vector3d(*parameters * to_eigen(partial)) : Eigen::Vector3d::Zero();
+        block.by_uv.block<3, 1>(row, column) = detail::finite(partial)
+                                                   ? Eigen::Vector3d(*parameters * to_eigen(partial))
+                                                   : Eigen::Vector3d::Zero();
     }
   };
   return result;

@@ -309,8 +309,9 @@ std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, cons
       const Vec2<double> uv = convention.surface_uv(stored);
       u.push_back(uv.x), v.push_back(uv.y);
     }
-    const std::vector<Unit> plain{{}}, units_u = is_free(0) || is_free(4) ? units(kind.coordinates[0], u) : plain,
-                                       units_v = is_free(3) || is_free(5) ? units(kind.coordinates[1], v) : plain;
+    const std::vector<Unit> plain{{}},
+        units_u = is_free(0) || is_free(4) ? units(kind.coordinates[0], u) : plain,
+        units_v = is_free(3) || is_free(5) ? units(kind.coordinates[1], v) : plain;
     // A scale that lengths absorb is not searched; where the offset is, it may be any.
     const auto add_one = [&](double scale_u, double shear, double scale_v, double from_u, double from_v) {
       const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, is_free(5) ? from_v : 0};
