@@ -24,7 +24,8 @@ struct Oriented {
 // Where a surface of revolution lies: its axis, and (u, v) of a place.
 struct Axis {
   Vector3d point, direction;
-  double radius = 0, tube = 0, height = 0, lowest = 0;
+  double radius = 0, tube = 0;  // of a torus
+  double along_axis = 0;        // n·direction of a cone, whose apex is the point
 };
 
 std::vector<Oriented> oriented_of(const Mesh& mesh, const Shape& shape) {
@@ -116,7 +117,7 @@ std::optional<Axis> cone(std::vector<Oriented> list) {
     return std::nullopt;
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(normal);
   if (lu.rank() < 3) return std::nullopt;
-  return Axis{lu.solve(right), axis, 1};
+  return Axis{.point = lu.solve(right), .direction = axis, .along_axis = height};
 }
 
 // All normals meet the axis: (p × n)·a + n·m = 0 with a its direction and m the moment of a point on it.
@@ -161,20 +162,26 @@ std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, std:
   charted.triangles = mesh.triangles;
   charted.positions = mesh.positions;
   const auto [x, y] = across(axis->direction);
-  double lowest = 0, highest = 0, widest = 0;
+  double lowest = 0, highest = 0, longest = 0;
+  // Along the straight lines of a cone, so that what positions err by along them is none of the distance.
+  const double across_axis = std::sqrt(1 - axis->along_axis * axis->along_axis);
+  const auto from_apex = [&](const Vector3d& q) {
+    return std::fabs(axis->along_axis) * std::hypot(q.x(), q.y()) -
+           std::copysign(across_axis, axis->along_axis) * q.z();
+  };
   std::vector<Vector3d> local;
   for (const Vec3<double>& p : mesh.positions) {
     const Vector3d d = (to_eigen(p) - shape.centre) / shape.size - axis->point;
     local.emplace_back(d.dot(x), d.dot(y), d.dot(axis->direction));
     if (!local.back().allFinite()) continue;
     lowest = std::fmin(lowest, local.back().z()), highest = std::fmax(highest, local.back().z());
-    widest = std::fmax(widest, std::hypot(local.back().x(), local.back().y()));
+    longest = std::fmax(longest, from_apex(local.back()));
   }
-  if (!(widest > 0)) return std::nullopt;
+  if (kind == "cone" && !(longest > 0)) return std::nullopt;
   for (const Vector3d& q : local) {
     const double r = std::hypot(q.x(), q.y()), u = std::atan2(q.y(), q.x()) / (2 * M_PI);
     const double v = kind == "cylinder" ? (q.z() - lowest) / std::fmax(highest - lowest, 1e-12)
-                     : kind == "cone"   ? 1 - r / widest
+                     : kind == "cone"   ? 1 - from_apex(q) / longest
                                         : std::atan2(q.z(), r - axis->radius) / (2 * M_PI);
     charted.uvs.push_back({u, v});
   }
