@@ -324,6 +324,14 @@ std::string histogram(const Entry& e) {
         " Seams, pole rings, creases and borders may be three times as far; a corner counts once, under the "
         "first code it meets: " +
         counted + '.';
+  double uncertain = 0;
+  for (const Judgement& j : e.judged.judgements)
+    uncertain = std::fmax(uncertain, (e.quantity() == "normal" ? j.report.normal_uncertainty_deg
+                                                               : j.report.tangent_uncertainty_deg)
+                                         .rms());
+  if (beyond > 0 && uncertain > e.limit / 10)
+    words += " The reference itself is uncertain by up to " + escape(deviation_text(uncertain, 2, "° rms")) +
+             "; what that may explain is not counted.";
   return "<h4>How many corners have which " + e.quantity() + " error</h4>\n<figure>" + svg + "<figcaption>" +
          words + "</figcaption></figure>\n";
 }
@@ -414,17 +422,9 @@ std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
       html += "<label><input type=checkbox checked class=by-verdict value=" + std::string(verdict_names[k]) +
               ">" + badge(v) + " " + std::to_string(count) + "</label>\n";
   }
-  std::vector<std::pair<std::string, std::size_t>> codes;  // and of how many meshes
+  std::map<std::string, std::size_t> codes;  // and of how many meshes
   for (const Entry& e : entries)
-    for (const auto& [code, count] : codes_of(e)) {
-      const auto at =
-          std::find_if(codes.begin(), codes.end(), [&](const auto& c) { return c.first == code; });
-      if (at == codes.end())
-        codes.push_back({code, 1});
-      else
-        ++at->second;
-    }
-  std::sort(codes.begin(), codes.end());
+    for (const auto& found : codes_of(e)) ++codes[found.first];
   if (!codes.empty()) {
     html += "<label>finding <select class=by-code><option value=\"\">any</option>";
     for (const auto& [code, count] : codes)
