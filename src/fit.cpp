@@ -61,11 +61,10 @@ std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed cha
   return result;
 }
 
-Data usable_vertices(const Mesh& mesh) {
+Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   if (mesh.uvs.empty()) throw UndeterminedError("mesh", "has no uvs, a fit needs one uv set");
   // Triangles without area place no vertex: uvs that collapsed do not name its place, nor do positions.
   std::vector<bool> referenced(mesh.positions.size(), false);
-  const std::vector<signed char> signs = triangle_signs(mesh);
   const bool any = std::any_of(signs.begin(), signs.end(), [](signed char s) { return s != 0; });
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t])
@@ -301,7 +300,7 @@ MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
   const AnySurface surface = make_surface(given);  // refuses unknown names and values out of range
   const UvKind* kind = find_uv_kind(given.name);
   if (!kind) return fit_surface(mesh, surface, placement);
-  const Data data = usable_vertices(mesh);
+  const Data data = usable_vertices(mesh, triangle_signs(mesh));
   const Wanted wanted{*kind, given.parameters, {}, placement};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) {
@@ -321,7 +320,7 @@ MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
 MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
                     const std::optional<Eigen::Isometry3d>& placement) {
   const UvKind kind = rigid_kind(exact);
-  const Data data = usable_vertices(mesh);
+  const Data data = usable_vertices(mesh, triangle_signs(mesh));
   const Wanted wanted{kind, {}, exact, placement};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) keep_better(best, try_affine(data, wanted));
@@ -330,14 +329,16 @@ MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
 }
 
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
-  if (std::optional<MeshFit> fit = fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any))
+  if (std::optional<MeshFit> fit =
+          fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any, triangle_signs(mesh)))
     return std::move(*fit);
   throw MeshError("mesh", "is none of the surfaces that can be fitted");
 }
 
 std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,
-                                 std::span<const std::string_view> kinds, UvMaps maps) {
-  const Data data = usable_vertices(mesh);
+                                 std::span<const std::string_view> kinds, UvMaps maps,
+                                 std::span<const signed char> signs) {
+  const Data data = usable_vertices(mesh, signs);
   std::optional<Trial> best;
   for (const bool affine : {false, true}) {
     if (affine ? maps == UvMaps::plain : maps == UvMaps::affine) continue;

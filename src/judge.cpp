@@ -7,6 +7,7 @@
 #include "fit/kinds.h"
 #include "recognise/recognise.h"
 #include "recognise/uv_choice.h"
+#include "triangle_signs.h"
 #include "validate/findings.h"
 #include "validate/parts.h"
 
@@ -57,9 +58,12 @@ Recognised find_declared(const Mesh& mesh, const JudgeOptions& options, bool par
 // A part: the declared surface, else any.
 Recognised recognise_part(const Mesh& mesh, const JudgeOptions& options, Effort& effort,
                           std::string_view charted) {
-  if (!options.declares_surface()) return recognise(mesh, options.placement, effort, charted);
+  if (!options.declares_surface())
+    return recognise(mesh, triangle_signs(mesh), options.placement, effort, charted);
   Recognised result = find_declared(mesh, options, true);
-  return result.fits() ? result : recognise(mesh, {}, effort);  // the placement was the declared surface's
+  return result.fits()
+             ? result
+             : recognise(mesh, triangle_signs(mesh), {}, effort);  // the placement was the declared surface's
 }
 
 // Whose n may be on either side.
@@ -221,10 +225,10 @@ std::vector<Judgement> judge_each(Subject whole, std::vector<RecognisedPart> par
   return result;
 }
 
-Recognised look_at_whole(const Mesh& mesh, const JudgeOptions& options, Effort& effort) {
+Recognised look_at_whole(const Subject& subject, const JudgeOptions& options, Effort& effort) {
   if (!options.references.analytic) return {};
-  return options.declares_surface() ? find_declared(mesh, options, false)
-                                    : recognise(mesh, options.placement, effort);
+  return options.declares_surface() ? find_declared(subject.mesh, options, false)
+                                    : recognise(subject.mesh, subject.raw_sign, options.placement, effort);
 }
 
 void note_budget(MeshReport& report, const Effort& effort) {
@@ -262,7 +266,7 @@ Judgement judge(const Mesh& mesh, const JudgeOptions& options) {
     return std::move(other->front());
   Subject subject = prepare(mesh, options);
   Effort effort(options.budget);
-  Recognised recognised = look_at_whole(mesh, options, effort);
+  Recognised recognised = look_at_whole(subject, options, effort);
   Judgement result = judge_whole(std::move(subject), std::move(recognised), options);
   note_budget(result.report, effort);
   return result;
@@ -273,7 +277,7 @@ std::vector<Judgement> judge_parts(const Mesh& mesh, const JudgeOptions& options
   if (auto other = judge_by_other_uvs(mesh, options, judge_parts)) return std::move(*other);
   Subject subject = prepare(mesh, options);
   Effort effort(options.budget);
-  Recognised whole = look_at_whole(mesh, options, effort);
+  Recognised whole = look_at_whole(subject, options, effort);
   // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves of a mirrored one,
   // go before a whole whose uvs say nothing.
   const bool uncharted = whole.fits() && !options.declares_surface() &&

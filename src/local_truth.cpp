@@ -163,7 +163,7 @@ std::vector<Truth> local_truth(const Mesh& mesh) {
     nodes.clear();
   }
   for (Index v = 0; v < node_of.size(); ++v)
-    if (node_of[v] != none) result[v] = result[first[node_of[v]]];
+    if (node_of[v] != none && first[node_of[v]] != v) result[v] = result[first[node_of[v]]];
   return result;
 }
 

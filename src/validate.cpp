@@ -126,7 +126,7 @@ class Judge {
   // \param angles_at of a vertex
   template <class AnglesAt>
   std::vector<ClassReport> class_reports(std::span<const Truth> truth, const AnglesAt& angles_at) const {
-    ClassSums sums(mesh_);
+    ClassSums sums(mesh_, classes_.of_vertex);
     for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
       sums.add(classes_.of_vertex[v], v, corners_of_[v], angles_at(v), truth.empty() ? nullptr : &truth[v]);
     return sums.reports();
@@ -414,7 +414,7 @@ std::string_view Judge::variant(std::size_t equal, std::size_t near) const {
 void Judge::compare_with_mikktspace() {
   if (subject_.mikktspace.empty()) return;
   MikkReport& report = report_.mikktspace.emplace();
-  ClassSums sums(mesh_);
+  ClassSums sums(mesh_, classes_.of_vertex);
   std::size_t equal_raw = 0, equal_gltf = 0, near = 0, beyond = 0;
   double worst = 0;
   const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };

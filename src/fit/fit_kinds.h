@@ -1,9 +1,11 @@
-// The fit through uvs of some kinds under some maps: fit_any_surface() is that of all under any.
+// The fit through uvs of some kinds under some maps: fit_any_surface() is that of all under any. The callers know the signs of the
+// mesh's triangles, in the sense of triangle_signs().
 #pragma once
 
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include <darboux/fit.h>
 
@@ -14,6 +16,10 @@ enum class UvMaps { plain, affine, any };  // flips and swaps; affine maps; the 
 // The first of fitted_kinds() among `kinds` that fits, else the nearest; nothing where none could start.
 // \throws UndeterminedError as fit_any_surface() does
 std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,
-                                 std::span<const std::string_view> kinds, UvMaps maps);
+                                 std::span<const std::string_view> kinds, UvMaps maps,
+                                 std::span<const signed char> signs);
+
+// The public one.
+std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const signed char> signs);
 
 }  // namespace darboux

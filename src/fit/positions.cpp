@@ -10,6 +10,7 @@
 
 #include "../evenly_chosen.h"
 #include "../triangle_signs.h"
+#include "fit_kinds.h"
 
 namespace darboux {
 namespace {
@@ -152,12 +153,15 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<Surfa
 }
 
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit) {
+  return truths(mesh, fit, fit.chart == UvChart::own ? triangle_signs(mesh) : std::vector<signed char>{});
+}
+
+std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const signed char> signs) {
   const Vec3<double> none = detail::nan_vector<double>();
   const Truth unknown{none, none, none, none, Status::no_frame, false, infinity, infinity};
   std::vector<Truth> result;
   if (fit.chart == UvChart::own) {
     result = truths_at(fit, mesh.uvs);
-    const std::vector<signed char> signs = triangle_signs(mesh);
     std::vector<bool> used(mesh.positions.size(), false), with_area(mesh.positions.size(), false);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for (const std::uint32_t v : mesh.triangles[t]) {

@@ -132,20 +132,18 @@ Accessor read_accessor(const GltfFile& file, const Place& index) {
   return accessor;
 }
 
-std::vector<double> numbers(const Accessor& accessor) {
-  std::vector<double> values(accessor.count * accessor.components);
+void numbers(const Accessor& accessor, std::span<double> values) {
   with_component(accessor.component_type, [&](auto zero) {
     using T = decltype(zero);
     const bool scaled = accessor.normalized && sizeof(T) < 4;
     const double largest = scaled ? static_cast<double>(std::numeric_limits<T>::max()) : 1.0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] =
-          static_cast<double>(raw_component<T>(accessor, i / accessor.components, i % accessor.components));
-      // The most negative integer stands for -1 as well.
-      if (scaled) values[i] = std::max(values[i] / largest, -1.0);
-    }
+    for (std::size_t i = 0, element = 0; element < accessor.count; ++element)
+      for (std::size_t k = 0; k < accessor.components; ++k, ++i) {
+        values[i] = static_cast<double>(raw_component<T>(accessor, element, k));
+        // The most negative integer stands for -1 as well.
+        if (scaled) values[i] = std::max(values[i] / largest, -1.0);
+      }
   });
-  return values;
 }
 
 std::vector<std::uint32_t> unsigned_integers(const Accessor& accessor) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -65,7 +66,8 @@ Accessor accessor_layout(const Place& accessor);
 Accessor read_accessor(const GltfFile& file, const Place& index);
 
 /// The numbers of a SCALAR or VEC accessor, in order; normalised integers as what they stand for.
-std::vector<double> numbers(const Accessor& accessor);
+/// \param values count * components of them
+void numbers(const Accessor& accessor, std::span<double> values);
 
 /// Unsigned integers of a SCALAR accessor.
 std::vector<std::uint32_t> unsigned_integers(const Accessor& accessor);

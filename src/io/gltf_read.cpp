@@ -88,46 +88,33 @@ double half_step(const Accessor& accessor) {
   return result;
 }
 
-template <class Vector, class Make>
-std::vector<Vector> gather(const Accessor& accessor, Make make) {
-  const std::vector<double> values = numbers(accessor);
+template <class Vector>
+std::vector<Vector> gather(const Accessor& accessor) {
   std::vector<Vector> vectors(accessor.count);
-  for (std::size_t i = 0; i < vectors.size(); ++i) vectors[i] = make(values.data() + i * accessor.components);
+  if (!vectors.empty()) numbers(accessor, {&vectors[0].x, accessor.count * sizeof(Vector) / sizeof(double)});
   return vectors;
-}
-
-Vec2<double> make_vec2(const double* p) {
-  return {p[0], p[1]};
-}
-Vec3<double> make_vec3(const double* p) {
-  return {p[0], p[1], p[2]};
-}
-Vec4<double> make_vec4(const double* p) {
-  return {p[0], p[1], p[2], p[3]};
 }
 
 void read_triangles(const GltfFile& file, const Place& place, std::uint64_t mode, Primitive& primitive) {
   const Place attributes = place.at("attributes");
   Mesh& mesh = primitive.data;
-  const auto read = [&](const std::string& name, const char* type, std::size_t count, auto make, auto& values,
+  const auto read = [&](const std::string& name, const char* type, std::size_t count, auto& values,
                         double& step) {
     const Accessor accessor = read_attribute(file, attributes, name, type, count);
-    values = gather<typename std::remove_reference_t<decltype(values)>::value_type>(accessor, make);
+    values = gather<typename std::remove_reference_t<decltype(values)>::value_type>(accessor);
     const auto decoded = file.half_steps.find(attributes.at(name.c_str()).integer());
     step = decoded != file.half_steps.end() ? decoded->second : half_step(accessor);
   };
-  read("POSITION", "VEC3", 0, make_vec3, mesh.positions, mesh.half_steps.position);
+  read("POSITION", "VEC3", 0, mesh.positions, mesh.half_steps.position);
   const std::size_t vertices = mesh.positions.size();
-  if (attributes.has("NORMAL"))
-    read("NORMAL", "VEC3", vertices, make_vec3, mesh.normals, mesh.half_steps.normal);
-  if (attributes.has("TANGENT"))
-    read("TANGENT", "VEC4", vertices, make_vec4, mesh.tangents, mesh.half_steps.tangent);
+  if (attributes.has("NORMAL")) read("NORMAL", "VEC3", vertices, mesh.normals, mesh.half_steps.normal);
+  if (attributes.has("TANGENT")) read("TANGENT", "VEC4", vertices, mesh.tangents, mesh.half_steps.tangent);
   const TangentSpace space = tangent_space(file, place);
   primitive.needs_tangents = space.needed;
   for (const std::uint64_t set : {space.texcoord, std::uint64_t{0}}) {
     const std::string name = "TEXCOORD_" + std::to_string(set);
     if (primitive.texcoord >= 0 || !attributes.has(name.c_str())) continue;
-    read(name, "VEC2", vertices, make_vec2, mesh.uvs, mesh.half_steps.uv);
+    read(name, "VEC2", vertices, mesh.uvs, mesh.half_steps.uv);
     primitive.texcoord = static_cast<int>(set);
     primitive.names_uv_set = space.names && set == space.texcoord;
     if (primitive.names_uv_set) primitive.texture_transform = space.transform;
@@ -137,7 +124,7 @@ void read_triangles(const GltfFile& file, const Place& place, std::uint64_t mode
       const std::string name = "TEXCOORD_" + std::to_string(set);
       if (set == primitive.texcoord || !attributes.has(name.c_str())) continue;
       primitive.other_uvs.emplace_back(
-          set, gather<Vec2<double>>(read_attribute(file, attributes, name, "VEC2", vertices), make_vec2));
+          set, gather<Vec2<double>>(read_attribute(file, attributes, name, "VEC2", vertices)));
     }
   std::vector<std::uint32_t> corners;
   if (place.has("indices")) {
@@ -297,14 +284,14 @@ std::vector<MorphTarget> read_targets(const GltfFile& file, const Place& primiti
   const std::string uvs = "TEXCOORD_" + std::to_string(texcoord);
   for (std::size_t i = 0; i < result.size(); ++i) {
     const Place target = targets.at(i);
-    const auto read = [&](const std::string& name, const char* type, auto make, auto& into) {
+    const auto read = [&](const std::string& name, const char* type, auto& into) {
       if (target.has(name.c_str()))
         into = gather<typename std::remove_reference_t<decltype(into)>::value_type>(
-            read_attribute(file, target, name, type, vertices), make);
+            read_attribute(file, target, name, type, vertices));
     };
-    read("POSITION", "VEC3", make_vec3, result[i].positions);
-    read("NORMAL", "VEC3", make_vec3, result[i].normals);
-    read(uvs, "VEC2", make_vec2, result[i].uvs);
+    read("POSITION", "VEC3", result[i].positions);
+    read("NORMAL", "VEC3", result[i].normals);
+    read(uvs, "VEC2", result[i].uvs);
   }
   return result;
 }

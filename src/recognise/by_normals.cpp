@@ -8,6 +8,7 @@
 
 #include "../evenly_chosen.h"
 #include "../fit/fit_kinds.h"
+#include "../triangle_signs.h"
 
 namespace darboux {
 namespace {
@@ -186,7 +187,8 @@ std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, std:
     charted.uvs.push_back({u, v});
   }
   try {
-    std::optional<MeshFit> fit = fit_kinds(charted, std::nullopt, std::array{kind}, UvMaps::plain);
+    std::optional<MeshFit> fit =
+        fit_kinds(charted, std::nullopt, std::array{kind}, UvMaps::plain, triangle_signs(charted));
     if (!fit || !fit->fits) return std::nullopt;
     fit->chart = UvChart::unknown;
     fit->equivalent.clear();

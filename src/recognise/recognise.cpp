@@ -50,9 +50,14 @@ bool may_be(std::string_view kind, Quadric quadric) {
 // One mesh that is looked at.
 class Search {
  public:
-  Search(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
-         std::string_view charted)
-      : mesh_(mesh), placement_(placement), effort_(effort), charted_(charted), shape_(shape_of(mesh)) {}
+  Search(const Mesh& mesh, std::span<const signed char> signs,
+         const std::optional<Eigen::Isometry3d>& placement, Effort& effort, std::string_view charted)
+      : mesh_(mesh),
+        signs_(signs),
+        placement_(placement),
+        effort_(effort),
+        charted_(charted),
+        shape_(shape_of(mesh)) {}
 
   Recognised result() && {
     if (shape_.places.size() < 3 || !(shape_.size > 0)) {
@@ -86,7 +91,7 @@ class Search {
   std::optional<MeshFit> by_uvs(std::span<const std::string_view> kinds, UvMaps maps) {
     if (mesh_.uvs.empty() || !shape_.one_chart) return std::nullopt;
     try {
-      std::optional<MeshFit> fit = fit_kinds(mesh_, placement_, kinds, maps);
+      std::optional<MeshFit> fit = fit_kinds(mesh_, placement_, kinds, maps, signs_);
       if (fit && !fit->fits) {
         if (!result_.fit || fit->rms_relative < result_.fit->rms_relative) {
           result_.reason = nearest_fit(*fit);
@@ -102,7 +107,7 @@ class Search {
   }
 
   void take(MeshFit fit, Evidence evidence) {
-    result_.truth = truths(mesh_, fit);
+    result_.truth = truths(mesh_, fit, signs_);
     result_.fit = std::move(fit);
     result_.evidence = std::move(evidence);
   }
@@ -177,6 +182,7 @@ class Search {
   }
 
   const Mesh& mesh_;
+  std::span<const signed char> signs_;
   const std::optional<Eigen::Isometry3d>& placement_;
   Effort& effort_;
   std::string_view charted_;
@@ -224,9 +230,10 @@ bool Effort::may_search_affine(const Shape& shape) {
   return *one_chart_ && shape.one_chart && !spent() && affine_-- > 0;
 }
 
-Recognised recognise(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+Recognised recognise(const Mesh& mesh, std::span<const signed char> signs,
+                     const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
                      std::string_view charted) {
-  return Search(mesh, placement, effort, charted).result();
+  return Search(mesh, signs, placement, effort, charted).result();
 }
 
 }  // namespace darboux

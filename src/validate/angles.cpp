@@ -48,20 +48,28 @@ std::vector<bool> opposed_vertices(const Mesh& mesh, std::span<const Truth> trut
   return opposed;
 }
 
+ClassSums::ClassSums(const Mesh& mesh, std::span<const VertexClass> of_vertex) : mesh_(mesh) {
+  for (const VertexClass c : of_vertex) ++sums_[static_cast<std::size_t>(c)].vertices;
+}
+
 void ClassSums::add(VertexClass vertex_class, std::uint32_t vertex, std::uint32_t corners,
                     const Angles& angles, const Truth* truth) {
   if (corners == 0) return;
   Sums& s = sums_[static_cast<std::size_t>(vertex_class)];
   s.corners += corners;
+  const auto store = [&](std::vector<Counted>& values, double angle) {
+    if (values.empty()) values.reserve(s.vertices);
+    values.push_back({angle, corners});
+  };
   if (angles.normal >= 0) {
-    s.normal.push_back({angles.normal, corners});
+    store(s.normal, angles.normal);
     if (truth) s.normal_uncertainty.add(truth->normal_deg, corners);
   }
   if (angles.tangent >= 0) {
-    s.tangent.push_back({angles.tangent, corners});
+    store(s.tangent, angles.tangent);
     if (truth) s.tangent_uncertainty.add(truth->tangent_deg, corners);
   }
-  if (angles.bitangent >= 0) s.bitangent.push_back({angles.bitangent, corners});
+  if (angles.bitangent >= 0) store(s.bitangent, angles.bitangent);
   if (const double judged = mesh_.tangents.empty() ? angles.normal : angles.tangent; judged > s.worst) {
     s.worst = judged;
     s.worst_vertex = vertex;

@@ -40,7 +40,7 @@ std::vector<bool> opposed_vertices(const Mesh& mesh, std::span<const Truth> trut
 // Statistics of angles by class. Add each vertex with the number of its corners, or each corner.
 class ClassSums {
  public:
-  explicit ClassSums(const Mesh& mesh) : mesh_(mesh) {}
+  ClassSums(const Mesh& mesh, std::span<const VertexClass> of_vertex);
   // \param truth whose deviations are summed up, or none
   void add(VertexClass vertex_class, std::uint32_t vertex, std::uint32_t corners, const Angles& angles,
            const Truth* truth);
@@ -49,6 +49,7 @@ class ClassSums {
  private:
   struct Sums {
     std::size_t corners = 0;
+    std::size_t vertices = 0;  // of the class, which is room for what is added
     std::vector<Counted> normal, tangent, bitangent;
     Spread normal_uncertainty, tangent_uncertainty;
     double worst = -1;
