@@ -168,11 +168,12 @@ bool determined(const UvModel& model, const UvState& state) {
 std::optional<Trial> tried(const Data& data, UvStart start, const Wanted& given) {
   start.model.points = &data.trial;
   Solved solved;
-  if (start.median < hopeless && rms(start.model, start.state) < too_far) {
+  const double most = hopeless_share * fits_below;
+  if (start.median < hopeless && start.least_rms <= most && rms(start.model, start.state) < too_far) {
     // Far from a few of the points it is far from all.
     start.model.points = &data.few;
     solved = start.model.solve(start.state, Mixture{}, 1e-3);
-    const bool far = rms(start.model, start.state) > hopeless_share * fits_below;
+    const bool far = rms(start.model, start.state) > most;
     start.model.points = &data.trial;
     if (far)
       solved.converged = false;

@@ -161,13 +161,17 @@ class Search {
       return;
     }
     const Quadric quadric = quadric_of(mesh_, shape_);
+    const bool no_torus = quadric != Quadric::none || !may_be_cyclide(mesh_, shape_);
+    const auto ruled_out = [&](std::string_view kind) {
+      return !may_be(kind, quadric) || (kind == "torus" && no_torus);
+    };
     std::vector<std::string_view> kinds;
     for (const std::string_view kind : fitted_kinds())
-      if (may_be(kind, quadric)) kinds.push_back(kind);
+      if (!ruled_out(kind)) kinds.push_back(kind);
     if (auto fit = by_uvs(kinds, UvMaps::plain))
       if (weigh(std::move(*fit))) return;
     for (const std::string_view kind : found_kinds()) {
-      if (kind == "plane" || !may_be(kind, quadric) || effort_.spent()) continue;
+      if (kind == "plane" || ruled_out(kind) || effort_.spent()) continue;
       std::optional<MeshFit> fit;
       if (!placement_) fit = fit_by_normals(mesh_, shape_, kind);
       if (!fit && (mesh_.normals.empty() || shape_.places.size() >= fewest_by_positions))

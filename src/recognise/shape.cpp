@@ -22,13 +22,13 @@ constexpr double same = 1e-6;                           // of the size
 constexpr double flat_deg = 1;                          // faces that turn by less do not turn
 constexpr double facet_deg = 1;                         // a normal that is its triangle's
 constexpr std::size_t whole = 10000, looked_at = 5000;  // vertices: of larger meshes the triangles about some
-constexpr std::size_t quadric_places = 400;
-constexpr double near_quadric = 3 * fits_below;  // of the size
-constexpr double apart = 10;                     // how many times as far the second nearest quadric must be
-constexpr double clear = 1e-3;                   // of the largest eigenvalue of a quadric's form
-constexpr std::size_t fewest = 8;                // places
-constexpr double most_polyhedral = 0.2;          // of the edges that turn
-constexpr std::size_t many_places = 1000;        // beyond which folds, as of Schwarz's lantern, tell nothing
+constexpr std::size_t algebraic_places = 400;
+constexpr double near_algebraic = 3 * fits_below;  // of the size
+constexpr double apart = 10;                       // how many times as far the second nearest quadric must be
+constexpr double clear = 1e-3;                     // of the largest eigenvalue of a quadric's form
+constexpr std::size_t fewest = 8;                  // places
+constexpr double most_polyhedral = 0.2;            // of the edges that turn
+constexpr std::size_t many_places = 1000;  // beyond which folds, as of Schwarz's lantern, tell nothing
 constexpr double most_faceted = 0.5;
 // Many small facets of equal turns are a surface all the same.
 constexpr std::size_t fine_places = 48;
@@ -177,30 +177,56 @@ Shape shape_of(const Mesh& mesh) {
   return shape;
 }
 
+namespace {
+
+// Of all polynomials in some monomials those nearest to the places: the roots of the least values of sum F² over sum |grad F|²,
+// distances in units of the mesh's size, and the coefficients of each [Taubin1991].
+template <int N>
+struct Algebraic {
+  std::size_t places = 0;
+  Eigen::Matrix<double, N, 1> distances;
+  Eigen::Matrix<double, N, N> coefficients;
+
+  // \param monomials fills the values of N monomials and their derivatives at (x, y, z)
+  template <class Monomials>
+  Algebraic(const Mesh& mesh, const Shape& shape, Monomials monomials) {
+    using Row = Eigen::Matrix<double, N, 1>;
+    Eigen::Matrix<double, N, N> values = Eigen::Matrix<double, N, N>::Zero(), slopes = values;
+    for (const std::size_t i : evenly_chosen(shape.places.size(), algebraic_places)) {
+      const Eigen::Vector3d p = 2 * (to_eigen(mesh.positions[shape.places[i]]) - shape.centre) / shape.size;
+      Row f, fx, fy, fz;
+      monomials(p.x(), p.y(), p.z(), f, fx, fy, fz);
+      values += f * f.transpose();
+      slopes += fx * fx.transpose() + fy * fy.transpose() + fz * fz.transpose();
+      ++places;
+    }
+    // The constant has no slope.
+    slopes += 1e-9 * static_cast<double>(places) * Eigen::Matrix<double, N, N>::Identity();
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(values, slopes);
+    distances = solver.eigenvalues().cwiseMax(0).cwiseSqrt() / 2;
+    coefficients = solver.eigenvectors();
+  }
+};
+
+void quadratic(double x, double y, double z, auto&& f, auto&& fx, auto&& fy, auto&& fz) {
+  f << x * x, y * y, z * z, x * y, y * z, z * x, x, y, z, 1;
+  fx << 2 * x, 0, 0, y, 0, z, 1, 0, 0, 0;
+  fy << 0, 2 * y, 0, x, z, 0, 0, 1, 0, 0;
+  fz << 0, 0, 2 * z, 0, y, x, 0, 0, 1, 0;
+}
+
+}  // namespace
+
 Quadric quadric_of(const Mesh& mesh, const Shape& shape) {
   using Row = Eigen::Matrix<double, 10, 1>;
-  Eigen::Matrix<double, 10, 10> values = Eigen::Matrix<double, 10, 10>::Zero(), slopes = values;
-  double count = 0;
-  for (const std::size_t i : evenly_chosen(shape.places.size(), quadric_places)) {
-    const Eigen::Vector3d p = 2 * (to_eigen(mesh.positions[shape.places[i]]) - shape.centre) / shape.size;
-    const double x = p.x(), y = p.y(), z = p.z();
-    Row f, fx, fy, fz;
-    f << x * x, y * y, z * z, x * y, y * z, z * x, x, y, z, 1;
-    fx << 2 * x, 0, 0, y, 0, z, 1, 0, 0, 0;
-    fy << 0, 2 * y, 0, x, z, 0, 0, 1, 0, 0;
-    fz << 0, 0, 2 * z, 0, y, x, 0, 0, 1, 0;
-    values += f * f.transpose();
-    slopes += fx * fx.transpose() + fy * fy.transpose() + fz * fz.transpose();
-    count += 1;
-  }
-  if (count < 10) return Quadric::any;
-  // The least of sum F² over sum |grad F|², a squared distance [Taubin1991]. The constant has no slope.
-  slopes += 1e-9 * count * Eigen::Matrix<double, 10, 10>::Identity();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, 10, 10>> solver(values, slopes);
-  const auto distance = [&](int k) { return std::sqrt(std::fmax(solver.eigenvalues()[k], 0)) / 2; };
-  if (distance(0) > near_quadric) return Quadric::none;
-  if (distance(1) < apart * near_quadric) return Quadric::any;
-  const Row q = solver.eigenvectors().col(0);
+  const Algebraic<10> nearest(mesh, shape,
+                              [](double x, double y, double z, Row& f, Row& fx, Row& fy, Row& fz) {
+                                quadratic(x, y, z, f, fx, fy, fz);
+                              });
+  if (nearest.places < 10) return Quadric::any;
+  if (nearest.distances[0] > near_algebraic) return Quadric::none;
+  if (nearest.distances[1] < apart * near_algebraic) return Quadric::any;
+  const Row q = nearest.coefficients.col(0);
   Eigen::Matrix3d form;
   form << q[0], q[3] / 2, q[5] / 2, q[3] / 2, q[1], q[4] / 2, q[5] / 2, q[4] / 2, q[2];
   Eigen::Vector3d shares =
@@ -208,6 +234,20 @@ Quadric quadric_of(const Mesh& mesh, const Shape& shape) {
   shares /= shares[0] + shares[2] < 0 ? shares[0] : shares[2];  // of the largest
   const double least = shares.minCoeff();
   return least > clear ? Quadric::definite : least < -clear ? Quadric::indefinite : Quadric::any;
+}
+
+bool may_be_cyclide(const Mesh& mesh, const Shape& shape) {
+  using Row = Eigen::Matrix<double, 14, 1>;
+  const Algebraic<14> nearest(mesh, shape,
+                              [](double x, double y, double z, Row& f, Row& fx, Row& fy, Row& fz) {
+                                quadratic(x, y, z, f.head<10>(), fx.head<10>(), fy.head<10>(), fz.head<10>());
+                                const double s = x * x + y * y + z * z;
+                                f.tail<4>() << s * x, s * y, s * z, s * s;
+                                fx.tail<4>() << s + 2 * x * x, 2 * x * y, 2 * x * z, 4 * s * x;
+                                fy.tail<4>() << 2 * y * x, s + 2 * y * y, 2 * y * z, 4 * s * y;
+                                fz.tail<4>() << 2 * z * x, 2 * z * y, s + 2 * z * z, 4 * s * z;
+                              });
+  return nearest.places < 14 || nearest.distances[0] <= near_algebraic;
 }
 
 std::string against_any_surface(const Shape& shape) {

@@ -36,6 +36,9 @@ Shape shape_of(const Mesh& mesh);
 enum class Quadric { none, definite, indefinite, any };
 Quadric quadric_of(const Mesh& mesh, const Shape& shape);  // looks at some hundreds of places
 
+// Whether the places may lie on a Darboux cyclide, a |p|⁴ + |p|² l(p) + q(p) = 0 with l linear and q quadratic, of which a torus is one.
+bool may_be_cyclide(const Mesh& mesh, const Shape& shape);  // looks at some hundreds of places
+
 // Why no curved surface need be looked for: "polyhedron: ...". Empty where one may be.
 std::string against_any_surface(const Shape& shape);
 

@@ -84,6 +84,12 @@ bool UvKind::may_be_zero(int k) const {
   return fit::may_be_zero(name, parameters[static_cast<std::size_t>(k)]);
 }
 
+bool UvKind::linear() const {
+  for (int k = 0; k < parameter_count(); ++k)
+    if (const auto i = static_cast<std::size_t>(k); !length[i] || tied_to[i] != k) return false;
+  return true;
+}
+
 bool UvKind::vanishes(int k, double value) const {
   return !may_be_zero(k) && std::fabs(value) < 1e-6;
 }

@@ -37,6 +37,8 @@ struct UvKind {
   std::array<Coordinate, 2> coordinates{};  ///< what u and v are
 
   int parameter_count() const { return static_cast<int>(parameters.size()); }
+  /// Whether positions are linear in the parameters: all are lengths, and none is tied.
+  bool linear() const;
   /// Whether the surface is of this kind with 0 for the k-th parameter.
   bool may_be_zero(int k) const;
   /// Whether the k-th parameter, over the size of the points, has shrunk the surface to a line, a point or another kind.

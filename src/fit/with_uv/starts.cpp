@@ -211,13 +211,20 @@ ConventionStarts convention_starts(const UvKind& kind, const UvPoints& points, c
   for (const UvConvention& convention : uv_conventions()) {
     const UvModel model = model_of(kind, points, convention, held);
     std::optional<UvStart> proper, mirrored;
+    double least_rms = 0;
     const auto keep_nearer = [&](std::optional<UvStart>& best, UvModel judged, const UvState& state) {
       const double median = median_distance(judged, state);
-      if (std::isfinite(median) && (!best || median < best->median)) best = UvStart{judged, state, median};
+      if (std::isfinite(median) && (!best || median < best->median))
+        best = UvStart{judged, state, median, least_rms};
     };
     for (const auto& at : kind.starts) {
       Linear linear = linear_problem(model, identity_map, at);
       if (!solve(linear, robust ? many_rounds : 1)) continue;
+      // What is linear is freer than what is rigid, where no parameter but lengths is to be found.
+      if (!robust && kind.linear())
+        least_rms =
+            std::sqrt(Eigen::VectorXd::Map(linear.distances.data(), linear.design.rows()).squaredNorm() /
+                      static_cast<double>(linear.design.rows()));
       keep_nearer(proper, model, rigid(model, linear, identity_map, at, held, false));
       if (!robust) continue;
       UvModel reflected = model;

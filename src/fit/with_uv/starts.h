@@ -19,6 +19,8 @@ struct UvStart {
   UvModel model;
   UvState state;
   double median;  ///< of the points' distances
+  /// No state of this kind, with this convention, is nearer to the points, rms; 0 where that is not known
+  double least_rms = 0;
 };
 
 /// The best start of each convention of uv_conventions(), in their order, without those that have none in the range of numbers.
