@@ -37,9 +37,9 @@ bool agree(const Truth& a, const Truth& b, double floor_deg) {
   const auto within = [&](double angle, double one, double other) {
     return degrees_per_radian * angle <= certain * std::hypot(one, other) + floor_deg;
   };
-  const double normal = angle_between(a.normal, b.normal);
+  const double normal = angle_between_units(a.normal, b.normal);
   return within(std::fmin(normal, std::numbers::pi - normal), a.normal_deg, b.normal_deg) &&
-         within(angle_between(a.tangent, b.tangent), a.tangent_deg, b.tangent_deg);
+         within(angle_between_units(a.tangent, b.tangent), a.tangent_deg, b.tangent_deg);
 }
 
 bool known(const Truth& t) {

@@ -17,14 +17,19 @@ namespace detail {
 
 }  // namespace detail
 
-/// The angle between two directions of any length, in radians, accurate near 0 and near π. [Kahan2006]
+/// The angle between two unit vectors, in radians, accurate near 0 and near π. [Kahan2006]
 template <std::floating_point S>
-S angle_between(const Vec3<S>& a, const Vec3<S>& b) {
-  const Vec3<S> p = unit(a), q = unit(b);
+S angle_between_units(const Vec3<S>& p, const Vec3<S>& q) {
   const S chord = norm(p - q), square = chord * chord;
   if (chord < S(1) / 64)  // 2 asin(chord/2), in a third of the time
     return chord * (1 + square * (S(1) / 24 + square * (S(3) / 640 + square * (S(5) / 7168))));
   return S(2) * std::atan2(chord, norm(p + q));
+}
+
+/// The same between two directions of any length.
+template <std::floating_point S>
+S angle_between(const Vec3<S>& a, const Vec3<S>& b) {
+  return angle_between_units(unit(a), unit(b));
 }
 
 /// The orthonormal frame of two partials: t = dpdu/|dpdu|, n = dpdu × dpdv / |dpdu × dpdv|, b = n × t. Both

@@ -2,6 +2,7 @@
 #include <iostream>
 #include <new>
 
+#include "../keep_freed_memory.h"
 #include "command.h"
 
 namespace {
@@ -14,6 +15,7 @@ int report(const std::string& message, int status) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  darboux::keep_freed_memory();
   CLI::App app{"Tangent frames of parametric surfaces and meshes, exact and checked.", "darboux"};
   app.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
   app.require_subcommand(1);

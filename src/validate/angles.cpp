@@ -10,20 +10,21 @@ namespace darboux {
 Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, const Truth& truth, bool inward,
               bool raw) {
   Angles result;
+  const auto angle = [](const Vec3<double>& stored, const Vec3<double>& of_truth) {
+    return degrees_per_radian * angle_between_units(unit(stored), of_truth);
+  };
   if (!checks.uv_finite || !detail::finite(truth.normal)) return result;
   if (checks.has_normal)
-    result.normal =
-        degrees_per_radian * angle_between(mesh.normals[v], inward ? -truth.normal : truth.normal);
+    result.normal = angle(mesh.normals[v], inward ? -truth.normal : truth.normal);
   if (!checks.has_tangent || !detail::finite(truth.tangent)) return result;
   const Vec4<double>& t = mesh.tangents[v];
-  result.tangent = result.projected_tangent = degrees_per_radian * angle_between(t.xyz(), truth.tangent);
+  result.tangent = result.projected_tangent = angle(t.xyz(), truth.tangent);
   constexpr double orthogonal = 1e-4;  // which turns a projection by less than a hundredth of a degree
   if (const Vec3<double> n = checks.has_normal ? mesh.normals[v] : Vec3<double>{};
       std::fabs(dot(t.xyz(), n)) > orthogonal)
-    result.projected_tangent = degrees_per_radian * angle_between(square_to(t.xyz(), n), truth.tangent);
+    result.projected_tangent = angle(square_to(t.xyz(), n), truth.tangent);
   if (checks.has_normal && checks.sign_valid)
-    result.bitangent = degrees_per_radian *
-                       angle_between((raw ? t.w : -t.w) * cross(mesh.normals[v], t.xyz()), truth.bitangent);
+    result.bitangent = angle((raw ? t.w : -t.w) * cross(mesh.normals[v], t.xyz()), truth.bitangent);
   return result;
 }
 

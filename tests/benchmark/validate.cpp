@@ -22,6 +22,7 @@
 #include <darboux/mikktspace.h>
 #include <darboux/sample_mesh.h>
 
+#include "../../src/keep_freed_memory.h"
 #include "measure.h"
 
 namespace darboux::bench {
@@ -215,6 +216,7 @@ void run(const std::string& work, bool quick) {
 }  // namespace darboux::bench
 
 int main(int argc, char** argv) {
+  darboux::keep_freed_memory();  // as the tool does
   const bool quick = argc == 3 && std::string_view(argv[2]) == "--quick";
   if (argc != 2 && !quick) {
     std::fprintf(stderr, "usage: %s WORK [--quick]\n", argv[0]);
