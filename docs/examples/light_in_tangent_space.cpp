@@ -1,4 +1,5 @@
-// A direction taken into tangent space and back; the frame of a mirrored placement; what a vertex buffer stores.
+// A direction taken into tangent space and back; the frame of a mirrored placement; what a vertex buffer
+// stores.
 #include <cstdio>
 
 #include <darboux/evaluate.h>

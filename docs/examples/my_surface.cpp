@@ -47,8 +47,8 @@ struct PluckerConoid {
                                  : darboux::Status::self_intersecting;
   }
 
-  /// (h (x² - y²)/d² - z) / sqrt(1 + (4 h x y/d³)²), d the distance from the axis: the depth below the surface over the
-  /// length of its gradient
+  /// (h (x² - y²)/d² - z) / sqrt(1 + (4 h x y/d³)²), d the distance from the axis: the depth below the
+  /// surface over the length of its gradient
   template <class S>
   S implicit(const darboux::Vec3<S>& p) const {
     const S h = darboux::lift<S>(height), one = darboux::lift<S>(1.0), four = darboux::lift<S>(4.0);

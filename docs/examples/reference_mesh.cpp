@@ -1,4 +1,5 @@
-// How far are tangents averaged over triangles from the truth? On a grid, and on a mesh that follows no coordinate line.
+// How far are tangents averaged over triangles from the truth? On a grid, and on a mesh that follows no
+// coordinate line.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,7 +9,8 @@
 #include <darboux/sample_mesh.h>
 #include <darboux/sphere.h>
 
-// The largest angle between a method's tangent and the stored, exact one, in degrees, poles and their neighbours left out.
+// The largest angle between a method's tangent and the stored, exact one, in degrees, poles and their
+// neighbours left out.
 double worst_angle(const darboux::Mesh& mesh) {
   const darboux::MeshFrames frames = mesh_frames(mesh, darboux::find_frame_method("angle"));
   double worst = 0;

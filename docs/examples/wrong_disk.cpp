@@ -1,5 +1,5 @@
-// A surface that is deliberately wrong: a disk over its radius, with a factor 2 lost in dpdu and a sign lost in dpdv, as
-// shipped renderers have had them. Its laws say so.
+// A surface that is deliberately wrong: a disk over its radius, with a factor 2 lost in dpdu and a sign lost
+// in dpdv, as shipped renderers have had them. Its laws say so.
 #include <cstdio>
 
 #include <darboux/testing.h>

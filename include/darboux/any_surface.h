@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <darboux/evaluate.h>
-#include <darboux/many_digits.h>
+#include <darboux/multiprecision.h>
 #include <darboux/surface.h>
 
 namespace darboux {
@@ -31,7 +31,8 @@ using NestedDualUV = Dual<DualUV, 2>;
 
 /// A surface type whose parameters are known only when the program runs: X has no parameters(), but
 ///   std::vector<ParameterValue> parameter_values() const     the names live as long as the surface
-///   void set_parameters(std::span<const T>)                   all of them, in that order, over its own scalar T
+///   void set_parameters(std::span<const T>)                   all of them, in that order, over its own
+///                                                             scalar T
 template <class X>
 concept HasParametersAtRunTime = requires(X& x, std::span<const double> values) {
   { std::as_const(x).parameter_values() } -> std::same_as<std::vector<ParameterValue>>;
@@ -51,9 +52,10 @@ class AnySurface {
   Jet2<double> jet(double u, double v) const { return held_->jet(u, v); }
   Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const { return held_->jet(u, v); }
   Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const { return held_->jet(u, v); }
-  /// In 40 digits, optionally with other values for the parameters (in the order of parameters(), all of them).
-  Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v,
-                       std::span<const ManyDigits> values = {}) const {
+  /// In 40 digits, optionally with other values for the parameters (in the order of parameters(), all of
+  /// them).
+  Jet2<Multiprecision> jet(const Multiprecision& u, const Multiprecision& v,
+                           std::span<const Multiprecision> values = {}) const {
     return held_->jet(u, v, values);
   }
   Frame<double> frame(double u, double v) const { return held_->frame(u, v); }
@@ -72,9 +74,9 @@ class AnySurface {
   }
   bool has_closed_frame() const { return held_->has_closed_frame(); }
 
-  /// Where along u (along = 0) or v (1) the surface is only piecewise smooth, strictly between 0 and 1, and 0 where it is
-  /// not smooth across both 0 and 1, the seam or the poles: what the type's breaks(along) says, none where it has no such
-  /// member.
+  /// Where along u (along = 0) or v (1) the surface is only piecewise smooth, strictly between 0 and 1, and 0
+  /// where it is not smooth across both 0 and 1, the seam or the poles: what the type's breaks(along) says,
+  /// none where it has no such member.
   std::vector<double> breaks(int along) const { return held_->breaks(along); }
 
   /// The independent facts the type states, of: implicit, gaussian_curvature, mean_curvature, position_again.
@@ -113,9 +115,9 @@ class AnySurface {
     return model ? &model->surface : nullptr;
   }
 
-  /// "torus:major_radius=1,minor_radius=0.4": the name with all parameters, so that make_surface gives the same bits.
-  /// "formula:file=my.surface,a=3" for one from a file.
-  /// \param digits significant digits for reading by people; 0: as many as it takes
+  /// "torus:major_radius=1,minor_radius=0.4": the name with all parameters, so that make_surface gives the
+  /// same bits. "formula:file=my.surface,a=3" for one from a file. \param digits significant digits for
+  /// reading by people; 0: as many as it takes
   std::string specification(int digits = 0) const;
 
  private:
@@ -126,8 +128,8 @@ class AnySurface {
     virtual Jet2<double> jet(double u, double v) const = 0;
     virtual Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const = 0;
     virtual Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const = 0;
-    virtual Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v,
-                                 std::span<const ManyDigits> values) const = 0;
+    virtual Jet2<Multiprecision> jet(const Multiprecision& u, const Multiprecision& v,
+                                     std::span<const Multiprecision> values) const = 0;
     virtual Frame<double> frame(double u, double v) const = 0;
     virtual ParametricFrame<double> parametric_frame(double u, double v) const = 0;
     virtual Sample<float> sample_in_float(float u, float v) const = 0;
@@ -166,9 +168,9 @@ class AnySurface {
     Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const override {
       return detail::jet_of(surface, u, v);
     }
-    Jet2<ManyDigits> jet(const ManyDigits& u, const ManyDigits& v,
-                         std::span<const ManyDigits> values) const override {
-      auto many = rebind<ManyDigits>(surface);
+    Jet2<Multiprecision> jet(const Multiprecision& u, const Multiprecision& v,
+                             std::span<const Multiprecision> values) const override {
+      auto many = rebind<Multiprecision>(surface);
       std::size_t k = 0;
       for_each_parameter<decltype(many)>([&](const auto& p) {
         using T = std::remove_cvref_t<decltype(p.of(many))>;

@@ -1,6 +1,6 @@
 /// \file binary.h
-/// What float, double and SIMD lanes of them have in common: their bits, rounding to integers, and a choice that is made
-/// lane by lane.
+/// What float, double and SIMD lanes of them have in common: their bits, rounding to integers, and a choice
+/// that is made lane by lane.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace darboux {
 
-/// condition ? a : b. A formula says so where lanes of a SIMD batch may differ in the condition: both a and b are then
-/// evaluated, and each lane takes its own.
+/// condition ? a : b. A formula says so where lanes of a SIMD batch may differ in the condition: both a and b
+/// are then evaluated, and each lane takes its own.
 template <class S>
 constexpr S select(bool condition, const S& a, const S& b) {
   return condition ? a : b;
@@ -21,8 +21,8 @@ constexpr S select(bool condition, const S& a, const S& b) {
 
 namespace detail {
 
-// A number type that is many numbers at once, as the batch kernels use: its Element is float or double, and diverge()
-// leaves a batch whose lanes need different treatment to the functions for single points.
+// A number type that is many numbers at once, as the batch kernels use: its Element is float or double, and
+// diverge() leaves a batch whose lanes need different treatment to the functions for single points.
 template <class S>
 concept Lanewise = requires {
   typename S::Element;
@@ -60,8 +60,8 @@ constexpr S from_bits(const Bits& bits) {
     return std::bit_cast<S>(bits);
 }
 
-// x + magic rounds an |x| < half_range to an integer, which is left in the low bits; half_range / 4 turns have fewer
-// quarters than that.
+// x + magic rounds an |x| < half_range to an integer, which is left in the low bits; half_range / 4 turns
+// have fewer quarters than that.
 template <class T>
 struct Format;
 template <>

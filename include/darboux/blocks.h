@@ -1,7 +1,8 @@
 /// \file blocks.h
-/// Evaluates a surface at many points for somebody who uses the results at once: block by block, through a buffer that stays
-/// in the cache, so that nothing is written to memory.
-///   for_each_block(surface, points, Attribute::position | Attribute::normal, [&](const Block<float>& block) {
+/// Evaluates a surface at many points for somebody who uses the results at once: block by block, through a
+/// buffer that stays in the cache, so that nothing is written to memory.
+///   const Attributes asked = Attribute::position | Attribute::normal;
+///   for_each_block(surface, points, asked, [&](const Block<float>& block) {
 ///     for (std::size_t i = 0; i < block.size(); ++i) use(block.first + i, block.vec3(Attribute::normal, i));
 ///   });
 #pragma once
@@ -16,7 +17,8 @@
 
 namespace darboux {
 
-/// Consecutive points with what was asked for, an array a component. Valid until the function that is handed it returns.
+/// Consecutive points with what was asked for, an array a component. Valid until the function that is handed
+/// it returns.
 template <std::floating_point T>
 class Block {
  public:
@@ -44,10 +46,9 @@ class Block {
   std::size_t room_ = 0;
 };
 
-/// Calls f(const Block<T>&) for consecutive blocks of up to 1024 points, in order and in the calling thread (options.threads is
-/// not looked at). One allocation a call. About 7 ns a point for position, dpdu, dpdv, t, b, n of a torus in double, the
-/// consumer's reading included.
-/// \param surface a surface type, or AnySurface
+/// Calls f(const Block<T>&) for consecutive blocks of up to 1024 points, in order and in the calling thread
+/// (options.threads is not looked at). One allocation a call. About 7 ns a point for position, dpdu, dpdv, t,
+/// b, n of a torus in double, the consumer's reading included. \param surface a surface type, or AnySurface
 /// \throws ParameterError as evaluate(); exceptions of f are passed on
 template <class X, std::floating_point T, class F>
 StatusSummary for_each_block(const X& surface, const Points<T>& points, Attributes asked, F&& f,

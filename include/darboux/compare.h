@@ -17,7 +17,8 @@
 namespace darboux {
 
 struct CompareOptions {
-  /// Tangents up to this angle apart, of the same sign, count as the same; at 0 only those of the same bits do.
+  /// Tangents up to this angle apart, of the same sign, count as the same; at 0 only those of the same bits
+  /// do.
   double max_angle_deg = 0;
 };
 
@@ -43,7 +44,8 @@ struct WorstTangent {
   double deg;
 };
 
-/// What became of the corners of two meshes a and b. Counts are in pairs of matched corners unless said otherwise.
+/// What became of the corners of two meshes a and b. Counts are in pairs of matched corners unless said
+/// otherwise.
 struct MeshComparison {
   std::size_t corners_a = 0, corners_b = 0, matched = 0;
   Unmatched unmatched_a, unmatched_b;
@@ -57,7 +59,8 @@ struct MeshComparison {
   std::optional<Statistics> tangent_deg;  ///< angles, of all other matched corners
   SignAgreement sign = SignAgreement::none;
   std::size_t opposite_signs = 0;
-  /// Where all signs are opposite and each side follows one convention (frame.h): whether a writes raw (b: gltf), or gltf.
+  /// Where all signs are opposite and each side follows one convention (frame.h): whether a writes raw (b:
+  /// gltf), or gltf.
   std::optional<bool> a_is_raw;
   std::optional<WorstTangent> worst;  ///< the largest angle where bits differ
   bool same = false;                  ///< as compare() defines it
@@ -65,22 +68,24 @@ struct MeshComparison {
 
 /// Compares two meshes in their own spaces.
 ///
-/// A corner is the same in both where its position, normal and uv are, and those of the next and of the previous corner of its
-/// triangle: whatever the order of triangles, the corner a triangle begins with, indices, split and welded vertices. Corners of
-/// equal bits are matched first, then those that differ by less than 1e-6 of the range over both meshes (of positions: the
-/// diagonal of their box; of uvs: the larger side of theirs; of normals: 2), chains of such included
-/// (positions up to 1.5 times that far may count as the same too). An attribute that a mesh lacks is other than all that one stores. Where several corners are the same (duplicate triangles, triangles in
-/// one point), those of bit-equal tangents are paired first, the rest along one fixed direction in the order of their tangents.
-/// A corner is matched once at most. NaN and infinities in positions, normals and uvs match nothing.
+/// A corner is the same in both where its position, normal and uv are, and those of the next and of the
+/// previous corner of its triangle: whatever the order of triangles, the corner a triangle begins with,
+/// indices, split and welded vertices. Corners of equal bits are matched first, then those that differ by
+/// less than 1e-6 of the range over both meshes (of positions: the diagonal of their box; of uvs: the larger
+/// side of theirs; of normals: 2), chains of such included (positions up to 1.5 times that far may count as
+/// the same too). An attribute that a mesh lacks is other than all that one stores. Where several corners are
+/// the same (duplicate triangles, triangles in one point), those of bit-equal tangents are paired first, the
+/// rest along one fixed direction in the order of their tangents. A corner is matched once at most. NaN and
+/// infinities in positions, normals and uvs match nothing.
 ///
-/// The meshes are the same where both have corners and tangents, all corners of both are matched, and at each matched pair all
-/// four numbers of the tangents are bit-equal, or, with max_angle_deg > 0, the angle is at most that and w is equal. Tangents
-/// without a direction have no angle: they must be bit-equal.
+/// The meshes are the same where both have corners and tangents, all corners of both are matched, and at each
+/// matched pair all four numbers of the tangents are bit-equal, or, with max_angle_deg > 0, the angle is at
+/// most that and w is equal. Tangents without a direction have no angle: they must be bit-equal.
 ///
-/// Swapping a and b swaps what is said of them and changes nothing else (the worst corner, where several are equally bad).
-/// Cost: n log k for n corners, k of which share a vertex, where bits agree, about a second for 10^6 triangles; three
-/// times that where they do not.
-/// \throws MeshError when a mesh is inconsistent \throws ParameterError for an angle outside [0, 180]
+/// Swapping a and b swaps what is said of them and changes nothing else (the worst corner, where several are
+/// equally bad). Cost: n log k for n corners, k of which share a vertex, where bits agree, about a second for
+/// 10^6 triangles; three times that where they do not. \throws MeshError when a mesh is inconsistent \throws
+/// ParameterError for an angle outside [0, 180]
 MeshComparison compare(const Mesh& a, const Mesh& b, const CompareOptions& options = {});
 
 /// A piece of a file: its place and name there.
@@ -96,11 +101,12 @@ struct MeshPairs {
   std::vector<std::size_t> only_a, only_b;
 };
 
-/// Pairs pieces in four rounds, each over those that are left: the same name (not empty, and once in each file) and primitive;
-/// the same mesh and primitive, and boxes that agree; boxes that agree, the nearest first in the order of a; the same
-/// mesh and primitive. Boxes are those of the finite positions that triangles use. They agree where no side of one
-/// lies farther from the other's than 1 % of the diagonal of the larger; two that hold nothing agree too.
-/// Cost: that of the names, and the product of the numbers of pieces for those that neither name nor place pairs.
+/// Pairs pieces in four rounds, each over those that are left: the same name (not empty, and once in each
+/// file) and primitive; the same mesh and primitive, and boxes that agree; boxes that agree, the nearest
+/// first in the order of a; the same mesh and primitive. Boxes are those of the finite positions that
+/// triangles use. They agree where no side of one lies farther from the other's than 1 % of the diagonal of
+/// the larger; two that hold nothing agree too. Cost: that of the names, and the product of the numbers of
+/// pieces for those that neither name nor place pairs.
 MeshPairs pair_meshes(std::span<const NamedMesh> a, std::span<const NamedMesh> b);
 
 }  // namespace darboux

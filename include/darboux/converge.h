@@ -89,15 +89,15 @@ struct ConvergeOptions {
 };
 
 /// Runs every combination; classes without corners give no study. Orders expected in the interior: the
-/// method's own, FrameMethod::direction, half an order less where the method looks two edges far, so that vertices next to a
-/// border lack neighbours. At borders and seams: that of irregular meshes. Next to poles: FrameMethod::at_poles, at the poles
-/// themselves at most 1, and 0 for t and n of methods that look two edges far. Elsewhere on a mesh with poles at most half an
-/// order more than next to them (the rows next to poles are a share h of all), 0 where it does not converge next to them; at seams and borders
-/// half an order less than 2 or 3, as measured, and at most half an order more than next to poles of irregular meshes. 0 on
-/// charts that the method is not made for; at poles these are the charts without the family's shear, which vanishes there.
-/// \param progress called with the share done, in [0, 1]
-/// \throws ParameterError when
-/// the resolutions or the range of v are not as above
+/// method's own, FrameMethod::direction, half an order less where the method looks two edges far, so that
+/// vertices next to a border lack neighbours. At borders and seams: that of irregular meshes. Next to poles:
+/// FrameMethod::at_poles, at the poles themselves at most 1, and 0 for t and n of methods that look two edges
+/// far. Elsewhere on a mesh with poles at most half an order more than next to them (the rows next to poles
+/// are a share h of all), 0 where it does not converge next to them; at seams and borders half an order less
+/// than 2 or 3, as measured, and at most half an order more than next to poles of irregular meshes. 0 on
+/// charts that the method is not made for; at poles these are the charts without the family's shear, which
+/// vanishes there. \param progress called with the share done, in [0, 1] \throws ParameterError when the
+/// resolutions or the range of v are not as above
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
 
 }  // namespace darboux

@@ -24,8 +24,9 @@ struct CurveJet {
 
 /// An orthonormal right-handed frame (T, N, B) along a curve and its rates by t:
 ///   T' = bend N + side B,   N' = -bend T + twist B,   B' = -side T - twist N,   speed = |K'|
-/// Frenet's frame has side = 0, bend = speed · curvature and twist = speed · torsion; a planar curve may keep N on one
-/// side instead, the bend is then signed. A rotation-minimising frame has twist = 0. [doCarmo2016, sec. 1-5], [Bishop1975]
+/// Frenet's frame has side = 0, bend = speed · curvature and twist = speed · torsion; a planar curve may keep
+/// N on one side instead, the bend is then signed. A rotation-minimising frame has twist = 0. [doCarmo2016,
+/// sec. 1-5], [Bishop1975]
 template <class S>
 struct CurveFrame {
   Vec3<S> T, N, B;
@@ -42,7 +43,8 @@ struct CurveFrame {
 ///   Vec3<S> position_again(t)                 the position by another formula
 ///   Status singular(t)                        crease where the tangent may jump
 ///   std::string refusal()                     what is wrong with its data
-/// Exceptions are passed on; where a derivative is NaN or infinite its surfaces have no frame (no_frame, overflow).
+/// Exceptions are passed on; where a derivative is NaN or infinite its surfaces have no frame (no_frame,
+/// overflow).
 template <class C>
 concept ParametricCurve = requires(const C& curve, const Prepared<C::kind, double>& t) {
   { C::kind } -> std::convertible_to<Coordinate>;
@@ -84,8 +86,9 @@ auto rebound(const C& curve) {
     return curve;
 }
 
-// The direction in which a curve passes t: that of the first of its derivatives that does not vanish, in the limit from
-// above (from below at the upper end of the domain). order: of that derivative, 0 where all three vanish.
+// The direction in which a curve passes t: that of the first of its derivatives that does not vanish, in the
+// limit from above (from below at the upper end of the domain). order: of that derivative, 0 where all three
+// vanish.
 template <class S>
 struct Passage {
   Vec3<S> direction;
@@ -98,7 +101,8 @@ Passage<S> passage(const CurveJet<S>& j, const P& t) {
   if (!vanishes(j.third)) return {unit(j.third), 3};
   return {j.first, 0};
 }
-// What a passage means for the chart: a vanishing derivative, and a cusp where the direction turns round inside.
+// What a passage means for the chart: a vanishing derivative, and a cusp where the direction turns round
+// inside.
 template <Coordinate kind, class S, class P>
 Status passage_status(const Passage<S>& way, const P& t, Status zero) {
   Status result = way.order == 1 ? Status::regular : zero;
@@ -121,7 +125,8 @@ TangentRates<S> tangent_rates(const Vec3<S>& x, const CurveJet<S>& k, const S& s
 }  // namespace detail
 
 /// The straight line (1 - t) a + t b.
-/// Its moving frame is constant: N is perpendicular to b - a in the plane of it and the axis it is least along.
+/// Its moving frame is constant: N is perpendicular to b - a in the plane of it and the axis it is least
+/// along.
 template <class T = double>
 struct LineSegment {
   using scalar = T;
@@ -213,8 +218,8 @@ struct CircleCurve {
 };
 CircleCurve(double)->CircleCurve<double>;
 
-/// The circular helix (R cos x, R sin x, p x), x = 2π turns t, p the pitch per radian (negative: left-handed). N points
-/// to the axis. Curvature R/(R² + p²), torsion p/(R² + p²). [doCarmo2016, sec. 1-5]
+/// The circular helix (R cos x, R sin x, p x), x = 2π turns t, p the pitch per radian (negative:
+/// left-handed). N points to the axis. Curvature R/(R² + p²), torsion p/(R² + p²). [doCarmo2016, sec. 1-5]
 template <class T = double>
 struct HelixCurve {
   using scalar = T;
@@ -280,11 +285,13 @@ struct HelixCurve {
 };
 HelixCurve(double, double, double)->HelixCurve<double>;
 
-/// A rational B-spline curve (NURBS), by de Boor's recurrence on homogeneous control points and their hodographs.
+/// A rational B-spline curve (NURBS), by de Boor's recurrence on homogeneous control points and their
+/// hodographs.
 ///   K(t) = Σ w_i P_i N_{i,p}(t) / Σ w_i N_{i,p}(t)
-/// Beyond [0, 1] the end spans go on. At an interior knot of multiplicity `degree` or more (degree 1: at every vertex)
-/// the tangent may jump: Status::crease, and the derivatives are those from above. The scalar needs an order: the span
-/// is found from the value of t. Cost: O(degree²), O(log n) in the number n of control points. [PieglTiller1997, ch. 4]
+/// Beyond [0, 1] the end spans go on. At an interior knot of multiplicity `degree` or more (degree 1: at
+/// every vertex) the tangent may jump: Status::crease, and the derivatives are those from above. The scalar
+/// needs an order: the span is found from the value of t. Cost: O(degree²), O(log n) in the number n of
+/// control points. [PieglTiller1997, ch. 4]
 template <class T = double>
 class BSplineCurve {
  public:
@@ -303,10 +310,9 @@ class BSplineCurve {
                       {T(1.5), T(0.125), T(0)}}) {}
 
   /// \param degree 1 to 15
-  /// \param knots as many as control points + degree + 1, not decreasing, no multiplicity above degree + 1; mapped to
-  /// the domain [0, 1]
-  /// \param weights positive, or none: all 1
-  /// \throws ParameterError naming what is wrong
+  /// \param knots as many as control points + degree + 1, not decreasing, no multiplicity above degree + 1;
+  /// mapped to the domain [0, 1] \param weights positive, or none: all 1 \throws ParameterError naming what
+  /// is wrong
   BSplineCurve(int degree, std::vector<T> knots, std::vector<Vec3<T>> control_points,
                std::vector<T> weights = {})
       : control_points_(std::move(control_points)), weights_(std::move(weights)) {
@@ -408,9 +414,11 @@ class BSplineCurve {
   std::vector<T> weights_;
 };
 
-/// A curve given only by its position, a function of the prepared parameter (t itself, or its Turn) for any scalar:
+/// A curve given only by its position, a function of the prepared parameter (t itself, or its Turn) for any
+/// scalar:
 ///   PositionCurve curve{[]<class S>(const S& t) { return Vec3<S>{t, t * t, t * t * t}; }};
-/// The derivatives come from nested dual numbers, exact to rounding; about ten times the cost of the position.
+/// The derivatives come from nested dual numbers, exact to rounding; about ten times the cost of the
+/// position.
 template <class F, Coordinate K = Coordinate::linear, class T = double>
 struct PositionCurve {
   using scalar = T;
@@ -438,8 +446,8 @@ struct PositionCurve {
 template <class F>
 PositionCurve(F) -> PositionCurve<F>;
 
-/// A curve that lies in a plane z = constant, with the moving frame T, N = (-T_y, T_x, 0), B = +z: the bend is positive
-/// where the curve turns left. This is what makes a tube about any planar curve.
+/// A curve that lies in a plane z = constant, with the moving frame T, N = (-T_y, T_x, 0), B = +z: the bend
+/// is positive where the curve turns left. This is what makes a tube about any planar curve.
 template <class Curve = BSplineCurve<double>>
 struct PlanarCurve {
   using scalar = typename Curve::scalar;
@@ -498,8 +506,8 @@ struct PlanarCurve {
 template <class Curve>
 PlanarCurve(Curve) -> PlanarCurve<Curve>;
 
-/// A curve in space with N in the plane of T and a fixed direction `up`, on its side: N = unit(up - (up · T) T). In
-/// closed form, with a twist. There is no frame where the curve runs along `up`.
+/// A curve in space with N in the plane of T and a fixed direction `up`, on its side: N = unit(up - (up · T)
+/// T). In closed form, with a twist. There is no frame where the curve runs along `up`.
 template <class Curve = HelixCurve<double>>
 struct UprightCurve {
   using scalar = typename Curve::scalar;
@@ -558,12 +566,13 @@ UprightCurve(Curve) -> UprightCurve<Curve>;
 template <class Curve, class T>
 UprightCurve(Curve, Vec3<T>) -> UprightCurve<Curve>;
 
-/// A curve in space with a rotation-minimising frame: N and B turn about T not at all. It is the frame of UprightCurve
-/// turned by φ(t) = -∫ twist dt from 0 to t, so that N at t = 0 leans to `up`. [Bishop1975]
-/// The integral is Gauss's with four points on each of `panels` equal pieces of [0, t]; turning_error() tells what it
-/// leaves. T and the rates are in closed form; N and B turn by that error, and a tube's points by it times the radius,
-/// which their derivatives do not show. Cost: 4 panels evaluations of the curve. Not for closed curves: the frame does not come
-/// back to itself. There is no frame if the curve runs along `up` somewhere; choose `up` so that it does not.
+/// A curve in space with a rotation-minimising frame: N and B turn about T not at all. It is the frame of
+/// UprightCurve turned by φ(t) = -∫ twist dt from 0 to t, so that N at t = 0 leans to `up`. [Bishop1975] The
+/// integral is Gauss's with four points on each of `panels` equal pieces of [0, t]; turning_error() tells
+/// what it leaves. T and the rates are in closed form; N and B turn by that error, and a tube's points by it
+/// times the radius, which their derivatives do not show. Cost: 4 panels evaluations of the curve. Not for
+/// closed curves: the frame does not come back to itself. There is no frame if the curve runs along `up`
+/// somewhere; choose `up` so that it does not.
 template <class Curve = HelixCurve<double>>
 struct RotationMinimisingCurve {
   static_assert(Curve::kind == Coordinate::linear, "a rotation-minimising frame does not close");
@@ -594,8 +603,8 @@ struct RotationMinimisingCurve {
     f.twist = f.twist_rate = lift<S>(0.0);
     return f;
   }
-  /// An estimate of the error of φ in radians: the largest difference to the integral with half as many panels, at 16
-  /// values of t. What rounding leaves is about 1e-15.
+  /// An estimate of the error of φ in radians: the largest difference to the integral with half as many
+  /// panels, at 16 values of t. What rounding leaves is about 1e-15.
   double turning_error() const {
     double worst = 0;
     for (int i = 1; i <= 16; ++i) {

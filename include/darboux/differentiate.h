@@ -1,29 +1,30 @@
 /// \file differentiate.h
-/// Numerical differentiation of functions of one variable, each derivative with an estimate of its error: central and
-/// one-sided differences, Ridders' extrapolation, dual numbers, second derivatives, and a planner that takes the
-/// cheapest method that is good enough.
+/// Numerical differentiation of functions of one variable, each derivative with an estimate of its error:
+/// central and one-sided differences, Ridders' extrapolation, dual numbers, second derivatives, and a planner
+/// that takes the cheapest method that is good enough.
 ///
 ///     const auto d = darboux::central_difference<8>([](double x) { return std::exp(x); }, 0.5);
 ///     d.value, d.error
 ///
-/// f takes a double (the dual routes: a dual number) and returns a number or a Vec3; an error is absolute, for a Vec3
-/// the length of the error. u = 2^-53.
+/// f takes a double (the dual routes: a dual number) and returns a number or a Vec3; an error is absolute,
+/// for a Vec3 the length of the error. u = 2^-53.
 ///
-/// *Length.* L says how fast f varies: |f⁽ⁿ⁾| is about (2π/L)ⁿ |f| for n up to the order of the method. It is the period
-/// of a sine, 2π/k for exp(kx), about 1.5 times the distance to the nearest pole of a rational function, and 1 for a
-/// surface that goes round once; a helicoid of 10^6 turns has 10^-6. Steps are proportional to it. Too large an L costs
-/// truncation, too small a one rounding; the estimate sees both as long as the stencil stays within a tenth of the true
-/// length.
+/// *Length.* L says how fast f varies: |f⁽ⁿ⁾| is about (2π/L)ⁿ |f| for n up to the order of the method. It is
+/// the period of a sine, 2π/k for exp(kx), about 1.5 times the distance to the nearest pole of a rational
+/// function, and 1 for a surface that goes round once; a helicoid of 10^6 turns has 10^-6. Steps are
+/// proportional to it. Too large an L costs truncation, too small a one rounding; the estimate sees both as
+/// long as the stencil stays within a tenth of the true length.
 ///
-/// *Rounding.* Nothing of f's own rounding can be seen from its value alone. Given a step, a difference takes it to be a
-/// few roundings of |f| and of the argument; that holds for positions of surfaces. Given a Behaviour, which behaviour()
-/// measures by 20 evaluations of f, it takes what was measured, and fits the step to it: for sums that cancel,
-/// polynomials, noise of any kind.
+/// *Rounding.* Nothing of f's own rounding can be seen from its value alone. Given a step, a difference takes
+/// it to be a few roundings of |f| and of the argument; that holds for positions of surfaces. Given a
+/// Behaviour, which behaviour() measures by 20 evaluations of f, it takes what was measured, and fits the
+/// step to it: for sums that cancel, polynomials, noise of any kind.
 ///
-/// *What an estimate promises*, for smooth f with the right length and a measured behaviour, over 10^6 points: less than
-/// half the true error at most 10 times; in the median at most 10 times the true error, in the 99th percentile at most
-/// 100 times (true errors below u|f'| taken as that). tests/differentiate_test.cpp holds it to that;
-/// docs/theory/differentiation.md derives it and says where it cannot hold. It is an estimate, no bound.
+/// *What an estimate promises*, for smooth f with the right length and a measured behaviour, over 10^6
+/// points: less than half the true error at most 10 times; in the median at most 10 times the true error, in
+/// the 99th percentile at most 100 times (true errors below u|f'| taken as that).
+/// tests/differentiate_test.cpp holds it to that; docs/theory/differentiation.md derives it and says where it
+/// cannot hold. It is an estimate, no bound.
 ///
 /// Where a value of f is not finite, or the step too small for x, the value is NaN and the error infinite.
 #pragma once
@@ -55,7 +56,7 @@ struct Interval {
   double hi = std::numeric_limits<double>::infinity();
 };
 
-/// What the choice of a step and the judgement of rounding need to know of f near a point.
+/// What the choice of a step and the assessment of rounding need to know of f near a point.
 struct Behaviour {
   double length;    ///< L, as above
   double size;      ///< |f| or |f'| L/2π, whichever is larger
@@ -68,8 +69,8 @@ constexpr double unit_roundoff = 0x1p-53;
 constexpr double tau = 6.283185307179586;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// What goes into an estimate: this many times the truncation that the next higher order sees, and this many times the
-// rms rounding. Fitted to the promise above.
+// What goes into an estimate: this many times the truncation that the next higher order sees, and this many
+// times the rms rounding. Fitted to the promise above.
 constexpr double truncation_share = 2.5;
 constexpr double rounding_share = 3.5;
 constexpr double one_sided_rounding_share = 3.2;
@@ -79,7 +80,8 @@ constexpr double ridders_rounding_share = 4.2;  // more: the least of many estim
 constexpr double one_rounding = 0.41 * unit_roundoff;
 
 // Steps, in lengths, at which the truncation of a sine is 10 times what one rounding of each value leaves:
-// C θ^(p+1) = 10 A one_rounding for h = θ L/2π, C the coefficient of the first neglected term, A the amplification.
+// C θ^(p+1) = 10 A one_rounding for h = θ L/2π, C the coefficient of the first neglected term, A the
+// amplification.
 constexpr std::array<double, 9> central_steps{0, 0, 0x1p-19, 0, 0x1.1p-12, 0, 0x1.1p-9, 0, 0x1.ap-8};
 constexpr std::array<double, 9> one_sided_steps{0,          0x1.88p-28, 0x1.4p-19, 0x1.8p-15, 0x1.1p-12,
                                                 0x1.bcp-11, 0x1p-9,     0x1.dp-9,  0x1.8p-8};
@@ -137,7 +139,8 @@ constexpr std::array<double, n> weights_at_zero() {
 }
 
 // A: the rms error of Σ ℓ_k q_k, times h (second: h²), where f's values err independently by 1.
-//   quotients   2 k h q_k = f_k - f_-k (central), k h q_k = f_k - f_0 (one_sided), (k h)² q_k = f_k - 2 f_0 + f_-k (second)
+//   quotients   2 k h q_k = f_k - f_-k (central), k h q_k = f_k - f_0 (one_sided), (k h)² q_k = f_k - 2 f_0 +
+//               f_-k (second)
 enum class Quotient { central, one_sided, second };
 template <Quotient quotient, int n>
 double amplification() {
@@ -154,8 +157,8 @@ double amplification() {
   return std::sqrt(squares + centre * centre);
 }
 
-// The rms error of f's values where nobody measured it: one or two roundings of the size that f has within a length,
-// which its derivatives reveal where f itself happens to be small, and one of its argument.
+// The rms error of f's values where nobody measured it: one or two roundings of the size that f has within a
+// length, which its derivatives reveal where f itself happens to be small, and one of its argument.
 template <class V>
 double usual_rounding(double largest, double x, const V& d1, const V& d2, const V& d3, double omega) {
   const double slope = size(d1) / omega;
@@ -194,8 +197,8 @@ DerivativeEstimate<V> extrapolate(const std::array<V, n + 1>& q, double rounding
       value, truncation + share * std::hypot(rounding, one_rounding * size(value) * std::sqrt(squares)));
 }
 
-// The step of a method for a measured behaviour: longer where f is rougher than one rounding. The whole stencil stays
-// within a tenth of the length.
+// The step of a method for a measured behaviour: longer where f is rougher than one rounding. The whole
+// stencil stays within a tenth of the length.
 template <int exponent>
 double step(double step_of_one_rounding, int reach, const Behaviour& b) {
   const double roughness = std::fmax(b.rounding / (one_rounding * b.size), 1);
@@ -305,8 +308,8 @@ auto ridders(F& f, double x, double h, double rounding, int& evaluations) {
     power = 1;
     for (int j = 0; j + 1 < i && i >= 3; ++j) {
       power *= 4;
-      // An entry errs by the next one's correction. Where that is small by luck, those at twice the step and of the next
-      // order tell.
+      // An entry errs by the next one's correction. Where that is small by luck, those at twice the step and
+      // of the next order tell.
       const double truncation =
           std::max({row[j + 1].correction, above[j + 1].correction / power, row[j + 2].correction});
       const double error =
@@ -334,8 +337,8 @@ constexpr std::array<double, order / 2> central_weights() {
   return w;
 }
 
-/// The step of central_difference for a function of the given length whose values are rounded once: near it truncation
-/// and rounding balance.
+/// The step of central_difference for a function of the given length whose values are rounded once: near it
+/// truncation and rounding balance.
 template <int order>
 constexpr double central_step(double length = 1) {
   return detail::difference::central_steps[order] * length;
@@ -351,11 +354,12 @@ constexpr double second_step(double length = 1) {
   return detail::difference::second_steps[order] * length;
 }
 
-/// How f behaves near x: its size and the rms error of its values, measured by 20 evaluations in two clusters of points
-/// that lie 10^-8 lengths apart, so near that f is a parabola there and what is left of it is rounding [More2011]. The
-/// clusters lie 1/24 of a length from x, on both sides where the domain allows. The rounding found has the accuracy of
-/// 14 samples, and is at least what one rounding of |f| leaves. Values rounded so coarsely that f is constant in a cluster
-/// show none. Measure once and use it for all points nearby.
+/// How f behaves near x: its size and the rms error of its values, measured by 20 evaluations in two clusters
+/// of points that lie 10^-8 lengths apart, so near that f is a parabola there and what is left of it is
+/// rounding [More2011]. The clusters lie 1/24 of a length from x, on both sides where the domain allows. The
+/// rounding found has the accuracy of 14 samples, and is at least what one rounding of |f| leaves. Values
+/// rounded so coarsely that f is constant in a cluster show none. Measure once and use it for all points
+/// nearby.
 template <class F>
 Behaviour behaviour(F&& f, double x, double length = 1, const Interval& domain = {}) {
   namespace d = detail::difference;
@@ -400,9 +404,10 @@ Behaviour behaviour(F&& f, double x, double length = 1, const Interval& domain =
   return {length, size, std::hypot(residue / std::sqrt(2.0 * (points - 3)), 0.3 * d::unit_roundoff * size)};
 }
 
-/// f'(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x ± k h, k = 1 ... order/2 + 1. The
-/// outermost two serve the estimate: 2.5 |D - D'| with D' the difference of the next order, plus 3.5 times the rms of the
-/// rounding. Cost: order + 2 evaluations. On the sphere and the torus it errs by 3e-11, 4e-13, 5e-14, 2e-14 of 2π|f|.
+/// f'(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x ± k h, k = 1 ... order/2 + 1.
+/// The outermost two serve the estimate: 2.5 |D - D'| with D' the difference of the next order, plus 3.5
+/// times the rms of the rounding. Cost: order + 2 evaluations. On the sphere and the torus it errs by 3e-11,
+/// 4e-13, 5e-14, 2e-14 of 2π|f|.
 template <int order, class F>
 auto central_difference(F&& f, double x, double h = central_step<order>()) {
   return detail::difference::central<order>(f, x, h, detail::difference::unknown);
@@ -414,9 +419,9 @@ auto central_difference(F&& f, double x, const Behaviour& b) {
   return d::central<order>(f, x, d::step<order + 1>(d::central_steps[order], order / 2 + 1, b), b.rounding);
 }
 
-/// f'(x) from one side, for the edges of a domain: the difference of order 1 to 8 from f at x + k h, k = 0 ... order + 1;
-/// h < 0 goes to the left. The last serves the estimate. Cost: order + 2 evaluations. Order 8 errs by 1e-12 of 2π|f| at most on
-/// the sphere and the torus.
+/// f'(x) from one side, for the edges of a domain: the difference of order 1 to 8 from f at x + k h, k = 0
+/// ... order + 1; h < 0 goes to the left. The last serves the estimate. Cost: order + 2 evaluations. Order 8
+/// errs by 1e-12 of 2π|f| at most on the sphere and the torus.
 template <int order, class F>
 auto one_sided_difference(F&& f, double x, double h = one_sided_step<order>()) {
   return detail::difference::one_sided<order>(f, x, h, detail::difference::unknown);
@@ -430,8 +435,9 @@ auto one_sided_difference(F&& f, double x, const Behaviour& b, int side) {
                              b.rounding, b.length);
 }
 
-/// f''(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x and at x ± k h, k = 1 ... order/2 + 1.
-/// Cost: order + 3 evaluations. It errs by 1e-8, 3e-11, 2e-12, 4e-13 of 4π²|f| on the sphere and the torus.
+/// f''(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x and at x ± k h, k = 1 ...
+/// order/2 + 1. Cost: order + 3 evaluations. It errs by 1e-8, 3e-11, 2e-12, 4e-13 of 4π²|f| on the sphere and
+/// the torus.
 template <int order, class F>
 auto second_difference(F&& f, double x, double h = second_step<order>()) {
   return detail::difference::second<order>(f, x, h, detail::difference::unknown);
@@ -443,10 +449,10 @@ auto second_difference(F&& f, double x, const Behaviour& b) {
   return d::second<order>(f, x, d::step<order + 2>(d::second_steps[order], order / 2 + 1, b), b.rounding);
 }
 
-/// f'(x) by Ridders' extrapolation of central differences at h, h/2, h/4, ... to step zero [Ridders1982]: no step to
-/// choose but the first, about an eighth of the length. Ridders' own estimate, by how much neighbours in the tableau
-/// differ, is up to 1000 times too small where rounding makes two agree by chance; each entry's rounding is followed
-/// through the tableau here and added. Cost: 10 to 20 evaluations.
+/// f'(x) by Ridders' extrapolation of central differences at h, h/2, h/4, ... to step zero [Ridders1982]: no
+/// step to choose but the first, about an eighth of the length. Ridders' own estimate, by how much neighbours
+/// in the tableau differ, is up to 1000 times too small where rounding makes two agree by chance; each
+/// entry's rounding is followed through the tableau here and added. Cost: 10 to 20 evaluations.
 template <class F>
 auto ridders(F&& f, double x, double h = 0.125) {
   int evaluations = 0;
@@ -516,9 +522,9 @@ auto dual(F& f, double x, double length, const Interval& domain) {
 
 }  // namespace detail::difference
 
-/// f'(x) by dual numbers: exact but for rounding, no step. f takes Dual<double, 1>; where it takes Dual<long double, 1>
-/// too, and that is wider, the estimate is the difference between the two: the error itself. Else the rounding of the
-/// derivative is measured by behaviour(). Cost: 2 evaluations, or 21. [Griewank2008]
+/// f'(x) by dual numbers: exact but for rounding, no step. f takes Dual<double, 1>; where it takes Dual<long
+/// double, 1> too, and that is wider, the estimate is the difference between the two: the error itself. Else
+/// the rounding of the derivative is measured by behaviour(). Cost: 2 evaluations, or 21. [Griewank2008]
 template <class F>
 requires detail::difference::RunsOn<F, detail::difference::Once>
 auto dual_derivative(F&& f, double x, double length = 1, const Interval& domain = {}) {
@@ -609,7 +615,8 @@ class Planner {
   void spend(int evaluations) { best_.evaluations += evaluations; }
 
  private:
-  // The methods of order + 2 evaluations: a central difference where there is one and room for it, else a one-sided one.
+  // The methods of order + 2 evaluations: a central difference where there is one and room for it, else a
+  // one-sided one.
   template <int order>
   void attempt(const Behaviour& b) {
     if (best_.met) return;
@@ -642,12 +649,12 @@ class Planner {
 
 }  // namespace detail::difference
 
-/// f'(x) by the cheapest method whose error estimate meets the request; where none does, the best there was, with met =
-/// false. In this order: dual numbers where f takes them (to keep a generic f from being tried, give its parameter the type
-/// double); then, f's behaviour measured, differences of 3 to 10 evaluations, central where the domain has room for
-/// the stencil and one-sided where it has not; then Ridders. Methods whose rounding alone would miss the request are passed
-/// over, but for order 8. f is evaluated in the domain only.
-/// x outside the domain or NaN, or a length that is not positive and finite: no derivative.
+/// f'(x) by the cheapest method whose error estimate meets the request; where none does, the best there was,
+/// with met = false. In this order: dual numbers where f takes them (to keep a generic f from being tried,
+/// give its parameter the type double); then, f's behaviour measured, differences of 3 to 10 evaluations,
+/// central where the domain has room for the stencil and one-sided where it has not; then Ridders. Methods
+/// whose rounding alone would miss the request are passed over, but for order 8. f is evaluated in the domain
+/// only. x outside the domain or NaN, or a length that is not positive and finite: no derivative.
 template <class F>
 auto derivative(F&& f, double x, const DerivativeRequest& request) {
   namespace d = detail::difference;

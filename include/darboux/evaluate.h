@@ -1,5 +1,6 @@
 /// \file evaluate.h
-/// Evaluates a surface at many (u, v): what is asked for, into memory of the caller's, in the layout asked for.
+/// Evaluates a surface at many (u, v): what is asked for, into memory of the caller's, in the layout asked
+/// for.
 ///   darboux::Outputs<float> out;
 ///   out.packed(Attribute::position, positions).packed(Attribute::tangent4, tangents);
 ///   evaluate(Torus{1.0, 0.4}, Points<float>::interleaved(uvs), out);
@@ -17,6 +18,7 @@
 
 #include <darboux/attributes.h>
 #include <darboux/forms.h>
+#include <darboux/instruction_set.h>
 #include <darboux/point.h>
 
 namespace darboux {
@@ -32,9 +34,10 @@ class Points {
   /// `points` pairs, each `stride` bytes after the one before.
   /// \throws ParameterError for a stride below that of a pair, or not a multiple of the numbers' alignment
   static Points interleaved(const T* uv, std::size_t points, std::ptrdiff_t stride);
-  /// The corners of columns × rows cells: u = i/columns, v = j/rows, ends included, u running faster. Of the rows + 1 rows of
-  /// points `count` from `first` on, or as many as there are. Their coordinates are rounded from double. Sines are taken once a row and column.
-  /// \throws ParameterError for no columns or rows, or rows of points that there are not
+  /// The corners of columns × rows cells: u = i/columns, v = j/rows, ends included, u running faster. Of the
+  /// rows + 1 rows of points `count` from `first` on, or as many as there are. Their coordinates are rounded
+  /// from double. Sines are taken once a row and column. \throws ParameterError for no columns or rows, or
+  /// rows of points that there are not
   static Points grid(std::size_t columns, std::size_t rows, std::size_t first = 0,
                      std::size_t count = std::numeric_limits<std::size_t>::max());
 
@@ -73,7 +76,8 @@ class Points {
   std::size_t size_ = 0, columns_ = 0, rows_ = 0, first_row_ = 0, offset_ = 0;
 };
 
-/// Where an attribute goes: for each component the first point's number, and the bytes from a point to the next.
+/// Where an attribute goes: for each component the first point's number, and the bytes from a point to the
+/// next.
 template <class T>
 struct OutputPlace {
   std::array<T*, most_components> component{};
@@ -85,16 +89,17 @@ struct OutputPlace {
 template <std::floating_point T>
 class Outputs {
  public:
-  /// An array a component, in the order of attributes.h. All functions: \throws ParameterError naming the attribute when it is
-  /// already asked for, the number of components is wrong, a pointer is null or not aligned to T, or the stride is below the
-  /// size of the vector or not a multiple of T's alignment.
+  /// An array a component, in the order of attributes.h. All functions: \throws ParameterError naming the
+  /// attribute when it is already asked for, the number of components is wrong, a pointer is null or not
+  /// aligned to T, or the stride is below the size of the vector or not a multiple of T's alignment.
   Outputs& separate(Attribute a, std::span<const std::span<T>> components);
   Outputs& separate(Attribute a, std::initializer_list<std::span<T>> components) {
     return separate(a, std::span<const std::span<T>>(components.begin(), components.size()));
   }
   /// One array of vectors, without gaps.
   Outputs& packed(Attribute a, std::span<T> values);
-  /// A member of each struct of an array: its first component in the first struct, the number of structs, their size in bytes.
+  /// A member of each struct of an array: its first component in the first struct, the number of structs,
+  /// their size in bytes.
   Outputs& member(Attribute a, T* first, std::size_t points, std::ptrdiff_t stride);
   /// The status of each point.
   Outputs& status(std::span<Status> values) { return status(values.data(), values.size(), sizeof(Status)); }
@@ -115,24 +120,8 @@ class Outputs {
   std::size_t status_points_ = 0;
 };
 
-/// Which instructions a batch runs on. All give the same bits.
-enum class InstructionSet : std::uint8_t {
-  automatic,  ///< the best this machine has, or what the environment variable DARBOUX_ISA names
-  points,     ///< none: point by point, through the single-point functions
-  baseline,   ///< what every CPU of the architecture has
-  avx2,
-  avx512,
-};
-/// Those that this build and this machine can run, best last.
-std::span<const InstructionSet> instruction_sets();
-/// What `automatic` means at this moment.
-/// \throws ParameterError when DARBOUX_ISA names none of instruction_sets()
-InstructionSet chosen_instruction_set();
-/// "avx2", as in DARBOUX_ISA; "unknown" for what is no instruction set.
-std::string_view name_of(InstructionSet set);
-
-/// Whether results are written past the caches. Worth it for more than these hold: about 1.5 times as fast then, as much slower
-/// for less.
+/// Whether results are written past the caches. Worth it for more than these hold: about 1.5 times as fast
+/// then, as much slower for less.
 enum class Stores : std::uint8_t { automatic, cached, past_caches };
 
 struct EvaluateOptions {
@@ -262,16 +251,18 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 
 }  // namespace detail
 
-/// Evaluates a surface type at all points: those of the catalogue by kernels over SIMD lanes where their formulas allow, any
-/// other point by point. What is not asked for is not computed, but for the frame, which tells the status, where points go
-/// one by one. Nothing is allocated but by threads, and once for good by the first call. Results must not overlap one another
-/// or the points. In float the parameters
-/// are rounded first. Numbers and statuses are to the bit those of sample() and curvature() (NaN for NaN), whatever the instruction set,
-/// layout, number of threads and place in the batch; the status has overflow where a partial asked for is not finite, and
-/// umbilic only where principal directions are asked for. Where no frame exists vectors are NaN. About 5 ns a point for position,
-/// dpdu, dpdv, t, b, n of a torus in double; docs/reports/evaluation.md has the figures.
-/// \throws ParameterError when an output has room for fewer points than there are, the number of threads is negative, or the
-/// instruction set, or what DARBOUX_ISA names, is not one of instruction_sets(); nothing is written then. Exceptions of a user's surface are passed on.
+/// Evaluates a surface type at all points: those of the catalogue by kernels over SIMD lanes where their
+/// formulas allow, any other point by point. What is not asked for is not computed, but for the frame, which
+/// tells the status, where points go one by one. Nothing is allocated but by threads, and once for good by
+/// the first call. Results must not overlap one another or the points. In float the parameters are rounded
+/// first. Numbers and statuses are to the bit those of sample() and curvature() (NaN for NaN), whatever the
+/// instruction set, layout, number of threads and place in the batch; the status has overflow where a partial
+/// asked for is not finite, and umbilic only where principal directions are asked for. Where no frame exists
+/// vectors are NaN. About 5 ns a point for position, dpdu, dpdv, t, b, n of a torus in double;
+/// docs/reports/evaluation.md has the figures. \throws ParameterError when an output has room for fewer
+/// points than there are, the number of threads is negative, or the instruction set, or what DARBOUX_ISA
+/// names, is not one of instruction_sets(); nothing is written then. Exceptions of a user's surface are
+/// passed on.
 template <ParametricSurface X, std::floating_point T>
 StatusSummary evaluate(const X& surface, const Points<T>& points, const Outputs<T>& outputs,
                        const EvaluateOptions& options = {}) {

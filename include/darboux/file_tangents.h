@@ -40,20 +40,23 @@ struct FileTangents {
   std::size_t incapable = 0;              ///< of skipped: those that lack normals or uvs
 };
 
-/// Gives the primitives of a document TANGENT by a method of mesh_frames.h, from positions, normals and the uvs that
-/// Primitive::texcoord names, as stored (quantised data as the numbers they stand for; nothing is renormalised). Old tangents
-/// are replaced. Vertices are split where tangents differ (split_vertices.h); every other attribute, skins included, goes
-/// along bit for bit, and triangles keep their order. Every tangent in the file is finite and of unit length, w = ±1.
+/// Gives the primitives of a document TANGENT by a method of mesh_frames.h, from positions, normals and the
+/// uvs that Primitive::texcoord names, as stored (quantised data as the numbers they stand for; nothing is
+/// renormalised). Old tangents are replaced. Vertices are split where tangents differ (split_vertices.h);
+/// every other attribute, skins included, goes along bit for bit, and triangles keep their order. Every
+/// tangent in the file is finite and of unit length, w = ±1.
 ///
-/// Morph targets: with t the method's tangents of the mesh and t_k those of the mesh with target k applied at weight 1 (to
-/// positions, normals and uvs; normals then made unit), target k gets the TANGENT t_k - t, and vertices are split where any of
-/// them differ. Where the method has no direction for t_k (CornerFrame::fallback) the delta is zero. w is the base's.
+/// Morph targets: with t the method's tangents of the mesh and t_k those of the mesh with target k applied at
+/// weight 1 (to positions, normals and uvs; normals then made unit), target k gets the TANGENT t_k - t, and
+/// vertices are split where any of them differ. Where the method has no direction for t_k
+/// (CornerFrame::fallback) the delta is zero. w is the base's.
 ///
-/// Left alone, with a reason: points and lines, primitives without normals (glTF has their tangents ignored) or uvs, and with
-/// only_needed those that nothing needs tangents for.
+/// Left alone, with a reason: points and lines, primitives without normals (glTF has their tangents ignored)
+/// or uvs, and with only_needed those that nothing needs tangents for.
 ///
-/// \throws FileError when the file's data cannot be read \throws MeshError naming file, primitive and vertex for the first
-/// position, normal or uv that is not finite, a morph target's included \throws ParameterError for an unknown method
+/// \throws FileError when the file's data cannot be read \throws MeshError naming file, primitive and vertex
+/// for the first position, normal or uv that is not finite, a morph target's included \throws ParameterError
+/// for an unknown method
 FileTangents add_tangents(GltfDocument& document, const FileTangentOptions& options = {});
 
 }  // namespace darboux

@@ -1,6 +1,6 @@
 /// \file fit_points.h
-/// Recovers a surface, its placement and so the frame at every point from sampled points, with its uncertainty.
-/// Target darboux::fit. The method and its laws: docs/theory/fit.md.
+/// Recovers a surface, its placement and so the frame at every point from sampled points, with its
+/// uncertainty. Target darboux::fit. The method and its laws: docs/theory/fit.md.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +29,10 @@ struct PointFitOptions {
 };
 
 struct StandardError {
-  /// A parameter of the surface that does not only bound the patch; "axis_deg": angle of the placement's z, the axis or the
-  /// normal, the root of the sum of its variances in two directions (not for a sphere); "centre": the root of the sum of the
-  /// variances of the placement's translation in three directions (cylinder: across the axis; plane: along the normal).
+  /// A parameter of the surface that does not only bound the patch; "axis_deg": angle of the placement's z,
+  /// the axis or the normal, the root of the sum of its variances in two directions (not for a sphere);
+  /// "centre": the root of the sum of the variances of the placement's translation in three directions
+  /// (cylinder: across the axis; plane: along the normal).
   std::string name;
   double value;  ///< in the units of the points, degrees for axis_deg
 };
@@ -46,11 +47,12 @@ struct FitCandidate {
 
 /// How far a fitted surface may be from the true one.
 struct SurfaceUncertainty {
-  /// The symmetric covariance of δ = (ω, τ, δp): the fitted surface's place and parameters are those of the true one after
-  /// x -> centre + exp(ω) (x - centre) + τ, ω in radians, τ in the units of the points, both along the axes of the
-  /// points' space; then the parameters in their order. What the points cannot tell because of a symmetry, lengths
-  /// that only bound the patch, and what is held, are fixed by convention: their variance is zero. Where a mesh's uv map was
-  /// estimated, the six numbers of UvConvention::affine follow.
+  /// The symmetric covariance of δ = (ω, τ, δp): the fitted surface's place and parameters are those of the
+  /// true one after x -> centre + exp(ω) (x - centre) + τ, ω in radians, τ in the units of the points, both
+  /// along the axes of the points' space; then the parameters in their order. What the points cannot tell
+  /// because of a symmetry, lengths that only bound the patch, and what is held, are fixed by convention:
+  /// their variance is zero. Where a mesh's uv map was estimated, the six numbers of UvConvention::affine
+  /// follow.
   Eigen::MatrixXd covariance;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 };
@@ -61,7 +63,8 @@ struct PointFit : SurfaceUncertainty {
   std::string reason;  ///< one line: why it is usable or not, and what would help
   std::optional<PlacedSurface>
       surface;  ///< lengths that only bound the patch (height, width, depth) enclose the inliers
-  /// Noise of one coordinate, in the units of the points; where it is estimated, over the inliers less the unknowns.
+  /// Noise of one coordinate, in the units of the points; where it is estimated, over the inliers less the
+  /// unknowns.
   double sigma = 0;
   double rms = 0;  ///< of the inliers' distances
   std::size_t inliers = 0, outliers = 0;
@@ -77,32 +80,33 @@ struct PointFit : SurfaceUncertainty {
 /// The kinds that are found without a guess and without uvs: plane, sphere, cylinder, cone, torus, ellipsoid.
 const std::vector<std::string_view>& found_kinds();
 
-/// Fits a surface to points, most of which lie on it up to isotropic Gaussian noise of unknown size; the others may lie
-/// anywhere. No start is needed. The estimate is that of maximum likelihood over orthogonal distances d for a mixture
-/// of inliers N(σ² H, σ²) and outliers of locally constant density, H = (k1 + k2) / 2 the curvature that moves the mean
-/// distance, found by Ceres. Lengths and place of the points do not matter: they are centred and scaled first. Points at one place
-/// count once in the estimate.
-/// The gauge, where the surface has symmetries (docs/theory/fit.md): the axis points along the positive side of its
-/// largest component, a cone's from base to apex; the u origin is the world axis x, y or z least parallel to the axis, in that order, projected.
-/// Cost: linear in the points.
+/// Fits a surface to points, most of which lie on it up to isotropic Gaussian noise of unknown size; the
+/// others may lie anywhere. No start is needed. The estimate is that of maximum likelihood over orthogonal
+/// distances d for a mixture of inliers N(σ² H, σ²) and outliers of locally constant density, H = (k1 + k2) /
+/// 2 the curvature that moves the mean distance, found by Ceres. Lengths and place of the points do not
+/// matter: they are centred and scaled first. Points at one place count once in the estimate. The gauge,
+/// where the surface has symmetries (docs/theory/fit.md): the axis points along the positive side of its
+/// largest component, a cone's from base to apex; the u origin is the world axis x, y or z least parallel to
+/// the axis, in that order, projected. Cost: linear in the points.
 ///
-/// auto takes the kind with the smallest Bayesian information criterion [Schwarz1978], all on the footing of the likeliest
-/// one's noise, outliers and inliers, and must have two fifths of the points. It must beat each kind of fewer parameters by 10,
-/// odds of exp(5); else, and where
-/// a kind that did not converge or is not determined does better by 10, or where the distances of neighbouring points are
-/// alike (another surface), the fit is not usable: "undetermined: ...". A torus that crosses itself is not among the choices.
-/// A named kind may be any of the catalogue but those without parameters, with more than 12, and the superellipsoid; those
-/// beside found_kinds() are fitted from their default proportions.
+/// auto takes the kind with the smallest Bayesian information criterion [Schwarz1978], all on the footing of
+/// the likeliest one's noise, outliers and inliers, and must have two fifths of the points. It must beat each
+/// kind of fewer parameters by 10, odds of exp(5); else, and where a kind that did not converge or is not
+/// determined does better by 10, or where the distances of neighbouring points are alike (another surface),
+/// the fit is not usable: "undetermined: ...". A torus that crosses itself is not among the choices. A named
+/// kind may be any of the catalogue but those without parameters, with more than 12, and the superellipsoid;
+/// those beside found_kinds() are fitted from their default proportions.
 ///
-/// Not usable, with the reason: fewer different points than one more than a surface has unknowns (plane 3, sphere 4, cylinder
-/// 5, cone 6, torus 7, ellipsoid 9; that many are always fitted exactly), points on a line, a radius below 5 sigma, no more
-/// inliers than chance has, a movement of the surface that the points do not tell, a length with a standard error above
-/// its half or beyond 1e-3 to 1e3 of the points' size (their median distance from their median), points of a size beyond
-/// 1e-152 to 1e152. And where it has not converged: that is when the next step of Ceres on the equations of the maximum moves the
-/// surface by 1e-9 of its standard error at most (1e-6 where only weighted least squares settle), or by its rounding.
-/// \throws ParameterError for an unknown kind, a noise that is not positive, a guess of another kind or not finite;
-/// MeshError for attributes of another length than positions, or with_uv without uvs. Points that do not determine
-/// a surface give a fit that is not usable, and say why.
+/// Not usable, with the reason: fewer different points than one more than a surface has unknowns (plane 3,
+/// sphere 4, cylinder 5, cone 6, torus 7, ellipsoid 9; that many are always fitted exactly), points on a
+/// line, a radius below 5 sigma, no more inliers than chance has, a movement of the surface that the points
+/// do not tell, a length with a standard error above its half or beyond 1e-3 to 1e3 of the points' size
+/// (their median distance from their median), points of a size beyond 1e-152 to 1e152. And where it has not
+/// converged: that is when the next step of Ceres on the equations of the maximum moves the surface by 1e-9
+/// of its standard error at most (1e-6 where only weighted least squares settle), or by its rounding. \throws
+/// ParameterError for an unknown kind, a noise that is not positive, a guess of another kind or not finite;
+/// MeshError for attributes of another length than positions, or with_uv without uvs. Points that do not
+/// determine a surface give a fit that is not usable, and say why.
 PointFit fit_points(const PointCloud& points, const PointFitOptions& options = {});
 
 /// A frame of a fitted surface with its uncertainty.
@@ -111,28 +115,30 @@ struct UncertainFrame {
   Vec3<double> position;  ///< on the surface
   Vec3<double> t, b, n;   ///< orthonormal, in the points' space
   Status status;
-  /// Covariance of the rotation vector (radians) that takes the true frame to this one, in the axes t, b, n, to first order
-  /// in δ. Where n is known and t is not, that of the turns about t and b, infinite about n, the others zero; where n is not
-  /// known, infinite on the diagonal and zero beside it.
+  /// Covariance of the rotation vector (radians) that takes the true frame to this one, in the axes t, b, n,
+  /// to first order in δ. Where n is known and t is not, that of the turns about t and b, infinite about n,
+  /// the others zero; where n is not known, infinite on the diagonal and zero beside it.
   Eigen::Matrix3d covariance;
   double normal_deg = 0;   ///< standard deviation of the angle of n: sqrt(var t + var b); infinite: see below
   double tangent_deg = 0;  ///< of t: sqrt(var b + var n); infinite: see below
-  // First order fails, and t is not known, where three standard deviations change dpdu by its own length or more: a pole of
-  // the chart is within reach, or this is one. n is not known where three standard deviations turn it by a radian, where
-  // p is a focal point of the surface, and where such a pole is a point without normal (an apex).
+  // First order fails, and t is not known, where three standard deviations change dpdu by its own length or
+  // more: a pole of the chart is within reach, or this is one. n is not known where three standard deviations
+  // turn it by a radian, where p is a focal point of the surface, and where such a pole is a point without
+  // normal (an apex).
 };
 
-/// The frame at the surface point nearest to p: p is fixed, the surface uncertain. A cylinder, cone and plane do not end,
-/// but for the cone at its apex. Cost: below 1 us for found_kinds() (ellipsoid: 1.2 us), about 10 us for others.
-/// \throws ParameterError for a fit without a surface, or whose covariance has another size than 6 + parameters
+/// The frame at the surface point nearest to p: p is fixed, the surface uncertain. A cylinder, cone and plane
+/// do not end, but for the cone at its apex. Cost: below 1 us for found_kinds() (ellipsoid: 1.2 us), about 10
+/// us for others. \throws ParameterError for a fit without a surface, or whose covariance has another size
+/// than 6 + parameters
 UncertainFrame frame_near(const PointFit& fit, const Vec3<double>& p);
 
 /// The same of any surface that is known to some uncertainty.
 UncertainFrame frame_near(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
                           const Vec3<double>& p);
 
-/// The frame at the surface's own (u, v), which stay: not through the convention of the placed surface's stored uvs.
-/// \throws ParameterError as frame_near()
+/// The frame at the surface's own (u, v), which stay: not through the convention of the placed surface's
+/// stored uvs. \throws ParameterError as frame_near()
 UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv);
 
 }  // namespace darboux

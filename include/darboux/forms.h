@@ -48,16 +48,17 @@ S mean_curvature(const FirstForm<S>& I, const SecondForm<S>& II) {
   return (I.E * II.N - lift<S>(2.0) * (I.F * II.M) + I.G * II.L) / (lift<S>(2.0) * (I.E * I.G - I.F * I.F));
 }
 
-/// The shape operator in the orthonormal basis (t, b): S t = a t + m b, S b = m t + c b. Units: 1/length. With n outward
-/// a sphere of radius r has a = c = -1/r, m = 0. Beside it the partials in that basis: dpdu = e t, dpdv = f t + g b.
+/// The shape operator in the orthonormal basis (t, b): S t = a t + m b, S b = m t + c b. Units: 1/length.
+/// With n outward a sphere of radius r has a = c = -1/r, m = 0. Beside it the partials in that basis: dpdu =
+/// e t, dpdv = f t + g b.
 template <class S>
 struct ShapeOperator {
   S a, m, c;
   S e, f, g;
 };
 
-/// S = [[a, m], [m, c]] from a jet and its orthonormal frame: L = e² a, M = e (f a + g m), N = f² a + 2 f g m + g² c.
-/// NaN where dpdu and dpdv span no plane.
+/// S = [[a, m], [m, c]] from a jet and its orthonormal frame: L = e² a, M = e (f a + g m), N = f² a + 2 f g m
+/// + g² c. NaN where dpdu and dpdv span no plane.
 template <class S>
 ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
   ShapeOperator<S> s;
@@ -71,7 +72,8 @@ ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
   return s;
 }
 
-/// The derivatives of the unit normal (Weingarten's equations): dndu = -S dpdu, dndv = -S dpdv. [doCarmo2016, sec. 3-3]
+/// The derivatives of the unit normal (Weingarten's equations): dndu = -S dpdu, dndv = -S dpdv. [doCarmo2016,
+/// sec. 3-3]
 template <class S>
 struct NormalDerivatives {
   Vec3<S> dndu, dndv;
@@ -89,8 +91,9 @@ S area_element(const ShapeOperator<S>& s) {
   return abs(s.e * s.g);
 }
 
-/// The Christoffel symbols Γ^k_ij: d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part). u[0], u[1], u[2] are Γ^u_uu,
-/// Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Without units. NaN where dpdu and dpdv span no plane. [doCarmo2016, sec. 4-3]
+/// The Christoffel symbols Γ^k_ij: d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part). u[0], u[1], u[2]
+/// are Γ^u_uu, Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Without units. NaN where dpdu and dpdv span no plane.
+/// [doCarmo2016, sec. 4-3]
 template <class S>
 struct Christoffel {
   S u[3], v[3];
@@ -170,8 +173,8 @@ Curvature<S> curvature(const ShapeOperator<S>& shape, const Frame<S>& frame) {
   return result;
 }
 
-/// Curvatures from a jet and its orthonormal frame. NaN where dpdu and dpdv span no plane: see the form below, which
-/// takes the surface. About 60 ns.
+/// Curvatures from a jet and its orthonormal frame. NaN where dpdu and dpdv span no plane: see the form
+/// below, which takes the surface. About 60 ns.
 template <detail::Binary S>
 Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
   return curvature(shape_operator(j, frame), frame);
@@ -191,14 +194,15 @@ struct AlongY {
                p.z.derivative[1].derivative[1]} {}
 };
 
-// The limit of the shape operator where the chart collapses along x: P_x = P_xx = 0 there, P_y and P_xy span the plane.
-// With s the distance from there along y: P_x = s P_xy + ..., P_xx = s P_xxy + s²/2 P_xxyy + ..., n = n0 + s n_y + ...,
-// n_y = -S P_y. To first order in s
+// The limit of the shape operator where the chart collapses along x: P_x = P_xx = 0 there, P_y and P_xy span
+// the plane. With s the distance from there along y: P_x = s P_xy + ..., P_xx = s P_xxy + s²/2 P_xxyy + ...,
+// n = n0 + s n_y + ..., n_y = -S P_y. To first order in s
 //   n·P_xy = s (n_y·P_xy + n0·P_xyy),  and by the definition of S  n·P_xy = -n_y·P_x = -s n_y·P_xy,
 // so that q = -n_y·t = n0·P_xyy / 2|P_xy| for t = P_xy / |P_xy|. With b = n0 × t and P_y = f t + g b
 //   -n_y·P_y = n0·P_yy  gives  -n_y·b = (n0·P_yy - f q)/g,
-// and the second order of n·P_xx = |P_x|² (t·S t) gives t·S t. Its first order, n0·P_xxy, must vanish: else the normal
-// depends on x at one and the same point, as at the apex of a cone, and the curvature grows without bound.
+// and the second order of n·P_xx = |P_x|² (t·S t) gives t·S t. Its first order, n0·P_xxy, must vanish: else
+// the normal depends on x at one and the same point, as at the apex of a cone, and the curvature grows
+// without bound.
 template <class Jets, class S>
 ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Jet2<S>& j,
                                             const Frame<S>& frame) {
@@ -252,8 +256,8 @@ ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Je
   return result;
 }
 
-// Jet and frame of a surface type, or of a surface chosen at run time (any_surface.h), which has them as members.
-// Compiled once a scalar: over nested dual numbers it is long.
+// Jet and frame of a surface type, or of a surface chosen at run time (any_surface.h), which has them as
+// members. Compiled once a scalar: over nested dual numbers it is long.
 template <class X, class S>
 [[gnu::noinline]] auto jet_of(const X& surface, const S& u, const S& v) {
   if constexpr (ParametricSurface<X>)
@@ -271,11 +275,11 @@ Frame<S> frame_of(const X& surface, S u, S v) {
 
 }  // namespace detail
 
-/// The shape operator of a surface at (u, v), from a jet and frame of it at hand. Where they carry limit_frame (poles,
-/// collapsed edges) it is the limit, of derivatives to fourth order by nested dual numbers, within a few dozen
-/// roundings of its terms; elsewhere that of the jet. NaN where there is none: at the apex of a cone and wherever else
-/// the curvature grows without bound, where d2pduv vanishes with dpdu, or where those derivatives do not exist.
-/// \param surface a surface type, or AnySurface
+/// The shape operator of a surface at (u, v), from a jet and frame of it at hand. Where they carry
+/// limit_frame (poles, collapsed edges) it is the limit, of derivatives to fourth order by nested dual
+/// numbers, within a few dozen roundings of its terms; elsewhere that of the jet. NaN where there is none: at
+/// the apex of a cone and wherever else the curvature grows without bound, where d2pduv vanishes with dpdu,
+/// or where those derivatives do not exist. \param surface a surface type, or AnySurface
 template <class X, std::floating_point S>
 ShapeOperator<S> shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
@@ -296,23 +300,24 @@ Curvature<S> curvature(const X& surface, S u, S v) {
   return curvature(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));
 }
 
-/// A curve u(s), v(s) on a surface at one point, by its first and second derivatives with respect to its parameter.
+/// A curve u(s), v(s) on a surface at one point, by its first and second derivatives with respect to its
+/// parameter.
 template <class S>
 struct CurveOnSurface {
   S du, dv, d2u, d2v;
 };
 
-/// The Darboux frame of a curve on a surface: T its unit tangent, V = n × T the tangent normal, n the surface normal;
-/// κn its normal curvature, κg its geodesic curvature, τg its geodesic torsion (1/length):
+/// The Darboux frame of a curve on a surface: T its unit tangent, V = n × T the tangent normal, n the surface
+/// normal; κn its normal curvature, κg its geodesic curvature, τg its geodesic torsion (1/length):
 ///   T' = κg V + κn n,   V' = -κg T + τg n,   n' = -κn T - τg V   (derivatives by arc length)
-/// κn is positive where the curve bends towards n, κg where it turns to the left seen against n. [doCarmo2016, sec. 4-4]
+/// κn is positive where the curve bends towards n, κg where it turns to the left seen against n.
+/// [doCarmo2016, sec. 4-4]
 template <class S>
 struct DarbouxFrame {
   Vec3<S> T, V, n;
   S normal_curvature, geodesic_curvature, geodesic_torsion;
-  Status
-      status;  ///< the surface frame's; no_frame and NaN where the curve does not move (du = dv = 0, or along a
-               ///< vanishing partial)
+  Status status;  ///< the surface frame's; no_frame and NaN where the curve does not move (du = dv = 0, or
+                  ///< along a vanishing partial)
 };
 template <std::floating_point S>
 DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const ShapeOperator<S>& shape,

@@ -1,6 +1,6 @@
 /// \file io.h
-/// Files: glTF and GLB over the JSON document itself; PLY, STL, COLLADA, OBJ and FBX; sampled points; surfaces that a user
-/// wrote down. Every float of a glTF keeps its bits.
+/// Files: glTF and GLB over the JSON document itself; PLY, STL, COLLADA, OBJ and FBX; sampled points;
+/// surfaces that a user wrote down. Every float of a glTF keeps its bits.
 #pragma once
 
 #include <array>
@@ -24,37 +24,40 @@
 
 namespace darboux {
 
-/// One drawable piece of a file: a primitive of a glTF mesh, a group of polygons of a COLLADA geometry, a mesh of an OBJ or FBX,
-/// a solid of an STL, a PLY.
+/// One drawable piece of a file: a primitive of a glTF mesh, a group of polygons of a COLLADA geometry, a
+/// mesh of an OBJ or FBX, a solid of an STL, a PLY.
 struct Primitive {
   std::size_t mesh = 0;       ///< index of the mesh in the file
   std::size_t primitive = 0;  ///< index within the mesh
   std::string name;           ///< the mesh's name, may be empty
-  /// Which TEXCOORD set `data.uvs` holds: that of the first texture of the material that reads the tangent frame, where the
-  /// primitive has it, else 0; -1 when there is none. The normal texture is the first, then those of needs_tangents. Elsewhere
-  /// the file's first set.
+  /// Which TEXCOORD set `data.uvs` holds: that of the first texture of the material that reads the tangent
+  /// frame, where the primitive has it, else 0; -1 when there is none. The normal texture is the first, then
+  /// those of needs_tangents. Elsewhere the file's first set.
   int texcoord = -1;
-  /// Whether something in its material, or in one of its KHR_materials_variants, reads the tangent frame: a normalTexture, the
-  /// clearcoatNormalTexture of KHR_materials_clearcoat, KHR_materials_anisotropy, the normal maps of
-  /// MSFT_packing_normalRoughnessMetallic and MSFT_packing_occlusionRoughnessMetallic.
+  /// Whether something in its material, or in one of its KHR_materials_variants, reads the tangent frame: a
+  /// normalTexture, the clearcoatNormalTexture of KHR_materials_clearcoat, KHR_materials_anisotropy, the
+  /// normal maps of MSFT_packing_normalRoughnessMetallic and MSFT_packing_occlusionRoughnessMetallic.
   bool needs_tangents = false;
-  /// In the mesh's own space; vertex i is a glTF's or PLY's vertex i. Normalised integers are read as the numbers
-  /// they stand for, NaN and infinities as they are; strips and fans become triangles in glTF's winding.
+  /// In the mesh's own space; vertex i is a glTF's or PLY's vertex i. Normalised integers are read as the
+  /// numbers they stand for, NaN and infinities as they are; strips and fans become triangles in glTF's
+  /// winding.
   Mesh data;
   /// World matrices of the nodes that show it, one an instance; empty when no node does.
   std::vector<Eigen::Matrix4d> instances;
-  /// Its other uv sets, each with its number, where it has tangents and uvs: the tangents may follow one of them. Of a glTF
-  /// those of TEXCOORD_0 to TEXCOORD_7.
+  /// Its other uv sets, each with its number, where it has tangents and uvs: the tangents may follow one of
+  /// them. Of a glTF those of TEXCOORD_0 to TEXCOORD_7.
   std::vector<std::pair<int, std::vector<Vec2<double>>>> other_uvs;
   /// Whether the material says which set its tangents belong to. Where it does not, any set will do.
   bool names_uv_set = false;
-  /// KHR_texture_transform of the texture that names the set: uv' = M uv + offset, M row by row, then the offset. Not applied to `data`.
+  /// KHR_texture_transform of the texture that names the set: uv' = M uv + offset, M row by row, then the
+  /// offset. Not applied to `data`.
   std::optional<std::array<double, 6>> texture_transform;
   /// Indices at the end that are no whole triangle; they are left out.
   std::size_t leftover_indices = 0;
 };
 
-/// What a morph target of a primitive adds to its vertices at weight 1, one entry a vertex; empty where it adds nothing.
+/// What a morph target of a primitive adds to its vertices at weight 1, one entry a vertex; empty where it
+/// adds nothing.
 struct MorphTarget {
   std::vector<Vec3<double>> positions, normals;
   std::vector<Vec2<double>> uvs;  ///< of the set that Primitive::texcoord names
@@ -72,32 +75,34 @@ struct Asset {
   std::vector<SkippedPrimitive> skipped;
 };
 
-/// Reads .glb, .gltf, .obj, .fbx, .dae, .ply or .stl, chosen by the content where it tells (the magic "glTF"), else by the
-/// extension. Units and up axes are not applied: positions are as stored, in the mesh's own space.
+/// Reads .glb, .gltf, .obj, .fbx, .dae, .ply or .stl, chosen by the content where it tells (the magic
+/// "glTF"), else by the extension. Units and up axes are not applied: positions are as stored, in the mesh's
+/// own space.
 ///
 /// glTF 2.0: every componentType, interleaved and sparse accessors, normalised integers
 /// (KHR_mesh_quantization), buffers in the GLB, in files beside it (relative URIs) or in data URIs.
-/// EXT_meshopt_compression and KHR_draco_mesh_compression are undone when the file is loaded, whether there are uncompressed
-/// data too or not.
-/// Instances are the nodes of the default scene: the one named, else the first, else all trees of nodes.
-/// Morph targets and skins are not applied.
+/// EXT_meshopt_compression and KHR_draco_mesh_compression are undone when the file is loaded, whether there
+/// are uncompressed data too or not. Instances are the nodes of the default scene: the one named, else the
+/// first, else all trees of nodes. Morph targets and skins are not applied.
 ///
-/// PLY: ASCII or binary of either byte order, in double; normals and uvs under the names that read_points() knows, no tangents;
-/// polygons become fans about their first corner; faces with a list texcoord have a vertex a corner. Without faces the asset is
-/// empty, and `skipped` says so.
+/// PLY: ASCII or binary of either byte order, in double; normals and uvs under the names that read_points()
+/// knows, no tangents; polygons become fans about their first corner; faces with a list texcoord have a
+/// vertex a corner. Without faces the asset is empty, and `skipped` says so.
 ///
-/// STL: a vertex a corner, positions alone. What the format calls a normal is the facet's: it says once more how its corners
-/// are wound, is zero in many files, and as a normal of vertices would only tell that the mesh has facets.
+/// STL: a vertex a corner, positions alone. What the format calls a normal is the facet's: it says once more
+/// how its corners are wound, is zero in many files, and as a normal of vertices would only tell that the
+/// mesh has facets.
 ///
-/// COLLADA 1.4 and 1.5, in double: a vertex a corner; polygons become fans about their first corner, those with holes are
-/// skipped; tangents where there are normals, TEXTANGENT and TEXBINORMAL, w the side of cross(n, t) on which the bitangent lies
-/// (0: on neither). Controllers show the mesh at rest.
+/// COLLADA 1.4 and 1.5, in double: a vertex a corner; polygons become fans about their first corner, those
+/// with holes are skipped; tangents where there are normals, TEXTANGENT and TEXBINORMAL, w the side of
+/// cross(n, t) on which the bitangent lies (0: on neither). Controllers show the mesh at rest.
 ///
-/// OBJ and FBX (of 2011 or later, binary or text) by assimp: a vertex a corner, in float, decimals within 2 units in the last
-/// place (measured 1); quads are cut from a concave corner, larger polygons by their ears; v up as stored. FBX has tangents as
-/// COLLADA has; without bitangents in the file assimp takes cross(n, t), so that w = 1. Attributes that FBX maps in ways that assimp does
-/// not know are left out. Materials and textures are not opened. assimp runs in a process of its own, so that
-/// no file can crash or stop this one: it may take 1 GiB and 256 times the file, 20 seconds and 2 for each MB.
+/// OBJ and FBX (of 2011 or later, binary or text) by assimp: a vertex a corner, in float, decimals within 2
+/// units in the last place (measured 1); quads are cut from a concave corner, larger polygons by their ears;
+/// v up as stored. FBX has tangents as COLLADA has; without bitangents in the file assimp takes cross(n, t),
+/// so that w = 1. Attributes that FBX maps in ways that assimp does not know are left out. Materials and
+/// textures are not opened. assimp runs in a process of its own, so that no file can crash or stop this one:
+/// it may take 1 GiB and 256 times the file, 20 seconds and 2 for each MB.
 ///
 /// Nothing is allocated by a count the file states before the count is checked against the bytes it has.
 /// \throws FileError naming the file, what is wrong and what is permitted
@@ -110,8 +115,9 @@ struct GltfFile;  // the JSON document and its buffers: src/io/gltf_file.h
 
 /// A glTF or GLB file held as its JSON document and its buffers, to be rewritten with everything else
 /// preserved: only accessors, bufferViews, buffer lengths and the references of the rewritten primitives
-/// change. What EXT_meshopt_compression and KHR_draco_mesh_compression compress is decoded at once and written uncompressed.
-/// Values stay the same, doubles to the bit, and unknown properties, chunks and the order of keys are kept.
+/// change. What EXT_meshopt_compression and KHR_draco_mesh_compression compress is decoded at once and
+/// written uncompressed. Values stay the same, doubles to the bit, and unknown properties, chunks and the
+/// order of keys are kept.
 class GltfDocument {
  public:
   /// \throws FileError as read_asset does; errors in meshes and nodes are found by asset()
@@ -134,27 +140,28 @@ class GltfDocument {
 
   /// Gives one primitive a TANGENT accessor (float VEC4, one a vertex), appended to the binary chunk; an old
   /// one is left where it is, unreferenced by this primitive. Values are stored bit for bit and not judged.
-  /// \param deltas what each morph target adds to x, y and z: a TANGENT accessor (float VEC3) for each; none at all: the
-  /// targets are left as they are
-  /// \throws MeshError when the primitive does not exist, a count differs from POSITION's or that of deltas from the targets'
+  /// \param deltas what each morph target adds to x, y and z: a TANGENT accessor (float VEC3) for each; none
+  /// at all: the targets are left as they are \throws MeshError when the primitive does not exist, a count
+  /// differs from POSITION's or that of deltas from the targets'
   void set_tangents(std::size_t mesh, std::size_t primitive, std::span<const Vec4<float>> tangents,
                     std::span<const std::vector<Vec3<float>>> deltas = {});
 
   /// Gives one primitive new vertices: every attribute, morph targets included, is copied so that new vertex
   /// i is old vertex source[i], bit for bit, and the primitive becomes the triangle list `indices`. min and
   /// max are computed anew where they stood. Other primitives keep the old accessors, shared ones too.
-  /// \param without_tangents TANGENT is not copied, and does not fit until set_tangents() replaces it, the morph targets' too
-  /// \throws MeshError when the primitive does not exist, source
-  /// names no old vertex, or indices no new one \throws FileError when an attribute cannot be read
+  /// \param without_tangents TANGENT is not copied, and does not fit until set_tangents() replaces it, the
+  /// morph targets' too \throws MeshError when the primitive does not exist, source names no old vertex, or
+  /// indices no new one \throws FileError when an attribute cannot be read
   void remap_vertices(std::size_t mesh, std::size_t primitive, std::span<const std::uint32_t> source,
                       std::span<const std::uint32_t> indices, bool without_tangents = false);
 
-  /// Shows one primitive in these colours and nothing else: gives it a COLOR_0 accessor (float VEC3, linear RGB, one a vertex),
-  /// appended to the binary chunk, and a white material that is not lit (KHR_materials_unlit), one for the whole document. Its
-  /// old colours and material stay where they are; KHR_materials_variants, which would hide the colours, goes.
-  /// \param extras_json a JSON object whose keys the mesh's extras get, unless they are something else than an object
-  /// \throws MeshError when the primitive does not exist or the count differs from POSITION's \throws ParameterError when
-  /// extras_json is no object
+  /// Shows one primitive in these colours and nothing else: gives it a COLOR_0 accessor (float VEC3, linear
+  /// RGB, one a vertex), appended to the binary chunk, and a white material that is not lit
+  /// (KHR_materials_unlit), one for the whole document. Its old colours and material stay where they are;
+  /// KHR_materials_variants, which would hide the colours, goes. \param extras_json a JSON object whose keys
+  /// the mesh's extras get, unless they are something else than an object \throws MeshError when the
+  /// primitive does not exist or the count differs from POSITION's \throws ParameterError when extras_json is
+  /// no object
   void set_colours(std::size_t mesh, std::size_t primitive, std::span<const Vec3<float>> colours,
                    const std::string& extras_json);
 
@@ -182,45 +189,51 @@ void write_glb(const std::string& path, const Mesh& mesh, const std::string& nam
 /// Points read from a file.
 struct PointFile {
   PointCloud cloud;  ///< every point or vertex of the file, in its order
-  /// Of a mesh: for each vertex the first at the same place (within 1e-6 of the diagonal), itself where it is that one, or
-  /// `unused` where no triangle uses it. Empty where there are no triangles.
+  /// Of a mesh: for each vertex the first at the same place (within 1e-6 of the diagonal), itself where it is
+  /// that one, or `unused` where no triangle uses it. Empty where there are no triangles.
   std::vector<std::uint32_t> place;
   static constexpr std::uint32_t unused = 0xffffffff;
-  /// Where the first position that is not finite stands: "line 7", "vertex 3" (from 0). Empty where all are finite.
+  /// Where the first position that is not finite stands: "line 7", "vertex 3" (from 0). Empty where all are
+  /// finite.
   std::string first_not_finite;
   std::string note;  ///< one line about columns that were passed over; mostly empty
 };
 
-/// What was measured: one point a place, the first. Vertices at the same place are one measurement, split for its attributes.
+/// What was measured: one point a place, the first. Vertices at the same place are one measurement, split for
+/// its attributes.
 PointCloud distinct_points(const PointFile& file);
 
 /// Reads sampled points, in the order of the file, by its extension:
-///   .xyz .txt .csv .tsv  a point a line, columns between semicolons, else commas, else blanks or tabs (the first line
-///                        decides), in quotes or not. A header, which begins with a name or an empty field, names them in
-///                        any order and case: x y z, nx ny nz, u v; columns of other names, and groups that are not
-///                        complete, are passed over. It may stand behind // or #, with as many names as there are columns.
-///                        Without one: 3 columns x y z, 5 x y z u v, 6 x y z nx ny nz, 8 all; those after z are passed
-///                        over, with a note, where nx ny nz are no normals: finite, not zero and not of unit length (10 %).
+///   .xyz .txt .csv .tsv  a point a line, columns between semicolons, else commas, else blanks or tabs (the
+///                        first line decides), in quotes or not. A header, which begins with a name or an
+///                        empty field, names them in any order and case: x y z, nx ny nz, u v; columns of
+///                        other names, and groups that are not complete, are passed over. It may stand behind
+///                        // or #, with as many names as there are columns. Without one: 3 columns x y z, 5 x
+///                        y z u v, 6 x y z nx ny nz, 8 all; those after z are passed over, with a note, where
+///                        nx ny nz are no normals: finite, not zero and not of unit length (10 %).
 ///   .ply  the vertices, ASCII or binary of either byte order, normals and uvs included
 ///   .pcd  ASCII or binary; compressed is refused, the viewpoint is not applied
 ///   .obj  the vertices, where there are faces with the attributes of the first corner
 ///   .stl  the corners, ASCII or binary, without the triangles' normals
-///   .glb .gltf  the vertices, one primitive after the other, normals and uvs where every primitive has them; nodes are not
+///   .glb .gltf  the vertices, one primitive after the other, normals and uvs where every primitive has them;
+///               nodes are not
 ///         applied: the mesh's own space
-/// Other names of columns: position_x ..., normal_x ..., s t, texture_u texture_v. Empty lines and those that begin with # are
-/// passed over. NaN and infinities are read as they are.
+/// Other names of columns: position_x ..., normal_x ..., s t, texture_u texture_v. Empty lines and those that
+/// begin with # are passed over. NaN and infinities are read as they are.
 ///
-/// Numbers are read in double, correctly rounded (glTF: float, as stored). Tables, PLY and PCD are read in pieces: memory is
-/// at most three times the cloud. A count the file states is checked against what it holds.
+/// Numbers are read in double, correctly rounded (glTF: float, as stored). Tables, PLY and PCD are read in
+/// pieces: memory is at most three times the cloud. A count the file states is checked against what it holds.
 /// \param progress called now and then with the share that is read
-/// \throws FileError naming the file, its line or vertex, what is wrong and what is permitted; a file without points is wrong
+/// \throws FileError naming the file, its line or vertex, what is wrong and what is permitted; a file without
+/// points is wrong
 PointFile read_points(const std::string& path, const std::function<void(double)>& progress = {});
 
-/// A file that is written whole or not at all, piece by piece: to a temporary beside it, renamed by commit(), so that
-/// an old file stays until the new one is complete (a process that is killed leaves the temporary). A symbolic link stays, the file it names is replaced. The path
-/// "-" is standard output; devices, pipes and links of /dev and /proc are written to directly. Without commit()
-/// nothing is left. Every member throws FileError: the path is a folder, its folder is missing or not writable, the
-/// disk is full.
+/// A file that is written whole or not at all, piece by piece: to a temporary beside it, renamed by commit(),
+/// so that an old file stays until the new one is complete (a process that is killed leaves the temporary). A
+/// symbolic link stays, the file it names is replaced. The path
+/// "-" is standard output; devices, pipes and links of /dev and /proc are written to directly. Without
+/// commit() nothing is left. Every member throws FileError: the path is a folder, its folder is missing or
+/// not writable, the disk is full.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path);
@@ -248,26 +261,27 @@ void write_file(const std::string& path, std::string_view content);
 ///     y = a*cosh(t)*sin(2*pi*u)
 ///     z = a*t
 ///
-/// One definition a line, in any order; # begins a comment. x, y and z are the position. A name whose expression has
-/// numbers and pi only is a parameter (its comment says what it means), its value a double; any other is an
-/// abbreviation. Operators, strongest first: ^ (from the right), + and - as signs, * and /, + and -, comparisons, &&, ||,
-/// condition ? a : b. Functions: sin cos tan asin acos atan atan2(y, x), sinh cosh tanh asinh acosh atanh, sqrt exp,
-/// log and ln (natural), pow(a, b), abs sign, min(a, b) max(a, b), and sin_turns(t), cos_turns(t): sine and cosine of
-/// 2πt with exact range reduction, so that quarter turns are exact and u + 1 gives the bits of u.
+/// One definition a line, in any order; # begins a comment. x, y and z are the position. A name whose
+/// expression has numbers and pi only is a parameter (its comment says what it means), its value a double;
+/// any other is an abbreviation. Operators, strongest first: ^ (from the right), + and - as signs, * and /, +
+/// and -, comparisons, &&, ||, condition ? a : b. Functions: sin cos tan asin acos atan atan2(y, x), sinh
+/// cosh tanh asinh acosh atanh, sqrt exp, log and ln (natural), pow(a, b), abs sign, min(a, b) max(a, b), and
+/// sin_turns(t), cos_turns(t): sine and cosine of 2πt with exact range reduction, so that quarter turns are
+/// exact and u + 1 gives the bits of u.
 ///
-/// The file is parsed once. Every scalar runs the same instructions, so the partials come from nested dual numbers,
-/// exact to the formula's own rounding, and every law of testing.h holds or is broken as for a type in C++. pi has the
-/// digits of the scalar; a number in the text is the nearest double. A power with a constant whole exponent up to 1024
-/// is a product, so it takes negative bases; other powers take positive bases. Where the formula has no value (log of a
-/// negative number, 0/0) it gives NaN or infinity, status `no_frame` and `overflow`, and `check` says so. Nothing
-/// declares where the chart is singular or meets itself: seams are edges, and poles are found only where a partial is
-/// exactly zero.
+/// The file is parsed once. Every scalar runs the same instructions, so the partials come from nested dual
+/// numbers, exact to the formula's own rounding, and every law of testing.h holds or is broken as for a type
+/// in C++. pi has the digits of the scalar; a number in the text is the nearest double. A power with a
+/// constant whole exponent up to 1024 is a product, so it takes negative bases; other powers take positive
+/// bases. Where the formula has no value (log of a negative number, 0/0) it gives NaN or infinity, status
+/// `no_frame` and `overflow`, and `check` says so. Nothing declares where the chart is singular or meets
+/// itself: seams are edges, and poles are found only where a partial is exactly zero.
 ///
 /// \param parameters other values for some of the parameters
-/// \throws FileError naming file and line: no definition, a name twice or reserved, x, y or z missing, an unknown name
-/// (the known ones are listed), definitions that need each other, a syntax error with its column, a parameter that is not
-/// finite
-/// \throws ParameterError for an unknown parameter or a value that is not finite
+/// \throws FileError naming file and line: no definition, a name twice or reserved, x, y or z missing, an
+/// unknown name (the known ones are listed), definitions that need each other, a syntax error with its
+/// column, a parameter that is not finite \throws ParameterError for an unknown parameter or a value that is
+/// not finite
 AnySurface read_formula_surface(const std::string& path,
                                 const std::vector<std::pair<std::string, double>>& parameters = {});
 
@@ -278,13 +292,13 @@ const std::vector<std::string_view>& surface_file_kinds();
 ///   bezier-patch            points, weights, degree_u, degree_v
 ///   bspline-patch           points, weights, degree_u, degree_v, knots_u, knots_v
 ///   surface-of-revolution   points, weights, degree, knots: the profile
-/// A patch's points are rows [[[x, y, z], ...], ...]: row i holds P_i0, P_i1, ..., so u runs from row to row and v along
-/// each. A profile's points are [[ρ, z], ...]. weights: rows of positive numbers as the points, all 1 when missing.
-/// Degrees are 1 to 15. bezier-patch's follow from the points, and must agree where they are given; a profile's is 1 (a
-/// polyline) when missing. knots: as many as points + degree + 1, not decreasing, none more than degree + 1 times; when
-/// missing, clamped and equally spaced. Any knots are mapped to [0, 1].
-/// \throws FileError naming file, key and what is permitted
-/// \throws ParameterError for another kind
+/// A patch's points are rows [[[x, y, z], ...], ...]: row i holds P_i0, P_i1, ..., so u runs from row to row
+/// and v along each. A profile's points are [[ρ, z], ...]. weights: rows of positive numbers as the points,
+/// all 1 when missing. Degrees are 1 to 15. bezier-patch's follow from the points, and must agree where they
+/// are given; a profile's is 1 (a polyline) when missing. knots: as many as points + degree + 1, not
+/// decreasing, none more than degree + 1 times; when missing, clamped and equally spaced. Any knots are
+/// mapped to [0, 1]. \throws FileError naming file, key and what is permitted \throws ParameterError for
+/// another kind
 AnySurface read_surface_file(std::string_view kind, const std::string& path);
 
 }  // namespace darboux

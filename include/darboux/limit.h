@@ -17,7 +17,8 @@ namespace darboux {
 
 namespace detail {
 
-// A partial near a point along one coordinate: the sum of the k-th vector times h^k. What is not known is zero.
+// A partial near a point along one coordinate: the sum of the k-th vector times h^k. What is not known is
+// zero.
 template <class S>
 using Taylor = std::array<Vec3<S>, 4>;
 
@@ -53,12 +54,12 @@ std::size_t first_that_is_not_zero(const Taylor<S>& a) {
   return k;
 }
 
-// The limit of series of which the first `terms` are known. With a_k and b_l the first coefficients that are not zero, t is
-// along a_k and n along the first coefficient of dpdu × dpdv that is not zero: a_k × b_l, where these are parallel the sum
-// of the two crosses of the next order, and so on as far as the series reach. Odd powers change their sign with that of
-// h: where that turns the frame over, an inner point has the bit `crease`.
-// \param why what is known to vanish at h = 0, whatever rounding left of it
-// \param inner whether h may have both signs
+// The limit of series of which the first `terms` are known. With a_k and b_l the first coefficients that are
+// not zero, t is along a_k and n along the first coefficient of dpdu × dpdv that is not zero: a_k × b_l,
+// where these are parallel the sum of the two crosses of the next order, and so on as far as the series
+// reach. Odd powers change their sign with that of h: where that turns the frame over, an inner point has the
+// bit `crease`. \param why what is known to vanish at h = 0, whatever rounding left of it \param inner
+// whether h may have both signs
 template <std::floating_point S>
 void take_limit(Limit<S>& limit, std::size_t terms, Status why, bool inner) {
   if (has(why, Status::dpdu_zero)) limit.dpdu[0] = {};
@@ -110,8 +111,8 @@ std::pair<Taylor<S>, Taylor<S>> series_of_partials(const X& surface, const PU& u
   return {coefficients(j.dpdu), coefficients(j.dpdv)};
 }
 
-// The limit along one coordinate, from above, at the upper end from below: by the jet's second partials, and where they
-// do not tell, by third-order series.
+// The limit along one coordinate, from above, at the upper end from below: by the jet's second partials, and
+// where they do not tell, by third-order series.
 template <int along, std::floating_point S, class X, class PU, class PV>
 Limit<S> limit_along(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
   const bool inner = along == 0 ? within<X::info.u>(u) : within<X::info.v>(v);
@@ -131,9 +132,10 @@ Limit<S> limit_along(const X& surface, const Jet2<S>& j, Status why, const PU& u
   return result;
 }
 
-// The limit where the partials give no frame: along v for the given u, where only dpdv vanishes along u for the given v;
-// where there is none (a whole line of such points leads to this one, or the series are too short) along the other. Where
-// both partials vanish and the two limits differ there is none; where the partials are parallel and they differ, `crease`.
+// The limit where the partials give no frame: along v for the given u, where only dpdv vanishes along u for
+// the given v; where there is none (a whole line of such points leads to this one, or the series are too
+// short) along the other. Where both partials vanish and the two limits differ there is none; where the
+// partials are parallel and they differ, `crease`.
 template <std::floating_point S, class X, class PU, class PV>
 Limit<S> limit_at(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
   const bool both = has(why, Status::dpdu_zero) && has(why, Status::dpdv_zero);

@@ -1,6 +1,7 @@
 /// \file local_jets.h
-/// Normals, curvatures and partial derivatives of a surface of which only points are known: polynomials fitted to the
-/// neighbours of a point, each with its error. The method and its laws: docs/theory/local-jets.md.
+/// Normals, curvatures and partial derivatives of a surface of which only points are known: polynomials
+/// fitted to the neighbours of a point, each with its error. The method and its laws:
+/// docs/theory/local-jets.md.
 #pragma once
 
 #include <cstddef>
@@ -22,15 +23,17 @@ struct JetOptions {
   int degree = 3;  ///< of the polynomial, 2 to 4
   /// Of each neighbour, proportional to 1/variance; empty: all alike.
   std::span<const double> weights{};
-  /// The side n shall lie on. Zero, or square to n: the largest component of n (the first of equals) is positive.
+  /// The side n shall lie on. Zero, or square to n: the largest component of n (the first of equals) is
+  /// positive.
   Vec3<double> side{};
   bool u_periodic = false, v_periodic = false;  ///< with period 1: uvs are then taken nearest to the query's
 };
 
-/// The surface at one point, from its neighbours. An `_error` is a standard error: the root of the expected square of
-/// the error from noise and from the polynomial's truncation together. Twice that covers 95 % or more wherever noise leads or
-/// the neighbours lie within an eighth of the smallest radius of curvature, 88 % or more within three eighths. It is infinite
-/// where the neighbours do not tell: they are fewer than jet_coefficients(degree + 1) + 3, or lie on a curve of degree + 1.
+/// The surface at one point, from its neighbours. An `_error` is a standard error: the root of the expected
+/// square of the error from noise and from the polynomial's truncation together. Twice that covers 95 % or
+/// more wherever noise leads or the neighbours lie within an eighth of the smallest radius of curvature, 88 %
+/// or more within three eighths. It is infinite where the neighbours do not tell: they are fewer than
+/// jet_coefficients(degree + 1) + 3, or lie on a curve of degree + 1.
 struct LocalJet {
   Vec3<double>
       position;    ///< on the fitted surface, above or below the query along the neighbours' plane normal
@@ -40,8 +43,8 @@ struct LocalJet {
   double normal_error = 0;  ///< radians
   double principal_error[2] = {};  ///< of κ1 and κ2, 1/length
   double direction_error = 0;      ///< of the principal directions, radians; infinite where κ1 = κ2
-  /// ||A||_F ||A⁺||_F of the system matrix A in coordinates scaled by the neighbourhood's size: 1 to N times its condition
-  /// number, N = jet_coefficients(degree). A rotation does not change it.
+  /// ||A||_F ||A⁺||_F of the system matrix A in coordinates scaled by the neighbourhood's size: 1 to N times
+  /// its condition number, N = jet_coefficients(degree). A rotation does not change it.
   double condition = 0;
   double residual_rms =
       0;  ///< of the neighbours' heights over the fitted polynomial, weighted, in units of the points
@@ -58,21 +61,21 @@ struct UvJet {
   double condition = 0, residual_rms = 0;  ///< as in LocalJet; the residuals are distances
 };
 
-/// Fits z = Σ c_ij x^i y^j, i + j <= degree, by weighted least squares (Householder QR) to the neighbours' heights z over
-/// their plane of least squares, with the origin at `at`, and takes normal and curvatures from it [Cazals2005]. With
-/// neighbours within h the normal errs by O(h^d) and the curvatures by O(h^(d - 1)), d the degree. Exact on graphs of such
-/// polynomials over their neighbours' plane. Neighbours that determine no polynomial (too few, coincident, collinear, on one
-/// curve of that degree: condition above 1e12) give NaN with the status no_frame, NaN or infinite ones non_finite_input
-/// beside it.
-/// Cost: linear in the neighbours; about 2, 3 and 5 µs for 20, 30 and 42 of them and degree 2, 3, 4.
-/// \throws ParameterError for a degree outside 2 to 4, and for weights that are not positive and finite or not one a neighbour
+/// Fits z = Σ c_ij x^i y^j, i + j <= degree, by weighted least squares (Householder QR) to the neighbours'
+/// heights z over their plane of least squares, with the origin at `at`, and takes normal and curvatures from
+/// it [Cazals2005]. With neighbours within h the normal errs by O(h^d) and the curvatures by O(h^(d - 1)), d
+/// the degree. Exact on graphs of such polynomials over their neighbours' plane. Neighbours that determine no
+/// polynomial (too few, coincident, collinear, on one curve of that degree: condition above 1e12) give NaN
+/// with the status no_frame, NaN or infinite ones non_finite_input beside it. Cost: linear in the neighbours;
+/// about 2, 3 and 5 µs for 20, 30 and 42 of them and degree 2, 3, 4. \throws ParameterError for a degree
+/// outside 2 to 4, and for weights that are not positive and finite or not one a neighbour
 LocalJet local_jet(std::span<const Vec3<double>> neighbours, const Vec3<double>& at,
                    const JetOptions& options = {});
 
-/// Fits P(u, v), a polynomial in u - at.x and v - at.y with values in space, likewise: dpdu and dpdv err by O(h^d), second
-/// partials by O(h^(d - 1)). No plane, normal or side is needed: neither the winding nor the mirroring of the uvs matters.
-/// At a pole or seam of the chart the uvs are no smooth coordinates, and the errors say so.
-/// \throws ParameterError as local_jet, and unless there is one uv a position
+/// Fits P(u, v), a polynomial in u - at.x and v - at.y with values in space, likewise: dpdu and dpdv err by
+/// O(h^d), second partials by O(h^(d - 1)). No plane, normal or side is needed: neither the winding nor the
+/// mirroring of the uvs matters. At a pole or seam of the chart the uvs are no smooth coordinates, and the
+/// errors say so. \throws ParameterError as local_jet, and unless there is one uv a position
 UvJet uv_jet(std::span<const Vec2<double>> uvs, std::span<const Vec3<double>> positions,
              const Vec2<double>& at, const JetOptions& options = {});
 
@@ -84,13 +87,14 @@ struct CloudJetOptions {
   int threads = 1;  ///< 0: as many as the machine has; results do not depend on it
 };
 
-/// local_jet at each point of a cloud, from its nearest finite points, on the side of its stored normal if it has one.
-/// \throws ParameterError for a degree outside 2 to 4, fewer neighbours than coefficients, or threads < 0; MeshError for
-/// attributes of another length than positions
+/// local_jet at each point of a cloud, from its nearest finite points, on the side of its stored normal if it
+/// has one. \throws ParameterError for a degree outside 2 to 4, fewer neighbours than coefficients, or
+/// threads < 0; MeshError for attributes of another length than positions
 std::vector<LocalJet> local_jets(const PointCloud& cloud, const CloudJetOptions& options = {});
 
 /// uv_jet at each point of a cloud, likewise; several at once by SIMD instructions, to the same bits.
-/// \throws as local_jets, MeshError for a cloud without uvs, ParameterError where DARBOUX_ISA names no instruction set
+/// \throws as local_jets, MeshError for a cloud without uvs, ParameterError where DARBOUX_ISA names no
+/// instruction set
 std::vector<UvJet> uv_jets(const PointCloud& cloud, const CloudJetOptions& options = {});
 
 }  // namespace darboux

@@ -14,8 +14,8 @@ namespace darboux {
 /// Three vertex indices. The winding order p0, p1, p2 is the file's.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Half the steps by which a file rounded each component of an attribute, in the attribute's own units: the true value lies within
-/// that of the stored one. 0: not rounded beyond single precision.
+/// Half the steps by which a file rounded each component of an attribute, in the attribute's own units: the
+/// true value lies within that of the stored one. 0: not rounded beyond single precision.
 struct HalfSteps {
   double position = 0, normal = 0, uv = 0, tangent = 0;
 };
@@ -33,8 +33,8 @@ struct Mesh {
   std::size_t corners() const { return 3 * triangles.size(); }
 };
 
-/// Throws MeshError unless attributes are empty or as long as positions, indices name vertices, and 32 bits number the corners.
-/// \param name what the message calls the mesh
+/// Throws MeshError unless attributes are empty or as long as positions, indices name vertices, and 32 bits
+/// number the corners. \param name what the message calls the mesh
 void check_consistent(const Mesh& mesh, const std::string& name);
 
 /// Throws MeshError naming the first position, normal or uv that is NaN or infinite.

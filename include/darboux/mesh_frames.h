@@ -2,40 +2,16 @@
 /// Tangent frames of triangle meshes by the methods people use, each under its name.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include <darboux/mesh.h>
+#include <darboux/triangle.h>
 #include <darboux/vector.h>
 
 namespace darboux {
-
-// ---- one triangle -------------------------------------------------------------------------------------------------
-
-/// The two triangles a method cannot use: no area in space, no area in uv. A cross product below 8u of the
-/// product of the two edge lengths counts as zero (u = 2^-53): what rounding the edges leaves of it.
-bool is_degenerate(const Vec3<double>& p0, const Vec3<double>& p1, const Vec3<double>& p2);
-bool is_degenerate(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2);
-
-/// Twice the signed area of a triangle in uv: positive where the winding is counter-clockwise there. Its sign
-/// is MikkTSpace's raw sign of the triangle.
-double signed_uv_area2(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2);
-
-/// The linear map of a triangle from uv to space, [p1 - p0, p2 - p0] = [T B] [[Δu1, Δu2], [Δv1, Δv2]]:
-/// T and B approximate dpdu and dpdv, lengths included.
-/// \returns nothing where either triangle is degenerate, or where the determinant in uv, of the order of the square of
-/// its edges, under- or overflows
-struct TangentPair {
-  Vec3<double> t, b;
-};
-std::optional<TangentPair> solve_triangle(const std::array<Vec3<double>, 3>& p,
-                                          const std::array<Vec2<double>, 3>& uv);
-
-// ---- frames of corners --------------------------------------------------------------------------------------------
 
 /// A frame that a method gives to corners of triangles.
 struct CornerFrame {
@@ -55,8 +31,8 @@ struct MeshFrames {
   const CornerFrame& corner(std::size_t c) const { return frames[of_corner[c]]; }
 };
 
-/// The charts (surfaces with their uvs) on which a direction converges to the truth: all; those whose dpdu and dpdv are
-/// orthogonal; those where they are also of equal length.
+/// The charts (surfaces with their uvs) on which a direction converges to the truth: all; those whose dpdu
+/// and dpdv are orthogonal; those where they are also of equal length.
 enum class Chart : std::uint8_t { any, orthogonal, conformal };
 
 /// Orders of an error in the mesh width, in the interior of a smooth surface.
@@ -65,8 +41,8 @@ struct ExpectedOrders {
   double jittered;  ///< on irregular meshes, and at borders and seams
 };
 
-/// The same at vertices that share a triangle with a pole, a point with dpdu = 0; 0: does not converge. Measured on
-/// spheres, ellipsoids, paraboloids, disks and cones: the least of them.
+/// The same at vertices that share a triangle with a pole, a point with dpdu = 0; 0: does not converge.
+/// Measured on spheres, ellipsoids, paraboloids, disks and cones: the least of them.
 struct PoleOrders {
   ExpectedOrders tangent{1, 1}, bitangent{1, 1}, normal{1, 1};
 };
@@ -92,21 +68,26 @@ struct FrameMethod {
 ///   mikktspace             MikkTSpace to the bit (mikktspace.h), b = sign n × t
 ///   mikktspace-bitangent   the same with its own b
 ///   face                   the 2x2 solve of each triangle, unit(T), unit(B), face normal
-///   average                sums of T and B over a vertex's triangles (lengths included), Gram-Schmidt against its normal
+///   average                sums of T and B over a vertex's triangles (lengths included), Gram-Schmidt
+///                          against its normal
 ///   unit                   the same of unit(T), unit(B)
-///   area, angle, max       the same of unit(T), unit(B) weighted by the triangle's area, by its angle at the vertex, by
-///                          sin(angle)/(|e1| |e2|), e1 and e2 its edges there, as [Max1999] weights normals
+///   area, angle, max       the same of unit(T), unit(B) weighted by the triangle's area, by its angle at the
+///                          vertex, by sin(angle)/(|e1| |e2|), e1 and e2 its edges there, as [Max1999]
+///                          weights normals
 ///   fragment-gradient      the tinyrenderer fragment frame, first form (fragment_gradients), at the corners
 ///   fragment-solve         its second form, T = E U^-1 with the interpolated normal, at the corners
-///   procrustes             the rotation that best takes the uvs about a vertex to the positions there [Choi2024]
-///   quadratic, cubic       the derivatives of the polynomial P(u, v) through the vertex that is nearest to the vertices up
-///                          to two edges away, in the mean square; cubic is the estimate of the truth among them
+///   procrustes             the rotation that best takes the uvs about a vertex to the positions there
+///                          [Choi2024]
+///   quadratic, cubic       the derivatives of the polynomial P(u, v) through the vertex that is nearest to
+///                          the vertices up to two edges away, in the mean square; cubic is the estimate of
+///                          the truth among them
 ///
-/// `procrustes`, `quadratic` and `cubic` join vertices that agree in position, uv and normal, and keep triangles apart whose
-/// uvs wind differently. Where the vertices within two edges do not determine the polynomial, those within three and four are
-/// taken, then the next lower degree; neither depends on affine changes of the uvs. Of a vertex's neighbours all count; of
-/// those farther away about 128, and of a neighbour of more than 32 triangles only as many of these, spread evenly: the
-/// time is linear also where 10^5 triangles meet.
+/// `procrustes`, `quadratic` and `cubic` join vertices that agree in position, uv and normal, and keep
+/// triangles apart whose uvs wind differently. Where the vertices within two edges do not determine the
+/// polynomial, those within three and four are taken, then the next lower degree; neither depends on affine
+/// changes of the uvs. Of a vertex's neighbours all count; of those farther away about 128, and of a
+/// neighbour of more than 32 triangles only as many of these, spread evenly: the time is linear also where
+/// 10^5 triangles meet.
 std::span<const FrameMethod> frame_methods();
 
 /// \throws ParameterError listing the known names
@@ -115,8 +96,8 @@ const FrameMethod& find_frame_method(std::string_view name);
 /// Frames of every corner by one method. Degenerate triangles are counted and left out; corners no triangle
 /// serves are flagged `fallback`. Cost: linear in the triangles, FrameMethod::cost.
 /// \param threads 0: all; used by mikktspace, procrustes, quadratic and cubic; results do not depend on it
-/// \throws MeshError when the mesh is inconsistent, has numbers that are not finite, or lacks uvs or, where the method needs
-/// them, normals
+/// \throws MeshError when the mesh is inconsistent, has numbers that are not finite, or lacks uvs or, where
+/// the method needs them, normals
 MeshFrames mesh_frames(const Mesh& mesh, const FrameMethod& method, int threads = 1);
 
 }  // namespace darboux

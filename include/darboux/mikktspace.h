@@ -26,8 +26,8 @@ struct MikkMesh {
 struct MikkOptions {
   /// In degrees: a triangle's tangents are averaged with those of its group that differ by less in direction.
   float angular_threshold = 180;
-  /// The original leaves the last run of its edges unsorted, so that triangles about the last vertices may not find their
-  /// neighbours; true: they do.
+  /// The original leaves the last run of its edges unsorted, so that triangles about the last vertices may
+  /// not find their neighbours; true: they do.
   bool sort_all_edges = false;
   float unserved_sign = -1;  ///< of a corner that no triangle serves; the original's is -1
   int threads = 1;           ///< 0: all; the bits do not depend on it
@@ -44,25 +44,30 @@ struct MikkTangent {
 
 /// MikkTSpace's tangents, bit for bit those of the original in single precision. [Mikkelsen2008]
 ///
-/// Vertices that equal each other in position, normal and uv are one. With edges d1, d2 of a triangle and their (u1, v1),
-/// (u2, v2) in the uvs, s = ±unit(v2 d1 - v1 d2) and t = ±unit(u1 d2 - u2 d1), + where the uvs wind as the triangle does. At a
-/// vertex, triangles that are joined by edges, passed in opposite directions, and whose uvs wind alike form a group. With n
-/// the vertex's normal and x' = unit(x - (n·x) n), all its corners get t = unit(sum angle s'), b = unit(sum angle t'), the angle
-/// being that between e1' and e2' of the triangle's edges at the vertex. Triangles whose uvs have no area join any group and add
-/// nothing; those with two corners in one place take the tangents of the first other triangle at the vertex; a corner that
-/// nothing serves has t = (1, 0, 0), b = (0, 1, 0) and the sign -1. Quads are cut along the shorter diagonal in the uvs.
+/// Vertices that equal each other in position, normal and uv are one. With edges d1, d2 of a triangle and
+/// their (u1, v1), (u2, v2) in the uvs, s = ±unit(v2 d1 - v1 d2) and t = ±unit(u1 d2 - u2 d1), + where the
+/// uvs wind as the triangle does. At a vertex, triangles that are joined by edges, passed in opposite
+/// directions, and whose uvs wind alike form a group. With n the vertex's normal and x' = unit(x - (n·x) n),
+/// all its corners get t = unit(sum angle s'), b = unit(sum angle t'), the angle being that between e1' and
+/// e2' of the triangle's edges at the vertex. Triangles whose uvs have no area join any group and add
+/// nothing; those with two corners in one place take the tangents of the first other triangle at the vertex;
+/// a corner that nothing serves has t = (1, 0, 0), b = (0, 1, 0) and the sign -1. Quads are cut along the
+/// shorter diagonal in the uvs.
 ///
-/// Where a position or uv is beyond 2^28, or all are below 2^-28, each triangle is multiplied by a power of two first, so that nothing
-/// overflows or vanishes as it does in the original. Where nothing does there, that changes no bit.
+/// Where a position or uv is beyond 2^28, or all are below 2^-28, each triangle is multiplied by a power of
+/// two first, so that nothing overflows or vanishes as it does in the original. Where nothing does there,
+/// that changes no bit.
 ///
-/// glTF's w is the raw sign, negated. The bits do not depend on the order of the vertices of an indexed mesh, nor on threads.
-/// Cost: linear in the triangles; quadratic in the number of those at one vertex whose directions are not all within 84 degrees of
-/// one of them, or with a threshold below 180, and in vertices that were made to have one hash. Memory beyond input and output: about
-/// 135 bytes a triangle where triangles share most vertices, up to 190 where they share none.
+/// glTF's w is the raw sign, negated. The bits do not depend on the order of the vertices of an indexed mesh,
+/// nor on threads. Cost: linear in the triangles; quadratic in the number of those at one vertex whose
+/// directions are not all within 84 degrees of one of them, or with a threshold below 180, and in vertices
+/// that were made to have one hash. Memory beyond input and output: about 135 bytes a triangle where
+/// triangles share most vertices, up to 190 where they share none.
 ///
 /// \param tangent4 x, y, z of t and the raw sign, four numbers a corner
-/// \throws MeshError for attributes of unequal length, faces of other than three or four corners, indices out of range, numbers
-/// that are not finite, a normal with a component beyond ±2^28; ParameterError for an option out of its range, or a tangent4 of another length
+/// \throws MeshError for attributes of unequal length, faces of other than three or four corners, indices out
+/// of range, numbers that are not finite, a normal with a component beyond ±2^28; ParameterError for an
+/// option out of its range, or a tangent4 of another length
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options = {});
 /// The same with bitangents and lengths, of each corner.
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options = {});

@@ -68,7 +68,8 @@ namespace detail {
 // What of a status says that the partials give no frame.
 constexpr Status degenerate = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
 
-// Whether the limits of a surface type come from limit_at(): of those without a closed frame, and of adaptors of such.
+// Whether the limits of a surface type come from limit_at(): of those without a closed frame, and of adaptors
+// of such.
 template <class X>
 constexpr bool limits_by_series = [] {
   if constexpr (requires { X::limits_by_series; })
@@ -77,8 +78,8 @@ constexpr bool limits_by_series = [] {
     return !HasClosedFrame<X>;
 }();
 
-// The frame at prepared coordinates, `at` what the surface and the domain say of the point, j its jet where it has no closed
-// frame.
+// The frame at prepared coordinates, `at` what the surface and the domain say of the point, j its jet where
+// it has no closed frame.
 template <class S, class X, class PU, class PV>
 Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at, const Jet2<S>& j) {
   Frame<S> result;
@@ -87,7 +88,8 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at, const J
   } else if constexpr (HasClosedFrame<X>) {
     result = surface.frame(u, v);
     if (!finite(result.t) || !finite(result.b) || !finite(result.n)) {
-      // A partial that is no number (a user's function), or parameters beyond the sizes the formula is proven for.
+      // A partial that is no number (a user's function), or parameters beyond the sizes the formula is proven
+      // for.
       if (!has(result.status, Status::no_frame)) result.status |= Status::no_frame | Status::overflow;
       result.t = result.b = result.n = nan_vector<S>();
     }
@@ -114,8 +116,8 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
     return frame_at<S>(surface, u, v, at, surface.jet(u, v));
 }
 
-// The direction to which x dpdu + y dpdv tends as frame() takes its limit, as a unit vector; zero where the series do not
-// tell. For types with limits_by_series; an adaptor asks its base.
+// The direction to which x dpdu + y dpdv tends as frame() takes its limit, as a unit vector; zero where the
+// series do not tell. For types with limits_by_series; an adaptor asks its base.
 template <std::floating_point S, class X, class PU, class PV>
 Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
   if constexpr (requires { surface.limit_direction(u, v, x, y); }) {
@@ -129,19 +131,19 @@ Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
 }  // namespace detail
 
 /// The orthonormal frame at (u, v) with its status. In closed form where the surface gives one (about 10 ns),
-/// else from the partials (about 90 ns). At a singular point of the chart it is the limit along the given u (or v),
-/// flagged limit_frame with the bit that says why (without a closed form: from the partials' series to third order, which
-/// takes 10 to 50 us where the second partials do not tell; a limit of higher order is not found); where none exists, and for NaN or infinite u, v or parameters, the
-/// vectors are NaN. Outside the domain the analytic extension is given: continuous through a pole, where
-/// dpdu = -|dpdu| t beyond it.
+/// else from the partials (about 90 ns). At a singular point of the chart it is the limit along the given u
+/// (or v), flagged limit_frame with the bit that says why (without a closed form: from the partials' series
+/// to third order, which takes 10 to 50 us where the second partials do not tell; a limit of higher order is
+/// not found); where none exists, and for NaN or infinite u, v or parameters, the vectors are NaN. Outside
+/// the domain the analytic extension is given: continuous through a pole, where dpdu = -|dpdu| t beyond it.
 template <ParametricSurface X, std::floating_point S>
 Frame<S> frame(const X& surface, S u, S v) {
   return detail::frame_at<S>(surface, prepare<X::info.u>(u), prepare<X::info.v>(v), status(surface, u, v));
 }
 
-/// The unit vectors along the coordinate curves, from an orthonormal frame and the partials there. Where dpdu vanishes,
-/// t is the limit of frame(); where dpdv vanishes, b is the limit ±d2pduv/|d2pduv| along u, on the side of handedness times
-/// the b of frame(), or that where d2pduv vanishes too.
+/// The unit vectors along the coordinate curves, from an orthonormal frame and the partials there. Where dpdu
+/// vanishes, t is the limit of frame(); where dpdv vanishes, b is the limit ±d2pduv/|d2pduv| along u, on the
+/// side of handedness times the b of frame(), or that where d2pduv vanishes too.
 template <std::floating_point S>
 ParametricFrame<S> parametric_frame(const Frame<S>& base, const Jet2<S>& j) {
   ParametricFrame<S> result{base.t, base.handedness * base.b, base.n, base.handedness, base.status};

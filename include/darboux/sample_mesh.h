@@ -1,6 +1,6 @@
 /// \file sample_mesh.h
-/// Reference meshes: a surface cut into triangles, with exact positions, normals, uvs and tangents, and with defects
-/// where they are asked for.
+/// Reference meshes: a surface cut into triangles, with exact positions, normals, uvs and tangents, and with
+/// defects where they are asked for.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,12 @@ namespace darboux {
 
 /// How the surface is cut into triangles.
 enum class MeshTopology {
-  grid,  ///< columns × rows cells of the uv square, two triangles each
-  icosphere,  ///< 20 n² triangles: an icosahedron's, each edge cut into n = subdivisions, two corners at the poles
-  cube_sphere,  ///< 12 n² triangles: a cube's, each edge cut into n equal angles, n even, the poles amid two faces
-  lantern,  ///< Schwarz's lantern: a grid in which every second row is turned by half a cell
+  grid,       ///< columns × rows cells of the uv square, two triangles each
+  icosphere,  ///< 20 n² triangles: an icosahedron's, each edge cut into n = subdivisions, two corners at the
+              ///< poles
+  cube_sphere,  ///< 12 n² triangles: a cube's, each edge cut into n equal angles, n even, the poles amid two
+                ///< faces
+  lantern,      ///< Schwarz's lantern: a grid in which every second row is turned by half a cell
 };
 
 /// Which u the vertices at a pole have: at an end of v that is one point.
@@ -35,8 +37,8 @@ struct SampleMeshOptions {
   PolePlacement pole = PolePlacement::per_column;
   bool shared_seam =
       false;  ///< vertices of a periodic direction are shared, their uv jumps back inside a triangle
-  /// In [0, 0.5): interior vertices move by up to ± this share of a cell in u and in v, those on the fold of a mirrored mesh
-  /// in v alone.
+  /// In [0, 0.5): interior vertices move by up to ± this share of a cell in u and in v, those on the fold of
+  /// a mirrored mesh in v alone.
   double jitter = 0;
   bool random_diagonals = false;
   std::uint64_t seed = 1;          ///< of jitter and diagonals
@@ -50,47 +52,53 @@ struct SampleMeshOptions {
 };
 
 /// The mesh. Positions, normals and tangents are the surface's own at each vertex's (u, v), in double; the
-/// tangent is the direction of the derivative by the *stored* u. Triangles are wound as n: counter-clockwise where
-/// seen from the side to which n points.
+/// tangent is the direction of the derivative by the *stored* u. Triangles are wound as n: counter-clockwise
+/// where seen from the side to which n points.
 ///
-/// grid: each column has its own vertex at a pole, with the limit frame of its u, unless `pole` says otherwise;
-/// triangles without area (two corners in one place, up to 8 ulps of the triangle's largest coordinate) are left out, and
-/// so is the vertex that none of them uses. A shared pole has the frame of u = 1/2 alone (at the apex of a cone the normal
-/// of that side).
+/// grid: each column has its own vertex at a pole, with the limit frame of its u, unless `pole` says
+/// otherwise; triangles without area (two corners in one place, up to 8 ulps of the triangle's largest
+/// coordinate) are left out, and so is the vertex that none of them uses. A shared pole has the frame of u =
+/// 1/2 alone (at the apex of a cone the normal of that side).
 ///
-/// icosphere, cube_sphere: for surfaces whose u is a turn and whose v a half turn with a pole at each end: sphere,
-/// ellipsoid, superellipsoid. Each vertex of the unit sphere's mesh gives the (u, v) of its direction, rounded to
-/// multiples of 2^-23, so that a file of floats holds them exactly. No triangle's uvs jump: one that crosses the seam has
-/// vertices of its own with u up to 1.5. A pole's vertex belongs to one triangle and has the mean u of its other two.
+/// icosphere, cube_sphere: for surfaces whose u is a turn and whose v a half turn with a pole at each end:
+/// sphere, ellipsoid, superellipsoid. Each vertex of the unit sphere's mesh gives the (u, v) of its
+/// direction, rounded to multiples of 2^-23, so that a file of floats holds them exactly. No triangle's uvs
+/// jump: one that crosses the seam has vertices of its own with u up to 1.5. A pole's vertex belongs to one
+/// triangle and has the mean u of its other two.
 ///
-/// lantern: for surfaces whose u is a turn, v linear, without a pole. Rows 1, 3, ... have u = (i + 1/2)/columns. On a
-/// cylinder of radius r and height h with m columns and n rows all triangles are congruent, and
+/// lantern: for surfaces whose u is a turn, v linear, without a pole. Rows 1, 3, ... have u = (i +
+/// 1/2)/columns. On a cylinder of radius r and height h with m columns and n rows all triangles are
+/// congruent, and
 ///   area = 2 m n r sin(π/m) sqrt((h/n)² + r² (1 - cos(π/m))²)
-/// tends to the cylinder's 2πrh only where n/m² -> 0; at n = m² to 2πr sqrt(h² + π⁴r²/4). What is computed from the
-/// triangles does not converge there, the stored normals and tangents are the cylinder's all the same. [Schwarz1890]
+/// tends to the cylinder's 2πrh only where n/m² -> 0; at n = m² to 2πr sqrt(h² + π⁴r²/4). What is computed
+/// from the triangles does not converge there, the stored normals and tangents are the cylinder's all the
+/// same. [Schwarz1890]
 ///
 /// shear: at its bound a float of u + K v keeps u to 2^-15.
 ///
-/// scale, M = diag(x, y, z), each 1e-30 to 1e30 in size, none more than 1e12 times another: positions and tangents by M,
-/// normals by its inverse transpose, w by the sign of det M; a mirror (det M < 0) reverses the winding, so that it agrees
-/// with n.
+/// scale, M = diag(x, y, z), each 1e-30 to 1e30 in size, none more than 1e12 times another: positions and
+/// tangents by M, normals by its inverse transpose, w by the sign of det M; a mirror (det M < 0) reverses the
+/// winding, so that it agrees with n.
 ///
-/// degenerate, spread over the mesh, three kinds in turn, each along the shortest edge (a, b) of one of the others:
-///   (a, m, b)   collinear: m is a vertex of its own in the middle of the chord, off the surface by its sag, with the
-///               surface's normal and tangent at the edge's middle uv
+/// degenerate, spread over the mesh, three kinds in turn, each along the shortest edge (a, b) of one of the
+/// others:
+///   (a, m, b)   collinear: m is a vertex of its own in the middle of the chord, off the surface by its sag,
+///               with the surface's normal and tangent at the edge's middle uv
 ///   (a, b, a')  three vertices, two of them in one place: a' is a copy of a
 ///   (a, b, b)   one vertex twice
-/// They have no area in uv either. So that middles are exact, in float files too, all (u, v) are rounded to multiples of
-/// 2^-20 before anything is computed there (exact with shears that are multiples of 1/4), and afterwards positions to
-/// multiples of 2^-22 of the power of two below the largest coordinate: by at most one unit of the last digit of a float
-/// of that size.
+/// They have no area in uv either. So that middles are exact, in float files too, all (u, v) are rounded to
+/// multiples of 2^-20 before anything is computed there (exact with shears that are multiples of 1/4), and
+/// afterwards positions to multiples of 2^-22 of the power of two below the largest coordinate: by at most
+/// one unit of the last digit of a float of that size.
 ///
-/// degenerate_uvs, spread likewise, two kinds in turn: all three corners at the first one's uv; the third at the first one's.
-/// Such a triangle has vertices of its own: positions, normals and tangents stay those of the place, the uvs do not name it.
+/// degenerate_uvs, spread likewise, two kinds in turn: all three corners at the first one's uv; the third at
+/// the first one's. Such a triangle has vertices of its own: positions, normals and tangents stay those of
+/// the place, the uvs do not name it.
 ///
-/// Cost: linear in the triangles, three evaluations each and one a vertex. Options that a topology does not have are
-/// refused: pole, jitter, random_diagonals, mirror for all but grid, shared_seam and a part of v for the two spheres.
-/// \throws ParameterError naming the option and what is permitted: for a grid too that leaves no triangle, as 1x1 on a torus
+/// Cost: linear in the triangles, three evaluations each and one a vertex. Options that a topology does not
+/// have are refused: pole, jitter, random_diagonals, mirror for all but grid, shared_seam and a part of v for
+/// the two spheres. \throws ParameterError naming the option and what is permitted: for a grid too that
+/// leaves no triangle, as 1x1 on a torus
 Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& options);
 
 }  // namespace darboux

@@ -1,6 +1,7 @@
 /// \file scalar.h
 /// What a formula may ask of its number type: constants at its own precision, sine and cosine of turns with
-/// exact range reduction, and dual numbers. A formula itself uses + - * / and sqrt, and the functions of elementary.h.
+/// exact range reduction, and dual numbers. A formula itself uses + - * / and sqrt, and the functions of
+/// elementary.h.
 #pragma once
 
 #include <array>
@@ -188,9 +189,9 @@ S two_pi() {
   return lift<S>(2.0) * Scalar<S>::pi();
 }
 
-/// A dual number: a value and its first derivatives with respect to N variables, carried through + - * /, sqrt, exp,
-/// log, sinh, cosh, tanh, pow and abs by the rules of differentiation. Comparisons look at the value. Nest it (Dual<Dual<double, 2>, 2>)
-/// for second derivatives.
+/// A dual number: a value and its first derivatives with respect to N variables, carried through + - * /,
+/// sqrt, exp, log, sinh, cosh, tanh, pow and abs by the rules of differentiation. Comparisons look at the
+/// value. Nest it (Dual<Dual<double, 2>, 2>) for second derivatives.
 template <class T, int N>
 struct Dual {
   T value{};

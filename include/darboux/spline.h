@@ -1,6 +1,7 @@
 /// \file spline.h
-/// What Bézier and B-spline curves and patches share: knot vectors, the de Casteljau and de Boor recurrences with their
-/// hodographs, and rational derivatives. Every degree from 1 to max_spline_degree, any scalar with an order.
+/// What Bézier and B-spline curves and patches share: knot vectors, the de Casteljau and de Boor recurrences
+/// with their hodographs, and rational derivatives. Every degree from 1 to max_spline_degree, any scalar with
+/// an order.
 #pragma once
 
 #include <array>
@@ -79,7 +80,8 @@ struct Homogeneous {
 template <class Point>
 using ControlWindow = std::array<Point, max_spline_degree + 1>;
 
-// [0, 1] with all knots at its ends: de Casteljau's weights. Between lo and hi of any level the knots are 0 and 1.
+// [0, 1] with all knots at its ends: de Casteljau's weights. Between lo and hi of any level the knots are 0
+// and 1.
 template <class S>
 struct BezierSpan {
   S t, rest;  // rest = 1 - t
@@ -107,8 +109,8 @@ struct KnotSpan {
   }
 };
 
-// De Boor's recurrence for degree + 1 points of the `order`-th derivative of a spline of degree `degree + order`.
-// At t at a Bézier end or a knot of full multiplicity it returns the control point there, exactly.
+// De Boor's recurrence for degree + 1 points of the `order`-th derivative of a spline of degree `degree +
+// order`. At t at a Bézier end or a knot of full multiplicity it returns the control point there, exactly.
 template <class Point, class Span>
 Point de_boor(ControlWindow<Point> x, int degree, int order, const Span& span) {
   for (int level = 1; level <= degree; ++level)
@@ -172,8 +174,8 @@ Jet2<S> jet_of(const Vec3<S>& anchor, const std::array<Homogeneous<S>, 6>& f) {
           (hvv.a - (two * hv.w) * pv - hvv.w * p) / h.w};
 }
 
-// The part of a patch's control net that counts at a place, over the scalar of the place: its point (i, j), i up to
-// degree_u and j up to degree_v, is the net's at first + i row + j.
+// The part of a patch's control net that counts at a place, over the scalar of the place: its point (i, j), i
+// up to degree_u and j up to degree_v, is the net's at first + i row + j.
 template <class S, class T>
 struct NetWindow {
   const std::vector<Vec3<T>>& points;
@@ -187,9 +189,9 @@ struct NetWindow {
   bool rational() const { return !weights.empty(); }
 };
 
-// The partials of a (rational) tensor product patch. The net is shifted by the window's corner nearest to (u, v): what is
-// far from the origin loses nothing, a corner is met exactly, and along a collapsed edge the partial is exactly zero,
-// whatever the weights.
+// The partials of a (rational) tensor product patch. The net is shifted by the window's corner nearest to (u,
+// v): what is far from the origin loses nothing, a corner is met exactly, and along a collapsed edge the
+// partial is exactly zero, whatever the weights.
 template <class S, class T, class SpanU, class SpanV>
 Jet2<S> patch_jet(const NetWindow<S, T>& net, const SpanU& u, const SpanV& v, bool upper_u, bool upper_v) {
   const int p = net.degree_u, q = net.degree_v;
@@ -203,7 +205,8 @@ Jet2<S> patch_jet(const NetWindow<S, T>& net, const SpanU& u, const SpanV& v, bo
                 }));
 }
 
-// The position by its definition, Σ a_i b_j w_ij P_ij / Σ a_i b_j w_ij, from the values a and b of the basis functions.
+// The position by its definition, Σ a_i b_j w_ij P_ij / Σ a_i b_j w_ij, from the values a and b of the basis
+// functions.
 template <class S, class T, class Basis>
 Vec3<S> patch_position(const NetWindow<S, T>& net, const Basis& a, const Basis& b) {
   const S zero = lift<S>(0.0);
@@ -218,8 +221,8 @@ Vec3<S> patch_position(const NetWindow<S, T>& net, const Basis& a, const Basis& 
   return sum / total;
 }
 
-// dpdu_zero and dpdv_zero of a patch where (u, v) lies on a collapsed edge: the partial is exactly zero there, where the
-// control points that count are one point.
+// dpdu_zero and dpdv_zero of a patch where (u, v) lies on a collapsed edge: the partial is exactly zero
+// there, where the control points that count are one point.
 template <class Patch, class S>
 Status collapsed_edges(const Patch& patch, const S& u, const S& v) {
   const S zero = lift<S>(0.0), one = lift<S>(1.0);
@@ -231,7 +234,8 @@ Status collapsed_edges(const Patch& patch, const S& u, const S& v) {
   return result;
 }
 
-// Weights count up to a common factor: their largest is brought near 1 by a power of two; none where all are equal.
+// Weights count up to a common factor: their largest is brought near 1 by a power of two; none where all are
+// equal.
 template <class T>
 void normalise_weights(std::vector<T>& weights) {
   double largest = 0;
@@ -299,8 +303,8 @@ std::string refuse_knots(int degree, const std::vector<T>& knots) {
 
 }  // namespace detail
 
-/// Knots 0 (degree + 1 times), equally spaced ones, 1 (degree + 1 times), for `count` control points: the curve begins
-/// and ends in its first and last one.
+/// Knots 0 (degree + 1 times), equally spaced ones, 1 (degree + 1 times), for `count` control points: the
+/// curve begins and ends in its first and last one.
 template <class T = double>
 std::vector<T> clamped_knots(int degree, int count) {
   std::vector<T> knots;
@@ -311,8 +315,9 @@ std::vector<T> clamped_knots(int degree, int count) {
   return knots;
 }
 
-/// The knots of a B-spline of one variable, mapped to the domain [0, 1] of its coordinate: (knot - k_p)/(k_n - k_p), p
-/// the degree and n the number of control points. What a knot is worth is checked by its owner, before.
+/// The knots of a B-spline of one variable, mapped to the domain [0, 1] of its coordinate: (knot - k_p)/(k_n
+/// - k_p), p the degree and n the number of control points. What a knot is worth is checked by its owner,
+/// before.
 template <class T = double>
 class KnotVector {
  public:
@@ -325,8 +330,8 @@ class KnotVector {
     if (!(start == T(0) && end == T(1)))
       for (T& k : knots_) k = k == end ? T(1) : (k / T(2) - start / T(2)) / length;
   }
-  /// What is wrong with degree and knots; empty when nothing is: a degree out of range, too few knots, a decreasing or
-  /// non-finite one, a multiplicity above degree + 1, an empty domain.
+  /// What is wrong with degree and knots; empty when nothing is: a degree out of range, too few knots, a
+  /// decreasing or non-finite one, a multiplicity above degree + 1, an empty domain.
   static std::string refusal(int degree, const std::vector<T>& knots) {
     return detail::refuse_knots(degree, knots);
   }
@@ -353,8 +358,8 @@ class KnotVector {
     return result;
   }
 
-  /// The index m with knot m <= t < knot m + 1, found from the value of t; the first or last span outside [0, 1) and
-  /// for t = 1. At a knot it is the span above.
+  /// The index m with knot m <= t < knot m + 1, found from the value of t; the first or last span outside [0,
+  /// 1) and for t = 1. At a knot it is the span above.
   template <class S>
   int find(const S& t) const {
     int below = degree_, above = count();  // knot(below) <= t < knot(above), or t is outside
@@ -384,8 +389,8 @@ class KnotVector {
     return span.knots[degree_ - 1] + span.knots[degree_] < lift<S>(2.0) * span.t;
   }
 
-  /// Status::crease at an interior knot whose multiplicity is the degree or more: there first derivatives may jump, and
-  /// those from above are given.
+  /// Status::crease at an interior knot whose multiplicity is the degree or more: there first derivatives may
+  /// jump, and those from above are given.
   template <class S>
   Status singular(const S& t) const {
     const int m = find(t);
@@ -397,7 +402,8 @@ class KnotVector {
   }
 
   /// The degree + 1 basis functions that do not vanish at t, by the recurrence of their definition
-  ///   N_{i,0} = 1 on its span, N_{i,q} = (t - k_i)/(k_{i+q} - k_i) N_{i,q-1} + (k_{i+q+1} - t)/(k_{i+q+1} - k_{i+1}) N_{i+1,q-1},
+  ///   N_{i,0} = 1 on its span, N_{i,q} = (t - k_i)/(k_{i+q} - k_i) N_{i,q-1}
+  ///     + (k_{i+q+1} - t)/(k_{i+q+1} - k_{i+1}) N_{i+1,q-1},
   /// a fraction with a zero denominator counting as zero. [Cox1972], [deBoor1972]
   /// \param first the index of the first of them
   template <class S>

@@ -20,23 +20,24 @@ struct SplitVertices {
   std::vector<std::uint32_t> indices;  ///< the new vertex of each corner: the new index buffer
 };
 
-/// Splits vertices where values of their corners differ, so that a method that gives every corner a tangent of its own can
-/// be stored one a vertex.
+/// Splits vertices where values of their corners differ, so that a method that gives every corner a tangent
+/// of its own can be stored one a vertex.
 ///
-/// Corners at one vertex need not have one tangent: at a seam, a mirror fold or a crease they have several. Writing them
-/// through the old index buffer, tangents[indices[c]] = t[c], is a trap: the last corner written wins, and the others are
-/// shaded with a tangent of the wrong island, often of the wrong sign. Such vertices must be split, and the index buffer with
-/// them.
+/// Corners at one vertex need not have one tangent: at a seam, a mirror fold or a crease they have several.
+/// Writing them through the old index buffer, tangents[indices[c]] = t[c], is a trap: the last corner written
+/// wins, and the others are shaded with a tangent of the wrong island, often of the wrong sign. Such vertices
+/// must be split, and the index buffer with them.
 ///
-/// Old vertices keep their place, source[i] = i for i < vertices, used or not. The values of a vertex's first corner stay
-/// with it; every further distinct list of values makes one new vertex, in the order of corners. So nothing changes where
-/// nothing differs. Values are told apart by their bits: 0 and -0 are two values, a NaN equals the NaN of the same bits.
+/// Old vertices keep their place, source[i] = i for i < vertices, used or not. The values of a vertex's first
+/// corner stay with it; every further distinct list of values makes one new vertex, in the order of corners.
+/// So nothing changes where nothing differs. Values are told apart by their bits: 0 and -0 are two values, a
+/// NaN equals the NaN of the same bits.
 ///
 /// \param vertices how many there are \param corners the vertex of each corner: the old index buffer
-/// \param values as many a corner, corner after corner: say x, y, z and w of its tangent, then the deltas of morph targets;
-/// none at all: nothing is split
-/// Cost: n + the sum of k log k over vertices, k being the corners of one, whatever the values.
-/// \throws MeshError when a corner names no vertex, values cannot be shared out evenly, or there would be 2^32 - 1 vertices or more
+/// \param values as many a corner, corner after corner: say x, y, z and w of its tangent, then the deltas of
+/// morph targets; none at all: nothing is split Cost: n + the sum of k log k over vertices, k being the
+/// corners of one, whatever the values. \throws MeshError when a corner names no vertex, values cannot be
+/// shared out evenly, or there would be 2^32 - 1 vertices or more
 SplitVertices split_vertices(std::size_t vertices, std::span<const std::uint32_t> corners,
                              std::span<const float> values);
 

@@ -26,8 +26,8 @@ struct Counted {
 /// The same of counted values, in linear time too.
 Statistics summarise(std::vector<Counted>& values);
 
-/// Standard deviations summed up. One that is infinite makes the maximum infinite, and is counted; the rms is that of the
-/// others.
+/// Standard deviations summed up. One that is infinite makes the maximum infinite, and is counted; the rms is
+/// that of the others.
 class Spread {
  public:
   void add(double deviation, std::size_t times = 1) {

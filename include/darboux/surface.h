@@ -74,8 +74,8 @@ struct Jet2 {
 };
 
 /// An orthonormal right-handed frame: t = dpdu/|dpdu|, n the unit normal, b = n × t.
-/// handedness = sign of det(dpdu, dpdv, n): handedness · b leans towards dpdv. Outside the domain, beyond a pole, frame and
-/// handedness are the analytic continuation instead, so that they do not jump at it.
+/// handedness = sign of det(dpdu, dpdv, n): handedness · b leans towards dpdv. Outside the domain, beyond a
+/// pole, frame and handedness are the analytic continuation instead, so that they do not jump at it.
 template <class S>
 struct Frame {
   Vec3<S> t, b, n;
@@ -119,7 +119,8 @@ struct Range {
 /// "0 < radius < inf", for messages and tables.
 std::string describe(const Range& permitted, std::string_view name);
 
-/// The magnitudes of a parameter for which the stated error bounds are proven. (Any permitted value may be used.)
+/// The magnitudes of a parameter for which the stated error bounds are proven. (Any permitted value may be
+/// used.)
 struct Magnitudes {
   double smallest = 1e-150, largest = 1e150;
 };
@@ -148,7 +149,8 @@ Surface surface_of(T Surface::*);
 
 }  // namespace detail
 
-/// The parameter that is the member `first`, or the member of a member: parameter<&Torus::major_radius>("major_radius",
+/// The parameter that is the member `first`, or the member of a member:
+/// parameter<&Torus::major_radius>("major_radius",
 /// ...), parameter<&BilinearPatch::p00, &Vec3<T>::x>("p00_x", ...).
 template <auto first, auto... rest>
 constexpr auto parameter(std::string_view name, Range permitted, std::string_view meaning,
@@ -189,7 +191,8 @@ using Prepared = decltype(prepare<kind>(std::declval<S>()));
 
 namespace detail {
 
-// Whether a prepared coordinate is at or beyond the upper end of its domain, and whether it is within, beside no end.
+// Whether a prepared coordinate is at or beyond the upper end of its domain, and whether it is within, beside
+// no end.
 template <Coordinate kind, class P>
 bool at_upper_end(const P& x) {
   if constexpr (kind == Coordinate::linear)
@@ -267,13 +270,15 @@ constexpr bool in_lanes = [] {
 ///   std::string refusal()                 what is wrong with the parameters together, empty when nothing is
 ///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
 ///   Status singular(u, v)                 the bits of Status that hold at this point
-///   bool tangent_depends_on_u_alone()     whether t and handedness are the same at all v but the poles, with no status: where
-///                                         only they are asked for, batches then take no sines of v
-///   static constexpr bool in_lanes        false where the formula cannot run over SIMD lanes (it looks something up at each
-///                                         point): batches of the catalogue's surface then go point by point
+///   bool tangent_depends_on_u_alone()     whether t and handedness are the same at all v but the poles, with
+///                                         no status: where only they are asked for, batches then take no
+///                                         sines of v
+///   static constexpr bool in_lanes        false where the formula cannot run over SIMD lanes (it looks
+///                                         something up at each point): batches of the catalogue's surface
+///                                         then go point by point
 /// and independent facts, at least one, each from another source than jet():
-///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, its gradient n there
-///                                         (n or -n where the surface has one side)
+///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, its
+///                                         gradient n there (n or -n where the surface has one side)
 ///   S gaussian_curvature(u, v)            K in closed form
 ///   S mean_curvature(u, v)                H in closed form, for the n of the frame
 ///   Vec3<S> position_again(u, v)          the position by another formula
@@ -355,9 +360,9 @@ struct Rebound<Surface<From>> {
 
 }  // namespace detail
 
-/// The same surface over another scalar, e.g. rebind<float>(Torus{1.0, 0.4}): parameters are lifted. A type that holds
-/// more than its parameters has a member rebind<To>() for it; one that is no template over its scalar is returned as
-/// it is.
+/// The same surface over another scalar, e.g. rebind<float>(Torus{1.0, 0.4}): parameters are lifted. A type
+/// that holds more than its parameters has a member rebind<To>() for it; one that is no template over its
+/// scalar is returned as it is.
 template <class To, class X>
 auto rebind(const X& surface) {
   if constexpr (requires { surface.template rebind<To>(); })

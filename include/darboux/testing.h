@@ -1,24 +1,27 @@
 /// \file testing.h
 /// The laws a surface must obey, run on any surface type. One line does it:
 ///     EXPECT_EQ(darboux::broken_laws(MySurface{}), "");
-/// `darboux check` and the tests run these on the catalogue. Link darboux::darboux; no test framework is needed.
+/// `darboux check` and the tests run these on the catalogue. Link darboux::darboux; no test framework is
+/// needed.
 ///
 /// Routes, and what each compares the closed form with:
-///   dual            automatic differentiation of the position, of dpdu and of dpdv; the closed frame with that of the
-///                   partials
+///   dual            automatic differentiation of the position, of dpdu and of dpdv; the closed frame with
+///                   that of the partials
 ///   central2 ... 8  central differences of that order, judged by their own error estimate
 ///   one_sided8      one-sided differences of order 8 at the edges of non-periodic coordinates
 ///   ridders         Ridders' extrapolation
-///   high_precision  the same formula in 40 digits; the frame by the cross product of its partials, the status by which of
-///                   them vanish or are parallel
-///   implicit, curvature, second_formula     the independent facts the surface states; the normal is the gradient of
+///   high_precision  the same formula in 40 digits; the frame by the cross product of its partials, the
+///                   status by which of them vanish or are parallel
+///   implicit, curvature, second_formula     the independent facts the surface states; the normal is the
+///                                           gradient of
 ///                   implicit()
 ///   gauss           K from the derivatives of E, F, G alone (Gauss's theorem) against K from the second form
 ///   codazzi         the Mainardi-Codazzi equations, which a second form must satisfy
 ///   gauss_bonnet    ∫ K dA = 2π χ over a closed surface
 ///   periodicity     P(u + k, v) = P(u, v), bit for bit
-/// All but the facts differentiate the formula itself: a consistently wrong formula passes them, and only the facts
-/// can see it. A law that does not apply, or a fact the surface does not state, is returned as skipped, never as passed.
+/// All but the facts differentiate the formula itself: a consistently wrong formula passes them, and only the
+/// facts can see it. A law that does not apply, or a fact the surface does not state, is returned as skipped,
+/// never as passed.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +38,8 @@ struct CheckOptions {
   int points = 1000;                  ///< random (u, v), uniform in the unit square
   std::uint64_t seed = 1;             ///< of std::mt19937_64
   std::vector<std::string> routes{};  ///< only these; empty: all
-  /// high_precision only: the surface as given when 0, else this many random sets of parameters (log-uniform over the
-  /// magnitudes each is proven for), `points` points each
+  /// high_precision only: the surface as given when 0, else this many random sets of parameters (log-uniform
+  /// over the magnitudes each is proven for), `points` points each
   int parameter_sets = 0;
 };
 
@@ -56,9 +59,8 @@ struct Check {
 /// The names of all routes, in the order they run.
 const std::vector<std::string_view>& check_routes();
 
-/// Runs every law on a surface. Deterministic for given options. A formula that does not hold is found and told, not
-/// thrown.
-/// \throws ParameterError for an unknown route
+/// Runs every law on a surface. Deterministic for given options. A formula that does not hold is found and
+/// told, not thrown. \throws ParameterError for an unknown route
 std::vector<Check> check_surface(const AnySurface& surface, const CheckOptions& options = {});
 
 /// One line for every law that does not hold: route, quantity, error, bound, where. Empty when all hold.

@@ -17,7 +17,8 @@
 
 namespace darboux {
 
-/// In the order of how bad they are. nothing: there is nothing to judge, neither triangles nor normals nor tangents.
+/// In the order of how bad they are. nothing: there is nothing to judge, neither triangles nor normals nor
+/// tangents.
 enum class Verdict { nothing, pass, undetermined, fail };
 enum class Severity { info, warning, error };
 inline constexpr std::array<std::string_view, 4> verdict_names{"nothing", "pass", "undetermined", "fail"};
@@ -61,15 +62,15 @@ struct ClassReport {
 /// The mesh against what its own positions and uvs say: local_truth().
 struct LocalReport {
   std::vector<ClassReport> classes;  ///< as MeshReport has them
-  /// Interior corners where both this and the deciding reference know normal and tangent, and the share of them where the
-  /// two agree: neither normal (up to its side) nor tangent differ by more than three of their standard deviations together.
-  /// None where this decides.
+  /// Interior corners where both this and the deciding reference know normal and tangent, and the share of
+  /// them where the two agree: neither normal (up to its side) nor tangent differ by more than three of their
+  /// standard deviations together. None where this decides.
   std::size_t compared = 0;
   double agreement = 0;
 };
 
-/// The tangents against those of the mesh's own triangles: each corner's triangles span a cone of directions in the plane of its
-/// normal, and any positive average of them lies inside.
+/// The tangents against those of the mesh's own triangles: each corner's triangles span a cone of directions
+/// in the plane of its normal, and any positive average of them lies inside.
 struct TrianglesReport {
   std::size_t judged = 0;   ///< corners whose triangles span a cone of less than 180 degrees
   std::size_t outside = 0;  ///< of these, corners whose tangent is farther from the cone than permitted
@@ -78,12 +79,13 @@ struct TrianglesReport {
 
 /// The mesh against MikkTSpace's tangents of its own positions, normals and uvs, mikktspace.h.
 struct MikkReport {
-  /// The share of corners whose stored tangent has MikkTSpace's bits in single precision, w under the one of both sign
-  /// conventions that holds at more of them.
+  /// The share of corners whose stored tangent has MikkTSpace's bits in single precision, w under the one of
+  /// both sign conventions that holds at more of them.
   double equal_bits = 0;
-  /// Which MikkTSpace the tangents are of, at 99 % of the corners or more: "original", to the bit; "sorted edges", to the
-  /// bit that of ports that sort all edges, where the original leaves the last run unsorted; "reordered sums", the original within 2e-5
-  /// degrees, a few units in the last place, as ports that add in another order have them; else "none".
+  /// Which MikkTSpace the tangents are of, at 99 % of the corners or more: "original", to the bit; "sorted
+  /// edges", to the bit that of ports that sort all edges, where the original leaves the last run unsorted;
+  /// "reordered sums", the original within 2e-5 degrees, a few units in the last place, as ports that add in
+  /// another order have them; else "none".
   std::string_view variant = "none";
   std::vector<ClassReport> classes;  ///< as MeshReport has them, without normals and deviations
 };
@@ -98,8 +100,8 @@ struct Handedness {
 
 struct MeshReport {
   std::size_t corners = 0;
-  /// The first of "analytic", "triangles" and "local" that judged any corner; "mikktspace" where nothing else was asked for;
-  /// else "none".
+  /// The first of "analytic", "triangles" and "local" that judged any corner; "mikktspace" where nothing else
+  /// was asked for; else "none".
   std::string_view reference = "none";
   std::size_t inward =
       0;  ///< corners whose normal and triangles face against the surface's n, compared with -n
@@ -107,7 +109,8 @@ struct MeshReport {
   Handedness handedness;
   std::size_t zero_tangents = 0, non_unit = 0, non_orthogonal = 0, non_finite = 0;  ///< corners
   std::size_t degenerate_triangles = 0, degenerate_uv_triangles = 0;
-  /// Against the surface, else against local jets, else how far outside its cone a tangent lies; empty ones left out.
+  /// Against the surface, else against local jets, else how far outside its cone a tangent lies; empty ones
+  /// left out.
   std::vector<ClassReport> classes;
   /// Standard deviations of the truth in degrees over all corners, whatever the mesh stores.
   Spread normal_uncertainty_deg, tangent_uncertainty_deg;
@@ -116,10 +119,11 @@ struct MeshReport {
   std::optional<LocalReport> local;      ///< where it was asked for and there are uvs
   std::optional<MikkReport> mikktspace;  ///< where it was asked for and there are tangents, normals and uvs
   std::vector<Finding> findings;         ///< errors first
-  /// Where ValidateOptions::keep_errors asks for them, three for each triangle: what `classes` has the statistics of at that
-  /// corner, the angle in degrees of the tangent, or of the normal where there are no tangents. Where there is none, and the
-  /// triangles alone say that the corner is in error, how far the tangent lies outside their cone, or that the normal is more
-  /// than 80 degrees from them. NaN where nothing is compared.
+  /// Where ValidateOptions::keep_errors asks for them, three for each triangle: what `classes` has the
+  /// statistics of at that corner, the angle in degrees of the tangent, or of the normal where there are no
+  /// tangents. Where there is none, and the triangles alone say that the corner is in error, how far the
+  /// tangent lies outside their cone, or that the normal is more than 80 degrees from them. NaN where nothing
+  /// is compared.
   std::vector<float> errors_deg;
   Verdict verdict = Verdict::undetermined;
   Verdict without_errors = Verdict::undetermined;  ///< what the verdict would be if no finding were an error
@@ -137,7 +141,8 @@ struct ValidateOptions {
   double max_angle_deg =
       5;  ///< limit for interior corners; three times that at seams, pole rings, creases and borders
   References references{};
-  /// Other uv sets of the mesh, a uv a vertex, which its tangents may follow instead; the number names the set.
+  /// Other uv sets of the mesh, a uv a vertex, which its tangents may follow instead; the number names the
+  /// set.
   std::span<const std::pair<int, std::vector<Vec2<double>>>> other_uvs{};
   int threads = 1;           ///< 0: all; the report does not depend on it
   bool keep_errors = false;  ///< whether the report has errors_deg, 12 bytes a triangle
@@ -146,20 +151,21 @@ struct ValidateOptions {
 /// Judges a mesh in its own space.
 /// Angles are atan2 angles of normalised vectors, tangents not projected. The bitangent is w·cross(n, t), n
 /// as stored, w corrected for the one sign convention found, against the derivative by the stored v.
-/// The truth has standard deviations s. An angle is beyond its limit where it is by more than 3 s: the true angle differs from
-/// the measured one by the error of the truth in that direction, whose standard deviation is s at most, so that no more than
-/// 0.14 % of fits accuse an angle that is right. It is within where 3 s more would be permitted too; else it is undecided.
-/// Verdict: fail with any error finding; else pass where something was compared with what decides and half of the corners
-/// or more are decided, undetermined otherwise. Errors,
-/// one to a corner, the first that fits: TANGENT_NOT_FINITE, TANGENT_ZERO, TANGENT_NOT_UNIT (|1 - |t|²| >
-/// 0.0005), TANGENT_INVALID_SIGN, TANGENT_NOT_ORTHOGONAL (|t·n| > 0.02), TANGENT_HANDEDNESS (against its uv
-/// island), TANGENT_ANGLE, NORMAL_NOT_FINITE, NORMAL_NOT_UNIT, NORMAL_ANGLE, POSITION_NOT_FINITE,
-/// UV_NOT_FINITE. TANGENT_NOT_MIKKTSPACE is one where MikkTSpace decides. Others: finding_kinds().
-/// What explains tangents of which most are off is looked for and named, and changes no error: swapped or negated axes,
-/// another uv set, a linear map that the tangents were not taken along.
+/// The truth has standard deviations s. An angle is beyond its limit where it is by more than 3 s: the true
+/// angle differs from the measured one by the error of the truth in that direction, whose standard deviation
+/// is s at most, so that no more than 0.14 % of fits accuse an angle that is right. It is within where 3 s
+/// more would be permitted too; else it is undecided. Verdict: fail with any error finding; else pass where
+/// something was compared with what decides and half of the corners or more are decided, undetermined
+/// otherwise. Errors, one to a corner, the first that fits: TANGENT_NOT_FINITE, TANGENT_ZERO,
+/// TANGENT_NOT_UNIT (|1 - |t|²| > 0.0005), TANGENT_INVALID_SIGN, TANGENT_NOT_ORTHOGONAL (|t·n| > 0.02),
+/// TANGENT_HANDEDNESS (against its uv island), TANGENT_ANGLE, NORMAL_NOT_FINITE, NORMAL_NOT_UNIT,
+/// NORMAL_ANGLE, POSITION_NOT_FINITE, UV_NOT_FINITE. TANGENT_NOT_MIKKTSPACE is one where MikkTSpace decides.
+/// Others: finding_kinds(). What explains tangents of which most are off is looked for and named, and changes
+/// no error: swapped or negated axes, another uv set, a linear map that the tangents were not taken along.
 /// Cost: linear in the corners; local_truth()'s 1 us a vertex, MikkTSpace 0.3 us a triangle.
 /// \param truth at each vertex; empty: the other references decide
-/// \throws MeshError when the mesh is inconsistent, or for another number of truths, or of uvs of a set, than vertices
+/// \throws MeshError when the mesh is inconsistent, or for another number of truths, or of uvs of a set, than
+/// vertices
 MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options = {});
 
 /// \param truth the surface the mesh was made from, known exactly; without one the other references decide

@@ -79,7 +79,8 @@ constexpr Turn<S> doubled(const Turn<S>& a) {
   return {lift<S>(2.0) * (a.sin * a.cos), (a.cos - a.sin) * (a.cos + a.sin)};
 }
 
-// The size of a number as a double, for scaling only; 1 where its type does not tell (it then has no need of scaling).
+// The size of a number as a double, for scaling only; 1 where its type does not tell (it then has no need of
+// scaling).
 template <class S>
 double size_of(const S& x) {
   static_assert(!Lanewise<S>, "lanes have no common size: see ordinary_square");
@@ -111,7 +112,8 @@ double rounding_of() {
     return 0;
 }
 
-// The greatest power of two not above the largest component, as an exponent; 0 for a zero or non-finite vector.
+// The greatest power of two not above the largest component, as an exponent; 0 for a zero or non-finite
+// vector.
 template <class V>
 int exponent(const V& a) {
   const double m = largest_component(a);
@@ -195,9 +197,9 @@ requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) V<S> unit(c
   }
 }
 
-/// a b - c d. Floating-point: with an error of at most 2 ulp of the result, whatever cancels, as both products are
-/// taken exactly; for products that neither overflow nor underflow. [Jeannerod2013] has the fma form. Other scalars:
-/// as written.
+/// a b - c d. Floating-point: with an error of at most 2 ulp of the result, whatever cancels, as both
+/// products are taken exactly; for products that neither overflow nor underflow. [Jeannerod2013] has the fma
+/// form. Other scalars: as written.
 template <class S>
 S difference_of_products(const S& a, const S& b, const S& c, const S& d) {
   if constexpr (detail::Binary<S>) {

@@ -17,7 +17,7 @@
 #include <darboux/statistics.h>
 #include <darboux/vector.h>
 
-#include "text.h"
+#include "base/text.h"
 
 namespace darboux {
 
@@ -38,7 +38,8 @@ void add_common(CLI::App& sub, Common& common, const std::string& example);
 CLI::Validator whole_number_up_to(std::uint64_t most);
 inline const CLI::Validator whole_number = whole_number_up_to(std::numeric_limits<std::uint64_t>::max());
 
-/// \throws ParameterError for the name of a file to which a GLB is to be written and that readers would take for JSON
+/// \throws ParameterError for the name of a file to which a GLB is to be written and that readers would take
+/// for JSON
 void check_glb_name(const std::string& output);
 
 // One file a subcommand; each adds itself to the tool.
@@ -69,9 +70,9 @@ std::pair<int, int> parse_grid(const std::string& subject, const std::string& te
 /// Pieces of `text` between separators.
 std::vector<std::string> split(std::string_view text, char separator);
 
-/// What a SURFACE on the command line names: one of the catalogue, "formula:file=my.surface,a=3", or a kind that is read
-/// from a file, "bezier-patch:file=net.json". A comma belongs to the path unless a NAME= follows it.
-/// \throws ParameterError, FileError
+/// What a SURFACE on the command line names: one of the catalogue, "formula:file=my.surface,a=3", or a kind
+/// that is read from a file, "bezier-patch:file=net.json". A comma belongs to the path unless a NAME= follows
+/// it. \throws ParameterError, FileError
 AnySurface surface_argument(std::string_view text);
 
 /// How help texts describe SURFACE.

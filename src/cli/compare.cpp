@@ -30,7 +30,7 @@ double share(std::size_t count, std::size_t of) {
   return static_cast<double>(count) / static_cast<double>(of);
 }
 
-// ---- for scripts --------------------------------------------------------------------------------------------------
+// ---- for scripts ------------------------------------------------------------------------------------------
 
 Json unmatched_json(const Unmatched& u) {
   return {{"not_finite", u.not_finite}, {"position", u.position},
@@ -112,7 +112,7 @@ Json skipped_json(const Asset& asset) {
   return json;
 }
 
-// ---- for people ---------------------------------------------------------------------------------------------------
+// ---- for people -------------------------------------------------------------------------------------------
 
 std::string place(const Primitive& p) {
   std::string text = "mesh " + std::to_string(p.mesh) + " primitive " + std::to_string(p.primitive);

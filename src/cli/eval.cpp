@@ -12,7 +12,8 @@
 namespace darboux {
 namespace {
 
-// Points evaluated at once by a thread, and altogether: their results stay in the caches, and memory stays bounded.
+// Points evaluated at once by a thread, and altogether: their results stay in the caches, and memory stays
+// bounded.
 constexpr std::size_t points_per_thread = 4096, most_points = 65536;
 
 struct Arguments {

@@ -16,16 +16,16 @@
 
 #include <darboux/error.h>
 
+#include "base/text.h"
 #include "command.h"
 #include "io/input.h"
-#include "text.h"
 
 namespace darboux {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary points are copied as they are");
 
-// ---- csv --------------------------------------------------------------------------------------------------------
+// ---- csv --------------------------------------------------------------------------------------------------
 
 class CsvInput final : public PointInput {
  public:
@@ -73,7 +73,7 @@ class CsvInput final : public PointInput {
   io::InputBytes bytes_;
 };
 
-// ---- json -------------------------------------------------------------------------------------------------------
+// ---- json -------------------------------------------------------------------------------------------------
 
 // Hears a document and passes the u and v of each sample on. Only where it is in the document is remembered.
 class SampleListener final : public nlohmann::json_sax<Json> {
@@ -188,7 +188,7 @@ class JsonInput final : public PointInput {
   io::InputBytes bytes_;
 };
 
-// ---- pairs of numbers -------------------------------------------------------------------------------------------
+// ---- pairs of numbers -------------------------------------------------------------------------------------
 
 // The little that a .npy header may say: a dictionary of strings, booleans and tuples of whole numbers.
 class NpyHeader {
@@ -360,7 +360,7 @@ class BinaryInput final : public PointInput {
   std::optional<std::uint64_t> count_;
 };
 
-// ---- points counted first ---------------------------------------------------------------------------------------
+// ---- points counted first ---------------------------------------------------------------------------------
 
 class KeptInput final : public PointInput {
  public:

@@ -46,8 +46,10 @@ inline constexpr std::string_view input_formats[] = {"csv", "json", "f32", "f64"
 std::string input_format_of(const std::string& path);
 
 /// An open file of points, or standard input. NaN and infinities are points like others, JSON's null is NaN.
-///   csv   the columns u and v where the first line names them, else the first two; lines that begin with # are passed over
-///   json  [{"u": 0.25, "v": 0.5}, ...], or that array as "samples" of an object, as eval writes it; other keys are passed over
+///   csv   the columns u and v where the first line names them, else the first two; lines that begin with #
+///         are passed over
+///   json  [{"u": 0.25, "v": 0.5}, ...], or that array as "samples" of an object, as eval writes it; other
+///         keys are passed over
 ///   f32, f64  pairs of little-endian numbers
 ///   npy   shape (n, 2), dtype <f4 or <f8, C order, version 1 or 2
 /// Memory does not grow with the number of points.
@@ -66,9 +68,9 @@ class PointInput {
 /// \throws FileError when it cannot be opened, or its beginning or size is wrong
 std::unique_ptr<PointInput> open_points(const std::string& path, std::string_view format);
 
-/// The same points, counted: those whose number is not known beforehand are read to the end and kept meanwhile in a file
-/// without a name in the folder for temporary files ($TMPDIR), 16 bytes each.
-/// \throws FileError as read() does, or when there is no room
+/// The same points, counted: those whose number is not known beforehand are read to the end and kept
+/// meanwhile in a file without a name in the folder for temporary files ($TMPDIR), 16 bytes each. \throws
+/// FileError as read() does, or when there is no room
 std::unique_ptr<PointInput> counted(std::unique_ptr<PointInput> points, Progress& progress);
 
 }  // namespace darboux

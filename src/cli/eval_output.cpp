@@ -23,7 +23,7 @@ std::size_t components(const std::vector<Attribute>& attributes) {
   return sum;
 }
 
-// ---- bare numbers -----------------------------------------------------------------------------------------------
+// ---- bare numbers -----------------------------------------------------------------------------------------
 
 template <class T>
 class BinaryWriter final : public FrameWriter {
@@ -82,7 +82,7 @@ class BinaryWriter final : public FrameWriter {
   EvaluateOptions evaluate_;
 };
 
-// ---- text -------------------------------------------------------------------------------------------------------
+// ---- text -------------------------------------------------------------------------------------------------
 
 // table, json or csv. The status is that of sample(): all partials are evaluated for it, asked for or not.
 class TextWriter final : public FrameWriter {

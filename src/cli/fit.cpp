@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include <darboux/fit.h>
+#include <darboux/fit_mesh.h>
 #include <darboux/fit_points.h>
 #include <darboux/io.h>
 
@@ -66,8 +66,8 @@ PointFitOptions parse_options(const Arguments& arguments) {
   return options;
 }
 
-// Which points of the file lie on the surface, and how many do not: where the file is a mesh, every vertex counts, that at
-// the place of another as that one does.
+// Which points of the file lie on the surface, and how many do not: where the file is a mesh, every vertex
+// counts, that at the place of another as that one does.
 struct Membership {
   std::vector<bool> is_inlier;
   std::size_t inliers = 0, outliers = 0, not_finite = 0, unused = 0;
@@ -131,7 +131,8 @@ UncertainFrame no_frame_at_all() {
   return f;
 }
 
-// Where its own uv says that the point belongs, else at the nearest point: a surface that crosses itself has two there.
+// Where its own uv says that the point belongs, else at the nearest point: a surface that crosses itself has
+// two there.
 UncertainFrame frame_of(const PointCloud& cloud, std::size_t i, const PointFit& fit, bool with_uv) {
   const Vec3<double>& p = cloud.positions[i];
   if (!detail::finite(p) || (with_uv && !finite_uv(cloud.uvs[i]))) return no_frame_at_all();

@@ -2,7 +2,7 @@
 #include <iostream>
 #include <new>
 
-#include "../keep_freed_memory.h"
+#include "base/keep_freed_memory.h"
 #include "command.h"
 
 namespace {

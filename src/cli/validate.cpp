@@ -138,7 +138,7 @@ void run(const Arguments& arguments, Common& common) {
   for (const auto& [option, file] : {std::pair{"--sarif", &arguments.sarif}, {"--junit", &arguments.junit}})
     if (*file == "-")
       throw ParameterError(option, "standard output is taken, permitted is the name of a file");
-  JudgeOptions options;
+  AssessOptions options;
   options.max_angle_deg = arguments.max_angle;
   if (!(arguments.max_angle > 0) || arguments.max_angle > 180)
     throw ParameterError("--max-angle",

@@ -57,7 +57,8 @@ Json result_json(const std::string& path, std::string_view code, Severity severi
           {"partialFingerprints", {{"primaryLocationLineHash", std::string(code) + '/' + place}}}};
 }
 
-// Without what XML 1.0 does not have, whatever a file put into it: control characters become '?', U+FFFE and U+FFFF U+FFFD.
+// Without what XML 1.0 does not have, whatever a file put into it: control characters become '?', U+FFFE and
+// U+FFFF U+FFFD.
 std::string xml_text(const std::string& text) {
   std::string result = utf8(one_line(text));
   for (const char* none : {"\xEF\xBF\xBE", "\xEF\xBF\xBF"})
@@ -86,7 +87,7 @@ Json sarif(const std::vector<JudgedFile>& files, bool with_baseline) {
       if (with_baseline) results.back()["baselineState"] = file.worse ? "new" : "unchanged";
     }
     for (const JudgedPrimitive& p : file.primitives)
-      for (const Judgement& j : p.judgements)
+      for (const Assessment& j : p.assessments)
         for (const Finding& f : j.report.findings) {
           if (f.severity == Severity::info) continue;
           const std::string place = place_of(p.primitive, j);
@@ -145,7 +146,7 @@ void print_github(const std::vector<JudgedFile>& files) {
       if (!file.error.empty() && severity == Severity::error)
         print(severity, file.path, unreadable_code, file.error);
       for (const JudgedPrimitive& p : file.primitives)
-        for (const Judgement& j : p.judgements)
+        for (const Assessment& j : p.assessments)
           for (const Finding& f : j.report.findings)
             if (f.severity == severity)
               print(severity, file.path, f.code,
@@ -182,7 +183,7 @@ std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {
         append(test, "error", unreadable_code, file.error), ++errors;
     }
     for (const JudgedPrimitive& p : file.primitives)
-      for (const Judgement& j : p.judgements) {
+      for (const Assessment& j : p.assessments) {
         pugi::xml_node test = add_case(place_of(p.primitive, j));
         bool failed = false;
         std::string known;

@@ -8,7 +8,7 @@
 
 #include <fnmatch.h>
 
-#include "../validate/findings.h"
+#include "validate/findings.h"
 
 namespace darboux {
 namespace {
@@ -94,7 +94,7 @@ void apply(const Policy& policy, MeshReport& report, std::map<std::string, std::
 
 std::size_t JudgedPrimitive::count(std::string_view code) const {
   std::size_t sum = 0;
-  for (const Judgement& j : judgements)
+  for (const Assessment& j : assessments)
     for (const Finding& f : j.report.findings) sum += f.code == code ? f.count : 0;
   return sum;
 }
@@ -105,7 +105,7 @@ std::size_t JudgedPrimitive::known_count(std::string_view code) const {
 }
 
 bool JudgedPrimitive::less_determined() const {
-  return static_cast<std::size_t>(std::count_if(judgements.begin(), judgements.end(), [](const Judgement& j) {
+  return static_cast<std::size_t>(std::count_if(assessments.begin(), assessments.end(), [](const Assessment& j) {
            return j.report.verdict == Verdict::undetermined;
          })) > known_not_pass;
 }
@@ -125,7 +125,7 @@ std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
 
 namespace {
 
-// Whether two primitives have the same judgement.
+// Whether two primitives have the same assessment.
 bool same(const Primitive& a, const Primitive& b) {
   const Mesh &x = a.data, &y = b.data;
   const auto steps = [](const Mesh& m) {
@@ -146,36 +146,36 @@ std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives) {
   return result;
 }
 
-std::vector<Judgement> judge_primitive(const Primitive& primitive, const JudgeOptions& options) {
-  JudgeOptions with_uvs = options;
+std::vector<Assessment> judge_primitive(const Primitive& primitive, const AssessOptions& options) {
+  AssessOptions with_uvs = options;
   with_uvs.other_uvs = primitive.other_uvs;
   with_uvs.names_uv_set = primitive.names_uv_set;
   with_uvs.texture_transform = primitive.texture_transform;
-  return judge_parts(primitive.data, with_uvs);
+  return assess_parts(primitive.data, with_uvs);
 }
 
 }  // namespace
 
-void judge_file(JudgedFile& file, const JudgeOptions& options, const Policy& policy) {
+void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& policy) {
   if (file.error.empty()) try {
       Asset asset = read_asset(file.path);
       file.skipped = asset.skipped;
       const std::vector<std::size_t> first = first_of(asset.primitives);
-      std::map<std::size_t, std::vector<Judgement>> repeated;  // judgements of those that come again
+      std::map<std::size_t, std::vector<Assessment>> repeated;  // assessments of those that come again
       for (std::size_t i = 0; i < first.size(); ++i) {
         Primitive& primitive = asset.primitives[i];
-        std::vector<Judgement> judgements =
+        std::vector<Assessment> assessments =
             first[i] < i ? repeated[first[i]] : judge_primitive(primitive, options);
-        if (first[i] == i && std::count(first.begin(), first.end(), i) > 1) repeated[i] = judgements;
-        add_node_findings(primitive, judgements.front().report);
-        add(judgements.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
-        for (Judgement& j : judgements) {
+        if (first[i] == i && std::count(first.begin(), first.end(), i) > 1) repeated[i] = assessments;
+        add_node_findings(primitive, assessments.front().report);
+        add(assessments.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
+        for (Assessment& j : assessments) {
           apply(policy, j.report, file.ignored);
           file.verdict = std::max(file.verdict, j.report.verdict);
         }
         if (!options.keep_errors) primitive.data = {};
         primitive.other_uvs = {};
-        file.primitives.push_back({std::move(primitive), std::move(judgements)});
+        file.primitives.push_back({std::move(primitive), std::move(assessments)});
       }
     } catch (const FileError& e) {
       file.error = e.what();
@@ -227,8 +227,8 @@ void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& pa
         file.worse = file.worse && !was_unreadable;
         if (was_unreadable)  // whatever it is now was no better then
           for (JudgedPrimitive& p : file.primitives) {
-            p.known_not_pass = p.judgements.size();
-            for (const Judgement& j : p.judgements)
+            p.known_not_pass = p.assessments.size();
+            for (const Assessment& j : p.assessments)
               for (const Finding& f : j.report.findings) p.known[std::string(f.code)] = p.count(f.code);
           }
         continue;
@@ -252,7 +252,7 @@ void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& pa
       file.worse = false;
       for (const JudgedPrimitive& p : file.primitives) {
         file.worse |= p.less_determined();
-        for (const Judgement& j : p.judgements)
+        for (const Assessment& j : p.assessments)
           for (const Finding& f : j.report.findings)
             file.worse |= f.severity == Severity::error && p.worse(f);
       }
@@ -268,10 +268,10 @@ std::string uv_convention(const MeshFit& fit) {
                                            : "unknown";
 }
 
-std::string place_of(const Primitive& primitive, const Judgement& judgement) {
+std::string place_of(const Primitive& primitive, const Assessment& assessment) {
   std::string text =
       "mesh " + std::to_string(primitive.mesh) + " primitive " + std::to_string(primitive.primitive);
-  if (judgement.part) text += " part " + std::to_string(*judgement.part);
+  if (assessment.part) text += " part " + std::to_string(*assessment.part);
   if (!primitive.name.empty()) text += " (" + one_line(primitive.name) + ")";
   return text;
 }

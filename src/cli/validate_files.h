@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include <darboux/assess.h>
 #include <darboux/io.h>
-#include <darboux/judge.h>
 
 #include "command.h"
 
@@ -16,7 +16,7 @@ namespace darboux {
 
 struct JudgedPrimitive {
   Primitive primitive;  ///< without its data, unless errors are kept
-  std::vector<Judgement> judgements;
+  std::vector<Assessment> assessments;
   std::map<std::string, std::size_t, std::less<>> known{};  ///< counts of findings in the baseline, by code
   std::size_t known_not_pass = 0;  ///< meshes and parts that did not pass in the baseline
 
@@ -36,12 +36,14 @@ struct JudgedFile {
   std::vector<SkippedPrimitive> skipped{};
   std::map<std::string, std::size_t> ignored{};  ///< counts of findings that were dropped, by code
   Verdict verdict = Verdict::nothing;            ///< the worst of its meshes and parts
-  /// Whether it counts against the run: it is neither pass nor nothing or could not be read and, where there is a baseline, was better there.
+  /// Whether it counts against the run: it is neither pass nor nothing or could not be read and, where there
+  /// is a baseline, was better there.
   bool worse = false;
 };
 
-/// The files that arguments name, a folder standing for all mesh files in it and in its folders, in the order of their names.
-/// What cannot be listed has an error. \param exclude patterns as of fnmatch(3), of paths relative to the folder; * crosses folders
+/// The files that arguments name, a folder standing for all mesh files in it and in its folders, in the order
+/// of their names. What cannot be listed has an error. \param exclude patterns as of fnmatch(3), of paths
+/// relative to the folder; * crosses folders
 std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
                                  const std::vector<std::string>& exclude);
 
@@ -53,26 +55,27 @@ struct Policy {
 };
 
 /// Reads and judges one file.
-void judge_file(JudgedFile& file, const JudgeOptions& options, const Policy& policy);
+void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& policy);
 
 /// An earlier report, `darboux validate --json`. \throws FileError
 Json read_baseline(const std::string& path);
 
-/// Lets only that count against the run what is worse than in the baseline: an error that is new or more frequent in a
-/// primitive (whatever its severity was), a primitive of which more parts are undetermined than did not pass then, a file
-/// without triangles that passed then, one that could be read then.
-/// \param path where it was read from, for messages \throws FileError where it is no such report
+/// Lets only that count against the run what is worse than in the baseline: an error that is new or more
+/// frequent in a primitive (whatever its severity was), a primitive of which more parts are undetermined than
+/// did not pass then, a file without triangles that passed then, one that could be read then. \param path
+/// where it was read from, for messages \throws FileError where it is no such report
 void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& path, const Json& baseline);
 
 /// "mesh 0 primitive 1 part 2 (name)"
-std::string place_of(const Primitive& primitive, const Judgement& judgement);
+std::string place_of(const Primitive& primitive, const Assessment& assessment);
 
 /// What stored uvs mean on the surface: "flip v", "projected".
 std::string uv_convention(const MeshFit& fit);
 
 Json report_json(const std::vector<JudgedFile>& files, bool with_baseline);
 
-/// A short table a mesh and part; where there are many of them and no details are asked for, only what was found.
+/// A short table a mesh and part; where there are many of them and no details are asked for, only what was
+/// found.
 void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool details);
 
 /// Static Analysis Results Interchange Format 2.1.0, with what GitHub's code scanning asks for.

@@ -29,24 +29,24 @@ Json classes_json(const std::vector<ClassReport>& classes) {
   return json;
 }
 
-Json judgement_json(const JudgedPrimitive& judged, const Judgement& judgement, bool with_baseline) {
+Json assessment_json(const JudgedPrimitive& judged, const Assessment& assessment, bool with_baseline) {
   const Primitive& primitive = judged.primitive;
-  const MeshReport& report = judgement.report;
+  const MeshReport& report = assessment.report;
   Json json{{"mesh", primitive.mesh},
             {"primitive", primitive.primitive},
             {"name", primitive.name},
             {"corners", report.corners},
             {"verdict", verdict_names[static_cast<std::size_t>(report.verdict)]}};
-  if (judgement.part) json["part"] = *judgement.part;
+  if (assessment.part) json["part"] = *assessment.part;
   json["surface"] = nullptr;
   json["evidence"] = nullptr;
-  if (judgement.evidence)
-    json["evidence"] = {{"log10_odds", number(judgement.evidence->log10_odds)},
-                        {"rival", judgement.evidence->rival},
-                        {"text", judgement.evidence->text}};
+  if (assessment.evidence)
+    json["evidence"] = {{"log10_odds", number(assessment.evidence->log10_odds)},
+                        {"rival", assessment.evidence->rival},
+                        {"text", assessment.evidence->text}};
   json["uv"] = nullptr;
-  if (judgement.fit && judgement.fit->fits) {
-    const MeshFit& fit = *judgement.fit;
+  if (assessment.fit && assessment.fit->fits) {
+    const MeshFit& fit = *assessment.fit;
     Json surface = surface_json(fit.surface.surface);
     Json placement = Json::array(), affine = Json::array();
     for (Eigen::Index k = 0; k < 16; ++k)
@@ -63,7 +63,7 @@ Json judgement_json(const JudgedPrimitive& judged, const Judgement& judgement, b
     surface["centre"] = {number(fit.centre.x()), number(fit.centre.y()), number(fit.centre.z())};
     json["surface"] = surface;
     json["uv"] = {{"convention", uv_convention(fit)},
-                  {"texcoord", judgement.uv_set.value_or(primitive.texcoord)}};
+                  {"texcoord", assessment.uv_set.value_or(primitive.texcoord)}};
     if (fit.chart == UvChart::own) {
       for (const double x : fit.surface.uv.affine) affine.push_back(number(x));
       json["uv"]["affine"] = affine;
@@ -129,7 +129,7 @@ Json report_json(const std::vector<JudgedFile>& files, bool with_baseline) {
     if (!file.error.empty()) entry["error"] = file.error;
     entry["meshes"] = Json::array();
     for (const JudgedPrimitive& p : file.primitives)
-      for (const Judgement& j : p.judgements) entry["meshes"].push_back(judgement_json(p, j, with_baseline));
+      for (const Assessment& j : p.assessments) entry["meshes"].push_back(assessment_json(p, j, with_baseline));
     entry["skipped"] = Json::array();
     for (const SkippedPrimitive& s : file.skipped)
       entry["skipped"].push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
@@ -141,7 +141,7 @@ Json report_json(const std::vector<JudgedFile>& files, bool with_baseline) {
     Json& count = verdicts[std::string(verdict_names[static_cast<std::size_t>(file.verdict)])];
     count = count.get<std::size_t>() + 1;
     for (const JudgedPrimitive& p : file.primitives)
-      for (const Judgement& j : p.judgements)
+      for (const Assessment& j : p.assessments)
         for (const Finding& f : j.report.findings)
           codes[std::string(f.code)] = codes.value(std::string(f.code), std::size_t{0}) + f.count;
     for (const auto& [code, n] : file.ignored) ignored[code] = ignored.value(code, std::size_t{0}) + n;

@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "base64.h"
+#include "base/base64.h"
 #include "report/colour_map.h"
 #include "report/histogram.h"
 #include "report/html.h"
@@ -109,7 +109,8 @@ std::string css_gradient() {
          ")}\n.legend i.none{background:" + css_colour(not_compared) + "}\n";
 }
 
-// "shared/…/IridescenceSuzanne.glb": the beginning and the end, whole names where they fit. The whole path is the title.
+// "shared/…/IridescenceSuzanne.glb": the beginning and the end, whole names where they fit. The whole path is
+// the title.
 std::string path_text(const std::string& path) {
   constexpr std::size_t most = 64;
   const std::string line = one_line(path);
@@ -127,11 +128,11 @@ std::string path_text(const std::string& path) {
 
 // ---- one mesh
 
-// A primitive and its judgements: the whole, or its parts.
+// A primitive and its assessments: the whole, or its parts.
 struct Entry {
   const JudgedFile& file;
   const JudgedPrimitive& judged;
-  std::size_t number;  // of its first judgement, as in the JSON
+  std::size_t number;  // of its first assessment, as in the JSON
   bool alone;          // in its file
   double limit;
   std::size_t step = 1;  // every step-th triangle is drawn
@@ -150,8 +151,8 @@ std::vector<Entry> entries_of(const std::vector<JudgedFile>& files, double max_a
   for (const JudgedFile& file : files)
     for (const JudgedPrimitive& judged : file.primitives) {
       Entry e{file, judged, number, file.primitives.size() == 1, max_angle_deg};
-      number += judged.judgements.size();
-      for (const Judgement& j : judged.judgements) {
+      number += judged.assessments.size();
+      for (const Assessment& j : judged.assessments) {
         e.verdict = std::max(e.verdict, j.report.verdict);
         e.corners += j.report.corners;
         const std::size_t count = j.report.errors_deg.size() / 3;
@@ -173,21 +174,21 @@ std::vector<Entry> entries_of(const std::vector<JudgedFile>& files, double max_a
   return sorted;
 }
 
-std::string reference_text(const Judgement& judgement) {
-  const MeshReport& report = judgement.report;
+std::string reference_text(const Assessment& assessment) {
+  const MeshReport& report = assessment.report;
   std::string words;
-  if (judgement.fit && judgement.fit->fits)
-    words = "The surface is " + text(judgement.fit->surface.surface.specification(6)) + "; the uvs are " +
-            text(uv_convention(*judgement.fit)) + ". ";
-  if (judgement.fit && judgement.fit->fits && judgement.evidence && !judgement.evidence->text.empty())
-    words += "What speaks for it: " + text(judgement.evidence->text) + ". ";
+  if (assessment.fit && assessment.fit->fits)
+    words = "The surface is " + text(assessment.fit->surface.surface.specification(6)) + "; the uvs are " +
+            text(uv_convention(*assessment.fit)) + ". ";
+  if (assessment.fit && assessment.fit->fits && assessment.evidence && !assessment.evidence->text.empty())
+    words += "What speaks for it: " + text(assessment.evidence->text) + ". ";
   words += report.reference == "analytic" ? "Judged by that surface."
            : report.reference == "triangles"
                ? "Judged by the mesh's own triangles: what directions their uvs permit."
            : report.reference == "local"
                ? "Compared with polynomials through the mesh's own positions and uvs."
            : report.reference == "mikktspace" ? "Judged by MikkTSpace's tangents of the mesh's own data."
-           : judgement.report.corners == 0
+           : assessment.report.corners == 0
                ? ""
                : "No surface is known here; normals were held against their own triangles.";
   if (report.reference == "analytic" || report.reference == "local")
@@ -296,7 +297,7 @@ std::string pictures(const Entry& e) {
 std::vector<std::pair<std::string, std::size_t>> codes_of(const Entry& e) {
   std::vector<std::pair<std::string, std::size_t>> codes;
   for (const Severity severity : {Severity::error, Severity::warning})
-    for (const Judgement& j : e.judged.judgements)
+    for (const Assessment& j : e.judged.assessments)
       for (const Finding& f : j.report.findings) {
         if (f.severity != severity) continue;
         const auto at =
@@ -325,7 +326,7 @@ std::string histogram(const Entry& e) {
         "first code it meets: " +
         counted + '.';
   double uncertain = 0;
-  for (const Judgement& j : e.judged.judgements)
+  for (const Assessment& j : e.judged.assessments)
     uncertain = std::fmax(uncertain, (e.quantity() == "normal" ? j.report.normal_uncertainty_deg
                                                                : j.report.tangent_uncertainty_deg)
                                          .rms());
@@ -336,8 +337,8 @@ std::string histogram(const Entry& e) {
          words + "</figcaption></figure>\n";
 }
 
-std::string judgement_body(const Judgement& j, std::size_t number) {
-  return "<div class=judgement data-number=" + std::to_string(number) +
+std::string assessment_body(const Assessment& j, std::size_t number) {
+  return "<div class=assessment data-number=" + std::to_string(number) +
          " data-verdict=" + std::string(verdict_names[static_cast<std::size_t>(j.report.verdict)]) +
          " data-corners=" + std::to_string(j.report.corners) + ">\n" + findings_list(j.report) +
          reference_text(j) + class_table(j.report) + "</div>\n";
@@ -345,7 +346,7 @@ std::string judgement_body(const Judgement& j, std::size_t number) {
 
 // The parts of a mesh, failures first, those of many that pass folded into one.
 std::string parts(const Entry& e) {
-  const std::vector<Judgement>& all = e.judged.judgements;
+  const std::vector<Assessment>& all = e.judged.assessments;
   std::vector<std::size_t> order(all.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -368,7 +369,7 @@ std::string parts(const Entry& e) {
             badge(report.verdict) + " part " + std::to_string(all[k].part.value_or(k)) +
             "<span class=soft> " + plural(report.corners, "corner") +
             (all[k].fit && all[k].fit->fits ? ", " + text(all[k].fit->surface.surface.info().name) : "") +
-            "</span></summary>\n" + judgement_body(all[k], e.number + k) + "</details>\n";
+            "</span></summary>\n" + assessment_body(all[k], e.number + k) + "</details>\n";
   }
   return html + (folded ? "</details>\n" : "");
 }
@@ -394,14 +395,14 @@ std::string entry(const Entry& e, bool one_file, bool open) {
                      ">\n<summary><span>" + badge(e.verdict) + "</span><span class=name>" + name +
                      "</span><span class=n>" + std::to_string(e.corners) + "</span><span class=n>" +
                      (std::isnan(e.worst) ? "–" : rounded(e.worst, 3) + "°") + "</span>";
-  const std::size_t count = e.judged.judgements.size();
+  const std::size_t count = e.judged.assessments.size();
   if (count > 1 || !codes.empty())
     html += "<span class=codes>" + (count > 1 ? plural(count, "part") : "") +
             (count > 1 && !codes.empty() ? " · " : "") + codes + "</span>";
   html += "</summary>\n<div class=body>\n";
   if (!one_file) html += "<p class=soft>" + text(e.file.path) + ", " + text(place) + "</p>\n";
   html += pictures(e);
-  if (count == 1) html += judgement_body(e.judged.judgements.front(), e.number);
+  if (count == 1) html += assessment_body(e.judged.assessments.front(), e.number);
   html += histogram(e);
   if (count > 1) html += parts(e);
   return html + "</div></details>\n";

@@ -63,7 +63,7 @@ void paint(const JudgedFile& file, double max_angle_deg, const std::string& path
 std::vector<float> vertex_errors(const JudgedPrimitive& judged) {
   const Mesh& mesh = judged.primitive.data;
   std::vector<float> errors(mesh.positions.size(), std::numeric_limits<float>::quiet_NaN());
-  for (const Judgement& j : judged.judgements)
+  for (const Assessment& j : judged.assessments)
     for (std::size_t c = 0; c < j.report.errors_deg.size(); ++c) {
       const std::size_t triangle = j.triangles.empty() ? c / 3 : j.triangles[c / 3];
       float& error = errors[mesh.triangles[triangle][c % 3]];

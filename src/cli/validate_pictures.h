@@ -21,7 +21,7 @@ void add_pictures(CLI::App& sub, Pictures& pictures);
 /// \throws ParameterError for what cannot be written, before any file is read
 void check_pictures(const Pictures& pictures, std::size_t files);
 
-/// Writes them. Of files whose judgements keep errors and whose primitives have their data.
+/// Writes them. Of files whose assessments keep errors and whose primitives have their data.
 /// \throws FileError, MeshError
 void write_pictures(const Pictures& pictures, const std::vector<JudgedFile>& files, double max_angle_deg);
 

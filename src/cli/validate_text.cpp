@@ -58,12 +58,12 @@ void print_mikktspace(const MikkReport& mikktspace) {
   std::cout << '\n';
 }
 
-void print_judgement(const JudgedPrimitive& judged, const Judgement& judgement, bool with_baseline) {
-  const MeshReport& report = judgement.report;
-  std::cout << "  " << place_of(judged.primitive, judgement) << ": " << report.corners << " corners";
-  if (judgement.fit && judgement.fit->fits)
-    std::cout << ", " << judgement.fit->surface.surface.specification(6) << ", uvs "
-              << uv_convention(*judgement.fit);
+void print_assessment(const JudgedPrimitive& judged, const Assessment& assessment, bool with_baseline) {
+  const MeshReport& report = assessment.report;
+  std::cout << "  " << place_of(judged.primitive, assessment) << ": " << report.corners << " corners";
+  if (assessment.fit && assessment.fit->fits)
+    std::cout << ", " << assessment.fit->surface.surface.specification(6) << ", uvs "
+              << uv_convention(*assessment.fit);
   std::cout << ", w " << report.handedness.convention << ", judged by " << report.reference << '\n';
   if (!report.classes.empty())
     std::printf("    %-10s %9s  %-23s  %-23s  %-23s\n", "class", "corners", "normal max/rms (deg)",
@@ -117,10 +117,10 @@ void print_summary(const JudgedFile& file, bool with_baseline) {
   };
   std::vector<Total> totals;
   std::array<std::size_t, verdict_names.size()> verdicts{};
-  std::size_t judgements = 0;
+  std::size_t assessments = 0;
   for (const JudgedPrimitive& p : file.primitives) {
-    for (const Judgement& j : p.judgements) {
-      ++judgements;
+    for (const Assessment& j : p.assessments) {
+      ++assessments;
       ++verdicts[static_cast<std::size_t>(j.report.verdict)];
       for (const Finding& f : j.report.findings) {
         if (f.severity == Severity::info) continue;
@@ -132,12 +132,12 @@ void print_summary(const JudgedFile& file, bool with_baseline) {
     }
     for (Total& t : totals) t.known += p.known_count(t.first->code);
   }
-  if (judgements > 1) std::cout << "  " << judgements << " meshes and parts: " << counted(verdicts) << '\n';
+  if (assessments > 1) std::cout << "  " << assessments << " meshes and parts: " << counted(verdicts) << '\n';
   std::stable_sort(totals.begin(), totals.end(),
                    [](const Total& a, const Total& b) { return a.first->severity > b.first->severity; });
   for (const Total& t : totals) {
     std::string count = std::to_string(t.count);
-    if (judgements > 1) count += " in " + std::to_string(t.places) + " of them";
+    if (assessments > 1) count += " in " + std::to_string(t.places) + " of them";
     if (with_baseline) count += ", " + std::to_string(t.known) + " in the baseline";
     print_finding(t.first->severity, t.first->code, count, t.first->message);
   }
@@ -154,7 +154,7 @@ std::vector<CodeTotal> totals_of(std::span<const JudgedFile> files) {
   std::vector<CodeTotal> totals;
   for (const JudgedFile& file : files) {
     for (const JudgedPrimitive& p : file.primitives)
-      for (const Judgement& j : p.judgements)
+      for (const Assessment& j : p.assessments)
         for (const Finding& f : j.report.findings) {
           if (f.severity == Severity::info) continue;
           auto at = std::find_if(totals.begin(), totals.end(), [&](const CodeTotal& t) {
@@ -165,7 +165,7 @@ std::vector<CodeTotal> totals_of(std::span<const JudgedFile> files) {
         }
     for (CodeTotal& t : totals)
       t.files += std::any_of(file.primitives.begin(), file.primitives.end(), [&](const JudgedPrimitive& p) {
-        return std::any_of(p.judgements.begin(), p.judgements.end(), [&](const Judgement& j) {
+        return std::any_of(p.assessments.begin(), p.assessments.end(), [&](const Assessment& j) {
           return std::any_of(j.report.findings.begin(), j.report.findings.end(), [&](const Finding& f) {
             return f.code == t.first->code && f.severity == t.severity;
           });
@@ -191,7 +191,8 @@ void print_failure(const JudgedFile& file) {
     std::cout << "    undetermined: nothing could judge its tangents\n";
 }
 
-// The end of a report of several files, that reads alone: how many of each verdict, what was found, which files failed.
+// The end of a report of several files, that reads alone: how many of each verdict, what was found, which
+// files failed.
 void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable) {
   constexpr std::size_t most_failures = 12;
   std::array<std::size_t, verdict_names.size()> verdicts{};
@@ -217,10 +218,10 @@ void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable)
 }  // namespace
 
 void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool details) {
-  std::size_t judgements = 0, unreadable = 0;
+  std::size_t assessments = 0, unreadable = 0;
   for (const JudgedFile& file : files)
-    for (const JudgedPrimitive& p : file.primitives) judgements += p.judgements.size();
-  const bool tables = details || judgements <= most_tables;
+    for (const JudgedPrimitive& p : file.primitives) assessments += p.assessments.size();
+  const bool tables = details || assessments <= most_tables;
   for (const JudgedFile& file : files) {
     if (!file.error.empty()) {
       ++unreadable;
@@ -230,14 +231,14 @@ void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool
     if (file.primitives.empty()) std::cout << "  holds no triangles to judge\n";
     if (tables)
       for (const JudgedPrimitive& p : file.primitives)
-        for (const Judgement& j : p.judgements) print_judgement(p, j, with_baseline);
+        for (const Assessment& j : p.assessments) print_assessment(p, j, with_baseline);
     else
       print_summary(file, with_baseline);
     for (const SkippedPrimitive& s : file.skipped)
       std::cout << "  mesh " << s.mesh << " primitive " << s.primitive << " not judged: " << s.reason << '\n';
   }
   if (!tables)
-    std::cout << "--details shows a table and the notes of each of the " << judgements
+    std::cout << "--details shows a table and the notes of each of the " << assessments
               << " meshes and parts\n";
   if (files.size() > 1) print_closing(files, unreadable);
   std::map<std::string, std::size_t> ignored;

@@ -1,5 +1,5 @@
-// The fit through uvs of some kinds under some maps: fit_any_surface() is that of all under any. The callers know the signs of the
-// mesh's triangles, in the sense of triangle_signs().
+// The fit through uvs of some kinds under some maps: fit_any_surface() is that of all under any. The callers
+// know the signs of the mesh's triangles, in the sense of triangle_signs().
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include <darboux/fit.h>
+#include <darboux/fit_mesh.h>
 
 namespace darboux {
 

@@ -7,12 +7,12 @@
 #include <type_traits>
 
 #include <darboux/error.h>
-#include <darboux/fit.h>
+#include <darboux/fit_mesh.h>
 #include <darboux/forms.h>
 #include <darboux/project.h>
 
-#include "closed_foot.h"
-#include "parameter_jet.h"
+#include "fit/common/closed_foot.h"
+#include "fit/common/parameter_jet.h"
 
 namespace darboux {
 namespace {
@@ -23,12 +23,14 @@ constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::para
 
 constexpr int most_columns = 6 + most_parameters + 6;
 constexpr int any = Eigen::Dynamic;
-// A column for each component of δ: the turns about t, b and n, and the share by which the partial along t grows.
+// A column for each component of δ: the turns about t, b and n, and the share by which the partial along t
+// grows.
 template <int N>
 using Turns = Eigen::Matrix<double, 4, N, Eigen::RowMajor, 4, N == any ? most_columns : N>;
 using Ways = Eigen::Matrix<double, 2, any, 0, 2, most_columns>;  // of (u, v)
 
-// A fitted surface with the covariance of δ, N numbers, with or without the translation, which turns no frame at a fixed (u, v).
+// A fitted surface with the covariance of δ, N numbers, with or without the translation, which turns no frame
+// at a fixed (u, v).
 template <int N>
 struct Fitted {
   const PlacedSurface& placed;
@@ -75,8 +77,8 @@ Fitted<any> fitted(const PlacedSurface& placed, const SurfaceUncertainty& uncert
   return result;
 }
 
-// Whether the surface has a normal where its circles v = const shrink to a point near (u, v): the same from all sides. The
-// point is where dpdu vanishes when it goes on along v as it does here.
+// Whether the surface has a normal where its circles v = const shrink to a point near (u, v): the same from
+// all sides. The point is where dpdu vanishes when it goes on along v as it does here.
 bool pole_has_normal(const AnySurface& surface, const Vec2<double>& uv, const Jet2<double>& j) {
   if (surface.info().u != Coordinate::turn) return false;
   const double v = uv.y - dot(j.dpdu, j.d2pduv) / dot(j.d2pduv, j.d2pduv);
@@ -168,8 +170,8 @@ Partials as_they_are(const Partials& p) {
   return p;
 }
 
-// Whether first order tells n and t at all: where three standard deviations change n by less than a radian, and dpdu by less
-// than its length.
+// Whether first order tells n and t at all: where three standard deviations change n by less than a radian,
+// and dpdu by less than its length.
 struct Known {
   double normal;  // standard deviation, radians
   bool knows_normal, knows_tangent;
@@ -215,7 +217,8 @@ UncertainFrame placed_frame(const PlacedSurface& placed, const Sample<double>& s
   return result;
 }
 
-// The frame at uv with its covariance; where the point p stays and its foot moves, p is given, in the surface's axes.
+// The frame at uv with its covariance; where the point p stays and its foot moves, p is given, in the
+// surface's axes.
 UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
                                const Vec2<double>& uv, const Vec3<double>* p) {
   const Fitted<any> fit = fitted(placed, uncertainty, p != nullptr);
@@ -228,8 +231,8 @@ UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncerta
   const Chart chart = at.chart();
   Turns<any> turns = turns_of(fit, at, chart, as_they_are);
   if (p) {
-    // The foot x + d n = p stays a foot: (1 - d S) w = -(velocity + d (what turns n towards t, b)), w the foot's way
-    // along t and b over the moving surface. [doCarmo2016, sec. 3-3]
+    // The foot x + d n = p stays a foot: (1 - d S) w = -(velocity + d (what turns n towards t, b)), w the
+    // foot's way along t and b over the moving surface. [doCarmo2016, sec. 3-3]
     const ShapeOperator<double> s = shape_operator(at.s.jet, at.s.frame);
     const double distance = dot(*p - at.s.jet.position, chart.n);
     Eigen::Matrix2d moving;
@@ -267,8 +270,8 @@ const PlacedSurface& surface_of(const PointFit& fit) {
   return *fit.surface;
 }
 
-// The foot on a surface that has no closed form for it. Each thread keeps the grid of the last surface it was asked for,
-// and that surface, so that no other has its address.
+// The foot on a surface that has no closed form for it. Each thread keeps the grid of the last surface it was
+// asked for, and that surface, so that no other has its address.
 Vec2<double> searched_foot(const AnySurface& surface, const Vec3<double>& p) {
   struct Last {
     AnySurface surface;

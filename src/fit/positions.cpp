@@ -6,11 +6,11 @@
 #include <Eigen/Dense>
 
 #include <darboux/error.h>
-#include <darboux/fit.h>
+#include <darboux/fit_mesh.h>
 
-#include "../evenly_chosen.h"
-#include "../triangle_signs.h"
+#include "base/evenly_chosen.h"
 #include "fit_kinds.h"
+#include "mesh/triangle_signs.h"
 
 namespace darboux {
 namespace {
@@ -32,7 +32,8 @@ std::vector<std::uint32_t> usable_vertices(const Mesh& mesh) {
   return result;
 }
 
-// a, b and d of MeshFit::projection, where the uvs are one. Positions are those of `vertices`, over the size of the mesh.
+// a, b and d of MeshFit::projection, where the uvs are one. Positions are those of `vertices`, over the size
+// of the mesh.
 std::optional<Eigen::Matrix3d> projection_of(const Mesh& mesh, const std::vector<std::uint32_t>& vertices,
                                              const Eigen::Vector3d& centre, double size) {
   const auto n = static_cast<Eigen::Index>(vertices.size());
@@ -59,9 +60,9 @@ std::optional<Eigen::Matrix3d> projection_of(const Mesh& mesh, const std::vector
   return result;
 }
 
-// Parameters that are given, in place of those found: what else was found moves to where it is likeliest then, as a Gaussian with the
-// fit's covariance does, and is known as much better. A placement that is given is taken as it is. False where what comes out is not
-// permitted.
+// Parameters that are given, in place of those found: what else was found moves to where it is likeliest
+// then, as a Gaussian with the fit's covariance does, and is known as much better. A placement that is given
+// is taken as it is. False where what comes out is not permitted.
 bool hold(const std::optional<SurfaceSpecification>& kind, const std::optional<Eigen::Isometry3d>& placement,
           PointFit& found) {
   Eigen::MatrixXd& c = found.covariance;

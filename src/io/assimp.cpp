@@ -254,7 +254,8 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, const 
       throw FileError(path, "expected FBX 7.1 (2011) or later, got " + std::to_string(*version / 1000) + "." +
                                 std::to_string(*version / 100 % 10) +
                                 ": Autodesk's FBX Converter 2013 reads it and writes it anew");
-  // For each byte assimp has some 50 of its own, most for FBX in ASCII, of which it reads 1 MB in a second at least.
+  // For each byte assimp has some 50 of its own, most for FBX in ASCII, of which it reads 1 MB in a second at
+  // least.
   const ChildLimits limits{(std::uint64_t{1} << 30) + 256 * bytes.size(),
                            static_cast<unsigned>(20 + bytes.size() / 500000)};
   Imported result;

@@ -46,7 +46,8 @@ class Collada {
   mutable std::unordered_map<const void*, std::vector<double>> arrays_;
 };
 
-/// The groups of polygons of a <geometry>, one primitive each, and what was passed over. \param number of the geometry
+/// The groups of polygons of a <geometry>, one primitive each, and what was passed over. \param number of the
+/// geometry
 void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::size_t number, Asset& asset);
 
 /// World matrices of the nodes that show each of these. \throws FileError

@@ -17,7 +17,8 @@ namespace {
 
 constexpr const char* extension = "KHR_draco_mesh_compression";
 
-/// Bytes that may still be decoded. A stream's size bounds nothing: a plane grid of two million triangles takes 2330 bytes.
+/// Bytes that may still be decoded. A stream's size bounds nothing: a plane grid of two million triangles
+/// takes 2330 bytes.
 class Budget {
  public:
   explicit Budget(const GltfFile& file) {
@@ -42,8 +43,8 @@ class BoundedDecoder final : public Decoder {
 
  protected:
   bool DecodeConnectivity() override {
-    // Edgebreaker states vertices and faces; the other faces and points. Vertices and points are at most three a face, which
-    // Draco checks.
+    // Edgebreaker states vertices and faces; the other faces and points. Vertices and points are at most
+    // three a face, which Draco checks.
     draco::DecoderBuffer ahead = *this->buffer();
     std::uint32_t first = 0, second = 0;
     if (!DecodeVarint(&first, &ahead) || !DecodeVarint(&second, &ahead)) return false;
@@ -125,8 +126,9 @@ void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute
   });
 }
 
-/// Half the step of floats that Draco quantised, which it does not tell after decoding: the fewest bits with which all values
-/// are minimum + k range / (2^bits - 1), the minimum that of the component, the range the largest of all. 0 where there are none.
+/// Half the step of floats that Draco quantised, which it does not tell after decoding: the fewest bits with
+/// which all values are minimum + k range / (2^bits - 1), the minimum that of the component, the range the
+/// largest of all. 0 where there are none.
 double half_step_of(const Accessor& values) {
   if (values.component_type != component_f32 || values.count < 2) return 0;
   const std::size_t n = values.components, step = std::max<std::size_t>(1, values.count / 1000);

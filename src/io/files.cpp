@@ -11,8 +11,8 @@
 
 #include <darboux/error.h>
 
-#include "../base64.h"
-#include "../text.h"
+#include "base/base64.h"
+#include "base/text.h"
 
 namespace darboux::io {
 namespace {

@@ -1,5 +1,5 @@
-// Formula files: lines "name = expression". muParser turns each expression into its bytecode, which is translated once into
-// instructions of our own.
+// Formula files: lines "name = expression". muParser turns each expression into its bytecode, which is
+// translated once into instructions of our own.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@
 
 #include <darboux/error.h>
 
-#include "../text.h"
+#include "base/text.h"
 #include "files.h"
 #include "formula.h"
 #include "formula_run.h"
@@ -97,7 +97,8 @@ std::vector<Mention> mentions(const std::string& text) {
   return result;
 }
 
-// muParser with our own functions, told apart in its bytecode by the address of their entry in function_names.
+// muParser with our own functions, told apart in its bytecode by the address of their entry in
+// function_names.
 class Parser : public mu::Parser {
  public:
   Parser() {
@@ -241,8 +242,8 @@ class Reader {
     }
   }
 
-  // Those that x, y and z need, each after what it needs itself; all others are looked at too. Depth first, by a list of
-  // open definitions, so that a long chain costs no stack.
+  // Those that x, y and z need, each after what it needs itself; all others are looked at too. Depth first,
+  // by a list of open definitions, so that a long chain costs no stack.
   void find_order() {
     enum class State : std::uint8_t { fresh, open, done };
     std::vector<State> state(program_.definitions.size(), State::fresh);

@@ -1,5 +1,6 @@
 /// \file formula_run.h
-/// Runs the instructions of a formula over any scalar: float and double, dual numbers for the partials, wide real numbers.
+/// Runs the instructions of a formula over any scalar: float and double, dual numbers for the partials, wide
+/// real numbers.
 #pragma once
 
 #include <cmath>

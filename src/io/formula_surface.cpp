@@ -1,4 +1,5 @@
-// Surfaces from a user's formula. Its instructions run over every scalar, so that dual numbers give the partials.
+// Surfaces from a user's formula. Its instructions run over every scalar, so that dual numbers give the
+// partials.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -7,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include <darboux/adaptors.h>
+#include <darboux/adaptor.h>
 #include <darboux/error.h>
 #include <darboux/io.h>
 
-#include "../text.h"
+#include "base/text.h"
 #include "formula.h"
 #include "formula_run.h"
 

@@ -35,8 +35,8 @@ struct GltfFile {
   /// The entry of a top-level array that `index` names.
   io::Place element(const char* array, const io::Place& index) const;
 
-  /// The bytes that the buffer, byteOffset and byteLength of a bufferView, or of what is written like one, name. They hold
-  /// until something is appended. \throws FileError
+  /// The bytes that the buffer, byteOffset and byteLength of a bufferView, or of what is written like one,
+  /// name. They hold until something is appended. \throws FileError
   std::string_view view_bytes(const io::Place& view) const;
 
   /// Appends bytes to buffer 0, at a multiple of 4; returns where they begin.
@@ -50,9 +50,9 @@ struct GltfFile {
   /// Appends an accessor; returns its index.
   std::size_t append_accessor(io::Json accessor);
 
-  /// Appends a vertex attribute: an accessor like `json` but over these elements, at multiples of 4 bytes; returns its index.
-  /// \param need_bounds it gets min and max, where its components have finite values; without, it gets them where `json` has
-  /// them
+  /// Appends a vertex attribute: an accessor like `json` but over these elements, at multiples of 4 bytes;
+  /// returns its index. \param need_bounds it gets min and max, where its components have finite values;
+  /// without, it gets them where `json` has them
   std::size_t append_attribute(io::Json json, const io::Accessor& elements, bool need_bounds);
 
   /// Appends an index list, 16-bit where the largest index allows it; returns the accessor's index.
@@ -85,14 +85,15 @@ constexpr int vertex_target = 34962, index_target = 34963;
 /// KHR_draco_mesh_compression: what is left is a document without them. \throws FileError
 GltfFile load_gltf(const std::string& path, std::string bytes);
 
-/// Decodes the bufferViews that EXT_meshopt_compression compresses, appends them to buffer 0 and takes the extension off the
-/// document, with the buffers that only stood for decoded data. Nothing is allocated beyond 64 times the bytes of the
-/// buffers: a stream holds no more. \throws FileError
+/// Decodes the bufferViews that EXT_meshopt_compression compresses, appends them to buffer 0 and takes the
+/// extension off the document, with the buffers that only stood for decoded data. Nothing is allocated beyond
+/// 64 times the bytes of the buffers: a stream holds no more. \throws FileError
 void decompress_meshopt(GltfFile& file);
 
-/// Decodes the primitives that KHR_draco_mesh_compression compresses into new accessors, appended to buffer 0, and takes the
-/// extension off the document. Such a primitive is a list of triangles afterwards. Decoded data are at most 2^28 bytes and
-/// 2^10 for each byte of the buffers, a triangle counted as 64 bytes. \throws FileError
+/// Decodes the primitives that KHR_draco_mesh_compression compresses into new accessors, appended to buffer
+/// 0, and takes the extension off the document. Such a primitive is a list of triangles afterwards. Decoded
+/// data are at most 2^28 bytes and 2^10 for each byte of the buffers, a triangle counted as 64 bytes. \throws
+/// FileError
 void decompress_draco(GltfFile& file);
 
 /// Takes an extension off one object of the document.
@@ -101,7 +102,8 @@ void remove_extension(Json& owner, const char* name);
 /// Takes an extension off extensionsUsed and extensionsRequired.
 void retire_extension(GltfFile& file, const char* name);
 
-/// What a caller wants among a document's extras. \throws ParameterError with this subject unless it is a JSON object
+/// What a caller wants among a document's extras. \throws ParameterError with this subject unless it is a
+/// JSON object
 Json parse_extras(const char* subject, const std::string& text);
 
 /// \param text JSON of at most 256 levels \throws FileError with the subject `file`

@@ -94,8 +94,8 @@ bool hangs_on_triangles(const Place& document, const char* name) {
   return any(document, "meshes", [&](const Place& mesh) { return any(mesh, "primitives", nothing); });
 }
 
-// A required extension that is unknown is refused where it may change triangles. Materials, textures, lights, animations and nodes
-// have no part in a mesh in its own space.
+// A required extension that is unknown is refused where it may change triangles. Materials, textures, lights,
+// animations and nodes have no part in a mesh in its own space.
 void check_extensions(const Place& document) {
   if (!document.has("extensionsRequired")) return;
   const Place required = document.at("extensionsRequired");
@@ -143,8 +143,8 @@ void load_buffers(GltfFile& file, std::optional<std::string> chunk) {
   }
 }
 
-/// Refuses what would take the parser's stack or its time: deep nesting, and objects of very many keys, each of
-/// which is looked for among the ones before it.
+/// Refuses what would take the parser's stack or its time: deep nesting, and objects of very many keys, each
+/// of which is looked for among the ones before it.
 void check_nesting(const std::string& file, std::string_view text) {
   constexpr std::size_t most_levels = 256, most_keys = 10000;
   std::array<std::size_t, most_levels + 1> keys{};

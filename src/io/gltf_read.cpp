@@ -9,8 +9,8 @@
 #include <darboux/error.h>
 
 #include "accessor.h"
+#include "assets/tangent_space.h"
 #include "mesh_files.h"
-#include "tangent_space.h"
 
 namespace darboux::io {
 namespace {
@@ -30,8 +30,8 @@ Accessor read_attribute(const GltfFile& file, const Place& attributes, const std
   return accessor;
 }
 
-// Primitives and morph targets may share accessors, so that the file's size does not bound their sum. This is what a GLB of 4
-// GiB holds at 16 bytes an element.
+// Primitives and morph targets may share accessors, so that the file's size does not bound their sum. This is
+// what a GLB of 4 GiB holds at 16 bytes an element.
 constexpr std::size_t most_elements = std::size_t{1} << 28;
 
 std::vector<std::uint32_t> read_indices(const GltfFile& file, const Place& primitive,

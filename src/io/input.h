@@ -20,8 +20,8 @@ struct Descriptor {
   ~Descriptor();
 };
 
-/// A file, pipe or standard input ("-") as a stream buffer that keeps count. What goes wrong while reading ends it;
-/// finish() says so.
+/// A file, pipe or standard input ("-") as a stream buffer that keeps count. What goes wrong while reading
+/// ends it; finish() says so.
 class InputBytes final : public std::streambuf {
  public:
   /// \param kind what is permitted, "CSV file of u,v" \throws FileError when it cannot be opened
@@ -58,8 +58,9 @@ class Lines {
   /// \param permitted ends the messages: "lines like 0.25,0.5"
   Lines(InputBytes& bytes, std::string permitted) : bytes_(bytes), permitted_(std::move(permitted)) {}
 
-  /// The next line, false at the end. \throws FileError for a line of more than 65536 bytes, so that a file without line
-  /// ends is not read whole, a carriage return within one, and UTF-16 \param comments are lines too
+  /// The next line, false at the end. \throws FileError for a line of more than 65536 bytes, so that a file
+  /// without line ends is not read whole, a carriage return within one, and UTF-16 \param comments are lines
+  /// too
   bool next(bool comments = false);
   /// It, without blanks at its ends, nor a byte order mark.
   std::string_view text() const { return text_; }
@@ -78,8 +79,8 @@ class Lines {
 /// Without blanks, tabs and carriage returns at its ends.
 std::string_view trimmed(std::string_view text);
 
-/// The whole text, but for blanks at its ends, as a double, whatever the locale. NaN and infinities are numbers here;
-/// what is beyond the range of double is none.
+/// The whole text, but for blanks at its ends, as a double, whatever the locale. NaN and infinities are
+/// numbers here; what is beyond the range of double is none.
 std::optional<double> parse_number(std::string_view text);
 
 }  // namespace darboux::io

@@ -13,8 +13,9 @@ namespace {
 
 constexpr const char* extension = "EXT_meshopt_compression";
 
-// Bytes that one byte of a stream stands for at most. Attributes keep 2 bits of header for 16 bytes; triangles one byte for
-// three indices, 12 bytes; other indices one byte each, 4 bytes. (Appendix A of the extension)
+// Bytes that one byte of a stream stands for at most. Attributes keep 2 bits of header for 16 bytes;
+// triangles one byte for three indices, 12 bytes; other indices one byte each, 4 bytes. (Appendix A of the
+// extension)
 constexpr std::uint64_t most_expansion = 64;
 
 const unsigned char* data(std::string_view bytes) {

@@ -6,7 +6,7 @@
 
 #include <darboux/error.h>
 
-#include "../text.h"
+#include "base/text.h"
 #include "files.h"
 #include "mesh_files.h"
 #include "rows.h"

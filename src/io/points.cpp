@@ -9,7 +9,7 @@
 #include <darboux/error.h>
 #include <darboux/weld.h>
 
-#include "../text.h"
+#include "base/text.h"
 #include "files.h"
 
 namespace darboux::io {

@@ -25,14 +25,16 @@ struct PointColumns {
   std::vector<int> slots;  ///< for each column its place among the PointNumbers, or -1
   bool normals = false, uvs = false;
 
-  /// From the columns' names. \throws FileError with the subject `where` when x, y or z is missing or one is there twice
+  /// From the columns' names. \throws FileError with the subject `where` when x, y or z is missing or one is
+  /// there twice
   static PointColumns named(std::span<const std::string> names, const std::string& where);
 };
 
 /// An open file and the points read from it so far.
 class PointReader {
  public:
-  /// \param kind what is permitted, "PLY file" \throws FileError when it is not a regular file that can be read
+  /// \param kind what is permitted, "PLY file" \throws FileError when it is not a regular file that can be
+  /// read
   PointReader(const std::string& path, const std::string& kind, const std::function<void(double)>& progress);
 
   InputBytes& bytes() { return bytes_; }

@@ -31,7 +31,8 @@ Type pcd_type(std::string_view kind, std::uint64_t bytes, const Lines& lines) {
   lines.fail("TYPE " + in_quotes(kind) + " of SIZE " + std::to_string(bytes) + " is no type of PCD");
 }
 
-// Data that PCL compressed with LZF: two counts of bytes, and behind them for each field its numbers of all points.
+// Data that PCL compressed with LZF: two counts of bytes, and behind them for each field its numbers of all
+// points.
 std::string decompressed(PointReader& reader, std::uint64_t expected) {
   InputBytes& bytes = reader.bytes();
   std::array<unsigned char, 8> head{};

@@ -121,8 +121,8 @@ PointFile read_table(PointReader& reader) {
 
 namespace {
 
-// A corner of an OBJ's face: "7", "7/2", "7//3" or "7/2/3", each counted from 1, or from the last with a minus. Indices
-// from 0; none where it is left out.
+// A corner of an OBJ's face: "7", "7/2", "7//3" or "7/2/3", each counted from 1, or from the last with a
+// minus. Indices from 0; none where it is left out.
 struct ObjCorner {
   std::array<std::optional<std::size_t>, 3> index;
 };

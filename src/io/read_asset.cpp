@@ -6,7 +6,7 @@
 
 #include <darboux/error.h>
 
-#include "../text.h"
+#include "base/text.h"
 #include "files.h"
 #include "gltf_file.h"
 #include "mesh_files.h"
@@ -21,8 +21,8 @@ std::span<const std::string_view> asset_extensions() {
 
 namespace {
 
-// Half a step of the decimals with which somebody wrote unit vectors, two to four, as "0.577 0.577 0.577"; 0 where there are more
-// or fewer: one decimal is exact.
+// Half a step of the decimals with which somebody wrote unit vectors, two to four, as "0.577 0.577 0.577"; 0
+// where there are more or fewer: one decimal is exact.
 template <class Vector>
 double half_step_of_decimals(const std::vector<Vector>& directions) {
   int most = 0;

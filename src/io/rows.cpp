@@ -7,7 +7,7 @@
 
 #include <darboux/error.h>
 
-#include "../text.h"
+#include "base/text.h"
 #include "files.h"
 
 namespace darboux::io {

@@ -8,7 +8,7 @@
 
 #include <darboux/error.h>
 
-#include "../text.h"
+#include "base/text.h"
 #include "mesh_files.h"
 #include "points.h"
 

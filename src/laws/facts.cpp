@@ -23,12 +23,14 @@ struct Curved {
     cc = (norm(p.j.d2pdv2) / g + std::fabs(s.f) * (a * std::fabs(s.f / s.g) + 2 * m)) / g;
     condition = slant * (1 + *std::max_element(p.condition.begin(), p.condition.end()));
   }
-  // Each entry is a quotient of dot products of partials, within 8u (1 + condition) each; the frame adds as much.
+  // Each entry is a quotient of dot products of partials, within 8u (1 + condition) each; the frame adds as
+  // much.
   double gaussian_error() const { return 64 * unit_roundoff * condition * (a * cc + m * m); }
   double mean_error() const { return 64 * unit_roundoff * condition * (a + cc); }
 };
 
-// A fact or theorem in one number per point: what one side says, what the other says, the error rounding explains.
+// A fact or theorem in one number per point: what one side says, what the other says, the error rounding
+// explains.
 struct Pair {
   double u, v, one, other, error;
 };
@@ -57,7 +59,8 @@ bool states(const AnySurface& surface, std::string_view fact) {
 
 }  // namespace
 
-// Zero on the surface, and its gradient there the normal: positive on the side of n, ±n where there is but one side.
+// Zero on the surface, and its gradient there the normal: positive on the side of n, ±n where there is but
+// one side.
 void check_implicit(const AnySurface& surface, const Points& points, Checks& checks) {
   constexpr std::string_view none = "the surface states no implicit equation";
   Law position(points.name, "implicit", "position"), normal(points.name, "implicit", "normal");
@@ -68,8 +71,8 @@ void check_implicit(const AnySurface& surface, const Points& points, Checks& che
       position.compare(std::fabs(*surface.implicit(p.j.position)) / points.scale[0], roundings, p.u, p.v);
       if (!curvable(p)) continue;
       const Vec3<double> gradient = *surface.implicit_gradient(p.j.position);
-      // The gradient at a rounded position, by how it changes over a millionth of the size and by the curvature, where the
-      // surface bends within less; the normal of rounded partials.
+      // The gradient at a rounded position, by how it changes over a millionth of the size and by the
+      // curvature, where the surface bends within less; the normal of rounded partials.
       const double step = 1e-6 * points.scale[0];
       const Curvature<double> c = curvature(p.j, p.f);
       double change = points.scale[0] * (std::fabs(c.principal[0]) + std::fabs(c.principal[1]));
@@ -166,7 +169,8 @@ void check_gauss(const AnySurface& surface, const Points& points, Checks& checks
       compared(points, "gauss", "gaussian_curvature", pairs, 1e-6 / points.scale[0] / points.scale[0]));
 }
 
-// L_v - M_u = L Γ^u_uv + M (Γ^v_uv - Γ^u_uu) - N Γ^v_uu,   M_v - N_u = L Γ^u_vv + M (Γ^v_vv - Γ^u_uv) - N Γ^v_uv
+// L_v - M_u = L Γ^u_uv + M (Γ^v_uv - Γ^u_uu) - N Γ^v_uu,   M_v - N_u = L Γ^u_vv + M (Γ^v_vv - Γ^u_uv) - N
+// Γ^v_uv
 void check_codazzi(const AnySurface& surface, const Points& points, Checks& checks) {
   std::array<std::vector<Pair>, 2> pairs;
   for (const Point& p : points.list) {
@@ -200,8 +204,8 @@ void check_codazzi(const AnySurface& surface, const Points& points, Checks& chec
   checks.push_back(compared(points, "codazzi", "dM/dv - dN/du", pairs[1], least));
 }
 
-// ∫ K dA by the trapezoidal rule along periodic coordinates and Gauss-Legendre along the others, twice as fine until it
-// no longer changes.
+// ∫ K dA by the trapezoidal rule along periodic coordinates and Gauss-Legendre along the others, twice as
+// fine until it no longer changes.
 void check_gauss_bonnet(const AnySurface& surface, const Points& points, Checks& checks) {
   Law law(points.name, "gauss_bonnet", "gaussian_curvature");
   const SurfaceInfo& info = surface.info();
@@ -265,8 +269,8 @@ void check_gauss_bonnet(const AnySurface& surface, const Points& points, Checks&
   checks.push_back(law.result());
 }
 
-// P(u + k, v) = P(u, v) for a turn, P(u + 1, v) = P(u, 1 - v) and n(u + 1, v) = -n(u, 1 - v) for a twisted one, bit for
-// bit where u + k is exact.
+// P(u + k, v) = P(u, v) for a turn, P(u + 1, v) = P(u, 1 - v) and n(u + 1, v) = -n(u, 1 - v) for a twisted
+// one, bit for bit where u + k is exact.
 void check_periodicity(const AnySurface& surface, const Points& points, Checks& checks) {
   const SurfaceInfo& info = surface.info();
   // What stands on one side of a one-sided surface (its offset) comes back after two turns, without a twist.

@@ -29,8 +29,8 @@ Points::Points(const AnySurface& surface, const CheckOptions& options) : name(su
   const std::vector<ParameterValue> parameters = surface.parameters();
   for (Point& p : list) {
     const Inputs inputs(p.u, p.v, parameters);
-    const Jet2<ManyDigits> exact = many_digit_jet(surface, inputs);
-    for_each_neighbour(surface, inputs, [&](const Jet2<ManyDigits>& moved) {
+    const Jet2<Multiprecision> exact = multiprecision_jet(surface, inputs);
+    for_each_neighbour(surface, inputs, [&](const Jet2<Multiprecision>& moved) {
       for (int k = 0; k < 6; ++k)
         p.condition[k] += norm(rounded(partial(moved, k) - partial(exact, k))) / relative_change / scale[k];
     });

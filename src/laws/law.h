@@ -85,42 +85,43 @@ class Law {
   double worst_ratio_ = 0;
 };
 
-// ---- conditions ------------------------------------------------------------------------------------------------
+// ---- conditions -------------------------------------------------------------------------------------------
 
 // The inputs of a surface's formula in 40 digits: u, v and the parameters.
 struct Inputs {
-  ManyDigits u, v;
-  std::vector<ManyDigits> parameters;
+  Multiprecision u, v;
+  std::vector<Multiprecision> parameters;
 
   Inputs(double u_, double v_, const std::vector<ParameterValue>& values) : u(u_), v(v_) {
     for (const ParameterValue& p : values) parameters.emplace_back(p.value);
   }
-  ManyDigits& at(std::size_t k) { return k == 0 ? u : k == 1 ? v : parameters[k - 2]; }
+  Multiprecision& at(std::size_t k) { return k == 0 ? u : k == 1 ? v : parameters[k - 2]; }
   std::size_t size() const { return 2 + parameters.size(); }
 };
 
-inline Jet2<ManyDigits> many_digit_jet(const AnySurface& surface, const Inputs& x) {
+inline Jet2<Multiprecision> multiprecision_jet(const AnySurface& surface, const Inputs& x) {
   return surface.jet(x.u, x.v, x.parameters);
 }
 
-inline bool is_number(const Jet2<ManyDigits>& j) {
+inline bool is_number(const Jet2<Multiprecision>& j) {
   for (int k = 0; k < 6; ++k)
     if (const Vec3<double> x = rounded(partial(j, k)); std::isnan(x.x) || std::isnan(x.y) || std::isnan(x.z))
       return false;
   return true;
 }
 
-// Calls f(jet) for the jet with each input moved by a relative 1e-20 in turn, inward where outward there is none: what that changes, times 1e20, is the sum
-// over the inputs of |x ∂/∂x|, the condition that no formula in these inputs can undercut.
+// Calls f(jet) for the jet with each input moved by a relative 1e-20 in turn, inward where outward there is
+// none: what that changes, times 1e20, is the sum over the inputs of |x ∂/∂x|, the condition that no formula
+// in these inputs can undercut.
 constexpr double relative_change = 1e-20;
 template <class F>
 void for_each_neighbour(const AnySurface& surface, Inputs x, F f) {
   for (std::size_t k = 0; k < x.size(); ++k) {
-    const ManyDigits kept = x.at(k);
-    if (kept == ManyDigits(0.0)) continue;
+    const Multiprecision kept = x.at(k);
+    if (kept == Multiprecision(0.0)) continue;
     for (const double change : {relative_change, -relative_change}) {
-      x.at(k) = kept + kept * ManyDigits(change);
-      const Jet2<ManyDigits> moved = many_digit_jet(surface, x);
+      x.at(k) = kept + kept * Multiprecision(change);
+      const Jet2<Multiprecision> moved = multiprecision_jet(surface, x);
       if (!is_number(moved)) continue;
       f(moved);
       break;
@@ -129,7 +130,7 @@ void for_each_neighbour(const AnySurface& surface, Inputs x, F f) {
   }
 }
 
-// ---- points ----------------------------------------------------------------------------------------------------
+// ---- points -----------------------------------------------------------------------------------------------
 
 struct Point {
   double u, v;
@@ -150,15 +151,16 @@ struct Points {
   Points(const AnySurface& surface, const CheckOptions& options);
 };
 
-// A partial that is small against its scale has lost the same share of its digits, and nearly parallel partials leave less
-// of the normal: by what frames made of these partials exceed the rounding of the partials.
+// A partial that is small against its scale has lost the same share of its digits, and nearly parallel
+// partials leave less of the normal: by what frames made of these partials exceed the rounding of the
+// partials.
 double frame_condition(const Points& points, const Point& p, const Vec3<double>& dpdu,
                        const Vec3<double>& dpdv);
 
 // An estimate above this share of the scale would hide a wrong formula: such a point is not compared.
 constexpr double worst_estimate = 1e-6;
 
-// ---- routes ----------------------------------------------------------------------------------------------------
+// ---- routes -----------------------------------------------------------------------------------------------
 
 using Checks = std::vector<Check>;
 void check_dual(const AnySurface& surface, const Points& points, Checks& checks);

@@ -6,7 +6,7 @@
 #include <darboux/evaluate.h>
 #include <darboux/local_jets.h>
 
-#include "../kernels/uv_jets.h"
+#include "uv_jets.h"
 
 namespace darboux {
 

@@ -1,6 +1,6 @@
-// Least-squares polynomials of two variables, each with its error: docs/theory/local-jets.md has the formulas. Plain arithmetic over a
-// number type, which may be SIMD lanes with a neighbourhood each; compiled for several instruction sets, and so without any function
-// that those would share.
+// Least-squares polynomials of two variables, each with its error: docs/theory/local-jets.md has the
+// formulas. Plain arithmetic over a number type, which may be SIMD lanes with a neighbourhood each; compiled
+// for several instruction sets, and so without any function that those would share.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +14,9 @@
 
 namespace darboux {
 
-// A polynomial of two variables with `dims` components, fitted to values by least squares, together with that of the next
-// degree, from which the error is judged. One QR serves both: the columns are sorted by degree, so that what comes first in R
-// and in Qᵀ values is the fit of the lower degree.
+// A polynomial of two variables with `dims` components, fitted to values by least squares, together with that
+// of the next degree, from which the error is judged. One QR serves both: the columns are sorted by degree,
+// so that what comes first in R and in Qᵀ values is the fit of the lower degree.
 template <int degree, int dims, class S>
 class LeastSquares {
  public:
@@ -88,8 +88,8 @@ class LeastSquares {
     }
     for (int i = 0; i < M; ++i) all = all + squared(gain.of[i]);
     for (int i = N - degree - 1; i < N; ++i) highest = highest + squared(gain.of[i]);
-    // Neighbours that lie symmetrically hide from the next degree what has the other parity: a term as large as those of the
-    // next degree, seen through the highest degree here.
+    // Neighbours that lie symmetrically hide from the next degree what has the other parity: a term as large
+    // as those of the next degree, seen through the highest degree here.
     const S result = noise / (count_ - S(M + 2)) * all + change * change + hidden / S(M - N) * highest;
     return select(known_ > S(0), result, S(infinite));
   }
@@ -134,8 +134,9 @@ class LeastSquares {
               system_.begin() + static_cast<std::ptrdiff_t>(rows_ * width), S(0));
   }
 
-  // Calls f(start, k) for k = 0 ... n - 1, start the last multiple of `step` not above k, as a constant: loops from there, or up to the
-  // next, have few lengths, each known to the compiler, so that the sums of all columns stay in registers, side by side.
+  // Calls f(start, k) for k = 0 ... n - 1, start the last multiple of `step` not above k, as a constant:
+  // loops from there, or up to the next, have few lengths, each known to the compiler, so that the sums of
+  // all columns stay in registers, side by side.
   static constexpr int step = 6;
   template <int n, int start = 0, class F>
   static void for_each_column(F f) {
@@ -185,7 +186,8 @@ class LeastSquares {
     }
   }
 
-  // Householder's reflection of column k; its row of R goes to r_. What is left of the column is done with, and may change.
+  // Householder's reflection of column k; its row of R goes to r_. What is left of the column is done with,
+  // and may change.
   template <int from>
   void reflect(int k) {
     using std::sqrt;

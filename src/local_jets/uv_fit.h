@@ -12,7 +12,8 @@ namespace darboux {
 
 template <class S>
 struct UvFitResult {
-  S sized;  // 1 where the neighbours have an extent, not subnormal, in space and in both coordinates; else there is nothing
+  S sized;  // 1 where the neighbours have an extent, not subnormal, in space and in both coordinates; else
+            // there is nothing
   S condition, residual_rms;
   Jet2<S> jet;  // its position relative to the origin of the given ones
   Frame<S> frame;
@@ -24,8 +25,8 @@ class UvFit {
  public:
   using Fit = LeastSquares<degree, 3, S>;
 
-  // Of n neighbours, to be written by the caller: the roots of their weights, uvs relative to the query, and positions relative to any
-  // place near it. One that is zero changes nothing.
+  // Of n neighbours, to be written by the caller: the roots of their weights, uvs relative to the query, and
+  // positions relative to any place near it. One that is zero changes nothing.
   auto* resize(std::size_t n) {
     n_ = n;
     return given_ = fit_.resize(n);
@@ -36,8 +37,8 @@ class UvFit {
     using std::sqrt;
     const S zero(0), one(1), two(2);
     UvFitResult<S> result;
-    // Coordinates (x, y) = A (u, v) whose columns are orthonormal but for a common factor: a chart that is stretched or
-    // sheared gives the same ones.
+    // Coordinates (x, y) = A (u, v) whose columns are orthonormal but for a common factor: a chart that is
+    // stretched or sheared gives the same ones.
     S u_size(0), v_size(0), radius(0);
     for (std::size_t i = 0; i < n_; ++i) {
       u_size = larger(u_size, given_[i].x);
@@ -114,7 +115,8 @@ class UvFit {
     const S u_unit = radius * per_u, v_unit = radius * per_v;
     result.dpdu_error = u_unit * length_error(of_dpdu);
     result.dpdv_error = v_unit * length_error(of_dpdv);
-    // δt = (b b·δdpdu + n n·δdpdu)/|dpdu|; δn = -Σ r n·δdp over u and v, with r the gradients of u and v in the surface.
+    // δt = (b b·δdpdu + n n·δdpdu)/|dpdu|; δn = -Σ r n·δdp over u and v, with r the gradients of u and v in
+    // the surface.
     const Vec3<S>&t = result.frame.t, &b = result.frame.b, &n = result.frame.n;
     const S e = dot(dpdu, t), f = dot(dpdv, t), g = dot(dpdv, b);
     const S per_e = u_unit / e, per_g = v_unit / g, shear = f / g;

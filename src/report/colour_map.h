@@ -9,11 +9,12 @@
 
 namespace darboux {
 
-/// Colours at equal steps from no error to the limit; between them a colour is linear in linear RGB, above them the last.
+/// Colours at equal steps from no error to the limit; between them a colour is linear in linear RGB, above
+/// them the last.
 using ColourMap = std::array<Vec3<float>, 17>;
 
-/// Viridis in linear RGB: ever lighter, told apart by colour-blind readers and in black and white. By the polynomials of
-/// degree 6 that M. Zucker fitted to it (shadertoy.com/view/WlfXRN, in the public domain).
+/// Viridis in linear RGB: ever lighter, told apart by colour-blind readers and in black and white. By the
+/// polynomials of degree 6 that M. Zucker fitted to it (shadertoy.com/view/WlfXRN, in the public domain).
 const ColourMap& viridis();
 
 /// What is not compared: a grey.

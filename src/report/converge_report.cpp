@@ -10,8 +10,8 @@
 #include <thread>
 #include <tuple>
 
+#include "base/text.h"
 #include "html.h"
-#include "text.h"
 
 namespace darboux {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "base/text.h"
 #include "colour_map.h"
 #include "html.h"
-#include "text.h"
 
 namespace darboux {
 namespace {

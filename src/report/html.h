@@ -15,7 +15,8 @@ std::string escape(std::string_view text);
 /// JSON for a <script>: nothing in it can end the element or open a comment.
 std::string script_json(const nlohmann::ordered_json& json);
 
-/// The style of text, cards, tables and verdicts; dark where that is preferred and the root has the class "both".
+/// The style of text, cards, tables and verdicts; dark where that is preferred and the root has the class
+/// "both".
 extern const std::string_view page_style;
 
 }  // namespace darboux

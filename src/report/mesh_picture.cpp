@@ -8,7 +8,7 @@
 
 #include <darboux/vector.h>
 
-#include "../base64.h"
+#include "base/base64.h"
 #include "html.h"
 
 namespace darboux {

@@ -10,12 +10,13 @@
 #include <darboux/any_surface.h>
 #include <darboux/error.h>
 
+#include "base/text.h"
 #include "surface_picture.h"
-#include "text.h"
 
 namespace darboux {
 
-// Embedded by the build: the headers of the surfaces by their names without folder and extension, docs/references.bib.
+// Embedded by the build: the headers of the surfaces by their names without folder and extension,
+// docs/references.bib.
 extern const std::span<const std::pair<std::string_view, std::string_view>> surface_headers;
 extern const std::string_view references_bib;
 
@@ -49,9 +50,10 @@ std::string_view leading_word(std::string_view text) {
       0, static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_word) - text.begin()));
 }
 
-// ---- what a header says -------------------------------------------------------------------------------------
+// ---- what a header says -----------------------------------------------------------------------------------
 
-// The lines of the comment that ends above line k and the template heads there, without slashes and the blank after.
+// The lines of the comment that ends above line k and the template heads there, without slashes and the blank
+// after.
 Lines comment_above(const Lines& lines, std::size_t k) {
   while (k > 0 && without_indent(lines[k - 1]).starts_with("template")) --k;
   Lines comment;
@@ -112,7 +114,7 @@ Header read_header(const AnySurface& surface) {
   return header;
 }
 
-// ---- Markdown -----------------------------------------------------------------------------------------------
+// ---- Markdown ---------------------------------------------------------------------------------------------
 
 // Prose of a comment as Markdown: status bits and parameters as code, nothing taken for markup.
 std::string prose(std::string_view line, const std::vector<std::string_view>& code) {
@@ -164,7 +166,7 @@ std::string code_block(std::string_view marker, std::string_view language, const
   return "<!-- " + std::string(marker) + " -->\n```" + std::string(language) + "\n" + text + "```\n";
 }
 
-// ---- references ---------------------------------------------------------------------------------------------
+// ---- references -------------------------------------------------------------------------------------------
 
 // A field of a BibTeX entry without its braces, empty when there is none.
 std::string field(std::string_view entry, std::string_view name) {
@@ -206,8 +208,8 @@ std::string described(const std::string& key) {
   return result;
 }
 
-// The sources a text names as [doCarmo2016] or [doCarmo2016, sec. 2-2], with their places, in the order in which
-// they are named.
+// The sources a text names as [doCarmo2016] or [doCarmo2016, sec. 2-2], with their places, in the order in
+// which they are named.
 std::vector<std::pair<std::string, std::vector<std::string>>> citations(const std::string& text) {
   std::vector<std::pair<std::string, std::vector<std::string>>> result;
   for (std::size_t at = text.find('['); at != std::string::npos; at = text.find('[', at + 1)) {
@@ -227,7 +229,7 @@ std::vector<std::pair<std::string, std::vector<std::string>>> citations(const st
   return result;
 }
 
-// ---- the parts of a page ------------------------------------------------------------------------------------
+// ---- the parts of a page ----------------------------------------------------------------------------------
 
 std::string parameters(const AnySurface& surface) {
   std::string text = "## Parameters\n\n";

@@ -12,11 +12,11 @@ struct PageFile {
   std::string name, content;
 };
 
-/// NAME.md and NAME.svg for each surface of the catalogue, and README.md, the index. What stands on a page comes from the
-/// surface itself and from its header as it was when the tool was built: the comment above the type, in which indented
-/// lines are formulas, and those above the facts. Source keys are looked up in docs/references.bib. The bytes depend on
-/// nothing else.
-/// \throws Error naming a surface whose header has no such comment, or a source key without entry
+/// NAME.md and NAME.svg for each surface of the catalogue, and README.md, the index. What stands on a page
+/// comes from the surface itself and from its header as it was when the tool was built: the comment above the
+/// type, in which indented lines are formulas, and those above the facts. Source keys are looked up in
+/// docs/references.bib. The bytes depend on nothing else. \throws Error naming a surface whose header has no
+/// such comment, or a source key without entry
 std::vector<PageFile> surface_pages();
 
 }  // namespace darboux

@@ -202,7 +202,8 @@ class Drawing {
            ";stroke-width:5}";
   }
 
-  // Up to three crossings of lines, far from each other, that nothing hides; with n to the viewer where there are such.
+  // Up to three crossings of lines, far from each other, that nothing hides; with n to the viewer where there
+  // are such.
   std::vector<Vec2<double>> frame_points() const {
     struct Candidate {
       Vec2<double> uv;

@@ -1,10 +1,11 @@
 // Question 3, accurate: are normals and tangents those of a known surface?
 //
-// What it may claim. A corner farther from the surface's frame than the limit, by more than three standard deviations of the
-// truth, is wrong where the surface was declared. Where it was only recognised, the surface may be the wrong one: a corner is an
-// error only where at least 80 % of the part agree with the surface (normals and tangents counted apart), or where a named mistake
-// explains the rest; else it is a warning, and question 2 decides. From what evidence: the surface's truth at each vertex. At
-// poles, where no direction is right for every texture, and of faceted normals on a recognised surface, nothing is claimed.
+// What it may claim. A corner farther from the surface's frame than the limit, by more than three standard
+// deviations of the truth, is wrong where the surface was declared. Where it was only recognised, the surface
+// may be the wrong one: a corner is an error only where at least 80 % of the part agree with the surface
+// (normals and tangents counted apart), or where a named mistake explains the rest; else it is a warning, and
+// question 2 decides. From what evidence: the surface's truth at each vertex. At poles, where no direction is
+// right for every texture, and of faceted normals on a recognised surface, nothing is claimed.
 #pragma once
 
 #include <span>

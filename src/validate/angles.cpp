@@ -14,8 +14,7 @@ Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, con
     return degrees_per_radian * angle_between_units(unit(stored), of_truth);
   };
   if (!checks.uv_finite || !detail::finite(truth.normal)) return result;
-  if (checks.has_normal)
-    result.normal = angle(mesh.normals[v], inward ? -truth.normal : truth.normal);
+  if (checks.has_normal) result.normal = angle(mesh.normals[v], inward ? -truth.normal : truth.normal);
   if (!checks.has_tangent || !detail::finite(truth.tangent)) return result;
   const Vec4<double>& t = mesh.tangents[v];
   result.tangent = result.projected_tangent = angle(t.xyz(), truth.tangent);

@@ -30,8 +30,8 @@ struct Angles {
 Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, const Truth& truth, bool inward,
               bool raw);
 
-// Vertices seen from inside, to be compared with -n: where the normal and the winding both oppose the surface's n at most of
-// their corners. Of a plate with two sides each side is compared with its own.
+// Vertices seen from inside, to be compared with -n: where the normal and the winding both oppose the
+// surface's n at most of their corners. Of a plate with two sides each side is compared with its own.
 std::vector<bool> inward_vertices(const Mesh& mesh, std::span<const Truth> truth);
 
 // Vertices whose normal opposes the surface's n, whatever the winding.

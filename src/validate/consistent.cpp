@@ -107,7 +107,7 @@ class Closely {
   }
 
   // \returns the claim, and how far outside in degrees
-  std::pair<Claim, double> judge(std::uint32_t v, int sign, double limit_deg) {
+  std::pair<Claim, double> assess(std::uint32_t v, int sign, double limit_deg) {
     const Vec3<double> n = unit(mesh_.normals[v]), t = square_to(mesh_.tangents[v].xyz(), n);
     if (!has_direction(n) || !has_direction(t)) return {Claim::none, 0};
     arcs_.clear();
@@ -164,7 +164,8 @@ class Closely {
     return normals_turn_ <= uniform_deg / degrees_per_radian &&
            cone.half <= widest + uniform_deg / degrees_per_radian;
   }
-  // Whether the triangles go all round the vertex. One side of a curved surface leaves out half of the directions.
+  // Whether the triangles go all round the vertex. One side of a curved surface leaves out half of the
+  // directions.
   bool is_closed() {
     std::sort(rim_.begin(), rim_.end());
     for (std::size_t i = 0; i < rim_.size(); i += 2)
@@ -215,7 +216,8 @@ class Closely {
     return is_degenerate(p[0], p[1], p[2]) || certain_sign(uv, half_step(mesh_.half_steps.uv, size)) == 0;
   }
 
-  // Of the quads that edge k of the corner's triangle cuts, the triangles of the other diagonal that have the corner.
+  // Of the quads that edge k of the corner's triangle cuts, the triangles of the other diagonal that have the
+  // corner.
   void add_other_diagonal(const Corner& c, std::uint32_t k, int sign) {
     const std::uint32_t t = c.triangle;
     if (raw_sign_[t] != sign) return;
@@ -268,7 +270,8 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const Vert
   claims_.assign(2 * n, Claim::none);
   std::vector<bool> asked(2 * n, false), vertices(n, false);
   bool any = false;
-  // Most tangents lie near the direction of some triangle of their own vertex, and so within its cone widened by the limit.
+  // Most tangents lie near the direction of some triangle of their own vertex, and so within its cone widened
+  // by the limit.
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (raw_sign[t] == 0) continue;
     const Triangle& triangle = mesh.triangles[t];
@@ -296,7 +299,7 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const Vert
     for (const int sign : {-1, 1}) {
       const std::size_t place = place_of(v, sign);
       if (!asked[place] || claims_[place] == Claim::within) continue;
-      const auto [claim, degrees] = closely.judge(v, sign, limit_deg[v]);
+      const auto [claim, degrees] = closely.assess(v, sign, limit_deg[v]);
       claims_[place] = claim;
       if (claim == Claim::beyond)
         outside_.emplace_back(static_cast<std::uint32_t>(place), static_cast<float>(degrees));

@@ -1,14 +1,16 @@
 // Question 2, consistent: are the stored tangents those of the mesh's own triangles?
 //
-// What it may claim. The dpdu of a corner's triangles, each made square to the stored normal, span a cone of directions in the
-// plane of that normal. Every average of them with positive weights lies inside: MikkTSpace's, area's, angle's, anybody's. A
-// tangent farther outside than the limit is no such average, and that is an error whatever the surface.
+// What it may claim. The dpdu of a corner's triangles, each made square to the stored normal, span a cone of
+// directions in the plane of that normal. Every average of them with positive weights lies inside:
+// MikkTSpace's, area's, angle's, anybody's. A tangent farther outside than the limit is no such average, and
+// that is an error whatever the surface.
 //
-// From what evidence. The triangles are all that share the corner's position and normal and whose uv area has the sign of the
-// corner's own. Where two of them form a quad that is convex in uv, those of its other diagonal count too: nobody knows along
-// which one the tool that made the tangents cut it. Each dpdu carries the interval that half a rounding step of positions, uvs
-// and normal allows. Where directions span 180 degrees or more, or a triangle that tells no direction may have drawn the tangent
-// outside, nothing is claimed.
+// From what evidence. The triangles are all that share the corner's position and normal and whose uv area has
+// the sign of the corner's own. Where two of them form a quad that is convex in uv, those of its other
+// diagonal count too: nobody knows along which one the tool that made the tangents cut it. Each dpdu carries
+// the interval that half a rounding step of positions, uvs and normal allows. Where directions span 180
+// degrees or more, or a triangle that tells no direction may have drawn the tangent outside, nothing is
+// claimed.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "../vertex_joins.h"
 #include "claim.h"
+#include "mesh/vertex_joins.h"
 
 namespace darboux {
 
@@ -25,13 +27,15 @@ class Cones {
  public:
   Cones() = default;
   // \param raw_sign of each triangle, 0 without uv area
-  // \param limit_deg of each vertex: how far outside a tangent may lie; three times max_angle_deg and the turn of the normals over its triangles where the triangles lie on one side
-  // of a curved vertex only, as at creases, tips and folds of the uvs: the true direction may lie half a triangle beyond them
+  // \param limit_deg of each vertex: how far outside a tangent may lie; three times max_angle_deg and the
+  // turn of the normals over its triangles where the triangles lie on one side of a curved vertex only, as at
+  // creases, tips and folds of the uvs: the true direction may lie half a triangle beyond them
   Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
         std::span<const double> limit_deg, double max_angle_deg);
 
   bool empty() const { return claims_.empty(); }
-  // Of the corners of v whose triangles have that sign; those without uv area take the better of the two others.
+  // Of the corners of v whose triangles have that sign; those without uv area take the better of the two
+  // others.
   Claim claim(std::uint32_t v, int sign) const;
   // How far outside, in degrees; 0 elsewhere.
   double outside_deg(std::uint32_t v, int sign) const;

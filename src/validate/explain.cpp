@@ -10,7 +10,7 @@
 
 #include <darboux/frame.h>
 
-#include "../text.h"
+#include "base/text.h"
 #include "findings.h"
 
 namespace darboux {
@@ -57,8 +57,8 @@ double share_within(const std::vector<Pair>& samples, double limit, F direction)
   return static_cast<double>(within) / static_cast<double>(samples.size());
 }
 
-// What the stored tangent is of the reference's, and of which uvs it would be so: under the one name w has the sign of
-// their triangles, `keeps` that of the stored uvs' triangles, under the other its opposite.
+// What the stored tangent is of the reference's, and of which uvs it would be so: under the one name w has
+// the sign of their triangles, `keeps` that of the stored uvs' triangles, under the other its opposite.
 struct Axes {
   std::string_view what;
   double t, b;
@@ -104,8 +104,8 @@ bool explained_by_uv_set(const Subject& subject, const std::vector<Pair>& sample
   return false;
 }
 
-// The linear map M that takes the stored vectors to the reference's t, up to their length: the least of sum |T x M t|² at
-// |M| = 1. \returns what it does, where it explains nearly all
+// The linear map M that takes the stored vectors to the reference's t, up to their length: the least of sum
+// |T x M t|² at |M| = 1. \returns what it does, where it explains nearly all
 std::optional<std::string> explaining_map(const std::vector<Pair>& samples, double limit) {
   Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
   for (const Pair& s : samples) {

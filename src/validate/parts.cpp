@@ -2,10 +2,10 @@
 
 #include <unordered_map>
 
-#include "../disjoint_sets.h"
-#include "../mesh_frames/creases.h"
-#include "../mesh_frames/rings.h"
-#include "../triangle_signs.h"
+#include "base/disjoint_sets.h"
+#include "mesh/frames/creases.h"
+#include "mesh/frames/rings.h"
+#include "mesh/triangle_signs.h"
 
 namespace darboux {
 
@@ -13,7 +13,8 @@ std::vector<std::vector<std::uint32_t>> parts_of(const Mesh& mesh, bool at_creas
   const std::vector<Index> joined = join_equal_vertices(mesh);
   const std::vector<signed char> sign = triangle_signs(mesh);
   DisjointSets sets(mesh.triangles.size());
-  // First those with area in uv; then each of the others with one of its neighbours, so that it joins no two of them.
+  // First those with area in uv; then each of the others with one of its neighbours, so that it joins no two
+  // of them.
   std::vector<bool> placed(mesh.triangles.size(), false);
   const auto join = [&](std::uint32_t a, std::uint32_t b) {
     sets.join(a, b);

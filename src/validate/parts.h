@@ -5,9 +5,9 @@
 
 namespace darboux {
 
-// Triangles joined over edges whose vertices agree in position, normal and uv to the bit; those whose uvs wind differently
-// apart, those without area in uv with what they touch. \param at_creases also cut at edges that are sharp by creases.h, though the
-// vertices agree. Parts are in the order of their first triangles.
+// Triangles joined over edges whose vertices agree in position, normal and uv to the bit; those whose uvs
+// wind differently apart, those without area in uv with what they touch. \param at_creases also cut at edges
+// that are sharp by creases.h, though the vertices agree. Parts are in the order of their first triangles.
 std::vector<std::vector<std::uint32_t>> parts_of(const Mesh& mesh, bool at_creases);
 
 using UvSets = std::vector<std::pair<int, std::vector<Vec2<double>>>>;

@@ -1,8 +1,9 @@
 // Question 4, smooth: do normals and tangents follow the mesh's own positions and uvs?
 //
-// What it may claim. Normals of an unknown surface are their author's: smoothed bevels and normals taken from a finer model are
-// meant so. So what is farther from the polynomial through the neighbours than three times the limit, and than three standard
-// deviations, is worth a look, a warning, never an error. From what evidence: local_truth() at each vertex.
+// What it may claim. Normals of an unknown surface are their author's: smoothed bevels and normals taken from
+// a finer model are meant so. So what is farther from the polynomial through the neighbours than three times
+// the limit, and than three standard deviations, is worth a look, a warning, never an error. From what
+// evidence: local_truth() at each vertex.
 #pragma once
 
 #include <span>
@@ -12,14 +13,16 @@
 
 namespace darboux {
 
-// What it claims of each vertex; empty without local truth. Vertices that `accurate` knows all of are left out.
+// What it claims of each vertex; empty without local truth. Vertices that `accurate` knows all of are left
+// out.
 struct Smooth {
   std::vector<Claim> normals, tangents;
 };
 Smooth check_smooth(const Subject& subject, const Accurate& accurate, std::span<const VertexChecks> checks,
                     bool raw, double max_angle_deg);
 
-// Angles to the local truth. Where all normals oppose their winding, that is a finding of its own, and the others' side is taken.
+// Angles to the local truth. Where all normals oppose their winding, that is a finding of its own, and the
+// others' side is taken.
 Angles local_angles(const Subject& subject, std::uint32_t v, const VertexChecks& checks, bool raw);
 
 }  // namespace darboux

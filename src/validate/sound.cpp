@@ -7,8 +7,8 @@
 
 #include <darboux/mesh_frames.h>
 
-#include "../mesh_frames/creases.h"
 #include "angles.h"
+#include "mesh/frames/creases.h"
 #include "rounding.h"
 
 namespace darboux {

@@ -1,16 +1,16 @@
 // Question 1, sound: is what is stored fit to be used at all, whatever the surface?
 //
-// What it may claim. Numbers that are not finite, tangents that are zero where the uvs have area, lengths beyond what rounding
-// explains, signs other than +1 and -1 or that differ within a uv island, tangents along the normal, normals that no triangle at
-// the vertex supports: no reader can use these, so they are errors. From what evidence: the stored numbers, their rounding
-// (Mesh::half_steps), and the triangles' own planes.
+// What it may claim. Numbers that are not finite, tangents that are zero where the uvs have area, lengths
+// beyond what rounding explains, signs other than +1 and -1 or that differ within a uv island, tangents along
+// the normal, normals that no triangle at the vertex supports: no reader can use these, so they are errors.
+// From what evidence: the stored numbers, their rounding (Mesh::half_steps), and the triangles' own planes.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "../vertex_joins.h"
+#include "mesh/vertex_joins.h"
 
 namespace darboux {
 

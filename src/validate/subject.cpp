@@ -8,7 +8,7 @@
 #include <darboux/local_truth.h>
 #include <darboux/mikktspace.h>
 
-#include "../triangle_signs.h"
+#include "mesh/triangle_signs.h"
 
 namespace darboux {
 
@@ -46,7 +46,8 @@ std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<do
   std::vector<Vec4<float>> result(mesh.corners(), Vec4<float>{0, 0, 0, 0});
   if (corners.empty()) return result;
   mikktspace(MikkMesh{positions, normals, texcoords, corners, {}},
-             std::span<float>(&result[0].x, 4 * corners.size()), {.sort_all_edges = sort_all_edges, .unserved_sign = 0, .threads = threads});
+             std::span<float>(&result[0].x, 4 * corners.size()),
+             {.sort_all_edges = sort_all_edges, .unserved_sign = 0, .threads = threads});
   // To their triangles, from the last on, behind those that are left out.
   for (std::size_t t = mesh.triangles.size(), next = corners.size(); next < 3 * t;) {
     const auto& [a, b, c] = mesh.triangles[--t];

@@ -7,8 +7,8 @@
 
 #include <darboux/validate.h>
 
-#include "../vertex_joins.h"
 #include "consistent.h"
+#include "mesh/vertex_joins.h"
 #include "sound.h"
 
 namespace darboux {
@@ -17,8 +17,8 @@ struct Subject {
   const Mesh& mesh;
   MeshClasses classes{};
   std::vector<signed char> raw_sign{};  // of each triangle, 0 without uv area
-  // MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it; empty where it is not asked for or the
-  // mesh lacks tangents, normals or uvs.
+  // MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it; empty where it is not
+  // asked for or the mesh lacks tangents, normals or uvs.
   std::vector<Vec4<float>> mikktspace{};
   std::vector<bool> across_mirror{};  // vertices that triangles share whose uvs wind differently
   std::vector<bool> has_uv_area{};    // vertices of a triangle with uv area
@@ -33,7 +33,8 @@ Subject prepare(const Mesh& mesh, const ValidateOptions& options);
 // The classes, and what needs them. \param is_pole of each vertex, or empty
 void classify_subject(Subject& subject, const std::vector<bool>& is_pole, const ValidateOptions& options);
 
-// MikkTSpace's tangents under some uvs, as Subject has them. Triangles with numbers that are not finite are left out.
+// MikkTSpace's tangents under some uvs, as Subject has them. Triangles with numbers that are not finite are
+// left out.
 std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
                                        bool sort_all_edges = false);
 

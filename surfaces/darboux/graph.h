@@ -48,13 +48,13 @@ struct RoundHill {
 
 /// Graph of a function over a rectangle.
 ///   P(u, v) = (x, y, f(x, y)),  x = (1 - u) x0 + u x1,  y = (1 - v) y0 + v y1
-/// u runs along x, v along y. n = (-f_x, -f_y, 1)/sqrt(1 + f_x² + f_y²) points up. Regular everywhere. The function is
-/// an object f(x, y) for any scalar; with a member jet(x, y) that returns a FunctionJet its derivatives are that, else
-/// they come from nested dual numbers, exact to rounding:
+/// u runs along x, v along y. n = (-f_x, -f_y, 1)/sqrt(1 + f_x² + f_y²) points up. Regular everywhere. The
+/// function is an object f(x, y) for any scalar; with a member jet(x, y) that returns a FunctionJet its
+/// derivatives are that, else they come from nested dual numbers, exact to rounding:
 ///   Graph surface{[](const auto& x, const auto& y) { return x * x - y * y; }, -1.0, 1.0, -1.0, 1.0};
-/// Exceptions of the function are passed on; where a derivative is NaN or infinite there is no frame (no_frame, overflow).
-/// Frame components err by at most 4u (1 + condition), u the unit roundoff, the condition that of f_x and f_y in u and v.
-/// [doCarmo2016, sec. 3-3]
+/// Exceptions of the function are passed on; where a derivative is NaN or infinite there is no frame
+/// (no_frame, overflow). Frame components err by at most 4u (1 + condition), u the unit roundoff, the
+/// condition that of f_x and f_y in u and v. [doCarmo2016, sec. 3-3]
 template <class F = RoundHill<double>, class T = double>
 struct Graph {
   using scalar = T;
@@ -135,7 +135,8 @@ struct Graph {
     const S w = lift<S>(1.0) + (g.fx * g.fx + g.fy * g.fy), m = g.fxy / w;
     return (g.fxx / w) * (g.fyy / w) - m * m;
   }
-  /// H = ((1 + f_y²) f_xx - 2 f_x f_y f_xy + (1 + f_x²) f_yy)/(2 (1 + f_x² + f_y²)^(3/2)) [doCarmo2016, sec. 3-3]
+  /// H = ((1 + f_y²) f_xx - 2 f_x f_y f_xy + (1 + f_x²) f_yy)/(2 (1 + f_x² + f_y²)^(3/2)) [doCarmo2016, sec.
+  /// 3-3]
   template <class S>
   S mean_curvature(const S& u, const S& v) const {
     using std::sqrt;

@@ -7,13 +7,14 @@ namespace darboux {
 
 /// Right helicoid about the z axis, a minimal surface ruled by horizontal lines.
 ///   P(u, v) = (s cos x, s sin x, p x),   x = 2π turns u,   s = inner_radius + width v
-/// u climbs along the helices, v runs outward along the rulings; s may be negative (the other side of the axis). n =
-/// (-p sin x, p cos x, -s) / sqrt(s² + p²). Regular for p ≠ 0. For p = 0 it is the plane run over by a turning line,
-/// and dpdu vanishes where s = 0, the axis: n is -z where s > 0 and +z where s < 0, and on the axis the frame is the
-/// limit from s > 0 (from s < 0 where s = 0 is the outer end, inner_radius + width = 0); where the turning line passes both
-/// with s and -s the status is self_intersecting. Frame components err by at
-/// most 4u times (1 + condition), u the unit roundoff; the condition is that of x in turns · u and of s where
-/// inner_radius and width v cancel. [doCarmo2016, sec. 3-5]
+/// u climbs along the helices, v runs outward along the rulings; s may be negative (the other side of the
+/// axis). n =
+/// (-p sin x, p cos x, -s) / sqrt(s² + p²). Regular for p ≠ 0. For p = 0 it is the plane run over by a
+/// turning line, and dpdu vanishes where s = 0, the axis: n is -z where s > 0 and +z where s < 0, and on the
+/// axis the frame is the limit from s > 0 (from s < 0 where s = 0 is the outer end, inner_radius + width =
+/// 0); where the turning line passes both with s and -s the status is self_intersecting. Frame components err
+/// by at most 4u times (1 + condition), u the unit roundoff; the condition is that of x in turns · u and of s
+/// where inner_radius and width v cancel. [doCarmo2016, sec. 3-5]
 template <class T = double>
 struct Helicoid {
   T pitch{0.25}, turns{1}, inner_radius{-0.5}, width{1};
@@ -65,8 +66,9 @@ struct Helicoid {
     return twice ? Status::self_intersecting : Status::regular;
   }
 
-  /// (y cos θ - x sin θ) p / sqrt(x² + y² + p²) with θ = z/p; for p = 0 the depth, and beyond the outer end, which rulings
-  /// reach from the other side only, the height. That the surface goes on beyond its edges does not matter here.
+  /// (y cos θ - x sin θ) p / sqrt(x² + y² + p²) with θ = z/p; for p = 0 the depth, and beyond the outer end,
+  /// which rulings reach from the other side only, the height. That the surface goes on beyond its edges does
+  /// not matter here.
   template <class S>
   S implicit(const Vec3<S>& q) const {
     const S p = lift<S>(pitch);

@@ -5,19 +5,22 @@
 
 namespace darboux {
 
-/// Klein bottle as an immersion: a figure 8 that makes half a turn while its centre goes round the z axis once.
+/// Klein bottle as an immersion: a figure 8 that makes half a turn while its centre goes round the z axis
+/// once.
 ///   P(u, v) = (ρ cos x, ρ sin x, z),   x = 2πu,   y = 2πv
 ///   ρ = R + r (cos(x/2) sin y - sin(x/2) sin 2y),   z = r (sin(x/2) sin y + cos(x/2) sin 2y)
-/// u runs round the axis, v along the figure 8, both in turns. P(u + 1, v) = P(u, 1 - v), and n changes its sign there:
-/// the surface has one side, the frame two values a point, and u is reduced modulo 2. v = 0 and v = 1/2 are one circle,
-/// the double points of the figures: self_intersecting. For R <= 1.25 r the figures reach the axis; where ρ <= 0 the
-/// status is self_intersecting too. Regular but for points of the axis where the figure is at an extreme distance from its
-/// centre, ρ = 0 and (1 + 4 cos 2y) sin 2y = 0: there dpdu and dpdv are parallel, and the limit of n depends on the
-/// direction; no_frame. For R = r these points only touch the axis, and the frame is the limit along the given v. With
-/// the unit tangent τ of the figure, its normal ν in the half-plane of the axis, e_t = (-sin x, cos x, 0):
-///   n = (2ρ ν + f e_t) / sqrt(4ρ² + f²),   f = r sin 2y (1 + 4 cos 2y) / (2 g),   g = sqrt(cos² y + 4 cos² 2y)
-/// Frame components err by at most 4u times (1 + condition), u the unit roundoff, the condition being that of x and y in u
-/// and v and of ρ where it cancels. [Gray2006]
+/// u runs round the axis, v along the figure 8, both in turns. P(u + 1, v) = P(u, 1 - v), and n changes its
+/// sign there: the surface has one side, the frame two values a point, and u is reduced modulo 2. v = 0 and v
+/// = 1/2 are one circle, the double points of the figures: self_intersecting. For R <= 1.25 r the figures
+/// reach the axis; where ρ <= 0 the status is self_intersecting too. Regular but for points of the axis where
+/// the figure is at an extreme distance from its centre, ρ = 0 and (1 + 4 cos 2y) sin 2y = 0: there dpdu and
+/// dpdv are parallel, and the limit of n depends on the direction; no_frame. For R = r these points only
+/// touch the axis, and the frame is the limit along the given v. With the unit tangent τ of the figure, its
+/// normal ν in the half-plane of the axis, e_t = (-sin x, cos x, 0):
+///   n = (2ρ ν + f e_t) / sqrt(4ρ² + f²),   f = r sin 2y (1 + 4 cos 2y) / (2 g),
+///     g = sqrt(cos² y + 4 cos² 2y)
+/// Frame components err by at most 4u times (1 + condition), u the unit roundoff, the condition being that of
+/// x and y in u and v and of ρ where it cancels. [Gray2006]
 template <class T = double>
 struct KleinBottle {
   T radius{2}, tube_radius{0.7};
@@ -93,9 +96,10 @@ struct KleinBottle {
     return result;
   }
 
-  /// f / |grad f| with f = b² - 4 a² (1 - a²), Gerono's equation of the figure 8, in which r (a, b) is the point in the
-  /// half-plane of the axis turned back by half its azimuth; 0 on the double circle, where the gradient is too. Where the
-  /// figures cross the axis (R < 1.25 r) also for those of the other side, whichever is nearer.
+  /// f / |grad f| with f = b² - 4 a² (1 - a²), Gerono's equation of the figure 8, in which r (a, b) is the
+  /// point in the half-plane of the axis turned back by half its azimuth; 0 on the double circle, where the
+  /// gradient is too. Where the figures cross the axis (R < 1.25 r) also for those of the other side,
+  /// whichever is nearer.
   template <class S>
   S implicit(const Vec3<S>& p) const {
     using std::abs;
@@ -109,8 +113,8 @@ struct KleinBottle {
     return lift<S>(4.0) * R < lift<S>(5.0) * r && abs(far) < abs(near) ? far : near;
   }
 
-  /// K from the invariants of the figure, not from the jet: with primes for d/dy, (a, b) = (sin y, sin 2y) the figure over
-  /// r, and z' for its derivative upwards, ρ' away from the axis, over r,
+  /// K from the invariants of the figure, not from the jet: with primes for d/dy, (a, b) = (sin y, sin 2y)
+  /// the figure over r, and z' for its derivative upwards, ρ' away from the axis, over r,
   ///   p = a b' - b a',  f = a a' + b b',  g² = a'² + b'²,  c = b' a'' - a' b'',  W = 4ρ² g² + r² f²
   ///   K = -((2 r ρ p + 8 ρ² z' + 4 r z f) 2 ρ c / r + (2 r ρ' f - 2 ρ g²)²) / W²
   template <class S>
@@ -128,8 +132,8 @@ struct KleinBottle {
     return -((L / W) * (two * rho * bend / W) / r + (M / W) * (M / W)) / size / size;
   }
 
-  /// The figure 8 drawn in the plane y = 0, turned about the y axis by half the azimuth, shifted by R along x, turned about
-  /// the z axis twice by half the azimuth.
+  /// The figure 8 drawn in the plane y = 0, turned about the y axis by half the azimuth, shifted by R along
+  /// x, turned about the z axis twice by half the azimuth.
   template <class S>
   constexpr Vec3<S> position_again(const Turn<S>& u, const Turn<S>& v) const {
     const S zero = lift<S>(0.0), r = lift<S>(tube_radius);
@@ -140,8 +144,9 @@ struct KleinBottle {
   }
 
  private:
-  // ρ, negative beyond the axis. Where the figure points at it R - r and 1 + cos(x/2) sin y, whose product with 1 -
-  // cos(x/2) sin y is sin²(x/2) + cos²(x/2) cos² y, keep their digits, R + r cos(x/2) sin y does not.
+  // ρ, negative beyond the axis. Where the figure points at it R - r and 1 + cos(x/2) sin y, whose product
+  // with 1 - cos(x/2) sin y is sin²(x/2) + cos²(x/2) cos² y, keep their digits, R + r cos(x/2) sin y does
+  // not.
   template <class S>
   constexpr S axis_distance(const Turn<S>& u, const Turn<S>& v) const {
     const S one = lift<S>(1.0), R = lift<S>(radius), r = lift<S>(tube_radius);
@@ -172,8 +177,8 @@ struct KleinBottle {
   static constexpr Vec3<S> cartesian(const Turn<S>& x, const Vec3<S>& a) {
     return {a.x * x.cos - a.y * x.sin, a.x * x.sin + a.y * x.cos, a.z};
   }
-  // f / |grad f| at (a, b), at the distance d from the axis, all over r. Divided by the size of (1, a, b) to the fourth, the
-  // third power: far away nothing overflows.
+  // f / |grad f| at (a, b), at the distance d from the axis, all over r. Divided by the size of (1, a, b) to
+  // the fourth, the third power: far away nothing overflows.
   template <class S>
   static S gerono(const Vec2<S>& q, const S& d) {
     using std::abs;

@@ -7,14 +7,14 @@ namespace darboux {
 
 /// Möbius strip about the z axis: a segment that makes half a turn while its centre goes round once.
 ///   P(u, v) = (ρ cos x, ρ sin x, s sin(x/2)),   x = 2πu,   s = width (v - 1/2),   ρ = R + s cos(x/2)
-/// u runs round the centre circle in turns, v across the strip. P(u + 1, v) = P(u, 1 - v), and n changes its sign
-/// there: the strip has one side, the frame two values a point, and u is reduced modulo 2. With the unit vectors e_r,
-/// e_t, e_z of cylindrical coordinates and q = sqrt(ρ² + s²/4),
+/// u runs round the centre circle in turns, v across the strip. P(u + 1, v) = P(u, 1 - v), and n changes its
+/// sign there: the strip has one side, the frame two values a point, and u is reduced modulo 2. With the unit
+/// vectors e_r, e_t, e_z of cylindrical coordinates and q = sqrt(ρ² + s²/4),
 ///   n = (ρ sin(x/2) e_r + (s/2) e_t - ρ cos(x/2) e_z) / q,   b = cos(x/2) e_r + sin(x/2) e_z
-/// Regular everywhere. Up to width < 4 R the strip is embedded (from 2 R on it crosses the axis); from 4 R on the
-/// rulings of x and x + π meet where s cos x = -2 R cos(x/2), and there the status is self_intersecting. Frame
-/// components err by at most 4u times (1 + condition), u the unit roundoff, the condition being that of x in u and of
-/// ρ where R and s cos(x/2) cancel. [doCarmo2016, sec. 2-6]
+/// Regular everywhere. Up to width < 4 R the strip is embedded (from 2 R on it crosses the axis); from 4 R on
+/// the rulings of x and x + π meet where s cos x = -2 R cos(x/2), and there the status is self_intersecting.
+/// Frame components err by at most 4u times (1 + condition), u the unit roundoff, the condition being that of
+/// x in u and of ρ where R and s cos(x/2) cancel. [doCarmo2016, sec. 2-6]
 template <class T = double>
 struct MoebiusStrip {
   T radius{1}, width{0.5};
@@ -69,11 +69,11 @@ struct MoebiusStrip {
     return meet ? Status::self_intersecting : Status::regular;
   }
 
-  /// The distance f from the ruling in the half-plane of the axis through the point, z cos(x/2) - (d - R) sin(x/2), with
-  /// d = sqrt(x² + y²) and x the azimuth: the factor that vanishes of the cubic -R² y + x² y + y³ - 2 R x z - 2 x² z -
-  /// 2 y² z + y z²; over sqrt(1 + f'²/d²), f' its derivative with respect to the azimuth. For a strip that crosses the axis
-  /// (width > 2 R) f may be the distance from the ruling that comes from the other side, z sin(x/2) - (d + R) cos(x/2),
-  /// whichever is less.
+  /// The distance f from the ruling in the half-plane of the axis through the point, z cos(x/2) - (d - R)
+  /// sin(x/2), with d = sqrt(x² + y²) and x the azimuth: the factor that vanishes of the cubic -R² y + x² y +
+  /// y³ - 2 R x z - 2 x² z - 2 y² z + y z²; over sqrt(1 + f'²/d²), f' its derivative with respect to the
+  /// azimuth. For a strip that crosses the axis (width > 2 R) f may be the distance from the ruling that
+  /// comes from the other side, z sin(x/2) - (d + R) cos(x/2), whichever is less.
   template <class S>
   S implicit(const Vec3<S>& p) const {
     using std::abs;

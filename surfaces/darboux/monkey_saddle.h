@@ -7,9 +7,9 @@ namespace darboux {
 
 /// Monkey saddle over the square [-1, 1]²: three valleys, for two legs and a tail.
 ///   P(u, v) = (s, t, h (s³ - 3 s t²)),   s = 2u - 1,   t = 2v - 1
-/// s and t are lengths. n points up (n_z > 0). Regular everywhere; the centre u = v = 1/2 is a planar point, so an
-/// umbilic. Frame components err by at most 4u times (1 + condition), u the unit roundoff, for every height; the
-/// condition is that of the slopes 3h (s² - t²) and -6h s t in u and v. [doCarmo2016, sec. 3-3]
+/// s and t are lengths. n points up (n_z > 0). Regular everywhere; the centre u = v = 1/2 is a planar point,
+/// so an umbilic. Frame components err by at most 4u times (1 + condition), u the unit roundoff, for every
+/// height; the condition is that of the slopes 3h (s² - t²) and -6h s t in u and v. [doCarmo2016, sec. 3-3]
 template <class T = double>
 struct MonkeySaddle {
   T height{1};
@@ -44,7 +44,8 @@ struct MonkeySaddle {
             .n = {-(a.x * c.y), -c.x, a.y * c.y}};
   }
 
-  /// (z - h x (x² - 3y²)) / sqrt(1 + 9 h² (x² + y²)²), the height above the surface over the length of its gradient.
+  /// (z - h x (x² - 3y²)) / sqrt(1 + 9 h² (x² + y²)²), the height above the surface over the length of its
+  /// gradient.
   template <class S>
   S implicit(const Vec3<S>& p) const {
     const S h = lift<S>(height);

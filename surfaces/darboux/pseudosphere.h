@@ -9,16 +9,19 @@
 
 namespace darboux {
 
-/// Dini's surface: a pseudosphere (pitch b = 0, a tractrix turned about its asymptote, the z axis) or its screw
-/// counterpart, of constant negative curvature.
-///   P(u, v) = a (cos x sin w, sin x sin w, cos w + ln tan(w/2)) + (0, 0, b x),   x = 2π turns u,   w = w0 + (w1 - w0) v
+/// Dini's surface: a pseudosphere (pitch b = 0, a tractrix turned about its asymptote, the z axis) or its
+/// screw counterpart, of constant negative curvature.
+///   P(u, v) = a (cos x sin w, sin x sin w, cos w + ln tan(w/2)) + (0, 0, b x),   x = 2π turns u,
+///     w = w0 + (w1 - w0) v
 /// u runs round the axis, v along the tractrix, upwards. With e_r, e_t, e_z of cylindrical coordinates
-///   n = ± (a cos w e_r + b e_t - a sin w e_z) / sqrt(a² + b²),   t = (a sin w e_t + b e_z) / sqrt(a² sin² w + b²)
-/// + (away from the axis) for w < π/2, - for w > π/2: dpdv vanishes on the cuspidal edge w = π/2 and points away from the
-/// axis before it, towards the axis beyond it. On the edge the status is dpdv_zero and crease, as n jumps to its opposite,
-/// and the frame is the limit from w < π/2 (from w > π/2 where the surface begins at the edge). π/2 is no floating-point
-/// number: the edge is where cos w rounds to 0. Frame components err by at most 4u times (1 + condition), u the unit
-/// roundoff; the condition is that of x and w in their inputs. [Gray2006]
+///   n = ± (a cos w e_r + b e_t - a sin w e_z) / sqrt(a² + b²),
+///     t = (a sin w e_t + b e_z) / sqrt(a² sin² w + b²)
+/// + (away from the axis) for w < π/2, - for w > π/2: dpdv vanishes on the cuspidal edge w = π/2 and points
+/// away from the axis before it, towards the axis beyond it. On the edge the status is dpdv_zero and crease,
+/// as n jumps to its opposite, and the frame is the limit from w < π/2 (from w > π/2 where the surface begins
+/// at the edge). π/2 is no floating-point number: the edge is where cos w rounds to 0. Frame components err
+/// by at most 4u times (1 + condition), u the unit roundoff; the condition is that of x and w in their
+/// inputs. [Gray2006]
 template <class T = double>
 struct Pseudosphere {
   T radius{1}, pitch{0}, turns{1}, w0{0.1}, w1{1.5};
@@ -101,8 +104,8 @@ struct Pseudosphere {
     return side(w) * (w.sin / w.cos - w.cos / w.sin) / two / h;
   }
 
-  /// By the tractrix in the form of hyperbolic functions: with τ = ln tan(w/2), distance a / cosh τ from the axis, height
-  /// a (τ - tanh τ); turned twice by half the azimuth.
+  /// By the tractrix in the form of hyperbolic functions: with τ = ln tan(w/2), distance a / cosh τ from the
+  /// axis, height a (τ - tanh τ); turned twice by half the azimuth.
   template <class S>
   constexpr Vec3<S> position_again(const S& u, const S& v) const {
     const S one = lift<S>(1.0), two = lift<S>(2.0), a = lift<S>(radius), turned = lift<S>(turns) * u;

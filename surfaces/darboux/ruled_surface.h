@@ -15,11 +15,12 @@ namespace darboux {
 
 /// Ruled surface between two curves.
 ///   P(u, v) = (1 - v) A(u) + v B(u)
-/// u runs along both curves, which have parameters of one kind, v from A (0) to B (1) on straight lines. n = dpdu × dpdv /
-/// |.|. Where dpdu = (1 - v) A' + v B' vanishes (the tip of a cone, v = 0 if A is a point) dpdu_zero; where A and B meet
-/// dpdv_zero; where dpdu and dpdv are parallel (the edge of a tangent developable) parallel, and n is the limit
-/// along v. At a corner of a curve crease, and the frame is that from above. The frame is that of the partials.
-/// [doCarmo2016, sec. 3-5]
+/// u runs along both curves, which have parameters of one kind, v from A (0) to B (1) on straight lines. n =
+/// dpdu × dpdv /
+/// |.|. Where dpdu = (1 - v) A' + v B' vanishes (the tip of a cone, v = 0 if A is a point) dpdu_zero; where A
+/// and B meet dpdv_zero; where dpdu and dpdv are parallel (the edge of a tangent developable) parallel, and n
+/// is the limit along v. At a corner of a curve crease, and the frame is that from above. The frame is that
+/// of the partials. [doCarmo2016, sec. 3-5]
 template <class CurveA = LineSegment<double>, class CurveB = HelixCurve<typename CurveA::scalar>>
 struct RuledSurface {
   static_assert(CurveA::kind == CurveB::kind, "both curves must have parameters of one kind");
@@ -69,8 +70,8 @@ struct RuledSurface {
            (detail::vanishes(j.dpdv) ? Status::dpdv_zero : Status::regular);
   }
 
-  /// K = -(det(A', B', B - A)/|N|²)², N = ((1 - v) A' + v B') × (B - A): zero where the tangents of A and B and the line
-  /// lie in one plane. [doCarmo2016, sec. 3-5]
+  /// K = -(det(A', B', B - A)/|N|²)², N = ((1 - v) A' + v B') × (B - A): zero where the tangents of A and B
+  /// and the line lie in one plane. [doCarmo2016, sec. 3-5]
   template <class P, class S>
   S gaussian_curvature(const P& u, const S& v) const {
     const CurveJet<S> p = a.jet(u), q = b.jet(u);

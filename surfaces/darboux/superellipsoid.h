@@ -8,20 +8,24 @@
 namespace darboux {
 
 /// Superellipsoid about the origin: an ellipsoid whose meridians and parallels are superellipses.
-///   P(u, v) = (a f(sin πv; e1) f(C; e2), b f(sin πv; e1) f(S; e2), -c f(cos πv; e1)),   f(x; e) = sgn(x) |x|^e
-/// with C, S = cos 2πu, sin 2πu and e1 = exponent_v, e2 = exponent_u: 1 an ellipsoid, towards 0 a box, 2 an octahedron,
-/// beyond 2 a star. u runs round the z axis in turns, v from the south pole (0) to the north (1). n points outward,
+///   P(u, v) = (a f(sin πv; e1) f(C; e2), b f(sin πv; e1) f(S; e2), -c f(cos πv; e1)),
+///     f(x; e) = sgn(x) |x|^e
+/// with C, S = cos 2πu, sin 2πu and e1 = exponent_v, e2 = exponent_u: 1 an ellipsoid, towards 0 a box, 2 an
+/// octahedron, beyond 2 a star. u runs round the z axis in turns, v from the south pole (0) to the north (1).
+/// n points outward,
 ///   t ∝ (-a f(S; 2 - e2), b f(C; 2 - e2), 0),
 ///   n ∝ (|sin πv|^(2 - e1) f(C; 2 - e2) / a, |sin πv|^(2 - e1) f(S; 2 - e2) / b, -f(cos πv; 2 - e1) / c)
-/// which for exponents below 2 is continuous at every point but in t at the poles, whatever becomes of the partials:
+/// which for exponents below 2 is continuous at every point but in t at the poles, whatever becomes of the
+/// partials:
 ///   poles v = 0, 1: dpdu_zero; the frame is the limit along the meridian of the given u
 ///   e1 > 1: dpdv_zero at the poles and at the equator cos πv = 0; e1 < 1: dpdv is infinite there (overflow)
 ///   e2 > 1: dpdu_zero where C or S is 0; e2 < 1: dpdu is infinite there (overflow)
-///   e1 >= 2 (e2 >= 2): the equator (the meridians C = 0, S = 0) is an edge, and the status says crease: the frame is the
-///   limit from the side where the cosine (sine) is positive
-/// All of these frames are limits (limit_frame). Second partials may be infinite there for any exponent but 1. On a
-/// meridian C = 0 or S = 0 limits are taken along v first. Frame components err by at most 8u times (1 + condition), u the
-/// unit roundoff, for exponents up to 1.75. Unlike other formulas it asks for the signs of sines and cosines. [Barr1981]
+///   e1 >= 2 (e2 >= 2): the equator (the meridians C = 0, S = 0) is an edge, and the status says crease: the
+///   frame is the limit from the side where the cosine (sine) is positive
+/// All of these frames are limits (limit_frame). Second partials may be infinite there for any exponent
+/// but 1. On a meridian C = 0 or S = 0 limits are taken along v first. Frame components err by at most 8u
+/// times (1 + condition), u the unit roundoff, for exponents up to 1.75. Unlike other formulas it asks for
+/// the signs of sines and cosines. [Barr1981]
 template <class T = double>
 struct Superellipsoid {
   T semi_axis_x{1}, semi_axis_y{1}, semi_axis_z{1}, exponent_v{0.5}, exponent_u{0.5};
@@ -104,8 +108,8 @@ struct Superellipsoid {
     return result;
   }
 
-  /// (G(p) - 1) / |grad G|, where p / G(p) is the point of the surface in the direction of p; at the centre minus the
-  /// least semi-axis:
+  /// (G(p) - 1) / |grad G|, where p / G(p) is the point of the surface in the direction of p; at the centre
+  /// minus the least semi-axis:
   ///   G = ((|x/a|^(2/e2) + |y/b|^(2/e2))^(e2/e1) + |z/c|^(2/e1))^(e1/2)
   template <class S>
   S implicit(const Vec3<S>& p) const {
@@ -168,8 +172,8 @@ struct Superellipsoid {
             second + omega * (omega * (k * (k - lift<S>(1.0)) * (side * power(size, T(e - T(2)))) * h * h));
     }
   };
-  // p f''. Where either leaves the range and the product does not, f'' is as good as its larger term, and that the square
-  // of the root of p times the root of the power.
+  // p f''. Where either leaves the range and the product does not, f'' is as good as its larger term, and
+  // that the square of the root of p times the root of the power.
   template <class S>
   static S second_times(const Power<S>& p, const Power<S>& f) {
     const S zero = lift<S>(0.0), k = lift<S>(f.e), product = times(p.value, f.second);
@@ -181,8 +185,8 @@ struct Superellipsoid {
     return in_roots - in_roots == zero ? in_roots : product;
   }
 
-  // What t and n are made of: |p|^((2 - e)/2), |q|^((2 - e)/2) for a cosine and sine p, q. For e > 2 these are both
-  // infinite somewhere, so first and second are those over what they have in common, 1/common.
+  // What t and n are made of: |p|^((2 - e)/2), |q|^((2 - e)/2) for a cosine and sine p, q. For e > 2 these
+  // are both infinite somewhere, so first and second are those over what they have in common, 1/common.
   template <class S>
   struct Weights {
     S first, second, common = lift<S>(1.0);

@@ -13,14 +13,15 @@ namespace darboux {
 
 /// Surface of revolution about the z axis.
 ///   P(u, v) = (ρ(v) cos 2πu, ρ(v) sin 2πu, z(v))
-/// The profile is a curve in the xz plane: its x is ρ, its z is z, its y must be 0. u runs round the axis in turns, v along
-/// the profile. n = (z' cos 2πu, z' sin 2πu, -ρ')/sqrt(ρ'² + z'²): outward where z' > 0. Where the profile is beyond the
-/// axis (ρ < 0) t and n are both the opposite, as the cross product has them. Where ρ = 0 dpdu vanishes: dpdu_zero, and
-/// the frame is the limit from above (at v = 1 from below) at the given u, t = ±(-sin 2πu, cos 2πu, 0); with crease where
-/// the profile crosses the axis. Where the profile stops (ρ' = z' = 0) dpdv_zero, and the limit is from the same side by
-/// the first derivative that does not vanish; with crease where the profile turns round there. At a corner of the
-/// profile crease, and the frame is that from above. Frame components err by at most 4u (1 + condition), u the unit
-/// roundoff, the condition that of the profile's derivatives. [doCarmo2016, sec. 2-3 and 3-3]
+/// The profile is a curve in the xz plane: its x is ρ, its z is z, its y must be 0. u runs round the axis in
+/// turns, v along the profile. n = (z' cos 2πu, z' sin 2πu, -ρ')/sqrt(ρ'² + z'²): outward where z' > 0. Where
+/// the profile is beyond the axis (ρ < 0) t and n are both the opposite, as the cross product has them. Where
+/// ρ = 0 dpdu vanishes: dpdu_zero, and the frame is the limit from above (at v = 1 from below) at the given
+/// u, t = ±(-sin 2πu, cos 2πu, 0); with crease where the profile crosses the axis. Where the profile stops
+/// (ρ' = z' = 0) dpdv_zero, and the limit is from the same side by the first derivative that does not vanish;
+/// with crease where the profile turns round there. At a corner of the profile crease, and the frame is that
+/// from above. Frame components err by at most 4u (1 + condition), u the unit roundoff, the condition that of
+/// the profile's derivatives. [doCarmo2016, sec. 2-3 and 3-3]
 template <class Curve = BSplineCurve<double>>
 struct SurfaceOfRevolution {
   using scalar = typename Curve::scalar;
@@ -124,8 +125,8 @@ struct SurfaceOfRevolution {
     k.position.y = k.first.y = k.second.y = k.third.y = lift<S>(0.0);
     return k;
   }
-  // The side of the axis, a number of the sign of ρ: where ρ = 0 that of the frames above (at the upper end below), and
-  // whether the profile crosses the axis there.
+  // The side of the axis, a number of the sign of ρ: where ρ = 0 that of the frames above (at the upper end
+  // below), and whether the profile crosses the axis there.
   template <class S, class P>
   static std::pair<S, bool> axis_side(const CurveJet<S>& k, const P& v) {
     if (!detail::is_zero(k.position.x)) return {k.position.x, false};

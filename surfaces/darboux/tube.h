@@ -15,15 +15,16 @@ namespace darboux {
 
 /// Tube of constant radius r about a curve K with its moving frame (T, N, B), B = T × N.
 ///   P(u, v) = K(u) + r (cos 2πv N(u) - sin 2πv B(u))
-/// u runs along the curve, v round the tube in turns. n = cos 2πv N - sin 2πv B points out of the tube everywhere.
-/// The curve brings its frame: CircleCurve, HelixCurve (Frenet's), LineSegment, PlanarCurve for any planar curve; for a
-/// curve in space UprightCurve (closed form) or RotationMinimisingCurve (with the error it states).
-/// With Frenet's frame and κ the curve's curvature, dpdu = speed (1 - r κ cos 2πv) T + r twist (sin 2πv N + cos 2πv B).
-/// Where r κ cos 2πv = 1 the tube reaches its focal curve: dpdu is zero (dpdu_zero, no torsion there) or parallel to dpdv
-/// (parallel), the frame is the limit from outside. Beyond, at r κ cos 2πv > 1, the status is self_intersecting, n stays
-/// and the handedness is -1. Turns of the tube that meet without that are not noticed. Where the curve's speed is zero
-/// there is no frame. Frame components err by at most 8u (1 + condition), u the unit roundoff; the condition is that of
-/// 1 - r κ cos 2πv and, for a helix, 2π turns u. [doCarmo2016, sec. 2-4, exercise 10]
+/// u runs along the curve, v round the tube in turns. n = cos 2πv N - sin 2πv B points out of the tube
+/// everywhere. The curve brings its frame: CircleCurve, HelixCurve (Frenet's), LineSegment, PlanarCurve for
+/// any planar curve; for a curve in space UprightCurve (closed form) or RotationMinimisingCurve (with the
+/// error it states). With Frenet's frame and κ the curve's curvature, dpdu = speed (1 - r κ cos 2πv) T + r
+/// twist (sin 2πv N + cos 2πv B). Where r κ cos 2πv = 1 the tube reaches its focal curve: dpdu is zero
+/// (dpdu_zero, no torsion there) or parallel to dpdv (parallel), the frame is the limit from outside. Beyond,
+/// at r κ cos 2πv > 1, the status is self_intersecting, n stays and the handedness is -1. Turns of the tube
+/// that meet without that are not noticed. Where the curve's speed is zero there is no frame. Frame
+/// components err by at most 8u (1 + condition), u the unit roundoff; the condition is that of 1 - r κ cos
+/// 2πv and, for a helix, 2π turns u. [doCarmo2016, sec. 2-4, exercise 10]
 template <class Curve = HelixCurve<double>>
 struct Tube {
   using scalar = typename Curve::scalar;
@@ -112,7 +113,8 @@ struct Tube {
     return result;
   }
 
-  /// K = -k/(r (1 - r k)), k = κ cos 2πv: the curvature of the centre curve towards n. [doCarmo2016, sec. 5-7]
+  /// K = -k/(r (1 - r k)), k = κ cos 2πv: the curvature of the centre curve towards n. [doCarmo2016, sec.
+  /// 5-7]
   template <class P, class S>
   S gaussian_curvature(const P& u, const Turn<S>& v) const {
     const S r = lift<S>(radius), k = curvature_towards_normal(u, v);
@@ -133,7 +135,8 @@ struct Tube {
   }
 
  private:
-  // speed (1 - r κ cos 2πv). Near a focal curve speed - r bend and 1 - cos = sin²/(1 + cos) keep their digits.
+  // speed (1 - r κ cos 2πv). Near a focal curve speed - r bend and 1 - cos = sin²/(1 + cos) keep their
+  // digits.
   template <class P, class S>
   S remaining_speed(const P& u, const Turn<S>& v, const CurveFrame<S>& f) const {
     const S r = lift<S>(radius), one = lift<S>(1.0), far = f.speed - r * (f.bend * v.cos - f.side * v.sin);

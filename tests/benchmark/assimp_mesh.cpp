@@ -16,7 +16,8 @@
 namespace darboux::bench {
 namespace {
 
-// Reads nothing: hands arrays to assimp as the mesh of a scene. Its post-processing works on what an importer made.
+// Reads nothing: hands arrays to assimp as the mesh of a scene. Its post-processing works on what an importer
+// made.
 class FromArrays : public Assimp::BaseImporter {
  public:
   explicit FromArrays(const MeshArrays& arrays) : arrays_(arrays) {}

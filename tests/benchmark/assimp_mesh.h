@@ -9,8 +9,8 @@
 
 namespace darboux::bench {
 
-/// A scene of assimp with one mesh. It wants vertices that are not shared; where they are, each vertex keeps what the last of its
-/// triangles wrote, as after reading an indexed glTF file.
+/// A scene of assimp with one mesh. It wants vertices that are not shared; where they are, each vertex keeps
+/// what the last of its triangles wrote, as after reading an indexed glTF file.
 class AssimpMesh {
  public:
   /// \throws std::runtime_error

@@ -43,9 +43,9 @@ struct Result {
   double ratio() const;          ///< median of `over`; 1 of the one that all are against
 };
 
-/// Makers on tori of several sizes, all against the first: for each of the others so many pairs, the first and then the other,
-/// each in a process of its own, on as many cores as it has threads. A maker that fails on a mesh, or takes
-/// more than 90 seconds, is not run on it again, nor one whose call takes more than 20.
+/// Makers on tori of several sizes, all against the first: for each of the others so many pairs, the first
+/// and then the other, each in a process of its own, on as many cores as it has threads. A maker that fails
+/// on a mesh, or takes more than 90 seconds, is not run on it again, nor one whose call takes more than 20.
 class Contest {
  public:
   Contest(std::vector<Maker> makers, std::vector<Size> sizes, bool indexed)

@@ -1,6 +1,8 @@
 // Times evaluate() against other ways and against the limits of the machine.
-//   benchmark_evaluation [Google Benchmark's options]    one way after the other, e.g. --benchmark_filter=torus/double
-//   benchmark_evaluation --table [--quick]               all in turns; writes the tables of docs/reports/evaluation.md
+//   benchmark_evaluation [Google Benchmark's options]    one way after the other, e.g.
+//                                                        --benchmark_filter=torus/double
+//   benchmark_evaluation --table [--quick]               all in turns; writes the tables of
+//                                                        docs/reports/evaluation.md
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -47,9 +49,10 @@ std::string shape_name(Layout layout, Wanted wanted) {
                                       : ", array of structs");
 }
 
-// ---- memory -----------------------------------------------------------------------------------------------------
+// ---- memory -----------------------------------------------------------------------------------------------
 
-// Sets of outputs, one large buffer: each call takes the next, so that what it writes to is no longer in a cache.
+// Sets of outputs, one large buffer: each call takes the next, so that what it writes to is no longer in a
+// cache.
 class Sets {
  public:
   static Sets& get() {
@@ -109,7 +112,7 @@ Outputs<T> outputs(Layout layout, Wanted wanted, const Place& to, std::size_t n)
   return out;
 }
 
-// ---- groups of ways that are timed in turns ---------------------------------------------------------------------
+// ---- groups of ways that are timed in turns ---------------------------------------------------------------
 
 // The naive loop, the limits, and the library's batch, for one shape of results.
 template <class T>
@@ -229,7 +232,8 @@ void in_parts(int parts, std::size_t n, const Place& to, const F& f) {
     tbb::parallel_for(0, parts, part, tbb::simple_partitioner{});
 }
 
-// Beside ours, what two threads are worth on this machine: to the naive loop, which only computes, and to who only writes.
+// Beside ours, what two threads are worth on this machine: to the naive loop, which only computes, and to who
+// only writes.
 template <class T>
 Group threads_group(ByHand kind) {
   Group group{std::string(name_of(kind)) + "/" + scalar_name<T> + "/threads", {}};

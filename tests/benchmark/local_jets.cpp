@@ -1,4 +1,5 @@
-// Local jets of a torus cloud beside CGAL's Monge_via_jet_fitting, and their orders: tables of docs/reports/fit.md.
+// Local jets of a torus cloud beside CGAL's Monge_via_jet_fitting, and their orders: tables of
+// docs/reports/fit.md.
 //   benchmark_local_jets [--quick]
 // Both fit the same neighbours of the same points on one core, in turns; finding the neighbours is not timed.
 #include <algorithm>
@@ -18,7 +19,7 @@
 #include <CGAL/version.h>
 #endif
 
-#include "../../src/neighbours.h"
+#include "base/neighbours.h"
 #include "measure.h"
 
 namespace darboux::bench {

@@ -84,8 +84,8 @@ inline double ratio(const Way& a, const Way& b) {
   return median(all);
 }
 
-/// Times all ways one after the other, so many rounds. Each is called once untimed directly before it is timed, and then as
-/// often as takes half a millisecond.
+/// Times all ways one after the other, so many rounds. Each is called once untimed directly before it is
+/// timed, and then as often as takes half a millisecond.
 inline void measure(std::vector<Way>& ways, int rounds) {
   using Clock = std::chrono::steady_clock;
   const auto seconds = [](auto&& f) {

@@ -1,6 +1,6 @@
 // The tables of docs/reports/mesh-tangents.md, for mesh_tangents.sh:
-//   --table FOLDER NODE [--quick]    all of them; NODE is the command of mesh_tangents.mjs up to MAKER, or "-REASON" why
-//                                    there is none
+//   --table FOLDER NODE [--quick]    all of them; NODE is the command of mesh_tangents.mjs up to MAKER, or
+//                                    "-REASON" why there is none
 //   --measure MAKER MESH [TANGENTS]  one maker in C++, for --table
 #include <cmath>
 #include <cstdio>

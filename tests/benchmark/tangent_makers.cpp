@@ -32,9 +32,9 @@ void reset_peak() {
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 
-// Time and memory of the first call; then calls until half a second has passed in all, then those that are timed, for a fifth
-// of one.
-// call() returns the seconds that count; output_bytes are those that a call itself allocates for its results.
+// Time and memory of the first call; then calls until half a second has passed in all, then those that are
+// timed, for a fifth of one. call() returns the seconds that count; output_bytes are those that a call itself
+// allocates for its results.
 template <class Call>
 Sample sample(double output_bytes, Call&& call) {
   reset_peak();

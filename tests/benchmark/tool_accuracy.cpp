@@ -38,8 +38,8 @@ Eigen::Isometry3d placed(const Eigen::Vector3d& x, const Eigen::Vector3d& y, con
 
 const Eigen::Vector3d ex{1, 0, 0}, ey{0, 1, 0}, ez{0, 0, 1}, zero{0, 0, 0};
 
-// The surfaces of a shape, as three.js lays them: u of its sphere runs from -x to +z, that of its cylinder from +z to +x, both
-// about y. More than one: sides, top, bottom.
+// The surfaces of a shape, as three.js lays them: u of its sphere runs from -x to +z, that of its cylinder
+// from +z to +x, both about y. More than one: sides, top, bottom.
 std::vector<PlacedSurface> surfaces_of(std::string_view shape) {
   const Eigen::Isometry3d round_sphere = placed(-ex, ez, ey, zero), upright = placed(ez, ex, ey, -ey);
   constexpr double radius = 1, height = 2;
@@ -61,7 +61,8 @@ std::vector<Truth> truth_of(std::string_view shape, const Mesh& mesh) {
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const double up = surfaces.size() > 1 ? mesh.normals[v].y : 0;
     truth.push_back(surfaces[up > 0.5 ? 1 : up < -0.5 ? 2 : 0].truth(mesh.uvs[v]));
-    // A unit in the last place of a float of a uv near 1, times the steepest partial, 2π(R + r), and of the position.
+    // A unit in the last place of a float of a uv near 1, times the steepest partial, 2π(R + r), and of the
+    // position.
     if (!(norm(mesh.positions[v] - truth.back().position) < 1e-6))
       throw std::runtime_error(std::string(shape) + ": a vertex is not on the surface");
   }

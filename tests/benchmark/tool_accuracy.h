@@ -26,7 +26,8 @@ struct ToolReport {
 /// Corners of a class whose tangent is zero or not finite: they have no angle.
 std::size_t without_direction(const ClassReport& report);
 
-/// All tools on all shapes of one resolution, from the folder that tools/make.mjs wrote; runs assimp's. \throws std::runtime_error
+/// All tools on all shapes of one resolution, from the folder that tools/make.mjs wrote; runs assimp's.
+/// \throws std::runtime_error
 std::vector<ToolReport> judge_tools(const std::filesystem::path& folder, int n);
 
 /// x, y, z, w of each corner by one tool, from that folder. \throws std::runtime_error

@@ -1,7 +1,8 @@
 // The tables of docs/reports/tools.md, for tools.sh:
 //   benchmark_tools WORK MAKE MODELS FIGURES KEPT [--quick]
-// WORK is an empty folder, MAKE the command of tools/make.mjs, MODELS the folder of Khronos's sample models, FIGURES that of
-// earlier.csv and earlier_models.csv, KEPT that of the files NAME_N.TOOL.glb which tools made earlier.
+// WORK is an empty folder, MAKE the command of tools/make.mjs, MODELS the folder of Khronos's sample models,
+// FIGURES that of earlier.csv and earlier_models.csv, KEPT that of the files NAME_N.TOOL.glb which tools made
+// earlier.
 #include "tools.h"
 
 #include <algorithm>
@@ -113,7 +114,8 @@ class Reports {
   std::map<std::tuple<std::string_view, std::string_view, int>, MeshReport> at_;
 };
 
-// What the rounding of uvs to floats may cause, in degrees: two ends of an edge of 1/2n of the chart, each off by up to 2^-25.
+// What the rounding of uvs to floats may cause, in degrees: two ends of an edge of 1/2n of the chart, each
+// off by up to 2^-25.
 double floor_deg(int n) {
   return 0x1p-24 * 2 * n * 180 / std::numbers::pi;
 }

@@ -30,8 +30,8 @@ struct Tally {
 void sample_models(const std::filesystem::path& folder, const std::vector<Line>& earlier, Tally& tally,
                    std::ostream& out);
 
-/// Rows of a table: what tools/make.mjs wrote for resolution n, and assimp's tangents of it, beside the files NAME_N.TOOL.glb of a
-/// folder, corner by corner.
+/// Rows of a table: what tools/make.mjs wrote for resolution n, and assimp's tangents of it, beside the files
+/// NAME_N.TOOL.glb of a folder, corner by corner.
 void beside_kept(const std::filesystem::path& work, int n, const std::filesystem::path& folder,
                  std::ostream& out);
 

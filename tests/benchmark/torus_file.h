@@ -9,7 +9,8 @@
 
 namespace darboux::bench {
 
-/// Positions, normals, uvs of vertices and the vertex of each corner of the triangles; no corners: corner i is vertex i.
+/// Positions, normals, uvs of vertices and the vertex of each corner of the triangles; no corners: corner i
+/// is vertex i.
 struct MeshArrays {
   std::vector<float> positions, normals, uvs;
   std::vector<std::uint32_t> corners;
@@ -21,13 +22,14 @@ struct MeshArrays {
   }
 };
 
-/// R = 1, r = 0.4 about z on a regular grid of 2 * columns * rows triangles, indexed; vertices at the seams come twice, once for
-/// each uv.
+/// R = 1, r = 0.4 about z on a regular grid of 2 * columns * rows triangles, indexed; vertices at the seams
+/// come twice, once for each uv.
 MeshArrays torus(int columns, int rows);
 /// The same triangles, three vertices each, without corners.
 MeshArrays unindexed(const MeshArrays& mesh);
 
-/// A file: the numbers of vertices and of corners as 32-bit integers, then the four arrays, in the machine's byte order.
+/// A file: the numbers of vertices and of corners as 32-bit integers, then the four arrays, in the machine's
+/// byte order.
 void write(const MeshArrays& mesh, const std::filesystem::path& file);
 /// \throws std::runtime_error
 MeshArrays read_mesh_arrays(const std::filesystem::path& file);

@@ -1,6 +1,7 @@
 // What `darboux validate` costs, as the tables of docs/reports/validate.md, for validate.sh:
 //   benchmark_validate WORK [--quick]
-// WORK is an empty folder. Each measurement is a process of its own: reading, the verdict, the processor's time, the peak of memory.
+// WORK is an empty folder. Each measurement is a process of its own: reading, the verdict, the processor's
+// time, the peak of memory.
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -16,13 +17,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <darboux/assess.h>
 #include <darboux/catalogue.h>
 #include <darboux/io.h>
-#include <darboux/judge.h>
 #include <darboux/mikktspace.h>
 #include <darboux/sample_mesh.h>
 
-#include "../../src/keep_freed_memory.h"
+#include "base/keep_freed_memory.h"
 #include "measure.h"
 
 namespace darboux::bench {
@@ -85,7 +86,8 @@ struct Measured {
   std::string file;
   Judged judged;
 };
-// The medians of several processes each, every number by itself. All take turns, as a machine can be slow for a while.
+// The medians of several processes each, every number by itself. All take turns, as a machine can be slow for
+// a while.
 std::vector<Cost> typical(const std::vector<Measured>& measured, int rounds) {
   std::vector<std::array<std::vector<double>, 3>> costs(measured.size());
   for (int i = 0; i < rounds; ++i)
@@ -134,7 +136,7 @@ double seconds_for(const std::vector<std::string>& files) {
     if (children[k] < 0) throw std::runtime_error("no process");
     if (children[k] != 0) continue;
     for (std::size_t i = k; i < files.size(); i += 2)
-      for (const Primitive& primitive : read_asset(files[i]).primitives) judge_parts(primitive.data);
+      for (const Primitive& primitive : read_asset(files[i]).primitives) assess_parts(primitive.data);
     _exit(0);
   }
   for (const pid_t child : children) {
@@ -157,12 +159,12 @@ void run(const std::string& work, bool quick) {
   write_mesh(torus, surface, {.columns = columns, .rows = rows}, false);
   write_mesh(bent, surface, {.columns = columns / 4, .rows = rows / 4}, true);
 
-  JudgeOptions all, analytic, unknown;
+  AssessOptions all, analytic, unknown;
   analytic.surface = parse_specification("torus");
   analytic.references = {.analytic = true, .mikktspace = false, .local = false, .triangles = false};
   unknown.references = analytic.references;
-  const auto judged = [](const JudgeOptions& options) {
-    return [&options](const Mesh& mesh) { judge_parts(mesh, options); };
+  const auto judged = [](const AssessOptions& options) {
+    return [&options](const Mesh& mesh) { assess_parts(mesh, options); };
   };
   const std::vector<Cost> costs = typical({{torus, [](const Mesh&) {}},
                                            {torus, mikktspace_of},

@@ -65,7 +65,7 @@ void loop(const F& f, const T* u, const T* v, std::size_t n, const Place& to) {
   }
 }
 
-// ---- by hand ----------------------------------------------------------------------------------------------------
+// ---- by hand ----------------------------------------------------------------------------------------------
 
 template <class T>
 struct TorusByHand {
@@ -160,7 +160,8 @@ constexpr std::array<double, order / 2> weights() {
   else
     return {4. / 5, -1. / 5, 4. / 105, -1. / 280};
 }
-// The step at which rounding and truncation are about equal for a function that is like sin 2πx, a power of two.
+// The step at which rounding and truncation are about equal for a function that is like sin 2πx, a power of
+// two.
 template <class T, int order>
 T step() {
   constexpr double truncation = order == 2 ? 1. / 6 : order == 4 ? 1. / 30 : order == 6 ? 1. / 140 : 1. / 630;
@@ -256,7 +257,7 @@ void by_hand(Method method, Layout layout, Wanted wanted, const T* u, const T* v
   }
 }
 
-// ---- through the types of the catalogue -------------------------------------------------------------------------
+// ---- through the types of the catalogue -------------------------------------------------------------------
 
 // A coordinate as prepare() hands it to formulas, by the sines of the C++ library.
 template <Coordinate kind, class T>
@@ -318,7 +319,7 @@ void differences_through(const T* u, const T* v, std::size_t n, const Place& to)
       u, v, n, to);
 }
 
-// ---- limits -----------------------------------------------------------------------------------------------------
+// ---- limits -----------------------------------------------------------------------------------------------
 
 // Each line holds what was computed from its index.
 #if defined(__x86_64__)

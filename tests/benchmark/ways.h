@@ -1,6 +1,7 @@
 /// \file ways.h
-/// The other ways of evaluating a surface at many points, which the library is compared with, and the limits of the machine.
-/// ways.cpp is compiled at -O2 for the baseline of the architecture, whatever the rest of the build asks for.
+/// The other ways of evaluating a surface at many points, which the library is compared with, and the limits
+/// of the machine. ways.cpp is compiled at -O2 for the baseline of the architecture, whatever the rest of the
+/// build asks for.
 #pragma once
 
 #include <array>
@@ -25,8 +26,8 @@ struct Place {
   std::size_t arrays, bytes, stride;
 };
 
-/// The place of `points` points from `base` on: arrays of whole 64-byte lines, each 320 bytes further than without a gap, so
-/// that no two start a power of two apart.
+/// The place of `points` points from `base` on: arrays of whole 64-byte lines, each 320 bytes further than
+/// without a gap, so that no two start a power of two apart.
 template <class T>
 Place place_of(Layout layout, Wanted wanted, char* base, std::size_t points) {
   const std::size_t numbers = numbers_of(wanted), arrays = layout == Layout::structs    ? 1

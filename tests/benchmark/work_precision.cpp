@@ -1,5 +1,6 @@
-// Time against measured error of every way to evaluate, on every surface of the catalogue, in double and float: CSV on
-// stdout. 4096 random points into memory that stays in the cache; errors at the first 2000 of them against 40 digits.
+// Time against measured error of every way to evaluate, on every surface of the catalogue, in double and
+// float: CSV on stdout. 4096 random points into memory that stays in the cache; errors at the first 2000 of
+// them against 40 digits.
 //   benchmark_work_precision [--quick]
 #include <algorithm>
 #include <array>
@@ -13,7 +14,7 @@
 #include <darboux/any_surface.h>
 #include <darboux/catalogue.h>
 #include <darboux/evaluate.h>
-#include <darboux/many_digits.h>
+#include <darboux/multiprecision.h>
 
 #include "measure.h"
 #include "ways.h"
@@ -31,16 +32,16 @@ char* memory() {
 }
 
 // The 18 numbers of each point that is checked, in 40 digits.
-using Exact = std::vector<std::array<ManyDigits, 18>>;
+using Exact = std::vector<std::array<Multiprecision, 18>>;
 template <class T>
 Exact exact(const AnySurface& surface, const RandomPoints<T>& points) {
   Exact result(checked_points);
   for (std::size_t i = 0; i < checked_points; ++i) {
     const auto u = static_cast<double>(points.u()[i]), v = static_cast<double>(points.v()[i]);
-    const Jet2<ManyDigits> j = surface.jet(ManyDigits(u), ManyDigits(v));
-    const Vec3<ManyDigits> t = unit(j.dpdu), n = unit(cross(j.dpdu, j.dpdv));
+    const Jet2<Multiprecision> j = surface.jet(Multiprecision(u), Multiprecision(v));
+    const Vec3<Multiprecision> t = unit(j.dpdu), n = unit(cross(j.dpdu, j.dpdv));
     std::size_t k = 0;
-    for (const Vec3<ManyDigits>& a : {j.position, j.dpdu, j.dpdv, t, cross(n, t), n}) {
+    for (const Vec3<Multiprecision>& a : {j.position, j.dpdu, j.dpdv, t, cross(n, t), n}) {
       result[i][k++] = a.x;
       result[i][k++] = a.y;
       result[i][k++] = a.z;
@@ -63,7 +64,7 @@ Errors errors(const Exact& exact, const Place& place) {
       for (std::size_t k = 3 * vector; k < 3 * vector + 3; ++k) {
         const auto computed = static_cast<double>(*number_at<T>(layout, wanted, place, k, i));
         const auto error = std::isfinite(computed)
-                               ? std::fabs(static_cast<double>(ManyDigits(computed) - exact[i][k]))
+                               ? std::fabs(static_cast<double>(Multiprecision(computed) - exact[i][k]))
                                : std::numeric_limits<double>::infinity();
         largest = std::max(largest, error);
         const auto size = static_cast<double>(exact[i][k]);

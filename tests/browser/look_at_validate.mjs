@@ -29,7 +29,7 @@ function rename(from, to, name) {
 }
 
 // Runs the tool: the page's path, and the JSON.
-function judge(files, ...more) {
+function assess(files, ...more) {
   const page = join(folder, 'report.html');
   const {status, stdout, stderr} =
     spawnSync(tool, ['validate', '--json', '--report', page, ...more, ...files], {encoding: 'utf8', maxBuffer: 1 << 28});
@@ -37,8 +37,8 @@ function judge(files, ...more) {
   return {url: pathToFileURL(page).href, page, report: JSON.parse(stdout)};
 }
 
-// What the page says of each judgement, in the order of the JSON, as a reader sees it.
-const shown = `[...document.querySelectorAll('.judgement')].sort((a, b) => a.dataset.number - b.dataset.number).map(section => {
+// What the page says of each assessment, in the order of the JSON, as a reader sees it.
+const shown = `[...document.querySelectorAll('.assessment')].sort((a, b) => a.dataset.number - b.dataset.number).map(section => {
   const words = (from, name) => from.querySelector(name).textContent;
   return {number: Number(section.dataset.number), verdict: section.dataset.verdict, corners: Number(section.dataset.corners),
           findings: [...section.querySelectorAll('.finding')].map(
@@ -232,7 +232,7 @@ const evil_path = join(folder, 'a<', `script><img src=x onerror=document.body.da
 rename(join(data, 'torus_016.three.glb'), evil_path, evil);
 copyFileSync(join(data, 'sphere_016.obj'), join(folder, 'sphere.obj'));
 writeFileSync(join(folder, 'none.glb'), 'glTF, but no more');
-const many = judge([...['torus_016.three.glb', 'plainsphere_016.three.glb', 'mirrortorus_016.mikk.glb'].map(f => join(data, f)),
+const many = assess([...['torus_016.three.glb', 'plainsphere_016.three.glb', 'mirrortorus_016.mikk.glb'].map(f => join(data, f)),
                     evil_path, join(folder, 'sphere.obj'), join(folder, 'none.glb')]);
 const source = readFileSync(many.page, 'utf8');
 assert.ok(!/(src|href)="?(https?:)?\/\//.test(source), 'the page names something outside itself');
@@ -266,7 +266,7 @@ try {
   assert.equal(await browser.value('document.body.dataset.broken'), undefined, 'the policy lets scripts run');
 
   // ---- one mesh, in the light and in the dark
-  const one = judge([join(data, 'sphere_016.three.glb')], '--max-angle', '2');
+  const one = assess([join(data, 'sphere_016.three.glb')], '--max-angle', '2');
   await browser.open(one.url);
   await expect_drawn(browser, 0, {uvs: true});
   await expect_turning(browser);
@@ -286,7 +286,7 @@ try {
 // ---- without WebGL the uvs are drawn, and a line says why the mesh is not
 browser = new Browser(executable, ['--disable-3d-apis']);
 try {
-  await browser.open(judge([join(data, 'torus_016.three.glb')]).url);
+  await browser.open(assess([join(data, 'torus_016.three.glb')]).url);
   await expect_drawn(browser, 0, {uvs: true, views: false});
   assert.equal(await browser.value(`document.querySelector('.no-webgl').hidden`), false);
   assert.equal(await browser.value('document.body.dataset.error'), undefined);

@@ -1,6 +1,6 @@
 /// \file cli.h
-/// What the tests of the command line share: the tool, run through a shell in a folder of its own that holds `data`, and
-/// readers of what it prints.
+/// What the tests of the command line share: the tool, run through a shell in a folder of its own that holds
+/// `data`, and readers of what it prints.
 #pragma once
 
 #include <bit>
@@ -65,8 +65,8 @@ class Cli : public ::testing::Test {
     return result;
   }
 
-  // Runs a command that must be refused: status 2, one line on stderr that begins with "darboux: " and holds all of
-  // `parts`, nothing on stdout.
+  // Runs a command that must be refused: status 2, one line on stderr that begins with "darboux: " and holds
+  // all of `parts`, nothing on stdout.
   void refused(const std::string& command, const std::vector<std::string>& parts = {}) const {
     SCOPED_TRACE(command);
     const Result r = sh(command);

@@ -1,5 +1,6 @@
-// Compiled once for a mutation run and linked with each mutant, which defines mutated_surface(). Exit code: 0 all laws
-// hold, 1 one does not (told on stdout), 2 wrong usage. Includes no surface: those come from the mutant alone.
+// Compiled once for a mutation run and linked with each mutant, which defines mutated_surface(). Exit code: 0
+// all laws hold, 1 one does not (told on stdout), 2 wrong usage. Includes no surface: those come from the
+// mutant alone.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,7 +14,7 @@
 #include <darboux/error.h>
 #include <darboux/testing.h>
 
-#include "text.h"
+#include "base/text.h"
 
 namespace darboux {
 
@@ -95,7 +96,8 @@ int check() {
   return 0;
 }
 
-// All that a surface tells, at many points with many parameters, as raw doubles: two mutants with the same output are one.
+// All that a surface tells, at many points with many parameters, as raw doubles: two mutants with the same
+// output are one.
 int values() {
   const auto write = [](double x) {
     if (x == 0 || std::isnan(x)) x = std::fabs(x);  // -0 is 0

@@ -280,8 +280,8 @@ class Workshop:
         (self.folder / "shared.h").write_text(PRECOMPILED)
         self.objects = []
         # All that the tests need.
-        formulas = (ROOT / "src/many_digits.cpp", ROOT / "src/surface.cpp", HERE / "no_batches.cpp")
-        for source in (HERE / "check_mutant.cpp", ROOT / "src/testing.cpp", *sorted((ROOT / "src/laws").glob("*.cpp")),
+        formulas = (ROOT / "src/surface/multiprecision.cpp", ROOT / "src/surface/surface.cpp", HERE / "no_batches.cpp")
+        for source in (HERE / "check_mutant.cpp", ROOT / "src/laws/testing.cpp", *sorted((ROOT / "src/laws").glob("*.cpp")),
                        *formulas):
             tell(f"compiling {source.name}")
             target = self.folder / f"{len(self.objects)}.o"

@@ -1,5 +1,6 @@
 // The measured part of docs/reports/fit.md, for fit.sh:
-//   fit_statistics [--quick] [--row NAME] [--sets N]   all rows or one, with so many data sets instead of its own number
+//   fit_statistics [--quick] [--row NAME] [--sets N]   all rows or one, with so many data sets instead of its
+//                                                      own number
 //   fit_statistics --replay ROW SEED                   one data set, with all that its fit says
 #include <algorithm>
 #include <atomic>

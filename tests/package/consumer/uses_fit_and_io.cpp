@@ -3,7 +3,7 @@
 
 #include <darboux/error.h>
 #include <darboux/evaluate.h>
-#include <darboux/fit.h>
+#include <darboux/fit_mesh.h>
 #include <darboux/io.h>
 #include <darboux/torus.h>
 

@@ -1,0 +1,160 @@
+/// \file offset.h
+/// Parallel surfaces, at a distance from another.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <darboux/adaptor.h>
+#include <darboux/forms.h>
+
+namespace darboux {
+
+/// The parallel surface P + d n at signed distance d along the base's normal. n is the base's; the handedness
+/// turns over where d passes a focal point, d κ > 1 for one principal curvature κ. The partials need third
+/// derivatives of the base: nested dual numbers over its normal, some twenty times the cost. Principal
+/// curvatures κ / (1 - d κ). At a focal point of dpdu there is no frame (no_frame, dpdu_zero); at one of dpdv
+/// the frame is the base's (limit_frame, dpdv_zero). At a conical point of the base n turns with u, and the
+/// parallel surface is regular. Where the base's frame is a limit that d2pduv does not give, there is a
+/// position and no frame. [doCarmo2016, sec. 3-5]
+template <class X, class T = double>
+struct Offset {
+  X base;
+  T distance{0};
+
+  static constexpr SurfaceInfo info = detail::moved_info<"offset ", X>(12);
+
+  std::string refusal() const {
+    if (!std::isfinite(distance)) return "the distance is not finite, permitted are numbers";
+    return detail::base_refusal(base);
+  }
+
+  template <class PU, class PV>
+  auto jet(const PU& u, const PV& v) const {
+    auto j = base.jet(u, v);
+    using S = std::remove_cvref_t<decltype(j.position.x)>;
+    const Jet2<S> n = normal_jet<S>(u, v);
+    const S d = lift<S>(distance);
+    Vec3<S> here = n.position;
+    // The limit has a value, though no derivatives.
+    if constexpr (std::floating_point<S> && std::floating_point<T>)
+      if (!detail::finite(here)) here = detail::frame_at<S>(base, u, v, detail::declared(base, u, v)).n;
+    return Jet2<S>{.position = j.position + d * here,
+                   .dpdu = j.dpdu + d * n.dpdu,
+                   .dpdv = j.dpdv + d * n.dpdv,
+                   .d2pdu2 = j.d2pdu2 + d * n.d2pdu2,
+                   .d2pduv = j.d2pduv + d * n.d2pduv,
+                   .d2pdv2 = j.d2pdv2 + d * n.d2pdv2};
+  }
+
+  template <class PU, class PV>
+  auto frame(const PU& u, const PV& v) const {
+    using S = std::remove_cvref_t<decltype(base.jet(u, v).position.x)>;
+    const Frame<S> f = detail::frame_at<S>(base, u, v, detail::declared(base, u, v));
+    if (has(f.status, Status::no_frame)) return f;
+    const Status at = still_singular(f.status, u, v);
+    const Jet2<S> of_base = base.jet(u, v), j = jet(u, v);
+    if (!detail::finite(normal(u, v))) {  // that of the base is a limit of higher order: t is not known here
+      Frame<S> none = detail::no_frame<S>();
+      none.status |= f.status & detail::degenerate;
+      return none;
+    }
+    // Where a partial vanishes, its direction is that of ±d2pduv: on the base and here.
+    const auto limit = [&](const Vec3<S>& leaning) {
+      return dot(of_base.d2pduv, leaning) < S(0) ? -j.d2pduv : j.d2pduv;
+    };
+    if (!detail::finite(j.dpdu) || !detail::finite(j.dpdv))
+      return Frame<S>{f.t, f.b, f.n, f.handedness, f.status};  // as the base's do
+    const bool u_collapsed = has(at, Status::dpdu_zero), v_collapsed = has(at, Status::dpdv_zero);
+    const Vec3<S> along_u = u_collapsed ? limit(f.t) : j.dpdu,
+                  along_v = v_collapsed ? limit(f.handedness * f.b) : j.dpdv;
+    Frame<S> result{unit(along_u), {}, f.n, f.handedness, at & (detail::degenerate | Status::crease)};
+    if (has(at, detail::degenerate)) result.status |= Status::limit_frame;
+    // At a focal point a partial is a difference of equal ones: what rounding leaves has no direction.
+    constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();
+    if (!u_collapsed && !(norm(j.dpdu) > rounding * norm(of_base.dpdu))) {
+      result.t = result.b = result.n = detail::nan_vector<S>();
+      result.status = Status::no_frame | Status::dpdu_zero;
+      return result;
+    }
+    result.b = unit(accurate_cross(result.n, result.t));
+    // The base's handedness, turned over with each focal point passed.
+    if (has(at, Status::parallel)) {
+      if constexpr (std::same_as<PU, S> && std::same_as<PV, S>) {
+        Frame<S> limit_of_base = f;
+        limit_of_base.status |= Status::limit_frame;
+        const ShapeOperator<S> s = shape_operator(base, u, v, of_base, limit_of_base);
+        const S d = lift<S>(distance), one = lift<S>(1.0);
+        if ((one - d * s.a) * (one - d * s.c) < d * s.m * (d * s.m)) result.handedness = -f.handedness;
+      }
+    } else {
+      const S sine = dot(accurate_cross(unit(along_u), unit(along_v)), f.n);
+      result.handedness = sine < S(0) ? S(-1) : S(1);
+      if (!v_collapsed &&
+          !(norm(j.dpdv) > rounding * norm(of_base.dpdv)))  // the frame is the base's all the same
+        result.status |= Status::dpdv_zero | Status::limit_frame;
+    }
+    return result;
+  }
+
+  /// The base's, but where the base has a conical point: there n turns with u, and the parallel surface is
+  /// regular.
+  template <class PU, class PV>
+  Status singular(const PU& u, const PV& v) const {
+    return still_singular(detail::declared(base, u, v), u, v);
+  }
+
+  template <class PU, class PV>
+  auto normal(const PU& u, const PV& v) const {
+    return detail::normal_of(base, u, v);
+  }
+
+  /// K / (1 - 2 d H + d² K) of the base's stated curvatures
+  template <class PU, class PV>
+  auto gaussian_curvature(const PU& u,
+                          const PV& v) const requires StatesGaussianCurvature<X> && StatesMeanCurvature<X> {
+    const auto K = base.gaussian_curvature(u, v), H = base.mean_curvature(u, v);
+    using S = std::remove_cvref_t<decltype(K)>;
+    const S d = lift<S>(distance), one = lift<S>(1.0), two = lift<S>(2.0);
+    return S(K / (one - two * d * H + d * d * K));
+  }
+
+  std::vector<double> breaks(int along) const requires requires(const X& x) { x.breaks(0); }
+  { return base.breaks(along); }
+
+  template <class To>
+  auto rebind() const {
+    return Offset<decltype(darboux::rebind<To>(base)), To>{darboux::rebind<To>(base), lift<To>(distance)};
+  }
+
+ private:
+  // What is left of the base's bits.
+  template <class PU, class PV>
+  Status still_singular(Status at, const PU& u, const PV& v) const {
+    if (!has(at, detail::degenerate)) return at;
+    const auto j = jet(u, v);
+    using S = std::remove_cvref_t<decltype(j.position.x)>;
+    constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();
+    const auto regular = [&](const Vec3<S>& partial, const Vec3<S>& other) {
+      return norm(partial) > rounding * (norm(other) + norm(j.d2pduv));
+    };
+    Status result = at;
+    if (regular(j.dpdu, j.dpdv)) result = detail::without(result, Status::dpdu_zero);
+    if (regular(j.dpdv, j.dpdu)) result = detail::without(result, Status::dpdv_zero);
+    if (norm(cross(unit(j.dpdu), unit(j.dpdv))) > rounding)
+      result = detail::without(result, Status::parallel);
+    return result;
+  }
+  template <class S, class PU, class PV>
+  Jet2<S> normal_jet(const PU& u, const PV& v) const {
+    return detail::jet_by_duals<X::info.u, X::info.v, S>(
+        [this](const auto& a, const auto& b) { return this->normal(a, b); }, u, v);
+  }
+};
+template <class X>
+Offset(X, double) -> Offset<X>;
+
+}  // namespace darboux

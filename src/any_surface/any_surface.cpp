@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <charconv>
+
+#include <darboux/any_surface.h>
+#include <darboux/catalogue.h>
+#include <darboux/error.h>
+
+#include "base/text.h"
+
+namespace darboux {
+namespace {
+
+template <class Range, class Name>
+std::string join(const Range& range, Name name) {
+  std::string text;
+  for (const auto& item : range) text += (text.empty() ? "" : ", ") + std::string(name(item));
+  return text.empty() ? "none" : text;
+}
+
+const AnySurface& find_surface(const std::string& name) {
+  for (const AnySurface& surface : all_surfaces())
+    if (surface.info().name == name) return surface;
+  throw ParameterError(name.empty() ? "surface" : name,
+                       "unknown surface, known are " +
+                           join(all_surfaces(), [](const AnySurface& s) { return s.info().name; }));
+}
+
+[[noreturn]] void throw_unknown_parameter(const AnySurface& surface, const std::string& name) {
+  throw ParameterError(std::string(surface.info().name),
+                       "unknown parameter '" + name + "', known are " +
+                           join(surface.parameters(), [](const ParameterValue& p) { return p.name; }));
+}
+
+double parse_number(const std::string& subject, std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || text.empty())
+    throw ParameterError(
+        subject, "'" + std::string(text) + "' is not a number, permitted are decimal numbers like 0.25");
+  return value;
+}
+
+}  // namespace
+
+std::string AnySurface::specification(int digits) const {
+  std::string text(info().name);
+  char separator = ':';
+  if (!file_.empty()) {
+    text += ":file=" + file_;
+    separator = ',';
+  }
+  for (const ParameterValue& p : parameters()) {
+    text +=
+        separator + std::string(p.name) + "=" + (digits > 0 ? rounded(p.value, digits) : shortest(p.value));
+    separator = ',';
+  }
+  return text;
+}
+
+SurfaceSpecification parse_specification(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  SurfaceSpecification result{std::string(text.substr(0, colon)), {}};
+  const AnySurface& surface = find_surface(result.name);
+  if (colon == std::string_view::npos) return result;
+  std::string_view rest = text.substr(colon + 1);
+  while (true) {
+    const std::size_t comma = rest.find(',');
+    const std::string_view item = rest.substr(0, comma);
+    const std::size_t equals = item.find('=');
+    const std::string name(item.substr(0, equals));
+    const auto parameters = surface.parameters();
+    if (std::none_of(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; }))
+      throw_unknown_parameter(surface, name);
+    if (equals == std::string_view::npos)
+      throw ParameterError(result.name, "parameter '" + name + "' has no value, write " + name + "=number");
+    if (std::any_of(result.parameters.begin(), result.parameters.end(),
+                    [&](const auto& p) { return p.first == name; }))
+      throw ParameterError(result.name, "parameter '" + name + "' is given twice, permitted is once");
+    result.parameters.emplace_back(name, parse_number(result.name + ": " + name, item.substr(equals + 1)));
+    if (comma == std::string_view::npos) return result;
+    rest = rest.substr(comma + 1);
+  }
+}
+
+AnySurface make_surface(const SurfaceSpecification& specification) {
+  const AnySurface& standard = find_surface(specification.name);
+  const std::vector<ParameterValue> parameters = standard.parameters();
+  std::vector<double> values;
+  for (const ParameterValue& p : parameters) values.push_back(p.value);
+  for (const auto& [name, value] : specification.parameters) {
+    const auto p = std::find_if(parameters.begin(), parameters.end(),
+                                [&name = name](const ParameterValue& q) { return q.name == name; });
+    if (p == parameters.end()) throw_unknown_parameter(standard, name);
+    values[static_cast<std::size_t>(p - parameters.begin())] = value;
+  }
+  return standard.with(values);
+}
+
+AnySurface make_surface(std::string_view text) {
+  return make_surface(parse_specification(text));
+}
+
+const std::vector<AnySurface>& all_surfaces() {
+  static const std::vector<AnySurface> surfaces = [] {
+    std::vector<AnySurface> list;
+    Catalogue::for_each([&](const auto& surface) { list.emplace_back(surface); });
+    return list;
+  }();
+  return surfaces;
+}
+
+}  // namespace darboux

@@ -1,0 +1,259 @@
+#include "evidence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include <darboux/frame.h>
+
+#include "base/evenly_chosen.h"
+#include "base/text.h"
+
+namespace darboux {
+namespace {
+
+enum class Symmetry { plane, sphere, axis, none };
+
+// What is known of a kind beforehand.
+struct Kind {
+  std::string_view name;
+  Symmetry symmetry;
+  int unknowns;  // of a profile through rings about the axis; of lengths between points of a ball; else of
+                 // the whole fit
+  double prior;  // log10 odds of a part of somebody's model being one, against all that it may be
+};
+constexpr Kind known_kinds[] = {
+    {"sphere", Symmetry::sphere, 2, -2},    {"cylinder", Symmetry::axis, 1, -1},
+    {"cone", Symmetry::axis, 2, -1},        {"torus", Symmetry::axis, 3, -3},
+    {"ellipsoid", Symmetry::sphere, 3, -3}, {"elliptic-paraboloid", Symmetry::none, 10, -5},
+    {"catenoid", Symmetry::axis, 3, -5},
+};
+constexpr Kind any_other{"", Symmetry::none, 10, -6};
+
+constexpr double same = 1e-3;  // places of rings, of the size; lengths within ten times that, of their median
+constexpr std::size_t looked_at = 5000;  // places and vertices of large meshes, spread evenly
+constexpr double agree_deg = 5, tight_deg = 1;
+constexpr double most_positions = 8, most_uvs = 4, most_normals = 4;
+constexpr double least_explained = 100;  // what the surface leaves, against what a plane leaves
+
+const Kind& kind_of(const MeshFit& fit) {
+  for (const Kind& kind : known_kinds)
+    if (kind.name == fit.surface.surface.info().name) return kind;
+  return any_other;
+}
+
+// How many values differ: intervals of that width that hold them all.
+std::size_t different(std::vector<double> values, double tolerance) {
+  std::sort(values.begin(), values.end());
+  std::size_t count = 0;
+  double end = -1;
+  for (const double x : values)
+    if (count == 0 || x > end) ++count, end = x + tolerance;
+  return count;
+}
+
+// Vertices that the symmetry of a lattice puts onto the surface together count once: rings about an axis,
+// lengths between neighbours on a ball.
+struct Orbits {
+  std::size_t count = 0;
+  std::size_t sides = 0;  // of the finest ring that goes all round, 0 where none does
+};
+
+Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
+  struct Ring {
+    double z, r;
+    std::vector<double> angles;
+  };
+  std::vector<Ring> list;
+  Orbits result;
+  const double tolerance = same * shape.size;
+  const Eigen::Isometry3d to_local = placement.inverse();
+  for (const std::size_t i : evenly_chosen(shape.places.size(), looked_at)) {
+    const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[shape.places[i]]);
+    const double r = std::hypot(p.x(), p.y());
+    auto at = std::find_if(list.begin(), list.end(), [&](const Ring& ring) {
+      return std::fabs(ring.z - p.z()) <= tolerance && std::fabs(ring.r - r) <= tolerance;
+    });
+    if (at == list.end()) {
+      if (list.size() >= 64) continue;  // plenty
+      at = list.insert(list.end(), {p.z(), r, {}});
+    }
+    at->angles.push_back(std::atan2(p.y(), p.x()));
+  }
+  result.count = list.size();
+  for (Ring& ring : list) {
+    if (!(ring.r > tolerance)) continue;
+    const double step = tolerance / ring.r;
+    std::sort(ring.angles.begin(), ring.angles.end());
+    double widest = ring.angles.front() + 2 * M_PI - ring.angles.back();
+    for (std::size_t i = 1; i < ring.angles.size(); ++i)
+      widest = std::fmax(widest, ring.angles[i] - ring.angles[i - 1]);
+    const std::size_t sides = different(ring.angles, step);
+    if (widest <= 1.6 * 2 * M_PI / static_cast<double>(sides) || widest < M_PI / 6)
+      result.sides = std::max(result.sides, sides);
+  }
+  return result;
+}
+
+// Places up to the signs of their coordinates.
+std::size_t folded(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
+  std::vector<Eigen::Vector3d> list;
+  const Eigen::Isometry3d to_local = placement.inverse();
+  for (const std::uint32_t v : shape.places) {
+    const Eigen::Vector3d p = (to_local * to_eigen(mesh.positions[v])).cwiseAbs();
+    if (std::none_of(list.begin(), list.end(), [&](const Eigen::Vector3d& q) {
+          return (p - q).cwiseAbs().maxCoeff() <= same * shape.size;
+        }))
+      list.push_back(p);
+    if (list.size() >= 64) break;  // plenty
+  }
+  return list.size();
+}
+
+// Lengths of edges, on the unit ball that the surface is the image of.
+std::size_t lengths(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
+  Eigen::Vector3d axes = Eigen::Vector3d::Ones();
+  for (const ParameterValue& p : fit.surface.surface.parameters()) {
+    if (p.name == "radius") axes.setConstant(p.value);
+    if (p.name == "semi_axis_x") axes.x() = p.value;
+    if (p.name == "semi_axis_y") axes.y() = p.value;
+    if (p.name == "semi_axis_z") axes.z() = p.value;
+  }
+  const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
+  std::vector<double> values;
+  for (const auto& [v, w] : shape.edges) {
+    const Eigen::Vector3d a = to_local * to_eigen(mesh.positions[v]),
+                          b = to_local * to_eigen(mesh.positions[w]);
+    values.push_back((a - b).cwiseQuotient(axes).norm());
+    if (values.size() >= 4096) break;
+  }
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  const double tolerance = 10 * same * *middle;
+  return different(std::move(values), tolerance);
+}
+
+// Whether the stored normals are the surface's, on either side.
+struct Normals {
+  double agree = 0;  // the share of vertices
+  double tight = 0;  // the share within a degree
+  std::size_t compared = 0;
+};
+
+// \param on_axis how near to the axis of the placement a place is a tip, which has no normal; negative: there
+// is no axis
+Normals compare_normals(const Mesh& mesh, const MeshFit& fit, double on_axis) {
+  std::vector<bool> used(mesh.positions.size(), false);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t) used[v] = true;
+  Mesh few;
+  few.half_steps = mesh.half_steps;
+  const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
+  for (const std::size_t v : evenly_chosen(used.size(), looked_at)) {
+    const Vec3<double>& n = mesh.normals[v];
+    const Eigen::Vector3d p = to_local * to_eigen(mesh.positions[v]);
+    if (!used[v] || !detail::finite(n) || n == Vec3<double>{} || !(std::hypot(p.x(), p.y()) > on_axis))
+      continue;
+    few.positions.push_back(mesh.positions[v]);
+    few.normals.push_back(n);
+    if (!mesh.uvs.empty()) few.uvs.push_back(mesh.uvs[v]);
+  }
+  Normals result;
+  std::size_t agree = 0, tight = 0;
+  const std::vector<Truth> truth = truths(few, fit);
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    const Vec3<double>&n = few.normals[v], &m = truth[v].normal;
+    if (!detail::finite(m) || truth[v].pole || !std::isfinite(truth[v].normal_deg)) continue;
+    const double angle = angle_between(n, dot(n, m) < 0 ? -m : m) * 180 / M_PI;
+    ++result.compared;
+    agree += angle <= agree_deg;
+    tight += angle <= tight_deg;
+  }
+  if (result.compared == 0) return result;
+  result.agree = static_cast<double>(agree) / static_cast<double>(result.compared);
+  result.tight = static_cast<double>(tight) / static_cast<double>(result.compared);
+  return result;
+}
+
+}  // namespace
+
+Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
+  const Kind& kind = kind_of(fit);
+  const std::string name(fit.surface.surface.info().name);
+  Evidence result{.log10_odds = kind.prior, .rival = "chance", .text = ""};
+  const double explained = shape.thickness * shape.size / std::fmax(fit.rms, 1e-12 * shape.size);
+  if (!(explained >= least_explained)) {
+    result.log10_odds = -10;
+    result.rival = "plane";
+    result.text = "it explains the positions only " + rounded(explained, 2) + " times as well as a plane";
+    return result;
+  }
+  // Positions: spare orbits.
+  Orbits orbits;
+  const Eigen::Isometry3d& placement = fit.surface.placement;
+  if (kind.symmetry == Symmetry::axis) {
+    orbits = rings(mesh, shape, placement);
+  } else {
+    orbits.count = lengths(mesh, shape, fit);
+    // What a lathe or a mirror puts onto a ball together counts once, about whatever axis.
+    if (kind.symmetry == Symmetry::sphere)
+      orbits.count = std::min(orbits.count, folded(mesh, shape, placement));
+    if (kind.symmetry == Symmetry::sphere)
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const Eigen::Matrix3d& frame : {Eigen::Matrix3d(placement.linear()), shape.axes}) {
+          Eigen::Isometry3d turned = placement;
+          turned.linear() << frame.col((axis + 1) % 3), frame.col((axis + 2) % 3), frame.col(axis);
+          orbits.count = std::min(orbits.count, rings(mesh, shape, turned).count);
+        }
+      }
+  }
+  const bool own = fit.chart == UvChart::own, affine = own && fit.surface.uv.name == "affine";
+  const auto places = static_cast<double>(shape.places.size());
+  const double unknowns = static_cast<double>(6 + fit.surface.surface.parameters().size()) + (affine ? 6 : 0);
+  const double by_orbits = static_cast<double>(orbits.count) - kind.unknowns,
+               by_places = ((own ? 3 : 1) * places - unknowns) / (own ? 3 : 1);
+  const double sharp = std::fmin(1, std::log10(explained) / 3);
+  const double positions = std::fmin(std::fmin(by_orbits, by_places) * sharp, most_positions);
+  // Uvs: the same orbits once more, where they are the surface's own.
+  const double uvs =
+      !own ? 0 : std::fmax(0, std::fmin(static_cast<double>(orbits.count) - (affine ? 3 : 1), most_uvs));
+  // Normals that are the surface's and not their triangles'.
+  double normals = 0;
+  Normals compared;
+  const bool faceted = shape.faceted > 0.5;
+  if (!mesh.normals.empty() && !faceted) {
+    compared = compare_normals(mesh, fit, kind.symmetry == Symmetry::axis ? same * shape.size : -1);
+    if (compared.compared > 0)
+      normals =
+          compared.agree >= 0.8
+              ? std::fmin((compared.tight >= 0.8 ? 1.5 : 1) * static_cast<double>(orbits.count), most_normals)
+          : compared.agree >= 0.5 ? 0
+                                  : -3;
+  } else if (faceted) {
+    normals = -4;
+  }
+  // A ring of eight sides or more with smooth normals is meant round.
+  // Without normals and uvs of its own a surface says nothing that is judged, and positions alone must say
+  // more.
+  const double mute = !own && mesh.normals.empty() ? -2 : 0;
+  const double round = orbits.sides >= 8 && (normals > 0 || (own && mesh.normals.empty())) ? 2 : 0;
+  const double fine = shape.turn_deg <= 15 ? 2 : shape.turn_deg <= 31 ? 1 : 0;
+  result.log10_odds += positions + uvs + normals + mute + round + fine;
+  result.rival = faceted         ? "faceted"
+                 : normals < 0   ? "authored normals"
+                 : positions < 2 ? "polyhedron"
+                                 : "chance";
+  result.text =
+      name + ": " + std::to_string(orbits.count) +
+      (kind.symmetry == Symmetry::axis ? " different rings" : " different lengths of edges") + " of " +
+      std::to_string(shape.places.size()) + " places, " + rounded(explained, 2) +
+      " times as near as to a plane" + (own ? ", uvs are its own" : "") +
+      (compared.compared > 0 ? ", normals agree at " + rounded(100 * compared.agree, 3) + " %" : "") +
+      (faceted ? ", normals are the triangles'" : "") + ", faces turn by " + rounded(shape.turn_deg, 2) +
+      " deg";
+  return result;
+}
+
+}  // namespace darboux

@@ -1,0 +1,243 @@
+#include "recognise.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <darboux/error.h>
+
+#include "base/text.h"
+#include "by_normals.h"
+#include "evidence.h"
+#include "fit/fit_kinds.h"
+#include "shape.h"
+
+namespace darboux {
+namespace {
+
+constexpr double flat = fits_below;             // thickness of what is a plane or nothing
+constexpr std::size_t fewest_in_a_plane = 4;    // triangles
+constexpr std::size_t fewest_under_a_map = 40;  // places, of a surface that only its uvs tell
+constexpr std::size_t fewest_by_positions =
+    32;                                // places, where normals are stored that are not the surface's
+constexpr double plane_normals = 0.8;  // share of normals that must be the plane's
+
+}  // namespace
+
+std::string nearest_fit(const MeshFit& fit) {
+  const bool affine = fit.surface.uv.name == "affine";
+  const double limit = affine ? fits_below / 100 : fits_below;
+  return ": nearest is " + fit.surface.surface.specification(6) + " with an rms distance of " +
+         rounded(fit.rms_relative, 2) + " of the mesh's size, " +
+         (fit.rms_relative <= limit ? "which leaves some of its unknowns open"
+                                    : "expected at most " + rounded(limit, 1)) +
+         (affine ? " under affine uvs" : "");
+}
+
+namespace {
+
+bool may_be(std::string_view kind, Quadric quadric) {
+  const auto among = [&](std::initializer_list<std::string_view> list) {
+    return std::find(list.begin(), list.end(), kind) != list.end();
+  };
+  if (among({"torus", "helicoid", "catenoid", "moebius-strip", "klein-bottle", "enneper"}))
+    return quadric == Quadric::none;
+  const bool closed = among({"sphere", "ellipsoid"});
+  return quadric == Quadric::any || (quadric == Quadric::definite && closed) ||
+         (quadric == Quadric::indefinite && !closed);
+}
+
+// One mesh that is looked at.
+class Search {
+ public:
+  Search(const Mesh& mesh, std::span<const signed char> signs,
+         const std::optional<Eigen::Isometry3d>& placement, Effort& effort, std::string_view charted)
+      : mesh_(mesh),
+        signs_(signs),
+        placement_(placement),
+        effort_(effort),
+        charted_(charted),
+        shape_(shape_of(mesh)) {}
+
+  Recognised result() && {
+    if (shape_.places.size() < 3 || !(shape_.size > 0)) {
+      result_.too_little = true;
+      result_.reason =
+          ": " + std::to_string(shape_.places.size()) + " different places, a surface needs more";
+      return std::move(result_);
+    }
+    if (shape_.thickness <= flat) {
+      look_for_plane();
+      return std::move(result_);
+    }
+    if (const std::string against = against_any_surface(shape_); !against.empty()) {
+      result_.evidence = Evidence{-10, against.substr(0, against.find(':')), against};
+      result_.reason = ": " + against;
+      return std::move(result_);
+    }
+    if (!effort_.may_search(shape_)) {
+      result_.reason =
+          effort_.spent() ? ": the time for it was spent" : ": parts like it, or many others, are none";
+      return std::move(result_);
+    }
+    look_for_surface();
+    if (!result_.fits() && charted_.empty()) effort_.failed(shape_);
+    return std::move(result_);
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 2> planar_{"plane", "disk"};
+
+  std::optional<MeshFit> by_uvs(std::span<const std::string_view> kinds, UvMaps maps) {
+    if (mesh_.uvs.empty() || !shape_.one_chart) return std::nullopt;
+    try {
+      std::optional<MeshFit> fit = fit_kinds(mesh_, placement_, kinds, maps, signs_);
+      if (fit && !fit->fits) {
+        if (!result_.fit || fit->rms_relative < result_.fit->rms_relative) {
+          result_.reason = nearest_fit(*fit);
+          result_.fit = std::move(*fit);
+        }
+        return std::nullopt;
+      }
+      return fit;
+    } catch (const MeshError& e) {
+      result_.reason = std::string(": ") + e.what();
+      return std::nullopt;
+    }
+  }
+
+  void take(MeshFit fit, Evidence evidence) {
+    result_.truth = truths(mesh_, fit, signs_);
+    result_.fit = std::move(fit);
+    result_.evidence = std::move(evidence);
+  }
+
+  // Takes a fit that the evidence is enough for.
+  bool weigh(MeshFit fit) {
+    Evidence evidence = evidence_for(mesh_, shape_, fit);
+    if (evidence.log10_odds >= evidence_needed) {
+      take(std::move(fit), std::move(evidence));
+      return true;
+    }
+    if (!result_.evidence || evidence.log10_odds > result_.evidence->log10_odds) {
+      result_.reason = ": not enough speaks for " + evidence.text;
+      result_.evidence = std::move(evidence);
+    }
+    return false;
+  }
+
+  void look_for_plane() {
+    Evidence evidence{-10, "polygon", ""};
+    std::size_t agree = 0, compared = 0;
+    for (const Vec3<double>& n : mesh_.normals) {
+      if (!detail::finite(n) || n == Vec3<double>{}) continue;
+      ++compared;
+      agree += std::fabs(to_eigen(n).normalized().dot(shape_.plane_normal)) >= 0.996;  // 5 degrees
+    }
+    if (static_cast<double>(agree) < plane_normals * static_cast<double>(compared)) {
+      evidence.rival = "authored normals";
+      evidence.text = "the places lie in a plane, the normals are others";
+    } else if (mesh_.triangles.size() < fewest_in_a_plane) {
+      evidence.text =
+          "a polygon of " + std::to_string(mesh_.triangles.size()) + " triangles: a plane says no more";
+    } else {
+      std::optional<MeshFit> fit = by_uvs(planar_, UvMaps::any);
+      if (!fit) fit = fit_positions(mesh_, SurfaceSpecification{"plane", {}}, placement_);
+      if (fit) {
+        take(std::move(*fit),
+             {evidence_needed + 4, "polygon", "all places lie in a plane, and the normals are its"});
+        return;
+      }
+    }
+    result_.reason =
+        ": " + (evidence.text.empty() ? std::string("the places lie in a plane") : evidence.text);
+    result_.evidence = std::move(evidence);
+  }
+
+  // From the quick to the slow.
+  void look_for_surface() {
+    if (!charted_.empty()) {
+      if (auto fit = by_uvs(std::array{charted_}, UvMaps::any)) weigh(std::move(*fit));
+      return;
+    }
+    const Quadric quadric = quadric_of(mesh_, shape_);
+    const bool no_torus = quadric != Quadric::none || !may_be_cyclide(mesh_, shape_);
+    const auto ruled_out = [&](std::string_view kind) {
+      return !may_be(kind, quadric) || (kind == "torus" && no_torus);
+    };
+    std::vector<std::string_view> kinds;
+    for (const std::string_view kind : fitted_kinds())
+      if (!ruled_out(kind)) kinds.push_back(kind);
+    if (auto fit = by_uvs(kinds, UvMaps::plain))
+      if (weigh(std::move(*fit))) return;
+    for (const std::string_view kind : found_kinds()) {
+      if (kind == "plane" || ruled_out(kind) || effort_.spent()) continue;
+      std::optional<MeshFit> fit;
+      if (!placement_) fit = fit_by_normals(mesh_, shape_, kind);
+      if (!fit && (mesh_.normals.empty() || shape_.places.size() >= fewest_by_positions))
+        fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
+      if (!fit) continue;
+      if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
+      if (weigh(std::move(*fit))) return;
+    }
+    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine(shape_))
+      return;
+    if (auto fit = by_uvs(kinds, UvMaps::affine)) weigh(std::move(*fit));
+  }
+
+  const Mesh& mesh_;
+  std::span<const signed char> signs_;
+  const std::optional<Eigen::Isometry3d>& placement_;
+  Effort& effort_;
+  std::string_view charted_;
+  Shape shape_;
+  Recognised result_;
+};
+
+}  // namespace
+
+namespace {
+
+constexpr std::size_t most_failures = 12;
+
+// What parts that repeat have in common, wherever they lie.
+Effort::Outline outline(const Shape& shape) {
+  const auto digits = [](double x, double step) { return static_cast<std::size_t>(std::llround(x / step)); };
+  return {shape.places.size(), shape.edges.size(), shape.turning, digits(shape.thickness, 1e-5),
+          digits(shape.turn_deg, 1e-2)};
+}
+
+}  // namespace
+
+Effort::Effort(const std::optional<double>& budget) {
+  if (budget)
+    until_ =
+        std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                               std::chrono::duration<double>(*budget));
+}
+
+bool Effort::spent() const {
+  return until_ && std::chrono::steady_clock::now() >= *until_;
+}
+
+bool Effort::may_search(const Shape& shape) const {
+  return !spent() && failed_.size() < most_failures &&
+         std::find(failed_.begin(), failed_.end(), outline(shape)) == failed_.end();
+}
+
+void Effort::failed(const Shape& shape) {
+  failed_.push_back(outline(shape));
+}
+
+bool Effort::may_search_affine(const Shape& shape) {
+  if (!one_chart_) one_chart_ = shape.one_chart;
+  return *one_chart_ && shape.one_chart && !spent() && affine_-- > 0;
+}
+
+Recognised recognise(const Mesh& mesh, std::span<const signed char> signs,
+                     const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+                     std::string_view charted) {
+  return Search(mesh, signs, placement, effort, charted).result();
+}
+
+}  // namespace darboux

@@ -1,0 +1,62 @@
+// Which surface a mesh, or a part of one, was made from: cheap questions first, fits last, then the evidence.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <darboux/assess.h>
+
+#include "shape.h"
+
+namespace darboux {
+
+// What a mesh was taken for, and the truth at its vertices where it fits.
+struct Recognised {
+  std::optional<MeshFit> fit;
+  std::vector<Truth> truth;
+  std::string reason;       // of what does not fit, for SURFACE_UNKNOWN
+  bool too_little = false;  // to tell any surface
+  bool declared = false;    // it is the declared surface
+  std::optional<Evidence> evidence{};
+  bool fits() const { return fit && fit->fits; }
+};
+
+// Of a fit that does not fit: what it came to, and why that is not enough. An affine map is so free that it
+// must fit better.
+std::string nearest_fit(const MeshFit& fit);
+
+// How much may still be tried on one mesh: parts like those that were no surface are not tried again, and
+// after some of them no others either.
+class Effort {
+ public:
+  using Outline = std::array<std::size_t, 5>;
+
+  explicit Effort(const std::optional<double>& budget);
+  bool spent() const;  // the budget is
+  bool may_search(const Shape& shape) const;
+  void failed(const Shape& shape);
+  // Once, and not in what falls apart into islands of an atlas: only kinds that are found by positions are
+  // charted there.
+  bool may_search_affine(const Shape& shape);
+
+ private:
+  std::optional<std::chrono::steady_clock::time_point> until_;
+  std::vector<Outline> failed_;
+  int affine_ = 1;
+  std::optional<bool> one_chart_;  // of what was looked at first
+};
+
+// Any surface of the catalogue, with evidence. \param placement held when given
+// \param signs of its triangles, in the sense of triangle_signs()
+// \param charted nothing but this kind, through uvs that are its own; empty: any, by uvs, normals and
+// positions
+Recognised recognise(const Mesh& mesh, std::span<const signed char> signs,
+                     const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+                     std::string_view charted = {});
+
+}  // namespace darboux

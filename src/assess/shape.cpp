@@ -1,0 +1,265 @@
+#include "shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <darboux/fit_mesh.h>
+#include <darboux/frame.h>
+#include <darboux/weld.h>
+
+#include "base/evenly_chosen.h"
+#include "base/text.h"
+#include "mesh/frames/creases.h"
+
+namespace darboux {
+namespace {
+
+constexpr double same = 1e-6;                           // of the size
+constexpr double flat_deg = 1;                          // faces that turn by less do not turn
+constexpr double facet_deg = 1;                         // a normal that is its triangle's
+constexpr std::size_t whole = 10000, looked_at = 5000;  // vertices: of larger meshes the triangles about some
+constexpr std::size_t algebraic_places = 400;
+constexpr double near_algebraic = 3 * fits_below;  // of the size
+constexpr double apart = 10;                       // how many times as far the second nearest quadric must be
+constexpr double clear = 1e-3;                     // of the largest eigenvalue of a quadric's form
+constexpr std::size_t fewest = 8;                  // places
+constexpr double most_polyhedral = 0.2;            // of the edges that turn
+constexpr std::size_t many_places = 1000;  // beyond which folds, as of Schwarz's lantern, tell nothing
+constexpr double most_faceted = 0.5;
+// Many small facets of equal turns are a surface all the same.
+constexpr std::size_t fine_places = 48;
+constexpr double fine_turn_deg = 35;
+
+constexpr std::size_t fewest_jumps = 8;
+constexpr double same_jump = 2e-3;  // in units of uv
+constexpr double most_alike = 0.5;
+
+// Whether half of the values lie in two short stretches.
+bool two_values(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  std::size_t most = 0, second = 0;
+  for (std::size_t first = 0, last = 0; first < values.size(); first = last) {
+    while (last < values.size() && values[last] <= values[first] + same_jump) ++last;
+    second = std::max(second, std::min(most, last - first));
+    most = std::max(most, last - first);
+  }
+  return static_cast<double>(most + second) >= most_alike * static_cast<double>(values.size());
+}
+
+// All triangles, or all about some vertices.
+std::vector<std::uint32_t> looked_at_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& vertices) {
+  std::vector<bool> looked(mesh.positions.size(), vertices.size() <= whole);
+  if (vertices.size() > whole)
+    for (const std::size_t i : evenly_chosen(vertices.size(), looked_at)) looked[vertices[i]] = true;
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (std::any_of(mesh.triangles[t].begin(), mesh.triangles[t].end(),
+                    [&](std::uint32_t v) { return looked[v]; }))
+      result.push_back(t);
+  return result;
+}
+
+}  // namespace
+
+Shape shape_of(const Mesh& mesh) {
+  Shape shape;
+  std::vector<bool> used(mesh.positions.size(), false);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t) used[v] = detail::finite(mesh.positions[v]);
+  std::vector<std::uint32_t> vertices;
+  Eigen::AlignedBox3d box;
+  for (std::uint32_t v = 0; v < used.size(); ++v)
+    if (used[v]) box.extend(to_eigen(mesh.positions[v])), vertices.push_back(v);
+  if (box.isEmpty()) return shape;
+  shape.size = box.diagonal().stableNorm();
+  shape.centre = box.center();
+  if (!(shape.size > 0) || !std::isfinite(shape.size)) return shape;
+
+  const std::vector<std::uint32_t> triangles = looked_at_triangles(mesh, vertices);
+  constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> index(mesh.positions.size(), none);  // of a vertex among those of the triangles
+  vertices.clear();
+  std::vector<Vec3<double>> points;
+  for (const std::uint32_t t : triangles)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (index[v] == none) {
+        index[v] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(v);
+        points.push_back(used[v] ? mesh.positions[v] : detail::nan_vector<double>());
+      }
+  const std::vector<std::uint32_t> place = weld(points, same * shape.size);
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    if (used[vertices[i]] && place[i] == i) shape.places.push_back(vertices[i]);
+
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  const auto n = static_cast<double>(shape.places.size());
+  const auto local = [&](std::uint32_t v) {
+    return Eigen::Vector3d((to_eigen(mesh.positions[v]) - shape.centre) / shape.size);
+  };
+  for (const std::uint32_t v : shape.places) mean += local(v) / n;
+  for (const std::uint32_t v : shape.places) {
+    const Eigen::Vector3d d = local(v) - mean;
+    spread += d * d.transpose() / n;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  shape.axes = axes.eigenvectors();
+  if (shape.axes.determinant() < 0) shape.axes.col(2) *= -1;
+  shape.plane_normal = shape.axes.col(0);
+  double squares = 0;  // by distances: the eigenvalue keeps half the digits only
+  for (const std::uint32_t v : shape.places) {
+    const double d = (local(v) - mean).dot(shape.plane_normal);
+    squares += d * d / n;
+  }
+  shape.thickness = std::sqrt(squares);
+
+  std::vector<Eigen::Vector3d> faces;  // unit normals, zero without area
+  std::size_t with_area = 0, faceted = 0;
+  const double own_cosine = std::cos(facet_deg * M_PI / 180);
+  for (const std::uint32_t t : triangles) {
+    const auto& [v, w, x] = mesh.triangles[t];
+    const Eigen::Vector3d face = (local(w) - local(v)).cross(local(x) - local(v));
+    const double area = face.norm();
+    faces.push_back(area > 1e-12 ? Eigen::Vector3d(face / area) : Eigen::Vector3d::Zero());
+    if (!(area > 1e-12)) continue;
+    ++with_area;
+    faceted += !mesh.normals.empty() &&
+               std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::uint32_t corner) {
+                 const Eigen::Vector3d n = to_eigen(mesh.normals[corner]);
+                 return n.dot(faces.back()) >= own_cosine * n.norm();
+               });
+  }
+  shape.faceted = with_area == 0 ? 0 : static_cast<double>(faceted) / static_cast<double>(with_area);
+  for (const std::uint32_t t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = mesh.triangles[t][k], w = mesh.triangles[t][(k + 1) % 3];
+      const std::uint32_t a = place[index[v]], b = place[index[w]];
+      if (used[v] && used[w] && a != b)
+        shape.edges.push_back({std::min(vertices[a], vertices[b]), std::max(vertices[a], vertices[b])});
+    }
+  std::sort(shape.edges.begin(), shape.edges.end());
+  shape.edges.erase(std::unique(shape.edges.begin(), shape.edges.end()), shape.edges.end());
+
+  std::vector<double> turns, jumps_u, jumps_v;
+  std::size_t moderate = 0;
+  const auto node = [&](std::uint32_t t, std::uint32_t k) {
+    return place[index[mesh.triangles[triangles[t]][k]]];
+  };
+  for_each_shared_edge(triangles.size(), points.size(), node, [&](const SharedEdge& e) {
+    if (!mesh.uvs.empty())
+      for (const std::uint32_t end : e.node) {
+        Vec2<double> uv[2];
+        for (std::size_t side = 0; side < 2; ++side)
+          for (std::uint32_t k = 0; k < 3; ++k)
+            if (node(e.triangle[side], k) == end)
+              uv[side] = mesh.uvs[mesh.triangles[triangles[e.triangle[side]]][k]];
+        const double u = std::fabs(uv[0].x - uv[1].x), v = std::fabs(uv[0].y - uv[1].y);
+        if (std::isfinite(u + v) && (u > 1e-6 || v > 1e-6)) jumps_u.push_back(u), jumps_v.push_back(v);
+      }
+    const Eigen::Vector3d &a = faces[e.triangle[0]], &b = faces[e.triangle[1]];
+    if (a.isZero() || b.isZero()) return;
+    const double turn = std::atan2(a.cross(b).norm(), (e.turned ? -1 : 1) * a.dot(b)) * 180 / M_PI;
+    if (turn <= flat_deg) return;
+    turns.push_back(turn);
+    moderate += turn <= crease_deg;
+  });
+  shape.one_chart = jumps_u.size() < fewest_jumps || two_values(jumps_u) || two_values(jumps_v);
+  shape.turning = turns.size();
+  if (turns.empty()) return shape;
+  shape.moderate = static_cast<double>(moderate) / static_cast<double>(turns.size());
+  const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
+  std::nth_element(turns.begin(), middle, turns.end());
+  shape.turn_deg = *middle;
+  return shape;
+}
+
+namespace {
+
+// Of all polynomials in some monomials those nearest to the places: the roots of the least values of sum F²
+// over sum |grad F|², distances in units of the mesh's size, and the coefficients of each [Taubin1991].
+template <int N>
+struct Algebraic {
+  std::size_t places = 0;
+  Eigen::Matrix<double, N, 1> distances;
+  Eigen::Matrix<double, N, N> coefficients;
+
+  // \param monomials fills the values of N monomials and their derivatives at (x, y, z)
+  template <class Monomials>
+  Algebraic(const Mesh& mesh, const Shape& shape, Monomials monomials) {
+    using Row = Eigen::Matrix<double, N, 1>;
+    Eigen::Matrix<double, N, N> values = Eigen::Matrix<double, N, N>::Zero(), slopes = values;
+    for (const std::size_t i : evenly_chosen(shape.places.size(), algebraic_places)) {
+      const Eigen::Vector3d p = 2 * (to_eigen(mesh.positions[shape.places[i]]) - shape.centre) / shape.size;
+      Row f, fx, fy, fz;
+      monomials(p.x(), p.y(), p.z(), f, fx, fy, fz);
+      values += f * f.transpose();
+      slopes += fx * fx.transpose() + fy * fy.transpose() + fz * fz.transpose();
+      ++places;
+    }
+    // The constant has no slope.
+    slopes += 1e-9 * static_cast<double>(places) * Eigen::Matrix<double, N, N>::Identity();
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(values, slopes);
+    distances = solver.eigenvalues().cwiseMax(0).cwiseSqrt() / 2;
+    coefficients = solver.eigenvectors();
+  }
+};
+
+void quadratic(double x, double y, double z, auto&& f, auto&& fx, auto&& fy, auto&& fz) {
+  f << x * x, y * y, z * z, x * y, y * z, z * x, x, y, z, 1;
+  fx << 2 * x, 0, 0, y, 0, z, 1, 0, 0, 0;
+  fy << 0, 2 * y, 0, x, z, 0, 0, 1, 0, 0;
+  fz << 0, 0, 2 * z, 0, y, x, 0, 0, 1, 0;
+}
+
+}  // namespace
+
+Quadric quadric_of(const Mesh& mesh, const Shape& shape) {
+  using Row = Eigen::Matrix<double, 10, 1>;
+  const Algebraic<10> nearest(mesh, shape,
+                              [](double x, double y, double z, Row& f, Row& fx, Row& fy, Row& fz) {
+                                quadratic(x, y, z, f, fx, fy, fz);
+                              });
+  if (nearest.places < 10) return Quadric::any;
+  if (nearest.distances[0] > near_algebraic) return Quadric::none;
+  if (nearest.distances[1] < apart * near_algebraic) return Quadric::any;
+  const Row q = nearest.coefficients.col(0);
+  Eigen::Matrix3d form;
+  form << q[0], q[3] / 2, q[5] / 2, q[3] / 2, q[1], q[4] / 2, q[5] / 2, q[4] / 2, q[2];
+  Eigen::Vector3d shares =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(form, Eigen::EigenvaluesOnly).eigenvalues();
+  shares /= shares[0] + shares[2] < 0 ? shares[0] : shares[2];  // of the largest
+  const double least = shares.minCoeff();
+  return least > clear ? Quadric::definite : least < -clear ? Quadric::indefinite : Quadric::any;
+}
+
+bool may_be_cyclide(const Mesh& mesh, const Shape& shape) {
+  using Row = Eigen::Matrix<double, 14, 1>;
+  const Algebraic<14> nearest(mesh, shape,
+                              [](double x, double y, double z, Row& f, Row& fx, Row& fy, Row& fz) {
+                                quadratic(x, y, z, f.head<10>(), fx.head<10>(), fy.head<10>(), fz.head<10>());
+                                const double s = x * x + y * y + z * z;
+                                f.tail<4>() << s * x, s * y, s * z, s * s;
+                                fx.tail<4>() << s + 2 * x * x, 2 * x * y, 2 * x * z, 4 * s * x;
+                                fy.tail<4>() << 2 * y * x, s + 2 * y * y, 2 * y * z, 4 * s * y;
+                                fz.tail<4>() << 2 * z * x, 2 * z * y, s + 2 * z * z, 4 * s * z;
+                              });
+  return nearest.places < 14 || nearest.distances[0] <= near_algebraic;
+}
+
+std::string against_any_surface(const Shape& shape) {
+  if (shape.places.size() < fewest)
+    return "polyhedron: " + std::to_string(shape.places.size()) + " places lie on many surfaces";
+  if (shape.turning > 0 && shape.moderate < 1 - most_polyhedral && shape.places.size() < many_places)
+    return "polyhedron: " + rounded(100 * (1 - shape.moderate), 3) + " % of its edges turn by more than " +
+           rounded(crease_deg, 3) + " deg";
+  if (shape.faceted > most_faceted &&
+      !(shape.places.size() >= fine_places && shape.turn_deg <= fine_turn_deg))
+    return "faceted: " + rounded(100 * shape.faceted, 3) + " % of its triangles store their own normals";
+  return "";
+}
+
+}  // namespace darboux

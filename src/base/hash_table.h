@@ -1,0 +1,49 @@
+// Indices by hash.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace darboux {
+
+// An index stands at the slot that the upper bits of its hash name or, where that is taken, at the next free
+// one.
+class HashTable {
+ public:
+  // Asks the indices of this hash for f(index) until one says yes. Says whether one does.
+  template <class F>
+  bool any_of(std::uint32_t hash, F f) const {
+    for (std::size_t i = hash >> shift_; slots_[i].index != free; i = next(i))
+      if (slots_[i].hash == hash && f(slots_[i].index)) return true;
+    return false;
+  }
+  void insert(std::uint32_t hash, std::uint32_t index) {
+    if (4 * ++size_ > 3 * slots_.size() && shift_ > 0) {
+      --shift_;
+      for (const Slot& slot : std::exchange(slots_, std::vector<Slot>(2 * slots_.size())))
+        if (slot.index != free) place(slot);
+    }
+    place({hash, index});
+  }
+
+ private:
+  static constexpr std::uint32_t free = std::numeric_limits<std::uint32_t>::max();
+  struct Slot {
+    std::uint32_t hash = 0, index = free;
+  };
+  std::size_t next(std::size_t i) const { return (i + 1) & (slots_.size() - 1); }
+  void place(const Slot& slot) {
+    std::size_t i = slot.hash >> shift_;
+    while (slots_[i].index != free) i = next(i);
+    slots_[i] = slot;
+  }
+
+  int shift_ = 24;  // 2^(32 - shift_) slots
+  std::vector<Slot> slots_ = std::vector<Slot>(1 << 8);
+  std::size_t size_ = 0;
+};
+
+}  // namespace darboux

@@ -1,0 +1,186 @@
+// The batch loop over one surface. Everything has internal linkage: no function of one instruction set may be
+// linked into another.
+#pragma once
+
+#include <algorithm>
+#include <type_traits>
+
+#include <darboux/forms.h>
+
+#include "batch.h"
+#include "kernels.h"
+#include "lanes.h"
+#include "layout.h"
+
+namespace darboux::kernels {
+namespace {
+
+// A coordinate of a group's points from `at` on, as the formula receives it.
+template <Coordinate kind, class S, class T>
+Prepared<kind, S> prepared(const Source<T>& x, std::size_t at) {
+  if constexpr (kind == Coordinate::linear)
+    return S::load(x.values + at);
+  else
+    return {S::load(x.sine + at), S::load(x.cosine + at)};
+}
+
+// Lanes that are prepared together.
+template <class T>
+using Together = Lanes<T, std::min<std::size_t>(4, group_size<T> / Register<T>::size)>;
+
+// Prepares a group; whether all of it may go through the formula.
+template <Coordinate kind, class T>
+DARBOUX_FLATTEN [[gnu::noinline]] bool prepare_group(const T* x, T* sine, T* cosine) {
+  using S = Together<T>;
+  bool good = true;
+#pragma GCC unroll 4
+  for (std::size_t i = 0; i < group_size<T>; i += S::lanes) {
+    const S value = S::load(x + i);
+    if constexpr (kind == Coordinate::linear) {
+      good = good && (S(T(0)) <= value && value <= S(T(1))).all();
+    } else {
+      if constexpr (kind == Coordinate::half_turn)
+        good = good && (S(T(0)) <= value && value <= S(T(1))).all();
+      else
+        good = good && (abs(value) < S(detail::Format<T>::most_turns)).all();
+      const Turn<S> angle = prepare<kind>(value);
+      angle.sin.store(sine + i);
+      angle.cos.store(cosine + i);
+    }
+  }
+  return good;
+}
+
+// Of a group whose sines nobody needs: the ends of a half turn, the poles, are not good either.
+template <Coordinate kind, class T>
+DARBOUX_FLATTEN [[gnu::noinline]] bool look_at_group(const T* x) {
+  using S = Lanes<T, group_size<T> / Register<T>::size>;
+  const S value = S::load(x);
+  if constexpr (kind == Coordinate::linear || kind == Coordinate::half_turn)
+    return (S(T(0)) < value && value < S(T(1))).all();
+  else
+    return (abs(value) < S(detail::Format<T>::most_turns)).all();
+}
+
+template <class T, class S>
+void put(const Target<T>& p, Attribute a, const Vec3<S>& x) {
+  put(p, a, x.x, x.y, x.z);
+}
+
+template <class S>
+S components_sum(const Vec3<S>& a) {
+  return a.x + a.y + a.z;
+}
+
+// One batch of points; its status.
+template <class X, class T, Variant variant, class PU, class PV>
+Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
+  const Work<T>& w = p.work;
+  using S = Batch<T, variant>;
+  Status status = Status::regular;
+  if constexpr (DeclaresSingularPoints<X>) status = surface.singular(u, v);
+  Jet2<S> j;
+  if constexpr (variant != Variant::frames || !HasClosedFrame<X>) j = surface.jet(u, v);
+  // A partial that is not finite has its status from the single-point functions.
+  if constexpr (variant != Variant::frames) {
+    S sum = components_sum(j.position) + components_sum(j.dpdu) + components_sum(j.dpdv);
+    if constexpr (variant == Variant::everything)
+      sum = sum + (components_sum(j.d2pdu2) + components_sum(j.d2pduv) + components_sum(j.d2pdv2));
+    if (!(sum - sum == S(T(0)))) S::diverge();
+    put(p, Attribute::position, j.position);
+    put(p, Attribute::dpdu, j.dpdu);
+    put(p, Attribute::dpdv, j.dpdv);
+  }
+  Frame<S> frame;
+  if constexpr (HasClosedFrame<X>) {
+    frame = surface.frame(u, v);
+    status |= frame.status;
+    if (has(status, detail::degenerate) && !has(status, Status::no_frame)) status |= Status::limit_frame;
+    if (has(status, Status::no_frame | Status::overflow)) S::diverge();
+  } else {
+    if (has(status, detail::degenerate)) S::diverge();
+    frame = frame_from_partials(j.dpdu, j.dpdv);
+  }
+  put(p, Attribute::tangent, frame.t);
+  put(p, Attribute::bitangent, frame.b);
+  put(p, Attribute::normal, frame.n);
+  put(p, Attribute::handedness, frame.handedness);
+  put(p, Attribute::tangent4, frame.t.x, frame.t.y, frame.t.z,
+      w.raw_sign ? frame.handedness : -frame.handedness);
+  if constexpr (variant == Variant::everything) {
+    put(p, Attribute::d2pdu2, j.d2pdu2);
+    put(p, Attribute::d2pduv, j.d2pduv);
+    put(p, Attribute::d2pdv2, j.d2pdv2);
+    const auto& slots = w.slots;
+    const auto asked = [&](Attribute a) {
+      return slots[static_cast<std::size_t>(a)].arrangement != Arrangement::absent;
+    };
+    const bool directions = asked(Attribute::principal_directions);
+    if (asked(Attribute::gaussian_curvature) || asked(Attribute::mean_curvature) ||
+        asked(Attribute::principal_curvatures) || directions) {
+      if (has(status, Status::limit_frame)) S::diverge();
+      frame.status = status;
+      const Curvature<S> c = curvature(j, frame);
+      put(p, Attribute::gaussian_curvature, c.gaussian);
+      put(p, Attribute::mean_curvature, c.mean);
+      put(p, Attribute::principal_curvatures, c.principal[0], c.principal[1]);
+      put(p, Attribute::principal_directions, c.directions[0].x, c.directions[0].y, c.directions[0].z,
+          c.directions[1].x, c.directions[1].y, c.directions[1].z);
+      if (directions) status = c.status;
+    }
+  }
+  if (w.run_count > 0) scatter<S::lanes>(p);
+  return status;
+}
+
+// A group at a time. The last of several is moved back to be a whole one, and so is the last batch of one
+// that is not: some points are done again, to the same bits.
+template <class X, class T, Variant variant>
+DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
+  using S = Batch<T, variant>;
+  constexpr std::size_t W = S::lanes, G = group_size<T>;
+  const X& surface = *static_cast<const X*>(w.surface);
+  alignas(64) T sine_u[G], cosine_u[G], sine_v[G], cosine_v[G];
+  if (!w.v_is_needed)  // any that is no pole
+    for (std::size_t i = 0; i < G; ++i) sine_v[i] = T(1), cosine_v[i] = T(0);
+  bool any_status = false;
+  for (std::size_t first = 0; first < w.count; first += G) {
+    const bool whole = first + G <= w.count;
+    const std::size_t begin = whole || w.count < G ? first : w.count - G;
+    const std::size_t n = w.count < G ? w.count : G;
+    Source<T> u = w.u.from(begin), v = w.v.from(begin);
+    bool good = true;
+    if (!w.in_domain) {
+      good = prepare_group<X::info.u>(u.values, sine_u, cosine_u);
+      u.sine = sine_u, u.cosine = cosine_u;
+      if (w.v_is_needed)
+        good = prepare_group<X::info.v>(v.values, sine_v, cosine_v) && good;
+      else
+        good = look_at_group<X::info.v>(v.values) && good;
+      v.sine = sine_v, v.cosine = cosine_v;
+    }
+    if (!good) {
+      w.redo(w.context, begin, n);
+      any_status = true;
+    } else {
+      for (std::size_t i = 0; i < n; i += W) {
+        const std::size_t at = i + W <= n ? i : n - W;
+        diverged = false;
+        const Status status =
+            batch<X, T, variant>(Target<T>{w, begin + at, w.past_caches && whole}, surface,
+                                 prepared<X::info.u, S>(u, at), prepared<X::info.v, S>(v, at));
+        if (diverged) {
+          w.redo(w.context, begin + at, W);
+          any_status = true;
+        } else if (status != Status::regular) {
+          for (std::size_t k = 0; k < W; ++k) w.status[begin + at + k] = static_cast<std::uint32_t>(status);
+          any_status = true;
+        }
+      }
+    }
+  }
+  return any_status;
+}
+
+}  // namespace
+}  // namespace darboux::kernels

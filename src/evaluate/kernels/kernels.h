@@ -1,0 +1,118 @@
+/// \file kernels.h
+/// Between evaluate.cpp, which knows requests, layouts and threads, and kernels.cpp, which is compiled once
+/// per instruction set and knows formulas. Plain data only: nothing here may be compiled differently in the
+/// two.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <darboux/attributes.h>
+
+namespace darboux::kernels {
+
+/// Where the components of one attribute go.
+enum class Arrangement : std::uint8_t {
+  absent,    ///< nobody asked for it
+  separate,  ///< an array a component
+  packed,    ///< one array of vectors
+  tiled,     ///< rows of the tile, from which the structs are written
+};
+template <class T>
+struct Slot {
+  Arrangement arrangement = Arrangement::absent;
+  std::array<T*, most_components> component{};  ///< of the first point; packed: the first only
+  std::size_t row = 0;                          ///< tiled: of the first component
+};
+
+/// Consecutive rows of the tile that are consecutive numbers of a struct.
+template <class T>
+struct Run {
+  std::size_t row, count;
+  T* first;               ///< of the first point
+  std::ptrdiff_t stride;  ///< in bytes
+};
+
+inline constexpr std::size_t line = 64;  ///< bytes that go to memory at once
+/// A line of numbers; no kernel takes more points at once.
+template <class T>
+inline constexpr std::size_t batch_size = line / sizeof(T);
+/// Points whose sines are taken at once, before their formulas run: few, so that the processor works on both.
+/// A group with a coordinate that is not finite or outside the domain goes point by point.
+template <class T>
+inline constexpr std::size_t group_size = 2 * batch_size<T>;
+
+/// Coordinates of points.
+template <class T>
+struct Source {
+  const T* values = nullptr;  ///< may be read to the end of the last group
+  /// Already prepared; else null and the kernel does so. For a linear coordinate the values are.
+  const T *sine = nullptr, *cosine = nullptr;
+  std::size_t step = 1;  ///< 0: the same group for all points, prepared
+
+  Source from(std::size_t point) const {
+    const std::size_t by = point * step;
+    return {values + by, sine != nullptr ? sine + by : nullptr, cosine != nullptr ? cosine + by : nullptr,
+            step};
+  }
+};
+
+/// Some points of a surface, and where their attributes go.
+template <class T>
+struct Work {
+  const void* surface = nullptr;  ///< the surface type over T that the kernel was made for
+  Source<T> u, v;
+  bool in_domain = false;   ///< nobody needs to look; both coordinates are prepared
+  bool v_is_needed = true;  ///< false: only what depends on u alone is asked for
+  std::size_t count = 0;    ///< of points, at least batch_size
+  std::array<Slot<T>, attribute_count> slots{};
+  T* tile = nullptr;  ///< batch_size numbers a row, aligned to lines
+  const Run<T>* runs = nullptr;
+  std::size_t run_count = 0;
+  bool raw_sign = false;  ///< tangent4 in the raw sign convention
+  bool past_caches =
+      false;  ///< separate and packed results go past them: the first point's are aligned to lines
+  std::uint32_t* status = nullptr;  ///< of every point; zero is written by the caller, others by the kernel
+  void (*redo)(void* context, std::size_t first,
+               std::size_t count) = nullptr;  ///< does these points by themselves
+  void* context = nullptr;
+};
+
+/// Computes the work's attributes; whether a status other than zero was written.
+template <class T>
+using Kernel = bool (*)(const Work<T>&);
+
+/// What is compiled of a surface: by what may be asked for.
+enum class Variant : std::uint8_t {
+  frames,      ///< tangent, bitangent, normal, handedness, tangent4
+  first,       ///< those, position, dpdu, dpdv
+  everything,  ///< all
+};
+
+/// Sines and cosines of the values x of a coordinate, `count` rounded up to whole registers.
+template <class T>
+using Prepare = void (*)(const T* x, std::size_t count, T* sine, T* cosine);
+
+inline constexpr std::size_t most_surfaces = 64;
+
+/// Of one surface, by Variant; null: point by point.
+struct SurfaceKernels {
+  std::array<Kernel<double>, 3> in_double;
+  std::array<Kernel<float>, 3> in_float;
+};
+
+/// Of one instruction set.
+struct Kernels {
+  std::array<Prepare<double>, 4> prepare_double;  ///< by Coordinate
+  std::array<Prepare<float>, 4> prepare_float;
+  std::array<const SurfaceKernels*, most_surfaces> surface;  ///< by the catalogue's order
+  std::array<bool, 3> writes_lines;  ///< whether a Variant's kernels can pass the caches
+  bool pass_caches;                  ///< whether stream_lines can
+  /// Copies whole lines past the caches; both addresses are aligned to them.
+  void (*stream_lines)(char* to, const char* from, std::size_t lines);
+  /// Orders what was streamed before what this thread writes next.
+  void (*fence)();
+};
+
+}  // namespace darboux::kernels

@@ -1,0 +1,106 @@
+// A surface at a place: its unknowns, the feet of points on it, and how their distances change with the
+// unknowns.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <darboux/any_surface.h>
+#include <darboux/project.h>
+
+#include "fit/common/compressed.h"
+#include "fit/common/parameter_jet.h"
+
+namespace darboux::fit::any {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
+using Positions = std::vector<Eigen::Vector3d>;
+
+// The surface where it is supposed to be; the points are centred, not scaled.
+struct Shape {
+  AnySurface surface;
+  Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
+};
+
+// Of the parameters.
+std::vector<double> values_of(const AnySurface& surface);
+
+// The surface with other values; nothing where one is out of range, or they do not go together.
+std::optional<AnySurface> with_values(const AnySurface& surface, const std::vector<double>& values);
+
+// Which parameters are lengths: those that scale the surface when they are scaled together, P = sum p_k
+// dP/dp_k (Euler). Empty where the surface has a size of its own.
+std::vector<bool> lengths_of(const AnySurface& surface);
+
+// The unknowns of one solve, from the shape at hand, are a motion δ: (rotation vector about the points'
+// origin, translation, parameters), in these units that make them about equally large.
+Eigen::VectorXd units_of(const Shape& shape, const std::vector<double>& typical, double size);
+
+// The shape moved by δ; nothing where there is none with such parameters.
+std::optional<Shape> moved(const Shape& shape, const Eigen::VectorXd& delta);
+
+// Where points have their feet.
+class Feeler {
+ public:
+  explicit Feeler(const Shape& shape) : projector_(shape.surface), inverse_(shape.placement.inverse()) {}
+  Projection search(const Eigen::Vector3d& x) const { return projector_(from_eigen(inverse_ * x)); }
+  Projection follow(const Eigen::Vector3d& x, const Vec2<double>& start) const {
+    return projector_(from_eigen(inverse_ * x), start);
+  }
+
+ private:
+  Projector projector_;
+  Eigen::Isometry3d inverse_;
+};
+
+struct Feet {
+  std::vector<Vec2<double>> uv;
+  std::vector<double> distance, curvature;  // signed; k1 + k2, positive where convex towards the surface's n
+};
+
+// The feet of all points, from those of a shape nearby, or searched for where there are none.
+Feet feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts);
+
+// In units of the unknowns, of the distance over the size.
+using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6 + most_parameters, 1>;
+
+// Derivatives of the distance of a point: -n · (velocity of the foot's point), the foot's own way being
+// orthogonal to n.
+class DistanceRow {
+ public:
+  // At the shape moved by δ.
+  DistanceRow(const Shape& shape, const Eigen::VectorXd& delta, const Eigen::VectorXd& units, double size);
+  Row operator()(const Projection& foot, const Eigen::Vector3d& x) const;
+
+ private:
+  const Shape& shape_;
+  Eigen::Matrix3d by_turn_;
+  Eigen::Vector3d shift_;
+  Row units_;
+  double size_;
+};
+
+// What the points do not tell: directions along which no weighted distance changes. Their squared share of
+// the best known direction is below this; rounding leaves some 1e-30, and a ratio of 1e-6 of standard
+// deviations is still told.
+inline constexpr double unknown_below = 1e-12;
+using Compressed = fit::Compressed<Eigen::Dynamic>;
+
+// Normal equations.
+struct Normal {
+  Eigen::MatrixXd h;  // J^T W J, its lower triangle
+  Eigen::VectorXd g;  // J^T W r
+
+  explicit Normal(Eigen::Index n) : h(Eigen::MatrixXd::Zero(n, n)), g(Eigen::VectorXd::Zero(n)) {}
+  void add(const Row& row, double weight, double r) {
+    h.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
+    g += weight * r * row;
+  }
+  Compressed compressed() const { return Compressed(h, unknown_below); }
+};
+
+}  // namespace darboux::fit::any

@@ -1,0 +1,21 @@
+// Where the fit of any kind begins: parts of the default surface laid onto the points by their principal
+// axes.
+#pragma once
+
+#include <vector>
+
+#include "shape.h"
+
+namespace darboux::fit::any {
+
+struct Start {
+  Shape shape;
+  double score;
+};
+
+// Parts of the surface, with the parameters as they are and each of them halved or doubled, best first.
+// Score: the 60 % quantile of the distances of a few points.
+std::vector<Start> starts_of(const AnySurface& standard, const std::vector<bool>& lengths,
+                             const Positions& points);
+
+}  // namespace darboux::fit::any

@@ -1,0 +1,116 @@
+// Points as the fits see them: about the origin, of size 1.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <darboux/point_cloud.h>
+#include <darboux/vector.h>
+
+#include "base/quantile.h"
+#include "base/text.h"
+
+namespace darboux::fit {
+
+// The points centred by their medians and scaled by a power of two to a median distance of about 1: no
+// outlier, however far, decides what the digits are spent on. A column for each place: points at one place
+// tell no more than one of them. Not those that are not finite, nor those beyond a million median distances,
+// which are on no surface that could be told.
+struct Scaled {
+  Eigen::Matrix3Xd cloud, normals{};
+  std::vector<std::size_t> index{};                           // of a point there, in the input
+  std::vector<std::pair<std::size_t, std::size_t>> others{};  // there, each with its column
+  std::size_t finite = 0;                                     // points of the input that are
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double scale = 0;  // 0 where all points are at one place
+};
+
+// The first of the points that lies where this one does, for each.
+class Places {
+ public:
+  explicit Places(const std::vector<Vec3<double>>& points)
+      : points_(points), table_(std::bit_ceil(2 * points.size() + 1), none) {}
+  std::size_t first_at(std::size_t i) {
+    const Vec3<double>& p = points_[i];
+    std::uint64_t hash = 0;
+    for (const double x : {p.x, p.y, p.z}) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15;  // -0 is 0
+      hash ^= hash >> 32;
+    }
+    for (std::size_t at = hash;; ++at) {
+      std::size_t& entry = table_[at & (table_.size() - 1)];
+      if (entry == none) return entry = i;
+      if (points_[entry] == p) return entry;
+    }
+  }
+
+ private:
+  static constexpr std::size_t none = -1;
+  const std::vector<Vec3<double>>& points_;
+  std::vector<std::size_t> table_;  // at a point's hash or after
+};
+
+inline Scaled scaled(const PointCloud& points) {
+  Scaled result;
+  std::vector<std::size_t> finite;
+  for (std::size_t i = 0; i < points.positions.size(); ++i)
+    if (detail::finite(points.positions[i])) finite.push_back(i);
+  const std::size_t n = result.finite = finite.size();
+  if (n == 0) return result;
+  std::vector<double> values(n);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < n; ++i) values[i] = to_eigen(points.positions[finite[i]])[axis];
+    result.centre[axis] = median(values);
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    values[i] = (to_eigen(points.positions[finite[i]]) - result.centre).stableNorm();
+  std::vector<double> distances = values;
+  std::erase(distances, 0.0);  // more than half of the points may be one and the same
+  const double size = distances.empty() ? 0 : median(std::move(distances));
+  result.scale = size > 0 ? std::exp2(std::rint(std::log2(size))) : 0;
+  Places places(points.positions);
+  std::vector<std::size_t> column(points.positions.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(values[i] <= 1e6 * size)) continue;
+    const std::size_t first = places.first_at(finite[i]);
+    if (first == finite[i]) {
+      column[first] = result.index.size();
+      result.index.push_back(first);
+    } else {
+      result.others.emplace_back(finite[i], column[first]);
+    }
+  }
+  const auto columns = static_cast<Eigen::Index>(result.index.size());
+  result.cloud.resize(3, columns);
+  if (!points.normals.empty()) result.normals.resize(3, columns);
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    const std::size_t i = result.index[static_cast<std::size_t>(c)];
+    result.cloud.col(c) = to_eigen(points.positions[i]) - result.centre;
+    if (!points.normals.empty()) result.normals.col(c) = to_eigen(points.normals[i]);
+  }
+  if (result.scale > 0) result.cloud /= result.scale;
+  return result;
+}
+
+// Why points of this size are not fitted; nothing where they are.
+inline std::string unusual_size(double scale) {
+  if (scale >= 1e-152 && scale <= 1e152) return {};
+  return "the points are of size " + rounded(scale, 3) +
+         ", permitted are 1e-152 to 1e152, whose squares are numbers; other units help";
+}
+
+// All of them, which are not all one point.
+inline bool on_a_line(const Eigen::Matrix3Xd& cloud) {
+  const Eigen::Matrix3Xd from_first = cloud.colwise() - cloud.col(0).eval();
+  Eigen::Index farthest;
+  const double length = from_first.colwise().norm().maxCoeff(&farthest);
+  const Eigen::Vector3d along = from_first.col(farthest) / length;
+  return (from_first - along * (along.transpose() * from_first)).colwise().norm().maxCoeff() < 1e-14 * length;
+}
+
+}  // namespace darboux::fit

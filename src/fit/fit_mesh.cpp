@@ -1,0 +1,364 @@
+#include <algorithm>
+#include <cmath>
+
+#include <darboux/error.h>
+#include <darboux/fit_mesh.h>
+
+#include "base/evenly_chosen.h"
+#include "fit/common/kinds.h"
+#include "fit/common/parameter_jet.h"
+#include "fit/uv/starts.h"
+#include "fit_kinds.h"
+#include "mesh/triangle_signs.h"
+
+namespace darboux {
+namespace {
+
+// Vertices that a fit looks at before all of them: for a linear start, and to see whether a surface fits at
+// all.
+constexpr std::size_t start_points = 80, trial_points = 2048;
+
+// A start this far off is another convention's mesh; refining it would only confirm that.
+constexpr double hopeless = 0.2;
+// Nor is one with a point this far off: it would take all the digits.
+constexpr double too_far = 1e6;
+
+// What fits few points this many times worse than permitted is not refined on more.
+constexpr double hopeless_share = 30;
+
+// An affine map is so free that it must fit better: this share of fits_below.
+constexpr double affine_share = 1e-2;
+
+// Usable vertices, centred and scaled to a bounding box of diagonal 1.
+struct Data {
+  UvPoints all, trial, few;
+  std::vector<double> shears;  // that edges suggest
+};
+
+// Sheared columns of a grid are edges of one slope Δu/Δv, as are its diagonals: the slopes that most edges
+// have.
+std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed char> signs) {
+  constexpr std::size_t looked_at = 2000, most = 3;
+  std::vector<double> slopes;
+  for (const std::size_t t : evenly_chosen(mesh.triangles.size(), looked_at)) {
+    if (signs[t] == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec2<double>&a = mesh.uvs[mesh.triangles[t][k]], &b = mesh.uvs[mesh.triangles[t][(k + 1) % 3]];
+      const double slope = (b.x - a.x) / (b.y - a.y);
+      if (std::fabs(slope) < 1e4) slopes.push_back(slope);
+    }
+  }
+  std::sort(slopes.begin(), slopes.end());
+  std::vector<std::pair<std::size_t, double>> groups;  // how many, and the one in their middle
+  for (std::size_t first = 0, last = 0; first < slopes.size(); first = last) {
+    const double end = slopes[first] + 1e-3 * (1 + std::fabs(slopes[first]));
+    while (last < slopes.size() && slopes[last] <= end) ++last;
+    groups.emplace_back(last - first, slopes[(first + last) / 2]);
+  }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<double> result;
+  for (const auto& [count, slope] : groups)
+    if (result.size() < most && 10 * count > slopes.size()) result.push_back(slope);
+  return result;
+}
+
+Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
+  if (mesh.uvs.empty()) throw UndeterminedError("mesh", "has no uvs, a fit needs one uv set");
+  // Triangles without area place no vertex: uvs that collapsed do not name its place, nor do positions.
+  std::vector<bool> referenced(mesh.positions.size(), false);
+  const bool any = std::any_of(signs.begin(), signs.end(), [](signed char s) { return s != 0; });
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (signs[t] != 0 || !any) referenced[v] = true;
+  std::vector<std::uint32_t> usable;
+  Eigen::AlignedBox3d box;
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    if (!referenced[v] || !detail::finite(mesh.positions[v]) || !usable_uv(mesh.uvs[v])) continue;
+    usable.push_back(v);
+    box.extend(to_eigen(mesh.positions[v]));
+  }
+  if (usable.size() < 4)
+    throw UndeterminedError("mesh",
+                            std::to_string(usable.size()) + " usable vertices, a fit needs at least 4");
+  Data data;
+  data.all.centre = box.center();
+  data.all.size = box.diagonal().stableNorm();
+  if (!(data.all.size > 0))
+    throw UndeterminedError("mesh", "all vertices are at one point, a fit needs an extent");
+  data.all.positions.reserve(usable.size());
+  data.all.uvs.reserve(usable.size());
+  for (const std::uint32_t v : usable) {
+    data.all.positions.push_back(from_eigen((to_eigen(mesh.positions[v]) - data.all.centre) / data.all.size));
+    data.all.uvs.push_back(mesh.uvs[v]);
+  }
+  data.trial = data.all.chosen(trial_points, 1);
+  data.few = data.trial.chosen(start_points, 1);
+  data.shears = slopes_of_edges(mesh, signs);
+  return data;
+}
+
+// A surface that Ceres fitted to the trial points.
+struct Trial {
+  UvModel model;
+  UvState state;
+  double rms;
+  bool fits;
+  int iterations;
+  std::vector<std::string_view> equivalent{};
+};
+
+double rms(const std::vector<double>& squares) {
+  double sum = 0;
+  for (const double s : squares) sum += s;
+  return std::sqrt(sum / static_cast<double>(squares.size()));
+}
+double rms(const UvModel& model, const UvState& state) {
+  return rms(model.squares(state));
+}
+
+// What is looked for.
+struct Wanted {
+  const UvKind& kind;
+  std::vector<std::pair<std::string, double>> parameters{};  // that are held
+  std::optional<AnySurface> exact{};                         // all of it but its place
+  std::optional<Eigen::Isometry3d> placement{};
+
+  UvHeld held(double size, const Eigen::Vector3d& centre) const {
+    UvHeld result;
+    result.parameters.resize(kind.parameters.size());
+    if (exact) result.parameters.front() = 1 / size;
+    for (const auto& [name, value] : parameters)
+      for (std::size_t k = 0; k < kind.parameters.size(); ++k)
+        if (kind.parameters[k].name == name) result.parameters[k] = value / (kind.length[k] ? size : 1);
+    if (placement) {
+      result.placement = *placement;
+      result.placement->translation() = (placement->translation() - centre) / size;
+    }
+    return result;
+  }
+};
+
+std::optional<AnySurface> surface_of(const UvModel& model, const UvState& state, double size,
+                                     const Wanted& given) {
+  if (given.exact) return given.exact;
+  const UvKind& kind = *model.kind;
+  SurfaceSpecification result{std::string(kind.name), {}};
+  for (std::size_t k = 0; k < state.parameters.size(); ++k) {
+    const ParameterValue& p = kind.parameters[k];
+    if (!model.held[k] && kind.vanishes(static_cast<int>(k), state.parameters[k])) return std::nullopt;
+    const auto held = std::find_if(given.parameters.begin(), given.parameters.end(),
+                                   [&](const auto& g) { return g.first == p.name; });
+    result.parameters.emplace_back(p.name, held != given.parameters.end()
+                                               ? held->second
+                                               : state.parameters[k] * (kind.length[k] ? size : 1));
+  }
+  try {
+    return make_surface(result);
+  } catch (const ParameterError&) {
+    return std::nullopt;  // the values do not go together
+  }
+}
+
+// Whether the points tell all that is estimated, and more: those on a line lie on a thin strip in any
+// position.
+bool determined(const UvModel& model, const UvState& state) {
+  return 3 * model.points->count() > model.unknowns() &&
+         model.spread(state, model.sums(state, Mixture{})).undetermined.empty();
+}
+
+// From one start; nothing where the parameters that come out are not permitted.
+std::optional<Trial> tried(const Data& data, UvStart start, const Wanted& given) {
+  start.model.points = &data.trial;
+  Solved solved;
+  const double most = hopeless_share * fits_below;
+  if (start.median < hopeless && start.least_rms <= most && rms(start.model, start.state) < too_far) {
+    // Far from a few of the points it is far from all.
+    start.model.points = &data.few;
+    solved = start.model.solve(start.state, Mixture{}, 1e-3);
+    const bool far = rms(start.model, start.state) > most;
+    start.model.points = &data.trial;
+    if (far)
+      solved.converged = false;
+    else
+      solved = start.model.solve(start.state, Mixture{}, 1e-14);
+  }
+  if (!surface_of(start.model, start.state, data.all.size, given)) return std::nullopt;
+  const double error = rms(start.model, start.state);
+  if (!std::isfinite(error)) return std::nullopt;
+  const double permitted = fits_below * (start.model.free_affine.empty() ? 1 : affine_share);
+  bool fits = solved.converged && error <= permitted;
+  if (fits && !determined(start.model, start.state)) {
+    // On a surface that came out as one of revolution the offset of u is a rotation, and may be held.
+    fits = std::erase(start.model.free_affine, 4) == 1 && determined(start.model, start.state);
+  }
+  return Trial{start.model, start.state, error, fits, solved.iterations};
+}
+
+void keep_better(std::optional<Trial>& best, std::optional<Trial> trial) {
+  if (trial &&
+      (!best || (trial->fits && !best->fits) || (trial->fits == best->fits && trial->rms < best->rms)))
+    best = std::move(trial);
+}
+
+// The first of uv_conventions() that fits, else the best.
+std::optional<Trial> try_conventions(const Data& data, const Wanted& given) {
+  std::optional<Trial> best;
+  const UvHeld held = given.held(data.all.size, data.all.centre);
+  for (UvStart& start : convention_starts(given.kind, data.few, held, false).proper) {
+    std::optional<Trial> trial = tried(data, std::move(start), given);
+    if (best && best->fits) {
+      if (trial && trial->fits) best->equivalent.push_back(trial->model.convention.name);
+    } else {
+      keep_better(best, std::move(trial));
+    }
+  }
+  return best;
+}
+
+std::optional<Trial> try_affine(const Data& data, const Wanted& given) {
+  // Two points must follow beyond those that any such surface goes through: nearly every quad lies on a
+  // Möbius strip.
+  if (3 * data.all.count() < 6 + given.kind.parameters.size() + 6 + 6) return std::nullopt;
+  std::optional<Trial> best;
+  for (UvStart& start :
+       affine_starts(given.kind, data.few, given.held(data.all.size, data.all.centre), false, data.shears)) {
+    keep_better(best, tried(data, std::move(start), given));
+    if (best && best->fits) break;
+  }
+  return best;
+}
+
+// The one length of a rigid_kind(), which is held, makes room for the surface's own parameters, which are
+// too.
+Eigen::MatrixXd with_exact_parameters(const Eigen::MatrixXd& covariance, const AnySurface& surface) {
+  const Eigen::Index own = SurfaceWithParameters(surface).parameters(), of_map = covariance.rows() - 7;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(6 + own + of_map, 6 + own + of_map);
+  result.topLeftCorner<6, 6>() = covariance.topLeftCorner<6, 6>();
+  result.topRightCorner(6, of_map) = covariance.topRightCorner(6, of_map);
+  result.bottomLeftCorner(of_map, 6) = covariance.bottomLeftCorner(of_map, 6);
+  result.bottomRightCorner(of_map, of_map) = covariance.bottomRightCorner(of_map, of_map);
+  return result;
+}
+
+// The answer from all vertices.
+MeshFit completed(const Data& data, Trial trial, const Wanted& given) {
+  trial.model.points = &data.all;
+  if (trial.fits) {
+    Mixture squares;
+    UvState state = trial.state;
+    trial.model.polish(state, squares, std::nullopt, 6);
+    if (surface_of(trial.model, state, data.all.size, given)) trial.state = state;
+  }
+  MeshFit fit{{},
+              {*surface_of(trial.model, trial.state, data.all.size, given), Eigen::Isometry3d::Identity(),
+               trial.model.whole_convention(trial.state)}};
+  fit.equivalent = trial.equivalent;
+  std::vector<double> squares;
+  UvSums sums;
+  if (trial.fits)
+    sums = trial.model.sums(trial.state, Mixture{}, &squares);
+  else
+    squares = trial.model.squares(trial.state);
+  fit.rms_relative = rms(squares);
+  fit.rms = fit.rms_relative * data.all.size;
+  fit.fits = trial.fits && fit.rms_relative <= fits_below;
+  const auto n = static_cast<double>(data.all.count());
+  if (fit.fits) {  // so there are more coordinates than unknowns
+    const double sigma =
+        fit.rms_relative * std::sqrt(n / (3 * n - static_cast<double>(trial.model.unknowns())));
+    fit.sigma = sigma * data.all.size;
+    const UvSpread spread = trial.model.spread(trial.state, sums);
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const auto& p : data.all.positions) centre += to_eigen(p) / n;
+    static_cast<SurfaceUncertainty&>(fit) =
+        trial.model.uncertainty(trial.state, sigma * sigma * spread.covariance, centre);
+    if (given.exact) fit.covariance = with_exact_parameters(fit.covariance, *given.exact);
+  }
+  fit.iterations = trial.iterations;
+  if (given.placement) {
+    fit.surface.placement = *given.placement;
+  } else {
+    fit.surface.placement.linear() = trial.state.rotation.toRotationMatrix();
+    fit.surface.placement.translation() = trial.state.translation * data.all.size + data.all.centre;
+  }
+  return fit;
+}
+
+MeshError no_start(std::string_view name) {
+  return MeshError("mesh", "no uv convention lets " + fit::with_article(name) +
+                               " start, the positions do not follow the uvs");
+}
+
+}  // namespace
+
+const std::vector<std::string_view>& fitted_kinds() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> list;
+    for (const UvKind& kind : uv_kinds()) list.push_back(kind.name);
+    return list;
+  }();
+  return names;
+}
+
+MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
+                    const std::optional<Eigen::Isometry3d>& placement) {
+  const AnySurface surface = make_surface(given);  // refuses unknown names and values out of range
+  const UvKind* kind = find_uv_kind(given.name);
+  if (!kind) return fit_surface(mesh, surface, placement);
+  const Data data = usable_vertices(mesh, triangle_signs(mesh));
+  const Wanted wanted{*kind, given.parameters, {}, placement};
+  std::optional<Trial> best = try_conventions(data, wanted);
+  if (!best || !best->fits) {
+    // What another kind explains under a plain convention is that kind, and no limit of this one with bent
+    // uvs: a torus of major radius 0 is a sphere.
+    const bool another = std::any_of(uv_kinds().begin(), uv_kinds().end(), [&](const UvKind& other) {
+      if (&other == kind) return false;
+      const auto trial = try_conventions(data, {other, {}, {}, placement});
+      return trial && trial->fits;
+    });
+    if (!another) keep_better(best, try_affine(data, wanted));
+  }
+  if (!best) throw no_start(given.name);
+  return completed(data, *best, wanted);
+}
+
+MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
+                    const std::optional<Eigen::Isometry3d>& placement) {
+  const UvKind kind = rigid_kind(exact);
+  const Data data = usable_vertices(mesh, triangle_signs(mesh));
+  const Wanted wanted{kind, {}, exact, placement};
+  std::optional<Trial> best = try_conventions(data, wanted);
+  if (!best || !best->fits) keep_better(best, try_affine(data, wanted));
+  if (!best) throw no_start(exact.info().name);
+  return completed(data, *best, wanted);
+}
+
+MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
+  if (std::optional<MeshFit> fit =
+          fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any, triangle_signs(mesh)))
+    return std::move(*fit);
+  throw MeshError("mesh", "is none of the surfaces that can be fitted");
+}
+
+std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,
+                                 std::span<const std::string_view> kinds, UvMaps maps,
+                                 std::span<const signed char> signs) {
+  const Data data = usable_vertices(mesh, signs);
+  std::optional<Trial> best;
+  for (const bool affine : {false, true}) {
+    if (affine ? maps == UvMaps::plain : maps == UvMaps::affine) continue;
+    for (const UvKind& kind : uv_kinds()) {
+      if (std::find(kinds.begin(), kinds.end(), kind.name) == kinds.end()) continue;
+      const Wanted wanted{kind, {}, {}, placement};
+      std::optional<Trial> trial = affine ? try_affine(data, wanted) : try_conventions(data, wanted);
+      if (trial && trial->fits)
+        if (MeshFit fit = completed(data, *trial, wanted); fit.fits) return fit;
+      keep_better(best, std::move(trial));
+    }
+  }
+  if (!best) return std::nullopt;
+  return completed(data, *best, {*best->model.kind, {}, {}, placement});
+}
+
+}  // namespace darboux

@@ -1,0 +1,473 @@
+#include "fit_uv.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+#include <darboux/error.h>
+
+#include "base/quantile.h"
+#include "base/text.h"
+#include "fit/common/kinds.h"
+#include "starts.h"
+
+namespace darboux {
+namespace {
+
+// Points that choose the start, and kind and convention.
+constexpr std::size_t start_points = 256, trial_points = 1024;
+
+// Beyond so many times the typical distance from the middle, of the positions or of the uvs, a point starts
+// nothing.
+constexpr double far = 20;
+
+// Differences of log-likelihood, and of the information criterion, that decide. 5: odds of 148 to 1.
+constexpr double decisive = 5, least_bic_margin = 2;
+
+struct Data {
+  UvPoints all, trial, few;
+  std::vector<std::size_t> index;  // of `all` in the cloud
+  std::optional<double> noise;     // in units of the size
+};
+
+// One kind with the best of its conventions, fitted to the trial points, later to all.
+struct Trial {
+  UvModel model;
+  UvState state;
+  Mixture mixture;
+  double log_likelihood;
+  bool converged;
+  int iterations;
+
+  int parameters() const { return model.columns() + 2; }
+  double bic(double points) const {
+    return -2 * log_likelihood * points / static_cast<double>(model.points->count()) +
+           parameters() * std::log(points);
+  }
+};
+
+void check(const PointCloud& cloud, const PointFitOptions& options) {
+  if (cloud.uvs.empty()) throw MeshError("points", "have no uvs, a fit with uvs needs one a point");
+  if (cloud.uvs.size() != cloud.positions.size())
+    throw MeshError("points", std::to_string(cloud.uvs.size()) + " uvs for " +
+                                  std::to_string(cloud.positions.size()) +
+                                  " positions, one a point is permitted");
+  if (options.surface != "auto" && !find_uv_kind(options.surface))
+    throw ParameterError(options.surface,
+                         "cannot be fitted with uvs, permitted are auto, " + uv_kind_names());
+  if (options.noise && !(*options.noise > 0 && std::isfinite(*options.noise)))
+    throw ParameterError("noise",
+                         shortest(*options.noise) + " is not permitted, it must be positive and finite");
+  if (options.guess) {
+    const std::string_view kind = options.guess->surface.info().name;
+    if (!find_uv_kind(kind) || (options.surface != "auto" && options.surface != kind))
+      throw ParameterError("guess", "is " + fit::with_article(kind) + ", permitted is " +
+                                        (options.surface == "auto" ? uv_kind_names() : options.surface));
+    if (!options.guess->placement.matrix().allFinite())
+      throw ParameterError("guess", "its placement is not finite");
+  }
+}
+
+// Which uvs are not far from the middle of all.
+std::vector<bool> near_the_middle(const std::vector<Vec2<double>>& uvs) {
+  std::vector<double> x, y, distances;
+  for (const auto& uv : uvs) x.push_back(uv.x), y.push_back(uv.y);
+  const Vec2<double> middle{median(std::move(x)), median(std::move(y))};
+  for (const auto& uv : uvs) distances.push_back(std::hypot(uv.x - middle.x, uv.y - middle.y));
+  const double typical = median(distances);
+  std::vector<bool> result;
+  for (const double d : distances) result.push_back(typical == 0 || d <= far * typical);
+  return result;
+}
+
+// What can be said of the points before any surface; empty when there is nothing against them.
+std::string prepare(const PointCloud& cloud, const PointFitOptions& options, Data& data) {
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i)
+    if (detail::finite(cloud.positions[i]) && usable_uv(cloud.uvs[i])) data.index.push_back(i);
+  const std::size_t n = data.index.size();
+  if (n < 4) return std::to_string(n) + " finite points, a fit with uvs needs at least 4";
+  std::array<double, 3> middle{};
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const std::size_t i : data.index) values.push_back(to_eigen(cloud.positions[i])[axis]);
+    middle[static_cast<std::size_t>(axis)] = median(std::move(values));
+  }
+  UvPoints& all = data.all;
+  all.centre = {middle[0], middle[1], middle[2]};
+  std::vector<double> distances;
+  for (const std::size_t i : data.index)
+    distances.push_back((to_eigen(cloud.positions[i]) - all.centre).stableNorm());
+  all.size = 2 * median(distances);
+  if (!(all.size > 0)) all.size = *std::max_element(distances.begin(), distances.end());
+  if (!(all.size > 0)) return "all points are equal";
+  if (!std::isfinite(all.size)) return "the points are too far apart for double precision";
+  UvPoints near{{}, {}, all.centre, all.size};
+  bool uvs_differ = false;
+  for (const std::size_t i : data.index) {
+    all.positions.push_back(from_eigen((to_eigen(cloud.positions[i]) - all.centre) / all.size));
+    all.uvs.push_back(cloud.uvs[i]);
+    uvs_differ = uvs_differ || !(cloud.uvs[i] == all.uvs.front());
+  }
+  const std::vector<bool> near_by_uv = near_the_middle(all.uvs);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (to_eigen(all.positions[i]).norm() > far || !near_by_uv[i]) continue;
+    near.positions.push_back(all.positions[i]);
+    near.uvs.push_back(all.uvs[i]);
+  }
+  if (!uvs_differ) return "the uvs are all equal";
+  data.trial = near.chosen(trial_points, options.seed);
+  data.few = data.trial.chosen(start_points, options.seed);
+  if (options.noise) data.noise = *options.noise / all.size;
+
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : data.trial.positions) mean += to_eigen(p) / static_cast<double>(data.trial.count());
+  for (const auto& p : data.trial.positions)
+    spread += (to_eigen(p) - mean) * (to_eigen(p) - mean).transpose();
+  const Eigen::Vector3d along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues();
+  const double rounding = all.least_sigma();
+  if (along[1] <= rounding * rounding * static_cast<double>(data.trial.count()) + 1e-30 * along[2])
+    return "all points are on one line";
+  return "";
+}
+
+Trial maximised(UvStart start, const Data& data, const UvPoints& points) {
+  start.model.points = &points;
+  Mixture mixture{.robust = true};
+  // The median of inliers' distances is 1.54 sigma.
+  std::vector<double> squares = start.model.squares(start.state);
+  mixture.sigma =
+      data.noise ? *data.noise : std::fmax(std::sqrt(median(squares)) / 1.54, points.least_sigma());
+  mixture.outliers = 0.2;
+  if (!data.noise) update(mixture, squares, points, data.noise);
+  const Solved solved = start.model.maximise(start.state, mixture, data.noise);
+  if (solved.converged) start.model.polish(start.state, mixture, data.noise, 3);
+  squares = start.model.squares(start.state);
+  return {start.model,      start.state,      mixture, log_likelihood(mixture, squares),
+          solved.converged, solved.iterations};
+}
+
+bool degenerate(const Trial& trial) {
+  for (int k = 0; k < trial.model.kind->parameter_count(); ++k)
+    if (trial.model.kind->vanishes(k, trial.state.parameters[static_cast<std::size_t>(k)])) return true;
+  return false;
+}
+
+std::optional<AnySurface> surface_of(const Trial& trial, double size) {
+  std::vector<double> values = trial.state.parameters;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (trial.model.kind->length[k]) values[k] *= size;
+  try {
+    return make_surface(trial.model.kind->name).with(values);
+  } catch (const ParameterError&) {
+    return std::nullopt;  // out of range, or values that do not go together
+  }
+}
+
+// Beyond so much noise, in units of the inliers' extent, a fit has found nothing; above the other one,
+// perhaps too little.
+constexpr double most_noise = 0.2, much_noise = 0.06;
+
+// The points' extent explained.
+bool explains(const Trial& trial, double noise = most_noise) {
+  const double extent = 0.5 * std::cbrt(trial.mixture.volume / (4.0 / 3.0 * 3.141592653589793));
+  return trial.mixture.sigma < noise * extent && trial.mixture.outliers < 0.7;
+}
+
+bool sound(const Trial& trial) {
+  return trial.converged && !degenerate(trial) && explains(trial) && surface_of(trial, 1).has_value();
+}
+
+struct KindTrials {
+  std::optional<Trial> proper, mirrored;
+  int iterations = 0;
+};
+
+// The first convention that is as likely as the best.
+std::optional<Trial> first_of_best(std::vector<Trial> trials) {
+  double best = -std::numeric_limits<double>::infinity();
+  for (const Trial& t : trials)
+    if (sound(t)) best = std::fmax(best, t.log_likelihood);
+  for (Trial& t : trials)
+    if (sound(t) && t.log_likelihood >= best - decisive) return std::move(t);
+  return std::nullopt;
+}
+
+double least_median(const std::vector<UvStart>& starts) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const UvStart& s : starts) least = std::fmin(least, s.median);
+  return least;
+}
+
+// A start several times worse than the best is another convention's, or another kind's; that of a kind with
+// shape parameters is only near.
+KindTrials try_conventions(const Data& data, const UvPoints& image, ConventionStarts starts, double best) {
+  KindTrials result;
+  const bool perhaps_mirrored = least_median(starts.mirrored) < 0.7 * least_median(starts.proper) - 1e-9;
+  const auto fitted = [&](std::vector<UvStart>& list, const UvPoints& points) {
+    std::vector<Trial> trials;
+    for (UvStart& s : list) {
+      const bool near = s.model.kind->starts.size() > 1;
+      if (s.median > 4 * best + (near ? 0.05 : 1e-9)) continue;
+      trials.push_back(maximised(std::move(s), data, points));
+      result.iterations += trials.back().iterations;
+    }
+    return first_of_best(std::move(trials));
+  };
+  result.proper = fitted(starts.proper, data.trial);
+  if (perhaps_mirrored) result.mirrored = fitted(starts.mirrored, image);
+  return result;
+}
+
+UvStart guessed(const Data& data, const UvKind& kind, const PlacedSurface& guess) {
+  UvModel model(kind, data.trial, guess.uv);
+  UvState state;
+  state.rotation = Eigen::Quaterniond(guess.placement.linear()).normalized();
+  state.translation = (guess.placement.translation() - data.all.centre) / data.all.size;
+  for (std::size_t k = 0; k < kind.parameters.size(); ++k)
+    state.parameters.push_back(guess.surface.parameters()[k].value / (kind.length[k] ? data.all.size : 1));
+  return {model, state, std::sqrt(median(model.squares(state)))};
+}
+
+// Whether this convention explains little, or an affine map much more: then it is worth a search.
+bool wants_affine(const Data& data, const Trial& trial) {
+  if (!explains(trial, much_noise)) return true;
+  UvStart start{trial.model, trial.state, 0};
+  start.model.free_affine = observable_affine(start.model);
+  const Trial freed = maximised(start, data, data.trial);
+  return freed.log_likelihood >
+         trial.log_likelihood + decisive + 3 * std::log(static_cast<double>(data.trial.count()));
+}
+
+std::optional<Trial> try_affine(const Data& data, const UvKind& kind, int& iterations) {
+  std::vector<Trial> trials;
+  for (UvStart& start : affine_starts(kind, data.few, {}, true)) {
+    trials.push_back(maximised(std::move(start), data, data.trial));
+    iterations += trials.back().iterations;
+  }
+  return first_of_best(std::move(trials));
+}
+
+std::string described(const Trial& trial) {
+  return std::string(trial.model.kind->name) + ", uvs " +
+         std::string(trial.model.whole_convention(trial.state).name);
+}
+
+double inliers_rms(const Mixture& mixture, const std::vector<double>& squares) {
+  double inliers = 0, sum = 0;
+  for (const double s : squares)
+    if (inlier_weight(mixture, s) > 0.5) inliers += 1, sum += s;
+  return std::sqrt(sum / std::fmax(inliers, 1));
+}
+
+// Everything the header promises of a usable fit, from all points. Returns why it is not usable, else
+// nothing.
+std::string report(const Trial& trial, const Data& data, PointFit& fit) {
+  const UvKind& kind = *trial.model.kind;
+  const double size = data.all.size;
+  std::vector<double> squares;
+  const UvSums sums = trial.model.sums(trial.state, trial.mixture, &squares);
+  double weights = 0, weighted = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    const double w = inlier_weight(trial.mixture, squares[i]);
+    if (w > 0.5) {
+      fit.is_inlier[data.index[i]] = true;
+      ++fit.inliers;
+    }
+    if (!(w > 1e-30)) continue;
+    weights += w;
+    weighted += w * squares[i];
+    centre += w * to_eigen(data.all.positions[i]);
+  }
+  centre /= weights;
+  fit.outliers = squares.size() - fit.inliers;
+  const int m = trial.model.columns(), parameters = kind.parameter_count();
+  if (!(3 * weights > m))
+    return std::to_string(fit.inliers) + " points on the surface, " + fit::with_article(kind.name) + " has " +
+           std::to_string(m) + " unknowns";
+  fit.rms = size * inliers_rms(trial.mixture, squares);
+  const double sigma = data.noise ? *data.noise : std::sqrt(weighted / (3 * weights - m));
+  fit.sigma = size * sigma;
+
+  const UvSpread spread = trial.model.spread(trial.state, sums);
+  if (!spread.undetermined.empty())
+    return "the points and their uvs do not determine the " + spread.undetermined + " of the " +
+           std::string(kind.name);
+  const double factor = (sigma / trial.mixture.sigma) * (sigma / trial.mixture.sigma);
+  const int dimension = 6 + parameters;  // (ω, τ, δp), whatever the uv map is
+  const SurfaceUncertainty uncertainty =
+      trial.model.uncertainty(trial.state, factor * spread.covariance, centre);
+  fit.covariance = uncertainty.covariance.topLeftCorner(dimension, dimension);
+  fit.centre = uncertainty.centre;
+  const auto deviation = [&](int k) { return std::sqrt(std::fmax(fit.covariance(6 + k, 6 + k), 0)); };
+
+  for (int k = 0; k < parameters; ++k)
+    fit.standard_errors.push_back(
+        {std::string(kind.parameters[static_cast<std::size_t>(k)].name), deviation(k)});
+  const Eigen::Matrix3d rotation = trial.state.rotation.toRotationMatrix();
+  const Eigen::Vector3d axis = rotation.col(2);
+  const Eigen::Matrix3d turning = fit.covariance.topLeftCorner<3, 3>();
+  fit.standard_errors.push_back(
+      {"axis_deg",
+       std::sqrt(std::fmax(turning.trace() - axis.dot(turning * axis), 0)) * 180 / 3.141592653589793});
+  fit.standard_errors.push_back(
+      {"centre", size * std::sqrt(std::fmax(factor * spread.covariance.block<3, 3>(3, 3).trace(), 0))});
+  for (int k = 0; k < parameters; ++k) {
+    const ParameterValue& p = kind.parameters[static_cast<std::size_t>(k)];
+    const double value = trial.state.parameters[static_cast<std::size_t>(k)] *
+                         (kind.length[static_cast<std::size_t>(k)] ? size : 1);
+    if (kind.may_be_zero(k)) continue;
+    if (std::fabs(value) < 3 * deviation(k))
+      return "the points do not tell the " + std::string(p.name) + " of the " + std::string(kind.name) +
+             " from zero";
+    if (const double times = std::fabs(value) / fit.sigma;
+        kind.length[static_cast<std::size_t>(k)] && times < 5)
+      return "the " + std::string(p.name) + " of the best " + std::string(kind.name) + " is only " +
+             rounded(times, 2) + " times the noise: no fit; less noise helps";
+  }
+  fit.surface = PlacedSurface{*surface_of(trial, size), Eigen::Isometry3d::Identity(),
+                              trial.model.whole_convention(trial.state)};
+  fit.surface->placement.linear() = rotation;
+  fit.surface->placement.translation() = size * trial.state.translation + data.all.centre;
+  return "";
+}
+
+}  // namespace
+
+PointFit fit_points_with_uv(const PointCloud& cloud, const PointFitOptions& options) {
+  const auto begun = std::chrono::steady_clock::now();
+  check(cloud, options);
+  PointFit fit;
+  fit.is_inlier.assign(cloud.positions.size(), false);
+  const auto finished = [&](std::string reason, bool usable = false) {
+    fit.reason = std::move(reason);
+    fit.usable = usable;
+    if (!usable) fit.surface.reset();
+    if (!fit.inliers) fit.outliers = cloud.positions.size() - fit.ignored;
+    if (options.progress) options.progress(1);
+    fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    return fit;
+  };
+  Data data;
+  const std::string against = prepare(cloud, options, data);
+  fit.ignored = cloud.positions.size() - data.index.size();
+  if (!against.empty()) return finished(against);
+
+  std::vector<const UvKind*> kinds;
+  for (const UvKind& kind : uv_kinds())
+    if (options.surface == "auto" || options.surface == kind.name) kinds.push_back(&kind);
+  const auto n = static_cast<double>(data.all.count());
+  if (kinds.size() == 1 && 3 * n <= 6 + kinds.front()->parameter_count())
+    return finished(std::to_string(data.all.count()) + " finite points, " +
+                    fit::with_article(options.surface) + " needs at least " +
+                    std::to_string((6 + kinds.front()->parameter_count()) / 3 + 1));
+
+  UvPoints image = data.trial;
+  for (auto& p : image.positions) p = -p;
+  std::vector<Trial> trials;
+  std::optional<Trial> mirrored;
+  const auto before = [](const Trial& a, const Trial& b) { return a.bic(1e3) < b.bic(1e3); };
+  const auto more = [&](std::optional<Trial> trial, std::vector<Trial>& list) {
+    if (trial) list.push_back(std::move(*trial));
+  };
+  double done = 0;
+  const auto progress = [&](double share) {
+    done += share;
+    if (options.progress) options.progress(done);
+  };
+  const double share = 0.2 / static_cast<double>(kinds.size());
+  std::vector<ConventionStarts> starts;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const UvKind* kind : kinds) {
+    starts.push_back(convention_starts(*kind, data.few, {}, true));
+    if (options.guess && options.guess->surface.info().name == kind->name)
+      starts.back().proper.push_back(guessed(data, *kind, *options.guess));
+    nearest = std::min({nearest, least_median(starts.back().proper), least_median(starts.back().mirrored)});
+    progress(share);
+  }
+  for (ConventionStarts& of_kind : starts) {
+    KindTrials found = try_conventions(data, image, std::move(of_kind), nearest);
+    fit.iterations += found.iterations;
+    more(std::move(found.proper), trials);
+    if (found.mirrored && (!mirrored || before(*found.mirrored, *mirrored)))
+      mirrored = std::move(found.mirrored);
+    progress(share);
+  }
+  const auto by_bic = [&] {
+    std::sort(trials.begin(), trials.end(),
+              [&](const Trial& a, const Trial& b) { return a.bic(n) < b.bic(n); });
+  };
+  by_bic();
+  if (mirrored &&
+      (trials.empty() || mirrored->log_likelihood > trials.front().log_likelihood + 2 * decisive)) {
+    fit.mirrored = true;
+    return finished("the uvs follow the mirror image of " + fit::with_article(mirrored->model.kind->name));
+  }
+  if (trials.empty() || wants_affine(data, trials.front())) {
+    for (const UvKind* kind : kinds) {
+      std::optional<Trial> affine = try_affine(data, *kind, fit.iterations);
+      progress(share);
+      if (!affine) continue;
+      const auto same =
+          std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.model.kind == kind; });
+      if (same == trials.end())
+        trials.push_back(*affine);
+      else if (affine->bic(n) < same->bic(n) - 2 * decisive)
+        *same = *affine;
+    }
+    by_bic();
+  }
+  if (trials.empty())
+    return finished("the points do not follow the uvs on " +
+                    (options.surface == "auto" ? "any surface that is fitted: " + uv_kind_names()
+                                               : fit::with_article(options.surface)));
+
+  // Those that the trial points leave open, and the best of the others, are fitted to all points.
+  const double best = trials.front().bic(static_cast<double>(data.trial.count()));
+  for (Trial& t : trials) {
+    if (&t != &trials.front() && t.bic(static_cast<double>(data.trial.count())) > best + 30) continue;
+    t.model.points = &data.all;
+    update(t.mixture, t.model.squares(t.state), data.all, data.noise);
+    const Solved solved = t.model.solve(t.state, t.mixture, 1e-6);
+    fit.iterations += solved.iterations;
+    t.converged = solved.converged;
+    if (solved.converged) t.model.polish(t.state, t.mixture, data.noise, 20);
+    t.log_likelihood = log_likelihood(t.mixture, t.model.squares(t.state));
+  }
+  by_bic();
+  for (const Trial& t : trials)
+    fit.candidates.push_back({std::string(t.model.kind->name), t.bic(n),
+                              data.all.size * inliers_rms(t.mixture, t.model.squares(t.state))});
+  // The best of which everything is determined; a cone without height is a disk.
+  std::optional<PointFit> chosen;
+  std::string against_first, described_as;
+  double best_bic = 0;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    const Trial& t = trials[i];
+    if (chosen && t.bic(n) > best_bic + least_bic_margin) break;
+    PointFit attempt = fit;
+    std::string why = !t.converged ? "Ceres did not converge on " + fit::with_article(described(t))
+                      : !sound(t)
+                          ? "the points do not follow the uvs on " + fit::with_article(t.model.kind->name)
+                          : report(t, data, attempt);
+    if (i == 0) against_first = why;
+    if (!why.empty()) continue;
+    if (chosen)
+      return finished("undetermined: " + described_as + " and " + described(t) + " explain the points alike");
+    chosen = std::move(attempt);
+    described_as = described(t);
+    best_bic = t.bic(n);
+    chosen->candidates.erase(chosen->candidates.begin(),
+                             chosen->candidates.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  if (!chosen) return finished(against_first);
+  fit = std::move(*chosen);
+  return finished(described_as + ", " + std::to_string(fit.inliers) + " of " +
+                      std::to_string(data.all.count()) + " points",
+                  true);
+}
+
+}  // namespace darboux

@@ -1,0 +1,63 @@
+// The kinds of surface that are fitted through their uvs, behind one type.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <darboux/any_surface.h>
+
+namespace darboux {
+
+/// Values at some uvs; point i has the rows 3i, 3i + 1, 3i + 2. Derivatives have no rows where they are not
+/// asked for.
+struct UvBlock {
+  Eigen::VectorXd position;
+  Eigen::MatrixXd by_parameter;  ///< a column a parameter
+  Eigen::MatrixXd by_uv;         ///< dpdu, dpdv
+};
+
+/// One kind. Its position is homogeneous of degree 1 in its lengths: P = sum over the lengths of p_k ∂P/∂p_k.
+struct UvKind {
+  std::string_view name;
+  std::vector<ParameterValue> parameters;
+  std::vector<bool> length;  ///< whether a parameter is one; the others are numbers that give the shape
+  /// Values of all parameters at which the linear start takes ∂P/∂p_k; where P is linear in the lengths only
+  /// those of the shape matter, and one is enough where there are none.
+  std::vector<std::vector<double>> starts;
+  /// Position and derivatives of the surface with these parameters at each uv. Blocks have room for all of
+  /// them.
+  std::function<void(const double* parameters, std::span<const Vec2<double>> uvs, UvBlock& block)> evaluate;
+
+  /// For each parameter the length to which the linear start ties it in the ratio of `starts`, itself where
+  /// to none: lengths that are linear only together, as height and semi_axis_z of the one-sheet hyperboloid.
+  std::vector<int> tied_to{};
+  std::array<Coordinate, 2> coordinates{};  ///< what u and v are
+
+  int parameter_count() const { return static_cast<int>(parameters.size()); }
+  /// Whether positions are linear in the parameters: all are lengths, and none is tied.
+  bool linear() const;
+  /// Whether the surface is of this kind with 0 for the k-th parameter.
+  bool may_be_zero(int k) const;
+  /// Whether the k-th parameter, over the size of the points, has shrunk the surface to a line, a point or
+  /// another kind.
+  bool vanishes(int k, double value) const;
+};
+
+/// In the order of preference, in which they are tried: a sphere is an ellipsoid too.
+const std::vector<UvKind>& uv_kinds();
+
+/// The names of all of them, "plane, disk, ...", for messages.
+std::string uv_kind_names();
+
+/// A surface that is known but for its place: one length, by which all of it is multiplied.
+UvKind rigid_kind(const AnySurface& surface);
+
+/// The kind of that name, null where it is not among them.
+const UvKind* find_uv_kind(std::string_view name);
+
+}  // namespace darboux

@@ -1,0 +1,498 @@
+#include "model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include <Eigen/Eigenvalues>
+#include <ceres/ceres.h>
+
+#include "fit/common/compressed.h"
+#include "fit/common/manifolds.h"
+
+namespace darboux {
+namespace {
+
+constexpr std::size_t block_size = 64;
+constexpr double two_pi_ = 6.283185307179586;
+
+double log_ratio(const Mixture& m) {
+  return std::log(m.outliers / m.volume) - std::log1p(-m.outliers) +
+         1.5 * std::log(two_pi_ * m.sigma * m.sigma);
+}
+
+// log(e^a + e^b)
+double log_add(double a, double b) {
+  const double apart = std::fabs(a - b);
+  return std::fmax(a, b) + (apart < 40 ? std::log1p(std::exp(-apart)) : 0);
+}
+
+// The sums of all points as one Ceres cost function whose size does not grow with them.
+class SummedCost final : public ceres::CostFunction {
+ public:
+  SummedCost(const UvModel& model, const Mixture& mixture, const UvState& start)
+      : model_(model), mixture_(mixture), state_(start), columns_(model.columns()) {
+    set_num_residuals(columns_ + 1);
+    *mutable_parameter_block_sizes() = {4, 3};
+    if (columns_ > 6) mutable_parameter_block_sizes()->push_back(columns_ - 6);
+  }
+
+  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
+    std::vector<double> x(blocks[0], blocks[0] + 4);
+    x.insert(x.end(), blocks[1], blocks[1] + 3);
+    if (columns_ > 6) x.insert(x.end(), blocks[2], blocks[2] + columns_ - 6);
+    // Ceres asks for the cost of a step first and for its Jacobian after: one pass serves both.
+    if (x != at_) {
+      at_ = x;
+      compress(state_of(model_, state_, x));
+    }
+    if (!residuals_.allFinite() || !root_.allFinite()) return false;
+    Eigen::Map<Eigen::VectorXd>(residuals, columns_ + 1) = residuals_;
+    if (!jacobians) return true;
+    if (jacobians[0]) {
+      Eigen::Matrix<double, 3, 4, Eigen::RowMajor> minus;
+      fit::RotationManifold().MinusJacobian(blocks[0], minus.data());
+      store(jacobians[0], root_.leftCols<3>() * minus);
+    }
+    if (jacobians[1]) store(jacobians[1], root_.middleCols<3>(3));
+    if (columns_ > 6 && jacobians[2]) store(jacobians[2], root_.rightCols(columns_ - 6));
+    return true;
+  }
+
+  static UvState state_of(const UvModel& model, UvState state, const std::vector<double>& x) {
+    state.rotation.coeffs() = Eigen::Map<const Eigen::Vector4d>(x.data());
+    state.translation = Eigen::Map<const Eigen::Vector3d>(x.data() + 4);
+    std::size_t next = 7;
+    for (const int k : model.free_parameters()) state.parameters[static_cast<std::size_t>(k)] = x[next++];
+    for (const int k : model.free_affine) state.affine[static_cast<std::size_t>(k)] = x[next++];
+    return state;
+  }
+
+ private:
+  void compress(const UvState& state) const {
+    const UvSums sums = model_.sums(state, mixture_);
+    const fit::Compressed<Eigen::Dynamic> compressed(sums.hessian);
+    residuals_ = Eigen::VectorXd(columns_ + 1);
+    residuals_.head(columns_) = compressed(sums.gradient);
+    residuals_[columns_] = fit::rest(2 * sums.cost, residuals_.head(columns_));
+    root_ = Eigen::MatrixXd::Zero(columns_ + 1, columns_);
+    root_.topRows(columns_) = compressed.jacobian();
+  }
+
+  template <class Matrix>
+  static void store(double* target, const Matrix& m) {
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(target, m.rows(),
+                                                                                       m.cols()) = m;
+  }
+
+  const UvModel& model_;
+  const Mixture& mixture_;
+  const UvState& state_;
+  int columns_;
+  mutable std::vector<double> at_;
+  mutable Eigen::VectorXd residuals_;
+  mutable Eigen::MatrixXd root_;
+};
+
+// Infinite where a uv far from the patch leads out of the range of numbers: such a point lies nowhere near.
+double square_of(const Eigen::Vector3d& residual) {
+  const double square = residual.squaredNorm();
+  return std::isnan(square) ? std::numeric_limits<double>::infinity() : square;
+}
+
+// A little inside an open bound: there the surface is a line or a point.
+double least(const Range& permitted) {
+  return permitted.minimum_included ? permitted.minimum : permitted.minimum + 1e-12;
+}
+
+}  // namespace
+
+UvPoints UvPoints::chosen(std::size_t most, std::uint64_t seed) const {
+  if (count() <= most) return *this;
+  UvPoints result{{}, {}, centre, size};
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (std::size_t i = 0; i < most; ++i) {
+    const double share = (static_cast<double>(i) + uniform(random)) / static_cast<double>(most);
+    const auto k = std::min(count() - 1, static_cast<std::size_t>(share * static_cast<double>(count())));
+    result.positions.push_back(positions[k]);
+    result.uvs.push_back(uvs[k]);
+  }
+  return result;
+}
+
+double UvPoints::least_sigma() const {
+  return 1e-13 + 0x1p-52 * (centre / size).stableNorm();
+}
+
+std::vector<int> UvModel::free_parameters() const {
+  std::vector<int> list;
+  for (int k = 0; k < kind->parameter_count(); ++k)
+    if (!held[static_cast<std::size_t>(k)]) list.push_back(k);
+  return list;
+}
+
+UvConvention UvModel::whole_convention(const UvState& state) const {
+  if (state.affine == identity_map) return convention;
+  const auto& a = state.affine;
+  const auto& c = convention.affine;
+  return {"affine",
+          {a[0] * c[0] + a[1] * c[2], a[0] * c[1] + a[1] * c[3], a[2] * c[0] + a[3] * c[2],
+           a[2] * c[1] + a[3] * c[3], a[0] * c[4] + a[1] * c[5] + a[4], a[2] * c[4] + a[3] * c[5] + a[5]}};
+}
+
+UvSpread UvModel::spread(const UvState& state, const UvSums& sums) const {
+  const int count = kind->parameter_count();
+  std::vector<Eigen::Index> open, place;  // columns of the sums that are estimated, and theirs in the result
+  const auto estimated = [&](Eigen::Index column, Eigen::Index in_result) {
+    open.push_back(column);
+    place.push_back(in_result);
+  };
+  if (!placement_held)
+    for (int k = 0; k < 6; ++k) estimated(k, k);
+  Eigen::Index next = 6;
+  for (const int k : free_parameters()) {
+    const auto p = static_cast<std::size_t>(k);
+    const Range& permitted = kind->parameters[p].permitted;
+    const bool at_bound = permitted.minimum_included && state.parameters[p] <= permitted.minimum;
+    if (!at_bound) estimated(next, 6 + k);
+    ++next;
+  }
+  for (const int k : free_affine) estimated(next++, 6 + count + k);
+  UvSpread result{Eigen::MatrixXd::Zero(12 + count, 12 + count)};
+  if (open.empty()) return result;
+  // Inverse of the information, scaled to a unit diagonal.
+  const Eigen::MatrixXd information = sums.hessian(open, open);
+  const Eigen::VectorXd scale =
+      information.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information *
+                                                             scale.asDiagonal());
+  if (!(eigen.eigenvalues()[0] > 1e-13)) {
+    Eigen::Index most = 0;
+    eigen.eigenvectors().col(0).cwiseAbs().maxCoeff(&most);
+    const Eigen::Index what = place[static_cast<std::size_t>(most)];
+    result.undetermined = what < 3   ? "direction"
+                          : what < 6 ? "place"
+                          : what < 6 + count
+                              ? std::string(kind->parameters[static_cast<std::size_t>(what - 6)].name)
+                              : "uv map";
+    return result;
+  }
+  const Eigen::MatrixXd root =
+      scale.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseSqrt().cwiseInverse().asDiagonal();
+  result.covariance(place, place) = root * root.transpose();
+  return result;
+}
+
+SurfaceUncertainty UvModel::uncertainty(const UvState& state, const Eigen::MatrixXd& covariance,
+                                        const Eigen::Vector3d& about) const {
+  const int count = kind->parameter_count(), dimension = 6 + count + (free_affine.empty() ? 0 : 6);
+  // From (rotation in the body's axes, translation, ...) to (ω, τ, ...) about the centre.
+  const Eigen::Matrix3d rotation = state.rotation.toRotationMatrix();
+  const Eigen::Vector3d arm = state.translation - about;
+  Eigen::MatrixXd to = Eigen::MatrixXd::Identity(dimension, dimension);
+  to.topLeftCorner<3, 3>() = rotation;
+  to.block<3, 3>(3, 0) = points->size * fit::cross_matrix(arm) * rotation;  // τ = δt - ω x arm
+  to.block<3, 3>(3, 3) *= points->size;
+  for (int k = 0; k < count; ++k)
+    if (kind->length[static_cast<std::size_t>(k)]) to(6 + k, 6 + k) = points->size;
+  if (!free_affine.empty()) {
+    // From the affine map to the whole one, affine(convention(stored)), in which it is linear.
+    const auto& c = convention.affine;
+    for (int row = 0; row < 2; ++row) {
+      const int m = 6 + count + 2 * row, o = 6 + count + 4 + row;
+      to.block<2, 2>(m, m) << c[0], c[2], c[1], c[3];
+      to.block<1, 2>(o, m) << c[4], c[5];
+    }
+  }
+  return {to * covariance.topLeftCorner(dimension, dimension) * to.transpose(),
+          points->size * about + points->centre};
+}
+
+UvState UvModel::moved(const UvState& state, const Eigen::VectorXd& step) const {
+  UvState result = state;
+  fit::RotationManifold().Plus(state.rotation.coeffs().data(), step.data(), result.rotation.coeffs().data());
+  result.rotation.normalize();
+  result.translation += step.segment<3>(3);
+  Eigen::Index next = 6;
+  for (const int k : free_parameters()) {
+    const Range& permitted = kind->parameters[static_cast<std::size_t>(k)].permitted;
+    double& p = result.parameters[static_cast<std::size_t>(k)];
+    p = std::clamp(p + step[next++], least(permitted), permitted.maximum);
+  }
+  for (const int k : free_affine) result.affine[static_cast<std::size_t>(k)] += step[next++];
+  return result;
+}
+
+struct UvModel::Rows {
+  std::vector<Vec2<double>> uvs;
+  UvBlock block;
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd jacobian;  // without rows where it is not asked for
+};
+
+// Residuals and Jacobian of a block of points in the body's axes; the translation's columns are the body's
+// too.
+void UvModel::fill(const UvState& state, std::size_t first, std::size_t count, bool derivatives,
+                   Rows& to) const {
+  const auto rows = static_cast<Eigen::Index>(3 * count);
+  if (to.residual.size() != rows) {
+    const Eigen::Index of_jacobian = derivatives ? rows : 0;
+    to.residual.resize(rows);
+    to.jacobian = Eigen::MatrixXd::Zero(of_jacobian, columns());
+    to.block = {Eigen::VectorXd(rows), Eigen::MatrixXd(of_jacobian, kind->parameter_count()),
+                Eigen::MatrixXd(free_affine.empty() ? 0 : of_jacobian, 2)};
+  }
+  const UvConvention affine{"", state.affine};
+  to.uvs.resize(count);
+  for (std::size_t i = 0; i < count; ++i)
+    to.uvs[i] = affine.surface_uv(convention.surface_uv(points->uvs[first + i]));
+  kind->evaluate(state.parameters.data(), to.uvs, to.block);
+  const Eigen::Matrix3d inverse = state.rotation.toRotationMatrix().transpose();
+  Eigen::MatrixXd& jacobian = to.jacobian;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = static_cast<Eigen::Index>(3 * i);
+    const Eigen::Vector3d p = to.block.position.segment<3>(row);
+    to.residual.segment<3>(row) = p + inverse * (state.translation - to_eigen(points->positions[first + i]));
+    if (!derivatives) continue;
+    jacobian(row + 1, 0) = -p.z(), jacobian(row + 2, 0) = p.y();
+    jacobian(row, 1) = p.z(), jacobian(row + 2, 1) = -p.x();
+    jacobian(row, 2) = -p.y(), jacobian(row + 1, 2) = p.x();
+    jacobian(row, 3) = jacobian(row + 1, 4) = jacobian(row + 2, 5) = 1;
+  }
+  if (!derivatives) return;
+  Eigen::Index next = 6;
+  for (const int k : free_parameters()) jacobian.col(next++) = to.block.by_parameter.col(k);
+  for (const int k : free_affine) {
+    const int along = k == 0 || k == 1 || k == 4 ? 0 : 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec2<double> uv = convention.surface_uv(points->uvs[first + i]);
+      const double factor = k > 3 ? 1 : k % 2 == 0 ? uv.x : uv.y;
+      const auto row = static_cast<Eigen::Index>(3 * i);
+      jacobian.block<3, 1>(row, next) = factor * to.block.by_uv.block<3, 1>(row, along);
+    }
+    ++next;
+  }
+}
+
+template <class Each>
+void UvModel::for_each_block(const UvState& state, bool derivatives, Each each) const {
+  Rows rows;
+  for (std::size_t first = 0; first < points->count(); first += block_size) {
+    const std::size_t count = std::min(block_size, points->count() - first);
+    fill(state, first, count, derivatives, rows);
+    each(first, count, rows);
+  }
+}
+
+UvSums UvModel::sums(const UvState& state, const Mixture& mixture, std::vector<double>* squares) const {
+  const int m = columns();
+  UvSums result{0, Eigen::VectorXd::Zero(m), Eigen::MatrixXd::Zero(m, m)};
+  if (squares) squares->resize(points->count());
+  const double precision = 1 / (mixture.sigma * mixture.sigma);
+  const double ratio = mixture.robust ? log_ratio(mixture) : 0, top = mixture.robust ? log_add(0, ratio) : 0;
+  for_each_block(state, true, [&](std::size_t first, std::size_t count, Rows& rows) {
+    Eigen::MatrixXd& jacobian = rows.jacobian;
+    Eigen::VectorXd& residual = rows.residual;
+    double cost = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto row = static_cast<Eigen::Index>(3 * i);
+      const double square = square_of(residual.segment<3>(row)), half = 0.5 * precision * square;
+      if (squares) (*squares)[first + i] = square;
+      if (!mixture.robust) {
+        cost += half;
+        continue;
+      }
+      // - log of the density over that at distance 0; its derivative by half is the posterior weight.
+      const double weight = 1 / (1 + std::exp(ratio + half));
+      cost += top - log_add(-half, ratio);
+      if (weight > 1e-30) {
+        const double root = std::sqrt(weight);
+        residual.segment<3>(row) *= root;
+        jacobian.middleRows<3>(row) *= root;
+      } else {
+        residual.segment<3>(row).setZero();
+        jacobian.middleRows<3>(row).setZero();
+      }
+    }
+    result.cost += cost;
+    for (int k = 0; k < m; ++k) {
+      for (int l = k; l < m; ++l) result.hessian(l, k) += jacobian.col(k).dot(jacobian.col(l));
+      result.gradient[k] += jacobian.col(k).dot(residual);
+    }
+  });
+  result.hessian.triangularView<Eigen::StrictlyUpper>() = result.hessian.transpose();
+  result.hessian *= precision;
+  result.gradient *= precision;
+  // The translation's columns from the body's axes to those of the points.
+  const Eigen::Matrix3d rotation = state.rotation.toRotationMatrix();
+  result.gradient.segment<3>(3) = rotation * result.gradient.segment<3>(3);
+  result.hessian.middleCols<3>(3) *= rotation.transpose();
+  result.hessian.middleRows<3>(3) = rotation * result.hessian.middleRows<3>(3).eval();
+  return result;
+}
+
+std::vector<double> UvModel::squares(const UvState& state) const {
+  std::vector<double> result(points->count());
+  for_each_block(state, false, [&](std::size_t first, std::size_t count, const Rows& rows) {
+    for (std::size_t i = 0; i < count; ++i)
+      result[first + i] = square_of(rows.residual.segment<3>(static_cast<Eigen::Index>(3 * i)));
+  });
+  return result;
+}
+
+Eigen::MatrixXd UvModel::jacobian(const UvState& state, std::size_t most) const {
+  Rows rows;
+  fill(state, 0, std::min(most, points->count()), true, rows);
+  return rows.jacobian;
+}
+
+Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance) const {
+  const std::vector<int> free = free_parameters();
+  std::vector<double> rest;
+  for (const int k : free) {
+    const Range& permitted = kind->parameters[static_cast<std::size_t>(k)].permitted;
+    rest.push_back(
+        std::clamp(state.parameters[static_cast<std::size_t>(k)], least(permitted), permitted.maximum));
+  }
+  for (const int k : free_affine) rest.push_back(state.affine[static_cast<std::size_t>(k)]);
+  double* const rotation = state.rotation.coeffs().data();
+  double* const translation = state.translation.data();
+  if (placement_held && rest.empty()) return {true, 0};
+
+  ceres::Problem problem;
+  std::vector<double*> blocks{rotation, translation};
+  if (!rest.empty()) blocks.push_back(rest.data());
+  const UvState start = state;
+  problem.AddResidualBlock(new SummedCost(*this, mixture, start), nullptr, blocks);
+  problem.SetManifold(rotation, new fit::RotationManifold);
+  if (placement_held) {
+    problem.SetParameterBlockConstant(rotation);
+    problem.SetParameterBlockConstant(translation);
+  }
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const Range& permitted = kind->parameters[static_cast<std::size_t>(free[i])].permitted;
+    if (std::isfinite(permitted.minimum))
+      problem.SetParameterLowerBound(rest.data(), static_cast<int>(i), least(permitted));
+    if (std::isfinite(permitted.maximum))
+      problem.SetParameterUpperBound(rest.data(), static_cast<int>(i), permitted.maximum);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = 50;
+  options.function_tolerance = tolerance * tolerance;
+  options.gradient_tolerance = 1e-16;
+  options.parameter_tolerance = tolerance;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  std::vector<double> x(rotation, rotation + 4);
+  x.insert(x.end(), translation, translation + 3);
+  x.insert(x.end(), rest.begin(), rest.end());
+  state = SummedCost::state_of(*this, start, x);
+  state.rotation.normalize();
+  return {summary.IsSolutionUsable() && summary.termination_type == ceres::CONVERGENCE,
+          static_cast<int>(summary.iterations.size())};
+}
+
+void UvModel::polish(UvState& state, Mixture& mixture, const std::optional<double>& sigma, int most) const {
+  const std::vector<int> free = free_parameters();
+  constexpr double last_digits = 1e-13;
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < most; ++i) {
+    std::vector<double> squares;
+    UvSums sums = this->sums(state, mixture, &squares);
+    // What is held, or presses against its bound, stays.
+    std::vector<Eigen::Index> still;
+    if (placement_held) still = {0, 1, 2, 3, 4, 5};
+    for (std::size_t k = 0; k < free.size(); ++k) {
+      const auto p = static_cast<std::size_t>(free[k]);
+      const auto column = static_cast<Eigen::Index>(6 + k);
+      if (state.parameters[p] <= least(kind->parameters[p].permitted) && sums.gradient[column] >= 0)
+        still.push_back(column);
+    }
+    for (const Eigen::Index k : still) {
+      sums.hessian.row(k).setZero();
+      sums.hessian.col(k).setZero();
+      sums.gradient[k] = 0;
+    }
+    const Eigen::VectorXd scale =
+        sums.hessian.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.hessian * scale.asDiagonal();
+    const Eigen::VectorXd step =
+        -(scale.asDiagonal() *
+          scaled.completeOrthogonalDecomposition().solve(scale.asDiagonal() * sums.gradient).eval());
+    const double length = step.norm();
+    if (!(length < last)) return;  // rounding is all that is left
+    state = moved(state, step);
+    if (mixture.robust) update(mixture, squares, *points, sigma);
+    double next = length;
+    if (!mixture.robust) {  // about this step times it and the residuals
+      const double rms = std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) /
+                                   static_cast<double>(squares.size()));
+      next = length * std::fmin(1, 10 * (length + rms));
+    }
+    if (next < last_digits) return;
+    last = length;
+  }
+}
+
+Solved UvModel::maximise(UvState& state, Mixture& mixture, const std::optional<double>& sigma) const {
+  Solved result;
+  for (int round = 0; round < 20; ++round) {
+    const Mixture before = mixture;
+    const Solved solved = solve(state, mixture, round == 0 ? 1e-6 : 1e-8);
+    result = {solved.converged, result.iterations + solved.iterations};
+    update(mixture, squares(state), *points, sigma);
+    if (!solved.converged) break;
+    if (std::fabs(mixture.sigma - before.sigma) < 1e-3 * mixture.sigma &&
+        std::fabs(mixture.outliers - before.outliers) < 1e-3)
+      break;
+  }
+  return result;
+}
+
+double inlier_weight(const Mixture& mixture, double square) {
+  return 1 / (1 + std::exp(log_ratio(mixture) + 0.5 * square / (mixture.sigma * mixture.sigma)));
+}
+
+double log_likelihood(const Mixture& mixture, const std::vector<double>& squares) {
+  const double inlier =
+      std::log1p(-mixture.outliers) - 1.5 * std::log(two_pi_ * mixture.sigma * mixture.sigma);
+  const double outlier = std::log(mixture.outliers / mixture.volume);
+  double sum = 0;
+  for (const double s : squares) sum += log_add(inlier - 0.5 * s / (mixture.sigma * mixture.sigma), outlier);
+  return sum;
+}
+
+void update(Mixture& mixture, const std::vector<double>& squares, const UvPoints& points,
+            const std::optional<double>& sigma) {
+  const auto n = static_cast<double>(squares.size());
+  for (int round = 0; round < 50; ++round) {
+    const Mixture before = mixture;
+    double weights = 0, weighted = 0, spread = 0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      const double w = inlier_weight(mixture, squares[i]);
+      if (!(w > 1e-30)) continue;
+      const Eigen::Vector3d p = to_eigen(points.positions[i]);
+      weights += w;
+      weighted += w * squares[i];
+      mean += w * p;
+      spread += w * p.squaredNorm();
+    }
+    if (!(weights > 0)) return;  // none is near: left as it was
+    mean /= weights;
+    const double extent = std::sqrt(std::fmax(spread / weights - mean.squaredNorm(), 1e-20));
+    mixture.volume = two_pi_ * 2 / 3 * std::pow(2 * extent, 3);
+    mixture.outliers = (n - weights + 0.5) / (n + 1);
+    mixture.sigma = sigma ? *sigma : std::fmax(std::sqrt(weighted / (3 * weights)), points.least_sigma());
+    if (std::fabs(mixture.sigma - before.sigma) < 1e-15 * mixture.sigma &&
+        std::fabs(mixture.outliers - before.outliers) < 1e-15)
+      return;
+    if (round >= 3 && std::fabs(mixture.sigma - before.sigma) < 1e-6 * mixture.sigma) return;
+  }
+}
+
+}  // namespace darboux

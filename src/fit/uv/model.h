@@ -1,0 +1,150 @@
+// The engine of every fit through uvs: a placed surface at known uvs, its sums over the points, and Ceres
+// over them. Formulas: docs/theory/fit-with-uvs.md.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <darboux/fit_points.h>
+#include <darboux/placed_surface.h>
+
+#include "kinds.h"
+
+namespace darboux {
+
+/// Points with uvs, centred and scaled: every length below is in units of `size`, from `centre`.
+struct UvPoints {
+  std::vector<Vec3<double>> positions;
+  std::vector<Vec2<double>> uvs;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double size = 1;
+
+  std::size_t count() const { return positions.size(); }
+  /// At most `most` of them, one at random of each stretch: a fixed stride could keep step with the rows of a
+  /// grid.
+  UvPoints chosen(std::size_t most, std::uint64_t seed) const;
+  /// What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.
+  double least_sigma() const;
+};
+
+/// Whether a stored uv says where a point lies: beyond, squares leave the range of numbers.
+inline bool usable_uv(const Vec2<double>& uv) {
+  return std::fabs(uv.x) <= 1e100 && std::fabs(uv.y) <= 1e100;
+}
+
+/// The six numbers of an affine map of uv in the order in which UvConvention has them.
+using Affine = std::array<double, 6>;
+inline constexpr Affine identity_map{1, 0, 0, 1, 0, 0};
+
+/// What is estimated. (u, v) of the surface = affine(convention(stored u, v)).
+struct UvState {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  std::vector<double> parameters;
+  Affine affine = identity_map;
+};
+
+/// Inliers N(0, sigma² I) and outliers of constant density 1/volume around the surface, a share of all
+/// points.
+struct Mixture {
+  double sigma = 1;
+  double outliers = 0;
+  double volume = 1;
+  bool robust = false;  ///< false: least squares, every point counts as 1 / sigma²
+};
+
+/// Weighted normal equations: cost, its gradient and the Gauss-Newton matrix with respect to the rotation
+/// vector in the body's axes, the translation, then what is free of parameters and affine map.
+struct UvSums {
+  double cost = 0;
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd hessian;
+};
+
+/// Covariance of an estimate at the noise of its normal equations: rotation vector in the body's axes,
+/// translation, all parameters, the affine map. What is held, or at its bound, has none.
+struct UvSpread {
+  Eigen::MatrixXd covariance;
+  std::string
+      undetermined{};  ///< what the points do not tell; the covariance is zero then. Empty: they tell all
+};
+
+/// How a fit ended.
+struct Solved {
+  bool converged = false;
+  int iterations = 0;
+};
+
+/// One kind at the points' uvs.
+class UvModel {
+ public:
+  UvModel(const UvKind& kind, const UvPoints& points, const UvConvention& convention)
+      : kind(&kind), points(&points), convention(convention), held(kind.parameters.size(), false) {}
+
+  const UvKind* kind;
+  const UvPoints* points;
+  UvConvention convention;
+  std::vector<bool> held;  ///< parameters that keep their value
+  bool placement_held = false;
+  std::vector<int> free_affine{};  ///< entries of the affine map that are estimated
+
+  /// Columns of the sums: 6 and what is free.
+  int columns() const { return 6 + static_cast<int>(free_parameters().size() + free_affine.size()); }
+  std::vector<int> free_parameters() const;
+  /// Numbers that are estimated.
+  std::size_t unknowns() const { return static_cast<std::size_t>(columns() - (placement_held ? 6 : 0)); }
+  UvState moved(const UvState& state, const Eigen::VectorXd& step) const;
+
+  /// One pass over the points.
+  /// \param squares when given: of each point's distance from the surface at its uv
+  UvSums sums(const UvState& state, const Mixture& mixture, std::vector<double>* squares = nullptr) const;
+  std::vector<double> squares(const UvState& state) const;
+
+  /// Jacobian of the positions of some points, in the body's axes; for questions of rank.
+  Eigen::MatrixXd jacobian(const UvState& state, std::size_t most) const;
+
+  /// Ceres to its convergence on the mixture as it is.
+  Solved solve(UvState& state, const Mixture& mixture, double tolerance) const;
+
+  /// Newton steps on everything together to the last digits, from a converged state. `sigma` is held where
+  /// given.
+  void polish(UvState& state, Mixture& mixture, const std::optional<double>& sigma, int most) const;
+
+  /// Solve and update the mixture in turn until it stays.
+  Solved maximise(UvState& state, Mixture& mixture, const std::optional<double>& sigma) const;
+
+  UvConvention whole_convention(const UvState& state) const;
+
+  UvSpread spread(const UvState& state, const UvSums& sums) const;
+
+  /// A covariance of spread()'s as the world has it, about `centre` (here still in units of `size`).
+  SurfaceUncertainty uncertainty(const UvState& state, const Eigen::MatrixXd& covariance,
+                                 const Eigen::Vector3d& centre) const;
+
+ private:
+  struct Rows;
+  void fill(const UvState& state, std::size_t first, std::size_t count, bool derivatives, Rows& to) const;
+  // Calls each(first, count, rows) with the residuals, and derivatives where they are asked for, of some
+  // points at a time.
+  template <class Each>
+  void for_each_block(const UvState& state, bool derivatives, Each each) const;
+};
+
+/// Posterior probability that a point at this squared distance is an inlier.
+double inlier_weight(const Mixture& mixture, double square);
+
+/// Of the points under the mixture, in units of `size`.
+double log_likelihood(const Mixture& mixture, const std::vector<double>& squares);
+
+/// The mixture of greatest likelihood for these squared distances (expectation-maximisation), its volume a
+/// ball of twice the inliers' own extent.
+void update(Mixture& mixture, const std::vector<double>& squares, const UvPoints& points,
+            const std::optional<double>& sigma);
+
+}  // namespace darboux

@@ -1,0 +1,387 @@
+#include "starts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "base/quantile.h"
+
+namespace darboux {
+namespace {
+
+// x^T = O^T + sum_k B_k(u, v)^T A_k^T over the lengths k, B_k = ∂P/∂p_k: linear in O and the A_k, rows of
+// `solution`.
+struct Linear {
+  std::vector<int> lengths;
+  Eigen::MatrixXd design, targets;
+  Eigen::MatrixXd solution;
+  std::vector<double> distances;
+};
+
+Linear linear_problem(const UvModel& model, const Affine& affine, const std::vector<double>& at) {
+  const UvKind& kind = *model.kind;
+  const std::size_t n = model.points->count();
+  Linear linear;
+  for (int k = 0; k < kind.parameter_count(); ++k)
+    if (kind.length[static_cast<std::size_t>(k)] && kind.tied_to[static_cast<std::size_t>(k)] == k)
+      linear.lengths.push_back(k);
+  const UvConvention map{"", affine};
+  std::vector<Vec2<double>> uvs(n);
+  for (std::size_t i = 0; i < n; ++i)
+    uvs[i] = map.surface_uv(model.convention.surface_uv(model.points->uvs[i]));
+  const auto rows = static_cast<Eigen::Index>(n);
+  UvBlock block{Eigen::VectorXd(3 * rows), Eigen::MatrixXd(3 * rows, kind.parameter_count()),
+                Eigen::MatrixXd()};
+  kind.evaluate(at.data(), uvs, block);
+  for (int k = 0; k < kind.parameter_count(); ++k)
+    if (const int with = kind.tied_to[static_cast<std::size_t>(k)]; with != k)
+      block.by_parameter.col(with) +=
+          at[static_cast<std::size_t>(k)] / at[static_cast<std::size_t>(with)] * block.by_parameter.col(k);
+  linear.design.resize(rows, 1 + 3 * static_cast<Eigen::Index>(linear.lengths.size()));
+  linear.targets.resize(rows, 3);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    linear.design(i, 0) = 1;
+    for (std::size_t k = 0; k < linear.lengths.size(); ++k)
+      linear.design.block<1, 3>(i, 1 + 3 * static_cast<Eigen::Index>(k)) =
+          block.by_parameter.block<3, 1>(3 * i, linear.lengths[k]).transpose();
+    linear.targets.row(i) = to_eigen(model.points->positions[static_cast<std::size_t>(i)]).transpose();
+  }
+  return linear;
+}
+
+// Least squares, then least distances by reweighting. Of minimum norm where the data leave a direction open:
+// A_k is zero there. False where the uvs make the surface so large that squares leave the range of numbers.
+bool solve(Linear& linear, int rounds) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(linear.design.rows());
+  linear.distances.resize(static_cast<std::size_t>(linear.design.rows()));
+  for (int round = 0; round < rounds; ++round) {
+    const Eigen::MatrixXd weighted = weights.asDiagonal() * linear.design;
+    const Eigen::MatrixXd normal = weighted.transpose() * linear.design;
+    if (!normal.allFinite()) return false;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal);
+    const double largest = eigen.eigenvalues().maxCoeff();
+    const Eigen::VectorXd inverse =
+        eigen.eigenvalues().unaryExpr([&](double d) { return d > 1e-12 * largest ? 1 / d : 0.0; });
+    linear.solution = eigen.eigenvectors() * inverse.asDiagonal() *
+                      (eigen.eigenvectors().transpose() * (weighted.transpose() * linear.targets)).eval();
+    const Eigen::VectorXd distances = (linear.design * linear.solution - linear.targets).rowwise().norm();
+    Eigen::VectorXd::Map(linear.distances.data(), distances.size()) = distances;
+    if (round + 1 < rounds) {
+      const double floor = 1e-3 * median(linear.distances) + 1e-12;
+      weights = distances.unaryExpr([&](double d) { return 1 / std::fmax(d, floor); });
+    }
+  }
+  return linear.solution.allFinite();
+}
+
+// The rms distance that least squares would leave, without a solution: what of the targets is across all
+// columns of the design. Infinite where solve() says false.
+double residual(Linear linear) {
+  Eigen::MatrixXd& a = linear.design;
+  const double least = 1e-6 * std::sqrt(a.colwise().squaredNorm().maxCoeff());
+  if (!std::isfinite(least)) return std::numeric_limits<double>::infinity();
+  for (Eigen::Index k = 0; k < a.cols(); ++k) {
+    auto column = a.col(k);
+    const double length = column.norm();
+    if (!(length > least)) continue;
+    column /= length;
+    for (Eigen::Index j = k + 1; j < a.cols(); ++j) a.col(j) -= column.dot(a.col(j)) * column;
+    for (Eigen::Index j = 0; j < 3; ++j) linear.targets.col(j) -= column.dot(linear.targets.col(j)) * column;
+  }
+  return std::sqrt(linear.targets.squaredNorm() / static_cast<double>(a.rows()));
+}
+
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& a) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
+  return u * svd.matrixV().transpose();
+}
+
+// Rotation and lengths with A_k = p_k Q on the span of the B_k; lengths that may be negative take both signs.
+UvState rigid(const UvModel& model, const Linear& linear, const Affine& affine, const std::vector<double>& at,
+              const UvHeld& held, bool mirrored) {
+  const UvKind& kind = *model.kind;
+  const double sign = mirrored ? -1 : 1;
+  std::vector<Eigen::Matrix3d> a;
+  std::vector<Eigen::Vector3d> span;
+  for (std::size_t k = 0; k < linear.lengths.size(); ++k) {
+    const auto row = 1 + 3 * static_cast<Eigen::Index>(k);
+    Eigen::Vector3d present;
+    for (int axis = 0; axis < 3; ++axis)
+      present[axis] = linear.design.col(row + axis).cwiseAbs().maxCoeff() > 1e-9;
+    span.push_back(present);
+    a.push_back(sign * linear.solution.middleRows<3>(row).transpose() * present.asDiagonal());
+  }
+  const std::size_t count = a.size();
+  UvState best;
+  best.parameters = at;
+  double least = std::numeric_limits<double>::infinity();
+  for (unsigned signs = 0; signs < (1u << count); ++signs) {
+    std::vector<double> lengths(count);
+    bool permitted = true;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Range& range = kind.parameters[static_cast<std::size_t>(linear.lengths[k])].permitted;
+      const bool negative = (signs >> k & 1u) != 0;
+      permitted = permitted && (!negative || range.minimum < 0);
+      lengths[k] = (negative ? -1 : 1) * a[k].norm() / std::sqrt(std::fmax(span[k].sum(), 1));
+    }
+    if (!permitted) continue;
+    Eigen::Matrix3d rotation;
+    double error = 0;
+    for (int round = 0; round < 3; ++round) {
+      Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+      for (std::size_t k = 0; k < count; ++k) sum += lengths[k] * a[k];
+      rotation = nearest_rotation(sum);
+      error = 0;
+      for (std::size_t k = 0; k < count; ++k) {
+        const Range& range = kind.parameters[static_cast<std::size_t>(linear.lengths[k])].permitted;
+        if (span[k].sum() > 0)
+          lengths[k] = std::fmax((rotation.transpose() * a[k]).trace() / span[k].sum(),
+                                 range.minimum_included ? range.minimum : range.minimum + 1e-3);
+        error += (a[k] - lengths[k] * (rotation * span[k].asDiagonal())).squaredNorm();
+      }
+    }
+    if (!(error < least)) continue;
+    least = error;
+    best.rotation = Eigen::Quaterniond(rotation).normalized();
+    for (std::size_t k = 0; k < count; ++k)
+      best.parameters[static_cast<std::size_t>(linear.lengths[k])] = lengths[k];
+  }
+  for (std::size_t k = 0; k < at.size(); ++k)
+    if (const auto with = static_cast<std::size_t>(kind.tied_to[k]); with != k)
+      best.parameters[k] = best.parameters[with] * at[k] / at[with];
+  best.translation = sign * linear.solution.row(0).transpose();
+  best.affine = affine;
+  for (std::size_t k = 0; k < held.parameters.size(); ++k)
+    if (held.parameters[k]) best.parameters[k] = *held.parameters[k];
+  if (held.placement) {
+    best.rotation = Eigen::Quaterniond(held.placement->linear());
+    best.translation = held.placement->translation();
+  }
+  return best;
+}
+
+double median_distance(const UvModel& model, const UvState& state) {
+  return std::sqrt(median(model.squares(state)));
+}
+
+UvModel model_of(const UvKind& kind, const UvPoints& points, const UvConvention& convention,
+                 const UvHeld& held) {
+  UvModel model(kind, points, convention);
+  for (std::size_t k = 0; k < held.parameters.size(); ++k) model.held[k] = held.parameters[k].has_value();
+  model.placement_held = held.placement.has_value();
+  return model;
+}
+
+// The image of the points under x -> -x.
+UvPoints negated(UvPoints points) {
+  for (auto& p : points.positions) p = -p;
+  return points;
+}
+
+constexpr int many_rounds = 8, few_rounds = 4;
+
+// Stored coordinates from `from` on, in units of 1 / scale.
+struct Unit {
+  double scale = 1, from = 0;
+};
+
+// As they are stored; where they are in other units altogether, pixels say, and for coordinates that do not
+// turn, also from 0 to 1 over all points.
+std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored) {
+  const auto [low, high] = std::minmax_element(stored.begin(), stored.end());
+  const double range = *high - *low;
+  const Unit whole{1 / range, *low};
+  if (range > 4) return {whole};
+  const bool differs = std::fabs(*low) > 0.05 || std::fabs(*high - 1) > 0.05;
+  if (coordinate == Coordinate::turn || !(range > 1e-6) || !differs) return {{}};
+  return {{}, whole};
+}
+
+}  // namespace
+
+ConventionStarts convention_starts(const UvKind& kind, const UvPoints& points, const UvHeld& held,
+                                   bool robust) {
+  const UvPoints image = robust ? negated(points) : UvPoints{};
+  ConventionStarts result;
+  for (const UvConvention& convention : uv_conventions()) {
+    const UvModel model = model_of(kind, points, convention, held);
+    std::optional<UvStart> proper, mirrored;
+    double least_rms = 0;
+    const auto keep_nearer = [&](std::optional<UvStart>& best, UvModel judged, const UvState& state) {
+      const double median = median_distance(judged, state);
+      if (std::isfinite(median) && (!best || median < best->median))
+        best = UvStart{judged, state, median, least_rms};
+    };
+    for (const auto& at : kind.starts) {
+      Linear linear = linear_problem(model, identity_map, at);
+      if (!solve(linear, robust ? many_rounds : 1)) continue;
+      // What is linear is freer than what is rigid, where no parameter but lengths is to be found.
+      if (!robust && kind.linear())
+        least_rms =
+            std::sqrt(Eigen::VectorXd::Map(linear.distances.data(), linear.design.rows()).squaredNorm() /
+                      static_cast<double>(linear.design.rows()));
+      keep_nearer(proper, model, rigid(model, linear, identity_map, at, held, false));
+      if (!robust) continue;
+      UvModel reflected = model;
+      reflected.points = &image;
+      keep_nearer(mirrored, reflected, rigid(model, linear, identity_map, at, held, true));
+      if (mirrored) mirrored->model.points = &points;
+    }
+    if (proper) result.proper.push_back(*proper);
+    if (mirrored) result.mirrored.push_back(*mirrored);
+  }
+  return result;
+}
+
+std::vector<int> observable_affine(UvModel model) {
+  const UvPoints few = model.points->chosen(64, 1);
+  model.points = &few;
+  // The offset first, as placements absorb it; then scales, which lengths absorb; shears last.
+  constexpr std::array<int, 6> order{4, 5, 3, 0, 2, 1};
+  model.free_affine.assign(order.begin(), order.end());
+  // Any states will do that have no symmetry by chance. An offset that a scale and lengths absorb together is
+  // held at zero only if they do so there too: not where a surface goes as v or 2v - 1 and their squares,
+  // which have their apex where these vanish.
+  std::vector<Eigen::MatrixXd> jacobians;
+  for (const double offset : {0.0, 0.5}) {
+    UvState state;
+    state.parameters = model.kind->starts.front();
+    for (std::size_t k = 0; k < state.parameters.size(); ++k)
+      state.parameters[k] *= 1 + 0.21 * static_cast<double>(k);
+    state.affine = {1.1, 0.07, 0.05, 0.93, offset, offset};
+    Eigen::MatrixXd& j = jacobians.emplace_back(model.jacobian(state, few.count()));
+    if (model.placement_held) j.leftCols<6>().setZero();
+    for (Eigen::Index k = 0; k < j.cols(); ++k)
+      if (const double size = j.col(k).norm(); size > 0) j.col(k) /= size;
+  }
+  const Eigen::Index first = jacobians.front().cols() - 6;
+  std::vector<int> observable;
+  for (Eigen::Index k = first; k < first + 6; ++k) {
+    const auto others_absorb = [k](Eigen::MatrixXd j) {
+      const Eigen::VectorXd column = j.col(k);
+      j.col(k).setZero();
+      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> others(j.rows(), j.cols());
+      others.setThreshold(1e-10);
+      others.compute(j);
+      return (j * others.solve(column) - column).norm() < 1e-8;
+    };
+    if (!std::all_of(jacobians.begin(), jacobians.end(), others_absorb))
+      observable.push_back(order[static_cast<std::size_t>(k - first)]);
+    else
+      for (Eigen::MatrixXd& j : jacobians) j.col(k).setZero();
+  }
+  std::sort(observable.begin(), observable.end());
+  return observable;
+}
+
+std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, const UvHeld& held, bool robust,
+                                   std::span<const double> sheared) {
+  constexpr std::size_t enough = 64, few = 24, looked_at = 160, kept = 40, best = 10;
+  const UvPoints points = all.chosen(enough, 1), few_points = points.chosen(few, 1);
+  struct Candidate {
+    UvConvention convention;
+    Affine affine;
+    const std::vector<double>* at;
+    double distance;
+  };
+  std::vector<Candidate> candidates;
+  const auto keep_nearest = [&](std::size_t most) {
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+    if (candidates.size() > most) candidates.resize(most);
+  };
+  // What least squares leave of the points, their median; infinite where there is no solution.
+  const auto distance = [&](const UvModel& m, const Candidate& c) {
+    Linear linear = linear_problem(m, c.affine, *c.at);
+    return solve(linear, robust ? few_rounds : 1) ? median(linear.distances)
+                                                  : std::numeric_limits<double>::infinity();
+  };
+  UvModel model = model_of(kind, points, uv_conventions().front(), held);
+  const std::vector<int> free = observable_affine(model);
+  if (!robust) model.points = &few_points;  // where none strays, they tell most of what the points do
+  const auto is_free = [&](int k) { return std::find(free.begin(), free.end(), k) != free.end(); };
+  const auto choices = [&](int k, std::vector<double> values) {
+    return is_free(k) ? values : std::vector{identity_map[static_cast<std::size_t>(k)]};
+  };
+  const std::vector<double> scales{1, 0.5, 2, 0.25, 0.1, 0.75, 1.5, 3}, turns{0, 0.25, 0.5, 0.75},
+      shears{-2, -1, -0.5, 0.5, 1, 2};
+  for (const UvConvention& convention : uv_conventions()) {
+    model.convention = convention;
+    std::vector<double> u, v;
+    for (const auto& stored : points.uvs) {
+      const Vec2<double> uv = convention.surface_uv(stored);
+      u.push_back(uv.x), v.push_back(uv.y);
+    }
+    const std::vector<Unit> plain{{}},
+        units_u = is_free(0) || is_free(4) ? units(kind.coordinates[0], u) : plain,
+        units_v = is_free(3) || is_free(5) ? units(kind.coordinates[1], v) : plain;
+    // A scale that lengths absorb is not searched; where the offset is, it may be any.
+    const auto add_one = [&](double scale_u, double shear, double scale_v, double from_u, double from_v) {
+      const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, is_free(5) ? from_v : 0};
+      for (const auto& at : kind.starts) {
+        Candidate c{convention, affine, &at, 0};
+        c.distance = robust ? distance(model, c) : residual(linear_problem(model, affine, at));
+        if (std::isfinite(c.distance)) candidates.push_back(c);
+      }
+    };
+    const auto add = [&](double su, double shear, double sv, double o) {
+      for (const Unit& for_u : units_u)
+        for (const Unit& for_v : units_v) {
+          const double scale_u = su * for_u.scale, scale_v = sv * for_v.scale;
+          add_one(scale_u, shear, scale_v, -scale_u * for_u.from, o - scale_v * for_v.from);
+        }
+    };
+    for (const double su : choices(0, scales))
+      for (const double sv : choices(3, scales))
+        for (const double o : choices(5, turns)) add(su, 0, sv, o);
+    if (is_free(1)) {
+      for (const double shear : shears) add(1, shear, 1, 0);
+      // Along stored (slope, 1) the surface's u stays; the convention maps both.
+      const auto& m = convention.affine;
+      for (const double slope : sheared) {
+        const double along_u = m[0] * slope + m[1], along_v = m[2] * slope + m[3];
+        if (along_v == 0) continue;
+        const double shear = -along_u / along_v;
+        std::vector<double> straight;
+        for (std::size_t i = 0; i < u.size(); ++i) straight.push_back(u[i] + shear * v[i]);
+        for (const Unit& unit : units(kind.coordinates[0], straight))
+          add_one(unit.scale, unit.scale * shear, 1, -unit.scale * unit.from, 0);
+      }
+    }
+  }
+  if (!robust) {
+    keep_nearest(looked_at);
+    model.points = &points;
+    for (Candidate& c : candidates) {
+      model.convention = c.convention;
+      c.distance = distance(model, c);
+    }
+  }
+  keep_nearest(kept);
+  std::vector<UvStart> result;
+  for (const Candidate& c : candidates)
+    for (const double turn : choices(4, {0, 0.125, 0.25, 0.375})) {
+      UvModel m = model_of(kind, points, c.convention, held);
+      m.free_affine = free;
+      Affine affine = c.affine;
+      affine[4] += turn;
+      Linear linear = linear_problem(m, affine, *c.at);
+      if (!solve(linear, robust ? many_rounds : 1)) continue;
+      const UvState state = rigid(m, linear, affine, *c.at, held, false);
+      const double median = median_distance(m, state);
+      m.points = &all;
+      if (std::isfinite(median)) result.push_back({m, state, median});
+    }
+  std::stable_sort(result.begin(), result.end(),
+                   [](const UvStart& a, const UvStart& b) { return a.median < b.median; });
+  if (result.size() > best) result.erase(result.begin() + best, result.end());
+  return result;
+}
+
+}  // namespace darboux

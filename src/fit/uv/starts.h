@@ -1,0 +1,48 @@
+// Where a fit through uvs starts: linear least squares for a convention, and a search over affine ones.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "model.h"
+
+namespace darboux {
+
+/// What the user holds, in the units and from the centre of the points.
+struct UvHeld {
+  std::vector<std::optional<double>> parameters;  ///< an entry each, or none at all
+  std::optional<Eigen::Isometry3d> placement;
+};
+
+struct UvStart {
+  UvModel model;
+  UvState state;
+  double median;  ///< of the points' distances
+  /// No state of this kind, with this convention, is nearer to the points, rms; 0 where that is not known
+  double least_rms = 0;
+};
+
+/// The best start of each convention of uv_conventions(), in their order, without those that have none in the
+/// range of numbers.
+struct ConventionStarts {
+  std::vector<UvStart> proper;
+  std::vector<UvStart>
+      mirrored;  ///< states for the points' image under x -> -x, an improper motion; robust ones only
+};
+
+/// \param robust reweighted so that less than half of the points may lie anywhere
+ConventionStarts convention_starts(const UvKind& kind, const UvPoints& points, const UvHeld& held,
+                                   bool robust);
+
+/// The best starts with an affine map after a convention, best first.
+/// \param sheared slopes Δu/Δv of stored uvs along which v of the surface may run, beside those that are
+/// tried anyway
+std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& points, const UvHeld& held,
+                                   bool robust, std::span<const double> sheared = {});
+
+/// The entries of the affine map that the points can tell apart from placement and parameters; the others
+/// stay those of the identity, the offset first.
+std::vector<int> observable_affine(UvModel model);
+
+}  // namespace darboux

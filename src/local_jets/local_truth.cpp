@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <darboux/error.h>
+#include <darboux/local_jets.h>
+#include <darboux/local_truth.h>
+
+#include "batch.h"
+#include "mesh/frames/rings.h"
+
+namespace darboux {
+namespace {
+
+constexpr int first_degree = 3, finest_degree = 4;
+constexpr double close = 2e-5;  // a thousandth of a degree
+constexpr int most_rings = 5;   // the corner of a grid has too few within four
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+Truth no_truth() {
+  const Vec3<double> none = detail::nan_vector<double>();
+  return {none, none, none, none, Status::no_frame, false, infinite, infinite};
+}
+
+// A direction of which three standard deviations are a radian is not known: beyond first order, as next to a
+// pole.
+double deviation_deg(double error) {
+  return 3 * error < 1 ? 180 / std::numbers::pi * error : infinite;
+}
+
+Truth truth_of(const UvJet& jet, double winding) {
+  return {.position = jet.jet.position,
+          .normal = winding * jet.frame.n,
+          .tangent = jet.frame.t,
+          .bitangent = unit(jet.jet.dpdv),
+          .status = jet.frame.status,
+          .pole = false,
+          .normal_deg = deviation_deg(jet.normal_error),
+          .tangent_deg = deviation_deg(jet.tangent_error)};
+}
+
+// Whether dpdu or dpdv vanishes here or nearly so, that is, changes by more than twice its own length on the
+// way to a neighbour: a pole, next to which it changes by its own length.
+bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<const Vec2<double>> neighbours) {
+  double change_u = 0, change_v = 0;
+  for (const Vec2<double>& near : neighbours) {
+    const double du = near.x - uv.x, dv = near.y - uv.y;
+    change_u = std::fmax(change_u, norm(du * jet.d2pdu2 + dv * jet.d2pduv));
+    change_v = std::fmax(change_v, norm(du * jet.d2pduv + dv * jet.d2pdv2));
+  }
+  return change_u > 2 * norm(jet.dpdu) || change_v > 2 * norm(jet.dpdv);
+}
+
+// The truth at some nodes, each from the fewest rings that tell how well they know it; of the finest degree
+// where the first leaves more than that.
+class LocalTruth {
+ public:
+  explicit LocalTruth(const Rings& rings) : rings_(rings) {}
+
+  std::span<const Truth> operator()(std::span<const Index> nodes) {
+    open_.clear();
+    for (const Index node : nodes) open_.push_back({.node = node});
+    for (int ring = 2; ring <= most_rings; ++ring)
+      for (const int degree : {finest_degree, first_degree}) fit(ring, degree);
+    truths_.clear();
+    for (const Open& o : open_)
+      truths_.push_back(o.best && !o.singular ? truth_of(*o.best, Rings::sign(o.node)) : no_truth());
+    return truths_;
+  }
+
+ private:
+  struct Open {
+    Index node;
+    int degree = first_degree;  // of its next polynomial, 0 where none is to come
+    std::optional<UvJet> best{};
+    bool singular = false;
+  };
+  // Whose polynomial is asked for, and where its neighbours are.
+  struct Asked {
+    Open* open;
+    std::size_t begin, end, first_ring_end;
+  };
+
+  // Walks all rings anew, which costs little beside a polynomial.
+  void gather(Open& open, int ring) {
+    rings_.start(open.node, walk_);
+    for (int r = 0; r < ring; ++r) rings_.grow(walk_);
+    Asked asked{&open, uvs_.size(), 0, 0};
+    for (const Index near : walk_.near) {
+      const Vec3<double>& p = rings_.position(near);
+      const Vec2<double>& uv = rings_.uv(near);
+      if (!detail::finite(p) || !std::isfinite(uv.x) || !std::isfinite(uv.y)) continue;
+      positions_.push_back(p);
+      uvs_.push_back(uv);
+    }
+    asked.end = uvs_.size();
+    if (asked.end - asked.begin < jet_coefficients(open.degree + 1) + 3) {  // which would not tell the error
+      positions_.resize(asked.begin), uvs_.resize(asked.begin);
+      return;
+    }
+    asked.first_ring_end = std::min(asked.begin + walk_.ends[1], asked.end);
+    asked_.push_back(asked);
+  }
+
+  void fit(int ring, int degree) {
+    positions_.clear(), uvs_.clear(), asked_.clear(), neighbours_.clear();
+    for (Open& open : open_)
+      if (open.degree == degree) gather(open, ring);
+    for (const Asked& a : asked_)
+      neighbours_.push_back({&uvs_[a.begin], &positions_[a.begin], a.end - a.begin, rings_.uv(a.open->node)});
+    jets_.resize(asked_.size());
+    uv_jets(neighbours_, degree, false, false, jets_);
+    for (std::size_t k = 0; k < asked_.size(); ++k) {
+      const auto& [open, begin, end, first_ring_end] = asked_[k];
+      const UvJet& jet = jets_[k];
+      if (!std::isfinite(jet.normal_error) || !std::isfinite(jet.tangent_error)) continue;
+      open->best = jet;
+      open->singular =
+          is_singular(jet.jet, rings_.uv(open->node), std::span(uvs_).subspan(begin, first_ring_end - begin));
+      const bool enough = degree == finest_degree || std::fmax(jet.normal_error, jet.tangent_error) < close;
+      open->degree = enough ? 0 : finest_degree;
+    }
+  }
+
+  const Rings& rings_;
+  Rings::Walk walk_;
+  std::vector<Open> open_;
+  std::vector<Asked> asked_;
+  std::vector<Vec3<double>> positions_;
+  std::vector<Vec2<double>> uvs_;
+  std::vector<kernels::UvNeighbours> neighbours_;
+  std::vector<UvJet> jets_;
+  std::vector<Truth> truths_;
+};
+
+}  // namespace
+
+std::vector<Truth> local_truth(const Mesh& mesh) {
+  check_consistent(mesh, "mesh");
+  if (mesh.uvs.empty()) throw MeshError("mesh", "has no uvs, frames need one uv set");
+  Rings rings(mesh);
+  rings.stop_at_creases();
+  constexpr Index none = std::numeric_limits<Index>::max();
+  std::vector<Index> node_of(mesh.positions.size(), none);  // of a vertex of two, that of its last corner
+  for (std::size_t c = 0; c < mesh.corners(); ++c)
+    if (const Index node = rings.frames.of_corner[c]; rings.used(node) && !rings.at_crease(node))
+      node_of[mesh.triangles[c / 3][c % 3]] = node;
+  std::vector<Truth> result(mesh.positions.size(), no_truth());
+  std::vector<Index> first(rings.size(), none);  // of each node the vertex that has its truth
+  LocalTruth truth(rings);
+  std::vector<Index> nodes;
+  for (Index v = 0; v < node_of.size(); ++v) {
+    if (node_of[v] != none && first[node_of[v]] == none) {
+      first[node_of[v]] = v;
+      nodes.push_back(node_of[v]);
+    }
+    if (nodes.size() < jets_at_once && v + 1 < node_of.size()) continue;
+    const std::span<const Truth> truths = truth(nodes);
+    for (std::size_t k = 0; k < nodes.size(); ++k) result[first[nodes[k]]] = truths[k];
+    nodes.clear();
+  }
+  for (Index v = 0; v < node_of.size(); ++v)
+    if (node_of[v] != none && first[node_of[v]] != v) result[v] = result[first[node_of[v]]];
+  return result;
+}
+
+}  // namespace darboux

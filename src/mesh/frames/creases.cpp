@@ -1,0 +1,25 @@
+#include "creases.h"
+
+#include <limits>
+#include <numbers>
+
+#include <darboux/frame.h>
+
+namespace darboux {
+
+bool is_sharp(const Mesh& mesh, const SharedEdge& edge) {
+  const auto face = [&](std::uint32_t t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    return cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+  };
+  const Vec3<double> n = face(edge.triangle[0]),
+                     m = edge.turned ? -face(edge.triangle[1]) : face(edge.triangle[1]);
+  // Below 45 degrees, as nearly always, the cosine tells. The bound is 0 or infinite where the squares under-
+  // or overflow.
+  const double cosine = dot(n, m), bound = 0.5 * dot(n, n) * dot(m, m);
+  if (cosine > 0 && bound > std::numeric_limits<double>::min() && cosine * cosine > bound) return false;
+  const bool areas = n != Vec3<double>{} && m != Vec3<double>{} && detail::finite(n) && detail::finite(m);
+  return areas && angle_between(n, m) > crease_deg * std::numbers::pi / 180;
+}
+
+}  // namespace darboux

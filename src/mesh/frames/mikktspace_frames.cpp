@@ -1,0 +1,78 @@
+// MikkTSpace as one of the methods.
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include <darboux/error.h>
+#include <darboux/mikktspace.h>
+
+#include "corner.h"
+
+namespace darboux {
+namespace {
+
+// All numbers in single precision; those below its range, where only directions matter, times a power of two.
+template <class Vector>
+std::vector<float> to_floats(const std::vector<Vector>& values, const char* name, bool any_scale) {
+  constexpr std::size_t components = sizeof(Vector) / sizeof(double);
+  const auto component = [&](std::size_t i) {
+    double x;
+    std::memcpy(&x, reinterpret_cast<const char*>(values.data()) + i * sizeof x, sizeof x);
+    return x;
+  };
+  double greatest = 0;
+  for (std::size_t i = 0; i < components * values.size(); ++i) {
+    greatest = std::fmax(greatest, std::fabs(component(i)));
+    if (greatest > static_cast<double>(std::numeric_limits<float>::max()))
+      throw MeshError(
+          "mesh", std::string(name) + " of vertex " + std::to_string(i / components) +
+                      " is beyond single precision, permitted for mikktspace are magnitudes up to 3.4e38");
+  }
+  const double small = 0x1p-100;
+  const int exponent = any_scale && greatest > 0 && greatest < small ? std::ilogb(greatest) : 0;
+  std::vector<float> result;
+  result.reserve(components * values.size());
+  for (std::size_t i = 0; i < components * values.size(); ++i)
+    result.push_back(static_cast<float>(std::ldexp(component(i), -exponent)));
+  return result;
+}
+
+MeshFrames compute(const Mesh& mesh, int threads, bool own_bitangent) {
+  MeshFrames result;
+  const std::vector<float> positions = to_floats(mesh.positions, "position", true),
+                           normals = to_floats(mesh.normals, "normal", false),
+                           uvs = to_floats(mesh.uvs, "uv", true);
+  std::vector<std::uint32_t> corners;
+  corners.reserve(mesh.corners());
+  for (const Triangle& triangle : mesh.triangles) {
+    count_degenerate(Face(mesh, triangle), result);
+    corners.insert(corners.end(), triangle.begin(), triangle.end());
+  }
+  if (corners.empty()) return result;
+  const std::vector<MikkTangent> tangents =
+      mikktspace(MikkMesh{positions, normals, uvs, corners, {}}, {.threads = threads});
+  result.frames.reserve(corners.size());
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const MikkTangent& x = tangents[c];
+    const Vec3<double> n = unit(mesh.normals[corners[c]]), t{x.t[0], x.t[1], x.t[2]};
+    const Vec3<double> b =
+        own_bitangent ? Vec3<double>{x.b[0], x.b[1], x.b[2]} : double{x.sign} * cross(n, t);
+    result.of_corner.push_back(static_cast<std::uint32_t>(c));
+    result.frames.push_back(frame_or_fallback(t, b, n, x.sign));
+    result.frames.back().fallback |= !x.served;
+  }
+  count_fallbacks(result);
+  return result;
+}
+
+}  // namespace
+
+MeshFrames compute_mikktspace(const Mesh& mesh, int threads) {
+  return compute(mesh, threads, false);
+}
+MeshFrames compute_mikktspace_bitangent(const Mesh& mesh, int threads) {
+  return compute(mesh, threads, true);
+}
+
+}  // namespace darboux

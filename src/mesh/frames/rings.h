@@ -1,0 +1,55 @@
+// The vertices about a vertex, ring by ring.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <darboux/mesh_frames.h>
+
+namespace darboux {
+
+using Index = std::uint32_t;
+
+// For each vertex the first that has the same position, normal and uv.
+std::vector<Index> join_equal_vertices(const Mesh& mesh);
+
+// Nodes are vertices, joined where they agree in position, uv and normal, apart where the triangles' uvs wind
+// differently.
+class Rings {
+ public:
+  explicit Rings(const Mesh& mesh);
+
+  std::size_t size() const { return 2 * mesh_.positions.size(); }
+  bool used(Index node) const { return begin_[node] != begin_[node + 1]; }
+  const Vec3<double>& position(Index node) const { return mesh_.positions[node / 2]; }
+  const Vec2<double>& uv(Index node) const { return mesh_.uvs[node / 2]; }
+  static double sign(Index node) { return node % 2 == 1 ? 1 : -1; }
+
+  // Nodes up to so many edges away from `near.front()`, appended ring by ring; ends[r] is where ring r ends.
+  // The first ring is whole. Those after it stop at most_nodes, and go on from a node over at most
+  // most_triangles of its triangles, spread evenly over them: a fan is seen by all its rim, and would cost
+  // its square.
+  struct Walk {
+    std::vector<Index> near;
+    std::vector<std::size_t> ends;
+    std::vector<Index> seen;  // of each node: the last start that reached it
+    Index starts = 0;
+  };
+  void start(Index node, Walk& walk) const;
+  // From now on walks end at the ends of sharp edges, by creases.h, and none should start there.
+  void stop_at_creases();
+  bool at_crease(Index node) const { return !at_crease_.empty() && at_crease_[node]; }
+  void grow(Walk& walk) const;
+  static constexpr std::size_t most_nodes = 128, most_triangles = 32;
+
+  MeshFrames frames;  // counts and of_corner; the frames of nodes are to be filled in
+
+ private:
+  const Mesh& mesh_;
+  std::vector<Index> begin_, triangles_;  // of each node: its triangles
+  std::vector<Triangle> nodes_;           // of each triangle
+  std::vector<bool> at_crease_;           // of each node
+};
+
+}  // namespace darboux

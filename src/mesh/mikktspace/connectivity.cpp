@@ -1,0 +1,227 @@
+#include "connectivity.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <initializer_list>
+#include <utility>
+#include <vector>
+
+namespace darboux::mikk {
+
+namespace {
+
+// The most that any step takes.
+std::size_t room_for(const MikkMesh& mesh) {
+  const std::size_t corners =
+      mesh.face_sizes.empty() ? mesh.corner_count() : 6 * mesh.face_sizes.size();  // a quad is two triangles
+  return std::max(weld_places(mesh.vertex_count()) * sizeof(Index), sizeof(Part) * corners);
+}
+
+}  // namespace
+
+Connectivity::Connectivity(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths)
+    : mesh_(mesh), range_(range), threads_(thread_count(options.threads)), room_(room_for(mesh)) {
+  weld();
+  list_triangles();
+  name_as_the_original();
+  set_degenerate_apart();
+  list_corners();
+  find_neighbours();
+  if (!options.sort_all_edges && good_ > 0) find_last_neighbours();
+  name_ = {};
+  differentiate(lengths);
+  orient_any();
+}
+
+// Quads are cut along the shorter diagonal, in the uvs, or where these are equal in space.
+void Connectivity::list_triangles() {
+  const bool quads =
+      std::any_of(mesh_.face_sizes.begin(), mesh_.face_sizes.end(), [](auto n) { return n == 4; });
+  all_ = mesh_.corner_count() / 3;
+  if (!quads) return;
+  std::size_t first = 0;
+  for (std::size_t f = 0; f < mesh_.face_sizes.size(); first += mesh_.face_sizes[f++]) {
+    const auto add = [&](std::initializer_list<int> corners) {
+      for (const int k : corners) corner_.push_back(static_cast<Index>(first) + static_cast<Index>(k));
+      face_.push_back(static_cast<Index>(f));
+    };
+    face_begin_.push_back(static_cast<Index>(first));
+    if (mesh_.face_sizes[f] == 3) {
+      add({0, 1, 2});
+      continue;
+    }
+    const auto diagonal = [&](auto&& value, std::size_t a, std::size_t b) {
+      const Vector d = value(vertex(first + b)) - value(vertex(first + a));
+      return dot(d, d);
+    };
+    const auto uv = [&](Index v) {
+      return Vector{mesh_.uvs[2 * std::size_t{v}], mesh_.uvs[2 * std::size_t{v} + 1], 1};
+    };
+    const auto p = [&](Index v) { return position(v); };
+    const float uv02 = diagonal(uv, 0, 2), uv13 = diagonal(uv, 1, 3);
+    const bool along02 = uv02 < uv13 ? true : uv13 < uv02 ? false : !(diagonal(p, 1, 3) < diagonal(p, 0, 2));
+    if (along02) {
+      add({0, 1, 2});
+      add({0, 2, 3});
+    } else {
+      add({0, 1, 3});
+      add({1, 2, 3});
+    }
+  }
+  all_ = face_.size();
+  cut_ = corner_;
+}
+
+// Degenerate are triangles with two corners in the same place. Each is exchanged with the next good one that
+// was not, so that they come last: the order of the good ones is that of all sums.
+void Connectivity::set_degenerate_apart() {
+  std::vector<std::uint8_t> degenerate(all_);
+  std::atomic<std::size_t> count = 0;
+  in_pieces(all_, threads_, [&](std::size_t begin, std::size_t end) {
+    std::size_t here = 0;
+    for (std::size_t t = begin; t < end; ++t) {
+      const Vector a = position(vertex(corner(3 * t))), b = position(vertex(corner(3 * t + 1))),
+                   c = position(vertex(corner(3 * t + 2)));
+      degenerate[t] = a == b || a == c || b == c;
+      here += degenerate[t];
+    }
+    count += here;
+  });
+  good_ = all_ - count;
+  if (count == 0) return;
+  if (corner_.empty()) {
+    corner_.resize(3 * all_);
+    for (std::size_t i = 0; i < corner_.size(); ++i) corner_[i] = static_cast<Index>(i);
+    face_.resize(all_);
+    for (std::size_t t = 0; t < all_; ++t) face_[t] = static_cast<Index>(t);
+  }
+  alone_.assign(all_, 0);
+  for (std::size_t t = 0; t + 1 < all_; ++t)
+    if (face_[t] == face_[t + 1]) {
+      alone_[t] = alone_[t + 1] = degenerate[t] != degenerate[t + 1];
+      ++t;
+    }
+  std::size_t good = 1;
+  for (std::size_t t = 0; t < good_; ++t) {
+    if (!degenerate[t]) {
+      good = std::max(good, t + 2);
+      continue;
+    }
+    while (good < all_ && degenerate[good]) ++good;
+    if (good == all_) break;
+    for (std::size_t k = 0; k < 3; ++k) std::swap(corner_[3 * t + k], corner_[3 * good + k]);
+    std::swap(face_[t], face_[good]);
+    std::swap(alone_[t], alone_[good]);
+    std::swap(degenerate[t], degenerate[good]);
+    ++good;
+  }
+}
+
+void Connectivity::list_corners() {
+  const std::size_t ids = ids_;
+  begin_ = Buffer<Index>(ids + 1);
+  at_vertex_ = Buffer<Index>(3 * good_);
+  // Each thread has some of the ids and looks at all corners; many threads would look too often.
+  const std::size_t parts = std::min<std::size_t>(threads_, 8);
+  const auto of_ids = [&](const auto& f) { in_pieces(ids, parts, f, ids / parts + 1); };
+  of_ids([&](std::size_t first, std::size_t last) {
+    std::fill(&begin_[first], &begin_[last], 0);
+    for (std::size_t at = 0; at < 3 * good_; ++at)
+      if (const std::size_t id = welded(at) - first; id < last - first) ++begin_[first + id];
+  });
+  Index sum = 0;
+  for (std::size_t id = 0; id < ids; ++id) sum += std::exchange(begin_[id], sum);
+  begin_[ids] = sum;
+  of_ids([&](std::size_t first, std::size_t last) {
+    std::vector<Index> next(&begin_[first], &begin_[last]);
+    for (std::size_t at = 0; at < 3 * good_; ++at)
+      if (const std::size_t id = welded(at) - first; id < last - first)
+        at_vertex_[next[id]++] = static_cast<Index>(at);
+  });
+}
+
+void Connectivity::pair_up(std::span<const Edge> run) {
+  std::array<std::size_t, 2> ahead{0, 0};  // of either direction, the first that may be left
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    const Edge& a = run[i];
+    if (neighbour_[a.at] != none) continue;
+    std::size_t& j = ahead[a.leaves ? 1 : 0];
+    for (j = std::max(j, i + 1);
+         j < run.size() && (run[j].leaves == a.leaves || neighbour_[run[j].at] != none);)
+      ++j;
+    if (j == run.size()) continue;
+    neighbour_[a.at] = run[j].at / 3;
+    neighbour_[run[j].at] = a.at / 3;
+  }
+}
+
+// Triangles are neighbours across an edge that they pass in opposite directions; of more than two each takes
+// the first that is left, in the order of the triangles. An edge is looked at from its smaller vertex.
+void Connectivity::find_neighbours() {
+  neighbour_ = Buffer<Index>(3 * good_);
+  in_pieces(3 * good_, threads_, [&](std::size_t begin, std::size_t end) {
+    std::fill(neighbour_.data() + begin, neighbour_.data() + end, none);
+  });
+  in_pieces(ids_, threads_, [&](std::size_t begin, std::size_t end) {
+    std::vector<Edge> edges;
+    for (std::size_t v = begin; v < end; ++v) {
+      edges.clear();
+      for (const Index at : corners_at(static_cast<Index>(v))) {
+        const auto after = static_cast<Index>(next(at)), before = static_cast<Index>(previous(at));
+        if (const Index other = welded(after); other > v) edges.push_back({other, at, true});
+        if (const Index other = welded(before); other > v) edges.push_back({other, before, false});
+      }
+      const auto by_triangle = [](const Edge& a, const Edge& b) {
+        return a.other != b.other ? a.other < b.other : a.at / 3 < b.at / 3;
+      };
+      if (edges.size() < 24) {
+        for (std::size_t i = 1; i < edges.size(); ++i)
+          for (std::size_t j = i; j > 0 && by_triangle(edges[j], edges[j - 1]); --j)
+            std::swap(edges[j], edges[j - 1]);
+      } else {
+        std::stable_sort(edges.begin(), edges.end(), by_triangle);
+      }
+      for (std::size_t first = 0, last; first < edges.size(); first = last) {
+        for (last = first; last < edges.size() && edges[last].other == edges[first].other;) ++last;
+        pair_up(std::span(edges).subspan(first, last - first));
+      }
+    }
+  });
+}
+
+// The first group that comes to a triangle without uv area gives it its orientation; groups begin in the
+// order of the corners. So those at the vertices of such triangles are formed one after the other.
+void Connectivity::orient_any() {
+  if (!any_) return;
+  std::vector<Index> reached;
+  label_.assign(3 * good_, none);
+  labelled_.assign(ids_, 0);
+  for (std::size_t at = 0; at < 3 * good_; ++at)
+    if (orientation_[at / 3].any != 0) labelled_[welded(at)] = 1;
+  for (std::size_t first = 0; first < 3 * good_; ++first) {
+    const Index v = welded(first);
+    if (labelled_[v] == 0 || label_[first] != none || orientation_[first / 3].any != 0) continue;
+    const auto preserves = orientation_[first / 3].preserves;
+    const auto label = static_cast<Index>(first);
+    label_[first] = label;
+    reached.assign({static_cast<Index>(first)});
+    while (!reached.empty()) {
+      const Index at = reached.back();
+      reached.pop_back();
+      for (const Index t : {neighbour_[at], neighbour_[previous(at)]}) {
+        if (t == none) continue;
+        const Index there = corner_at(v, t);
+        if (label_[there] != none) continue;
+        Orientation& d = orientation_[t];
+        if (d.any != 0 && label_[3 * t] == none && label_[3 * t + 1] == none && label_[3 * t + 2] == none)
+          d.preserves = preserves;
+        if (d.preserves != preserves) continue;
+        label_[there] = label;
+        reached.push_back(there);
+      }
+    }
+  }
+}
+
+}  // namespace darboux::mikk

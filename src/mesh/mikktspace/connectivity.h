@@ -1,0 +1,119 @@
+/// \file connectivity.h
+/// A mesh as MikkTSpace works on it: vertices welded, degenerate triangles apart, neighbours across edges,
+/// what each corner adds to the sums.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <darboux/mikktspace.h>
+
+#include "arithmetic.h"
+#include "base/pieces.h"
+#include "buffer.h"
+#include "input.h"
+
+namespace darboux::mikk {
+
+using Index = std::uint32_t;
+constexpr Index none = ~Index{0};
+
+// Of a triangle that is not degenerate.
+struct Orientation {
+  std::uint8_t preserves : 1;  // the uvs wind as the triangle does
+  std::uint8_t any : 1;  // joins groups of either orientation: its uvs have no area, or s or t no length
+};
+// What a corner adds, weighted by the angle: unit directions in which u and v grow, across the normal there.
+struct Part {
+  Vector s, t;
+  float angle;  // between the triangle's edges as seen along the normal
+};
+// Lengths of the derivatives in u and v.
+struct Lengths {
+  float s, t;
+};
+
+// Of a hash table that has room for all vertices.
+constexpr std::size_t weld_places(std::size_t vertices) {
+  return std::bit_ceil(vertices + vertices / 2 + 1);
+}
+
+// All of it stands when the constructor is done, and is only read then.
+struct Connectivity {
+  // `lengths` says whether these are wanted.
+  Connectivity(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths);
+
+  Index vertex(std::size_t corner) const {
+    return mesh_.corners.empty() ? static_cast<Index>(corner) : mesh_.corners[corner];
+  }
+  Vector position(Index v) const {
+    const float* p = &mesh_.positions[3 * std::size_t{v}];
+    return {p[0], p[1], p[2]};
+  }
+  // `at` is 3 t + k for the k-th corner of the t-th triangle, in the order in which the original works on
+  // them.
+  std::size_t corner(std::size_t at) const { return corner_.empty() ? at : corner_[at]; }
+  Index welded(std::size_t at) const { return id_[vertex(corner(at))]; }
+  // Whose values a corner has: those of the vertex that stands for all welded to it, whose zeros may have
+  // other signs.
+  Index source(std::size_t at) const { return mixed_zeros_ ? stands_for_[welded(at)] : vertex(corner(at)); }
+  std::size_t face(std::size_t triangle) const { return face_.empty() ? triangle : face_[triangle]; }
+  static std::size_t next(std::size_t at) { return at % 3 == 2 ? at - 2 : at + 1; }
+  static std::size_t previous(std::size_t at) { return at % 3 == 0 ? at + 2 : at - 1; }
+  std::span<const Index> corners_at(Index id) const {
+    return {at_vertex_.data() + begin_[id], at_vertex_.data() + begin_[id + 1]};
+  }
+  Index corner_at(Index id, Index triangle) const {
+    const Index at = 3 * triangle;
+    return welded(at) == id ? at : welded(at + 1) == id ? at + 1 : at + 2;
+  }
+  std::size_t listed(std::size_t entry) const { return cut_.empty() ? entry : cut_[entry]; }
+
+  void weld();
+  bool weld_with(std::span<Index> table, std::size_t most_steps);
+  void list_triangles();
+  void set_degenerate_apart();
+  void list_corners();
+  void find_neighbours();
+  struct Edge {
+    Index other, at;  // the vertex at its other end; the corner where it begins in its triangle
+    bool leaves;      // the vertex at this end
+  };
+  // Each edge of a run of equal ones takes the first after it that is left and passes the other way.
+  void pair_up(std::span<const Edge> run);
+  void name(std::span<const Index> wanted);
+  void name_as_the_original();
+  void find_last_neighbours();
+  void differentiate(bool lengths);
+  void orient_any();
+
+  const MikkMesh& mesh_;
+  Range range_;
+  std::size_t threads_;
+  Room room_;                       // of the welding, then of the names, then of the parts
+  std::size_t ids_ = 0;             // some may not be used
+  bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs
+  bool any_ = false;                // some triangle is `any`
+  Buffer<Index> id_;                // of each vertex: equal ones have the same; which, no result depends on
+  Buffer<Index> stands_for_;        // of each id: a vertex that has it, whose values count
+  std::vector<Index> corner_;       // of the triangles; empty: in order
+  std::vector<Index> face_;         // of the triangles; empty: in order
+  std::vector<Index> face_begin_;   // the first corner of each face; empty: all are triangles
+  std::vector<Index> cut_;          // the corners of the triangles in the order of the faces; empty: in order
+  std::size_t all_ = 0, good_ = 0;  // triangles; the degenerate ones come last
+  std::vector<std::uint8_t>
+      alone_;           // of each triangle: whether it is one of a quad of which one is degenerate
+  Buffer<Index> name_;  // of each id, while that is needed: the corner that the original names it by
+  Buffer<Index> begin_, at_vertex_;     // of each id: its corners in good triangles, ascending
+  Buffer<Index> neighbour_;             // of each good triangle: across the edges that begin at its corners
+  std::span<Part> part_;                // of each corner of the good triangles
+  Buffer<Orientation> orientation_;     // of the good triangles
+  Buffer<Lengths> lengths_;             // of the good triangles, if wanted
+  std::vector<Index> label_;            // of corners at vertices of `any` triangles: the first of their group
+  std::vector<std::uint8_t> labelled_;  // of ids: whether their corners have labels
+};
+
+}  // namespace darboux::mikk

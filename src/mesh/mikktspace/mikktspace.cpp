@@ -1,0 +1,274 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include <darboux/error.h>
+#include <darboux/mikktspace.h>
+
+#include "connectivity.h"
+
+namespace darboux {
+namespace {
+
+using mikk::Index;
+using mikk::none;
+using mikk::normalised;
+using mikk::Part;
+using mikk::Range;
+using mikk::Vector;
+
+// Groups about each vertex and their averages.
+class Tangents : mikk::Connectivity {
+ public:
+  Tangents(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths)
+      : Connectivity(mesh, range, options, lengths),
+        cosine_(static_cast<float>(
+            std::cos(static_cast<double>(options.angular_threshold * static_cast<float>(M_PI) / 180.0F)))) {}
+
+  // put(corner, tangent) for the corners that the groups serve, once for those of triangles; copy(from, to)
+  // for those that degenerate triangles take over.
+  template <class Put, class Copy>
+  void of_corners(const Put& put, const Copy& copy) const;
+
+ private:
+  struct Scratch;
+  template <class Put>
+  void serve(Index id, Scratch& scratch, const Put& put) const;
+  template <class Put>
+  void serve_group(std::span<const Index> group, Scratch& scratch, const Put& put) const;
+  bool are_one_group(Index id) const;
+  MikkTangent evaluate(std::span<const Index> members) const;
+  bool any(std::size_t at) const { return orientation_[at / 3].any != 0; }
+  bool preserves(std::size_t at) const { return orientation_[at / 3].preserves != 0; }
+
+  float cosine_;
+};
+
+struct Tangents::Scratch {
+  std::vector<Index> group, reached, first, next, corners, members;
+};
+
+// The average over some corners, weighted by the angle between a triangle's edges as seen along the normal.
+MikkTangent Tangents::evaluate(std::span<const Index> members) const {
+  Vector s{0, 0, 0}, t{0, 0, 0};
+  float s_length = 0, t_length = 0, sum = 0;
+  for (const Index at : members) {
+    if (any(at)) continue;
+    const Part& part = part_[at];
+    s += part.angle * part.s;
+    t += part.angle * part.t;
+    if (!lengths_.empty()) {
+      s_length += part.angle * lengths_[at / 3].s;
+      t_length += part.angle * lengths_[at / 3].t;
+    }
+    sum += part.angle;
+  }
+  s = normalised(s);
+  t = normalised(t);
+  if (sum > 0) {
+    s_length /= sum;
+    t_length /= sum;
+  }
+  return {{s.x, s.y, s.z}, {t.x, t.y, t.z}, s_length, t_length, 1, true};
+}
+
+// Neighbours about a vertex make paths and rings: whether one of them has all its corners, and they have one
+// orientation.
+bool Tangents::are_one_group(Index id) const {
+  const std::span<const Index> corners = corners_at(id);
+  const Index start = corners[0];
+  std::size_t reached = 1;
+  for (const bool leaving : {true, false})
+    for (Index at = start;;) {
+      const Index t = neighbour_[leaving ? at : previous(at)];
+      if (t == none || preserves(3 * std::size_t{t}) != preserves(start)) break;
+      at = corner_at(id, t);
+      if (at == start) return reached == corners.size();
+      ++reached;
+    }
+  return reached == corners.size();
+}
+
+template <class Put>
+void Tangents::serve_group(std::span<const Index> group, Scratch& x, const Put& put) const {
+  const float sign = preserves(group[0]) ? 1.0F : -1.0F;
+  const auto write = [&](Index at, MikkTangent tangent) {
+    tangent.sign = sign;
+    put(corner(at), tangent);
+  };
+  const auto together = [&](Index a, Index b) {
+    return any(a) || any(b) || face(a / 3) == face(b / 3) ||
+           (dot(part_[a].s, part_[b].s) > cosine_ && dot(part_[a].t, part_[b].t) > cosine_);
+  };
+  // At the usual 180 degrees only opposite directions part: there are none where all are on one side.
+  bool all = cosine_ <= -1;
+  Index first = none;
+  for (std::size_t i = 0; all && i < group.size(); ++i) {
+    if (any(group[i])) continue;
+    if (first == none) first = group[i];
+    const Part &a = part_[group[i]], &b = part_[first];
+    all = group[i] == first || (dot(a.s, b.s) > 0.1F && dot(a.t, b.t) > 0.1F);
+  }
+  if (!all) {
+    all = true;
+    for (std::size_t i = 0; all && i < group.size(); ++i)
+      for (std::size_t j = 0; all && j < i; ++j) all = together(group[i], group[j]);
+  }
+  if (all) {
+    const MikkTangent tangent = evaluate(group);
+    for (const Index at : group) write(at, tangent);
+    return;
+  }
+  for (const Index a : group) {
+    x.members.clear();
+    for (const Index b : group)
+      if (together(a, b)) x.members.push_back(b);
+    write(a, evaluate(x.members));
+  }
+}
+
+template <class Put>
+void Tangents::serve(Index id, Scratch& x, const Put& put) const {
+  const std::span<const Index> corners = corners_at(id);
+  const bool labelled = !labelled_.empty() && labelled_[id] != 0;
+  if (!labelled && are_one_group(id)) return serve_group(corners, x, put);
+  // Groups: corners joined by edges at the vertex between triangles of one orientation; numbered by their
+  // first.
+  x.group.assign(corners.size(), none);
+  Index groups = 0;
+  const auto place_of = [&](Index at) {
+    return static_cast<std::size_t>(std::lower_bound(corners.begin(), corners.end(), at) - corners.begin());
+  };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (labelled) {
+      if (const Index label = label_[corners[i]]; label != none)
+        x.group[i] = label == corners[i] ? groups++ : none - 1;
+      continue;
+    }
+    if (x.group[i] != none) continue;
+    x.group[i] = groups;
+    x.reached.assign(1, corners[i]);
+    while (!x.reached.empty()) {
+      const Index at = x.reached.back();
+      x.reached.pop_back();
+      for (const Index t : {neighbour_[at], neighbour_[previous(at)]}) {
+        if (t == none || preserves(3 * std::size_t{t}) != preserves(corners[i])) continue;
+        const Index there = corner_at(id, t);
+        Index& group = x.group[place_of(there)];
+        if (group != none) continue;
+        group = groups;
+        x.reached.push_back(there);
+      }
+    }
+    ++groups;
+  }
+  if (labelled)
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      if (x.group[i] == none - 1) x.group[i] = x.group[place_of(label_[corners[i]])];
+
+  // The corners of each group, ascending.
+  x.first.assign(groups, none);
+  x.next.resize(corners.size());
+  for (std::size_t i = corners.size(); i-- > 0;)
+    if (x.group[i] != none) x.next[i] = std::exchange(x.first[x.group[i]], static_cast<Index>(i));
+  for (Index g = 0; g < groups; ++g) {
+    x.corners.clear();
+    for (Index i = x.first[g]; i != none; i = x.next[i]) x.corners.push_back(corners[i]);
+    serve_group(x.corners, x, put);
+  }
+}
+
+template <class Put, class Copy>
+void Tangents::of_corners(const Put& put, const Copy& copy) const {
+  in_pieces(ids_, threads_, [&](std::size_t begin, std::size_t end) {
+    Scratch scratch;
+    for (std::size_t id = begin; id < end; ++id)
+      if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, put);
+  });
+  // A degenerate triangle takes over what the first good corner at the vertex has.
+  for (std::size_t at = 3 * good_; at < 3 * all_; ++at)
+    if (alone_[at / 3] == 0)
+      if (const auto corners = corners_at(welded(at)); !corners.empty()) copy(corner(corners[0]), corner(at));
+  // The fourth corner of a quad, one of whose triangles is degenerate: from the corner in the same place.
+  for (std::size_t t = 0; good_ < all_ && t < good_; ++t) {
+    if (alone_[t] == 0) continue;
+    const std::size_t begin = face_begin_[face(t)];
+    const auto at = [&](std::size_t k) { return corner(3 * t + k); };
+    for (std::size_t missing = begin; missing < begin + 4; ++missing) {
+      if (missing == at(0) || missing == at(1) || missing == at(2)) continue;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (position(vertex(at(k))) == position(vertex(missing))) {
+          copy(at(k), missing);
+          break;
+        }
+    }
+  }
+}
+
+bool has_quads(const MikkMesh& mesh) {
+  return std::any_of(mesh.face_sizes.begin(), mesh.face_sizes.end(), [](auto n) { return n == 4; });
+}
+
+// The average of what two triangles of a quad give to a corner.
+MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    return std::equal(std::begin(x), std::end(x), std::begin(y));
+  };
+  if (a.t_length == b.t_length && a.b_length == b.b_length && same(a.t, b.t) && same(a.b, b.b)) {
+    MikkTangent both = a;
+    both.sign = b.sign;
+    return both;
+  }
+  const auto mean = [](const auto& x, const auto& y) {
+    return normalised(Vector{x[0], x[1], x[2]} + Vector{y[0], y[1], y[2]});
+  };
+  const Vector t = mean(a.t, b.t), bt = mean(a.b, b.b);
+  return {{t.x, t.y, t.z},
+          {bt.x, bt.y, bt.z},
+          0.5F * (a.t_length + b.t_length),
+          0.5F * (a.b_length + b.b_length),
+          b.sign,
+          true};
+}
+
+}  // namespace
+
+std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options) {
+  const mikk::Range range = mikk::check(mesh, options);
+  std::vector<MikkTangent> result(mesh.corner_count(), MikkTangent{.sign = options.unserved_sign});
+  std::vector<std::uint8_t> written(has_quads(mesh) ? result.size() : 0);
+  Tangents(mesh, range, options, true)
+      .of_corners(
+          [&](std::size_t corner, const MikkTangent& tangent) {
+            result[corner] = !written.empty() && std::exchange(written[corner], 1) != 0
+                                 ? average(result[corner], tangent)
+                                 : tangent;
+          },
+          [&](std::size_t from, std::size_t to) { result[to] = result[from]; });
+  return result;
+}
+
+void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options) {
+  const mikk::Range range = mikk::check(mesh, options);
+  if (tangent4.size() != 4 * mesh.corner_count())
+    throw ParameterError("tangent4", std::to_string(tangent4.size()) +
+                                         " numbers, permitted are four for each of the " +
+                                         std::to_string(mesh.corner_count()) + " corners");
+  const auto put = [&](std::size_t corner, const MikkTangent& x) {
+    float* to = &tangent4[4 * corner];
+    to[0] = x.t[0], to[1] = x.t[1], to[2] = x.t[2], to[3] = x.sign;
+  };
+  if (has_quads(mesh)) {
+    const std::vector<MikkTangent> all = mikktspace(mesh, options);
+    for (std::size_t c = 0; c < all.size(); ++c) put(c, all[c]);
+    return;
+  }
+  for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{.sign = options.unserved_sign});
+  Tangents(mesh, range, options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
+    std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
+  });
+}
+
+}  // namespace darboux

@@ -1,0 +1,24 @@
+// Which vertices are the same, found once for all that ask; mesh_classes.cpp has the body.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <darboux/mesh_classes.h>
+
+namespace darboux {
+
+// For each vertex the first that counts as the same, in the sense of MeshClasses. Vertices that no triangle
+// uses stand alone.
+struct VertexJoins {
+  std::vector<std::uint32_t> position;
+  std::vector<std::uint32_t> position_and_normal;
+};
+
+// The public one, with the signs at hand. \param signs triangle_signs() \param joins what it joins on the way
+// is put there
+MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> signs,
+                     VertexJoins& joins);
+
+}  // namespace darboux

@@ -1,0 +1,621 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include <darboux/error.h>
+#include <darboux/evaluate.h>
+#include <darboux/frame.h>
+#include <darboux/mesh_frames.h>
+#include <darboux/validate.h>
+
+#include "accurate.h"
+#include "base/text.h"
+#include "explain.h"
+#include "findings.h"
+#include "signs.h"
+#include "smooth.h"
+#include "subject.h"
+
+namespace darboux {
+namespace {
+
+constexpr double expected_agreement = 0.8;  // of two references; their error bars cover less on coarse meshes
+constexpr double agree_within = 0.1;        // of the limit: two references that differ by less are the same
+constexpr double same_rounding_deg = 2e-5;  // a few units in the last place of floats
+constexpr auto no_code = static_cast<Code>(corner_errors);
+
+// Angles are negative where there is nothing to compare.
+float kept(double angle) {
+  return angle < 0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(angle);
+}
+
+// Whether two references are the same as far as either is known.
+bool agree(const Truth& a, const Truth& b, double floor_deg) {
+  const auto within = [&](double angle, double one, double other) {
+    return degrees_per_radian * angle <= certain * std::hypot(one, other) + floor_deg;
+  };
+  const double normal = angle_between_units(a.normal, b.normal);
+  return within(std::fmin(normal, std::numbers::pi - normal), a.normal_deg, b.normal_deg) &&
+         within(angle_between_units(a.tangent, b.tangent), a.tangent_deg, b.tangent_deg);
+}
+
+bool known(const Truth& t) {
+  return detail::finite(t.normal) && detail::finite(t.tangent) && std::isfinite(t.normal_deg) &&
+         std::isfinite(t.tangent_deg);
+}
+
+// Corners of one vertex that are judged alike.
+struct CornerGroup {
+  std::uint32_t vertex;
+  std::int8_t sign;  // of their triangles, 0 without uv area
+  bool wrong_sign;   // another w than their island
+  std::uint32_t corners;
+};
+
+// How many corners of a code there are, and the worst of them.
+struct Beyond {
+  std::size_t by_surface = 0, by_triangles = 0, in_all = 0;
+  double worst = 0;
+  std::size_t counted() const { return by_surface + by_triangles; }
+};
+
+// One mesh being judged: its data, and what is found along the way.
+class Judge {
+ public:
+  Judge(const Subject& subject, std::span<const Truth> truth, Basis basis, const ValidateOptions& options)
+      : subject_(subject),
+        mesh_(subject.mesh),
+        classes_(subject.classes),
+        options_(options),
+        checks_(checks_of(mesh_)),
+        corners_of_(mesh_.positions.size(), 0),
+        signs_(subject, checks_) {
+    for (const Triangle& triangle : mesh_.triangles)
+      for (const std::uint32_t v : triangle) ++corners_of_[v];
+    accurate_ = Accurate(subject, checks_, corners_of_, truth, basis, signs_.raw(), options.max_angle_deg);
+    if (!subject.local.empty())
+      smooth_ = check_smooth(subject, accurate_, checks_, signs_.raw(), options.max_angle_deg);
+    report_.corners = mesh_.corners();
+    report_.handedness = signs_.handedness();
+  }
+
+  MeshReport report() && {
+    compare();
+    look_for_explanations();
+    judge_corners();
+    keep_errors_by_triangles();
+    compare_with_neighbours();
+    compare_with_mikktspace();
+    look_at_signs();
+    add_notes();
+    decide();
+    return std::move(report_);
+  }
+
+ private:
+  static std::vector<VertexChecks> checks_of(const Mesh& mesh) {
+    std::vector<VertexChecks> checks(mesh.positions.size());
+    for (std::uint32_t v = 0; v < checks.size(); ++v) checks[v] = check_vertex(mesh, v);
+    return checks;
+  }
+  bool only_mikktspace() const {
+    const References& r = options_.references;
+    return r.mikktspace && !r.analytic && !r.triangles && !r.local;
+  }
+  double limit_of(std::uint32_t v) const {
+    return darboux::limit_of(classes_.of_vertex[v], options_.max_angle_deg);
+  }
+  bool is_pole(std::uint32_t v) const { return classes_.of_vertex[v] == VertexClass::pole; }
+  std::string worst_text(double worst, const std::string& more = {}) const {
+    return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) +
+           rounded(options_.max_angle_deg, 4) + " in the interior, " +
+           rounded(3 * options_.max_angle_deg, 4) + " elsewhere" + more + ")";
+  }
+  std::span<const Truth> statistics_truth() const {
+    return accurate_.known() ? accurate_.truths() : std::span<const Truth>(subject_.local);
+  }
+  // What the statistics are of: angles to the surface, else to the neighbours, else how far outside its cone
+  // a tangent lies.
+  Angles statistics_angles(std::uint32_t v) const {
+    if (corners_of_[v] == 0) return {};
+    if (accurate_.known()) return accurate_.angles(v);
+    return subject_.local.empty() ? Angles{} : local_angles(subject_, v, checks_[v], signs_.raw());
+  }
+  // \param angles_at of a vertex
+  template <class AnglesAt>
+  std::vector<ClassReport> class_reports(std::span<const Truth> truth, const AnglesAt& angles_at) const {
+    ClassSums sums(mesh_, classes_.of_vertex);
+    for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
+      sums.add(classes_.of_vertex[v], v, corners_of_[v], angles_at(v), truth.empty() ? nullptr : &truth[v]);
+    return sums.reports();
+  }
+  template <class F>
+  void for_each_corner_group(F f) const;
+
+  void compare();
+  void look_for_explanations();
+  void judge_corners();
+  enum class Decider { nobody, surface, triangles };
+  Decider tangent_error(const CornerGroup& group) const;
+  bool normal_error(std::uint32_t v) const;
+  Code error_of(const CornerGroup& group) const;
+  void count_vertex(std::uint32_t v);
+  void keep_errors_by_triangles();
+  void compare_with_neighbours();
+  std::string_view variant(std::size_t equal, std::size_t near) const;
+  void compare_with_mikktspace();
+  void look_at_signs();
+  void add_notes();
+  void decide();
+
+  const Subject& subject_;
+  const Mesh& mesh_;
+  const MeshClasses& classes_;
+  const ValidateOptions& options_;
+  std::vector<VertexChecks> checks_;
+  std::vector<std::uint32_t> corners_of_;  // how many each vertex has
+  Signs signs_;
+  Accurate accurate_;
+  Smooth smooth_;
+  bool tangents_explained_ = false, normals_explained_ = false;
+  // Corners: judged by the surface; compared with it and open; judged by the neighbours.
+  std::size_t judged_ = 0, undecided_ = 0, locally_ = 0;
+  MeshReport report_;
+};
+
+void Judge::compare() {
+  report_.classes =
+      class_reports(statistics_truth(), [this](std::uint32_t v) { return statistics_angles(v); });
+  if (!options_.keep_errors) return;
+  report_.errors_deg.reserve(mesh_.corners());
+  std::vector<float> of_vertex(mesh_.positions.size());
+  for (std::uint32_t v = 0; v < of_vertex.size(); ++v) {
+    const Angles a = statistics_angles(v);
+    of_vertex[v] = kept(mesh_.tangents.empty() ? a.normal : a.tangent);
+  }
+  for (const Triangle& triangle : mesh_.triangles)
+    for (const std::uint32_t v : triangle) report_.errors_deg.push_back(of_vertex[v]);
+}
+
+// Nearly all corners of a vertex are alike: the others are listed.
+template <class F>
+void Judge::for_each_corner_group(F f) const {
+  std::vector<CornerGroup> others;
+  std::vector<std::int8_t> first(mesh_.positions.size(), -1);  // what a corner is, as a number
+  std::vector<std::uint32_t> alike = corners_of_;
+  for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh_.triangles[t]) {
+      const auto sign = static_cast<std::int8_t>(subject_.raw_sign[t]);
+      const bool wrong = !mesh_.tangents.empty() && signs_.wrong(t, v);
+      const auto key = static_cast<std::int8_t>(2 * (sign + 1) + (wrong ? 1 : 0));
+      if (first[v] < 0) first[v] = key;
+      if (first[v] == key) continue;
+      others.push_back({v, sign, wrong, 1});
+      --alike[v];
+    }
+  for (std::uint32_t v = 0; v < alike.size(); ++v)
+    if (alike[v] > 0)
+      f(CornerGroup{v, static_cast<std::int8_t>(first[v] / 2 - 1), first[v] % 2 == 1, alike[v]});
+  for (const CornerGroup& group : others) f(group);
+}
+
+// Who says that the tangent is an error.
+Judge::Decider Judge::tangent_error(const CornerGroup& group) const {
+  const std::uint32_t v = group.vertex;
+  if (is_pole(v) || !checks_[v].uv_finite) return Decider::nobody;
+  if (accurate_.known()) {
+    const Claim claim = accurate_.tangent(v);
+    if (claim == Claim::within) return Decider::nobody;
+    if (claim == Claim::beyond && accurate_.decides(accurate_.tangents_agree(), tangents_explained_))
+      return Decider::surface;
+  }
+  const bool outside = !subject_.cones.empty() && subject_.cones.claim(v, group.sign) == Claim::beyond;
+  return outside ? Decider::triangles : Decider::nobody;
+}
+
+bool Judge::normal_error(std::uint32_t v) const {
+  const bool within = accurate_.known() && accurate_.normal(v) == Claim::within;
+  if (!mesh_.normals.empty() && subject_.normals.unsupported[v] && !within) return true;
+  return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
+         accurate_.decides(accurate_.normals_agree(), normals_explained_);
+}
+
+// The first error that fits.
+Code Judge::error_of(const CornerGroup& group) const {
+  using enum Code;
+  const std::uint32_t v = group.vertex;
+  const VertexChecks& c = checks_[v];
+  if (!mesh_.tangents.empty()) {
+    if (!c.tangent_finite) return tangent_not_finite;
+    if (c.tangent_zero && subject_.has_uv_area[v]) return tangent_zero;
+    if (!c.tangent_zero && !c.tangent_unit) return tangent_not_unit;
+    if (!c.tangent_zero && !c.sign_valid) return tangent_invalid_sign;
+    if (c.along_normal) return tangent_not_orthogonal;
+    if (group.wrong_sign) return tangent_handedness;
+    if (tangent_error(group) != Decider::nobody) return tangent_angle;
+  }
+  if (!c.normal_finite) return normal_not_finite;
+  if (!c.normal_unit && (c.has_normal || subject_.normals.drawn[v])) return normal_not_unit;
+  if (normal_error(v)) return normal_angle;
+  if (!c.position_finite) return position_not_finite;
+  if (!c.uv_finite) return uv_not_finite;
+  return no_code;
+}
+
+// What counts whatever the verdict.
+void Judge::count_vertex(std::uint32_t v) {
+  const std::uint32_t corners = corners_of_[v];
+  const VertexChecks& c = checks_[v];
+  if (!mesh_.tangents.empty() && c.tangent_zero) report_.zero_tangents += corners;
+  if (!c.tangent_finite || !c.normal_finite || !c.position_finite || !c.uv_finite)
+    report_.non_finite += corners;
+  if (!mesh_.tangents.empty() && c.has_tangent && !c.tangent_unit) report_.non_unit += corners;
+  if (!c.orthogonal) report_.non_orthogonal += corners;
+  const std::span<const Truth> truth = statistics_truth();
+  if (truth.empty() || !c.uv_finite) return;
+  report_.normal_uncertainty_deg.add(truth[v].normal_deg, corners);
+  report_.tangent_uncertainty_deg.add(truth[v].tangent_deg, corners);
+  if (accurate_.known()) {
+    const Angles& a = accurate_.angles(v);
+    const Claim normal = accurate_.normal(v), tangent = accurate_.tangent(v);
+    if (normal != Claim::none || tangent != Claim::none) judged_ += corners;
+    if (!is_pole(v) &&
+        ((a.normal >= 0 && normal == Claim::none) || (a.tangent >= 0 && tangent == Claim::none)))
+      undecided_ += corners;
+    if (accurate_.inward(v)) report_.inward += corners;
+  }
+  if (!subject_.local.empty() && (smooth_.normals[v] != Claim::none || smooth_.tangents[v] != Claim::none))
+    locally_ += corners;
+}
+
+void Judge::judge_corners() {
+  std::array<std::size_t, corner_errors> count{};
+  Beyond tangents, normals, surface_tangents, surface_normals, local_tangents, local_normals, poles;
+  std::size_t leaning = 0;
+  const auto warn = [](Beyond& where, std::size_t corners, double angle) {
+    where.by_surface += corners;
+    where.worst = std::fmax(where.worst, angle);
+  };
+  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
+    if (corners_of_[v] > 0) count_vertex(v);
+  if (!subject_.cones.empty()) report_.triangles.emplace();
+  for_each_corner_group([&](const CornerGroup& group) {
+    const std::uint32_t v = group.vertex;
+    const std::size_t corners = group.corners;
+    const Code error = error_of(group);
+    if (error != no_code) count[static_cast<std::size_t>(error)] += corners;
+    const double outside = report_.triangles ? subject_.cones.outside_deg(v, group.sign) : 0;
+    if (report_.triangles && subject_.cones.claim(v, group.sign) != Claim::none) {
+      report_.triangles->judged += corners;
+      if (outside > 0) report_.triangles->outside += corners;
+      report_.triangles->worst_deg = std::fmax(report_.triangles->worst_deg, outside);
+    }
+    const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
+    const Decider decider = mesh_.tangents.empty() ? Decider::nobody : tangent_error(group);
+    if (decider != Decider::nobody) tangents.in_all += corners;
+    if (error == Code::tangent_angle) {
+      (decider == Decider::surface ? tangents.by_surface : tangents.by_triangles) += corners;
+      tangents.worst =
+          std::fmax(tangents.worst, decider == Decider::surface ? surface.projected_tangent : outside);
+    }
+    if (normal_error(v)) normals.in_all += corners;
+    if (error == Code::normal_angle) {
+      const bool by_triangles = subject_.normals.unsupported[v];
+      (by_triangles ? normals.by_triangles : normals.by_surface) += corners;
+      normals.worst = std::fmax(normals.worst, surface.normal);
+    }
+    if (is_pole(v) && surface.tangent > limit_of(v)) warn(poles, corners, surface.tangent);
+    if (checks_[v].leans) leaning += corners;
+    if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
+      warn(surface_tangents, corners, surface.projected_tangent);
+    if (!normal_error(v) && accurate_.known() && accurate_.normal(v) == Claim::beyond)
+      warn(surface_normals, corners, surface.normal);
+    if (subject_.local.empty() || is_pole(v)) return;
+    if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
+        (!accurate_.known() || accurate_.tangent(v) == Claim::none))
+      warn(local_tangents, corners, local_angles(subject_, v, checks_[v], signs_.raw()).projected_tangent);
+    if (!normal_error(v) && smooth_.normals[v] == Claim::beyond &&
+        (!accurate_.known() || accurate_.normal(v) == Claim::none))
+      warn(local_normals, corners, local_angles(subject_, v, checks_[v], signs_.raw()).normal);
+  });
+  // Who says so, and where the rest of what is beyond the limit is counted.
+  const auto text = [&](const Beyond& b, const char* by_triangles) {
+    std::string more;
+    if (b.by_surface > 0) more += "; " + std::to_string(b.by_surface) + " by the surface";
+    if (b.by_triangles > 0) more += "; " + std::to_string(b.by_triangles) + by_triangles;
+    if (b.in_all > b.counted())
+      more += "; " + std::to_string(b.in_all) + " in all, of which " +
+              std::to_string(b.in_all - b.counted()) +
+              " have an error that comes before this one and count there";
+    return worst_text(b.worst, more);
+  };
+  for (std::size_t k = 0; k < corner_errors; ++k) {
+    const auto code = static_cast<Code>(k);
+    add(report_,
+        finding(code, count[k],
+                code == Code::tangent_angle  ? text(tangents, " outside the cone of their own triangles")
+                : code == Code::normal_angle ? text(normals, " more than 80 deg from their own triangles")
+                                             : ""));
+  }
+  const std::string_view
+      unsure = "; by the recognised surface, with which too few corners agree to call that an error",
+      nearby = "; more than three times that from what neighbouring vertices tell";
+  for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, surface_tangents, unsure},
+                                     {Code::normal_angle, surface_normals, unsure},
+                                     {Code::tangent_angle, local_tangents, nearby},
+                                     {Code::normal_angle, local_normals, nearby}})
+    add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
+  add(report_, warning(Code::tangent_not_orthogonal, leaning));
+  add(report_, finding(Code::pole_tangent, poles.counted(), " (worst " + rounded(poles.worst, 4) + " deg)"));
+}
+
+// Where there is nothing that statistics are of.
+void Judge::keep_errors_by_triangles() {
+  for (std::size_t c = 0; c < report_.errors_deg.size(); ++c) {
+    if (!std::isnan(report_.errors_deg[c])) continue;
+    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
+    const auto sign = static_cast<std::int8_t>(subject_.raw_sign[c / 3]);
+    if (mesh_.tangents.empty() ? normal_error(v) : tangent_error({v, sign, false, 1}) == Decider::triangles)
+      report_.errors_deg[c] =
+          kept(mesh_.tangents.empty() ? supported_deg : subject_.cones.outside_deg(v, sign));
+  }
+}
+
+void Judge::compare_with_neighbours() {
+  if (subject_.local.empty()) return;
+  LocalReport& report = report_.local.emplace();
+  if (!accurate_.known()) {
+    report.classes = report_.classes;
+    return;
+  }
+  report.classes = class_reports(subject_.local, [this](std::uint32_t v) {
+    return corners_of_[v] == 0 ? Angles{} : local_angles(subject_, v, checks_[v], signs_.raw());
+  });
+  std::size_t agreeing = 0;
+  for (std::uint32_t v = 0; v < accurate_.truths().size(); ++v) {
+    const Truth &a = accurate_.truth(v), &b = subject_.local[v];
+    if (classes_.of_vertex[v] != VertexClass::interior || !known(a) || !known(b)) continue;
+    report.compared += corners_of_[v];
+    if (agree(a, b, agree_within * options_.max_angle_deg)) agreeing += corners_of_[v];
+  }
+  if (report.compared == 0) return;
+  report.agreement = static_cast<double>(agreeing) / static_cast<double>(report.compared);
+  if (report.agreement < expected_agreement)
+    add(report_, finding(Code::references_disagree, report.compared,
+                         ": they agree at " + rounded(100 * report.agreement, 3) +
+                             " % of interior corners, so that the positions stray from the surface in "
+                             "waves, or the uvs are others"));
+}
+
+// Which MikkTSpace: that whose edges are all sorted is made only where the original is nearly what is stored.
+std::string_view Judge::variant(std::size_t equal, std::size_t near) const {
+  const std::size_t corners = mesh_.corners();
+  const auto nearly_all = [&](std::size_t n) {
+    return corners > 0 && static_cast<double>(n) >= 0.99 * static_cast<double>(corners);
+  };
+  if (equal == corners && corners > 0) return "original";
+  if (static_cast<double>(equal) >= 0.9 * static_cast<double>(corners)) {
+    const std::vector<Vec4<float>> sorted = mikktspace_of(mesh_, mesh_.uvs, options_.threads, true);
+    const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
+    std::size_t raw = 0, gltf = 0;
+    for (std::size_t c = 0; c < corners; ++c) {
+      const Vec4<double>& t = mesh_.tangents[mesh_.triangles[c / 3][c % 3]];
+      const Vec4<float>& m = sorted[c];
+      if (m.w == 0 || bits(t.x) != bits(m.x) || bits(t.y) != bits(m.y) || bits(t.z) != bits(m.z)) continue;
+      raw += t.w == m.w, gltf += t.w == -m.w;
+    }
+    if (std::max(raw, gltf) > equal && nearly_all(std::max(raw, gltf))) return "sorted edges";
+  }
+  return nearly_all(equal) ? "original" : nearly_all(near) ? "reordered sums" : "none";
+}
+
+void Judge::compare_with_mikktspace() {
+  if (subject_.mikktspace.empty()) return;
+  MikkReport& report = report_.mikktspace.emplace();
+  ClassSums sums(mesh_, classes_.of_vertex);
+  std::size_t equal_raw = 0, equal_gltf = 0, near = 0, beyond = 0;
+  double worst = 0;
+  const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
+  const bool keep = options_.keep_errors && only_mikktspace();
+  const auto same = [](const Vec4<float>& a, const Vec4<float>& b) {  // to the bit
+    using Bits = std::array<std::uint32_t, 4>;
+    return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+  };
+  // Corners of a vertex to which MikkTSpace gives the same are compared once.
+  constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> first(mesh_.positions.size(), none);
+  std::vector<std::uint32_t> alike(mesh_.positions.size(), 0);
+  for (std::size_t c = 0; c < mesh_.corners(); ++c) {
+    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
+    if (first[v] == none) first[v] = c;
+    alike[v] += same(subject_.mikktspace[c], subject_.mikktspace[first[v]]);
+  }
+  for (std::size_t c = 0; c < mesh_.corners(); ++c) {
+    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
+    const Vec4<float>& m = subject_.mikktspace[c];
+    if (c != first[v] && same(m, subject_.mikktspace[first[v]])) {
+      if (keep) report_.errors_deg[c] = report_.errors_deg[first[v]];
+      continue;
+    }
+    const std::uint32_t corners = c == first[v] ? alike[v] : 1;
+    const Vec4<double>& t = mesh_.tangents[v];
+    Angles a;
+    if (m.w != 0 && checks_[v].has_tangent) {
+      const Vec3<double> direction{m.x, m.y, m.z};
+      a.tangent = degrees_per_radian * angle_between(t.xyz(), direction);
+      if (checks_[v].has_normal && checks_[v].sign_valid)
+        a.bitangent =
+            degrees_per_radian * angle_between((signs_.raw() ? t.w : -t.w) * cross(mesh_.normals[v], t.xyz()),
+                                               m.w * cross(mesh_.normals[v], direction));
+      if (bits(t.x) == bits(m.x) && bits(t.y) == bits(m.y) && bits(t.z) == bits(m.z)) {
+        equal_raw += t.w == m.w ? corners : 0;
+        equal_gltf += t.w == -m.w ? corners : 0;
+      }
+      const double off =
+          checks_[v].has_normal && !checks_[v].orthogonal
+              ? degrees_per_radian * angle_between(square_to(t.xyz(), mesh_.normals[v]), direction)
+              : a.tangent;
+      if (a.tangent <= same_rounding_deg) near += corners;
+      if (!is_pole(v) && off > limit_of(v)) {
+        beyond += corners;
+        worst = std::fmax(worst, off);
+      }
+    }
+    sums.add(classes_.of_vertex[v], v, corners, a, nullptr);
+    if (keep) report_.errors_deg[c] = kept(a.tangent);
+  }
+  report.classes = sums.reports();
+  if (mesh_.corners() > 0)
+    report.equal_bits =
+        static_cast<double>(std::max(equal_raw, equal_gltf)) / static_cast<double>(mesh_.corners());
+  report.variant = variant(std::max(equal_raw, equal_gltf), near);
+  if (only_mikktspace()) report_.classes = report.classes;
+  add(report_, finding(Code::tangent_not_mikktspace, beyond, worst_text(worst)));
+}
+
+void Judge::look_at_signs() {
+  if (mesh_.tangents.empty()) return;
+  const std::string_view convention = report_.handedness.convention;
+  if (convention == "raw")
+    add(report_, finding(Code::handedness_convention, signs_.all().raw,
+                         " (glTF's of uvs whose v was flipped is the same)"));
+  if (convention == "mixed") {
+    std::size_t raw = 0, gltf = 0, both = 0;
+    for (const SignCount& island : signs_.islands())
+      ++(island.gltf == 0 ? raw : island.raw == 0 ? gltf : both);
+    add(report_, finding(Code::handedness_mixed, report_.handedness.wrong,
+                         "; of the uv islands " + std::to_string(raw) + " are raw, " + std::to_string(gltf) +
+                             " glTF's, " + std::to_string(both) + " both"));
+  }
+  std::size_t across = 0;
+  for (std::uint32_t v = 0; v < corners_of_.size(); ++v)
+    across += subject_.across_mirror[v] ? corners_of_[v] : 0;
+  add(report_, finding(Code::vertex_across_mirror, across));
+}
+
+void Judge::look_for_explanations() {
+  if (accurate_.known() && accurate_.normals_agree() < Accurate::enough)
+    normals_explained_ = explain_normals(subject_, accurate_, options_, report_);
+  if (mesh_.tangents.empty()) return;
+  const std::span<const Truth> truth = statistics_truth();
+  std::size_t oblique = 0;
+  double most = 0;
+  const double near = 0.99 * std::sin(std::fmin(options_.max_angle_deg, 90) / degrees_per_radian);
+  for (std::uint32_t v = 0; v < truth.size(); ++v) {
+    const Vec3<double>&t = truth[v].tangent, &b = truth[v].bitangent;
+    // The cosine tells of nearly all that they are not far from a right angle.
+    if (dot(t, b) * dot(t, b) < near * near * dot(t, t) * dot(b, b)) continue;
+    if (is_pole(v) || !known(truth[v])) continue;
+    const double off = std::fabs(90 - degrees_per_radian * angle_between(t, b));
+    if (!(off - certain * truth[v].tangent_deg > options_.max_angle_deg)) continue;
+    oblique += corners_of_[v];
+    most = std::fmax(most, off);
+  }
+  add(report_, finding(Code::bitangent_not_orthogonal, oblique, " (by up to " + rounded(most, 3) + " deg)"));
+  // Without a surface the mesh's own triangles say whether there is anything to explain.
+  if (!accurate_.known() && !subject_.cones.empty()) {
+    bool any = false;
+    for (std::uint32_t v = 0; v < mesh_.positions.size() && !any; ++v)
+      any = subject_.cones.claim(v, 0) == Claim::beyond;
+    if (!any) return;
+  }
+  if (!truth.empty())
+    tangents_explained_ = explain_tangents(
+        subject_,
+        [&](std::size_t c) {
+          const Truth& t = truth[mesh_.triangles[c / 3][c % 3]];
+          return Directions{t.tangent, t.bitangent};
+        },
+        options_, report_);
+  else if (!subject_.mikktspace.empty())
+    tangents_explained_ = explain_tangents(
+        subject_,
+        [&](std::size_t c) {
+          const Vec4<float>& m = subject_.mikktspace[c];
+          const Vec3<double> n = mesh_.normals[mesh_.triangles[c / 3][c % 3]];
+          if (m.w == 0 || !detail::finite(n))
+            return Directions{detail::nan_vector<double>(), detail::nan_vector<double>()};
+          const Vec3<double> t{m.x, m.y, m.z};
+          return Directions{t, double{m.w} * cross(n, t)};
+        },
+        options_, report_);
+}
+
+void Judge::add_notes() {
+  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh_.triangles[t];
+    if (is_degenerate(mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]))
+      ++report_.degenerate_triangles;
+    else if (!mesh_.uvs.empty() && subject_.raw_sign[t] == 0)
+      ++report_.degenerate_uv_triangles;
+  }
+  report_.faceted = 3 * static_cast<std::size_t>(std::count(subject_.normals.faceted.begin(),
+                                                            subject_.normals.faceted.end(), true));
+  add(report_, finding(Code::normals_oppose_winding, subject_.normals.opposing));
+  add(report_,
+      finding(Code::reference_uncertain, undecided_,
+              ": normals are known to " +
+                  deviation_text(report_.normal_uncertainty_deg.rms(), 2, " deg rms") + ", tangents to " +
+                  deviation_text(report_.tangent_uncertainty_deg.rms(), 2, " deg rms")));
+  const std::size_t at_least_one = std::max<std::size_t>(mesh_.corners(), 1);
+  add(report_, finding(Code::normals_inward, report_.inward));
+  add(report_,
+      finding(Code::faceted, report_.faceted,
+              accurate_.known() && !accurate_.declared() ? "; they are not compared with the surface" : ""));
+  add(report_, finding(Code::tangent_missing, mesh_.tangents.empty() ? at_least_one : 0,
+                       mesh_.normals.empty() ? "" : "; only its normals are judged"));
+  add(report_, finding(Code::normal_missing, mesh_.normals.empty() ? at_least_one : 0));
+  add(report_, finding(Code::triangles_missing, mesh_.triangles.empty() ? 1 : 0));
+  add(report_, finding(Code::vertex_unreferenced,
+                       static_cast<std::size_t>(std::count(corners_of_.begin(), corners_of_.end(), 0U))));
+}
+
+void Judge::decide() {
+  const bool by_triangles = report_.triangles && report_.triangles->judged > 0;
+  report_.reference = judged_ > 0                               ? "analytic"
+                      : by_triangles                            ? "triangles"
+                      : locally_ > 0                            ? "local"
+                      : report_.mikktspace && only_mikktspace() ? "mikktspace"
+                                                                : "none";
+  const bool tangents = !mesh_.tangents.empty();
+  report_.without_errors = mesh_.triangles.empty() || (!tangents && mesh_.normals.empty()) ? Verdict::nothing
+                           : !tangents || judged_ > 0 || by_triangles                      ? Verdict::pass
+                                                                      : Verdict::undetermined;
+  const bool any_error = !report_.findings.empty() && report_.findings.front().severity == Severity::error;
+  report_.verdict = any_error ? Verdict::fail : report_.without_errors;
+}
+
+}  // namespace
+
+MeshReport judge_subject(const Subject& subject, std::span<const Truth> truth, Basis basis,
+                         const ValidateOptions& options) {
+  return Judge(subject, truth, basis, options).report();
+}
+
+MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed,
+                    const ValidateOptions& options) {
+  check_consistent(mesh, "mesh");
+  std::vector<Truth> truth;
+  if (placed) truth.reserve(mesh.uvs.size());
+  if (placed)
+    for (const Vec2<double>& uv : mesh.uvs) truth.push_back(placed->truth(uv));
+  return validate(mesh, truth, options);
+}
+
+MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options) {
+  check_consistent(mesh, "mesh");
+  if (!truth.empty() && truth.size() != mesh.positions.size())
+    throw MeshError("mesh", std::to_string(truth.size()) + " truths for " +
+                                std::to_string(mesh.positions.size()) +
+                                " vertices, expected one per vertex or none");
+  std::vector<bool> is_pole;
+  for (const Truth& t : truth) is_pole.push_back(t.pole);
+  Subject subject = prepare(mesh, options);
+  classify_subject(subject, is_pole, options);
+  return judge_subject(subject, truth, Basis::declared, options);
+}
+
+}  // namespace darboux

@@ -1,0 +1,129 @@
+// Every mesh that sample_mesh() makes of a surface passes where that surface is declared, whatever its kind.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <darboux/assess.h>
+#include <darboux/error.h>
+#include <darboux/sample_mesh.h>
+
+#include "random_shapes.h"
+
+namespace darboux {
+namespace {
+
+struct Variant {
+  const char* name;
+  std::function<void(SampleMeshOptions&)> change;
+};
+
+// As `darboux validate --surface` does.
+AssessOptions declared(const AnySurface& surface) {
+  AssessOptions options;
+  const auto& fitted = fitted_kinds();
+  if (std::find(fitted.begin(), fitted.end(), surface.info().name) != fitted.end())
+    options.surface = SurfaceSpecification{std::string(surface.info().name), {}};
+  else
+    options.exact_surface = surface;
+  return options;
+}
+
+std::string findings(const std::vector<Assessment>& assessments) {
+  std::string text;
+  for (const Assessment& j : assessments)
+    for (const Finding& f : j.report.findings)
+      text += "\n  " + std::string(severity_names[static_cast<std::size_t>(f.severity)]) + ' ' +
+              std::string(f.code) + " (" + std::to_string(f.count) + "): " + f.message;
+  return text;
+}
+
+void expect_pass(const AnySurface& surface, const Mesh& mesh, const AssessOptions& options) {
+  const std::vector<Assessment> assessments = assess_parts(mesh, options);
+  for (const Assessment& j : assessments)
+    ASSERT_EQ(j.report.verdict, Verdict::pass) << surface.info().name << findings(assessments);
+  // Of a mirrored mesh one half may go by its triangles.
+  const std::optional<MeshFit>& fit = assessments.front().fit;
+  ASSERT_TRUE(fit && fit->fits && fit->surface.surface.info().name == surface.info().name)
+      << surface.info().name << findings(assessments);
+}
+
+class Declared : public ::testing::Test {};
+
+TEST(DeclaredSurfaces, EveryReferenceMeshPasses) {
+  const Variant variants[] = {
+      {"grid", [](auto&) {}},
+      {"12x12", [](auto& o) { o.columns = o.rows = 12; }},
+      {"sheared", [](auto& o) { o.shear = 1; }},
+      {"jittered", [](auto& o) { o.jitter = 0.15; }},
+      {"random diagonals", [](auto& o) { o.random_diagonals = true; }},
+      {"half-cell poles", [](auto& o) { o.pole = PolePlacement::half_cell; }},
+      {"shared poles", [](auto& o) { o.pole = PolePlacement::shared; }},
+      {"shared seam", [](auto& o) { o.shared_seam = true; }},
+      {"mirrored", [](auto& o) { o.mirror = true; }},
+      {"steeply sheared", [](auto& o) { o.shear = -3.25; }},
+      {"jittered and sheared", [](auto& o) { o.jitter = 0.3, o.shear = 0.5; }},
+      {"degenerate", [](auto& o) { o.degenerate = 30; }},
+      {"degenerate uvs", [](auto& o) { o.degenerate_uvs = 30; }},
+      {"a part", [](auto& o) { o.v_first = 0.2, o.v_last = 0.7; }},
+      {"6x4", [](auto& o) { o.columns = 6, o.rows = 4; }},
+      {"lantern", [](auto& o) { o.topology = MeshTopology::lantern; }},
+      {"icosphere", [](auto& o) { o.topology = MeshTopology::icosphere; }},
+      {"cube-sphere", [](auto& o) { o.topology = MeshTopology::cube_sphere; }},
+      {"raw sign", [](auto& o) { o.sign = SignConvention::raw; }},
+  };
+  for (const AnySurface& surface : all_surfaces()) {
+    for (const Variant& variant : variants) {
+      SCOPED_TRACE(variant.name);
+      // Its partials are infinite along the seam, so that the triangles whose uvs jump decide there.
+      if (variant.name == std::string("shared seam") && surface.info().name == "superellipsoid") continue;
+      SampleMeshOptions options;
+      variant.change(options);
+      Mesh mesh;
+      try {
+        mesh = sample_mesh(surface, options);
+      } catch (const ParameterError&) {  // not of this surface
+        continue;
+      }
+      test::round_to_floats(mesh);
+      expect_pass(surface, mesh, declared(surface));
+    }
+  }
+}
+
+// Wherever the mesh lies, and with a placement that is given.
+TEST(DeclaredSurfaces, AnyPlacement) {
+  test::Random random(1);
+  for (const AnySurface& surface : all_surfaces()) {
+    Mesh mesh = sample_mesh(surface, {});
+    const Eigen::Isometry3d pose = random_pose(random, 3);
+    darboux::place(mesh, pose);
+    AssessOptions options = declared(surface);
+    expect_pass(surface, mesh, options);
+    options.placement = pose;
+    expect_pass(surface, mesh, options);
+    options.placement = pose * Eigen::Translation3d(0.3, 0.1, 0.2);
+    EXPECT_EQ(assess(mesh, options).report.verdict, Verdict::fail)
+        << surface.info().name << ": a placement that is another's";
+  }
+}
+
+// A surface that is known but for its place is not one of another size.
+TEST(DeclaredSurfaces, AnExactSurfaceIsNoOther) {
+  const AnySurface surface = make_surface("superellipsoid:exponent_u=0.7");
+  const Mesh mesh = sample_mesh(surface, {});
+  AssessOptions options;
+  options.exact_surface = surface;
+  EXPECT_EQ(assess(mesh, options).report.verdict, Verdict::pass);
+  for (const char* other :
+       {"superellipsoid:exponent_u=0.71", "superellipsoid:exponent_u=0.7,semi_axis_z=0.99"}) {
+    options.exact_surface = make_surface(other);
+    const Assessment j = assess(mesh, options);
+    EXPECT_EQ(j.report.verdict, Verdict::fail) << other;
+    EXPECT_FALSE(j.fit && j.fit->fits) << other;
+  }
+}
+
+}  // namespace
+}  // namespace darboux

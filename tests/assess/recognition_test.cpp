@@ -1,0 +1,56 @@
+// What recognition claims: surfaces that are one, and nothing of polyhedra. The full figures:
+// tests/statistics/recognition.sh.
+#include <iostream>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "random_shapes.h"
+
+namespace darboux {
+namespace {
+
+constexpr std::uint64_t seed = 2026;
+
+TEST(Recognition, ClaimsNothingOfPolyhedra) {
+  constexpr int each = 150;
+  std::cout << "seeds from " << seed << '\n';
+  for (const test::NegativeFamily& family : test::negative_families())
+    for (int i = 0; i < each; ++i) {
+      const std::string kind =
+          test::false_claim(family, test::negative(family, seed + static_cast<std::uint64_t>(i)));
+      EXPECT_EQ(kind, "") << family.name << ", seed " << seed + static_cast<std::uint64_t>(i);
+    }
+}
+
+TEST(Recognition, FindsSurfaces) {
+  constexpr int each = 20;
+  std::cout << "seeds from " << seed << '\n';
+  for (const test::PositiveFamily& family : test::positive_families())
+    for (const auto storage : {test::Storage::single, test::Storage::half, test::Storage::int16})
+      for (const bool uvs : {false, true}) {
+        int found = 0;
+        for (int i = 0; i < each; ++i)
+          found += test::is_recognised(
+              family, test::positive(family, storage, uvs, seed + static_cast<std::uint64_t>(i)));
+        // Halves round some cones by more than a surface may be off, a ten-thousandth of the size.
+        EXPECT_GE(found, storage == test::Storage::half ? each - 1 : each)
+            << family.name << " in " << test::storage_names[static_cast<std::size_t>(storage)]
+            << (uvs ? " with uvs" : "");
+      }
+}
+
+// Some places of large meshes are looked at. Their number may not keep step with the rows of a grid.
+TEST(Recognition, FindsSurfacesOfFineGrids) {
+  for (const std::string_view name : {"torus", "sphere", "cylinder", "cone", "ellipsoid", "catenoid"})
+    for (const int n : {200, 400}) {
+      const Mesh mesh = sample_mesh(make_surface(name), {.columns = n, .rows = n});
+      const std::vector<Assessment> assessments = assess_parts(mesh);
+      ASSERT_EQ(assessments.size(), 1u) << name << ' ' << n;
+      ASSERT_TRUE(assessments[0].fit && assessments[0].fit->fits) << name << ' ' << n;
+      EXPECT_EQ(assessments[0].fit->surface.surface.info().name, name) << n;
+    }
+}
+
+}  // namespace
+}  // namespace darboux

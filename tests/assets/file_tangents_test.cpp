@@ -1,0 +1,453 @@
+// Tangents for files: right, and nothing else touched.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include <darboux/error.h>
+#include <darboux/file_tangents.h>
+
+#include "generated_gltf.h"
+#include "gltf_corners.h"
+#include "refusal_of.h"
+
+namespace darboux {
+namespace {
+
+using test::Builder;
+using test::Glb;
+using test::Json;
+using test::TempFolder;
+using Made = std::vector<std::pair<std::size_t, std::size_t>>;
+using M = test::GeneratedMesh;
+
+const float nan_f = std::numeric_limits<float>::quiet_NaN();
+const float inf_f = std::numeric_limits<float>::infinity();
+
+/// What became of a file.
+struct Rewritten {
+  FileTangents report;
+  Glb before, after;
+  Made made() const {
+    Made result;
+    for (const PrimitiveTangents& p : report.primitives) result.emplace_back(p.mesh, p.primitive);
+    return result;
+  }
+};
+
+Rewritten rewrite(const std::string& path, const FileTangentOptions& options = {}) {
+  const TempFolder folder;
+  GltfDocument document = GltfDocument::load(path);
+  Rewritten result;
+  result.report = add_tangents(document, options);
+  document.save_glb(folder / "out.glb");
+  result.before = test::split_glb(test::read_bytes(path));
+  result.after = test::split_glb(test::read_bytes(folder / "out.glb"));
+  return result;
+}
+
+Rewritten rewrite(const Builder& builder, const FileTangentOptions& options = {}) {
+  const TempFolder folder;
+  return rewrite(test::write_bytes(folder / "in.glb", builder.glb()), options);
+}
+
+FileTangentOptions by(const std::string& method) {
+  FileTangentOptions options;
+  options.method = method;
+  return options;
+}
+
+Builder one_triangle(std::initializer_list<float> normals, std::initializer_list<float> uvs) {
+  Builder b;
+  const auto position = b.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const auto normal = b.packed<float>("VEC3", 5126, 3, normals);
+  const auto uv = b.packed<float>("VEC2", 5126, 3, uvs);
+  b.primitive({{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", uv}});
+  return b;
+}
+
+Builder one_triangle() {
+  return one_triangle({0, 0, 1, 0, 0, 1, 0, 0, 1}, {0, 0, 1, 0, 0, 1});
+}
+
+// ---- nothing else changes
+
+void expect_files_are_kept(const std::filesystem::path& folder, std::size_t least) {
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".glb") continue;
+    SCOPED_TRACE(entry.path().string());
+    ++files;
+    for (const char* method : {"mikktspace", "average", "face"}) {
+      SCOPED_TRACE(method);
+      const Rewritten r = rewrite(entry.path().string(), by(method));
+      test::expect_only_tangents_changed(r.before, r.after, r.made());
+      if (entry.path().filename() == "AnimatedMorphSphere.glb") {
+        EXPECT_TRUE(r.made().empty());
+        ASSERT_EQ(r.report.skipped.size(), 1u);
+        EXPECT_EQ(r.report.skipped[0].reason, "has no uvs");
+        EXPECT_EQ(r.report.incapable, 1u);
+        EXPECT_EQ(r.before.bin, r.after.bin);
+      } else if (r.report.incapable == 0) {
+        EXPECT_FALSE(r.made().empty());
+      }
+    }
+  }
+  EXPECT_GE(files, least);
+}
+
+TEST(FileTangents, FilesOfOtherToolsAreKept) {
+  expect_files_are_kept(DARBOUX_TEST_DATA, 10);
+}
+
+TEST(FileTangents, SharedFilesAreKept) {
+  const std::string shared = DARBOUX_SHARED "/meshes";
+  if (!std::filesystem::exists(shared)) GTEST_SKIP() << shared << " is not here: its files are not rewritten";
+  expect_files_are_kept(shared, 30);
+}
+
+// ---- the generated file: what the base and the targets must get, from its numbers
+
+Mesh generated_mesh(int target) {
+  Mesh mesh;
+  const auto number = [](auto x) {
+    return static_cast<double>(x) / static_cast<double>(std::numeric_limits<decltype(x)>::max());
+  };
+  for (std::size_t i = 0; i < M::vertices; ++i) {
+    const auto* p = M::positions[i];
+    const auto* n = M::normals[i % 3];
+    mesh.positions.push_back({number(p[0]), number(p[1]), number(p[2])});
+    mesh.normals.push_back({number(n[0]), number(n[1]), number(n[2])});
+    mesh.uvs.push_back({number(M::us[i % 3]), number(M::vs[i / 3])});
+  }
+  if (target == 0)
+    for (const int k : {0, 1}) {
+      Vec3<double>& p = mesh.positions[k == 0 ? 1 : 4];
+      p = p + Vec3<double>{M::moved[k][0], M::moved[k][1], M::moved[k][2]};
+    }
+  if (target == 1)
+    for (Vec3<double>& n : mesh.normals) {
+      n = n + Vec3<double>{M::turned[0], M::turned[1], M::turned[2]};
+      n = n / norm(n);
+    }
+  return mesh;
+}
+
+template <class List>
+void set_triangles(Mesh& mesh, const List& indices) {
+  for (std::size_t i = 0; i + 2 < std::size(indices); i += 3)
+    mesh.triangles.push_back({indices[i], indices[i + 1], indices[i + 2]});
+}
+
+void expect_generated(const Rewritten& r, std::size_t mesh, std::size_t primitive,
+                      const std::vector<std::uint32_t>& corners, const std::string& method, float sign) {
+  SCOPED_TRACE(std::to_string(mesh) + " " + std::to_string(primitive));
+  const Json& json = r.after.json["meshes"][mesh]["primitives"][primitive];
+  const auto frames = [&](int target) {
+    Mesh m = generated_mesh(target);
+    set_triangles(m, corners);
+    return mesh_frames(m, find_frame_method(method));
+  };
+  const MeshFrames base = frames(-1);
+  const auto stored = test::corner_floats<4>(r.after, json, json["attributes"]["TANGENT"]);
+  ASSERT_EQ(stored.size(), corners.size());
+  const auto rounded = [](const Vec3<double>& t) {
+    return std::array{static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z)};
+  };
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const auto t = rounded(base.corner(c).t);
+    EXPECT_EQ(stored[c], (std::array{t[0], t[1], t[2], sign * static_cast<float>(base.corner(c).sign)}));
+  }
+  for (int k = 0; json.contains("targets") && k < 2; ++k) {
+    const MeshFrames moved = frames(k);
+    const auto deltas =
+        test::corner_floats<3>(r.after, json, json["targets"][static_cast<std::size_t>(k)]["TANGENT"]);
+    bool any = false;
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      const auto from = rounded(base.corner(c).t), to = rounded(moved.corner(c).t);
+      EXPECT_EQ(deltas[c], (std::array{to[0] - from[0], to[1] - from[1], to[2] - from[2]}));
+      any = any || deltas[c] != std::array{0.0f, 0.0f, 0.0f};
+    }
+    // The triangles' own directions read no normals, which alone target 1 moves.
+    EXPECT_EQ(any, method != "face" || k == 0) << "target " << k;
+  }
+}
+
+TEST(FileTangents, MorphTargetsQuantisedSparseInterleavedAndSharedAccessors) {
+  const Builder builder = test::generated_gltf();
+  const std::vector<std::uint32_t> all(std::begin(M::indices), std::end(M::indices)),
+      few(std::begin(M::few), std::end(M::few)), strip = {0, 1, 3, 1, 4, 3, 3, 4, 6, 4, 7, 6};
+  for (const char* method : {"mikktspace", "average", "face", "angle", "fragment-gradient"})
+    for (const SignConvention sign : {SignConvention::gltf, SignConvention::raw}) {
+      SCOPED_TRACE(method);
+      FileTangentOptions options = by(method);
+      options.sign = sign;
+      options.threads = 2;
+      const Rewritten r = rewrite(builder, options);
+      EXPECT_TRUE(r.report.skipped.empty());
+      EXPECT_EQ(r.made(), (Made{{0, 0}, {0, 1}, {1, 0}}));
+      test::expect_only_tangents_changed(r.before, r.after, r.made());
+      const float factor = sign == SignConvention::raw ? 1.0f : -1.0f;
+      expect_generated(r, 0, 0, all, method, factor);
+      expect_generated(r, 0, 1, few, method, factor);
+      expect_generated(r, 1, 0, strip, method, factor);
+      EXPECT_EQ(r.report.primitives[0].morph_targets, 2u);
+      EXPECT_EQ(r.report.primitives[2].morph_targets, 0u);
+      EXPECT_EQ(r.report.primitives[0].old_vertices, 9u);
+    }
+  // The fold splits the middle column, and nothing else.
+  EXPECT_EQ(rewrite(builder).report.primitives[0].vertices, 12u);
+  EXPECT_EQ(rewrite(builder).report.primitives[1].vertices, 9u);
+  EXPECT_EQ(rewrite(builder, by("average")).report.primitives[0].vertices, 9u);
+}
+
+// What is to be replaced is not copied: of the first primitive 7 attributes, 2 targets, the indices, TANGENT
+// and 2 deltas are new, of the second TANGENT and 2 deltas, of the third TANGENT.
+TEST(FileTangents, OldTangentsAreNotCopied) {
+  Builder b = test::generated_gltf();
+  const std::size_t old =
+      b.packed<float>("VEC4", 5126, 9, {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0,
+                                        0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1});
+  for (Json& primitive : b.json["meshes"][0]["primitives"]) primitive["attributes"]["TANGENT"] = old;
+  const Rewritten r = rewrite(b);
+  test::expect_only_tangents_changed(r.before, r.after, r.made());
+  EXPECT_EQ(r.after.json["accessors"].size() - r.before.json["accessors"].size(), 17u);
+}
+
+// Corners whose base tangents agree part where a target's differ.
+TEST(FileTangents, TargetsAloneCanSplitAVertex) {
+  Builder b;
+  const auto position = b.positions({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+  const auto normal = b.packed<float>("VEC3", 5126, 4, {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
+  const auto uv = b.packed<float>("VEC2", 5126, 4, {0, 0, 1, 0, 1, 1, 0, 1});
+  const auto moved = b.packed<float>("VEC3", 5126, 4, {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0});
+  const auto indices = b.packed<std::uint8_t>("SCALAR", 5121, 6, {0, 1, 2, 0, 2, 3});
+  b.primitive({{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", uv}},
+              {{"indices", indices}, {"targets", {{{"POSITION", moved}}}}});
+  const Rewritten r = rewrite(b, by("face"));
+  test::expect_only_tangents_changed(r.before, r.after, r.made());
+  // Without the target all corners have (1, 0, 0). With it the two triangles differ at the diagonal's ends.
+  EXPECT_EQ(r.report.primitives.at(0).vertices, 6u);
+  const Json& json = r.after.json["meshes"][0]["primitives"][0];
+  const float s = std::sqrt(0.5f);
+  const auto deltas = test::corner_floats<3>(r.after, json, json["targets"][0]["TANGENT"]);
+  for (std::size_t c = 0; c < 6; ++c) {
+    EXPECT_NEAR(deltas[c][0], c < 3 ? s - 1 : 0, 1e-7);  // two roundings to float
+    EXPECT_NEAR(deltas[c][2], c < 3 ? s : 0, 1e-7);
+  }
+}
+
+TEST(FileTangents, TargetsThatMoveUvs) {
+  Builder b = one_triangle();
+  const auto swapped = b.packed<float>("VEC2", 5126, 3, {0, 0, -1, 1, 1, -1});  // then u runs along y
+  b.json["meshes"][0]["primitives"][0]["targets"] = {{{"TEXCOORD_0", swapped}}};
+  const Rewritten r = rewrite(b);
+  const Json& json = r.after.json["meshes"][0]["primitives"][0];
+  for (const auto& delta : test::corner_floats<3>(r.after, json, json["targets"][0]["TANGENT"]))
+    EXPECT_EQ(delta, (std::array{-1.0f, 1.0f, 0.0f}));
+}
+
+// A target that leaves all triangles without area says nothing of tangents: those of the base stay.
+TEST(FileTangents, TargetsWithoutDirectionsChangeNothing) {
+  // The base's tangent lies along y, where no method's default does.
+  Builder b = one_triangle({0, 0, 1, 0, 0, 1, 0, 0, 1}, {0, 0, 0, 1, 1, 0});
+  const auto collapsed = b.positions({0, 0, 0, -1, 0, 0, 0, -1, 0});
+  b.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", collapsed}}};
+  for (const char* method : {"mikktspace", "average", "face"}) {
+    const Rewritten r = rewrite(b, by(method));
+    const Json& json = r.after.json["meshes"][0]["primitives"][0];
+    for (const auto& delta : test::corner_floats<3>(r.after, json, json["targets"][0]["TANGENT"]))
+      EXPECT_EQ(delta, (std::array{0.0f, 0.0f, 0.0f})) << method;
+  }
+}
+
+// ---- what cannot be done, and what is repaired
+
+TEST(FileTangents, OneTriangle) {
+  const Rewritten r = rewrite(one_triangle());
+  const Json& json = r.after.json["meshes"][0]["primitives"][0];
+  for (const auto& t : test::corner_floats<4>(r.after, json, json["attributes"]["TANGENT"]))
+    EXPECT_EQ(t, (std::array{1.0f, 0.0f, 0.0f, -1.0f}));
+  EXPECT_EQ(r.report.primitives.at(0).fallback_corners, 0u);
+}
+
+TEST(FileTangents, PrimitivesThatLackSomethingAreLeftAlone) {
+  Builder b = one_triangle();
+  const Json attributes = b.json["meshes"][0]["primitives"][0]["attributes"];
+  for (const char* missing : {"NORMAL", "TEXCOORD_0"}) {
+    Json fewer = attributes;
+    fewer.erase(missing);
+    b.primitive(fewer);
+  }
+  b.primitive(attributes, {{"mode", 0}});
+  b.primitive(attributes, {{"mode", 1}});
+  for (const char* method : {"mikktspace", "face"}) {
+    const Rewritten r = rewrite(b, by(method));
+    EXPECT_EQ(r.made(), (Made{{0, 0}}));
+    ASSERT_EQ(r.report.skipped.size(), 4u);
+    const char* reasons[] = {"has no normals", "has no uvs", "mode 0 (points) has no triangles",
+                             "mode 1 (lines) has no triangles"};
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(r.report.skipped[i].primitive, i + 1);
+      EXPECT_EQ(r.report.skipped[i].reason, reasons[i]);
+    }
+    EXPECT_EQ(r.report.incapable, 2u);
+    test::expect_only_tangents_changed(r.before, r.after, r.made());
+  }
+}
+
+TEST(FileTangents, NumbersThatAreNotFiniteAreRefusedByName) {
+  const auto refusal = [](const Builder& b) {
+    const TempFolder folder;
+    const std::string path = test::write_bytes(folder / "in.glb", b.glb());
+    const std::string message = test::refusal_of<MeshError>([&] { rewrite(path); });
+    return message.starts_with(path + ": ") ? message.substr(path.size() + 2) : message;
+  };
+  const std::string first = "meshes[0].primitives[0]", rest = " is not finite, permitted are finite numbers";
+  for (const float bad : {nan_f, inf_f, -inf_f}) {
+    EXPECT_EQ(refusal(one_triangle({0, 0, 1, 0, bad, 1, bad, 0, 1}, {0, 0, 1, 0, 0, 1})),
+              first + ": normal of vertex 1" + rest);
+    EXPECT_EQ(refusal(one_triangle({0, 0, 1, 0, 0, 1, 0, 0, 1}, {0, 0, 1, 0, 0, bad})),
+              first + ": uv of vertex 2" + rest);
+    Builder position = one_triangle();
+    position.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] =
+        position.positions({0, bad, 0, 1, 0, 0, 0, 1, 0});
+    EXPECT_EQ(refusal(position), first + ": position of vertex 0" + rest);
+    for (const std::string name : {"POSITION", "NORMAL"}) {
+      Builder target = one_triangle();
+      const auto fine = target.positions({0, 0, 0, 0, 0, 0, 0, 0, 0});
+      const auto wrong = target.positions({0, 0, 0, 0, 0, 0, 0, 0, bad});
+      target.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", fine}}, {{name, wrong}}};
+      EXPECT_EQ(refusal(target), first + " with targets[1]: " + (name == "NORMAL" ? "normal" : "position") +
+                                     " of vertex 2" + rest);
+    }
+    // Tangents that are to be replaced need not be good.
+    Builder old = one_triangle();
+    old.json["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] =
+        old.packed<float>("VEC4", 5126, 3, {bad, 0, 0, 1, bad, 0, 0, 1, bad, 0, 0, 1});
+    EXPECT_EQ(refusal(old), "accepted");
+  }
+}
+
+TEST(FileTangents, BrokenFilesAreRefused) {
+  const auto refusal = [](const Builder& b) { return test::refusal_of<FileError>([&] { rewrite(b); }); };
+  Builder b = one_triangle();
+  Json& primitive = b.json["meshes"][0]["primitives"][0];
+  primitive["indices"] = b.packed<std::uint8_t>("SCALAR", 5121, 3, {0, 1, 3});
+  EXPECT_NE(refusal(b).find("index 3 at place 2, permitted are 0 to 2"), std::string::npos) << refusal(b);
+  b.json["accessors"].back()["count"] = 0;  // no triangle
+  EXPECT_NE(refusal(b).find("count is 0"), std::string::npos) << refusal(b);
+  primitive.erase("indices");
+  primitive["targets"] = {{{"POSITION", b.positions({0, 0, 0})}}};
+  EXPECT_NE(refusal(b).find("targets[0].POSITION names an accessor of 1 elements"), std::string::npos)
+      << refusal(b);
+  EXPECT_THROW(rewrite(one_triangle(), by("no such method")), ParameterError);
+}
+
+// The normal lies along the direction in which u grows: MikkTSpace leaves (0, 0, 0) there.
+TEST(FileTangents, ADirectionAcrossTheNormalWhereTheMethodHasNone) {
+  const Rewritten r = rewrite(one_triangle({1, 0, 0, 0, 0, 1, 1, 0, 0}, {0, 0, 1, 0, 0, 1}));
+  EXPECT_EQ(r.report.primitives.at(0).fallback_corners, 2u);
+  const Json& json = r.after.json["meshes"][0]["primitives"][0];
+  const auto tangents = test::corner_floats<4>(r.after, json, json["attributes"]["TANGENT"]);
+  for (const std::size_t c : {0u, 2u}) {
+    EXPECT_EQ(tangents[c][0], 0);
+    EXPECT_NEAR(std::hypot(tangents[c][1], tangents[c][2]), 1, 1e-7);
+  }
+  EXPECT_EQ(tangents[1], (std::array{1.0f, 0.0f, 0.0f, -1.0f}));
+}
+
+// No method leaves anything in a file that is not a unit direction and a sign, whatever the mesh.
+TEST(FileTangents, DegenerateMeshesGetUnitTangents) {
+  const std::vector<Builder> meshes = {
+      one_triangle({0, 0, 1, 0, 0, 1, 0, 0, 1}, {0, 0, 0, 0, 0, 0}),  // all uvs equal
+      one_triangle({0, 0, 1, 0, 0, 1, 0, 0, 1}, {0, 0, 1, 1, 2, 2}),  // collinear uvs
+      one_triangle({0, 0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 1, 0, 0, 1}),  // normals of no length
+      one_triangle({1, 0, 0, 0, 1, 0, 1, 1, 0}, {0, 0, 1, 0, 0, 1}),  // normals in the plane
+      one_triangle({0, 0, 1, 0, 0, 1, 0, 0, 1}, {0, 0, 1e-30f, 0, 0, 1e-30f}),
+      one_triangle({0, 0, 1, 0, 0, 1, 0, 0, 1}, {0, 0, 1e30f, 0, 0, 1e30f})};
+  for (const Builder& flat : meshes)
+    for (const float size : {1.0f, 0.0f, 1e-30f, 1e30f})
+      for (const FrameMethod& method : frame_methods()) {
+        SCOPED_TRACE(std::string(method.name) + " at " + std::to_string(&flat - meshes.data()) + ", " +
+                     std::to_string(size));
+        Builder b = flat;
+        b.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] =
+            b.positions({0, 0, 0, size, 0, 0, 0, size, 0});
+        const Rewritten r = rewrite(b, by(std::string(method.name)));
+        EXPECT_EQ(r.made().size(), 1u);
+        test::expect_only_tangents_changed(r.before, r.after, r.made());
+      }
+}
+
+// ---- which primitives, which uvs
+
+TEST(FileTangents, OnlyWhereTheMaterialReadsThem) {
+  Builder b = one_triangle();
+  const Json attributes = b.json["meshes"][0]["primitives"][0]["attributes"];
+  b.json["materials"] = Json::parse(R"([{}, {"normalTexture": {"index": 0}},
+    {"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1}}},
+    {"extensions": {"KHR_materials_clearcoat": {"clearcoatNormalTexture": {"index": 0}}}},
+    {"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}},
+    {"extensions": {"MSFT_packing_normalRoughnessMetallic": {"normalRoughnessMetallicTexture": {"index": 0}}}},
+    {"occlusionTexture": {"index": 0}, "extensions": {"KHR_materials_sheen": {}, "KHR_materials_iridescence": {}}}])");
+  for (std::size_t m = 0; m < b.json["materials"].size(); ++m) b.primitive(attributes, {{"material", m}});
+  b.primitive(
+      attributes,
+      {{"material", 0},
+       {"extensions",
+        {{"KHR_materials_variants",
+          {{"mappings", {{{"material", 6}, {"variants", {0}}}, {{"material", 4}, {"variants", {1}}}}}}}}}});
+  FileTangentOptions options;
+  options.only_needed = true;
+  const Rewritten r = rewrite(b, options);
+  EXPECT_EQ(r.made(), (Made{{0, 2}, {0, 4}, {0, 5}, {0, 6}, {0, 8}}));
+  test::expect_only_tangents_changed(r.before, r.after, r.made());
+  ASSERT_EQ(r.report.skipped.size(), 4u);
+  for (const SkippedPrimitive& s : r.report.skipped) EXPECT_EQ(s.reason, "its material reads no tangents");
+  EXPECT_EQ(r.report.incapable, 0u);
+  EXPECT_EQ(rewrite(b).made().size(), 9u);
+}
+
+TEST(FileTangents, FollowTheUvsOfTheTextureThatReadsThem) {
+  Builder b = one_triangle();
+  Json attributes = b.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["TEXCOORD_1"] = b.packed<float>("VEC2", 5126, 3, {0, 0, 0, 1, 1, 0});  // u along y
+  b.json["materials"] = Json::parse(R"([
+    {"normalTexture": {"index": 0, "texCoord": 1}},
+    {"extensions": {"KHR_materials_clearcoat": {"clearcoatNormalTexture": {"index": 0, "texCoord": 1}}}},
+    {"extensions": {"KHR_materials_anisotropy": {"anisotropyTexture": {"index": 0, "texCoord": 1}}}},
+    {"normalTexture": {"index": 0},
+     "extensions": {"KHR_materials_anisotropy": {"anisotropyTexture": {"index": 0, "texCoord": 1}}}}])");
+  for (std::size_t m = 0; m < 4; ++m) b.primitive(attributes, {{"material", m}});
+  const Rewritten r = rewrite(b);
+  for (std::size_t p = 1; p < 5; ++p) {
+    const Json& json = r.after.json["meshes"][0]["primitives"][p];
+    const auto t = test::corner_floats<4>(r.after, json, json["attributes"]["TANGENT"]).at(0);
+    EXPECT_EQ(t, (p < 4 ? std::array{0.0f, 1.0f, 0.0f, 1.0f} : std::array{1.0f, 0.0f, 0.0f, -1.0f})) << p;
+  }
+}
+
+// ---- the document's own functions
+
+#define EXPECT_MESH_REFUSED(statement, words) \
+  EXPECT_NE(test::refusal_of<MeshError>([&] { statement; }).find(words), std::string::npos)
+
+TEST(SetTangents, DeltasThatDoNotFitAreRefused) {
+  const TempFolder folder;
+  GltfDocument document =
+      GltfDocument::load(test::write_bytes(folder / "in.glb", test::generated_gltf().glb()));
+  const std::vector<Vec4<float>> tangents(9, {1, 0, 0, 1});
+  const std::vector<std::vector<Vec3<float>>> one(1, std::vector<Vec3<float>>(9)),
+      small(2, std::vector<Vec3<float>>(8)), good(2, std::vector<Vec3<float>>(9));
+  EXPECT_MESH_REFUSED(document.set_tangents(0, 0, tangents, one),
+                      "1 lists of deltas, permitted is one for each of its 2 morph targets");
+  EXPECT_MESH_REFUSED(document.set_tangents(0, 0, tangents, small), "8 deltas");
+  EXPECT_MESH_REFUSED(document.set_tangents(1, 0, tangents, one), "0 morph targets");
+  document.set_tangents(0, 0, tangents, good);
+}
+
+}  // namespace
+}  // namespace darboux

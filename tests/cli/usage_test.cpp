@@ -1,0 +1,236 @@
+// The command line as other people's scripts use it: help, exit statuses, errors in one line.
+#include "cli.h"
+
+namespace darboux::test {
+namespace {
+
+// ---- help -------------------------------------------------------------------------------------------------
+
+TEST_F(Cli, KnowsTheContractsSubcommands) {
+  const auto names = subcommands();
+  for (const char* name :
+       {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge", "fit", "compare"})
+    EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
+}
+
+// Each help ends with an example, and the example runs on the files it names.
+TEST_F(Cli, EveryHelpEndsWithAnExampleThatRuns) {
+  good("darboux mesh torus --grid 32x16 -o torus.glb --quiet");
+  good(
+      "cp data/torus_016.none.glb in.glb; cp data/torus_points.xyz points.xyz; cp torus.glb a.glb; cp "
+      "torus.glb b.glb");
+  std::vector<std::string> names = subcommands();
+  ASSERT_GE(names.size(), 7u);
+  names.emplace_back("");
+  for (const std::string& name : names) {
+    const std::string help = good("darboux " + name + " --help");
+    const std::size_t heading = help.rfind("\nExample:\n");
+    ASSERT_NE(heading, std::string::npos) << name;
+    const auto rest = lines(help.substr(heading + 10));
+    ASSERT_FALSE(rest.empty()) << name;
+    const std::string& example = rest[0];
+    EXPECT_EQ(example.rfind("  darboux " + name, 0), 0u) << example;
+    // The tool's own help goes on after it; a subcommand's does not.
+    for (std::size_t i = 1; !name.empty() && i < rest.size(); ++i) EXPECT_EQ(rest[i], "") << name;
+    good(example);
+  }
+}
+
+TEST_F(Cli, TellsItsVersion) {
+  EXPECT_EQ(good("darboux --version").rfind("darboux 0.", 0), 0u);
+}
+
+// ---- usage errors -----------------------------------------------------------------------------------------
+
+TEST_F(Cli, RefusesWrongUsageInOneLine) {
+  refused("darboux");
+  refused("darboux nonsense", {"nonsense", "validate", "eval"});
+  refused("darboux check sphere --seed -1", {"--seed"});
+  refused("darboux eval sphere --at 0,0 --attributes normal,normal", {"normal", "twice"});
+  refused("darboux converge -o same.html --csv same.html", {"--csv", "-o"});
+  refused("darboux mesh sphere --grid 8x4 -o - --json", {"standard output"});
+  refused("darboux eval", {"SURFACE"});
+  refused("darboux eval sphere --at 0,0 --no-such-option", {"--no-such-option"});
+  refused("darboux eval sphere --at 0,0 --threads 0", {"--threads"});
+  refused("darboux eval sphere --at 0,0 --threads x", {"--threads"});
+  refused("darboux eval sphere --at 0,0 --format xml", {"--format", "table", "json", "csv"});
+  refused("darboux eval sphere --at 0,0 --attributes nope", {"nope", "tangent4", "position"});
+  refused("darboux eval sphere", {"--at", "--grid", "--input"});
+  refused("darboux eval sphere --at 0,0 --grid 2x2", {"--at", "--grid", "--input"});
+  refused("darboux check --points 0", {"--points"});
+  refused("darboux mesh sphere -o x.glb", {"--grid"});
+  refused("darboux mesh sphere --grid 4x4", {"--output"});
+  refused("darboux tangents", {"--list"});
+  refused("darboux validate", {"FILES"});
+  refused("darboux validate x.glb --reference nope", {"--reference", "analytic"});
+  refused("darboux converge --methods nope", {"nope", "average"});
+  refused("darboux converge --meshes nope", {"nope", "regular"});
+  refused("darboux converge --surfaces nope", {"nope", "torus"});
+  refused("darboux converge --resolutions 8", {"resolutions"});
+  refused("darboux converge --resolutions x", {"--resolutions", "'x'"});
+}
+
+TEST_F(Cli, RefusesUnknownSurfacesAndParametersWithTheKnownOnes) {
+  for (const std::string command :
+       {"eval SURFACE --at 0,0", "check SURFACE", "mesh SURFACE --grid 4x4 -o x.glb",
+        "validate data/torus_016.three.glb --surface SURFACE", "converge --surfaces SURFACE"}) {
+    const auto with = [&](const std::string& surface) {
+      std::string text = command;
+      return "darboux " + text.replace(text.find("SURFACE"), 7, surface);
+    };
+    refused(with("potato"), {"potato", "sphere", "torus", "cylinder"});
+    refused(with("torus:radius=1"), {"torus", "'radius'", "major_radius", "minor_radius"});
+    refused(with("torus:minor_radius=0"), {"torus", "minor_radius = 0 ", "0 < minor_radius"});
+    refused(with("sphere:radius=-1"), {"sphere", "radius = -1 ", "0 < radius"});
+    refused(with("sphere:radius=nan"), {"sphere", "radius", "nan"});
+    refused(with("sphere:radius=inf"), {"sphere", "radius", "inf"});
+    refused(with("sphere:radius=one"), {"radius", "'one'", "number"});
+    refused(with("sphere:radius="), {"radius", "number"});
+    refused(with("sphere:radius"), {"radius"});
+  }
+  refused("darboux eval '' --at 0,0", {"sphere", "torus"});
+  refused("darboux eval sphere: --at 0,0", {"radius"});
+  refused("darboux eval torus:minor_radius=1,minor_radius=2 --at 0,0", {"minor_radius", "twice"});
+  EXPECT_FALSE(fs::exists(path("x.glb")));
+}
+
+TEST_F(Cli, RefusesPointsThatAreNotTwoFiniteNumbers) {
+  for (const std::string point :
+       {"x,0", "0,x", "0", "0,0,0", "''", ",", "nan,0", "0,inf", "1e999,0", "0x1,0", "0;0"})
+    refused("darboux eval sphere --at " + (point == "0;0" ? "'0;0'" : point), {"--at"});
+  refused("darboux eval sphere --at", {"--at"});
+  for (const std::string grid : {"0x4", "4x0", "4", "axb", "-1x2", "4x4x4", "99999999999x1", "4X4", "''"})
+    refused("darboux eval sphere --grid=" + grid, {"--grid"});
+  good("printf 'u,v\\n0,0\\n0.5,half\\n' > bad.csv");
+  const Result bad = sh("darboux eval sphere --input bad.csv --format csv -o out.csv");
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_NE(bad.err.find("bad.csv:3"), std::string::npos) << bad.err;
+  EXPECT_FALSE(fs::exists(path("out.csv")));
+  refused("darboux eval sphere --input missing.csv -o out.csv", {"missing.csv"});
+  refused("darboux eval sphere --input data -o out.csv", {"data"});
+}
+
+TEST_F(Cli, RefusesMeshOptionsOutOfRange) {
+  const std::string mesh = "darboux mesh torus --grid 8x4 -o x.glb ";
+  refused(mesh + "--jitter 0.5", {"jitter", "0.5"});
+  refused(mesh + "--jitter -0.1", {"jitter"});
+  refused(mesh + "--jitter nan", {"jitter", "nan"});
+  refused(mesh + "--jitter x", {"--jitter"});
+  refused(mesh + "--shear inf", {"shear"});
+  refused(mesh + "--seam none", {"--seam", "split", "shared"});
+  refused(mesh + "--sign left", {"--sign", "raw", "gltf"});
+  refused(mesh + "--diagonal none", {"--diagonal"});
+  refused("darboux mesh torus --grid 7x4 -o x.glb --mirror", {"mirror", "even"});
+  refused("darboux mesh torus --grid 2x4 -o x.glb --seam shared", {"seam", "3"});
+  refused("darboux mesh torus --grid 0x4 -o x.glb", {"--grid"});
+  refused("darboux mesh torus --grid 2000000000x2000000000 -o x.glb", {"grid"});
+  EXPECT_FALSE(fs::exists(path("x.glb")));
+}
+
+TEST_F(Cli, RefusesValidateOptionsOutOfRange) {
+  const std::string validate = "darboux validate data/torus_016.three.glb ";
+  for (const std::string angle : {"0", "-1", "nan", "181", "x", "inf"})
+    refused(validate + "--max-angle " + angle, {"--max-angle"});
+  refused(validate + "--placement somewhere", {"--placement", "identity"});
+  refused(validate + "--placement 1,2,3", {"--placement"});
+  refused(validate + "--placement 1,0,0,0,0,1,0,0,0,0,x,0,0,0,0,1", {"--placement", "'x'"});
+  refused(validate + "--placement -1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1", {"--placement", "determinant"});
+  refused(validate + "--placement 2,0,0,0,0,2,0,0,0,0,2,0,0,0,0,1", {"--placement", "rigid"});
+}
+
+TEST_F(Cli, RefusesTangentsItCannotCompute) {
+  refused("darboux tangents data/torus_016.none.glb -o x.glb --method nope",
+          {"nope", "average", "angle", "face"});
+  refused("darboux tangents data/torus_016.none.glb --method area", {"-o"});
+  refused("darboux tangents -o x.glb --method area", {"--list"});
+  write_bytes(path("no_uvs.gltf"), R"({"asset": {"version": "2.0"}})");
+  EXPECT_EQ(sh("darboux tangents no_uvs.gltf -o empty.glb --method area").status, 1)
+      << "nothing could be done";
+  refused("darboux tangents data/torus_016.obj -o x.glb --method area", {"torus_016.obj", "glTF"});
+  refused("darboux tangents missing.glb -o x.glb --method area", {"missing.glb"});
+  EXPECT_FALSE(fs::exists(path("x.glb")));
+}
+
+// ---- files that cannot be read or written -----------------------------------------------------------------
+
+TEST_F(Cli, RefusesFilesThatAreNotMeshes) {
+  good("head -c 100 data/torus_016.three.glb > truncated.glb");
+  good("head -c 20000 data/torus_016.three.glb > truncated_late.glb");
+  good(": > empty.glb");
+  good("echo hello > text.glb");
+  good("echo hello > text.obj");
+  good("echo '{\"asset\": {\"version\": \"1.0\"}}' > old.gltf");
+  good("echo '{\"asset\": ' > broken.gltf");
+
+  Builder triangle;
+  const std::size_t positions = triangle.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const auto with_indices = [&](std::initializer_list<std::uint16_t> indices) {
+    Builder b = triangle;
+    b.primitive({{"POSITION", positions}},
+                {{"indices", b.packed<std::uint16_t>("SCALAR", 5123, 3, indices)}});
+    return b;
+  };
+  write_bytes(path("index.glb"), with_indices({0, 1, 3}).glb());
+  Builder huge = with_indices({0, 1, 2});
+  huge.json["accessors"][0]["count"] = 4000000000u;
+  write_bytes(path("huge.glb"), huge.glb());
+  huge.json["accessors"][0]["count"] = std::numeric_limits<std::uint64_t>::max();
+  write_bytes(path("huger.glb"), huge.glb());
+  huge.json["accessors"][0]["count"] = -1;
+  write_bytes(path("negative.glb"), huge.glb());
+
+  for (const std::string name :
+       {"missing.glb", "truncated.glb", "truncated_late.glb", "empty.glb", "text.glb", "text.obj", "old.gltf",
+        "broken.gltf", "index.glb", "huge.glb", "huger.glb", "negative.glb"}) {
+    refused("darboux validate " + name, {name});
+    if (name != "text.obj") refused("darboux tangents " + name + " -o x.glb --method area", {name});
+    // With --json the document comes all the same, and names the error.
+    const Result r = sh("darboux validate " + name + " --json");
+    EXPECT_EQ(r.status, 2) << name;
+    expect_one_line(r.err);
+    const Json document = Json::parse(r.out, nullptr, false);
+    ASSERT_FALSE(document.is_discarded()) << r.out;
+    EXPECT_EQ(document["verdict"], "fail");
+    EXPECT_EQ(document["files"][0]["file"], name);
+    EXPECT_EQ(document["files"][0]["verdict"], "fail");
+    EXPECT_NE(r.err.find(document["files"][0]["error"].get<std::string>()), std::string::npos);
+  }
+  for (const std::string command : {"tangents data -o x.glb", "compare data data/torus_016.obj"})
+    refused("darboux " + command, {"data", "is a folder"});  // validate reads what is in it
+  EXPECT_FALSE(fs::exists(path("x.glb")));
+}
+
+TEST_F(Cli, RefusesOutputsThatCannotBeWritten) {
+  good("echo text > file");
+  for (const std::string command :
+       {"eval sphere --grid 4x4 --format csv -o OUT", "mesh sphere --grid 8x4 -o OUT",
+        "tangents data/torus_016.none.glb --method average -o OUT",
+        "converge --surfaces torus --methods face --meshes regular --resolutions 4,6,8 -o OUT",
+        "converge --surfaces torus --methods face --meshes regular --resolutions 4,6,8 --csv OUT"}) {
+    const auto to = [&](const std::string& out) {
+      std::string text = command;
+      return "darboux " + text.replace(text.find("OUT"), 3, out);
+    };
+    for (const std::string out : {"missing/out", "file/out", "/dev/full", "data"}) refused(to(out), {out});
+    // An old file stays when there is no new one, and nothing is left beside it.
+    EXPECT_EQ(read_bytes(path("file")), "text\n");
+  }
+  std::size_t entries = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(path(""))) ++entries;
+  EXPECT_EQ(entries, 2u) << "data and file, and nothing else";
+}
+
+TEST_F(Cli, SaysSoWhenStandardOutputIsFull) {
+  for (const std::string command :
+       {"surfaces", "surfaces --json", "eval sphere --at 0,0", "eval sphere --grid 100x100 --format csv",
+        "check sphere --points 10", "check sphere --points 10 --json", "validate data/torus_016.three.glb",
+        "validate data/torus_016.three.glb --json", "tangents --list", "mesh sphere --grid 8x4 -o x.glb",
+        "--help", "eval --help", "--version"}) {
+    const Result r = sh("darboux " + command + " >/dev/full");
+    EXPECT_EQ(r.status, 2) << command;
+    expect_one_line(r.err);
+  }
+}
+
+}  // namespace
+}  // namespace darboux::test

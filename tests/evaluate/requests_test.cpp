@@ -1,0 +1,137 @@
+// What evaluate() is asked for: requests that cannot be right are refused, the instruction set is that of the
+// environment.
+#include <array>
+#include <cstdlib>
+#include <iostream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <darboux/catalogue.h>
+#include <darboux/error.h>
+#include <darboux/evaluate.h>
+#include <darboux/local_jets.h>
+#include <darboux/local_truth.h>
+#include <darboux/sample_mesh.h>
+
+#include "refusal_of.h"
+
+namespace darboux::test {
+namespace {
+
+TEST(Refusals, NameTheAttributeAndWhatIsPermitted) {
+  std::vector<double> x(12);
+  const std::span<double> span(x), none(static_cast<double*>(nullptr), 4);
+  EXPECT_REFUSED(Outputs<double>().separate(Attribute::normal, {span, span}),
+                 "normal: 2 arrays, permitted are its 3");
+  EXPECT_REFUSED(Outputs<double>().separate(Attribute::normal, {span, none, span}),
+                 "normal: its array is null");
+  EXPECT_REFUSED(Outputs<double>().member(Attribute::normal, x.data(), 2, 16),
+                 "normal: a stride of 16 bytes");
+  EXPECT_REFUSED(Outputs<double>().member(Attribute::normal, x.data(), 2, 30),
+                 "normal: a stride of 30 bytes");
+  EXPECT_REFUSED(Outputs<double>().member(Attribute::normal, x.data(), 2, -24),
+                 "normal: a stride of -24 bytes");
+  EXPECT_REFUSED(Outputs<double>().packed(Attribute::normal, span).packed(Attribute::normal, span),
+                 "asked for twice");
+  std::array<char, 64> bytes{};
+  auto* const misaligned = reinterpret_cast<double*>(bytes.data() + 1);
+  EXPECT_REFUSED(Outputs<double>().member(Attribute::normal, misaligned, 1, 24), "not aligned");
+  EXPECT_REFUSED(Outputs<double>().status(nullptr, 2, 4), "status: its array is null");
+  std::vector<Status> status(4);
+  EXPECT_REFUSED(Outputs<double>().status(status.data(), 2, 3), "status: a stride of 3 bytes");
+}
+
+TEST(Refusals, OfPoints) {
+  const std::vector<double> two(2), three(3);
+  EXPECT_REFUSED(Points<double>::arrays(two, three), "2 values of u and 3 of v");
+  EXPECT_REFUSED(Points<double>::interleaved(three), "3 interleaved values");
+  EXPECT_REFUSED(Points<double>::interleaved(two.data(), 2, 8), "a stride of 8 bytes");
+  EXPECT_REFUSED(Points<double>::interleaved(nullptr, 2, 16), "uv is null");
+  EXPECT_REFUSED(Points<double>::grid(0, 3), "0 columns");
+  EXPECT_REFUSED(Points<double>::grid(3, std::size_t{1} << 40), "permitted are 1 to");
+  EXPECT_REFUSED(Points<double>::grid(3, 3, 5), "row of points 5");
+  EXPECT_REFUSED(Points<double>::arrays(two, two).part(1, 2), "2 points from 1 on");
+  EXPECT_EQ(Points<double>::grid(131071, 65535).size(), std::size_t{1} << 33);
+}
+
+TEST(Refusals, NothingIsWrittenWhenThereIsNoRoom) {
+  const std::vector<double> u(5, 0.3);
+  std::vector<double> p(15, 7), n(12, 7);
+  Outputs<double> outputs;
+  outputs.packed(Attribute::position, p).packed(Attribute::normal, n);
+  const auto points = Points<double>::arrays(u, u);
+  EXPECT_REFUSED(evaluate(Torus{}, points, outputs), "normal: has room for 4 points");
+  std::vector<Status> status(3);
+  Outputs<double> with_status;
+  with_status.packed(Attribute::position, p).status(status);
+  EXPECT_REFUSED(evaluate(Torus{}, points, with_status), "status: has room for 3 points");
+  EXPECT_REFUSED(evaluate(Torus{}, points.part(0, 1), outputs, {.threads = -1}), "-1 threads");
+  EXPECT_EQ(p, std::vector<double>(15, 7));
+  EXPECT_EQ(n, std::vector<double>(12, 7));
+}
+
+TEST(Refusals, ZeroPointsAreNone) {
+  Outputs<double> outputs;
+  outputs.packed(Attribute::position, {}).status({});
+  const StatusSummary summary = evaluate(Torus{}, Points<double>::arrays({}, {}), outputs);
+  EXPECT_EQ(summary.points, 0U);
+  EXPECT_TRUE(summary.all_regular());
+  EXPECT_EQ(evaluate(Torus{}, Points<double>::interleaved(std::span<const double>()), outputs).points, 0U);
+  EXPECT_EQ(evaluate(Torus{}, Points<double>::grid(3, 3, 1, 0), outputs).points, 0U);
+}
+
+TEST(InstructionSets, AreChosenByTheEnvironment) {
+  const std::vector<double> u(40, 0.3);
+  std::vector<double> n(120);
+  Outputs<double> outputs;
+  outputs.packed(Attribute::normal, n);
+  const auto points = Points<double>::arrays(u, u);
+  for (const InstructionSet set : instruction_sets()) {
+    ASSERT_EQ(::setenv("DARBOUX_ISA", std::string(name_of(set)).c_str(), 1), 0);
+    EXPECT_EQ(refusal_of([&] { evaluate(Torus{}, points, outputs); }), "accepted") << name_of(set);
+    EXPECT_EQ(chosen_instruction_set(), set);
+    EXPECT_EQ(evaluate(Torus{}, points, outputs).point_by_point, set == InstructionSet::points ? 40U : 0U);
+  }
+  ASSERT_EQ(::setenv("DARBOUX_ISA", "altivec", 1), 0);
+  EXPECT_REFUSED(evaluate(Torus{}, points, outputs), "DARBOUX_ISA: 'altivec' is no instruction set");
+  EXPECT_REFUSED(uv_jets({{{0, 0, 0}}, {}, {{0, 0}}}, {.neighbours = 10}),
+                 "DARBOUX_ISA: 'altivec' is no instruction set");
+  EXPECT_REFUSED(local_truth(sample_mesh(make_surface("torus"), {.columns = 9, .rows = 9})),
+                 "DARBOUX_ISA: 'altivec' is no instruction set");
+  EXPECT_EQ(
+      refusal_of([&] { evaluate(Torus{}, points, outputs, {.instruction_set = InstructionSet::points}); }),
+      "accepted");
+  ASSERT_EQ(::unsetenv("DARBOUX_ISA"), 0);
+  EXPECT_EQ(chosen_instruction_set(), instruction_sets().back());
+  EXPECT_REFUSED(evaluate(Torus{}, points, outputs, {.instruction_set = static_cast<InstructionSet>(77)}),
+                 "permitted are points");
+  std::cout << "instruction sets:";
+  for (const InstructionSet set : instruction_sets()) std::cout << ' ' << name_of(set);
+  std::cout << '\n';
+#if defined(__x86_64__) || defined(__aarch64__)
+  EXPECT_GE(instruction_sets().size(), 2U) << "the kernels of the baseline are missing";
+#endif
+}
+
+TEST(Summaries, AddUp) {
+  StatusSummary first, second;
+  first.points = 10;
+  first.count[0] = 2;
+  first.first[0] = 3;
+  second.points = 5;
+  second.count[0] = 1;
+  second.first[0] = 4;
+  second.count[1] = 1;
+  second.first[1] = 2;
+  first += second;
+  EXPECT_EQ(first.points, 15U);
+  EXPECT_EQ(first.count[0], 3U);
+  EXPECT_EQ(first.first[0], 3U);
+  EXPECT_EQ(first.first[1], 12U);
+}
+
+}  // namespace
+}  // namespace darboux::test

@@ -1,0 +1,134 @@
+// Smaller versions of the rows of docs/reports/fit.md. The data sets are the first of those of the whole
+// statistics (fit_statistics --replay ROW SEED shows one). Bounds: what is required, widened by four standard
+// deviations of what so few runs tell; a fit that just meets the requirement misses one of these tests once
+// in 10^4.
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "statistics/rows.h"
+
+namespace darboux {
+namespace {
+
+#ifdef DARBOUX_SHORT_TESTS
+constexpr std::size_t divisor = 10;
+#else
+constexpr std::size_t divisor = 1;
+#endif
+
+// The noise of some 8000 inliers is known to 1 / sqrt(2 * 8000) = 0.8 %; of the mean over runs four standard
+// deviations, and 1 % as outliers are not of one density all over.
+void expect_noise(double sum_of_ratios, double runs, const std::string& kind) {
+  EXPECT_NEAR(sum_of_ratios / runs, 1, 0.01 + 4 * 0.008 / std::sqrt(runs)) << kind;
+}
+
+// The mean of e^T I e / n over k runs scatters by sqrt(2 / (n k)) of itself.
+TEST(FitPointsStatistics, TheErrorIsNearTheBound) {
+  std::map<std::string, std::pair<double, int>> sums;
+  std::map<std::string, double> ratios;
+  constexpr std::size_t sets = 270 / divisor;
+  for (std::size_t seed = 0; seed < sets; ++seed) {
+    const Outcome outcome = outcome_of("efficiency", seed);
+    ASSERT_TRUE(outcome.success()) << "efficiency " << seed << ": " << outcome.mahalanobis << ' '
+                                   << outcome.reason;
+    auto& [sum, runs] = sums[case_of("efficiency", seed).kind];
+    sum += outcome.mahalanobis;
+    ++runs;
+    ratios[case_of("efficiency", seed).kind] += outcome.sigma_ratio;
+  }
+  for (const auto& [kind, entry] : sums) {
+    const auto& [sum, runs] = entry;
+    const int n = TrueShape(make_points(kind, {.count = 1})).parameters();
+    const double required = required_efficiency(kind);
+    EXPECT_LE(sum / runs, required * required * (1 + 4 * std::sqrt(2.0 / (n * runs)))) << kind;
+    expect_noise(ratios[kind], runs, kind);
+  }
+}
+
+TEST(FitPointsStatistics, NoFailureAtTwentyPercentOutliers) {
+  for (std::size_t seed = 0; seed < 240 / divisor; ++seed) {
+    const Outcome outcome = outcome_of("success-20", seed);
+    EXPECT_TRUE(outcome.success()) << "success-20 " << seed << ": " << outcome.mahalanobis << ' '
+                                   << outcome.reason;
+  }
+}
+
+// At most 1 % failures: of 120 sets 1.2, and four standard deviations of the binomial distribution more.
+TEST(FitPointsStatistics, FewFailuresAtFortyPercentOutliers) {
+  constexpr std::size_t sets = 120 / divisor;
+  double failures = 0, ratios = 0;
+  for (std::size_t seed = 0; seed < sets; ++seed) {
+    const Outcome outcome = outcome_of("success-40", seed);
+    failures += outcome.success() ? 0 : 1;
+    ratios += outcome.success() ? outcome.sigma_ratio : 0;
+  }
+  expect_noise(ratios, static_cast<double>(sets) - failures, "all kinds");
+  EXPECT_LE(failures, sets * 0.01 + 4 * std::sqrt(sets * 0.01 * 0.99));
+}
+
+TEST(FitPointsStatistics, IntervalsOfFramesCover) {
+  struct Count {
+    double inside = 0, all = 0;
+    void add(double squared, std::size_t degrees) {
+      inside += squared <= chi_squared_95[degrees] ? 1 : 0;
+      ++all;
+    }
+    // 93 to 97 %, and four standard deviations of the binomial distribution at 95 %.
+    void check(const char* what) const {
+      const double margin = 0.02 + 4 * std::sqrt(0.95 * 0.05 / all);
+      EXPECT_NEAR(inside / all, 0.95, margin) << what << " of " << all;
+    }
+  } normals, frames;
+  for (std::size_t seed = 0; seed < 300 / divisor; ++seed) {
+    const Outcome outcome = outcome_of("frames", seed);
+    ASSERT_TRUE(outcome.success()) << "frames " << seed << ": " << outcome.mahalanobis << ' '
+                                   << outcome.reason;
+    if (outcome.normal) normals.add(*outcome.normal, 2);
+    if (outcome.frame) frames.add(*outcome.frame, 3);
+  }
+  normals.check("n");
+  frames.check("t, b, n");
+}
+
+// At most 0.5 % undetermined, none wrong.
+TEST(FitPointsStatistics, TheKindIsFound) {
+  constexpr std::size_t sets = 120 / divisor;
+  double undetermined = 0;
+  for (std::size_t seed = 0; seed < sets; ++seed) {
+    const Outcome outcome = outcome_of("auto", seed);
+    if (!outcome.usable)
+      ++undetermined;
+    else
+      EXPECT_EQ(outcome.found, case_of("auto", seed).kind) << "auto " << seed;
+  }
+  EXPECT_LE(undetermined, sets * 0.005 + 4 * std::sqrt(sets * 0.005));
+}
+
+TEST(FitPointsStatistics, NoiseFreePointsGiveEverythingBack) {
+  for (const std::string_view row : {"noise-free", "far"})
+    for (std::size_t seed = 0; seed < (row == "far" ? 36 : 108) / divisor; ++seed) {
+      const Outcome outcome = outcome_of(row, seed);
+      EXPECT_LE(outcome.error, required_exactness(row, case_of(row, seed).options))
+          << row << ' ' << seed << ' ' << outcome.reason;
+    }
+}
+
+// PCL's own test sets, outside this repository: within the tolerance of its tests.
+TEST(FitPointsStatistics, PublicPoints) {
+  std::size_t found = 0;
+  for (const PublicFile& file : public_files) {
+    const PublicPoints points = read_public_points(DARBOUX_SHARED "/points", file.name);
+    if (!points.found) continue;
+    ++found;
+    const PointFit fit = fit_points(points.cloud, {.surface = std::string(file.kind)});
+    ASSERT_TRUE(fit.usable) << file.name << ": " << fit.reason;
+    EXPECT_LE(public_error(points.expected, pcl_coefficients(*fit.surface)), points.tolerance)
+        << file.name << ' ' << fit.surface->surface.specification();
+  }
+  if (found == 0) GTEST_SKIP() << DARBOUX_SHARED << "/points is not there";
+}
+
+}  // namespace
+}  // namespace darboux

@@ -1,0 +1,157 @@
+// Files that are not quite as the standard has them, or use what has no part in triangles: they are read.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <darboux/assess.h>
+#include <darboux/io.h>
+
+#include "io_files.h"
+
+namespace darboux {
+namespace {
+
+using test::Builder;
+using test::Json;
+using test::TempFolder;
+
+Asset read(const std::string& bytes, const std::string& name = "a.glb") {
+  const TempFolder folder;
+  return read_asset(test::write_bytes(folder / name, bytes));
+}
+
+Builder quad() {
+  Builder b;
+  const auto positions = b.positions({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+  const auto uvs = b.packed<float>("VEC2", 5126, 4, {0, 0, 1, 0, 1, 1, 0, 1});
+  const auto other = b.packed<float>("VEC2", 5126, 4, {0, 0, 2, 0, 2, 2, 0, 2});
+  const auto indices = b.packed<std::uint16_t>("SCALAR", 5123, 6, {0, 1, 2, 0, 2, 3});
+  b.primitive({{"POSITION", positions}, {"TEXCOORD_0", uvs}, {"TEXCOORD_1", other}}, {{"indices", indices}});
+  return b;
+}
+
+TEST(ReadWhatOthersWrite, RequiredExtensionsThatLeaveTrianglesAlone) {
+  for (const char* name : {"KHR_materials_iridescence", "KHR_materials_emissive_strength", "EXT_texture_avif",
+                           "KHR_animation_pointer", "KHR_node_visibility", "ACME_nobody_knows"}) {
+    Builder b = quad();
+    b.json["extensionsRequired"] = {name};
+    b.json["materials"] = {{{"extensions", {{name, Json::object()}}}}};
+    EXPECT_EQ(read(b.glb()).primitives.at(0).data.triangles.size(), 2u) << name;
+  }
+}
+
+TEST(ReadWhatOthersWrite, BytesBehindAGlb) {
+  const std::string glb = quad().glb();
+  for (const std::size_t more : {1u, 3u, 4u, 100u})
+    EXPECT_EQ(read(glb + std::string(more, 'x')).primitives.size(), 1u) << more;
+}
+
+TEST(ReadWhatOthersWrite, IntegersWithAFraction) {
+  Builder b = quad();
+  std::string text = b.json.dump();
+  for (const char* key : {"\"count\":", "\"componentType\":", "\"byteOffset\":", "\"bufferView\":"})
+    for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1))
+      text.insert(text.find_first_of(",}", at), ".0");
+  EXPECT_EQ(read(test::make_glb(text, b.bin)).primitives.at(0).data.triangles.size(), 2u);
+}
+
+TEST(ReadWhatOthersWrite, WholeTrianglesOfACount) {
+  for (const std::size_t count : {5u, 4u, 3u, 2u, 1u}) {
+    Builder b = quad();
+    b.json["accessors"][3]["count"] = count;
+    const Primitive p = read(b.glb()).primitives.at(0);
+    EXPECT_EQ(p.data.triangles.size(), count / 3) << count;
+    EXPECT_EQ(p.leftover_indices, count % 3) << count;
+  }
+  EXPECT_EQ(read(quad().glb()).primitives.at(0).leftover_indices, 0u);
+}
+
+TEST(ReadWhatOthersWrite, PrimitivesWithoutPositionAreSkipped) {
+  Builder b = quad();
+  b.primitive({{"TEXCOORD_0", 1}});
+  const Asset asset = read(b.glb());
+  EXPECT_EQ(asset.primitives.size(), 1u);
+  ASSERT_EQ(asset.skipped.size(), 1u);
+  EXPECT_EQ(asset.skipped[0].primitive, 1u);
+  EXPECT_NE(asset.skipped[0].reason.find("POSITION"), std::string::npos);
+}
+
+TEST(ReadWhatOthersWrite, FacesOfAnObjThatNameMissingUvsAndNormals) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  for (const char* faces : {"f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n", "f 1/1/1 2/2/1 3/3/1\nf 1//7 3//7 4//7\n",
+                            "f -4/-4 -3/-3 -2/-2 -1/-1\n"}) {
+    const Mesh mesh = read(vertices + faces, "a.obj").primitives.at(0).data;
+    EXPECT_EQ(mesh.triangles.size(), 2u) << faces;
+    EXPECT_TRUE(mesh.uvs.empty()) << faces;
+  }
+  // What is there stays.
+  const Mesh mesh = read(vertices + "vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\n", "a.obj")
+                        .primitives.at(0)
+                        .data;
+  EXPECT_EQ(mesh.uvs.size(), 3u);
+  EXPECT_EQ(mesh.normals.size(), 3u);
+}
+
+TEST(ReadWhatOthersWrite, StepsOfIntegers) {
+  Builder b = quad();
+  const auto tangents =
+      b.packed<std::int8_t>("VEC4", 5120, 4, {127, 0, 0, 127, 127, 0, 0, 127, 127, 0, 0, 127, 127, 0, 0, 127},
+                            {{"normalized", true}});
+  const auto positions = b.packed<std::int16_t>("VEC3", 5122, 4, {0, 0, 0, 9, 0, 0, 9, 9, 0, 0, 9, 0});
+  const auto uvs = b.packed<std::uint16_t>("VEC2", 5123, 4, {0, 0, 65535, 0, 65535, 65535, 0, 65535},
+                                           {{"normalized", true}});
+  b.primitive({{"POSITION", positions}, {"TANGENT", tangents}, {"TEXCOORD_0", uvs}});
+  const Asset asset = read(b.glb());
+  const HalfSteps& floats = asset.primitives.at(0).data.half_steps;
+  EXPECT_EQ(floats.position, 0);
+  EXPECT_EQ(floats.uv, 0);
+  const HalfSteps& steps = asset.primitives.at(1).data.half_steps;
+  EXPECT_EQ(steps.position, 0.5);
+  EXPECT_EQ(steps.tangent, 0.5 / 127);
+  EXPECT_EQ(steps.uv, 0.5 / 65535);
+  EXPECT_EQ(steps.normal, 0);
+}
+
+// Few decimals of unit vectors are steps too: 3 × 0.577² = 0.9988 is no wrong length.
+TEST(ReadWhatOthersWrite, StepsOfDecimals) {
+  const std::string faces = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1//1 2//2 3//3\n";
+  const auto step = [&](const std::string& normals) {
+    return read(normals + faces, "a.obj").primitives.at(0).data.half_steps.normal;
+  };
+  EXPECT_EQ(step("vn 0.577 0.577 0.577\nvn 0 0.707 0.707\nvn 0 0 1\n"), 0.5e-3);
+  EXPECT_EQ(step("vn 0.58 0.58 0.58\nvn 0 0.71 0.71\nvn 0 0 1\n"), 0.5e-2);
+  EXPECT_EQ(step("vn 0.57735 0.57735 0.57735\nvn 0 0.7071 0.7071\nvn 0 0 1\n"), 0);
+  EXPECT_EQ(step("vn 1 0 0\nvn 0 -1 0\nvn 0 0 1\n"), 0) << "exact";
+  EXPECT_EQ(step("vn 0.6 0.8 0\nvn 0 -1 0\nvn 0 0 1\n"), 0) << "exact";
+  EXPECT_EQ(step("vn 5.77 5.77 5.77\nvn 0 0.71 0.71\nvn 0 0 1\n"), 0) << "no unit vectors";
+  const Mesh mesh = read("vn 0.577 0.577 0.577\nvn 0.408 0.408 0.816\nvn 0 0.707 0.707\n" + faces, "a.obj")
+                        .primitives.at(0)
+                        .data;
+  const MeshReport report = assess(mesh).report;
+  EXPECT_TRUE(
+      std::ranges::none_of(report.findings, [](const Finding& f) { return f.code == "NORMAL_NOT_UNIT"; }));
+}
+
+TEST(ReadWhatOthersWrite, TheUvSetThatTheMaterialNames) {
+  Builder b = quad();
+  const Primitive none = read(b.glb()).primitives.at(0);
+  EXPECT_EQ(none.texcoord, 0);
+  EXPECT_FALSE(none.names_uv_set);
+  EXPECT_FALSE(none.texture_transform);
+  b.json["materials"] =
+      Json::parse(R"([{"normalTexture": {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform":
+      {"offset": [0.25, 0.5], "rotation": 0.5, "scale": [2, 3], "texCoord": 1}}}}])");
+  b.json["meshes"][0]["primitives"][0]["material"] = 0;
+  const Primitive p = read(b.glb()).primitives.at(0);
+  EXPECT_EQ(p.texcoord, 1);
+  EXPECT_TRUE(p.names_uv_set);
+  ASSERT_TRUE(p.texture_transform);
+  // The extension's own matrices: translation times rotation times scale.
+  const double c = std::cos(0.5), s = std::sin(0.5);
+  const std::array<double, 6> expected{2 * c, 3 * s, -2 * s, 3 * c, 0.25, 0.5};
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR((*p.texture_transform)[k], expected[k], 1e-15) << k;
+}
+
+}  // namespace
+}  // namespace darboux

@@ -1,0 +1,348 @@
+// MikkTSpace to the bit: against tangents that the npm package mikktspace made, which are those of the C
+// original.
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <darboux/error.h>
+#include <darboux/mikktspace.h>
+
+#include "mikktspace/generated_meshes.h"
+#include "refusal_of.h"
+
+namespace darboux::test {
+namespace {
+
+struct Arrays {
+  std::vector<float> positions, normals, uvs;
+  std::vector<std::uint32_t> corners;
+  std::vector<std::uint8_t> face_sizes;
+
+  Arrays() = default;
+  explicit Arrays(const Soup& soup) {
+    for (const Corner& x : soup) add(x);
+  }
+  void add(const Corner& x) {
+    positions.insert(positions.end(), x.begin(), x.begin() + 3);
+    normals.insert(normals.end(), x.begin() + 3, x.begin() + 6);
+    uvs.insert(uvs.end(), x.begin() + 6, x.end());
+  }
+  MikkMesh mesh() const { return {positions, normals, uvs, corners, face_sizes}; }
+  std::vector<float> tangents(const MikkOptions& options = {}) const {
+    std::vector<float> result(4 * mesh().corner_count(), 7);
+    mikktspace(mesh(), result, options);
+    return result;
+  }
+};
+
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+template <class T>
+std::vector<T> read_all(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<T> result(std::filesystem::file_size(path) / sizeof(T));
+  file.read(reinterpret_cast<char*>(result.data()), static_cast<std::streamsize>(result.size() * sizeof(T)));
+  return result;
+}
+
+// A soup file: the number of triangles, then the corners.
+Soup read_soup(const std::filesystem::path& path) {
+  const std::vector<float> words = read_all<float>(path);
+  Soup soup((words.size() - 1) / 8);
+  std::memcpy(soup.data(), words.data() + 1, soup.size() * sizeof(Corner));
+  return soup;
+}
+
+Corner torus(double u, double v, float s, float t) {
+  const double a = 2 * std::numbers::pi * u, b = 2 * std::numbers::pi * v, rho = 1 + 0.4 * std::cos(b);
+  const std::array<double, 6> x{rho * std::cos(a),         rho * std::sin(a),         0.4 * std::sin(b),
+                                std::cos(b) * std::cos(a), std::cos(b) * std::sin(a), std::sin(b)};
+  Corner corner{};
+  for (std::size_t k = 0; k < 6; ++k) corner[k] = static_cast<float>(x[k]);
+  corner[6] = s, corner[7] = t;
+  return corner;
+}
+Soup torus_soup(int columns, int rows) {
+  Soup soup;
+  const auto at = [&](int i, int j) {
+    const double u = static_cast<double>(i) / columns, v = static_cast<double>(j) / rows;
+    return torus(i == columns ? 0 : u, j == rows ? 0 : v, static_cast<float>(u), static_cast<float>(v));
+  };
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i)
+      for (const auto& [di, dj] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}})
+        soup.push_back(at(i + di, j + dj));
+  return soup;
+}
+
+class Files : public ::testing::TestWithParam<std::string> {};
+TEST_P(Files, GiveTheSameBits) {
+  std::filesystem::path folder = std::string(DARBOUX_TEST_DATA) + "/mikktspace";
+  if (!exists(folder / (GetParam() + ".soup"))) folder = std::string(DARBOUX_SHARED) + "/meshes/oracle";
+  if (!exists(folder / (GetParam() + ".soup"))) GTEST_SKIP() << GetParam() << ".soup is not there";
+  const Arrays arrays(read_soup(folder / (GetParam() + ".soup")));
+  EXPECT_TRUE(same_bits(arrays.tangents(), read_all<float>(folder / (GetParam() + ".tan"))));
+}
+INSTANTIATE_TEST_SUITE_P(MikkTSpace, Files, ::testing::Values("degen", "torus", "mirror"),
+                         [](const auto& of) { return of.param; });
+
+TEST(MikkTSpace, GeneratedMeshesGiveTheSameBits) {
+  const std::vector<std::uint32_t> stored =
+      read_all<std::uint32_t>(std::string(DARBOUX_TEST_DATA) + "/mikktspace/generated_meshes.tangents");
+  std::size_t at = 0, compared = 0, unsorted_matters = 0;
+  for (std::uint32_t k = 0; k < generated_meshes; ++k) {
+    const Soup soup = generated_mesh(k);
+    const std::size_t corners = stored.at(at++);
+    if (corners == 0) continue;  // the package gave up
+    ASSERT_EQ(corners, soup.size()) << "mesh " << k;
+    std::vector<float> expected(4 * corners);
+    std::memcpy(expected.data(), &stored.at(at), expected.size() * sizeof(float));
+    at += expected.size();
+    const Arrays arrays(soup);
+    EXPECT_TRUE(same_bits(arrays.tangents(), expected)) << "mesh " << k;
+    unsorted_matters += !same_bits(arrays.tangents({.sort_all_edges = true}), expected);
+    ++compared;
+  }
+  EXPECT_EQ(at, stored.size());
+  EXPECT_GE(compared, 200U);
+  EXPECT_GE(unsorted_matters, 1U) << "the original's unsorted edges should show in some";
+  std::cout << compared << " meshes, unsorted edges matter in " << unsorted_matters << '\n';
+}
+
+// All generated meshes in one, several times: soups large enough that threads share every step, with
+// degenerate triangles, uvs without area, zeros of either sign and faces of three and four corners.
+TEST(MikkTSpace, ThreadsGiveTheSameBits) {
+  Arrays all;
+  for (int copy = 0; copy < 6; ++copy)
+    for (std::uint32_t k = 0; k < generated_meshes; ++k)
+      for (Corner x : generated_mesh(k)) {
+        x[0] += static_cast<float>(copy % 2);  // half of them lie on others
+        all.add(x);
+      }
+  Arrays zeros = all;
+  for (std::size_t i = 0; i < zeros.positions.size(); i += 7)
+    if (zeros.positions[i] == 0) zeros.positions[i] = -0.0F;
+  Arrays quads = all;
+  const std::size_t corners = quads.mesh().corner_count();
+  for (std::size_t left = corners, k = 0; left > 0; left -= quads.face_sizes.back(), ++k) {
+    const bool four =
+        left == 4 || left == 8 || (k % 5 < 2 && left != 6 && left != 9);  // so that none of 1, 2, 5 are left
+    quads.face_sizes.push_back(four ? 4 : 3);
+  }
+  ASSERT_GT(corners, 100000U);
+  for (const Arrays* arrays : {&all, &zeros, &quads})
+    for (const bool sorted : {false, true}) {
+      const std::vector<float> one = arrays->tangents({.sort_all_edges = sorted});
+      for (const int threads : {0, 2, 3, 8})
+        EXPECT_TRUE(same_bits(arrays->tangents({.sort_all_edges = sorted, .threads = threads}), one))
+            << threads;
+    }
+  const Arrays torus(torus_soup(200, 100));
+  const std::vector<float> one = torus.tangents();
+  for (const int threads : {2, 5}) EXPECT_TRUE(same_bits(torus.tangents({.threads = threads}), one));
+}
+
+TEST(MikkTSpace, IndexedIsAsUnindexed) {
+  for (std::uint32_t k = 0; k < generated_meshes; ++k) {
+    const Soup soup = generated_mesh(k);
+    Arrays indexed;
+    std::vector<Corner> vertices;
+    for (const Corner& x : soup) {
+      std::size_t v = 0;
+      while (v < vertices.size() && std::memcmp(&vertices[v], &x, sizeof x) != 0) ++v;
+      if (v == vertices.size()) vertices.push_back(x), indexed.add(x);
+      indexed.corners.push_back(static_cast<std::uint32_t>(v));
+    }
+    EXPECT_TRUE(same_bits(indexed.tangents(), Arrays(soup).tangents())) << "mesh " << k;
+  }
+}
+
+// The tangents in full have the same directions; the lengths are those of the derivatives on a plane.
+TEST(MikkTSpace, LengthsAreThoseOfTheDerivatives) {
+  Arrays plane;
+  for (const auto& [u, v] : {std::pair{0.F, 0.F}, {1.F, 0.F}, {1.F, 1.F}, {0.F, 0.F}, {1.F, 1.F}, {0.F, 1.F}})
+    plane.add({3 * u, 2 * v, 0, 0, 0, 1, u, v});
+  for (const MikkTangent& x : mikktspace(plane.mesh())) {
+    EXPECT_EQ(std::vector<float>(x.t, x.t + 3), (std::vector<float>{1, 0, 0}));
+    EXPECT_EQ(std::vector<float>(x.b, x.b + 3), (std::vector<float>{0, 1, 0}));
+    EXPECT_FLOAT_EQ(x.t_length, 3);
+    EXPECT_FLOAT_EQ(x.b_length, 2);
+    EXPECT_EQ(x.sign, 1);
+  }
+  const Arrays arrays(torus_soup(20, 10));
+  const std::vector<MikkTangent> all = mikktspace(arrays.mesh());
+  const std::vector<float> four = arrays.tangents();
+  for (std::size_t c = 0; c < all.size(); ++c)
+    EXPECT_EQ(std::vector<float>(all[c].t, all[c].t + 3), std::vector<float>(&four[4 * c], &four[4 * c] + 3));
+}
+
+// A quad is its two triangles, along the diagonal that is shorter in the uvs: on one that is bent the others
+// would differ.
+TEST(MikkTSpace, QuadsAreCutAlongTheShorterDiagonal) {
+  for (const bool other : {false, true}) {
+    Arrays quad;
+    const float x =
+        other ? 0.3F : 1.7F;  // makes the diagonal from corner 1 or that from corner 0 the shorter
+    for (const auto& [u, v] : {std::pair{0.F, 0.F}, {1.F, 0.F}, {x, 1.F}, {x - 1, 1.F}})
+      quad.add({u, v + 0.4F * u * v, 0.2F * u * v, 0, 0, 1, u, v});
+    quad.face_sizes = {4};
+    quad.corners = {0, 1, 2, 3};
+    Arrays triangles = quad;
+    triangles.face_sizes.clear();
+    triangles.corners =
+        other ? std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3} : std::vector<std::uint32_t>{0, 1, 3, 1, 2, 3};
+    const std::vector<float> four = quad.tangents(), six = triangles.tangents();
+    for (std::size_t c = 0; c < 6; ++c)
+      for (std::size_t k = 0; k < 4; ++k)
+        EXPECT_NEAR(four[4 * triangles.corners[c] + k], six[4 * c + k], 1e-6)
+            << other << ' ' << c << ' ' << k;
+  }
+}
+
+// Of a quad with two corners in one place, both have the same tangent.
+TEST(MikkTSpace, AQuadWithoutItsFourthCornerHasATangentThere) {
+  Arrays quad;
+  for (const auto& [u, v] : {std::pair{0.F, 0.F}, {1.F, 0.F}, {1.F, 1.F}, {1.F, 1.F}})
+    quad.add({u, v, 0, 0, 0, 1, u, v});
+  quad.face_sizes = {4};
+  const std::vector<float> tangents = quad.tangents();
+  for (std::size_t c = 0; c < 4; ++c)
+    EXPECT_EQ(std::vector<float>(&tangents[4 * c], &tangents[4 * c] + 4), (std::vector<float>{1, 0, 0, 1}))
+        << c;
+}
+
+TEST(MikkTSpace, AThresholdPartsGroups) {
+  Arrays fold;  // two triangles at a right angle; the uvs of the second are sheared
+  const float h = std::sqrt(0.5F);
+  const Corner first{0, 0, 0, 0, -h, h, 0, 0}, second{1, 0, 0, 0, -h, h, 0, 1};
+  for (const Corner& x : {first, second, Corner{0, 1, 0, 0, 0, 1, -1, 0}, second, first,
+                          Corner{0.5F, 0, -1, 0, -1, 0, 1, 1.5F}})
+    fold.add(x);
+  EXPECT_FALSE(same_bits(fold.tangents({.angular_threshold = 5}), fold.tangents()));
+  EXPECT_TRUE(same_bits(fold.tangents({.angular_threshold = 179}), fold.tangents()));
+}
+
+// Powers of two far beyond what squares in single precision can hold change nothing.
+TEST(MikkTSpace, ScaleDoesNotMatter) {
+  for (std::uint32_t k = 0; k < generated_meshes; k += 3) {
+    const Arrays plain(generated_mesh(k));
+    const std::vector<float> tangents = plain.tangents();
+    for (const auto& [position, uv] :
+         {std::pair{100, 0}, {-100, 0}, {0, 100}, {0, -100}, {100, 100}, {-100, -100}, {100, -100}}) {
+      Arrays scaled = plain;
+      for (float& x : scaled.positions) x = std::ldexp(x, position);
+      for (float& x : scaled.uvs) x = std::ldexp(x, uv);
+      EXPECT_TRUE(same_bits(scaled.tangents(), tangents))
+          << "mesh " << k << ", 2^" << position << ", 2^" << uv;
+    }
+  }
+  Arrays plane;
+  for (const auto& [u, v] : {std::pair{0.F, 0.F}, {1.F, 0.F}, {1.F, 1.F}})
+    plane.add(
+        {std::ldexp(3 * u, 60), std::ldexp(2 * v, 60), 0, 0, 0, 1, std::ldexp(u, -40), std::ldexp(v, -40)});
+  EXPECT_EQ(mikktspace(plane.mesh())[0].t_length, std::ldexp(3.F, 100));
+}
+
+// One vertex far out, even at the end of the range, changes nothing elsewhere.
+TEST(MikkTSpace, AnOutlierLeavesTheOthersAlone) {
+  const Arrays plain(torus_soup(20, 10));
+  const std::vector<float> tangents = plain.tangents();
+  for (const float far : {1e25F, -3e38F, 1e30F})
+    for (const bool in_uv : {false, true}) {
+      Arrays with = plain;
+      (in_uv ? with.uvs[2 * 600] : with.positions[3 * 600]) = far;
+      const std::vector<float> changed = with.tangents();
+      std::size_t others = 0;
+      for (std::size_t c = 0; c < plain.mesh().corner_count(); ++c) {
+        for (std::size_t k = 0; k < 4; ++k) EXPECT_TRUE(std::isfinite(changed[4 * c + k]));
+        others += std::memcmp(&changed[4 * c], &tangents[4 * c], 16) != 0 ? 1 : 0;
+      }
+      EXPECT_LE(others, 18U) << far;  // the corners at the three vertices of its triangle
+    }
+}
+
+TEST(MikkTSpace, SmallMeshes) {
+  EXPECT_TRUE(Arrays().tangents().empty());
+  Arrays point(Soup(3, Corner{1, 2, 3, 0, 0, 1, 0, 0}));
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(point.tangents()[4 * c + 3], -1);
+  EXPECT_EQ(point.tangents()[0], 1);
+}
+
+// Triangles at one vertex: 10^5 whose directions agree, and of those that turn all round, as at a pole, where
+// every pair is looked at, fewer.
+TEST(MikkTSpace, Fans) {
+  for (const bool polar : {false, true}) {
+    Arrays fan;
+    const std::uint32_t n = polar ? 5000 : 100000;
+    fan.add({0, 0, 0, 0, 0, 1, polar ? 0.5F : 0, 0});
+    for (std::uint32_t k = 0; k <= n; ++k) {
+      const double angle = 2 * std::numbers::pi * k / n;
+      const auto x = static_cast<float>(std::cos(angle)), y = static_cast<float>(std::sin(angle));
+      if (polar)
+        fan.add({x, y, 0, 0, 0, 1, static_cast<float>(k) / static_cast<float>(n), 1});
+      else
+        fan.add({x, y, 0, 0, 0, 1, x, y});
+    }
+    for (std::uint32_t k = 1; k <= n; ++k) fan.corners.insert(fan.corners.end(), {0, k, k + 1});
+    const std::vector<float> tangents = fan.tangents();
+    if (!polar) {
+      EXPECT_NEAR(tangents[0], 1, 1e-6);
+    }
+    for (const float x : tangents) ASSERT_TRUE(std::isfinite(x));
+  }
+}
+
+// 10^5 copies of one triangle: their edges are all equal, and none finds a neighbour.
+TEST(MikkTSpace, CopiesOfOneTriangle) {
+  Arrays copies;
+  for (const auto& [u, v] : {std::pair{0.F, 0.F}, {1.F, 0.F}, {0.F, 1.F}})
+    copies.add({u, v, 0, 0, 0, 1, u, v});
+  for (int k = 0; k < 100000; ++k) copies.corners.insert(copies.corners.end(), {0, 1, 2});
+  const std::vector<float> tangents = copies.tangents();
+  for (std::size_t c = 0; c < 300000; ++c)
+    ASSERT_EQ(std::vector<float>(&tangents[4 * c], &tangents[4 * c] + 4), (std::vector<float>{1, 0, 0, 1}));
+}
+
+TEST(MikkTSpace, RefusesWhatCannotBeRight) {
+  const Arrays good(Soup(3, Corner{1, 2, 3, 0, 0, 1, 0, 0}));
+  const auto refusal = [&](auto change) {
+    Arrays arrays = good;
+    change(arrays);
+    return refusal_of<Error>([&] { arrays.tangents(); });
+  };
+  const auto has = [](const std::string& text, const std::string& words) {
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  };
+  has(refusal([](Arrays& a) { a.normals.pop_back(); }), "8 numbers of normals");
+  has(refusal([](Arrays& a) { a.uvs.clear(); }), "0 numbers of uvs");
+  has(refusal([](Arrays& a) { a.positions.pop_back(); }), "8 numbers of positions");
+  has(refusal([](Arrays& a) { a.corners = {0, 1, 3}; }), "corner 2 is vertex 3");
+  has(refusal([](Arrays& a) { a.corners = {0, 1}; }), "2 corners");
+  has(refusal([](Arrays& a) { a.face_sizes = {5}; }), "face 0 has 5 corners");
+  has(refusal([](Arrays& a) { a.face_sizes = {4}; }), "3 corners");
+  has(refusal([](Arrays& a) { a.normals[4] = std::numeric_limits<float>::quiet_NaN(); }),
+      "normal of vertex 1 has the component nan");
+  has(refusal([](Arrays& a) { a.normals[7] = 1e30F; }), "normal of vertex 2 has the component 1");
+  has(refusal([](Arrays& a) { a.uvs[4] = std::numeric_limits<float>::infinity(); }),
+      "uv of vertex 2 has the component inf");
+  std::vector<float> tangents(11);
+  has(refusal_of<Error>([&] { mikktspace(good.mesh(), tangents); }), "11 numbers");
+  has(refusal_of<Error>([&] { mikktspace(good.mesh(), {.threads = -1}); }), "-1 threads");
+  has(refusal_of<Error>([&] { mikktspace(good.mesh(), {.angular_threshold = 181}); }), "181");
+}
+
+}  // namespace
+}  // namespace darboux::test

@@ -1,0 +1,303 @@
+// A matrix of defects: each is found under its code, and nothing else is.
+#include <algorithm>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <darboux/any_surface.h>
+#include <darboux/assess.h>
+#include <darboux/mesh_frames.h>
+#include <darboux/sample_mesh.h>
+
+namespace darboux {
+namespace {
+
+using Codes = std::set<std::string>;
+
+// Of severity error or warning.
+Codes codes(const std::vector<Assessment>& assessments) {
+  Codes result;
+  for (const Assessment& j : assessments)
+    for (const Finding& f : j.report.findings)
+      if (f.severity != Severity::info) result.insert(std::string(f.code));
+  return result;
+}
+
+std::string joined(const Codes& codes) {
+  std::string text;
+  for (const std::string& code : codes) text += code + ' ';
+  return text;
+}
+
+std::size_t count_of(const std::vector<Assessment>& assessments, std::string_view code) {
+  std::size_t count = 0;
+  for (const Assessment& j : assessments)
+    for (const Finding& f : j.report.findings) count += f.code == code ? f.count : 0;
+  return count;
+}
+
+// MikkTSpace's tangents under the mesh's uvs, with glTF's sign; vertices are shared as they are.
+void bake(Mesh& mesh) {
+  const MeshFrames frames = mesh_frames(mesh, find_frame_method("mikktspace"));
+  mesh.tangents.assign(mesh.positions.size(), {1, 0, 0, 1});
+  for (std::size_t c = 0; c < mesh.corners(); ++c) {
+    const CornerFrame& f = frames.corner(c);
+    mesh.tangents[mesh.triangles[c / 3][c % 3]] = {f.t.x, f.t.y, f.t.z, -f.sign};
+  }
+}
+
+void turn_by(Mesh& mesh, const Eigen::Matrix3d& m) {
+  for (auto& p : mesh.positions) p = from_eigen(Eigen::Vector3d(m * to_eigen(p)));
+}
+
+void retangent(Mesh& mesh, std::size_t v, const Vec3<double>& t) {
+  mesh.tangents[v] = {t.x, t.y, t.z, mesh.tangents[v].w};
+}
+
+// A bent ellipsoid: no surface of the catalogue, so that MikkTSpace and local jets judge it.
+Mesh unknown_surface(const SampleMeshOptions& options) {
+  Mesh mesh = sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.4"), options);
+  for (auto& p : mesh.positions) {
+    p = p + Vec3<double>{0.1 * p.y * p.y, 0.12 * p.z * p.x, 0.15 * p.x * p.y};
+  }
+  return mesh;
+}
+
+constexpr SampleMeshOptions grid{.columns = 64, .rows = 32};
+constexpr std::size_t v = 65 * 16 + 23;  // an interior vertex: six corners
+
+struct Case {
+  std::string name;
+  std::function<void(Mesh&)> plant;
+  Codes found;
+  std::string code;         // whose count is known
+  std::size_t corners = 6;  // of it
+  std::optional<Severity> severity{};
+};
+
+std::vector<Case> cases(const Mesh& good, bool known) {
+  const Vec4<double> t = good.tangents[v];
+  const std::size_t all = good.corners();
+  const double tilt = known ? 0.2 : std::tan(std::numbers::pi / 9);
+  const auto each = [](auto f) {
+    return [f](Mesh& m) {
+      for (std::size_t i = 0; i < m.positions.size(); ++i) f(m, i);
+    };
+  };
+  return {
+      {"nothing", [](Mesh&) {}, {}, "", 0},
+      {"NaN in a tangent",
+       [](Mesh& m) { m.tangents[v].y = NAN; },
+       {"TANGENT_NOT_FINITE"},
+       "TANGENT_NOT_FINITE"},
+      {"infinite w",
+       [](Mesh& m) { m.tangents[v].w = INFINITY; },
+       {"TANGENT_NOT_FINITE"},
+       "TANGENT_NOT_FINITE"},
+      {"zero",
+       [](Mesh& m) {
+         retangent(m, v, {0, 0, 0});
+       },
+       {"TANGENT_ZERO"},
+       "TANGENT_ZERO"},
+      {"long", [=](Mesh& m) { retangent(m, v, 1.1 * t.xyz()); }, {"TANGENT_NOT_UNIT"}, "TANGENT_NOT_UNIT"},
+      {"short by a thousandth",
+       [=](Mesh& m) { retangent(m, v, 0.999 * t.xyz()); },
+       {"TANGENT_NOT_UNIT"},
+       "TANGENT_NOT_UNIT"},
+      {"w zero", [](Mesh& m) { m.tangents[v].w = 0; }, {"TANGENT_INVALID_SIGN"}, "TANGENT_INVALID_SIGN"},
+      {"w interpolated",
+       [](Mesh& m) { m.tangents[v].w = 0.5; },
+       {"TANGENT_INVALID_SIGN"},
+       "TANGENT_INVALID_SIGN"},
+      {"one flipped w",
+       [=](Mesh& m) { m.tangents[v].w = -t.w; },
+       {"TANGENT_HANDEDNESS"},
+       "TANGENT_HANDEDNESS"},
+      {"leaning",
+       [=](Mesh& m) { retangent(m, v, unit(t.xyz() + 0.3 * m.normals[v])); },
+       {"TANGENT_NOT_ORTHOGONAL"},
+       "TANGENT_NOT_ORTHOGONAL"},
+      {"leaning a little",
+       [=](Mesh& m) { retangent(m, v, unit(t.xyz() + 0.05 * m.normals[v])); },
+       {"TANGENT_NOT_ORTHOGONAL"},
+       "TANGENT_NOT_ORTHOGONAL",
+       6,
+       Severity::warning},
+      {"one turned tangent",
+       [=](Mesh& m) { retangent(m, v, unit(t.xyz() + 0.2 * cross(m.normals[v], t.xyz()))); },
+       {"TANGENT_ANGLE", "TANGENT_NOT_MIKKTSPACE"},
+       "TANGENT_ANGLE"},
+      {"one negated tangent",
+       [=](Mesh& m) { retangent(m, v, -t.xyz()); },
+       {"TANGENT_ANGLE", "TANGENT_NOT_MIKKTSPACE"},
+       "TANGENT_ANGLE"},
+      {"NaN in a normal", [](Mesh& m) { m.normals[v].x = NAN; }, {"NORMAL_NOT_FINITE"}, "NORMAL_NOT_FINITE"},
+      {"short normal",
+       [](Mesh& m) { m.normals[v] = 0.5 * m.normals[v]; },
+       {"NORMAL_NOT_UNIT"},
+       "NORMAL_NOT_UNIT"},
+      // Normals of an unknown surface are their author's: a tilt of 20 degrees is worth a warning there.
+      {"tilted normal",
+       [=](Mesh& m) { m.normals[v] = unit(m.normals[v] + tilt * cross(m.normals[v], t.xyz())); },
+       {"NORMAL_ANGLE"},
+       "NORMAL_ANGLE",
+       6,
+       known ? Severity::error : Severity::warning},
+      {"NaN in a position",
+       [](Mesh& m) { m.positions[v].z = NAN; },
+       {"POSITION_NOT_FINITE"},
+       "POSITION_NOT_FINITE"},
+      {"infinite uv", [](Mesh& m) { m.uvs[v].x = INFINITY; }, {"UV_NOT_FINITE"}, "UV_NOT_FINITE"},
+      {"raw sign",
+       each([](Mesh& m, std::size_t i) { m.tangents[i].w *= -1; }),
+       {"TANGENT_HANDEDNESS_CONVENTION"},
+       "TANGENT_HANDEDNESS_CONVENTION",
+       all},
+      {"negated tangents",
+       each([](Mesh& m, std::size_t i) { retangent(m, i, -m.tangents[i].xyz()); }),
+       {"TANGENT_ANGLE", "TANGENT_NOT_MIKKTSPACE", "TANGENT_AXES"},
+       "TANGENT_AXES",
+       all},
+      {"bitangents for tangents",
+       each([](Mesh& m, std::size_t i) {
+         retangent(m, i, -m.tangents[i].w * cross(m.normals[i], m.tangents[i].xyz()));
+       }),
+       {"TANGENT_ANGLE", "TANGENT_NOT_MIKKTSPACE", "TANGENT_AXES"},
+       "TANGENT_AXES",
+       all},
+      {"negated bitangents for tangents",
+       each([](Mesh& m, std::size_t i) {
+         retangent(m, i, m.tangents[i].w * cross(m.normals[i], m.tangents[i].xyz()));
+       }),
+       {"TANGENT_ANGLE", "TANGENT_NOT_MIKKTSPACE", "TANGENT_AXES"},
+       "TANGENT_AXES",
+       all},
+      {"normals turned over", each([](Mesh& m, std::size_t i) { m.normals[i] = -m.normals[i]; }),
+       known ? Codes{"NORMAL_ANGLE", "NORMALS_OPPOSE_WINDING"} : Codes{"NORMALS_OPPOSE_WINDING"},
+       "NORMALS_OPPOSE_WINDING", all},
+      {"one triangle wound the other way",
+       [](Mesh& m) { std::swap(m.triangles[700][1], m.triangles[700][2]); },
+       {"NORMALS_OPPOSE_WINDING", "VERTEX_ACROSS_MIRROR"},
+       "NORMALS_OPPOSE_WINDING",
+       3},
+  };
+}
+
+// With normals of its neighbours, and MikkTSpace's tangents.
+Mesh baked_unknown() {
+  Mesh mesh = unknown_surface(grid);
+  const MeshFrames cubic = mesh_frames(mesh, find_frame_method("cubic"));
+  for (std::size_t c = 0; c < mesh.corners(); ++c)
+    mesh.normals[mesh.triangles[c / 3][c % 3]] = cubic.corner(c).n;
+  bake(mesh);
+  return mesh;
+}
+
+class PlantedOn : public testing::TestWithParam<bool> {};
+
+TEST_P(PlantedOn, AreFoundAndNothingElse) {
+  const bool known = GetParam();
+  const Mesh good =
+      known ? sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.4"), grid) : baked_unknown();
+  for (const Case& c : cases(good, known)) {
+    Mesh mesh = good;
+    c.plant(mesh);
+    AssessOptions options;
+    options.references.analytic = known;  // what is unknown is not looked for each time
+    const std::vector<Assessment> assessments = assess_parts(mesh, options);
+    const Codes found = codes(assessments);
+    EXPECT_EQ(joined(found), joined(c.found)) << c.name;
+    EXPECT_EQ(c.code.empty() ? 0 : count_of(assessments, c.code), c.corners) << c.name;
+    for (const Finding& f : assessments.front().report.findings)
+      if (c.severity && f.code == c.code) {
+        EXPECT_EQ(f.severity, *c.severity) << c.name;
+      }
+  }
+}
+
+// Tangents and normals of the mesh before it was scaled unevenly.
+TEST(PlantedDefects, StaleAfterAScale) {
+  Mesh mesh = baked_unknown();
+  turn_by(mesh, Eigen::Vector3d(2, 1, 0.7).asDiagonal());
+  AssessOptions options;
+  options.references.analytic = false;
+  const std::vector<Assessment> assessments = assess_parts(mesh, options);
+  EXPECT_EQ(joined(codes(assessments)), "NORMAL_ANGLE TANGENT_ANGLE TANGENT_NOT_MIKKTSPACE TANGENT_STALE ");
+  for (const Finding& f : assessments.front().report.findings)
+    if (f.code == "TANGENT_STALE") {
+      EXPECT_NE(f.message.find("2.85 : 1.43 : 1"), std::string::npos) << f.message;
+    }
+  // Transformed as they should be, they are right.
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3<double>& n = mesh.normals[i];
+    const Vec4<double>& t = mesh.tangents[i];
+    mesh.normals[i] = unit(Vec3<double>{n.x / 2, n.y, n.z / 0.7});
+    retangent(mesh, i, unit(Vec3<double>{2 * t.x, t.y, 0.7 * t.z}));
+  }
+  EXPECT_EQ(joined(codes(assess_parts(mesh, options))), "");
+}
+
+// Tangents that follow another uv set than the one that is read.
+TEST(PlantedDefects, AnotherUvSet) {
+  Mesh mesh = baked_unknown();
+  std::vector<Vec2<double>> other;
+  for (const Vec2<double>& uv : mesh.uvs) other.push_back({0.7 * uv.x - 0.7 * uv.y, 0.7 * uv.x + 0.7 * uv.y});
+  std::swap(mesh.uvs, other);
+  const std::vector<std::pair<int, std::vector<Vec2<double>>>> sets{{1, other}};
+  AssessOptions options;
+  options.references.analytic = false;
+  options.other_uvs = sets;
+  EXPECT_EQ(joined(codes(assess_parts(mesh, options))),
+            "TANGENT_ANGLE TANGENT_NOT_MIKKTSPACE TANGENT_UV_SET ");
+}
+
+// One w of each vertex on the fold of mirrored uvs, where the triangles on both sides share it.
+TEST(PlantedDefects, VerticesAcrossAMirror) {
+  Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 32, .rows = 16});
+  for (Vec2<double>& uv : mesh.uvs) uv.x = 1 - std::fabs(2 * uv.x - 1);
+  bake(mesh);
+  const std::vector<Assessment> assessments = assess_parts(mesh);
+  EXPECT_TRUE(codes(assessments).contains("VERTEX_ACROSS_MIRROR")) << joined(codes(assessments));
+  EXPECT_TRUE(codes(assessments).contains("TANGENT_HANDEDNESS"));
+  // The fold at u = 1/2 has 17 vertices, of six corners each but for the first and the last, of three.
+  EXPECT_EQ(count_of(assessments, "VERTEX_ACROSS_MIRROR"), 15u * 6 + 2 * 3);
+}
+
+// Islands under different conventions: the smaller half is told.
+TEST(PlantedDefects, SignsThatDifferBetweenIslands) {
+  Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 32, .rows = 16, .mirror = true});
+  EXPECT_EQ(joined(codes({Assessment{{}, validate(mesh, std::nullopt)}})), "");
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    if (mesh.tangents[i].w > 0) mesh.tangents[i].w = -1;
+  const MeshReport report = validate(mesh, std::nullopt);
+  EXPECT_EQ(report.handedness.convention, "mixed");
+  EXPECT_EQ(joined(codes({Assessment{{}, report}})), "HANDEDNESS_MIXED ");
+}
+
+// No false finding where the surface is hidden: what its neighbours tell of an exact mesh never contradicts
+// it.
+TEST(PlantedDefects, ExactMeshesHaveNoneByTheirNeighbours) {
+  for (const AnySurface& surface : all_surfaces())
+    for (const double jitter : {0.0, 0.25})
+      for (const int columns : {16, 48}) {
+        if (surface.info().name == "superellipsoid") continue;  // its edges are rounder than any grid
+        const Mesh mesh = sample_mesh(surface, {.columns = columns, .rows = columns / 2, .jitter = jitter});
+        AssessOptions options;
+        options.references = {.analytic = false, .mikktspace = false, .local = true};
+        const MeshReport report = assess(mesh, options).report;
+        EXPECT_NE(report.verdict, Verdict::fail)
+            << surface.info().name << " " << columns << " jitter " << jitter << ": "
+            << (report.findings.empty() ? "" : report.findings.front().message);
+      }
+}
+
+INSTANTIATE_TEST_SUITE_P(Surfaces, PlantedOn, testing::Values(true, false),
+                         [](const auto& p) { return p.param ? "Known" : "Unknown"; });
+
+}  // namespace
+}  // namespace darboux
