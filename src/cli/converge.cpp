@@ -10,6 +10,7 @@
 
 #include "command.h"
 #include "report/converge_report.h"
+#include "report/convergence_picture.h"
 
 namespace darboux {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> surfaces{"torus:major_radius=1,minor_radius=0.4", "sphere", "cylinder"};
   std::vector<std::string> methods, meshes{"regular", "sheared", "jittered"};
-  std::string resolutions = "8..128", v_range = "0,1", report, csv;
+  std::string resolutions = "8..128", v_range = "0,1", report, csv, picture;
   std::uint64_t seed = 1;
 };
 
@@ -160,16 +161,17 @@ void print_summary(const std::vector<Study>& studies) {
 }
 
 void run(const Arguments& arguments, Common& common) {
-  if ((arguments.report == "-") + (arguments.csv == "-") + common.json > 1)
-    throw ParameterError("-",
-                         "standard output is asked for twice, permitted is one of -o -, --csv - and --json");
+  if ((arguments.report == "-") + (arguments.csv == "-") + (arguments.picture == "-") + common.json > 1)
+    throw ParameterError(
+        "-", "expected one of -o -, --csv -, --picture - and --json on standard output, got several");
   if (!arguments.report.empty() && arguments.report == arguments.csv)
     throw ParameterError("--csv", "names the same file as -o, permitted is another");
   const ConvergeOptions options = parse(arguments);
   // Opened before the work, so that a folder that cannot be written is reported at once.
-  std::optional<OutputFile> report, csv;
+  std::optional<OutputFile> report, csv, picture;
   if (!arguments.report.empty()) report.emplace(arguments.report);
   if (!arguments.csv.empty()) csv.emplace(arguments.csv);
+  if (!arguments.picture.empty()) picture.emplace(arguments.picture);
   std::vector<Study> studies;
   {
     Progress progress("converge", common);
@@ -183,15 +185,20 @@ void run(const Arguments& arguments, Common& common) {
     csv->write(studies_csv(studies));
     csv->commit();
   }
+  if (picture) {
+    picture->write(convergence_picture(options, studies));
+    picture->commit();
+  }
   const bool holds = std::all_of(studies.begin(), studies.end(), [](const Study& s) { return s.holds(); });
   common.exit_status = holds ? 0 : 1;
   if (common.json) return print_json({{"studies", studies_json(studies)}, {"seed", options.seed}});
   // A page or CSV on standard output stands alone there.
-  if (arguments.report == "-" || arguments.csv == "-") return;
+  if (arguments.report == "-" || arguments.csv == "-" || arguments.picture == "-") return;
   if (arguments.report.empty()) print_orders(studies);
   print_summary(studies);
   if (!arguments.report.empty()) std::printf("report: %s\n", arguments.report.c_str());
   if (!arguments.csv.empty()) std::printf("CSV: %s\n", arguments.csv.c_str());
+  if (!arguments.picture.empty()) std::printf("picture: %s\n", arguments.picture.c_str());
 }
 
 }  // namespace
@@ -222,6 +229,10 @@ void add_converge(CLI::App& app, Common& common) {
   sub.add_option("--seed", arguments->seed, "of random meshes")->capture_default_str()->check(whole_number);
   sub.add_option("-o,--output", arguments->report, "write the page for people, HTML, to this file");
   sub.add_option("--csv", arguments->csv, "write all levels of all studies to this file");
+  sub.add_option(
+      "--picture", arguments->picture,
+      "write the first surface's mesh, coloured by the first method's tangent error, beside the convergence "
+      "of all methods to this file, SVG");
   add_common(sub, common, "darboux converge --surfaces torus,sphere --resolutions 8..64 -o report.html");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

@@ -9,30 +9,19 @@
 #include <utility>
 #include <vector>
 
+#include "view.h"
+
 namespace darboux {
 namespace {
 
-using Point =
-    Vec3<double>;  // in the picture: x to the right, y down, both in tenths of a pixel; z towards the viewer
+using Point = PicturePoint;  // x and y in tenths of a pixel
 
 constexpr double width = 4000, height = 3000, margin = 420, arrow_length = 430, head_length = 75;
 
-// Unit vectors of the view, of rational numbers: azimuth -53 degrees, elevation 28.
-constexpr Vec3<double> to_right{4.0 / 5, 3.0 / 5, 0}, upward{-24.0 / 85, 32.0 / 85, 15.0 / 17},
-    to_viewer{9.0 / 17, -12.0 / 17, 8.0 / 17};
 // Where the light comes from: above the viewer's left shoulder.
 const Vec3<double> to_light = unit(-0.35 * to_right + 0.65 * upward + 0.7 * to_viewer);
 
 constexpr int shades = 20;
-
-// From view coordinates to the picture.
-struct Projection {
-  double scale = 1, x = 0, y = 0;
-
-  Point operator()(const Vec3<double>& p) const {
-    return {x + scale * dot(p, to_right), y - scale * dot(p, upward), scale * dot(p, to_viewer)};
-  }
-};
 
 struct Cell {
   int i, j;
