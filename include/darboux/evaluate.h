@@ -252,7 +252,7 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 }  // namespace detail
 
 /// Evaluates a surface type at all points: those of the catalogue by kernels over SIMD lanes where their
-/// formulas allow, any other point by point. What is not asked for is not computed, but for the frame, which
+/// formulas allow, any other point by point. What is not asked for is not computed, but for all partials of splines, and for the frame, which
 /// tells the status, where points go one by one. Nothing is allocated but by threads, and once for good by
 /// the first call. Results must not overlap one another or the points. In float the parameters are rounded
 /// first. Numbers and statuses are to the bit those of sample() and curvature() (NaN for NaN), whatever the

@@ -9,6 +9,7 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/error.h>
+#include <darboux/io.h>
 
 #include "base/text.h"
 #include "surface_picture.h"
@@ -233,12 +234,15 @@ std::vector<std::pair<std::string, std::vector<std::string>>> citations(const st
 
 std::string parameters(const AnySurface& surface) {
   std::string text = "## Parameters\n\n";
-  if (surface.parameters().empty())
-    return text +
-           "None on the command line, where the surface is the built-in example. In C++ it is made from the "
-           "data "
-           "that its header\nnames.\n\n";
-  text += "| name | default | permitted | meaning | error bounds proven for |\n|---|---|---|---|---|\n";
+  if (surface.parameters().empty()) {
+    const std::string name(surface.info().name);
+    const auto kinds = surface_file_kinds();
+    text += "None: its numbers are lists. On the command line `" + name + "` is a built-in example";
+    if (std::find(kinds.begin(), kinds.end(), name) != kinds.end())
+      text += ", and\n`" + name + ":file=FILE` reads [one of yours](../howto/your-own-surface-in-a-file.md)";
+    return text + ". In C++ it is made from the data that its\nheader names.\n\n";
+  }
+  text += "| name | default | range | meaning | error bounds proven for |\n|---|---|---|---|---|\n";
   for (const ParameterValue& p : surface.parameters())
     text += "| `" + std::string(p.name) + "` | " + shortest(p.default_value) + " | " +
             describe(p.permitted, p.name) + " | " + cell(p.meaning) + " | " + shortest(p.proven.smallest) +
