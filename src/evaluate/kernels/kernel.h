@@ -53,7 +53,7 @@ DARBOUX_FLATTEN [[gnu::noinline]] bool prepare_group(const T* x, T* sine, T* cos
 
 // Of a group whose sines nobody needs: the ends of a half turn, the poles, are not good either.
 template <Coordinate kind, class T>
-DARBOUX_FLATTEN [[gnu::noinline]] bool look_at_group(const T* x) {
+DARBOUX_FLATTEN [[gnu::noinline]] bool in_domain_without_sines(const T* x) {
   using S = Lanes<T, group_size<T> / Register<T>::size>;
   const S value = S::load(x);
   if constexpr (kind == Coordinate::linear || kind == Coordinate::half_turn)
@@ -156,11 +156,11 @@ DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
       if (w.v_is_needed)
         good = prepare_group<X::info.v>(v.values, sine_v, cosine_v) && good;
       else
-        good = look_at_group<X::info.v>(v.values) && good;
+        good = in_domain_without_sines<X::info.v>(v.values) && good;
       v.sine = sine_v, v.cosine = cosine_v;
     }
     if (!good) {
-      w.redo(w.context, begin, n);
+      w.scalar_fallback(w.context, begin, n);
       any_status = true;
     } else {
       for (std::size_t i = 0; i < n; i += W) {
@@ -170,7 +170,7 @@ DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
             batch<X, T, variant>(Target<T>{w, begin + at, w.past_caches && whole}, surface,
                                  prepared<X::info.u, S>(u, at), prepared<X::info.v, S>(v, at));
         if (diverged) {
-          w.redo(w.context, begin + at, W);
+          w.scalar_fallback(w.context, begin + at, W);
           any_status = true;
         } else if (status != Status::regular) {
           for (std::size_t k = 0; k < W; ++k) w.status[begin + at + k] = static_cast<std::uint32_t>(status);

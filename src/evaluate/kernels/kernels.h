@@ -74,8 +74,8 @@ struct Work {
   bool past_caches =
       false;  ///< separate and packed results go past them: the first point's are aligned to lines
   std::uint32_t* status = nullptr;  ///< of every point; zero is written by the caller, others by the kernel
-  void (*redo)(void* context, std::size_t first,
-               std::size_t count) = nullptr;  ///< does these points by themselves
+  void (*scalar_fallback)(void* context, std::size_t first,
+                          std::size_t count) = nullptr;  ///< does these points by themselves
   void* context = nullptr;
 };
 

@@ -1,0 +1,21 @@
+// How much of a call is done at once.
+#pragma once
+
+#include <cstddef>
+
+#include "evaluate/kernels/kernels.h"
+
+namespace darboux::evaluation {
+
+using kernels::batch_size;
+using kernels::group_size;
+
+// The most points a kernel is called with, but for less than batch_size<T>, so that none gets fewer.
+constexpr std::size_t block_points = 1024;
+template <class T>
+constexpr std::size_t block_room = block_points + batch_size<T> + group_size<T>;
+// Columns of a grid whose sines are taken at once.
+template <class T>
+constexpr std::size_t most_columns = 4096 / sizeof(T);
+
+}  // namespace darboux::evaluation

@@ -1,0 +1,84 @@
+// One call of evaluate(): which kernel runs, and how results are written.
+#pragma once
+
+#include <algorithm>
+
+#include <darboux/evaluate.h>
+
+#include "evaluate/kernels/dispatch.h"
+#include "layout.h"
+
+namespace darboux::evaluation {
+
+// From so many bytes of results on they are written past the caches: about where these no longer hold them
+// (docs/reports/evaluation.md).
+constexpr std::size_t past_caches_from = std::size_t{10} << 20;
+
+// What all threads of a call share.
+template <class T>
+class Call {
+ public:
+  Call(const detail::ErasedSurface<T>& erased, const Points<T>& all_points, const Outputs<T>& all_outputs,
+       const EvaluateOptions& options)
+      : surface(erased),
+        points(all_points),
+        outputs(all_outputs),
+        sign(options.sign),
+        layout(plan(all_outputs)) {
+    const auto found = kernels::find_kernels<T>(*erased.type, options.instruction_set);
+    if (erased.proven && found.kernels != nullptr) {
+      set = found.set;
+      prepare = found.prepare;
+      const Attributes asked = all_outputs.attributes();
+      const auto only = [&](Attributes allowed) { return (asked | allowed) == allowed; };
+      variant = only(frame_attributes)   ? Variant::frames
+                : only(first_attributes) ? Variant::first
+                                         : Variant::everything;
+      kernel = (*found.kernels)[static_cast<std::size_t>(variant)];
+      v_is_needed = !erased.tangent_depends_on_u_alone ||
+                    !only(Attribute::tangent | Attribute::tangent4 | Attribute::handedness);
+    }
+    past_caches = layout.without_gaps && kernel != nullptr && set->pass_caches &&
+                  (options.stores == Stores::past_caches ||
+                   (options.stores == Stores::automatic &&
+                    all_points.size() >= past_caches_from / std::max<std::size_t>(layout.bytes_a_point, 1)));
+    direct = past_caches && layout.run_count == 0 && set->writes_lines[static_cast<std::size_t>(variant)] &&
+             can_be_aligned();
+  }
+
+  const detail::ErasedSurface<T>& surface;
+  const Points<T>& points;
+  const Outputs<T>& outputs;
+  SignConvention sign;
+  Layout<T> layout;
+  const kernels::Kernels* set = nullptr;
+  const std::array<kernels::Prepare<T>, 4>* prepare = nullptr;
+  kernels::Kernel<T> kernel = nullptr;  // null: point by point
+  bool v_is_needed = true;
+  Variant variant = Variant::everything;
+  bool past_caches = false;
+  bool direct = false;  // past the caches from registers; else by way of the stages
+
+  bool on_stages() const { return past_caches && !direct; }
+  // Points from `at` to the next one all of whose numbers begin lines.
+  std::size_t to_line(std::size_t at) const { return direct ? (aligned_at_ - at) % batch_size<T> : 0; }
+
+ private:
+  // Whether all numbers of some point begin lines; and then at which points of a batch they do.
+  bool can_be_aligned() {
+    for (aligned_at_ = 0; aligned_at_ < batch_size<T>; ++aligned_at_)
+      if (std::all_of(layout.destinations.begin(), layout.destinations.begin() + layout.count,
+                      [&](const Destination& d) {
+                        return (reinterpret_cast<std::uintptr_t>(d.to) +
+                                aligned_at_ * static_cast<std::size_t>(d.stride)) %
+                                   line ==
+                               0;
+                      }))
+        return true;
+    return false;
+  }
+
+  std::size_t aligned_at_ = 0;
+};
+
+}  // namespace darboux::evaluation
