@@ -18,16 +18,26 @@ bool aligned_to_own_size(const T* p) {
   return reinterpret_cast<std::uintptr_t>(p) % alignof(T) == 0;
 }
 
+template <class T>
+std::string misaligned(const std::string& what) {
+  return "expected " + what + " at a multiple of " + std::to_string(alignof(T)) +
+         " bytes, got another address";
+}
+
+std::string wrong_stride(std::size_t alignment, std::size_t least, std::ptrdiff_t stride) {
+  return "expected a stride that is a multiple of " + std::to_string(alignment) + " bytes and at least " +
+         std::to_string(least) + ", got " + std::to_string(stride);
+}
+
 }  // namespace
 
 template <std::floating_point T>
 Points<T> Points<T>::arrays(std::span<const T> u, std::span<const T> v) {
   if (u.size() != v.size())
-    throw ParameterError("points", std::to_string(u.size()) + " values of u and " + std::to_string(v.size()) +
-                                       " of v, permitted are as many");
+    throw ParameterError("points", "expected as many values of v as of u, got " + std::to_string(u.size()) +
+                                       " of u and " + std::to_string(v.size()) + " of v");
   if (!aligned_to_own_size(u.data()) || !aligned_to_own_size(v.data()))
-    throw ParameterError("points", "u or v is not aligned to its numbers, permitted are multiples of " +
-                                       std::to_string(alignof(T)) + " bytes");
+    throw ParameterError("points", misaligned<T>("u or v"));
   Points result;
   result.u_ = u.data();
   result.v_ = v.data();
@@ -39,22 +49,17 @@ template <std::floating_point T>
 Points<T> Points<T>::interleaved(std::span<const T> uv) {
   if (uv.size() % 2 != 0)
     throw ParameterError("points",
-                         std::to_string(uv.size()) + " interleaved values, permitted is an even number");
+                         "expected an even number of interleaved values, got " + std::to_string(uv.size()));
   return interleaved(uv.data(), uv.size() / 2, 2 * sizeof(T));
 }
 
 template <std::floating_point T>
 Points<T> Points<T>::interleaved(const T* uv, std::size_t points, std::ptrdiff_t stride) {
-  if (uv == nullptr && points > 0)
-    throw ParameterError("points", "uv is null, permitted is an array of pairs");
+  if (uv == nullptr && points > 0) throw ParameterError("points", "expected an array of pairs, got null");
   if (stride < static_cast<std::ptrdiff_t>(2 * sizeof(T)) ||
       stride % static_cast<std::ptrdiff_t>(alignof(T)) != 0)
-    throw ParameterError("points", "a stride of " + std::to_string(stride) +
-                                       " bytes, permitted are multiples of " + std::to_string(alignof(T)) +
-                                       " from " + std::to_string(2 * sizeof(T)) + " on");
-  if (!aligned_to_own_size(uv))
-    throw ParameterError("points", "uv is not aligned to its numbers, permitted are multiples of " +
-                                       std::to_string(alignof(T)) + " bytes");
+    throw ParameterError("points", wrong_stride(alignof(T), 2 * sizeof(T), stride));
+  if (!aligned_to_own_size(uv)) throw ParameterError("points", misaligned<T>("uv"));
   Points result;
   result.u_ = uv;
   result.v_ = uv == nullptr ? nullptr : uv + 1;
@@ -67,11 +72,12 @@ template <std::floating_point T>
 Points<T> Points<T>::grid(std::size_t columns, std::size_t rows, std::size_t first, std::size_t count) {
   constexpr std::size_t most = std::size_t{1} << 31;
   if (columns < 1 || rows < 1 || columns > most || rows > most)
-    throw ParameterError("grid", std::to_string(columns) + " columns and " + std::to_string(rows) +
-                                     " rows, permitted are 1 to " + std::to_string(most) + " of each");
+    throw ParameterError("grid", "expected 1 to " + std::to_string(most) + " columns and rows, got " +
+                                     std::to_string(columns) + " columns and " + std::to_string(rows) +
+                                     " rows");
   if (first > rows)
-    throw ParameterError(
-        "grid", "row of points " + std::to_string(first) + ", permitted are 0 to " + std::to_string(rows));
+    throw ParameterError("grid", "expected a row of points from 0 to " + std::to_string(rows) + ", got " +
+                                     std::to_string(first));
   Points result;
   result.columns_ = columns;
   result.rows_ = rows;
@@ -83,9 +89,9 @@ Points<T> Points<T>::grid(std::size_t columns, std::size_t rows, std::size_t fir
 template <std::floating_point T>
 Points<T> Points<T>::part(std::size_t first, std::size_t count) const {
   if (first > size_ || count > size_ - first)
-    throw ParameterError("points", std::to_string(count) + " points from " + std::to_string(first) +
-                                       " on, permitted are parts of the " + std::to_string(size_) +
-                                       " there are");
+    throw ParameterError("points", "expected a part of the " + std::to_string(size_) + " there are, got " +
+                                       std::to_string(count) + " points from " + std::to_string(first) +
+                                       " on");
   Points result = *this;
   result.size_ = count;
   if (is_grid()) {
@@ -103,18 +109,14 @@ Points<T> Points<T>::part(std::size_t first, std::size_t count) const {
 
 template <std::floating_point T>
 Outputs<T>& Outputs<T>::add(Attribute a, const OutputPlace<T>& place, std::size_t consecutive) {
-  if (asked_.has(a)) refuse(a, "is asked for twice, permitted is once");
+  if (asked_.has(a)) refuse(a, "is asked for twice, expected once");
   for (std::size_t c = 0; c < info_of(a).components; ++c) {
-    if (place.component[c] == nullptr && place.points > 0)
-      refuse(a, "its array is null, permitted is the caller's memory");
-    if (!aligned_to_own_size(place.component[c]))
-      refuse(a, "its array is not aligned to its numbers, permitted are multiples of " +
-                    std::to_string(alignof(T)) + " bytes");
+    if (place.component[c] == nullptr && place.points > 0) refuse(a, "expected an array, got null");
+    if (!aligned_to_own_size(place.component[c])) refuse(a, misaligned<T>("its array"));
   }
   if (place.stride < static_cast<std::ptrdiff_t>(consecutive * sizeof(T)) ||
       place.stride % static_cast<std::ptrdiff_t>(alignof(T)) != 0)
-    refuse(a, "a stride of " + std::to_string(place.stride) + " bytes, permitted are multiples of " +
-                  std::to_string(alignof(T)) + " from " + std::to_string(consecutive * sizeof(T)) + " on");
+    refuse(a, wrong_stride(alignof(T), consecutive * sizeof(T), place.stride));
   asked_ |= a;
   places_[static_cast<std::size_t>(a)] = place;
   return *this;
@@ -123,8 +125,8 @@ Outputs<T>& Outputs<T>::add(Attribute a, const OutputPlace<T>& place, std::size_
 template <std::floating_point T>
 Outputs<T>& Outputs<T>::separate(Attribute a, std::span<const std::span<T>> components) {
   if (components.size() != info_of(a).components)
-    refuse(a, std::to_string(components.size()) + " arrays, permitted are its " +
-                  std::to_string(info_of(a).components) + " components");
+    refuse(a, "expected an array for each of its " + std::to_string(info_of(a).components) +
+                  " components, got " + std::to_string(components.size()));
   OutputPlace<T> place;
   place.stride = sizeof(T);
   place.points = components[0].size();
@@ -153,15 +155,13 @@ Outputs<T>& Outputs<T>::member(Attribute a, T* first, std::size_t points, std::p
 
 template <std::floating_point T>
 Outputs<T>& Outputs<T>::status(Status* first, std::size_t points, std::ptrdiff_t stride) {
-  if (status_ != nullptr) throw ParameterError("status", "is asked for twice, permitted is once");
-  if (first == nullptr && points > 0)
-    throw ParameterError("status", "its array is null, permitted is the caller's memory");
+  if (status_ != nullptr) throw ParameterError("status", "is asked for twice, expected once");
+  if (first == nullptr && points > 0) throw ParameterError("status", "expected an array, got null");
   if (stride < static_cast<std::ptrdiff_t>(sizeof(Status)) ||
       stride % static_cast<std::ptrdiff_t>(alignof(Status)) != 0 || !aligned_to_own_size(first))
-    throw ParameterError(
-        "status", (aligned_to_own_size(first) ? "a stride of " + std::to_string(stride) + " bytes"
-                                              : std::string("its array is not aligned to its values")) +
-                      ", permitted are multiples of " + std::to_string(sizeof(Status)) + " bytes");
+    throw ParameterError("status", aligned_to_own_size(first)
+                                       ? wrong_stride(alignof(Status), sizeof(Status), stride)
+                                       : misaligned<Status>("its array"));
   status_ = first;
   status_points_ = points;
   status_stride_ = stride;
