@@ -3,6 +3,11 @@
 /// that is made lane by lane.
 #pragma once
 
+#if __cplusplus < 202002L
+#error "Darboux needs C++20, got an older standard: compile with -std=c++20"
+#include <darboux_needs_cxx20>  // ends the compilation here
+#endif
+
 #include <array>
 #include <bit>
 #include <cmath>

@@ -194,4 +194,18 @@ Sample<S> sample(const X& surface, S u, S v) {
   return make_sample(u, v, jet(surface, u, v), frame(surface, u, v));
 }
 
+// For what is no surface: one error that names the member it lacks.
+template <class X, class S>
+requires(std::is_class_v<X> && !ParametricSurface<X>) void jet(const X&, const S&, const S&) {
+  detail::name_missing_member<X>();
+}
+template <class X, class S>
+requires(std::is_class_v<X> && !ParametricSurface<X>) void frame(const X&, const S&, const S&) {
+  detail::name_missing_member<X>();
+}
+template <class X, class S>
+requires(std::is_class_v<X> && !ParametricSurface<X>) void sample(const X&, const S&, const S&) {
+  detail::name_missing_member<X>();
+}
+
 }  // namespace darboux

@@ -290,6 +290,24 @@ concept ParametricSurface = requires(const X& x, const Prepared<X::info.u, doubl
   { x.jet(u, v) } -> std::same_as<Jet2<double>>;
 };
 
+namespace detail {
+
+template <class X>
+concept StatesInfo = requires {
+  { X::info } -> std::convertible_to<const SurfaceInfo&>;
+};
+
+// Does not compile, and names the member that X lacks to be a surface.
+template <class X>
+constexpr void name_missing_member() {
+  static_assert(StatesInfo<X>, "a surface needs the member: static constexpr SurfaceInfo info");
+  static_assert(!StatesInfo<X> || ParametricSurface<X>,
+                "a surface needs the member: template <class S> Jet2<S> jet(u, v) const, with u and v as its "
+                "info says");
+}
+
+}  // namespace detail
+
 template <class X>
 concept HasParameters = requires {
   X::parameters();

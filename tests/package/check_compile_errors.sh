@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# check_compile_errors.sh COMPILER SOURCE_ROOT: what a compiler says, in one line that names the mend, of an old standard and of a
+# surface that lacks a member.
+set -euo pipefail
+compiler=$1 root=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+# expect NAME STANDARD ERRORS PATTERN: of $work/NAME.cpp there are at most ERRORS errors, and one has the pattern.
+expect() {
+  if "$compiler" -std="$2" -fsyntax-only -I"$root/include" -I"$root/surfaces" -isystem /usr/include/eigen3 \
+    "$work/$1.cpp" 2>"$work/out"; then
+    echo "FAILED: $1 compiles" >&2
+    failures=$((failures + 1))
+  elif ! grep -E "error" "$work/out" | grep -q "$4" || [ "$(grep -cE '(^|[: ])(fatal )?error:' "$work/out")" -gt "$3" ]; then
+    echo "FAILED: $1: expected at most $3 errors and '$4', got" >&2
+    head -c 3000 "$work/out" >&2
+    failures=$((failures + 1))
+  fi
+}
+printf '#include <darboux/evaluate.h>\n#include <darboux/torus.h>\nint main() {}\n' >"$work/old_standard.cpp"
+expect old_standard c++17 2 "Darboux needs C++20"
+
+body='int main() { frame(Mine{}, 0.1, 0.2); }'
+cat >"$work/no_info.cpp" <<END
+#include <darboux/evaluate.h>
+struct Mine {
+  template <class S> darboux::Jet2<S> jet(const S&, const S&) const { return {}; }
+};
+using darboux::frame;
+$body
+END
+expect no_info c++20 2 "static constexpr SurfaceInfo info"
+cat >"$work/no_jet.cpp" <<END
+#include <darboux/evaluate.h>
+struct Mine {
+  static constexpr darboux::SurfaceInfo info{"mine", "a surface", darboux::Coordinate::linear, darboux::Coordinate::linear};
+};
+using darboux::frame;
+$body
+END
+expect no_jet c++20 2 "jet(u, v)"
+exit $((failures > 0))

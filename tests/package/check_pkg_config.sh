@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# check_pkg_config.sh INSTALLED COMPILER SOURCE: a program of the installed core builds by what pkg-config says, and runs.
+# Exit status 77, a skip, where pkg-config is not installed.
+set -euo pipefail
+installed=$1 compiler=$2 source=$3
+command -v pkg-config >/dev/null || { echo "SKIPPED: pkg-config is not installed"; exit 77; }
+folder=$(dirname "$(find "$installed" -name darboux.pc)")
+export PKG_CONFIG_PATH=$folder
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+read -ra flags <<<"$(pkg-config --define-variable=libdir="$(dirname "$folder")" \
+  --define-variable=includedir="$installed/include" --static --cflags --libs darboux)"
+"$compiler" -std=c++20 "$source" "${flags[@]}" -o "$work/program"
+LD_LIBRARY_PATH=$(dirname "$folder") "$work/program" | grep -q "handedness +1"
+for name in darboux-fit darboux-io; do
+  if [ -e "$folder/$name.pc" ]; then pkg-config --print-requires "$name" | grep -qx darboux; fi
+done
