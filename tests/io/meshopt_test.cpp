@@ -159,7 +159,7 @@ TEST(ReadMeshopt, ManyBlocksOfFloats) {
   }
 }
 
-/// A triangle whose normals are a compressed view of `stride` bytes an element.
+/// A triangle whose normals are a compressed view of `stride` bytes per element.
 Compressed with_normals(const std::string& stream, const char* filter, std::size_t stride,
                         int component_type) {
   Compressed made;
