@@ -31,9 +31,11 @@ class JsonCursor {
   const Json& json() const { return *json_; }
   const std::string& name() const { return name_; }
 
+  /// \throws FileError "FILE: NAME: WHY"
+  [[noreturn]] void refuse(const std::string& why) const { throw FileError(*file_, name_ + ": " + why); }
   /// \throws FileError "FILE: NAME: expected EXPECTED, got GOT"
   [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
-    throw FileError(*file_, name_ + ": " + expected_got(expected, got));
+    refuse(expected_got(expected, got));
   }
   /// The same, where the value itself is what was got.
   [[noreturn]] void fail(const std::string& expected) const { fail(expected, shown()); }

@@ -128,8 +128,7 @@ std::vector<double> read_knots(const JsonCursor& document, const char* key, int 
       place.at(i).fail("knots that do not decrease",
                        place.at(i).shown() + " after " + place.at(i - 1).shown());
   }
-  if (const std::string why = KnotVector<double>::refusal(degree, knots); !why.empty())
-    place.fail("is not permitted: " + why);
+  if (const std::string why = KnotVector<double>::refusal(degree, knots); !why.empty()) place.refuse(why);
   return knots;
 }
 
