@@ -39,7 +39,7 @@ concept HasParametersAtRunTime = requires(X& x, std::span<const double> values) 
   x.set_parameters(values);
 };
 
-/// Holds any surface type over double, by value (shared and immutable). One virtual call an evaluation.
+/// Holds any surface type over double, by value (shared and immutable). One virtual call per evaluation.
 class AnySurface {
  public:
   /// Any type that fulfils ParametricSurface for every scalar named below, in the catalogue or not.
@@ -79,7 +79,8 @@ class AnySurface {
   /// none where it has no such member.
   std::vector<double> breaks(int along) const { return held_->breaks(along); }
 
-  /// The independent facts the type states, of: implicit, gaussian_curvature, mean_curvature, position_again.
+  /// The independent facts the type states, of: implicit, gaussian_curvature, mean_curvature,
+  /// second_formula.
   std::vector<std::string_view> facts() const { return held_->facts(); }
   /// Their values, absent where the type does not state the fact.
   std::optional<double> implicit(const Vec3<double>& p) const { return held_->implicit(p); }
@@ -90,7 +91,7 @@ class AnySurface {
     return held_->gaussian_curvature(u, v);
   }
   std::optional<double> mean_curvature(double u, double v) const { return held_->mean_curvature(u, v); }
-  std::optional<Vec3<double>> position_again(double u, double v) const { return held_->position_again(u, v); }
+  std::optional<Vec3<double>> second_formula(double u, double v) const { return held_->second_formula(u, v); }
 
   /// The same surface with other values for all its parameters, in the order of parameters().
   /// \throws ParameterError when one is out of its range
@@ -144,7 +145,7 @@ class AnySurface {
     virtual std::optional<Vec3<double>> implicit_gradient(const Vec3<double>& p) const = 0;
     virtual std::optional<double> gaussian_curvature(double u, double v) const = 0;
     virtual std::optional<double> mean_curvature(double u, double v) const = 0;
-    virtual std::optional<Vec3<double>> position_again(double u, double v) const = 0;
+    virtual std::optional<Vec3<double>> second_formula(double u, double v) const = 0;
     virtual AnySurface with(std::span<const double> values) const = 0;
   };
 
@@ -205,7 +206,7 @@ class AnySurface {
       if constexpr (StatesImplicit<X>) result.push_back("implicit");
       if constexpr (StatesGaussianCurvature<X>) result.push_back("gaussian_curvature");
       if constexpr (StatesMeanCurvature<X>) result.push_back("mean_curvature");
-      if constexpr (StatesPositionAgain<X>) result.push_back("position_again");
+      if constexpr (StatesSecondFormula<X>) result.push_back("second_formula");
       return result;
     }
     std::optional<double> implicit([[maybe_unused]] const Vec3<double>& p) const override {
@@ -232,10 +233,10 @@ class AnySurface {
         return surface.mean_curvature(prepare<X::info.u>(u), prepare<X::info.v>(v));
       return std::nullopt;
     }
-    std::optional<Vec3<double>> position_again([[maybe_unused]] double u,
+    std::optional<Vec3<double>> second_formula([[maybe_unused]] double u,
                                                [[maybe_unused]] double v) const override {
-      if constexpr (StatesPositionAgain<X>)
-        return surface.position_again(prepare<X::info.u>(u), prepare<X::info.v>(v));
+      if constexpr (StatesSecondFormula<X>)
+        return surface.second_formula(prepare<X::info.u>(u), prepare<X::info.v>(v));
       return std::nullopt;
     }
     AnySurface with(std::span<const double> values) const override {

@@ -83,7 +83,8 @@ constexpr Attributes operator|(Attribute a, Attribute b) {
   return Attributes(a) | Attributes(b);
 }
 
-/// Those that need the partials, the frame, no more than both to first order, the curvature.
+/// The attributes grouped by what they need: the partials; the frame; no more than first partials and the
+/// frame; the curvatures.
 inline constexpr Attributes partial_attributes = Attribute::position | Attribute::dpdu | Attribute::dpdv |
                                                  Attribute::d2pdu2 | Attribute::d2pduv | Attribute::d2pdv2;
 inline constexpr Attributes frame_attributes = Attribute::tangent | Attribute::bitangent | Attribute::normal |

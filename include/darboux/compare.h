@@ -73,10 +73,10 @@ struct MeshComparison {
 /// indices, split and welded vertices. Corners of equal bits are matched first, then those that differ by
 /// less than 1e-6 of the range over both meshes (of positions: the diagonal of their box; of uvs: the larger
 /// side of theirs; of normals: 2), chains of such included (positions up to 1.5 times that far may count as
-/// the same too). An attribute that a mesh lacks is other than all that one stores. Where several corners are
-/// the same (duplicate triangles, triangles in one point), those of bit-equal tangents are paired first, the
-/// rest along one fixed direction in the order of their tangents. A corner is matched once at most. NaN and
-/// infinities in positions, normals and uvs match nothing.
+/// the same too). An attribute that one mesh lacks differs from any that the other stores. Where several
+/// corners are the same (duplicate triangles, triangles in one point), those of bit-equal tangents are paired
+/// first, the rest along one fixed direction in the order of their tangents. A corner is matched once at
+/// most. NaN and infinities in positions, normals and uvs match nothing.
 ///
 /// The meshes are the same where both have corners and tangents, all corners of both are matched, and at each
 /// matched pair all four numbers of the tangents are bit-equal, or, with max_angle_deg > 0, the angle is at

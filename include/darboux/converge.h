@@ -88,16 +88,19 @@ struct ConvergeOptions {
   double v_first = 0, v_last = 1;                         ///< the part of the surface that is meshed
 };
 
-/// Runs every combination; classes without corners give no study. Orders expected in the interior: the
-/// method's own, FrameMethod::direction, half an order less where the method looks two edges far, so that
-/// vertices next to a border lack neighbours. At borders and seams: that of irregular meshes. Next to poles:
-/// FrameMethod::at_poles, at the poles themselves at most 1, and 0 for t and n of methods that look two edges
-/// far. Elsewhere on a mesh with poles at most half an order more than next to them (the rows next to poles
-/// are a share h of all), 0 where it does not converge next to them; at seams and borders half an order less
-/// than 2 or 3, as measured, and at most half an order more than next to poles of irregular meshes. 0 on
-/// charts that the method is not made for; at poles these are the charts without the family's shear, which
-/// vanishes there. \param progress called with the share done, in [0, 1] \throws ParameterError when the
-/// resolutions or the range of v are not as above
+/// Runs every combination; classes without corners give no study. The orders expected, per class:
+///   interior          the method's own, FrameMethod::direction; half an order less where the method uses
+///                     vertices two edges away, which are missing next to a border
+///   border, seam      the method's on irregular meshes
+///   pole_ring         FrameMethod::at_poles
+///   pole              the same, at most 1; 0 for t and n of methods that use vertices two edges away
+/// On a mesh with poles the other classes converge more slowly, since the rows next to a pole are a share h
+/// of all: interior at most half an order faster than pole_ring, 0 where that is 0; seam and border half an
+/// order less than 2 or 3, as measured, and at most half an order faster than pole_ring on irregular meshes.
+/// Where a method is not made for the chart 0 is expected. A family's shear vanishes at the poles: pole and
+/// pole_ring go by the chart without it, with at most 1 where the method is not made for the sheared one.
+/// \param progress called with the share done, in [0, 1] \throws ParameterError when the resolutions or the
+/// range of v are not as above
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
 
 }  // namespace darboux

@@ -40,7 +40,7 @@ struct CurveFrame {
 ///   CurveFrame<S> moving_frame(t)             N and B of its own, which a tube needs
 ///   S remaining_speed(t, r)                   speed - r bend, without cancellation
 ///   S curvature(t)                            its curvature in closed form, signed as `bend`
-///   Vec3<S> position_again(t)                 the position by another formula
+///   Vec3<S> second_formula(t)                 the position by another formula
 ///   Status singular(t)                        crease where the tangent may jump
 ///   std::string refusal()                     what is wrong with its data
 /// Exceptions are passed on; where a derivative is NaN or infinite its surfaces have no frame (no_frame,
@@ -157,14 +157,14 @@ struct LineSegment {
   }
   /// a + t (b - a)
   template <class S>
-  Vec3<S> position_again(const S& t) const {
+  Vec3<S> second_formula(const S& t) const {
     const Vec3<S> p = detail::lift_vector<S>(a);
     return p + t * (detail::lift_vector<S>(b) - p);
   }
   std::string refusal() const {
     using std::isfinite;
     for (const T& x : {a.x, a.y, a.z, b.x, b.y, b.z})
-      if (!isfinite(x)) return "an end of the line segment is not finite";
+      if (!isfinite(x)) return "line segment: expected finite ends, got NaN or infinity";
     return {};
   }
   template <class To>
@@ -209,7 +209,9 @@ struct CircleCurve {
   }
   std::string refusal() const {
     using std::isfinite;
-    return isfinite(radius) && T(0) < radius ? "" : "the circle's radius must be positive and finite";
+    return isfinite(radius) && T(0) < radius
+               ? ""
+               : "radius of the circle: expected a positive finite number, got another";
   }
   template <class To>
   auto rebind() const {
@@ -260,16 +262,18 @@ struct HelixCurve {
   }
   /// By half angles: (R (1 - 2 sin² x/2), 2 R sin x/2 cos x/2, p x).
   template <class S>
-  Vec3<S> position_again(const S& t) const {
+  Vec3<S> second_formula(const S& t) const {
     const S R = lift<S>(radius), two = lift<S>(2.0), x = lift<S>(turns) * t;
     const Turn<S> h = sincos_half_turns(x);
     return {R - two * (R * h.sin * h.sin), two * (R * h.sin * h.cos), two_pi<S>() * lift<S>(pitch) * x};
   }
   std::string refusal() const {
     using std::isfinite;
-    if (!isfinite(radius) || !(T(0) < radius)) return "the helix's radius must be positive and finite";
-    if (!isfinite(pitch)) return "the helix's pitch must be finite";
-    if (!isfinite(turns) || !(T(0) < turns)) return "the helix's number of turns must be positive and finite";
+    if (!isfinite(radius) || !(T(0) < radius))
+      return "radius of the helix: expected a positive finite number, got another";
+    if (!isfinite(pitch)) return "pitch of the helix: expected a finite number, got NaN or infinity";
+    if (!isfinite(turns) || !(T(0) < turns))
+      return "turns of the helix: expected a positive finite number, got another";
     return {};
   }
   template <class To>
@@ -377,7 +381,7 @@ class BSplineCurve {
 
   /// The sum over the basis functions of Cox and de Boor.
   template <class S>
-  Vec3<S> position_again(const S& t) const {
+  Vec3<S> second_formula(const S& t) const {
     int first = 0;
     const auto n = knots_.basis(t, first);
     const S zero = lift<S>(0.0);
@@ -482,10 +486,10 @@ struct PlanarCurve {
              speed);
   }
   template <class P>
-  auto position_again(const P& t) const requires requires(const Curve& c) {
-    c.position_again(t);
+  auto second_formula(const P& t) const requires requires(const Curve& c) {
+    c.second_formula(t);
   }
-  { return curve.position_again(t); }
+  { return curve.second_formula(t); }
   template <class P>
   Status singular(const P& t) const {
     return detail::curve_status(curve, t);
@@ -494,7 +498,7 @@ struct PlanarCurve {
     if constexpr (requires { curve.control_points(); })
       for (const auto& p : curve.control_points())
         if (!(p.z == curve.control_points().front().z))
-          return "the curve does not lie in a plane z = constant";
+          return "expected a curve in a plane z = constant, got one that leaves it";
     return detail::curve_refusal(curve);
   }
   template <class To>
@@ -543,16 +547,16 @@ struct UprightCurve {
     return f;
   }
   template <class P>
-  auto position_again(const P& t) const requires requires(const Curve& c) {
-    c.position_again(t);
+  auto second_formula(const P& t) const requires requires(const Curve& c) {
+    c.second_formula(t);
   }
-  { return curve.position_again(t); }
+  { return curve.second_formula(t); }
   template <class P>
   Status singular(const P& t) const {
     return detail::curve_status(curve, t);
   }
   std::string refusal() const {
-    if (detail::vanishes(up)) return "the direction `up` must not be zero";
+    if (detail::vanishes(up)) return "the direction `up`: expected one that is not zero, got zero";
     return detail::curve_refusal(curve);
   }
   template <class To>
@@ -614,16 +618,16 @@ struct RotationMinimisingCurve {
     return worst;
   }
   template <class S>
-  auto position_again(const S& t) const requires requires(const Curve& c) {
-    c.position_again(t);
+  auto second_formula(const S& t) const requires requires(const Curve& c) {
+    c.second_formula(t);
   }
-  { return curve.position_again(t); }
+  { return curve.second_formula(t); }
   template <class S>
   Status singular(const S& t) const {
     return detail::curve_status(curve, t);
   }
   std::string refusal() const {
-    if (panels < 1) return "panels = " + std::to_string(panels) + " must be positive";
+    if (panels < 1) return "panels: expected 1 or more, got " + std::to_string(panels);
     return upright().refusal();
   }
   template <class To>

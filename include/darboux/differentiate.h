@@ -15,7 +15,7 @@
 /// proportional to it. Too large an L costs truncation, too small a one rounding; the estimate sees both as
 /// long as the stencil stays within a tenth of the true length.
 ///
-/// *Rounding.* Nothing of f's own rounding can be seen from its value alone. Given a step, a difference takes
+/// *Rounding.* A value of f alone does not show its rounding error. Given a step, a difference takes
 /// it to be a few roundings of |f| and of the argument; that holds for positions of surfaces. Given a
 /// Behaviour, which behaviour() measures by 20 evaluations of f, it takes what was measured, and fits the
 /// step to it: for sums that cancel, polynomials, noise of any kind.
@@ -537,7 +537,7 @@ auto second_dual_derivative(F&& f, double x, double length = 1, const Interval& 
   return detail::difference::dual<2, detail::difference::Twice>(f, x, length, domain);
 }
 
-/// A way to a derivative.
+/// A method of differentiation.
 enum class DerivativeMethod { none, dual, one_sided, central, ridders };
 
 /// "central8", "one_sided3", "ridders", "dual".
@@ -557,14 +557,14 @@ inline std::string name(DerivativeMethod method, int order = 0) {
   return "none";
 }
 
-/// What derivative() shall reach, and what it may do for it.
+/// What derivative() is asked for.
 struct DerivativeRequest {
   double error;       ///< the absolute error wanted
   double length = 1;  ///< of f, as above
   Interval domain{};  ///< f is evaluated nowhere else
 };
 
-/// A derivative with the story of how it was found.
+/// A derivative, and how it was found.
 template <class V>
 struct PlannedDerivative {
   V value;

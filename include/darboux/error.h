@@ -7,16 +7,17 @@
 
 namespace darboux {
 
-/// Base of everything the library throws. what() is one line: "SUBJECT: what is wrong, what is permitted".
+/// Base of everything the library throws. what() is one line, "SUBJECT: expected X, got Y", where
+/// what is wrong may stand before it: "SUBJECT: what is wrong: expected X, got Y".
 class Error : public std::runtime_error {
  public:
   /// \param subject the file, argument or parameter that is at fault
-  /// \param message what is wrong with it and what is permitted
+  /// \param message "expected X, got Y"
   Error(const std::string& subject, const std::string& message)
       : std::runtime_error(subject + ": " + message) {}
 };
 
-/// A parameter of a surface or of an algorithm lies outside its permitted range, or is unknown.
+/// A parameter of a surface or of an algorithm lies outside its range, or is unknown.
 class ParameterError : public Error {
   using Error::Error;
 };

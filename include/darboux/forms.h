@@ -257,7 +257,7 @@ ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Je
 }
 
 // Jet and frame of a surface type, or of a surface chosen at run time (any_surface.h), which has them as
-// members. Compiled once a scalar: over nested dual numbers it is long.
+// members. Compiled once per scalar: over nested dual numbers that takes long.
 template <class X, class S>
 [[gnu::noinline]] auto jet_of(const X& surface, const S& u, const S& v) {
   if constexpr (ParametricSurface<X>)

@@ -42,7 +42,7 @@ struct Primitive {
   /// numbers they stand for, NaN and infinities as they are; strips and fans become triangles in glTF's
   /// winding.
   Mesh data;
-  /// World matrices of the nodes that show it, one an instance; empty when no node does.
+  /// World matrices of the nodes that show it, one per instance; empty when no node does.
   std::vector<Eigen::Matrix4d> instances;
   /// Its other uv sets, each with its number, where it has tangents and uvs: the tangents may follow one of
   /// them. Of a glTF those of TEXCOORD_0 to TEXCOORD_7.
@@ -56,7 +56,7 @@ struct Primitive {
   std::size_t leftover_indices = 0;
 };
 
-/// What a morph target of a primitive adds to its vertices at weight 1, one entry a vertex; empty where it
+/// What a morph target of a primitive adds to its vertices at weight 1, one entry per vertex; empty where it
 /// adds nothing.
 struct MorphTarget {
   std::vector<Vec3<double>> positions, normals;
@@ -87,17 +87,17 @@ struct Asset {
 ///
 /// PLY: ASCII or binary of either byte order, in double; normals and uvs under the names that read_points()
 /// knows, no tangents; polygons become fans about their first corner; faces with a list texcoord have a
-/// vertex a corner. Without faces the asset is empty, and `skipped` says so.
+/// vertex per corner. Without faces the asset is empty, and `skipped` says so.
 ///
-/// STL: a vertex a corner, positions alone. What the format calls a normal is the facet's: it says once more
-/// how its corners are wound, is zero in many files, and as a normal of vertices would only tell that the
-/// mesh has facets.
+/// STL: a vertex per corner, positions alone. What the format calls a normal is the facet's: it says once
+/// more how its corners are wound, is zero in many files, and as a normal of vertices would only tell that
+/// the mesh has facets.
 ///
-/// COLLADA 1.4 and 1.5, in double: a vertex a corner; polygons become fans about their first corner, those
+/// COLLADA 1.4 and 1.5, in double: a vertex per corner; polygons become fans about their first corner, those
 /// with holes are skipped; tangents where there are normals, TEXTANGENT and TEXBINORMAL, w the side of
 /// cross(n, t) on which the bitangent lies (0: on neither). Controllers show the mesh at rest.
 ///
-/// OBJ and FBX (of 2011 or later, binary or text) by assimp: a vertex a corner, in float, decimals within 2
+/// OBJ and FBX (of 2011 or later, binary or text) by assimp: a vertex per corner, in float, decimals within 2
 /// units in the last place (measured 1); quads are cut from a concave corner, larger polygons by their ears;
 /// v up as stored. FBX has tangents as COLLADA has; without bitangents in the file assimp takes cross(n, t),
 /// so that w = 1. Attributes that FBX maps in ways that assimp does not know are left out. Materials and
@@ -105,7 +105,7 @@ struct Asset {
 /// it may take 1 GiB and 256 times the file, 20 seconds and 2 for each MB.
 ///
 /// Nothing is allocated by a count the file states before the count is checked against the bytes it has.
-/// \throws FileError naming the file, what is wrong and what is permitted
+/// \throws FileError naming the file, the place in it, what is expected there and what it has
 Asset read_asset(const std::string& path);
 
 /// The extensions of the files that read_asset() reads: ".glb".
@@ -138,11 +138,11 @@ class GltfDocument {
   /// The morph targets of a primitive that asset() gave. \throws FileError
   std::vector<MorphTarget> morph_targets(const Primitive& primitive) const;
 
-  /// Gives one primitive a TANGENT accessor (float VEC4, one a vertex), appended to the binary chunk; an old
-  /// one is left where it is, unreferenced by this primitive. Values are stored bit for bit and not judged.
-  /// \param deltas what each morph target adds to x, y and z: a TANGENT accessor (float VEC3) for each; none
-  /// at all: the targets are left as they are \throws MeshError when the primitive does not exist, a count
-  /// differs from POSITION's or that of deltas from the targets'
+  /// Gives one primitive a TANGENT accessor (float VEC4, one per vertex), appended to the binary chunk; an
+  /// old one is left where it is, unreferenced by this primitive. Values are stored bit for bit and not
+  /// judged. \param deltas what each morph target adds to x, y and z: a TANGENT accessor (float VEC3) for
+  /// each; none at all: the targets are left as they are \throws MeshError when the primitive does not exist,
+  /// a count differs from POSITION's or that of deltas from the targets'
   void set_tangents(std::size_t mesh, std::size_t primitive, std::span<const Vec4<float>> tangents,
                     std::span<const std::vector<Vec3<float>>> deltas = {});
 
@@ -156,7 +156,7 @@ class GltfDocument {
                       std::span<const std::uint32_t> indices, bool without_tangents = false);
 
   /// Shows one primitive in these colours and nothing else: gives it a COLOR_0 accessor (float VEC3, linear
-  /// RGB, one a vertex), appended to the binary chunk, and a white material that is not lit
+  /// RGB, one per vertex), appended to the binary chunk, and a white material that is not lit
   /// (KHR_materials_unlit), one for the whole document. Its old colours and material stay where they are;
   /// KHR_materials_variants, which would hide the colours, goes. \param extras_json a JSON object whose keys
   /// the mesh's extras get, unless they are something else than an object \throws MeshError when the
@@ -199,12 +199,12 @@ struct PointFile {
   std::string note;  ///< one line about columns that were passed over; mostly empty
 };
 
-/// What was measured: one point a place, the first. Vertices at the same place are one measurement, split for
-/// its attributes.
+/// What was measured: one point per place, the first. Vertices at the same place are one measurement, split
+/// for its attributes.
 PointCloud distinct_points(const PointFile& file);
 
 /// Reads sampled points, in the order of the file, by its extension:
-///   .xyz .txt .csv .tsv  a point a line, columns between semicolons, else commas, else blanks or tabs (the
+///   .xyz .txt .csv .tsv  a point per line, columns between semicolons, else commas, else blanks or tabs (the
 ///                        first line decides), in quotes or not. A header, which begins with a name or an
 ///                        empty field, names them in any order and case: x y z, nx ny nz, u v; columns of
 ///                        other names, and groups that are not complete, are passed over. It may stand behind
@@ -212,7 +212,7 @@ PointCloud distinct_points(const PointFile& file);
 ///                        y z u v, 6 x y z nx ny nz, 8 all; those after z are passed over, with a note, where
 ///                        nx ny nz are no normals: finite, not zero and not of unit length (10 %).
 ///   .ply  the vertices, ASCII or binary of either byte order, normals and uvs included
-///   .pcd  ASCII or binary; compressed is refused, the viewpoint is not applied
+///   .pcd  ASCII, binary or compressed binary; the viewpoint is not applied
 ///   .obj  the vertices, where there are faces with the attributes of the first corner
 ///   .stl  the corners, ASCII or binary, without the triangles' normals
 ///   .glb .gltf  the vertices, one primitive after the other, normals and uvs where every primitive has them;
@@ -224,8 +224,8 @@ PointCloud distinct_points(const PointFile& file);
 /// Numbers are read in double, correctly rounded (glTF: float, as stored). Tables, PLY and PCD are read in
 /// pieces: memory is at most three times the cloud. A count the file states is checked against what it holds.
 /// \param progress called now and then with the share that is read
-/// \throws FileError naming the file, its line or vertex, what is wrong and what is permitted; a file without
-/// points is wrong
+/// \throws FileError naming the file, its line or vertex, what is expected there and what it has; at least
+/// one point is expected
 PointFile read_points(const std::string& path, const std::function<void(double)>& progress = {});
 
 /// A file that is written whole or not at all, piece by piece: to a temporary beside it, renamed by commit(),
@@ -297,7 +297,7 @@ const std::vector<std::string_view>& surface_file_kinds();
 /// all 1 when missing. Degrees are 1 to 15. bezier-patch's follow from the points, and must agree where they
 /// are given; a profile's is 1 (a polyline) when missing. knots: as many as points + degree + 1, not
 /// decreasing, none more than degree + 1 times; when missing, clamped and equally spaced. Any knots are
-/// mapped to [0, 1]. \throws FileError naming file, key and what is permitted \throws ParameterError for
+/// mapped to [0, 1]. \throws FileError naming file, key and what is expected there \throws ParameterError for
 /// another kind
 AnySurface read_surface_file(std::string_view kind, const std::string& path);
 

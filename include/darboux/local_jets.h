@@ -23,8 +23,8 @@ struct JetOptions {
   int degree = 3;  ///< of the polynomial, 2 to 4
   /// Of each neighbour, proportional to 1/variance; empty: all alike.
   std::span<const double> weights{};
-  /// The side n shall lie on. Zero, or square to n: the largest component of n (the first of equals) is
-  /// positive.
+  /// The side on which n should lie. Zero, or square to n: the largest component of n (the first of equals)
+  /// is positive.
   Vec3<double> side{};
   bool u_periodic = false, v_periodic = false;  ///< with period 1: uvs are then taken nearest to the query's
 };
@@ -68,14 +68,14 @@ struct UvJet {
 /// polynomial (too few, coincident, collinear, on one curve of that degree: condition above 1e12) give NaN
 /// with the status no_frame, NaN or infinite ones non_finite_input beside it. Cost: linear in the neighbours;
 /// about 2, 3 and 5 µs for 20, 30 and 42 of them and degree 2, 3, 4. \throws ParameterError for a degree
-/// outside 2 to 4, and for weights that are not positive and finite or not one a neighbour
+/// outside 2 to 4, and for weights that are not positive and finite or not one per neighbour
 LocalJet local_jet(std::span<const Vec3<double>> neighbours, const Vec3<double>& at,
                    const JetOptions& options = {});
 
 /// Fits P(u, v), a polynomial in u - at.x and v - at.y with values in space, likewise: dpdu and dpdv err by
 /// O(h^d), second partials by O(h^(d - 1)). No plane, normal or side is needed: neither the winding nor the
 /// mirroring of the uvs matters. At a pole or seam of the chart the uvs are no smooth coordinates, and the
-/// errors say so. \throws ParameterError as local_jet, and unless there is one uv a position
+/// errors say so. \throws ParameterError as local_jet, and unless there is one uv per position
 UvJet uv_jet(std::span<const Vec2<double>> uvs, std::span<const Vec3<double>> positions,
              const Vec2<double>& at, const JetOptions& options = {});
 

@@ -18,10 +18,9 @@ namespace darboux {
 /// triangles whose uvs wind differently are kept apart, and so are those on the two sides of an edge where
 /// faces meet at more than 50 degrees, though its vertices agree; at such an edge nothing is told. n is on
 /// the side from which triangles wind counter-clockwise. A deviation whose triple is a radian is infinite.
-/// NaN, with no_frame and infinite deviations, where the neighbours do not tell. Which vertices are poles of
-/// the chart nobody knows here. Cost: linear, about 1 us a vertex, 3 to 7 where degree 4 is needed. \throws
-/// MeshError when the mesh is inconsistent or has no uvs, ParameterError where DARBOUX_ISA names no
-/// instruction set
+/// NaN, with no_frame and infinite deviations, where the neighbours do not tell. Poles of the chart are not
+/// known here. Cost: linear, about 1 us per vertex, 3 to 7 where degree 4 is needed. \throws MeshError when
+/// the mesh is inconsistent or has no uvs, ParameterError where DARBOUX_ISA names no instruction set
 std::vector<Truth> local_truth(const Mesh& mesh);
 
 }  // namespace darboux

@@ -21,7 +21,7 @@ struct HalfSteps {
 };
 
 /// Vertices with their attributes and triangles over them. Attributes are double, in which every float of a
-/// file keeps its value; an attribute the mesh lacks is empty, any other has one entry a vertex.
+/// file keeps its value; an attribute the mesh lacks is empty, any other has one entry per vertex.
 struct Mesh {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<double>> normals;   ///< unit, as stored

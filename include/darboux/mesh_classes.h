@@ -1,5 +1,5 @@
 /// \file mesh_classes.h
-/// Which part of a mesh a vertex belongs to: errors of a pole, a seam and the interior are different stories.
+/// Which part of a mesh a vertex belongs to: errors at poles, seams and in the interior are judged apart.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ struct MeshClasses {
 
 /// Cost: linear in vertices and triangles, but for n log n in the triangles at one place. 10^6 triangles take
 /// 0.1 s and 24 bytes each where they share vertices, 0.25 s and 57 bytes where each has its own at shared
-/// places. Places with several uvs add 0.2 µs and 40 bytes a vertex. \param is_pole for each vertex whether
+/// places. Places with several uvs add 0.2 µs and 40 bytes per vertex. \param is_pole for each vertex whether
 /// it lies at a singular point of the chart; empty: none does
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole);
 

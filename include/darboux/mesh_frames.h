@@ -50,7 +50,7 @@ struct PoleOrders {
 /// A named method.
 struct FrameMethod {
   std::string_view name;
-  std::string_view summary;  ///< for people who do not know the formula
+  std::string_view summary;  ///< for readers who do not know the formula
   std::string_view formula;
   MeshFrames (*compute)(const Mesh& mesh, int threads);
   bool needs_normals = true;         ///< its n are then the mesh's own; the others make theirs
@@ -59,7 +59,7 @@ struct FrameMethod {
   PoleOrders at_poles{};             ///< next to a pole
   Chart tangent_chart = Chart::any;  ///< t converges on these
   Chart bitangent_chart = Chart::orthogonal;  ///< b does
-  int reach = 1;                              ///< so many edges away vertices matter
+  int reach = 1;                              ///< how many edges away vertices still matter
   std::string_view source;                    ///< a key of docs/references.bib, or the program that does it
   std::string_view cost;                      ///< of one thread, measured on a torus of 10^6 triangles
 };

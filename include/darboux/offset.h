@@ -28,7 +28,7 @@ struct Offset {
   static constexpr SurfaceInfo info = detail::moved_info<"offset ", X>(12);
 
   std::string refusal() const {
-    if (!std::isfinite(distance)) return "the distance is not finite, permitted are numbers";
+    if (!std::isfinite(distance)) return "the distance: expected a finite number, got NaN or infinity";
     return detail::base_refusal(base);
   }
 

@@ -33,9 +33,10 @@ struct Placed {
     try {
       FrameTransform<T>{m};
     } catch (const ParameterError&) {
-      return "the placement is singular to working precision or not finite, permitted are invertible maps";
+      return "the placement: expected an invertible map, got one that is singular to working precision or "
+             "not finite";
     }
-    if (!detail::finite(translation)) return "the translation is not finite, permitted are numbers";
+    if (!detail::finite(translation)) return "the translation: expected finite numbers, got NaN or infinity";
     return detail::base_refusal(base);
   }
 

@@ -37,8 +37,8 @@ enum class Extent {
 /// best of 16 directions. The foot is accurate to a few roundings of the surface's size and |p|, divided by 1
 /// - d κ of the nearer principal curvature; where that is zero (p in a focal point) convergence slows down
 /// and `converged` tells. Creases and points with infinite partials may stop it too. A linear coordinate that
-/// is extended is sought from the patch on. Immutable: threads may share one. Cost: about 10 us a search on a
-/// sphere, 1 us from a start beside the foot.
+/// is extended is sought from the patch on. Immutable: threads may share one. Cost: about 10 us per search on
+/// a sphere, 1 us from a start beside the foot.
 class Projector {
  public:
   explicit Projector(const AnySurface& surface, Extent extent = Extent::extended);

@@ -34,9 +34,9 @@ struct Reparametrised {
     const T determinant = scaled_determinant();
     // An infinite or NaN entry makes the determinant NaN.
     if (!(determinant > 0 || determinant < 0))
-      return "the map of (u, v) is singular, permitted are invertible ones";
+      return "the map of (u, v): expected an invertible one, got a singular one";
     if (!std::isfinite(offset[0]) || !std::isfinite(offset[1]))
-      return "the offset of (u, v) is not finite, permitted are numbers";
+      return "the offset of (u, v): expected finite numbers, got NaN or infinity";
     return detail::base_refusal(base);
   }
 

@@ -23,8 +23,8 @@ enum class MeshTopology {
 
 /// Which u the vertices at a pole have: at an end of v that is one point.
 enum class PolePlacement {
-  per_column,  ///< one vertex a column, u = i/n, as the rows have it: its triangle is askew in uv
-  half_cell,   ///< one vertex a triangle, in the middle of its column, u = (i + 1/2)/n
+  per_column,  ///< one vertex per column, u = i/n, as the rows have it: its triangle is askew in uv
+  half_cell,   ///< one vertex per triangle, in the middle of its column, u = (i + 1/2)/n
   shared,      ///< one vertex for all, u = 1/2 (each half of a mirrored mesh has its own)
 };
 
@@ -33,7 +33,7 @@ struct SampleMeshOptions {
   MeshTopology topology = MeshTopology::grid;
   int columns = 32, rows = 16;  ///< grid and lantern: segments along u and v, each at least 1 (3 columns of a
                                 ///< lantern; 3 along a shared periodic direction)
-  int subdivisions = 8;         ///< icosphere and cube_sphere: segments an edge, at least 1, at most 2000
+  int subdivisions = 8;         ///< icosphere and cube_sphere: segments per edge, at least 1, at most 2000
   PolePlacement pole = PolePlacement::per_column;
   bool shared_seam =
       false;  ///< vertices of a periodic direction are shared, their uv jumps back inside a triangle
@@ -95,10 +95,10 @@ struct SampleMeshOptions {
 /// the first one's. Such a triangle has vertices of its own: positions, normals and tangents stay those of
 /// the place, the uvs do not name it.
 ///
-/// Cost: linear in the triangles, three evaluations each and one a vertex. Options that a topology does not
+/// Cost: linear in the triangles, three evaluations each and one per vertex. Options that a topology does not
 /// have are refused: pole, jitter, random_diagonals, mirror for all but grid, shared_seam and a part of v for
-/// the two spheres. \throws ParameterError naming the option and what is permitted: for a grid too that
-/// leaves no triangle, as 1x1 on a torus
+/// the two spheres. \throws ParameterError naming the option, what is expected and what was given: for a grid
+/// too that leaves no triangle, as 1x1 on a torus
 Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& options);
 
 }  // namespace darboux

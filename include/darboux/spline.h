@@ -258,23 +258,23 @@ std::string refuse_net(std::size_t expected, const std::vector<Vec3<T>>& points,
                        const std::vector<T>& weights) {
   using std::isfinite;
   if (points.size() != expected)
-    return std::to_string(points.size()) + " control points, there must be " + std::to_string(expected);
+    return "expected " + std::to_string(expected) + " control points, got " + std::to_string(points.size());
   if (!weights.empty() && weights.size() != expected)
-    return std::to_string(weights.size()) + " weights, there must be " + std::to_string(expected) +
-           " or none";
+    return "expected " + std::to_string(expected) + " weights or none, got " + std::to_string(weights.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!isfinite(points[i].x) || !isfinite(points[i].y) || !isfinite(points[i].z))
-      return "control point " + std::to_string(i) + " is not finite";
+      return "control point " + std::to_string(i) + ": expected finite coordinates, got NaN or infinity";
   for (std::size_t i = 0; i < weights.size(); ++i)
     if (!isfinite(weights[i]) || !(T(0) < weights[i]))
-      return "weight " + std::to_string(i) + " = " + text_of(weights[i]) + " must be positive and finite" +
-             (weights[i] == T(0) ? ", and not vanish beside the largest" : "");
+      return "weight " + std::to_string(i) + ": expected a positive finite number" +
+             (weights[i] == T(0) ? ", not negligible beside the largest" : "") + ", got " +
+             text_of(weights[i]);
   return {};
 }
 
 inline std::string refuse_degree(int degree) {
   if (degree < 1 || degree > max_spline_degree)
-    return "degree = " + std::to_string(degree) + " must be from 1 to " + std::to_string(max_spline_degree);
+    return "degree: expected 1 to " + std::to_string(max_spline_degree) + ", got " + std::to_string(degree);
   return {};
 }
 
@@ -283,21 +283,24 @@ std::string refuse_knots(int degree, const std::vector<T>& knots) {
   using std::isfinite;
   if (std::string why = refuse_degree(degree); !why.empty()) return why;
   if (knots.size() < 2 * static_cast<std::size_t>(degree) + 2)
-    return std::to_string(knots.size()) + " knots: too few control points, degree " + std::to_string(degree) +
-           " needs " + std::to_string(degree + 1) + " and " + std::to_string(2 * degree + 2) + " knots";
+    return "expected at least " + std::to_string(2 * degree + 2) + " knots, for " +
+           std::to_string(degree + 1) + " control points of degree " + std::to_string(degree) + ", got " +
+           std::to_string(knots.size());
   int multiplicity = 1;
   for (std::size_t i = 0; i < knots.size(); ++i) {
-    if (!isfinite(knots[i])) return "knot " + std::to_string(i) + " is not finite";
+    if (!isfinite(knots[i]))
+      return "knot " + std::to_string(i) + ": expected a finite number, got NaN or infinity";
     if (i == 0) continue;
     if (knots[i] < knots[i - 1])
-      return "knot " + std::to_string(i) + " = " + text_of(knots[i]) + " is less than knot " +
-             std::to_string(i - 1) + " = " + text_of(knots[i - 1]) + ", knots must not decrease";
+      return "knot " + std::to_string(i) + ": expected at least knot " + std::to_string(i - 1) + ", " +
+             text_of(knots[i - 1]) + ", got " + text_of(knots[i]);
     multiplicity = knots[i] == knots[i - 1] ? multiplicity + 1 : 1;
     if (multiplicity > degree + 1)
       return "knot " + text_of(knots[i]) +
-             " has a multiplicity above degree + 1 = " + std::to_string(degree + 1);
+             ": expected a multiplicity of at most degree + 1 = " + std::to_string(degree + 1) + ", got more";
   }
-  if (!(knots[degree] < knots[knots.size() - 1 - degree])) return "the knots enclose no interval";
+  if (!(knots[degree] < knots[knots.size() - 1 - degree]))
+    return "expected knots that enclose an interval, got none that do";
   return {};
 }
 
@@ -316,8 +319,7 @@ std::vector<T> clamped_knots(int degree, int count) {
 }
 
 /// The knots of a B-spline of one variable, mapped to the domain [0, 1] of its coordinate: (knot - k_p)/(k_n
-/// - k_p), p the degree and n the number of control points. What a knot is worth is checked by its owner,
-/// before.
+/// - k_p), p the degree and n the number of control points. Its owner has checked the knots by refusal().
 template <class T = double>
 class KnotVector {
  public:

@@ -21,7 +21,7 @@ struct SplitVertices {
 };
 
 /// Splits vertices where values of their corners differ, so that a method that gives every corner a tangent
-/// of its own can be stored one a vertex.
+/// of its own can be stored one per vertex.
 ///
 /// Corners at one vertex need not have one tangent: at a seam, a mirror fold or a crease they have several.
 /// Writing them through the old index buffer, tangents[indices[c]] = t[c], is a trap: the last corner written
@@ -34,10 +34,10 @@ struct SplitVertices {
 /// NaN equals the NaN of the same bits.
 ///
 /// \param vertices how many there are \param corners the vertex of each corner: the old index buffer
-/// \param values as many a corner, corner after corner: say x, y, z and w of its tangent, then the deltas of
-/// morph targets; none at all: nothing is split Cost: n + the sum of k log k over vertices, k being the
-/// corners of one, whatever the values. \throws MeshError when a corner names no vertex, values cannot be
-/// shared out evenly, or there would be 2^32 - 1 vertices or more
+/// \param values the same number of values per corner, corner after corner: say x, y, z and w of its tangent,
+/// then the deltas of morph targets; empty: nothing is split. Cost: n + the sum of k log k over vertices, k
+/// being the corners of one, whatever the values. \throws MeshError when a corner names no vertex, values
+/// cannot be shared out evenly, or there would be 2^32 - 1 vertices or more
 SplitVertices split_vertices(std::size_t vertices, std::span<const std::uint32_t> corners,
                              std::span<const float> values);
 

@@ -281,7 +281,7 @@ constexpr bool in_lanes = [] {
 ///                                         gradient n there (n or -n where the surface has one side)
 ///   S gaussian_curvature(u, v)            K in closed form
 ///   S mean_curvature(u, v)                H in closed form, for the n of the frame
-///   Vec3<S> position_again(u, v)          the position by another formula
+///   Vec3<S> second_formula(u, v)          the position by another formula
 /// docs/howto/add-a-surface.md shows one from start to end.
 template <class X>
 concept ParametricSurface = requires(const X& x, const Prepared<X::info.u, double>& u,
@@ -337,9 +337,9 @@ concept StatesMeanCurvature = requires(const X& x, const Prepared<X::info.u, dou
   { x.mean_curvature(u, v) } -> std::same_as<double>;
 };
 template <class X>
-concept StatesPositionAgain = requires(const X& x, const Prepared<X::info.u, double>& u,
+concept StatesSecondFormula = requires(const X& x, const Prepared<X::info.u, double>& u,
                                        const Prepared<X::info.v, double>& v) {
-  { x.position_again(u, v) } -> std::same_as<Vec3<double>>;
+  { x.second_formula(u, v) } -> std::same_as<Vec3<double>>;
 };
 template <class X>
 concept RefusesCombinations = requires(const X& x) {
@@ -393,7 +393,7 @@ auto rebind(const X& surface) {
 [[noreturn]] void throw_refused(std::string_view subject, std::string_view why);
 
 /// The surface itself, checked: the one place where a parameter out of range is refused.
-/// \throws ParameterError naming surface and parameter, its value and the permitted range
+/// \throws ParameterError naming surface and parameter, its range and its value
 template <class X>
 const X& checked(const X& surface) {
   for_each_parameter<X>([&](const auto& p) {

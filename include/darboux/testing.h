@@ -12,9 +12,8 @@
 ///   ridders         Ridders' extrapolation
 ///   high_precision  the same formula in 40 digits; the frame by the cross product of its partials, the
 ///                   status by which of them vanish or are parallel
-///   implicit, curvature, second_formula     the independent facts the surface states; the normal is the
-///                                           gradient of
-///                   implicit()
+///   implicit, curvature, second_formula
+///                   the independent facts the surface states; the normal is the gradient of implicit()
 ///   gauss           K from the derivatives of E, F, G alone (Gauss's theorem) against K from the second form
 ///   codazzi         the Mainardi-Codazzi equations, which a second form must satisfy
 ///   gauss_bonnet    ∫ K dA = 2π χ over a closed surface
@@ -59,8 +58,8 @@ struct Check {
 /// The names of all routes, in the order they run.
 const std::vector<std::string_view>& check_routes();
 
-/// Runs every law on a surface. Deterministic for given options. A formula that does not hold is found and
-/// told, not thrown. \throws ParameterError for an unknown route
+/// Runs every law on a surface. Deterministic for given options. A formula that breaks a law is reported,
+/// not thrown. \throws ParameterError for an unknown route
 std::vector<Check> check_surface(const AnySurface& surface, const CheckOptions& options = {});
 
 /// One line for every law that does not hold: route, quantity, error, bound, where. Empty when all hold.

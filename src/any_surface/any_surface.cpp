@@ -35,8 +35,8 @@ double parse_number(const std::string& subject, std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || text.empty())
-    throw ParameterError(
-        subject, "'" + std::string(text) + "' is not a number, permitted are decimal numbers like 0.25");
+    throw ParameterError(subject,
+                         expected_got("a decimal number such as 0.25", "'" + std::string(text) + "'"));
   return value;
 }
 
@@ -72,10 +72,12 @@ SurfaceSpecification parse_specification(std::string_view text) {
     if (std::none_of(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; }))
       throw_unknown_parameter(surface, name);
     if (equals == std::string_view::npos)
-      throw ParameterError(result.name, "parameter '" + name + "' has no value, write " + name + "=number");
+      throw ParameterError(result.name,
+                           "parameter '" + name + "': " + expected_got(name + "=number", "no value"));
     if (std::any_of(result.parameters.begin(), result.parameters.end(),
                     [&](const auto& p) { return p.first == name; }))
-      throw ParameterError(result.name, "parameter '" + name + "' is given twice, permitted is once");
+      throw ParameterError(result.name,
+                           "parameter '" + name + "': " + expected_got("one value", "a second one"));
     result.parameters.emplace_back(name, parse_number(result.name + ": " + name, item.substr(equals + 1)));
     if (comma == std::string_view::npos) return result;
     rest = rest.substr(comma + 1);

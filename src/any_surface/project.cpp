@@ -40,6 +40,26 @@ Vec2<double> reduced(const SurfaceInfo& info, Vec2<double> uv) {
   return uv;
 }
 
+// A Newton step for half the squared distance, in lengths along the coordinate curves.
+// \param r from p to the position \param gradient along these curves, of lengths a and b; zero where a
+// coordinate is not free
+Vec2<double> newton_step(const Jet2<double>& j, const Vec3<double>& r, const Vec2<double>& gradient, double a,
+                         double b, bool u_free, bool v_free) {
+  constexpr double least_eigenvalue = 1e-6;
+  double huu = 1, huv = 0, hvv = 1;
+  if (u_free) huu += dot(r, j.d2pdu2 / a) / a;
+  if (v_free) hvv += dot(r, j.d2pdv2 / b) / b;
+  if (u_free && v_free) huv = dot(j.dpdu, j.dpdv) / a / b + dot(r, j.d2pduv / a) / b;
+  // H = V diag(λ) V^T with |λ| in place of λ: always downhill, Newton's step near a minimum.
+  const double mean = (huu + hvv) / 2, half = std::hypot((huu - hvv) / 2, huv);
+  const double angle = 0.5 * std::atan2(huv, (huu - hvv) / 2), c = std::cos(angle), s = std::sin(angle);
+  const double first = std::fmax(std::fabs(mean + half), least_eigenvalue),
+               second = std::fmax(std::fabs(mean - half), least_eigenvalue);
+  const double x = -(c * gradient.x + s * gradient.y) / first,
+               y = -(c * gradient.y - s * gradient.x) / second;
+  return {c * x - s * y, s * x + c * y};
+}
+
 }  // namespace
 
 Projector::Projector(const AnySurface& surface, Extent extent) : surface_(surface) {
@@ -125,7 +145,7 @@ Projection Projector::at(const Vec3<double>& p, const Vec2<double>& uv) const {
 
 Projection Projector::newton(const Vec3<double>& p, Vec2<double> uv) const {
   constexpr int most_iterations = 60, most_halvings = 40;
-  constexpr double least_eigenvalue = 1e-6, longest_turn = 0.125;
+  constexpr double longest_turn = 0.125;
   const SurfaceInfo& info = surface_.info();
   const double scale = std::fmax(size_, detail::largest_component(p));
   uv = limited(uv);
@@ -166,17 +186,8 @@ Projection Projector::newton(const Vec3<double>& p, Vec2<double> uv) const {
       converged = true;
       break;
     }
-    double huu = 1, huv = 0, hvv = 1;
-    if (u_free) huu += dot(r, j.d2pdu2 / a) / a;
-    if (v_free) hvv += dot(r, j.d2pdv2 / b) / b;
-    if (u_free && v_free) huv = dot(j.dpdu, j.dpdv) / a / b + dot(r, j.d2pduv / a) / b;
-    // H = V diag(λ) V^T with |λ| in place of λ: always downhill, Newton's step near a minimum.
-    const double mean = (huu + hvv) / 2, half = std::hypot((huu - hvv) / 2, huv);
-    const double angle = 0.5 * std::atan2(huv, (huu - hvv) / 2), c = std::cos(angle), s = std::sin(angle);
-    const double first = std::fmax(std::fabs(mean + half), least_eigenvalue),
-                 second = std::fmax(std::fabs(mean - half), least_eigenvalue);
-    const double x = -(c * gu + s * gv) / first, y = -(c * gv - s * gu) / second;
-    double du = u_free ? (c * x - s * y) / a : 0, dv = v_free ? (s * x + c * y) / b : 0;
+    const Vec2<double> step = newton_step(j, r, {gu, gv}, a, b, u_free, v_free);
+    double du = u_free ? step.x / a : 0, dv = v_free ? step.y / b : 0;
     double longest = 1;
     if (info.u != Coordinate::linear) longest = std::fmax(longest, std::fabs(du) / longest_turn);
     if (info.v != Coordinate::linear) longest = std::fmax(longest, std::fabs(dv) / longest_turn);

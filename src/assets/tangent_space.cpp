@@ -19,7 +19,7 @@ constexpr Reader readers[] = {
     {"MSFT_packing_occlusionRoughnessMetallic", "normalTexture", false},
 };
 
-std::uint64_t texcoord(const Place& texture) {
+std::uint64_t texcoord(const JsonCursor& texture) {
   constexpr std::uint64_t most_sets = 1000;
   if (const auto transform = texture.extension("KHR_texture_transform");
       transform && transform->has("texCoord"))
@@ -29,14 +29,14 @@ std::uint64_t texcoord(const Place& texture) {
 
 // uv' = translation rotation scale uv, the rotation counter-clockwise in a space whose v runs down, as the
 // extension has it.
-std::optional<std::array<double, 6>> transform_of(const Place& texture) {
+std::optional<std::array<double, 6>> transform_of(const JsonCursor& texture) {
   const auto transform = texture.extension("KHR_texture_transform");
   if (!transform) return std::nullopt;
   const auto pair = [&](const char* key, double fallback) {
     std::array<double, 2> values{fallback, fallback};
     if (!transform->has(key)) return values;
-    const Place list = transform->at(key);
-    if (list.size() != 2) list.fail("expected 2 numbers, got " + std::to_string(list.size()));
+    const JsonCursor list = transform->at(key);
+    if (list.size() != 2) list.fail("2 numbers", std::to_string(list.size()));
     return std::array<double, 2>{list.at(std::size_t{0}).number(), list.at(1).number()};
   };
   const auto offset = pair("offset", 0), scale = pair("scale", 1);
@@ -45,7 +45,7 @@ std::optional<std::array<double, 6>> transform_of(const Place& texture) {
   return std::array<double, 6>{c * scale[0], s * scale[1], -s * scale[0], c * scale[1], offset[0], offset[1]};
 }
 
-TangentSpace of_material(const Place& material) {
+TangentSpace of_material(const JsonCursor& material) {
   TangentSpace result;
   for (const Reader& reader : readers) {
     const auto owner =
@@ -63,15 +63,15 @@ TangentSpace of_material(const Place& material) {
 
 }  // namespace
 
-TangentSpace tangent_space(const GltfFile& file, const Place& primitive) {
+TangentSpace tangent_space(const GltfFile& file, const JsonCursor& primitive) {
   TangentSpace result;
-  const auto look_at = [&](const Place& owner) {
+  const auto look_at = [&](const JsonCursor& owner) {
     if (!result.needed && owner.has("material"))
       result = of_material(file.element("materials", owner.at("material")));
   };
   look_at(primitive);
   if (const auto variants = primitive.extension("KHR_materials_variants")) {
-    const Place mappings = variants->at("mappings");
+    const JsonCursor mappings = variants->at("mappings");
     for (std::size_t i = 0; i < mappings.size(); ++i) look_at(mappings.at(i));
   }
   return result;

@@ -22,6 +22,6 @@ struct TangentSpace {
 /// clearcoatNormalTexture of KHR_materials_clearcoat, KHR_materials_anisotropy with or without a texture (a
 /// strength of 0 may be animated), the normal maps of MSFT_packing_normalRoughnessMetallic and
 /// MSFT_packing_occlusionRoughnessMetallic. \throws FileError
-TangentSpace tangent_space(const GltfFile& file, const Place& primitive);
+TangentSpace tangent_space(const GltfFile& file, const JsonCursor& primitive);
 
 }  // namespace darboux::io

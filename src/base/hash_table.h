@@ -13,7 +13,7 @@ namespace darboux {
 // one.
 class HashTable {
  public:
-  // Asks the indices of this hash for f(index) until one says yes. Says whether one does.
+  // Calls f(index) for the indices of this hash until it returns true. Returns whether it did.
   template <class F>
   bool any_of(std::uint32_t hash, F f) const {
     for (std::size_t i = hash >> shift_; slots_[i].index != free; i = next(i))

@@ -1,4 +1,4 @@
-// What a program does with memory that it freed.
+// Keeps freed memory for the next use.
 #pragma once
 
 #ifdef __GLIBC__
@@ -7,7 +7,7 @@
 
 namespace darboux {
 
-// Uses it again. By default glibc gives arrays of large meshes back to the system, and gets others from it,
+// By default glibc gives arrays of large meshes back to the system, and gets others from it,
 // page by page and cleared: a twentieth of the time of a verdict. The largest arrays still go back, so that
 // the peak stays.
 inline void keep_freed_memory() {

@@ -1,4 +1,4 @@
-// Numbers as text, whatever the locale, and what else makes a line.
+// Numbers as text, whatever the locale, and the other parts of messages.
 #pragma once
 
 #include <charconv>
@@ -16,14 +16,14 @@ inline std::string shortest(double x) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
 }
 
-/// With so many significant digits, for people: "1.2e-05", "0.48".
+/// A number with `digits` significant digits, for people: "1.2e-05", "0.48".
 inline std::string rounded(double x, int digits) {
   if (std::isnan(x)) return "nan";
   char buffer[40];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, digits).ptr};
 }
 
-/// A standard deviation for people; NaN stands for one of which nothing is known.
+/// A standard deviation for people; NaN means that nothing is known of it.
 inline std::string deviation_text(double x, int digits, const char* unit = "") {
   return std::isnan(x) ? "an unknown angle" : rounded(x, digits) + unit;
 }
@@ -35,7 +35,12 @@ inline std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-/// With small letters for the capitals of ASCII.
+/// How a message says what is wrong: "expected 0 < radius < inf, got -2".
+inline std::string expected_got(std::string_view expected, std::string_view got) {
+  return "expected " + std::string(expected) + ", got " + std::string(got);
+}
+
+/// In lower case, ASCII alone.
 inline std::string lower(std::string_view text) {
   std::string result(text);
   for (char& c : result)
@@ -43,7 +48,7 @@ inline std::string lower(std::string_view text) {
   return result;
 }
 
-/// Fit for one line of a terminal: control characters become '?'.
+/// Safe on one line of a terminal: control characters become '?'.
 inline std::string one_line(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';

@@ -10,6 +10,8 @@
 
 #include <darboux/io.h>
 
+#include "base/text.h"
+
 namespace darboux {
 
 void add_common(CLI::App& sub, Common& common, const std::string& example) {
@@ -30,14 +32,14 @@ CLI::Validator whole_number_up_to(std::uint64_t most) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     const bool good = error == std::errc{} && end == text.data() + text.size() && value <= most;
     return good ? std::string()
-                : "'" + text + "' is refused, permitted are whole numbers from 0 to " + std::to_string(most);
+                : expected_got("a whole number from 0 to " + std::to_string(most), "'" + text + "'");
   };
   return {check, ""};
 }
 
 void check_glb_name(const std::string& output) {
   if (lower(output).ends_with(".gltf"))
-    throw ParameterError(output, "is written as GLB, permitted is a name that does not end in .gltf");
+    throw ParameterError(output, expected_got("a name of a GLB, not ending in .gltf", output));
 }
 
 Json number(double x) {
@@ -56,8 +58,8 @@ double parse_finite(const std::string& subject, std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-    throw ParameterError(
-        subject, "'" + std::string(text) + "' is not a finite number, permitted are numbers like 0.25");
+    throw ParameterError(subject,
+                         expected_got("a finite number such as 0.25", "'" + std::string(text) + "'"));
   return value;
 }
 
@@ -72,8 +74,7 @@ std::pair<int, int> parse_grid(const std::string& subject, const std::string& te
   }
   if (!good)
     throw ParameterError(
-        subject,
-        "'" + text + "' is no grid, permitted is NxM with N and M from 1 to 1000000000, such as 64x32");
+        subject, expected_got("NxM with N and M from 1 to 1000000000, such as 64x32", "'" + text + "'"));
   return {sizes[0], sizes[1]};
 }
 
@@ -135,10 +136,12 @@ AnySurface surface_argument(std::string_view text) {
       const std::string key = item.substr(0, equals);
       const auto same = [&](const auto& p) { return p.first == key; };
       if ((key == "file" && !file.empty()) || std::any_of(parameters.begin(), parameters.end(), same))
-        throw ParameterError(name, "'" + key + "' is given twice, permitted is once");
+        throw ParameterError(name, "'" + key + "': " + expected_got("one value", "a second one"));
       if (equals == std::string::npos || equals + 1 == item.size())
-        throw ParameterError(name, "'" + key + "' has no value, permitted are file=FILE" +
-                                       (formula ? " and PARAMETER=NUMBER" : ""));
+        throw ParameterError(
+            name,
+            "'" + key + "': " +
+                expected_got(std::string("file=FILE") + (formula ? " or PARAMETER=NUMBER" : ""), "no value"));
       if (key == "file")
         file = item.substr(equals + 1);
       else if (formula)
@@ -147,7 +150,7 @@ AnySurface surface_argument(std::string_view text) {
       else
         throw ParameterError(name, "unknown parameter '" + key + "', known are file");
     }
-  if (file.empty()) throw ParameterError(name, "names no file, permitted is " + name + ":file=FILE");
+  if (file.empty()) throw ParameterError(name, expected_got(name + ":file=FILE", "no file"));
   return formula ? read_formula_surface(file, parameters) : read_surface_file(name, file);
 }
 

@@ -2,6 +2,8 @@
 /// What the subcommands share: common options, numbers in JSON, the progress bar.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -34,6 +36,17 @@ struct Common {
 /// Adds --json, --quiet, --threads to a subcommand, and the example that ends its help.
 void add_common(CLI::App& sub, Common& common, const std::string& example);
 
+/// A choice on the command line: its names, in the order of the enumeration.
+template <class E, std::size_t N>
+struct Choice {
+  std::array<const char*, N> names;
+
+  CLI::IsMember check() const { return CLI::IsMember(std::vector<std::string>(names.begin(), names.end())); }
+  E of(const std::string& name) const {
+    return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
+  }
+};
+
 /// A check for options: digits only, and no number above `most`.
 CLI::Validator whole_number_up_to(std::uint64_t most);
 inline const CLI::Validator whole_number = whole_number_up_to(std::numeric_limits<std::uint64_t>::max());
@@ -42,7 +55,7 @@ inline const CLI::Validator whole_number = whole_number_up_to(std::numeric_limit
 /// for JSON
 void check_glb_name(const std::string& output);
 
-// One file a subcommand; each adds itself to the tool.
+// One file per subcommand; each adds itself to the tool.
 void add_surfaces(CLI::App& app, Common& common);
 void add_eval(CLI::App& app, Common& common);
 void add_check(CLI::App& app, Common& common);

@@ -4,6 +4,7 @@
 #include <darboux/compare.h>
 #include <darboux/io.h>
 
+#include "base/text.h"
 #include "command.h"
 
 namespace darboux {
@@ -225,8 +226,7 @@ void print_skipped(const char* file, const Asset& asset) {
 
 void run(const Arguments& arguments, Common& common) {
   if (!(arguments.max_angle >= 0 && arguments.max_angle <= 180))
-    throw ParameterError(
-        "--max-angle", shortest(arguments.max_angle) + " is out of range, permitted is 0 <= degrees <= 180");
+    throw ParameterError("--max-angle", expected_got("0 <= degrees <= 180", shortest(arguments.max_angle)));
   const Asset a = read_asset(arguments.a), b = read_asset(arguments.b);
   const std::vector<NamedMesh> pieces_a = named(a), pieces_b = named(b);
   const MeshPairs found = pair_meshes(pieces_a, pieces_b);
@@ -271,9 +271,10 @@ void add_compare(CLI::App& app, Common& common) {
   sub.add_option("A", arguments->a,
                  "a mesh: " + joined({asset_extensions().begin(), asset_extensions().end()}))
       ->required();
-  sub.add_option("B", arguments->b, "another")->required();
+  sub.add_option("B", arguments->b, "another mesh")->required();
   sub.add_option("--max-angle", arguments->max_angle,
-                 "tangents up to so many degrees apart, of the same sign, count as the same; 0: those of the "
+                 "tangents of the same sign, at most this many degrees apart, count as the same; 0: only "
+                 "those of the "
                  "same bits")
       ->capture_default_str();
   add_common(sub, common, "darboux compare a.glb b.glb");

@@ -8,6 +8,7 @@
 #include <darboux/converge.h>
 #include <darboux/io.h>
 
+#include "base/text.h"
 #include "command.h"
 #include "report/converge_report.h"
 #include "report/convergence_picture.h"
@@ -46,9 +47,9 @@ int parse_resolution(std::string_view text) {
   int n = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
   if (error != std::errc{} || end != text.data() + text.size() || n < 2 || n > finest)
-    throw ParameterError("--resolutions", "'" + std::string(text) +
-                                              "' is no resolution, permitted are 2 to " +
-                                              std::to_string(finest) + ", as 8..256 (doubling) or 8,16,32");
+    throw ParameterError("--resolutions", expected_got("numbers from 2 to " + std::to_string(finest) +
+                                                           ", as 8..256 (doubling) or 8,16,32",
+                                                       "'" + std::string(text) + "'"));
   return n;
 }
 
@@ -79,8 +80,8 @@ ConvergeOptions parse(const Arguments& arguments) {
   options.resolutions = parse_resolutions(arguments.resolutions);
   const std::vector<std::string> range = split(arguments.v_range, ',');
   if (range.size() != 2)
-    throw ParameterError(
-        "--v-range", "'" + arguments.v_range + "' is no range, permitted are two numbers such as 0.2,0.8");
+    throw ParameterError("--v-range",
+                         expected_got("two numbers such as 0.2,0.8", "'" + arguments.v_range + "'"));
   options.v_first = parse_finite("--v-range", range[0]);
   options.v_last = parse_finite("--v-range", range[1]);
   options.seed = arguments.seed;
@@ -111,7 +112,7 @@ std::string command_line(const ConvergeOptions& options, const Arguments& argume
          std::to_string(options.seed) + " -o " + quoted(arguments.report);
 }
 
-// Orders of the tangents: a block for every surface and mesh, a row a method, a column a class.
+// Orders of the tangents: a block for every surface and mesh, a row per method, a column per class.
 void print_orders(const std::vector<Study>& studies) {
   std::puts("Order of convergence of the tangents, with its 95 % interval:");
   for (auto begin = studies.begin(); begin != studies.end();) {
@@ -163,9 +164,9 @@ void print_summary(const std::vector<Study>& studies) {
 void run(const Arguments& arguments, Common& common) {
   if ((arguments.report == "-") + (arguments.csv == "-") + (arguments.picture == "-") + common.json > 1)
     throw ParameterError(
-        "-", "expected one of -o -, --csv -, --picture - and --json on standard output, got several");
+        "-", expected_got("one of -o -, --csv -, --picture - and --json for standard output", "more"));
   if (!arguments.report.empty() && arguments.report == arguments.csv)
-    throw ParameterError("--csv", "names the same file as -o, permitted is another");
+    throw ParameterError("--csv", expected_got("another file than that of -o", arguments.csv));
   const ConvergeOptions options = parse(arguments);
   // Opened before the work, so that a folder that cannot be written is reported at once.
   std::optional<OutputFile> report, csv, picture;
@@ -227,7 +228,7 @@ void add_converge(CLI::App& app, Common& common) {
                  "the part of the surface that is meshed: FIRST,LAST in [0, 1]")
       ->capture_default_str();
   sub.add_option("--seed", arguments->seed, "of random meshes")->capture_default_str()->check(whole_number);
-  sub.add_option("-o,--output", arguments->report, "write the page for people, HTML, to this file");
+  sub.add_option("-o,--output", arguments->report, "write an HTML report to this file");
   sub.add_option("--csv", arguments->csv, "write all levels of all studies to this file");
   sub.add_option(
       "--picture", arguments->picture,

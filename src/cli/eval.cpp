@@ -5,6 +5,7 @@
 
 #include <darboux/io.h>
 
+#include "base/text.h"
 #include "command.h"
 #include "eval_input.h"
 #include "eval_output.h"
@@ -15,6 +16,9 @@ namespace {
 // Points evaluated at once by a thread, and altogether: their results stay in the caches, and memory stays
 // bounded.
 constexpr std::size_t points_per_thread = 4096, most_points = 65536;
+
+constexpr Choice<FrameFormat, frame_format_names.size()> frame_formats{frame_format_names};
+constexpr Choice<PointFormat, point_format_names.size()> point_formats{point_format_names};
 
 struct Arguments {
   std::string surface;
@@ -28,13 +32,13 @@ std::vector<std::string> attribute_names() {
   return names;
 }
 
-std::vector<Attribute> choose(const std::string& names, const std::string& format) {
+std::vector<Attribute> choose(const std::string& names, FrameFormat format) {
   const std::vector<std::string> known = attribute_names();
   std::vector<std::string> asked = split(names, ',');
   if (names.empty()) {
     asked = known;
-    if (format == "table") asked = {"position", "tangent", "bitangent", "normal", "handedness"};
-    if (format == "json") std::erase(asked, "tangent4");
+    if (format == FrameFormat::table) asked = {"position", "tangent", "bitangent", "normal", "handedness"};
+    if (format == FrameFormat::json) std::erase(asked, "tangent4");
   }
   std::vector<Attribute> chosen;
   for (const std::string& name : asked) {
@@ -43,7 +47,7 @@ std::vector<Attribute> choose(const std::string& names, const std::string& forma
       throw ParameterError("--attributes", "unknown attribute '" + name + "', known are " + joined(known));
     const auto attribute = static_cast<Attribute>(found - known.begin());
     if (std::find(chosen.begin(), chosen.end(), attribute) != chosen.end())
-      throw ParameterError("--attributes", "'" + name + "' is asked for twice, permitted is once");
+      throw ParameterError("--attributes", expected_got("each attribute once", "'" + name + "' twice"));
     chosen.push_back(attribute);
   }
   return chosen;
@@ -54,7 +58,7 @@ std::vector<Vec2<double>> parse_points(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const auto parts = split(text, ',');
     if (parts.size() != 2)
-      throw ParameterError("--at", "'" + text + "' is no point, permitted is U,V such as 0.3,0.7");
+      throw ParameterError("--at", expected_got("U,V such as 0.3,0.7", "'" + text + "'"));
     points.push_back({parse_finite("--at", parts[0]), parse_finite("--at", parts[1])});
   }
   return points;
@@ -84,18 +88,19 @@ void write_grid(FrameWriter& writer, std::size_t columns, std::size_t rows, std:
   blocks.pass_on();
 }
 
-void run(Arguments arguments, const Common& common) {
-  if (common.json) arguments.format = "json";
+void run(const Arguments& arguments, const Common& common) {
   const AnySurface surface = surface_argument(arguments.surface);
   FrameWriterOptions options;
-  options.format = arguments.format;
-  options.attributes = choose(arguments.attributes, arguments.format);
+  options.format = common.json ? FrameFormat::json : frame_formats.of(arguments.format);
+  options.attributes = choose(arguments.attributes, options.format);
   options.threads = common.threads;
   options.room = std::min(points_per_thread * static_cast<std::size_t>(common.threads), most_points);
 
   const std::vector<Vec2<double>> points = parse_points(arguments.at);
   const int sources = !points.empty() + !arguments.grid.empty() + !arguments.input.empty();
-  if (sources != 1) throw ParameterError("eval", "needs exactly one of --at, --grid, --input");
+  if (sources != 1)
+    throw ParameterError("eval",
+                         expected_got("exactly one of --at, --grid, --input", std::to_string(sources)));
   options.points = points.size();
 
   std::size_t columns = 0, rows = 0;
@@ -106,14 +111,15 @@ void run(Arguments arguments, const Common& common) {
   }
   std::unique_ptr<PointInput> input;
   if (!arguments.input.empty())
-    input = open_points(arguments.input, arguments.input_format.empty() ? input_format_of(arguments.input)
-                                                                        : arguments.input_format);
+    input = open_points(arguments.input, arguments.input_format.empty()
+                                             ? point_format_of(arguments.input)
+                                             : point_formats.of(arguments.input_format));
   else if (!arguments.input_format.empty())
-    throw ParameterError("--input-format", "there is no --input, permitted is both or neither");
+    throw ParameterError("--input-format", expected_got("--input FILE with it", "none"));
 
   OutputFile file(arguments.output.empty() ? "-" : arguments.output);
   Progress progress("eval", common);
-  if (input && arguments.format == "npy") {
+  if (input && options.format == FrameFormat::npy) {
     input = counted(std::move(input), progress);
     options.points = *input->count();
   }
@@ -145,17 +151,16 @@ void add_eval(CLI::App& app, Common& common) {
       ->allow_extra_args(false);
   sub.add_option("--grid", arguments->grid,
                  "NxM segments: u = i/N, v = j/M, ends included, v the outer loop");
-  const std::vector<std::string> in(std::begin(input_formats), std::end(input_formats));
-  const std::vector<std::string> out(std::begin(output_formats), std::end(output_formats));
   sub.add_option("--input", arguments->input, "file of u, v (- for standard input), read in pieces");
   sub.add_option("--input-format", arguments->input_format,
-                 joined(in) + "; else by the extension, csv for standard input")
-      ->check(CLI::IsMember(in));
+                 joined({point_format_names.begin(), point_format_names.end()}) +
+                     "; else by the extension, csv for standard input")
+      ->check(point_formats.check());
   sub.add_option("--attributes", arguments->attributes, "comma-separated, of: " + joined(attribute_names()));
   sub.add_option("--format", arguments->format,
                  "table, json or csv; or numbers alone: f32, f64 (little-endian) or npy")
       ->capture_default_str()
-      ->check(CLI::IsMember(out));
+      ->check(frame_formats.check());
   sub.add_option("-o,--output", arguments->output, "file to write, whole or not at all");
   add_common(sub, common, "darboux eval sphere --grid 4x2 --attributes position,tangent4 --format csv");
   sub.callback([arguments, &common] { run(*arguments, common); });

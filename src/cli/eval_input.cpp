@@ -46,7 +46,7 @@ class CsvInput final : public PointInput {
           if (found == names.end())
             throw FileError(
                 bytes_.path() + ":" + std::to_string(lines.number()),
-                "the header has no column '" + name + "', permitted is a header with u and v or none");
+                expected_got("a header with the columns u and v, or none", "one without '" + name + "'"));
           return static_cast<std::size_t>(found - names.begin());
         };
         u_column = column("u");
@@ -62,7 +62,7 @@ class CsvInput final : public PointInput {
         if (end == std::string_view::npos) break;
         rest.remove_prefix(end + 1);
       }
-      if (!u || !v) lines.fail("'" + std::string(line.substr(0, 60)) + "' does not hold two numbers u,v");
+      if (!u || !v) lines.fail("'" + std::string(line.substr(0, 60)) + "'");
       points.add(*u, *v);
     }
     bytes_.finish();
@@ -107,7 +107,7 @@ class SampleListener final : public nlohmann::json_sax<Json> {
   bool end_object() override {
     --depth_;
     if (at_sample()) {
-      if (!u_ || !v_) fail("has not both u and v");
+      if (!u_ || !v_) fail("one without u or v");
       points_.add(*u_, *v_);
       ++sample_;
     }
@@ -131,20 +131,20 @@ class SampleListener final : public nlohmann::json_sax<Json> {
     return true;
   }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override {
-    throw FileError(bytes_.path(),
-                    std::string("cannot be read (") + error.what() + "), permitted is one JSON document");
+    throw FileError(bytes_.path(), expected_got("one JSON document",
+                                                std::string("what cannot be read (") + error.what() + ")"));
   }
 
   void finish() const {
-    if (!found_) throw FileError(bytes_.path(), "holds no samples, permitted are " + std::string(permitted));
+    if (!found_) throw FileError(bytes_.path(), expected_got(samples_form, "no samples"));
   }
 
  private:
-  static constexpr const char* permitted =
+  static constexpr const char* samples_form =
       "an array of objects with numbers u and v, or an object with that array as its samples";
-  [[noreturn]] void fail(const std::string& why) const {
+  [[noreturn]] void fail(const std::string& got) const {
     throw FileError(bytes_.path(),
-                    "sample " + std::to_string(sample_) + " " + why + ", permitted are " + permitted);
+                    "sample " + std::to_string(sample_) + ": " + expected_got(samples_form, got));
   }
   bool at_sample() const { return samples_depth_ > 0 && depth_ == samples_depth_; }
   bool in_sample() const { return samples_depth_ > 0 && depth_ == samples_depth_ + 1; }
@@ -156,8 +156,8 @@ class SampleListener final : public nlohmann::json_sax<Json> {
   }
   // A value that is not u or v of a sample, and must not stand for one.
   bool other() const {
-    if (at_sample()) fail("is no object");
-    if (in_sample() && wanted_ != nullptr) fail("has a u or v that is no number");
+    if (at_sample()) fail("what is no object");
+    if (in_sample() && wanted_ != nullptr) fail("a u or v that is no number");
     return true;
   }
 
@@ -275,9 +275,11 @@ std::string shape_text(const std::vector<std::uint64_t>& shape) {
 // f32, f64 and npy.
 class BinaryInput final : public PointInput {
  public:
-  BinaryInput(const std::string& path, std::string_view format)
-      : bytes_(path, std::string(format) + " file of pairs u, v"), number_bytes_(format == "f32" ? 4 : 8) {
-    if (format == "npy") read_npy_header();
+  BinaryInput(const std::string& path, PointFormat format)
+      : bytes_(path,
+               std::string(point_format_names[static_cast<std::size_t>(format)]) + " file of pairs u, v"),
+        number_bytes_(format == PointFormat::f32 ? 4 : 8) {
+    if (format == PointFormat::npy) read_npy_header();
     if (const auto size = bytes_.size()) {
       const std::uint64_t left = *size - bytes_.taken();
       if (count_ ? left != *count_ * pair_bytes() : left % pair_bytes() != 0) wrong_size(left);
@@ -298,43 +300,42 @@ class BinaryInput final : public PointInput {
   std::uint64_t pair_bytes() const { return 2 * number_bytes_; }
 
   [[noreturn]] void wrong_size(std::uint64_t bytes) const {
-    throw FileError(
-        bytes_.path(),
-        "holds " + std::to_string(bytes) + " bytes of numbers, permitted are " +
-            (count_ ? "the " + std::to_string(*count_ * pair_bytes()) + " that its header announces"
-                    : "multiples of " + std::to_string(pair_bytes()) + ", a pair u, v of " +
-                          std::to_string(number_bytes_) + " bytes each"));
+    throw FileError(bytes_.path(),
+                    expected_got((count_ ? "the " + std::to_string(*count_ * pair_bytes()) +
+                                               " bytes of numbers that its header announces"
+                                         : "a multiple of " + std::to_string(pair_bytes()) + " bytes, " +
+                                               std::to_string(number_bytes_) + " each for u and v"),
+                                 std::to_string(bytes) + " bytes"));
   }
 
   void read_npy_header() {
-    const auto fail = [&](const std::string& why) {
-      throw FileError(bytes_.path(), "its header " + why +
-                                         ", permitted is .npy version 1 or 2 with '<f4' or '<f8', C order, "
-                                         "shape (n, 2)");
+    const auto fail = [&](const std::string& got) {
+      throw FileError(
+          bytes_.path(),
+          "header: " + expected_got(".npy version 1 or 2 with '<f4' or '<f8', C order, shape (n, 2)", got));
     };
     std::array<unsigned char, 8> start{};
     if (bytes_.take(reinterpret_cast<char*>(start.data()), 8) != 8 ||
         std::memcmp(start.data(), "\x93NUMPY", 6) != 0)
-      fail("does not begin as a .npy file's does");
-    if (start[6] != 1 && start[6] != 2) fail("has version " + std::to_string(start[6]));
+      fail("another beginning");
+    if (start[6] != 1 && start[6] != 2) fail("version " + std::to_string(start[6]));
     const std::size_t length_bytes = start[6] == 1 ? 2 : 4;
     std::array<unsigned char, 4> length{};
     const bool whole = bytes_.take(reinterpret_cast<char*>(length.data()), length_bytes) == length_bytes;
     std::size_t size = 0;
     for (std::size_t k = 0; k < length_bytes; ++k) size |= static_cast<std::size_t>(length[k]) << (8 * k);
     constexpr std::size_t most = 1 << 16;
-    if (size > most) fail("has " + std::to_string(size) + " bytes");
+    if (size > most) fail(std::to_string(size) + " bytes");
     std::string text(size, '\0');
-    if (!whole || bytes_.take(text.data(), size) != size) fail("is cut off");
+    if (!whole || bytes_.take(text.data(), size) != size) fail("one that is cut off");
     NpyHeader header;
-    if (!header.parse(text)) fail("is no dictionary of descr, fortran_order and shape");
-    if (header.descr != "<f4" && header.descr != "<f8")
-      fail("has descr '" + header.descr.substr(0, 20) + "'");
-    if (header.shape.size() != 2 || header.shape[1] != 2) fail("has shape " + shape_text(header.shape));
-    if (header.fortran_order && header.shape[0] > 1) fail("has Fortran order");
+    if (!header.parse(text)) fail("no dictionary of descr, fortran_order and shape");
+    if (header.descr != "<f4" && header.descr != "<f8") fail("descr '" + header.descr.substr(0, 20) + "'");
+    if (header.shape.size() != 2 || header.shape[1] != 2) fail("shape " + shape_text(header.shape));
+    if (header.fortran_order && header.shape[0] > 1) fail("Fortran order");
     number_bytes_ = header.descr == "<f4" ? 4 : 8;
     if (header.shape[0] > std::numeric_limits<std::uint64_t>::max() / pair_bytes())
-      fail("has shape " + shape_text(header.shape));
+      fail("shape " + shape_text(header.shape));
     count_ = header.shape[0];
   }
 
@@ -409,8 +410,8 @@ class KeptInput final : public PointInput {
 
  private:
   [[noreturn]] void fail() const {
-    throw FileError(name_, std::string("the points cannot be kept there (") + std::strerror(errno) +
-                               "), permitted is a writable folder with 16 bytes a point of room");
+    throw FileError(name_,
+                    expected_got("a writable folder with 16 bytes per point free", std::strerror(errno)));
   }
   void write(std::span<const double> numbers) {
     const char* from = reinterpret_cast<const char*>(numbers.data());
@@ -430,24 +431,25 @@ class KeptInput final : public PointInput {
 
 }  // namespace
 
-std::string input_format_of(const std::string& path) {
-  if (path == "-") return "csv";
+PointFormat point_format_of(const std::string& path) {
+  if (path == "-") return PointFormat::csv;
   const std::string extension = lower(std::filesystem::path(path).extension().string());
   std::string known;
-  for (const std::string_view format : input_formats) {
-    if (extension == "." + std::string(format)) return std::string(format);
-    known += (known.empty() ? "." : ", .") + std::string(format);
+  for (std::size_t k = 0; k < point_format_names.size(); ++k) {
+    if (extension == std::string(".") + point_format_names[k]) return static_cast<PointFormat>(k);
+    known += (known.empty() ? "." : ", .") + std::string(point_format_names[k]);
   }
   std::error_code error;
   if (std::filesystem::is_directory(path, error))
-    throw FileError(path, "is a folder, permitted is a file of points: " + known);
-  throw FileError(path, "its extension names no format, permitted are " + known +
-                            ", or --input-format with one of these");
+    throw FileError(path, expected_got("a file of points: " + known, "a folder"));
+  throw FileError(path,
+                  expected_got("one of the extensions " + known + ", or --input-format with one of them",
+                               "'" + extension + "'"));
 }
 
-std::unique_ptr<PointInput> open_points(const std::string& path, std::string_view format) {
-  if (format == "csv") return std::make_unique<CsvInput>(path);
-  if (format == "json") return std::make_unique<JsonInput>(path);
+std::unique_ptr<PointInput> open_points(const std::string& path, PointFormat format) {
+  if (format == PointFormat::csv) return std::make_unique<CsvInput>(path);
+  if (format == PointFormat::json) return std::make_unique<JsonInput>(path);
   return std::make_unique<BinaryInput>(path, format);
 }
 

@@ -2,6 +2,7 @@
 /// Where `eval` has its points from: files of u, v in several formats, read in pieces.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -38,12 +39,14 @@ class PointBlocks {
   Use use_;
 };
 
-/// What --input-format permits.
-inline constexpr std::string_view input_formats[] = {"csv", "json", "f32", "f64", "npy"};
+/// What --input-format takes.
+enum class PointFormat { csv, json, f32, f64, npy };
+/// In the order of PointFormat.
+inline constexpr std::array<const char*, 5> point_format_names{"csv", "json", "f32", "f64", "npy"};
 
 /// The format of a file by its extension; csv for "-", standard input.
 /// \throws FileError for any other extension
-std::string input_format_of(const std::string& path);
+PointFormat point_format_of(const std::string& path);
 
 /// An open file of points, or standard input. NaN and infinities are points like others, JSON's null is NaN.
 ///   csv   the columns u and v where the first line names them, else the first two; lines that begin with #
@@ -61,12 +64,13 @@ class PointInput {
   virtual std::optional<std::uint64_t> count() const { return std::nullopt; }
   /// The part read so far, in [0, 1], where the size is known.
   virtual std::optional<double> share() const = 0;
-  /// All of them, once. \throws FileError naming the file, line or point, what is wrong and what is permitted
+  /// All of them, once. \throws FileError naming the file, its line or point, what is expected there and what
+  /// it has
   virtual void read(PointBlocks& points) = 0;
 };
 
 /// \throws FileError when it cannot be opened, or its beginning or size is wrong
-std::unique_ptr<PointInput> open_points(const std::string& path, std::string_view format);
+std::unique_ptr<PointInput> open_points(const std::string& path, PointFormat format);
 
 /// The same points, counted: those whose number is not known beforehand are read to the end and kept
 /// meanwhile in a file without a name in the folder for temporary files ($TMPDIR), 16 bytes each. \throws

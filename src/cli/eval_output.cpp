@@ -41,7 +41,7 @@ class BinaryWriter final : public FrameWriter {
       u_.resize(options.room);
       v_.resize(options.room);
     }
-    if (options.format == "npy") file_.write(npy_header(options.points, width_));
+    if (options.format == FrameFormat::npy) file_.write(npy_header(options.points, width_));
   }
 
   void write(std::span<const double> u, std::span<const double> v) override {
@@ -90,10 +90,10 @@ class TextWriter final : public FrameWriter {
   TextWriter(OutputFile& file, const AnySurface& surface, const FrameWriterOptions& options)
       : file_(file),
         surface_(surface),
-        format_(options.format == "json"  ? &TextWriter::append_sample
-                : options.format == "csv" ? &TextWriter::append_csv
-                                          : &TextWriter::append_table),
-        json_(options.format == "json"),
+        format_(options.format == FrameFormat::json  ? &TextWriter::append_sample
+                : options.format == FrameFormat::csv ? &TextWriter::append_csv
+                                                     : &TextWriter::append_table),
+        json_(options.format == FrameFormat::json),
         chosen_(options.attributes),
         status_(options.room),
         threads_(options.threads) {
@@ -117,7 +117,7 @@ class TextWriter final : public FrameWriter {
       file_.write(
           "{\"surface\": " + surface_json(surface).dump(-1, ' ', false, Json::error_handler_t::replace) +
           ",\n \"samples\": [");
-    } else if (options.format == "csv") {
+    } else if (options.format == FrameFormat::csv) {
       std::string header = "u,v";
       for (const Attribute a : chosen_)
         for (const std::string_view column : columns(a))
@@ -256,8 +256,9 @@ class TextWriter final : public FrameWriter {
 
 std::unique_ptr<FrameWriter> make_frame_writer(OutputFile& file, const AnySurface& surface,
                                                const FrameWriterOptions& options) {
-  if (options.format == "f32") return std::make_unique<BinaryWriter<float>>(file, surface, options);
-  if (options.format == "f64" || options.format == "npy")
+  if (options.format == FrameFormat::f32)
+    return std::make_unique<BinaryWriter<float>>(file, surface, options);
+  if (options.format == FrameFormat::f64 || options.format == FrameFormat::npy)
     return std::make_unique<BinaryWriter<double>>(file, surface, options);
   return std::make_unique<TextWriter>(file, surface, options);
 }

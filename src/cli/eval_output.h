@@ -2,6 +2,7 @@
 /// What `eval` writes: points evaluated block by block, as text or as bare numbers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -16,8 +17,10 @@
 
 namespace darboux {
 
-/// What --format permits.
-inline constexpr std::string_view output_formats[] = {"table", "json", "csv", "f32", "f64", "npy"};
+/// What --format takes.
+enum class FrameFormat { table, json, csv, f32, f64, npy };
+/// In the order of FrameFormat.
+inline constexpr std::array<const char*, 6> frame_format_names{"table", "json", "csv", "f32", "f64", "npy"};
 
 /// Evaluates points and writes them, in memory that does not grow with their number.
 ///   table, json, csv  with u, v and the status, in double
@@ -36,9 +39,9 @@ class FrameWriter {
 };
 
 struct FrameWriterOptions {
-  std::string_view format = "table";  ///< one of output_formats
+  FrameFormat format = FrameFormat::table;
   std::vector<Attribute> attributes;  ///< in the order written
-  std::size_t room = 4096;            ///< points of a call
+  std::size_t room = 4096;            ///< points per call
   int threads = 1;
   std::uint64_t points = 0;  ///< all of them together; npy alone needs it
 };

@@ -11,6 +11,7 @@
 #include <darboux/fit_points.h>
 #include <darboux/io.h>
 
+#include "base/text.h"
 #include "command.h"
 #include "csv_text.h"
 #include "parallel.h"
@@ -28,8 +29,8 @@ struct Arguments {
   std::uint64_t seed = PointFitOptions{}.seed;
 };
 
-// What --surface permits. Which kinds are fitted without uvs the library says, asked with no points.
-std::vector<std::string> permitted_kinds(bool with_uv) {
+// What --surface takes. Which kinds are fitted without uvs the library says, asked with no points.
+std::vector<std::string> kinds_to_fit(bool with_uv) {
   std::vector<std::string> kinds{"auto"};
   if (with_uv) kinds.insert(kinds.end(), fitted_kinds().begin(), fitted_kinds().end());
   for (const AnySurface& surface : all_surfaces()) {
@@ -46,22 +47,23 @@ std::vector<std::string> permitted_kinds(bool with_uv) {
 }
 
 PointFitOptions parse_options(const Arguments& arguments) {
-  const std::vector<std::string> kinds = permitted_kinds(arguments.with_uv);
+  const std::vector<std::string> kinds = kinds_to_fit(arguments.with_uv);
   if (arguments.surface.find(':') != std::string::npos)
     throw ParameterError("--surface",
-                         "fit finds the parameters, name the kind only: permitted are " + joined(kinds));
+                         expected_got("a kind without parameters, which fit finds: one of " + joined(kinds),
+                                      "'" + arguments.surface + "'"));
   if (std::find(kinds.begin(), kinds.end(), arguments.surface) == kinds.end())
-    throw ParameterError("--surface", "'" + arguments.surface + "' is no kind that is fitted " +
-                                          (arguments.with_uv ? "with" : "without") + " uvs, permitted are " +
-                                          joined(kinds));
+    throw ParameterError("--surface", expected_got(std::string("a kind that is fitted ") +
+                                                       (arguments.with_uv ? "with" : "without") +
+                                                       " uvs: one of " + joined(kinds),
+                                                   "'" + arguments.surface + "'"));
   PointFitOptions options;
   options.surface = arguments.surface;
   options.with_uv = arguments.with_uv;
   options.seed = arguments.seed;
   if (!arguments.noise.empty()) {
     options.noise = parse_finite("--noise", arguments.noise);
-    if (!(*options.noise > 0))
-      throw ParameterError("--noise", arguments.noise + " is out of range, permitted is 0 < SIGMA");
+    if (!(*options.noise > 0)) throw ParameterError("--noise", expected_got("0 < SIGMA", arguments.noise));
   }
   return options;
 }
@@ -239,8 +241,8 @@ std::string spread_text(const Deviations& s, const char* why_unknown) {
   return text;
 }
 
-void print_people(const Arguments& arguments, const PointFit& fit, const Membership& members,
-                  const std::optional<FrameSpread>& spread) {
+void print_text(const Arguments& arguments, const PointFit& fit, const Membership& members,
+                const std::optional<FrameSpread>& spread) {
   const auto error_of = [&](std::string_view name) -> std::optional<double> {
     for (const StandardError& e : fit.standard_errors)
       if (e.name == name) return e.value;
@@ -286,7 +288,8 @@ void print_people(const Arguments& arguments, const PointFit& fit, const Members
 void run(const Arguments& arguments, Common& common) {
   PointFitOptions options = parse_options(arguments);
   if (arguments.frames == "-")
-    throw ParameterError("--frames", "standard output has the report, permitted is the name of a file");
+    throw ParameterError("--frames",
+                         expected_got("the name of a file", "-: standard output holds the report"));
   std::optional<OutputFile> frames;
   if (!arguments.frames.empty()) frames.emplace(arguments.frames);
 
@@ -301,8 +304,9 @@ void run(const Arguments& arguments, Common& common) {
     };
     points = read_points(arguments.file, part(0, 0.2));
     if (options.with_uv && points.cloud.uvs.empty())
-      throw FileError(arguments.file, "holds no uvs" + (points.note.empty() ? "" : " (" + points.note + ")") +
-                                          ", permitted with --with-uv are points with u and v");
+      throw FileError(arguments.file,
+                      expected_got("points with u and v for --with-uv",
+                                   "none with uvs" + (points.note.empty() ? "" : " (" + points.note + ")")));
     options.progress = part(0.2, 0.9);
     fit = points.place.empty() ? fit_points(points.cloud, options)
                                : fit_points(distinct_points(points), options);
@@ -327,7 +331,7 @@ void run(const Arguments& arguments, Common& common) {
   if (common.json)
     print_json(fit_json(arguments, fit, members, spread));
   else
-    print_people(arguments, fit, members, spread);
+    print_text(arguments, fit, members, spread);
 }
 
 }  // namespace
@@ -339,10 +343,10 @@ void add_fit(CLI::App& app, Common& common) {
   sub.add_option("FILE", arguments->file,
                  "points: .xyz, .txt, .csv, .tsv, .ply, .pcd, .obj, .stl, .glb or .gltf")
       ->required();
-  sub.add_option("--surface", arguments->surface,
-                 "the kind, or auto: the one that explains the points best; of `darboux surfaces` most may "
-                 "be named, an "
-                 "unknown one lists them")
+  sub.add_option(
+         "--surface", arguments->surface,
+         "the kind of surface, or auto: the one that explains the points best. Most kinds of `darboux "
+         "surfaces` can be fitted; an unknown name lists them")
       ->capture_default_str();
   sub.add_option(
       "--noise", arguments->noise,

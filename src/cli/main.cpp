@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   const auto finish = [](int status) {
     std::cout.flush();
     return std::cout ? status
-                     : report("standard output: cannot be written, permitted is an open file or pipe", 2);
+                     : report("standard output: expected an open file or pipe, got an error on writing", 2);
   };
   try {
     std::vector<std::string> known;
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
   } catch (const std::bad_alloc&) {
-    return report("memory: not enough for this input, permitted is what fits", 2);
+    return report("memory: expected enough for this input, got less", 2);
   } catch (const std::exception& e) {
     return report(e.what(), 2);
   }

@@ -5,21 +5,12 @@
 #include <darboux/io.h>
 #include <darboux/sample_mesh.h>
 
+#include "base/text.h"
 #include "command.h"
 
 namespace darboux {
 namespace {
 
-// A choice on the command line: its names, in the order of the enumeration.
-template <class E, std::size_t N>
-struct Choice {
-  std::array<const char*, N> names;
-
-  CLI::IsMember check() const { return CLI::IsMember(std::vector<std::string>(names.begin(), names.end())); }
-  E of(const std::string& name) const {
-    return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
-  }
-};
 constexpr Choice<MeshTopology, 4> topologies{{"grid", "icosphere", "cube-sphere", "lantern"}};
 constexpr Choice<PolePlacement, 3> poles{{"per-column", "half-cell", "shared"}};
 constexpr Choice<SignConvention, 2> signs{{"gltf", "raw"}};
@@ -35,7 +26,7 @@ struct Arguments {
 Vec3<double> parse_scale(const std::string& text) {
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != 3)
-    throw ParameterError("--scale", "'" + text + "' is no scale, permitted is SX,SY,SZ such as -1,1,1");
+    throw ParameterError("--scale", expected_got("SX,SY,SZ such as -1,1,1", "'" + text + "'"));
   return {parse_finite("--scale", parts[0]), parse_finite("--scale", parts[1]),
           parse_finite("--scale", parts[2])};
 }
@@ -50,9 +41,12 @@ SampleMeshOptions parse(const Arguments& arguments) {
                          bool other_given) {
     if (other_given)
       throw ParameterError(
-          other, arguments.topology + " takes none, permitted is " + needed + ", such as " + example);
+          other,
+          expected_got(std::string(needed) + " for " + arguments.topology + ", such as " + example, other));
     if (!given)
-      throw ParameterError("mesh", arguments.topology + " needs " + needed + ", such as " + example);
+      throw ParameterError(
+          "mesh",
+          expected_got(std::string(needed) + " for " + arguments.topology + ", such as " + example, "none"));
   };
   if (sphere) {
     takes("--subdivisions N", "16", "--grid", subdivisions_given, grid_given);
@@ -78,7 +72,7 @@ Mesh make(const AnySurface& surface, const SampleMeshOptions& o) try {
 
 void run(const Arguments& arguments, const Common& common) {
   if (arguments.output == "-" && common.json)
-    throw ParameterError("-", "standard output is asked for twice, permitted is one of -o - and --json");
+    throw ParameterError("-", expected_got("one of -o - and --json for standard output", "both"));
   check_glb_name(arguments.output);
   const AnySurface surface = surface_argument(arguments.surface);
   const SampleMeshOptions o = parse(arguments);
@@ -134,7 +128,7 @@ void add_mesh(CLI::App& app, Common& common) {
                  "segments along each edge of the icosahedron or cube (even)")
       ->check(CLI::Range(1, 2000));
   sub.add_option("--pole", arguments->pole,
-                 "at a point where all columns meet: a vertex for each column with the column's u "
+                 "vertices at a point where all columns meet: one per column with the column's u "
                  "(per-column), with u "
                  "in the middle of the column as three.js has it (half-cell), or one vertex for all (shared)")
       ->capture_default_str()

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -5,11 +6,21 @@
 
 #include <darboux/io.h>
 
+#include "base/text.h"
 #include "command.h"
 #include "report/surface_pages.h"
 
 namespace darboux {
 namespace {
+
+// The facts by their names in JSON, which are older than the member's: second_formula is position_again
+// there.
+std::vector<std::string_view> fact_names(const AnySurface& surface) {
+  std::vector<std::string_view> names = surface.facts();
+  std::replace(names.begin(), names.end(), std::string_view("second_formula"),
+               std::string_view("position_again"));
+  return names;
+}
 
 bool periodic(Coordinate kind) {
   return kind == Coordinate::turn || kind == Coordinate::twisted_turn;
@@ -36,7 +47,7 @@ void list(const Common& common) {
                    {"periodic_v", periodic(info.v)},
                    {"orientable", info.orientable},
                    {"singular", singular},
-                   {"facts", surface.facts()}});
+                   {"facts", fact_names(surface)}});
   }
   if (common.json) return print_json({{"surfaces", all}});
   for (const AnySurface& surface : all_surfaces()) {
@@ -54,9 +65,7 @@ void write_pages(const std::string& folder, const Common& common) {
   const std::vector<PageFile> files = surface_pages();
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error)
-    throw FileError(folder,
-                    "cannot be made (" + error.message() + "), permitted is a folder that can be written to");
+  if (error) throw FileError(folder, expected_got("a folder that can be written to", error.message()));
   Json names = Json::array();
   for (const PageFile& file : files) {
     const std::string path = (std::filesystem::path(folder) / file.name).string();

@@ -4,6 +4,7 @@
 
 #include <darboux/file_tangents.h>
 
+#include "base/text.h"
 #include "command.h"
 
 namespace darboux {
@@ -124,12 +125,13 @@ void print_text(const FileTangents& result, std::ostream& out) {
 
 void run(const Arguments& arguments, Common& common) {
   if (arguments.list) return list(common);
-  if (arguments.input.empty()) throw ParameterError("tangents", "needs a .glb or .gltf to read, or --list");
-  if (arguments.output.empty()) throw ParameterError("tangents", "needs -o OUT.glb");
+  if (arguments.input.empty())
+    throw ParameterError("tangents", expected_got("a .glb or .gltf to read, or --list", "neither"));
+  if (arguments.output.empty()) throw ParameterError("tangents", expected_got("-o OUT.glb", "none"));
   check_glb_name(arguments.output);
   const bool to_stdout = arguments.output == "-";
   if (to_stdout && common.json)
-    throw ParameterError("-", "standard output is asked for twice, permitted is one of -o - and --json");
+    throw ParameterError("-", expected_got("one of -o - and --json for standard output", "both"));
   FileTangentOptions options;
   options.method = find_frame_method(arguments.method).name;
   options.sign = arguments.sign == "raw" ? SignConvention::raw : SignConvention::gltf;

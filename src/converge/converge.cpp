@@ -10,6 +10,8 @@
 #include <darboux/sample_mesh.h>
 #include <darboux/statistics.h>
 
+#include "base/text.h"
+
 namespace darboux {
 namespace {
 
@@ -246,12 +248,14 @@ void measure(const Reference& reference, const FrameMethod& method, int n, Study
 
 void check(const ConvergeOptions& o) {
   if (o.resolutions.size() < fit_least)
-    throw ParameterError("resolutions", std::to_string(o.resolutions.size()) +
-                                            " given, at least 3 are needed to fit an order");
+    throw ParameterError("resolutions",
+                         expected_got("at least 3, to fit an order", std::to_string(o.resolutions.size())));
   for (std::size_t i = 0; i < o.resolutions.size(); ++i)
     if (o.resolutions[i] < (i == 0 ? 2 : o.resolutions[i - 1] + 1))
-      throw ParameterError("resolutions", std::to_string(o.resolutions[i]) +
-                                              " does not fit, permitted are rising numbers from 2");
+      throw ParameterError(
+          "resolutions", expected_got("increasing numbers from 2",
+                                      std::to_string(o.resolutions[i]) +
+                                          (i == 0 ? "" : " after " + std::to_string(o.resolutions[i - 1]))));
 }
 
 }  // namespace

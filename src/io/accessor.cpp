@@ -17,7 +17,7 @@ constexpr std::size_t round_up_4(std::size_t n) {
   return (n + 3) / 4 * 4;
 }
 
-std::size_t component_bytes(const Place& component_type) {
+std::size_t component_bytes(const JsonCursor& component_type) {
   switch (component_type.integer()) {
     case component_i8:
     case component_u8:
@@ -29,8 +29,7 @@ std::size_t component_bytes(const Place& component_type) {
     case component_f32:
       return 4;
     default:
-      component_type.fail("is " + component_type.shown() +
-                          ", permitted are 5120, 5121, 5122, 5123, 5125 and 5126");
+      component_type.fail("5120, 5121, 5122, 5123, 5125 or 5126");
   }
 }
 
@@ -40,26 +39,28 @@ struct View {
   std::size_t stride = 0;
 };
 
-View read_view(const GltfFile& file, const Place& index) {
-  const Place view = file.element("bufferViews", index);
+View read_view(const GltfFile& file, const JsonCursor& index) {
+  const JsonCursor view = file.element("bufferViews", index);
   const std::size_t stride = view.has("byteStride") ? view.at("byteStride").integer(4, 252) : 0;
   return {file.view_bytes(view), stride};
 }
 
 /// Copies `count` > 0 elements of `size` bytes, tightly packed, from a place that names a bufferView and a
 /// byteOffset. The bounds are checked before anything is allocated, in an order that cannot overflow.
-std::string read_elements(const GltfFile& file, const Place& place, std::uint64_t count, std::size_t size) {
+std::string read_elements(const GltfFile& file, const JsonCursor& place, std::uint64_t count,
+                          std::size_t size) {
   const View view = read_view(file, place.at("bufferView"));
   const std::uint64_t offset = place.integer_or("byteOffset", 0);
   const std::size_t stride = view.stride == 0 ? size : view.stride;
   if (stride < size)
-    place.fail("has elements of " + std::to_string(size) +
-               " bytes, permitted are at most the byteStride of its bufferView, " + std::to_string(stride));
+    place.fail(
+        "elements of at most the " + std::to_string(stride) + " bytes of the byteStride of its bufferView",
+        std::to_string(size) + " bytes");
   if (offset > view.bytes.size() || size > view.bytes.size() - offset ||
       count - 1 > (view.bytes.size() - offset - size) / stride)
-    place.fail("asks for " + std::to_string(count) + " elements of " + std::to_string(size) +
-               " bytes from byte " + std::to_string(offset) + ", permitted are the " +
-               std::to_string(view.bytes.size()) + " bytes of its bufferView");
+    place.fail("elements within the " + std::to_string(view.bytes.size()) + " bytes of its bufferView",
+               std::to_string(count) + " elements of " + std::to_string(size) + " bytes from byte " +
+                   std::to_string(offset));
   if (stride == size) return std::string(view.bytes.substr(offset, count * size));
   std::string bytes(count * size, '\0');
   for (std::size_t i = 0; i < count; ++i)
@@ -67,33 +68,32 @@ std::string read_elements(const GltfFile& file, const Place& place, std::uint64_
   return bytes;
 }
 
-std::string zeros(const GltfFile& file, const Place& accessor, std::uint64_t count, std::size_t size) {
-  std::uint64_t permitted = std::uint64_t{1} << 20;
-  for (const auto& buffer : file.buffers) permitted += buffer ? 4 * buffer->size() : 0;
-  if (count > permitted / size)
-    accessor.fail("has no bufferView and " + std::to_string(count) + " elements of " + std::to_string(size) +
-                  " bytes, permitted for a file of this size are " + std::to_string(permitted) + " bytes");
+std::string zeros(const GltfFile& file, const JsonCursor& accessor, std::uint64_t count, std::size_t size) {
+  std::uint64_t most = std::uint64_t{1} << 20;
+  for (const auto& buffer : file.buffers) most += buffer ? 4 * buffer->size() : 0;
+  if (count > most / size)
+    accessor.fail("at most " + std::to_string(most) + " bytes without a bufferView for a file of this size",
+                  std::to_string(count) + " elements of " + std::to_string(size) + " bytes");
   return std::string(count * size, '\0');
 }
 
-void overlay_sparse(const GltfFile& file, const Place& sparse, Accessor& accessor) {
+void overlay_sparse(const GltfFile& file, const JsonCursor& sparse, Accessor& accessor) {
   Accessor indices;
   indices.count = sparse.at("count").integer(1, accessor.count);
   indices.components = 1;
-  const Place places = sparse.at("indices");
-  const Place type = places.at("componentType");
+  const JsonCursor places = sparse.at("indices");
+  const JsonCursor type = places.at("componentType");
   indices.component_type = type.integer();
   indices.element_bytes = component_bytes(type);
   if (indices.component_type != component_u8 && indices.component_type != component_u16 &&
       indices.component_type != component_u32)
-    type.fail("is " + type.shown() + ", permitted are 5121, 5123 and 5125");
+    type.fail("5121, 5123 or 5125");
   indices.bytes = read_elements(file, places, indices.count, indices.element_bytes);
   const std::string values = read_elements(file, sparse.at("values"), indices.count, accessor.element_bytes);
   const std::vector<std::uint32_t> elements = unsigned_integers(indices);
   for (std::size_t i = 0; i < elements.size(); ++i) {
     if (elements[i] >= accessor.count)
-      places.fail("name element " + std::to_string(elements[i]) + ", permitted are 0 to " +
-                  std::to_string(accessor.count - 1));
+      places.fail("elements below " + std::to_string(accessor.count), std::to_string(elements[i]));
     std::memcpy(accessor.bytes.data() + elements[i] * accessor.element_bytes,
                 values.data() + i * accessor.element_bytes, accessor.element_bytes);
   }
@@ -101,14 +101,13 @@ void overlay_sparse(const GltfFile& file, const Place& sparse, Accessor& accesso
 
 }  // namespace
 
-Accessor accessor_layout(const Place& place) {
-  const Place component_type = place.at("componentType");
+Accessor accessor_layout(const JsonCursor& place) {
+  const JsonCursor component_type = place.at("componentType");
   const std::size_t size = component_bytes(component_type);
-  const Place type = place.at("type");
+  const JsonCursor type = place.at("type");
   const auto* shape = std::find_if(std::begin(shapes), std::end(shapes),
                                    [&](const Shape& s) { return type.text() == s.type; });
-  if (shape == std::end(shapes))
-    type.fail("is " + type.shown() + ", permitted are SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 and MAT4");
+  if (shape == std::end(shapes)) type.fail("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4");
 
   Accessor accessor;
   accessor.type = shape->type;
@@ -122,8 +121,8 @@ Accessor accessor_layout(const Place& place) {
   return accessor;
 }
 
-Accessor read_accessor(const GltfFile& file, const Place& index) {
-  const Place place = file.element("accessors", index);
+Accessor read_accessor(const GltfFile& file, const JsonCursor& index) {
+  const JsonCursor place = file.element("accessors", index);
   Accessor accessor = accessor_layout(place);
   accessor.bytes = place.has("bufferView")
                        ? read_elements(file, place, accessor.count, accessor.element_bytes)

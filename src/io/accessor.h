@@ -21,7 +21,7 @@ static_assert(std::endian::native == std::endian::little,
 struct Accessor {
   std::string type;  ///< "SCALAR", "VEC2", ... "MAT4"
   std::uint64_t component_type = component_f32;
-  std::size_t components = 0;  ///< numbers an element
+  std::size_t components = 0;  ///< numbers per element
   bool normalized = false;
   std::size_t count = 0;          ///< elements
   std::size_t element_bytes = 0;  ///< size of one element, with the padding of matrix columns
@@ -57,13 +57,13 @@ T raw_component(const Accessor& accessor, std::size_t element, std::size_t compo
 }
 
 /// What an accessor states of its elements, without them. \throws FileError
-Accessor accessor_layout(const Place& accessor);
+Accessor accessor_layout(const JsonCursor& accessor);
 
 /// The accessor that `index` names, checked against the bytes there are before anything is allocated. One
 /// without a bufferView is zeros, at most 1 MiB and four times the file's buffers of them: an attribute of a
 /// vertex takes at most 16 bytes, and what else a file stores of a vertex seldom less than 4. \throws
 /// FileError
-Accessor read_accessor(const GltfFile& file, const Place& index);
+Accessor read_accessor(const GltfFile& file, const JsonCursor& index);
 
 /// The numbers of a SCALAR or VEC accessor, in order; normalised integers as what they stand for.
 /// \param values count * components of them

@@ -17,6 +17,7 @@
 
 #include <darboux/error.h>
 
+#include "base/text.h"
 #include "child.h"
 #include "files.h"
 #include "mesh_files.h"
@@ -113,7 +114,7 @@ struct Imported {
   std::string refusal;  // empty where the file was read
 };
 
-Imported import(const std::string& bytes, const std::string& format) {
+Imported import(const std::string& bytes, AssimpFormat format) {
   Assimp::Importer importer;
   importer.SetIOHandler(new NoFiles);  // owned by the importer
   std::vector<std::string> dropped;
@@ -123,8 +124,8 @@ Imported import(const std::string& bytes, const std::string& format) {
                                AI_CONFIG_IMPORT_FBX_READ_CAMERAS, AI_CONFIG_IMPORT_FBX_READ_LIGHTS,
                                AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, AI_CONFIG_IMPORT_FBX_READ_WEIGHTS})
     importer.SetPropertyBool(unneeded, false);
-  const aiScene* scene =
-      importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, format.c_str());
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
+                                                     format == AssimpFormat::obj ? "obj" : "fbx");
   if (scene == nullptr)
     return {{}, "cannot be read by assimp (" + in_quotes(importer.GetErrorString()) + ")"};
 
@@ -245,11 +246,11 @@ std::optional<unsigned> fbx_version(std::string_view bytes) {
 
 }  // namespace
 
-Asset read_with_assimp(const std::string& path, const std::string& bytes, const std::string& format) {
-  const std::string permitted =
-      std::string(", permitted is an ") + (format == "obj" ? "OBJ" : "FBX") + " with faces";
-  if (bytes.empty()) throw FileError(path, "is empty" + permitted);
-  if (format == "fbx")
+Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format) {
+  const std::string wanted =
+      std::string("an ") + (format == AssimpFormat::obj ? "OBJ" : "FBX") + " with faces";
+  if (bytes.empty()) throw FileError(path, expected_got(wanted, "an empty file"));
+  if (format == AssimpFormat::fbx)
     if (const auto version = fbx_version(bytes); version && *version < 7100)
       throw FileError(path, "expected FBX 7.1 (2011) or later, got " + std::to_string(*version / 1000) + "." +
                                 std::to_string(*version / 100 % 10) +
@@ -262,7 +263,7 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, const 
   try {
     const std::string answer = in_child(
         [&] {
-          Imported imported = import(format == "obj" ? without_missing(bytes) : bytes, format);
+          Imported imported = import(format == AssimpFormat::obj ? without_missing(bytes) : bytes, format);
           Pack pack;
           visit(pack, imported.refusal, imported.asset);
           return std::move(pack.bytes);
@@ -273,7 +274,7 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, const 
   } catch (const ChildFailure& failure) {
     result.refusal = std::string("cannot be read by assimp, which ") + failure.what();
   }
-  if (!result.refusal.empty()) throw FileError(path, result.refusal + permitted);
+  if (!result.refusal.empty()) throw FileError(path, expected_got(wanted, "a file that " + result.refusal));
   for (const Primitive& primitive : result.asset.primitives) check_consistent(primitive.data, path);
   return std::move(result.asset);
 }

@@ -5,6 +5,7 @@
 
 #include <darboux/error.h>
 
+#include "base/text.h"
 #include "files.h"
 #include "input.h"
 #include "mesh_files.h"
@@ -42,17 +43,21 @@ void for_each_word(const pugi::xml_node& element, Use use) {
 Collada::Collada(const std::string& file, const std::string& bytes) : path_(file) {
   const pugi::xml_parse_result result = document_.load_buffer(bytes.data(), bytes.size());
   if (!result)
-    throw FileError(path_, "is not XML at byte " + std::to_string(result.offset) + " (" +
-                               result.description() + "), permitted is a COLLADA file");
-  if (!root()) throw FileError(path_, "is no COLLADA file, permitted is XML whose first element is COLLADA");
+    throw FileError(
+        path_, expected_got("a COLLADA file", "what is not XML at byte " + std::to_string(result.offset) +
+                                                  " (" + result.description() + ")"));
+  if (!root())
+    throw FileError(path_,
+                    expected_got("COLLADA: XML whose first element is COLLADA", "another element first"));
   Ids walker(ids_);
   document_.traverse(walker);
 }
 
-void Collada::fail(const pugi::xml_node& at, const std::string& message) const {
+void Collada::fail(const pugi::xml_node& at, const std::string& expected, const std::string& got) const {
   const pugi::xml_attribute id = at.attribute("id");
   throw FileError(path_, "<" + std::string(at.name()) + "> at byte " + std::to_string(at.offset_debug()) +
-                             (id ? ", id " + in_quotes(id.value()) + "," : "") + " " + message);
+                             (id ? ", id " + in_quotes(id.value()) : "") + ": " +
+                             expected_got(expected, got));
 }
 
 pugi::xml_node Collada::find(const pugi::xml_node& at, const char* attribute) const {
@@ -64,8 +69,8 @@ pugi::xml_node Collada::find(const pugi::xml_node& at, const char* attribute) co
 pugi::xml_node Collada::target(const pugi::xml_node& at, const char* attribute, const char* kind) const {
   const pugi::xml_node found = find(at, attribute);
   if (std::string_view(found.name()) != kind)
-    fail(at, std::string("has the ") + attribute + " " + in_quotes(at.attribute(attribute).value()) +
-                 ", permitted is the #ID of a <" + kind + "> of the file");
+    fail(at, std::string("the #ID of a <") + kind + "> of the file as its " + attribute,
+         in_quotes(at.attribute(attribute).value()));
   return found;
 }
 
@@ -76,7 +81,7 @@ std::uint64_t Collada::count(const pugi::xml_node& at, const char* attribute, st
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size())
-    fail(at, std::string("has the ") + attribute + " " + in_quotes(text) + ", permitted is a whole number");
+    fail(at, std::string("a whole number as its ") + attribute, in_quotes(text));
   return value;
 }
 
@@ -85,8 +90,8 @@ std::vector<double> Collada::numbers(const pugi::xml_node& at) const {
   for_each_word(at, [&](std::string_view word) {
     const auto value = parse_number(word);
     if (!value)
-      fail(at, "holds " + in_quotes(word) + " at place " + std::to_string(result.size()) +
-                   ", permitted are numbers within the range of double");
+      fail(at, "numbers within the range of double",
+           in_quotes(word) + " at place " + std::to_string(result.size()));
     result.push_back(*value);
   });
   return result;
@@ -98,8 +103,7 @@ std::vector<std::uint64_t> Collada::indices(const pugi::xml_node& at) const {
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc{} || end != word.data() + word.size())
-      fail(at, "holds " + in_quotes(word) + " at place " + std::to_string(result.size()) +
-                   ", permitted are whole numbers from 0");
+      fail(at, "whole numbers from 0", in_quotes(word) + " at place " + std::to_string(result.size()));
     result.push_back(value);
   });
   return result;
@@ -110,8 +114,7 @@ const std::vector<double>& Collada::array(const pugi::xml_node& at) const {
   if (is_new) place->second = numbers(at);
   const std::size_t there = place->second.size();
   if (const std::uint64_t stated = count(at, "count", there); stated != there)
-    fail(at, "states a count of " + std::to_string(stated) + ", permitted is that of its " +
-                 std::to_string(there) + " numbers");
+    fail(at, "a count of its " + std::to_string(there) + " numbers", std::to_string(stated));
   return place->second;
 }
 

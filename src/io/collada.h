@@ -21,7 +21,8 @@ class Collada {
 
   pugi::xml_node root() const { return document_.child("COLLADA"); }
 
-  [[noreturn]] void fail(const pugi::xml_node& at, const std::string& message) const;
+  /// \throws FileError "FILE: <source> at byte 120, id "x": expected EXPECTED, got GOT"
+  [[noreturn]] void fail(const pugi::xml_node& at, const std::string& expected, const std::string& got) const;
 
   /// The element that an attribute names as "#id", null where there is none.
   pugi::xml_node find(const pugi::xml_node& at, const char* attribute) const;

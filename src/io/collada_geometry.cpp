@@ -53,7 +53,7 @@ class GeometryReader {
       const std::size_t corners = polygon.size() / inputs.stride;
       if (corners < 3) continue;
       if (mesh.positions.size() + corners > UINT32_MAX)
-        file_.fail(group, "has too many corners, permitted are 4294967295");
+        file_.fail(group, "at most 4294967295 corners", "more");
       const auto first = static_cast<std::uint32_t>(mesh.positions.size());
       for (std::uint32_t k = 1; k + 1 < corners; ++k)
         mesh.triangles.push_back({first, first + k, first + k + 1});
@@ -65,7 +65,7 @@ class GeometryReader {
  private:
   Source read_source(const pugi::xml_node& source, std::size_t components) {
     const pugi::xml_node accessor = source.child("technique_common").child("accessor");
-    if (!accessor) file_.fail(source, "has no accessor, permitted is one in its technique_common");
+    if (!accessor) file_.fail(source, "an accessor in its technique_common", "none");
     Source result;
     const std::vector<double>& values = file_.array(file_.target(accessor, "source", "float_array"));
     result.values = &values;
@@ -81,17 +81,16 @@ class GeometryReader {
       for (std::size_t k = 0; k < std::min<std::uint64_t>(result.stride, components); ++k)
         result.places.push_back(k);
     if (result.places.size() < components)
-      file_.fail(accessor, "has " + std::to_string(result.places.size()) +
-                               " components, permitted are at least " + std::to_string(components));
+      file_.fail(accessor, "at least " + std::to_string(components) + " components",
+                 std::to_string(result.places.size()));
     result.places.resize(components);
     const std::uint64_t width = result.places.back() + 1, there = values.size();
     if (result.count > 0 &&
         (result.stride < width || result.offset > there || width > there - result.offset ||
          result.count - 1 > (there - result.offset - width) / result.stride))
-      file_.fail(accessor, "asks for " + std::to_string(result.count) + " vectors of " +
-                               std::to_string(width) + " numbers, " + std::to_string(result.stride) +
-                               " apart, permitted are as many as the " + std::to_string(there) +
-                               " numbers of its array hold");
+      file_.fail(accessor, "vectors within the " + std::to_string(there) + " numbers of its array",
+                 std::to_string(result.count) + " vectors of " + std::to_string(width) + " numbers, " +
+                     std::to_string(result.stride) + " apart");
     return result;
   }
 
@@ -106,8 +105,7 @@ class GeometryReader {
     if (semantic == "TEXBINORMAL" || semantic == "BINORMAL") add(inputs.bitangent, 3);
     if (semantic != "TEXCOORD") return;
     const std::uint64_t set = file_.count(input, "set", 0);
-    if (set > INT32_MAX)
-      file_.fail(input, "has the set " + std::to_string(set) + ", permitted are 0 to 2147483647");
+    if (set > INT32_MAX) file_.fail(input, "a set from 0 to 2147483647", std::to_string(set));
     if (!inputs.uvs.contains(set) && inputs.uvs.size() < most_uv_sets)
       inputs.uvs.emplace(set, Input{offset, read_source(file_.target(input, "source", "source"), 2)});
   }
@@ -117,8 +115,7 @@ class GeometryReader {
     constexpr std::uint64_t most_offset = 1000;
     for (const pugi::xml_node input : group.children("input")) {
       const std::uint64_t offset = file_.count(input, "offset", 0);
-      if (offset > most_offset)
-        file_.fail(input, "has the offset " + std::to_string(offset) + ", permitted are 0 to 1000");
+      if (offset > most_offset) file_.fail(input, "an offset from 0 to 1000", std::to_string(offset));
       inputs.stride = std::max(inputs.stride, offset + 1);
       if (std::string_view(input.attribute("semantic").value()) != "VERTEX") {
         add_input(input, offset, inputs);
@@ -127,9 +124,7 @@ class GeometryReader {
       for (const pugi::xml_node of_vertex : file_.target(input, "source", "vertices").children("input"))
         add_input(of_vertex, offset, inputs);
     }
-    if (!inputs.position)
-      file_.fail(group,
-                 "has no positions, permitted is one with an input VERTEX whose vertices have POSITION");
+    if (!inputs.position) file_.fail(group, "an input VERTEX whose vertices have POSITION", "none");
     return inputs;
   }
 
@@ -144,17 +139,14 @@ class GeometryReader {
         polygon.insert(polygon.end(), from.begin() + static_cast<std::ptrdiff_t>(c * stride),
                        from.begin() + static_cast<std::ptrdiff_t>((c + 1) * stride));
     };
-    if (kind == "polylist" && group.child("p").next_sibling("p"))
-      file_.fail(group, "has several <p>, permitted is one");
+    if (kind == "polylist" && group.child("p").next_sibling("p")) file_.fail(group, "one <p>", "several");
     for (const pugi::xml_node p : group.children("p")) {
       std::vector<std::uint64_t> indices = file_.indices(p);
       if (indices.size() % stride != 0)
-        file_.fail(p, "has " + std::to_string(indices.size()) + " indices, permitted is a multiple of " +
-                          std::to_string(stride));
+        file_.fail(p, "a multiple of " + std::to_string(stride) + " indices", std::to_string(indices.size()));
       const std::uint64_t corners = indices.size() / stride;
       if (kind == "triangles") {
-        if (corners % 3 != 0)
-          file_.fail(p, "has " + std::to_string(corners) + " corners, permitted is a multiple of 3");
+        if (corners % 3 != 0) file_.fail(p, "a multiple of 3 corners", std::to_string(corners));
         for (std::uint64_t c = 0; c < corners; c += 3) add(indices, {c, c + 1, c + 2});
       } else if (kind == "tristrips") {
         for (std::uint64_t c = 0; c + 2 < corners; ++c) add(indices, {c, c + 1 + c % 2, c + 2 - c % 2});
@@ -169,8 +161,8 @@ class GeometryReader {
     const bool counted = kind == "triangles" || kind == "polylist" || kind == "polygons";
     if (const std::uint64_t stated = file_.count(group, "count", polygons.size());
         counted && stated != polygons.size())
-      file_.fail(group, "states a count of " + std::to_string(stated) + ", permitted is that of the " +
-                            std::to_string(polygons.size()) + " polygons it has");
+      file_.fail(group, "a count of its " + std::to_string(polygons.size()) + " polygons",
+                 std::to_string(stated));
     return polygons;
   }
 
@@ -187,8 +179,8 @@ class GeometryReader {
       left -= n;
     }
     if (left > 0)
-      file_.fail(group, "has a <vcount> that is not of the " + std::to_string(corners) +
-                            " corners of its <p>, permitted is one that sums up to them");
+      file_.fail(group, "a <vcount> that sums up to the " + std::to_string(corners) + " corners of its <p>",
+                 "another sum");
   }
 
   template <std::size_t N>
@@ -196,9 +188,10 @@ class GeometryReader {
                                   const std::uint64_t* corner) const {
     const std::uint64_t index = corner[input.offset];
     if (index >= input.source.count)
-      file_.fail(group, "has the index " + std::to_string(index) + " at offset " +
-                            std::to_string(input.offset) + ", permitted are those of the " +
-                            std::to_string(input.source.count) + " vectors there, from 0");
+      file_.fail(group,
+                 "indices below " + std::to_string(input.source.count) + " at offset " +
+                     std::to_string(input.offset),
+                 std::to_string(index));
     std::array<double, N> result;
     for (std::size_t k = 0; k < N; ++k) result[k] = input.source.component(index, k);
     return result;

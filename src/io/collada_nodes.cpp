@@ -6,6 +6,7 @@
 #include <darboux/error.h>
 
 #include "collada.h"
+#include "files.h"
 
 namespace darboux::io {
 namespace {
@@ -13,8 +14,7 @@ namespace {
 std::vector<double> numbers_of(const Collada& file, const pugi::xml_node& element, std::size_t wanted) {
   std::vector<double> result = file.numbers(element);
   if (result.size() != wanted)
-    file.fail(element,
-              "has " + std::to_string(result.size()) + " numbers, permitted are " + std::to_string(wanted));
+    file.fail(element, std::to_string(wanted) + " numbers", std::to_string(result.size()));
   return result;
 }
 
@@ -48,7 +48,7 @@ Eigen::Matrix4d local_matrix(const Collada& file, const pugi::xml_node& node) {
     } else if (kind == "lookat") {
       transform.matrix() *= look_at(numbers_of(file, element, 9));
     } else if (kind == "skew") {
-      file.fail(element, "skews, permitted are matrix, translate, rotate, scale and lookat");
+      file.fail(element, "matrix, translate, rotate, scale or lookat", "skew");
     }
   }
   return transform.matrix();
@@ -63,7 +63,8 @@ pugi::xml_node geometry_of(const Collada& file, const pugi::xml_node& instance) 
     shown = file.find(skin ? skin : shown.child("morph"), "source");
   }
   if (std::string_view(shown.name()) != "geometry")
-    file.fail(instance, "shows no <geometry>, permitted is the #ID of one, or of a controller of one");
+    file.fail(instance, "the #ID of a <geometry>, or of a controller of one",
+              in_quotes(instance.attribute("url").value()));
   return shown;
 }
 
@@ -95,8 +96,7 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const Collada& file,
     const Eigen::Matrix4d world = visits[i].parent * matrix->second;
     for (const pugi::xml_node child : node.children()) {
       if (++looks > most_looks)
-        file.fail(node,
-                  "is shown too often, permitted are nodes of 1000000 elements in all, none within itself");
+        file.fail(node, "nodes of at most 1000000 elements in all, none within itself", "more");
       const std::string_view kind = child.name();
       if (kind == "node") visits.push_back({child, world});
       if (kind == "instance_node") visits.push_back({file.target(child, "url", "node"), world});

@@ -24,10 +24,10 @@ class Budget {
   explicit Budget(const GltfFile& file) {
     for (const auto& buffer : file.buffers) left_ += buffer ? buffer->size() << 10 : 0;
   }
-  void take(const Place& compressed, std::uint64_t count, std::uint64_t bytes, const std::string& what) {
+  void take(const JsonCursor& compressed, std::uint64_t count, std::uint64_t bytes, const std::string& what) {
     if (count > left_ / bytes)
-      compressed.fail("holds a stream of " + std::to_string(count) + what +
-                      ", permitted for a file of this size are " + std::to_string(left_) + " bytes");
+      compressed.fail("a stream of at most " + std::to_string(left_) + " bytes for a file of this size",
+                      std::to_string(count) + what);
     left_ -= count * bytes;
   }
 
@@ -39,12 +39,12 @@ class Budget {
 template <class Decoder>
 class BoundedDecoder final : public Decoder {
  public:
-  BoundedDecoder(const Place& compressed, Budget& budget) : compressed_(compressed), budget_(budget) {}
+  BoundedDecoder(const JsonCursor& compressed, Budget& budget) : compressed_(compressed), budget_(budget) {}
 
  protected:
   bool DecodeConnectivity() override {
     // Edgebreaker states vertices and faces; the other faces and points. Vertices and points are at most
-    // three a face, which Draco checks.
+    // three per face, which Draco checks.
     draco::DecoderBuffer ahead = *this->buffer();
     std::uint32_t first = 0, second = 0;
     if (!DecodeVarint(&first, &ahead) || !DecodeVarint(&second, &ahead)) return false;
@@ -66,14 +66,14 @@ class BoundedDecoder final : public Decoder {
   }
 
  private:
-  const Place& compressed_;
+  const JsonCursor& compressed_;
   Budget& budget_;
 };
 
 /// \param compressed the extension's object
-void decode(std::string_view stream, const Place& compressed, Budget& budget, draco::Mesh& mesh) {
+void decode(std::string_view stream, const JsonCursor& compressed, Budget& budget, draco::Mesh& mesh) {
   const auto refuse = [&](const std::string& why) {
-    compressed.fail("holds a stream that cannot be decoded (" + why + "), permitted is a mesh of Draco 2.2");
+    compressed.fail("a mesh of Draco 2.2", "a stream that cannot be decoded (" + why + ")");
   };
   draco::DecoderBuffer buffer, header_buffer;
   buffer.Init(stream.data(), stream.size());
@@ -105,11 +105,12 @@ void decode(std::string_view stream, const Place& compressed, Budget& budget, dr
 }
 
 /// The values of an attribute as the accessor states them, one for each point.
-void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute, const Place& index,
+void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute, const JsonCursor& index,
                  Accessor& values) {
   if (attribute.num_components() != values.components)
-    index.fail("names an accessor of type " + values.type + ", permitted are the " +
-               std::to_string(attribute.num_components()) + " components of its " + extension);
+    index.fail("an accessor of the " + std::to_string(attribute.num_components()) + " components of its " +
+                   extension,
+               values.type);
   values.bytes.resize(values.count * values.element_bytes);
   with_component(values.component_type, [&](auto zero) {
     using T = decltype(zero);
@@ -118,8 +119,8 @@ void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute
       const draco::AttributeValueIndex at = attribute.mapped_index(draco::PointIndex(i));
       if (at.value() >= attribute.size() ||
           !attribute.ConvertValue(at, static_cast<std::int8_t>(values.components), element.data()))
-        index.fail("leads to a value of vertex " + std::to_string(i) + " in its " + extension +
-                   " that is missing or beyond the accessor's componentType, permitted are values within it");
+        index.fail(std::string("values in its ") + extension + " within the accessor's componentType",
+                   "one of vertex " + std::to_string(i) + " that is missing or beyond it");
       std::memcpy(values.bytes.data() + i * values.element_bytes, element.data(),
                   values.components * sizeof(T));
     }
@@ -161,24 +162,24 @@ double half_step_of(const Accessor& values) {
   return 0;
 }
 
-std::vector<std::uint32_t> corners_of(const draco::Mesh& mesh, const Place& compressed) {
+std::vector<std::uint32_t> corners_of(const draco::Mesh& mesh, const JsonCursor& compressed) {
   std::vector<std::uint32_t> corners;
   corners.reserve(std::size_t{3} * mesh.num_faces());
   for (std::uint32_t i = 0; i < mesh.num_faces(); ++i)
     for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(i))) {
       if (corner.value() >= mesh.num_points())
-        compressed.fail("holds a triangle with vertex " + std::to_string(corner.value()) +
-                        ", permitted are 0 to " + std::to_string(mesh.num_points()) + " exclusive");
+        compressed.fail("triangles of vertices below " + std::to_string(mesh.num_points()),
+                        std::to_string(corner.value()));
       corners.push_back(corner.value());
     }
-  if (corners.empty()) compressed.fail("holds no triangles, permitted is at least one");
+  if (corners.empty()) compressed.fail("at least one triangle", "none");
   return corners;
 }
 
-void expect_count(const Place& index, std::uint64_t stated, std::uint64_t decoded) {
+void expect_count(const JsonCursor& index, std::uint64_t stated, std::uint64_t decoded) {
   if (stated != decoded)
-    index.fail("names an accessor of " + std::to_string(stated) + " elements, permitted are the " +
-               std::to_string(decoded) + " of its " + extension);
+    index.fail("an accessor of the " + std::to_string(decoded) + " elements of its " + extension,
+               std::to_string(stated));
 }
 
 void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_index, Budget& budget) {
@@ -190,13 +191,12 @@ void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_in
   std::vector<Renewed> attributes;
   std::vector<std::uint32_t> corners;
   {  // places refer to the document, and end before it is changed
-    const Place primitive = file.root().at("meshes").at(mesh_index).at("primitives").at(primitive_index);
+    const JsonCursor primitive = file.root().at("meshes").at(mesh_index).at("primitives").at(primitive_index);
     const auto found = primitive.extension(extension);
     if (!found) return;
     const std::uint64_t mode = primitive.has("mode") ? primitive.at("mode").integer() : triangles;
     if (mode != triangles && mode != triangle_strip)
-      primitive.at("mode").fail("is " + std::to_string(mode) + ", permitted with " + extension +
-                                " are 4 and 5");
+      primitive.at("mode").fail(std::string("4 or 5 with ") + extension);
 
     draco::Mesh mesh;
     decode(file.view_bytes(file.element("bufferViews", found->at("bufferView"))), *found, budget, mesh);
@@ -206,18 +206,18 @@ void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_in
       expect_count(primitive.at("indices"),
                    accessor_layout(file.element("accessors", primitive.at("indices"))).count, corners.size());
 
-    const Place ids = found->at("attributes");
-    const Place all = primitive.at("attributes");
+    const JsonCursor ids = found->at("attributes");
+    const JsonCursor all = primitive.at("attributes");
     for (const auto& [name, number] : all.json().items()) {
       if (!ids.has(name.c_str())) continue;
-      const Place id = ids.at(name.c_str()), index = all.at(name.c_str());
+      const JsonCursor id = ids.at(name.c_str()), index = all.at(name.c_str());
       const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(
           static_cast<std::uint32_t>(id.integer(0, std::numeric_limits<std::uint32_t>::max())));
       if (attribute == nullptr) {
         std::string list;
         for (int i = 0; i < mesh.num_attributes(); ++i)
           list += (i == 0 ? "" : ", ") + std::to_string(mesh.attribute(i)->unique_id());
-        id.fail("is " + id.shown() + ", permitted are those of the stream: " + in_quotes(list));
+        id.fail("one of those of the stream: " + in_quotes(list));
       }
       Accessor values = accessor_layout(file.element("accessors", index));
       expect_count(index, values.count, mesh.num_points());
@@ -243,7 +243,7 @@ void decompress_draco(GltfFile& file) {
   Budget budget(file);
   const std::size_t meshes = file.root().has("meshes") ? file.root().at("meshes").size() : 0;
   for (std::size_t m = 0; m < meshes; ++m) {
-    const Place mesh = file.root().at("meshes").at(m);
+    const JsonCursor mesh = file.root().at("meshes").at(m);
     const std::size_t primitives = mesh.has("primitives") ? mesh.at("primitives").size() : 0;
     for (std::size_t p = 0; p < primitives; ++p) decompress(file, m, p, budget);
   }

@@ -35,15 +35,18 @@ std::string decode_base64(const std::string& file, const std::string& name, std:
   for (std::size_t i = 0; i < text.size(); ++i) {
     const std::uint8_t value = values[static_cast<unsigned char>(text[i])];
     if (value == 255)
-      throw FileError(file, name + " holds a data URI with a character that is not base64 at position " +
-                                std::to_string(i) + ", permitted are A-Z a-z 0-9 + / and = at the end");
+      throw FileError(file,
+                      name + ": " +
+                          expected_got("a data URI of A-Z a-z 0-9 + / and = at the end",
+                                       in_quotes(text.substr(i, 1)) + " at position " + std::to_string(i)));
     bits = bits << 6 | value;
     if (i % 4 == 1) bytes += static_cast<char>(bits >> 4);
     if (i % 4 == 2) bytes += static_cast<char>(bits >> 2);
     if (i % 4 == 3) bytes += static_cast<char>(bits);
   }
   if (text.size() % 4 == 1)
-    throw FileError(file, name + " holds a data URI cut short, permitted is base64 in whole bytes");
+    throw FileError(
+        file, name + ": " + expected_got("a data URI of base64 in whole bytes", "one that is cut short"));
   return bytes;
 }
 
@@ -77,10 +80,10 @@ void expect_regular_file(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found)
-    throw FileError(path, "does not exist, permitted is a readable file");
-  if (std::filesystem::is_directory(status)) throw FileError(path, "is a folder, permitted is a file");
+    throw FileError(path, expected_got("a readable file", "no file of this name"));
+  if (std::filesystem::is_directory(status)) throw FileError(path, expected_got("a file", "a folder"));
   if (!error && !std::filesystem::is_regular_file(status))
-    throw FileError(path, "is a device or a pipe, permitted is a regular file");
+    throw FileError(path, expected_got("a regular file", "a device or a pipe"));
 }
 
 std::string read_file(const std::string& path) {
@@ -88,13 +91,12 @@ std::string read_file(const std::string& path) {
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   if (!stream)
-    throw FileError(
-        path, std::string("cannot be opened (") + std::strerror(errno) + "), permitted is a readable file");
+    throw FileError(path, "cannot be opened: " + expected_got("a readable file", std::strerror(errno)));
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   std::string bytes(error ? 0 : size, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!stream || error) throw FileError(path, "cannot be read to its end, permitted is a readable file");
+  if (!stream || error) throw FileError(path, expected_got("a readable file", "an error before its end"));
   return bytes;
 }
 
@@ -112,21 +114,22 @@ bool is_data_uri(std::string_view uri) {
 }
 
 std::string load_uri(const std::string& base, const std::string& name, const std::string& uri) {
-  const std::string permitted = ", permitted are relative paths and base64 data URIs";
+  const auto refuse = [&] {
+    throw FileError(base, name + ": " + expected_got("a relative path or a base64 data URI", in_quotes(uri)));
+  };
   if (is_data_uri(uri)) {
     const std::size_t comma = uri.find(',');
-    if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
-      throw FileError(base, name + " is " + in_quotes(uri) + permitted);
+    if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64")) refuse();
     return decode_base64(base, name, std::string_view(uri).substr(comma + 1));
   }
   const std::string relative = decode_percent(uri);
   if (relative.empty() || has_scheme(uri) || relative.front() == '/' || relative.front() == '\\' ||
       relative.find('\0') != std::string::npos)
-    throw FileError(base, name + " is " + in_quotes(uri) + permitted);
+    refuse();
   try {
     return read_file((std::filesystem::path(base).parent_path() / relative).string());
   } catch (const FileError& error) {
-    throw FileError(base, name + " names " + one_line(error.what()));
+    throw FileError(base, name + ": " + one_line(error.what()));
   }
 }
 

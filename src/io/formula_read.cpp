@@ -124,6 +124,19 @@ class Parser : public mu::Parser {
   static double two_arguments(void*, double x, double) { return x; }
 };
 
+// none for codes that do not combine the two values on top of the stack.
+Operation binary_operation(mu::ECmdCode code) {
+  constexpr std::pair<mu::ECmdCode, Operation> operations[] = {
+      {mu::cmADD, Operation::add},    {mu::cmSUB, Operation::subtract},   {mu::cmMUL, Operation::multiply},
+      {mu::cmDIV, Operation::divide}, {mu::cmPOW, Operation::power},      {mu::cmLT, Operation::less},
+      {mu::cmGT, Operation::greater}, {mu::cmLE, Operation::not_greater}, {mu::cmGE, Operation::not_less},
+      {mu::cmEQ, Operation::equal},   {mu::cmNEQ, Operation::unequal},    {mu::cmLAND, Operation::both},
+      {mu::cmLOR, Operation::either}};
+  for (const auto& [from, to] : operations)
+    if (from == code) return to;
+  return Operation::none;
+}
+
 class Reader {
  public:
   explicit Reader(const std::string& path) : path_(path) {}
@@ -140,7 +153,7 @@ class Reader {
       const double value = execute(definition.code, variables, stack);
       if (!std::isfinite(value))
         fail(definition,
-             "parameter " + definition.name + " is " + shortest(value) + ", permitted are finite numbers");
+             "parameter " + definition.name + ": " + expected_got("a finite number", shortest(value)));
       program_.standard.push_back(value);
     }
     return std::move(program_);
@@ -157,8 +170,7 @@ class Reader {
   void read_lines(const std::string& text) {
     constexpr std::size_t largest = 1 << 20;
     if (text.size() > largest)
-      throw FileError(
-          path_, "has " + std::to_string(text.size()) + " bytes, permitted is a formula of at most 1048576");
+      throw FileError(path_, expected_got("a formula of at most 1048576 bytes", std::to_string(text.size())));
     int line_number = 0;
     std::string_view rest = text;
     if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
@@ -173,8 +185,8 @@ class Reader {
       const auto found = variables_.find(name);
       if (found == variables_.end())
         throw FileError(path_,
-                        name + " is not defined, permitted is a file that defines x, y and z by lines like " +
-                            name + " = cos(2*pi*u)");
+                        expected_got("definitions of x, y and z by lines like " + name + " = cos(2*pi*u)",
+                                     "none of " + name));
       program_.position[k] = found->second;
     }
   }
@@ -188,24 +200,24 @@ class Reader {
     const bool good =
         equals != std::string_view::npos && !name.empty() && begins_name(name[0]) &&
         std::all_of(name.begin(), name.end(), [](char c) { return begins_name(c) || is_digit(c); });
-    if (!good)
-      fail(number, in_quotes(content) + " is no definition, permitted are lines like x = a*cos(2*pi*u)");
+    if (!good) fail(number, expected_got("lines like x = a*cos(2*pi*u)", in_quotes(content)));
     if (name == "u" || name == "v" || name == "pi" || find_function(name))
-      fail(
-          number,
-          name + " has a meaning of its own, permitted are other names than u, v, pi and those of functions");
+      fail(number, expected_got("a name other than u, v, pi and those of functions", name));
     if (const auto before = variables_.find(name); before != variables_.end())
-      fail(number, name + " is defined again, permitted is once (line " +
-                       std::to_string(at(before->second - first_definition).line) + " does)");
+      fail(number, name + ": " +
+                       expected_got("one definition",
+                                    "a second one (the first is in line " +
+                                        std::to_string(at(before->second - first_definition).line) + ")"));
     // muParser would stop at a NUL and be content.
     if (std::any_of(content.begin(), content.end(),
                     [](char c) { return static_cast<unsigned char>(c) < 32 && c != '\t'; }))
-      fail(number, in_quotes(content) + " holds a control character, permitted is text");
+      fail(number, expected_got("text", in_quotes(content) + ", which holds a control character"));
     Definition d;
     d.name = name;
     d.line = number;
     const std::string_view expression = trimmed(content.substr(equals + 1));
-    if (expression.empty()) fail(number, name + " has no value, permitted are lines like " + name + " = 2");
+    if (expression.empty())
+      fail(number, expected_got("lines like " + name + " = 2", name + " without a value"));
     d.text = expression;
     d.column = static_cast<int>(expression.data() - line.data()) + 1;
     if (hash != std::string_view::npos) d.meaning = one_line(std::string(trimmed(line.substr(hash + 1))));
@@ -270,8 +282,8 @@ class Reader {
                    std::find_if(open.begin(), open.end(), [&](const auto& o) { return o.first == next; });
                link != open.end(); ++link)
             circle += at(link->first).name + " -> ";
-          fail(at(next), "a definition needs itself: " + circle + at(next).name +
-                             ", permitted are definitions that end at numbers, u and v");
+          fail(at(next), expected_got("definitions that end at numbers, u and v",
+                                      "one that needs itself: " + circle + at(next).name));
         }
         enter(next);
       }
@@ -296,8 +308,8 @@ class Reader {
       if (at(static_cast<int>(d)).code.empty()) translate(parser, static_cast<int>(d), places);
   }
 
-  void translate(Parser& parser, int d, const std::vector<double>& places) {
-    Definition& definition = at(d);
+  // Has muParser make its bytecode of one expression.
+  void parse(Parser& parser, const Definition& definition) const {
     int results = 0;
     try {
       parser.SetExpr(definition.text);
@@ -306,8 +318,14 @@ class Reader {
       fail(definition, syntax_error(definition, error));
     }
     if (results != 1)
-      fail(definition, in_quotes(definition.text) + " is " + std::to_string(results) +
-                           " expressions with commas between them, permitted is one");
+      fail(definition, expected_got("one expression", in_quotes(definition.text) + ", which is " +
+                                                          std::to_string(results) +
+                                                          " expressions with commas between them"));
+  }
+
+  void translate(Parser& parser, int d, const std::vector<double>& places) {
+    Definition& definition = at(d);
+    parse(parser, definition);
     const mu::ParserByteCode& bytecode = parser.GetByteCode();
     const mu::SToken* token = bytecode.GetBase();
     std::vector<bool> varies,
@@ -325,6 +343,10 @@ class Reader {
         return Instruction{operation, 0, right ? 0 : 1};
       };
       Instruction instruction{Operation::none};
+      if (const Operation operation = binary_operation(t.Cmd); operation != Operation::none) {
+        definition.code.push_back(binary(operation));
+        continue;
+      }
       switch (t.Cmd) {
         case mu::cmVAL:
           instruction = {Operation::number, t.Val.data2};
@@ -336,45 +358,6 @@ class Reader {
           varies.push_back(varies_[static_cast<std::size_t>(k)]);
           break;
         }
-        case mu::cmADD:
-          instruction = binary(Operation::add);
-          break;
-        case mu::cmSUB:
-          instruction = binary(Operation::subtract);
-          break;
-        case mu::cmMUL:
-          instruction = binary(Operation::multiply);
-          break;
-        case mu::cmDIV:
-          instruction = binary(Operation::divide);
-          break;
-        case mu::cmPOW:
-          instruction = binary(Operation::power);
-          break;
-        case mu::cmLT:
-          instruction = binary(Operation::less);
-          break;
-        case mu::cmGT:
-          instruction = binary(Operation::greater);
-          break;
-        case mu::cmLE:
-          instruction = binary(Operation::not_greater);
-          break;
-        case mu::cmGE:
-          instruction = binary(Operation::not_less);
-          break;
-        case mu::cmEQ:
-          instruction = binary(Operation::equal);
-          break;
-        case mu::cmNEQ:
-          instruction = binary(Operation::unequal);
-          break;
-        case mu::cmLAND:
-          instruction = binary(Operation::both);
-          break;
-        case mu::cmLOR:
-          instruction = binary(Operation::either);
-          break;
         case mu::cmIF:
           instruction = {Operation::jump_if_zero, 0, t.Oprt.offset};
           take();
@@ -401,10 +384,9 @@ class Reader {
           break;
         }
         default:
-          fail(
-              definition,
-              in_quotes(definition.text) +
-                  " is no value: it has an assignment or a text in it, permitted are expressions of numbers");
+          fail(definition,
+               expected_got("an expression of numbers",
+                            in_quotes(definition.text) + ", which holds an assignment or a text"));
       }
       definition.code.push_back(instruction);
     }

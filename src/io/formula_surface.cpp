@@ -81,7 +81,7 @@ class FormulaSurface {
   std::string refusal() const {
     for (const ParameterValue& p : parameter_values())
       if (!std::isfinite(p.value))
-        return std::string(p.name) + " = " + shortest(p.value) + ", permitted are finite numbers";
+        return std::string(p.name) + ": " + expected_got("a finite number", shortest(p.value));
     return {};
   }
 

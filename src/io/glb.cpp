@@ -6,6 +6,7 @@
 #include <darboux/error.h>
 #include <darboux/io.h>
 
+#include "base/text.h"
 #include "gltf_file.h"
 
 namespace darboux {
@@ -57,15 +58,15 @@ GltfFile new_file(const std::string& path) {
 // With a node of its own.
 void append_mesh(GltfFile& file, const Mesh& mesh, const std::string& name, const std::string& extras_json) {
   check_consistent(mesh, name);
-  if (mesh.triangles.empty()) throw MeshError(name, "has no triangles, permitted for a file is at least one");
+  if (mesh.triangles.empty()) throw MeshError(name, expected_got("at least one triangle", "none"));
 
   const std::vector<float> positions = flatten(mesh.positions);
   std::array<float, 3> least{}, greatest{};
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const float x = positions[i];
     if (!std::isfinite(x))
-      throw MeshError(name, "has a position that is not finite as a float at vertex " +
-                                std::to_string(i / 3) + ", permitted are finite positions");
+      throw MeshError(name, "position of vertex " + std::to_string(i / 3) + ": " +
+                                expected_got("finite floats", shortest(static_cast<double>(x))));
     least[i % 3] = i < 3 ? x : std::min(least[i % 3], x);
     greatest[i % 3] = i < 3 ? x : std::max(greatest[i % 3], x);
   }
@@ -100,7 +101,7 @@ Json io::parse_extras(const char* subject, const std::string& text) {
   } catch (const FileError& error) {
     throw ParameterError(subject, error.what());
   }
-  throw ParameterError(subject, "extras_json is " + in_quotes(text) + ", permitted is a JSON object");
+  throw ParameterError(subject, "extras_json: " + expected_got("a JSON object", in_quotes(text)));
 }
 
 void write_glb(const std::string& path, const Mesh& mesh, const std::string& name,

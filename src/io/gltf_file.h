@@ -12,7 +12,7 @@
 
 #include <darboux/io.h>
 
-#include "place.h"
+#include "json_cursor.h"
 
 namespace darboux {
 
@@ -30,14 +30,14 @@ struct GltfFile {
   std::map<std::size_t, double> half_steps;
   std::string other_chunks;  ///< chunks of the GLB that glTF 2.0 does not define, headers included
 
-  io::Place root() const { return {path, json, "the document"}; }
+  io::JsonCursor root() const { return {path, json, "the document"}; }
 
   /// The entry of a top-level array that `index` names.
-  io::Place element(const char* array, const io::Place& index) const;
+  io::JsonCursor element(const char* array, const io::JsonCursor& index) const;
 
   /// The bytes that the buffer, byteOffset and byteLength of a bufferView, or of what is written like one,
   /// name. They hold until something is appended. \throws FileError
-  std::string_view view_bytes(const io::Place& view) const;
+  std::string_view view_bytes(const io::JsonCursor& view) const;
 
   /// Appends bytes to buffer 0, at a multiple of 4; returns where they begin.
   std::size_t append_bytes(std::string_view bytes);
@@ -113,7 +113,7 @@ Json parse_json(const std::string& file, std::string_view text);
 Asset read_gltf(const GltfFile& file);
 
 /// What the morph targets of a primitive add to positions, normals and one TEXCOORD set. \throws FileError
-std::vector<MorphTarget> read_targets(const GltfFile& file, const Place& primitive, int texcoord,
+std::vector<MorphTarget> read_targets(const GltfFile& file, const JsonCursor& primitive, int texcoord,
                                       std::size_t vertices);
 
 }  // namespace io

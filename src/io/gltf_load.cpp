@@ -5,6 +5,7 @@
 
 #include <darboux/error.h>
 
+#include "base/text.h"
 #include "gltf_file.h"
 
 namespace darboux {
@@ -28,14 +29,16 @@ struct Chunks {
 
 Chunks split_chunks(const std::string& path, std::string_view bytes) {
   if (bytes.size() < header_bytes + chunk_header_bytes)
-    throw FileError(path, "ends within the header of a GLB, permitted are at least 20 bytes");
+    throw FileError(path,
+                    expected_got("the header of a GLB, of at least 20 bytes", std::to_string(bytes.size())));
   if (const std::uint32_t version = read_u32(bytes, 4); version != 2)
-    throw FileError(path, "is GLB version " + std::to_string(version) + ", permitted is version 2");
+    throw FileError(path, expected_got("GLB version 2", "version " + std::to_string(version)));
   // Bytes after the stated length are nobody's.
   if (const std::uint32_t length = read_u32(bytes, 8);
       length > bytes.size() || length < header_bytes + chunk_header_bytes)
-    throw FileError(path, "states a length of " + std::to_string(length) + " bytes, expected at most the " +
-                              std::to_string(bytes.size()) + " there are and at least 20");
+    throw FileError(path, expected_got("a stated length of at most the " + std::to_string(bytes.size()) +
+                                           " bytes there are and at least 20",
+                                       std::to_string(length)));
   else
     bytes = bytes.substr(0, length);
   Chunks chunks;
@@ -46,10 +49,11 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
     const std::size_t length = read_u32(bytes, at), left = bytes.size() - at - chunk_header_bytes;
     const std::uint32_t type = read_u32(bytes, at + 4);
     if (length > left)
-      throw FileError(path, "states " + std::to_string(length) + " bytes for " + name +
-                                ", permitted are the " + std::to_string(left) + " that follow");
+      throw FileError(path, name + ": " +
+                                expected_got("at most the " + std::to_string(left) + " bytes that follow",
+                                             std::to_string(length)));
     if (number == 0 && type != json_chunk)
-      throw FileError(path, "has a first chunk that is not JSON, permitted is the JSON chunk first");
+      throw FileError(path, expected_got("the JSON chunk first", "another"));
     if (number == 0) {
       chunks.json = bytes.substr(at + chunk_header_bytes, length);
     } else if (number == 1 && type == bin_chunk) {
@@ -70,35 +74,34 @@ constexpr std::string_view known_extensions[] = {"KHR_mesh_quantization",   "KHR
                                                  "EXT_mesh_features",       "EXT_structural_metadata",
                                                  "EXT_mesh_manifold",       "CESIUM_primitive_outline"};
 
-void check_version(const Place& document) {
-  const Place asset = document.at("asset");
-  const Place version = asset.at("version");
-  if (!version.text().starts_with("2."))
-    version.fail("is " + version.shown() + ", permitted is glTF \"2.0\" and its minor versions");
+void check_version(const JsonCursor& document) {
+  const JsonCursor asset = document.at("asset");
+  const JsonCursor version = asset.at("version");
+  if (!version.text().starts_with("2.")) version.fail("glTF \"2.0\" or one of its minor versions");
   if (asset.has("minVersion") && asset.at("minVersion").text() != "2.0")
-    asset.at("minVersion").fail("is " + asset.at("minVersion").shown() + ", permitted is \"2.0\"");
+    asset.at("minVersion").fail("\"2.0\"");
 }
 
 // Whether some object that holds triangles has the extension.
-bool hangs_on_triangles(const Place& document, const char* name) {
-  const auto any = [&](const Place& owner, const char* key, auto&& also) {
+bool hangs_on_triangles(const JsonCursor& document, const char* name) {
+  const auto any = [&](const JsonCursor& owner, const char* key, auto&& also) {
     if (!owner.has(key)) return false;
-    const Place list = owner.at(key);
+    const JsonCursor list = owner.at(key);
     for (std::size_t i = 0; i < list.size(); ++i)
       if (list.at(i).extension(name) || also(list.at(i))) return true;
     return false;
   };
-  const auto nothing = [](const Place&) { return false; };
+  const auto nothing = [](const JsonCursor&) { return false; };
   for (const char* key : {"buffers", "bufferViews", "accessors"})
     if (any(document, key, nothing)) return true;
-  return any(document, "meshes", [&](const Place& mesh) { return any(mesh, "primitives", nothing); });
+  return any(document, "meshes", [&](const JsonCursor& mesh) { return any(mesh, "primitives", nothing); });
 }
 
 // A required extension that is unknown is refused where it may change triangles. Materials, textures, lights,
 // animations and nodes have no part in a mesh in its own space.
-void check_extensions(const Place& document) {
+void check_extensions(const JsonCursor& document) {
   if (!document.has("extensionsRequired")) return;
-  const Place required = document.at("extensionsRequired");
+  const JsonCursor required = document.at("extensionsRequired");
   for (std::size_t i = 0; i < required.size(); ++i) {
     const std::string& name = required.at(i).text();
     if (std::find(std::begin(known_extensions), std::end(known_extensions), name) !=
@@ -108,11 +111,11 @@ void check_extensions(const Place& document) {
     std::string list;
     for (const std::string_view known : known_extensions)
       list += (list.empty() ? "" : ", ") + std::string(known);
-    required.at(i).fail("may change triangles, expected one of " + list + " there, got " + in_quotes(name));
+    required.at(i).fail("one of " + list + " where triangles may be changed");
   }
 }
 
-void check_arrays(const Place& document) {
+void check_arrays(const JsonCursor& document) {
   for (const char* key :
        {"accessors", "buffers", "bufferViews", "images", "materials", "meshes", "nodes", "scenes"})
     if (document.has(key)) document.at(key).size();
@@ -121,24 +124,22 @@ void check_arrays(const Place& document) {
 /// \param chunk the binary chunk where there is one
 void load_buffers(GltfFile& file, std::optional<std::string> chunk) {
   if (!file.root().has("buffers")) return;
-  const Place buffers = file.root().at("buffers");
+  const JsonCursor buffers = file.root().at("buffers");
   for (std::size_t i = 0; i < buffers.size(); ++i) {
-    const Place buffer = buffers.at(i);
+    const JsonCursor buffer = buffers.at(i);
     const std::uint64_t length = buffer.at("byteLength").integer(1);
     std::optional<std::string> bytes;
     // A fallback is for readers that do not know the extension.
     const auto meshopt = buffer.extension("EXT_meshopt_compression");
     const bool fallback = meshopt && meshopt->has("fallback") && meshopt->at("fallback").boolean();
     if (buffer.has("uri")) {
-      const Place uri = buffer.at("uri");
+      const JsonCursor uri = buffer.at("uri");
       if (!fallback) bytes = load_uri(file.path, uri.name(), uri.text());
     } else if (i == 0) {
       bytes = std::move(chunk);
     }
     if (bytes && bytes->size() < length)
-      buffer.at("byteLength")
-          .fail("is " + std::to_string(length) + ", permitted are at most the " +
-                std::to_string(bytes->size()) + " bytes there are");
+      buffer.at("byteLength").fail("at most the " + std::to_string(bytes->size()) + " bytes there are");
     file.buffers.push_back(std::move(bytes));
   }
 }
@@ -159,14 +160,14 @@ void check_nesting(const std::string& file, std::string_view text) {
     }
     if (c == '{' || c == '[') {
       if (++level > most_levels)
-        throw FileError(
-            file, "nests JSON deeper than " + std::to_string(most_levels) + " levels, permitted are fewer");
+        throw FileError(file,
+                        expected_got("JSON of at most " + std::to_string(most_levels) + " levels", "more"));
       keys[level] = 0;
     }
     if ((c == '}' || c == ']') && level > 0) --level;
     if (c == ':' && ++keys[level] > most_keys)
-      throw FileError(
-          file, "has a JSON object of more than " + std::to_string(most_keys) + " keys, permitted are fewer");
+      throw FileError(file, expected_got("JSON objects of at most " + std::to_string(most_keys) + " keys",
+                                         "one of more"));
   }
 }
 
@@ -177,11 +178,10 @@ Json parse_json(const std::string& file, std::string_view text) {
   try {
     return Json::parse(text.begin(), text.end());
   } catch (const Json::parse_error& error) {
-    throw FileError(file, "is not JSON at byte " + std::to_string(error.byte) +
-                              " of the document, permitted is JSON in UTF-8");
+    throw FileError(file, expected_got("JSON in UTF-8", "something else at byte " +
+                                                            std::to_string(error.byte) + " of the document"));
   } catch (const Json::exception& error) {  // a number beyond the range of double
-    throw FileError(file, "holds JSON that cannot be read (" + in_quotes(error.what()) +
-                              "), permitted are numbers in the range of double");
+    throw FileError(file, expected_got("JSON with numbers in the range of double", in_quotes(error.what())));
   }
 }
 
@@ -203,12 +203,12 @@ GltfFile load_gltf(const std::string& path, std::string bytes) {
     const std::size_t skip = bytes.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
     const std::size_t first = bytes.find_first_not_of(" \t\r\n", skip);
     if (first == std::string::npos || bytes[first] != '{')
-      throw FileError(path, bytes.empty()
-                                ? "is empty, permitted is glTF 2.0"
-                                : "is not glTF, permitted is a GLB, which begins \"glTF\", or a JSON object");
+      throw FileError(path, expected_got("a GLB, which begins \"glTF\", or a JSON object",
+                                         bytes.empty() ? "an empty file" : "neither"));
     file.json = parse_json(path, bytes);
   }
-  if (!file.json.is_object()) throw FileError(path, "is not a JSON object, permitted is glTF 2.0");
+  if (!file.json.is_object())
+    throw FileError(path, expected_got("glTF 2.0, a JSON object", "another JSON value"));
   check_version(file.root());
   check_extensions(file.root());
   check_arrays(file.root());
@@ -235,27 +235,26 @@ void retire_extension(GltfFile& file, const char* name) {
 
 }  // namespace io
 
-io::Place GltfFile::element(const char* array, const io::Place& index) const {
+io::JsonCursor GltfFile::element(const char* array, const io::JsonCursor& index) const {
   const std::size_t size = root().has(array) ? root().at(array).size() : 0;
   const std::uint64_t number = index.integer();
   if (number >= size)
-    index.fail("is " + std::to_string(number) + ", permitted are " +
-               (size == 0 ? "none: there are no " + std::string(array)
-                          : "0 to " + std::to_string(size - 1) + ", the " + array + " there are"));
+    index.fail(size == 0 ? "none: there are no " + std::string(array)
+                         : "0 to " + std::to_string(size - 1) + ", the " + array + " there are");
   return root().at(array).at(number);
 }
 
-std::string_view GltfFile::view_bytes(const io::Place& view) const {
-  const io::Place buffer_index = view.at("buffer");
-  const io::Place buffer = element("buffers", buffer_index);
+std::string_view GltfFile::view_bytes(const io::JsonCursor& view) const {
+  const io::JsonCursor buffer_index = view.at("buffer");
+  const io::JsonCursor buffer = element("buffers", buffer_index);
   const auto& bytes = buffers[buffer_index.integer()];
-  if (!bytes) buffer.fail("has no data, permitted are a uri or, for buffer 0, the binary chunk of a GLB");
+  if (!bytes) buffer.fail("a uri or, for buffer 0, the binary chunk of a GLB", "no data");
   const std::uint64_t available = buffer.at("byteLength").integer();
   const std::uint64_t offset = view.integer_or("byteOffset", 0);
   const std::uint64_t length = view.at("byteLength").integer(1);
   if (offset > available || length > available - offset)
-    view.fail("asks for " + std::to_string(length) + " bytes from byte " + std::to_string(offset) +
-              ", permitted are the " + std::to_string(available) + " bytes of " + buffer.name());
+    view.fail("bytes within the " + std::to_string(available) + " of " + buffer.name(),
+              std::to_string(length) + " bytes from byte " + std::to_string(offset));
   return std::string_view(*bytes).substr(offset, length);
 }
 

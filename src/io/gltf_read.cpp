@@ -18,35 +18,34 @@ namespace {
 constexpr std::array mode_names = {"points",    "lines",          "line loop",   "line strip",
                                    "triangles", "triangle strip", "triangle fan"};
 
-Accessor read_attribute(const GltfFile& file, const Place& attributes, const std::string& name,
+Accessor read_attribute(const GltfFile& file, const JsonCursor& attributes, const std::string& name,
                         const char* type, std::uint64_t vertices) {
-  const Place index = attributes.at(name.c_str());
+  const JsonCursor index = attributes.at(name.c_str());
   Accessor accessor = read_accessor(file, index);
-  if (accessor.type != type)
-    index.fail("names an accessor of type " + accessor.type + ", permitted is " + type);
+  if (accessor.type != type) index.fail(std::string("an accessor of type ") + type, accessor.type);
   if (vertices != 0 && accessor.count != vertices)
-    index.fail("names an accessor of " + std::to_string(accessor.count) +
-               " elements, permitted are as many as POSITION's, " + std::to_string(vertices));
+    index.fail("an accessor of as many elements as POSITION's, " + std::to_string(vertices),
+               std::to_string(accessor.count));
   return accessor;
 }
 
 // Primitives and morph targets may share accessors, so that the file's size does not bound their sum. This is
-// what a GLB of 4 GiB holds at 16 bytes an element.
+// what a GLB of 4 GiB holds at 16 bytes per element.
 constexpr std::size_t most_elements = std::size_t{1} << 28;
 
-std::vector<std::uint32_t> read_indices(const GltfFile& file, const Place& primitive,
+std::vector<std::uint32_t> read_indices(const GltfFile& file, const JsonCursor& primitive,
                                         std::uint64_t vertices) {
-  const Place index = primitive.at("indices");
+  const JsonCursor index = primitive.at("indices");
   const Accessor accessor = read_accessor(file, index);
   const std::uint64_t type = accessor.component_type;
   if (accessor.type != "SCALAR" || (type != component_u8 && type != component_u16 && type != component_u32))
-    index.fail("names an accessor of type " + accessor.type + " and componentType " + std::to_string(type) +
-               ", permitted are SCALAR and 5121, 5123 or 5125");
+    index.fail("an accessor of type SCALAR and componentType 5121, 5123 or 5125",
+               accessor.type + " and " + std::to_string(type));
   std::vector<std::uint32_t> indices = unsigned_integers(accessor);
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= vertices)
-      index.fail("leads to index " + std::to_string(indices[i]) + " at place " + std::to_string(i) +
-                 ", permitted are 0 to " + std::to_string(vertices - 1));
+      index.fail("indices below " + std::to_string(vertices),
+                 std::to_string(indices[i]) + " at place " + std::to_string(i));
   return indices;
 }
 
@@ -95,8 +94,8 @@ std::vector<Vector> gather(const Accessor& accessor) {
   return vectors;
 }
 
-void read_triangles(const GltfFile& file, const Place& place, std::uint64_t mode, Primitive& primitive) {
-  const Place attributes = place.at("attributes");
+void read_triangles(const GltfFile& file, const JsonCursor& place, std::uint64_t mode, Primitive& primitive) {
+  const JsonCursor attributes = place.at("attributes");
   Mesh& mesh = primitive.data;
   const auto read = [&](const std::string& name, const char* type, std::size_t count, auto& values,
                         double& step) {
@@ -137,15 +136,14 @@ void read_triangles(const GltfFile& file, const Place& place, std::uint64_t mode
 }
 
 template <std::size_t N>
-std::array<double, N> read_numbers(const Place& place) {
-  if (place.size() != N)
-    place.fail("has " + std::to_string(place.size()) + " numbers, permitted are " + std::to_string(N));
+std::array<double, N> read_numbers(const JsonCursor& place) {
+  if (place.size() != N) place.fail(std::to_string(N) + " numbers", std::to_string(place.size()));
   std::array<double, N> values;
   for (std::size_t i = 0; i < N; ++i) values[i] = place.at(i).number();
   return values;
 }
 
-Eigen::Matrix4d local_matrix(const Place& node) {
+Eigen::Matrix4d local_matrix(const JsonCursor& node) {
   if (node.has("matrix"))
     return Eigen::Map<const Eigen::Matrix4d>(read_numbers<16>(node.at("matrix")).data());
   Eigen::Affine3d transform = Eigen::Affine3d::Identity();
@@ -165,10 +163,10 @@ Eigen::Matrix4d local_matrix(const Place& node) {
 }
 
 /// Lists of node indices: each element of the array under `key`, checked.
-void append_nodes(const GltfFile& file, const Place& owner, const char* key,
+void append_nodes(const GltfFile& file, const JsonCursor& owner, const char* key,
                   std::vector<std::size_t>& nodes) {
   if (!owner.has(key)) return;
-  const Place list = owner.at(key);
+  const JsonCursor list = owner.at(key);
   for (std::size_t i = 0; i < list.size(); ++i) {
     file.element("nodes", list.at(i));
     nodes.push_back(list.at(i).integer());
@@ -178,9 +176,9 @@ void append_nodes(const GltfFile& file, const Place& owner, const char* key,
 /// World matrices of the nodes that show each mesh.
 std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, std::size_t mesh_count) {
   std::vector<std::vector<Eigen::Matrix4d>> instances(mesh_count);
-  const Place root = file.root();
+  const JsonCursor root = file.root();
   if (!root.has("nodes")) return instances;
-  const Place nodes = root.at("nodes");
+  const JsonCursor nodes = root.at("nodes");
   const std::size_t count = nodes.size();
 
   const bool has_scenes = root.has("scenes") && root.at("scenes").size() > 0;
@@ -209,7 +207,7 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, s
   std::vector<bool> visited(count, false);
   std::size_t visits = 0;
   const auto refuse = [&](std::size_t node) {
-    nodes.at(node).fail("is its own ancestor or has two parents, permitted are trees of nodes");
+    nodes.at(node).fail("trees of nodes", "a node that is its own ancestor or has two parents");
   };
   while (!stack.empty()) {
     const Visit visit = stack.back();
@@ -217,7 +215,7 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, s
     if (visited[visit.node]) refuse(visit.node);
     visited[visit.node] = true;
     ++visits;
-    const Place node = nodes.at(visit.node);
+    const JsonCursor node = nodes.at(visit.node);
     const Eigen::Matrix4d world = visit.parent * local_matrix(node);
     if (node.has("mesh")) {
       file.element("meshes", node.at("mesh"));
@@ -239,14 +237,14 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, s
 Asset read_gltf(const GltfFile& file) {
   std::size_t elements = 0;
   Asset asset;
-  const Place root = file.root();
+  const JsonCursor root = file.root();
   const std::size_t mesh_count = root.has("meshes") ? root.at("meshes").size() : 0;
   const auto instances = read_instances(file, mesh_count);
   for (std::size_t m = 0; m < mesh_count; ++m) {
-    const Place mesh = root.at("meshes").at(m);
-    const Place primitives = mesh.at("primitives");
+    const JsonCursor mesh = root.at("meshes").at(m);
+    const JsonCursor primitives = mesh.at("primitives");
     for (std::size_t p = 0; p < primitives.size(); ++p) {
-      const Place place = primitives.at(p);
+      const JsonCursor place = primitives.at(p);
       const std::uint64_t mode = place.has("mode") ? place.at("mode").integer(0, triangle_fan) : triangles;
       if (mode < triangles) {
         asset.skipped.push_back(
@@ -266,24 +264,24 @@ Asset read_gltf(const GltfFile& file) {
       elements += primitive.data.positions.size() * (1 + primitive.other_uvs.size()) +
                   primitive.data.triangles.size();
       if (elements > most_elements)
-        place.fail("is beyond the " + std::to_string(most_elements) +
-                   " vertices and triangles permitted in all");
+        place.fail("at most " + std::to_string(most_elements) + " vertices and triangles up to here",
+                   std::to_string(elements));
     }
   }
   return asset;
 }
 
-std::vector<MorphTarget> read_targets(const GltfFile& file, const Place& primitive, int texcoord,
+std::vector<MorphTarget> read_targets(const GltfFile& file, const JsonCursor& primitive, int texcoord,
                                       std::size_t vertices) {
   if (!primitive.has("targets")) return {};
-  const Place targets = primitive.at("targets");
+  const JsonCursor targets = primitive.at("targets");
   if (targets.size() > most_elements / vertices)
-    targets.fail("are " + std::to_string(targets.size()) + " for " + std::to_string(vertices) +
-                 " vertices, permitted are " + std::to_string(most_elements) + " vertices in all");
+    targets.fail("at most " + std::to_string(most_elements) + " vertices in all",
+                 std::to_string(targets.size()) + " targets of " + std::to_string(vertices) + " vertices");
   std::vector<MorphTarget> result(targets.size());
   const std::string uvs = "TEXCOORD_" + std::to_string(texcoord);
   for (std::size_t i = 0; i < result.size(); ++i) {
-    const Place target = targets.at(i);
+    const JsonCursor target = targets.at(i);
     const auto read = [&](const std::string& name, const char* type, auto& into) {
       if (target.has(name.c_str()))
         into = gather<typename std::remove_reference_t<decltype(into)>::value_type>(

@@ -12,12 +12,13 @@
 #include <darboux/io.h>
 
 #include "accessor.h"
+#include "base/text.h"
 
 namespace darboux {
 namespace {
 
 using io::Json;
-using io::Place;
+using io::JsonCursor;
 
 constexpr std::size_t round_up_4(std::size_t n) {
   return (n + 3) / 4 * 4;
@@ -104,14 +105,16 @@ std::string primitive_name(std::size_t mesh, std::size_t primitive) {
   return "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(primitive) + "]";
 }
 
-Place find_primitive(const GltfFile& file, std::size_t mesh, std::size_t primitive) {
-  const Place root = file.root();
+JsonCursor find_primitive(const GltfFile& file, std::size_t mesh, std::size_t primitive) {
+  const JsonCursor root = file.root();
   const std::size_t meshes = root.has("meshes") ? root.at("meshes").size() : 0;
   const std::size_t primitives = mesh < meshes ? root.at("meshes").at(mesh).at("primitives").size() : 0;
   if (primitive >= primitives)
-    throw MeshError(file.path, "has no " + primitive_name(mesh, primitive) + ", permitted are the " +
-                                   (mesh < meshes ? std::to_string(primitives) + " primitives of that mesh"
-                                                  : std::to_string(meshes) + " meshes there are"));
+    throw MeshError(
+        file.path,
+        expected_got(mesh < meshes ? "one of the " + std::to_string(primitives) + " primitives of that mesh"
+                                   : "one of the " + std::to_string(meshes) + " meshes there are",
+                     primitive_name(mesh, primitive)));
   return root.at("meshes").at(mesh).at("primitives").at(primitive);
 }
 
@@ -123,7 +126,7 @@ std::size_t GltfFile::append_bytes(std::string_view bytes) {
     buffers.emplace_back(std::string());
   }
   if (!buffers[0])
-    root().at("buffers").at(std::size_t{0}).fail("has no data, permitted for appending is one that has");
+    root().at("buffers").at(std::size_t{0}).fail("a buffer with data, to append to", "one without");
   std::string& chunk = *buffers[0];
   const std::size_t offset = round_up_4(chunk.size());
   chunk.resize(offset, '\0');
@@ -198,8 +201,7 @@ std::string GltfFile::to_glb() const {
   if (!buffers.empty() && buffers[0]) append_chunk(glb, io::bin_chunk, *buffers[0], '\0');
   glb += other_chunks;
   if (glb.size() > std::numeric_limits<std::uint32_t>::max())
-    throw FileError(
-        path, "would be a GLB of " + std::to_string(glb.size()) + " bytes, permitted are less than 4 GiB");
+    throw FileError(path, expected_got("a GLB of less than 4 GiB", std::to_string(glb.size()) + " bytes"));
   const auto length = static_cast<std::uint32_t>(glb.size());
   std::memcpy(glb.data() + 8, &length, sizeof length);
   return glb;
@@ -231,15 +233,14 @@ void GltfDocument::set_colours(std::size_t mesh, std::size_t primitive, std::spa
                                const std::string& extras_json) {
   static_assert(sizeof(Vec3<float>) == 12);
   constexpr const char* unlit = "KHR_materials_unlit";
-  const Place position = find_primitive(*file_, mesh, primitive).at("attributes").at("POSITION");
+  const JsonCursor position = find_primitive(*file_, mesh, primitive).at("attributes").at("POSITION");
   const std::uint64_t vertices = file_->element("accessors", position).at("count").integer(1);
   if (colours.size() != vertices)
-    throw MeshError(file_->path, primitive_name(mesh, primitive) + " is given " +
-                                     std::to_string(colours.size()) +
-                                     " colours, permitted is one for each of its " +
-                                     std::to_string(vertices) + " vertices");
+    throw MeshError(file_->path, primitive_name(mesh, primitive) + ": " +
+                                     expected_got("one colour per vertex, " + std::to_string(vertices),
+                                                  std::to_string(colours.size())));
   const Json extras = io::parse_extras("set_colours", extras_json);
-  const Place root = file_->root();
+  const JsonCursor root = file_->root();
   for (const char* list : {"materials", "extensionsUsed"})
     if (root.has(list)) root.at(list).size();  // refuses what is no array
 
@@ -272,20 +273,19 @@ void GltfDocument::set_tangents(std::size_t mesh, std::size_t primitive,
                                 std::span<const Vec4<float>> tangents,
                                 std::span<const std::vector<Vec3<float>>> deltas) {
   static_assert(sizeof(Vec4<float>) == 16 && sizeof(Vec3<float>) == 12);
-  const Place place = find_primitive(*file_, mesh, primitive);
-  const Place position = place.at("attributes").at("POSITION");
+  const JsonCursor place = find_primitive(*file_, mesh, primitive);
+  const JsonCursor position = place.at("attributes").at("POSITION");
   const std::uint64_t vertices = file_->element("accessors", position).at("count").integer(1);
-  const auto check_count = [&](std::size_t given, std::uint64_t permitted, const char* what,
-                               const char* of_what) {
-    if (given != permitted)
-      throw MeshError(file_->path, primitive_name(mesh, primitive) + " is given " + std::to_string(given) +
-                                       what + ", permitted is one for each of its " +
-                                       std::to_string(permitted) + of_what);
+  const auto check_count = [&](std::size_t given, std::uint64_t wanted, const char* what) {
+    if (given != wanted)
+      throw MeshError(file_->path,
+                      primitive_name(mesh, primitive) + ": " +
+                          expected_got(what + (", " + std::to_string(wanted)), std::to_string(given)));
   };
-  check_count(tangents.size(), vertices, " tangents", " vertices");
+  check_count(tangents.size(), vertices, "one tangent per vertex");
   const std::size_t targets = place.has("targets") ? place.at("targets").size() : 0;
-  if (!deltas.empty()) check_count(deltas.size(), targets, " lists of deltas", " morph targets");
-  for (const auto& list : deltas) check_count(list.size(), vertices, " deltas", " vertices");
+  if (!deltas.empty()) check_count(deltas.size(), targets, "one list of deltas per morph target");
+  for (const auto& list : deltas) check_count(list.size(), vertices, "one delta per vertex");
 
   const auto append = [&](std::string_view bytes, const char* type) {
     const std::size_t view = file_->append_view(bytes, 0, io::vertex_target);
@@ -303,35 +303,36 @@ void GltfDocument::set_tangents(std::size_t mesh, std::size_t primitive,
 void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
                                   std::span<const std::uint32_t> source,
                                   std::span<const std::uint32_t> indices, bool without_tangents) {
-  const Place place = find_primitive(*file_, mesh, primitive);
+  const JsonCursor place = find_primitive(*file_, mesh, primitive);
   const std::string name = primitive_name(mesh, primitive);
-  const Place position = place.at("attributes").at("POSITION");
+  const JsonCursor position = place.at("attributes").at("POSITION");
   const std::uint64_t vertices = file_->element("accessors", position).at("count").integer(1);
   const auto check_range = [&](std::span<const std::uint32_t> list, const char* what, std::uint64_t end) {
     for (const std::uint32_t index : list)
       if (index >= end)
-        throw MeshError(file_->path, name + " is given " + what + " " + std::to_string(index) +
-                                         ", permitted are 0 to " + std::to_string(end) + " exclusive");
+        throw MeshError(
+            file_->path,
+            name + ": " + expected_got(what + (" below " + std::to_string(end)), std::to_string(index)));
   };
   if (source.empty() || indices.empty() || indices.size() % 3 != 0)
-    throw MeshError(file_->path,
-                    name + " is given " + std::to_string(source.size()) + " vertices and " +
-                        std::to_string(indices.size()) +
-                        " indices, permitted are at least one triangle and a multiple of 3 indices");
+    throw MeshError(file_->path, name + ": " +
+                                     expected_got("at least one triangle and a multiple of 3 indices",
+                                                  std::to_string(source.size()) + " vertices and " +
+                                                      std::to_string(indices.size()) + " indices"));
   check_range(source, "old vertex", vertices);
   check_range(indices, "index", source.size());
 
   // Everything is read before anything is changed. An accessor that serves twice is copied once.
   std::map<std::uint64_t, io::Accessor> old;
   const auto copied = [&](const std::string& key) { return !without_tangents || key != "TANGENT"; };
-  const auto collect = [&](const Place& attributes) {
+  const auto collect = [&](const JsonCursor& attributes) {
     for (const auto& [key, index] : attributes.json().items()) {
       if (!copied(key)) continue;
-      const Place attribute = attributes.at(key.c_str());
+      const JsonCursor attribute = attributes.at(key.c_str());
       const io::Accessor accessor = io::read_accessor(*file_, attribute);
       if (accessor.count != vertices)
-        attribute.fail("names an accessor of " + std::to_string(accessor.count) +
-                       " elements, permitted are as many as POSITION's, " + std::to_string(vertices));
+        attribute.fail("an accessor of as many elements as POSITION's, " + std::to_string(vertices),
+                       std::to_string(accessor.count));
       old.emplace(attribute.integer(), accessor);
     }
   };

@@ -12,6 +12,8 @@
 
 #include <darboux/error.h>
 
+#include "base/text.h"
+
 namespace darboux::io {
 
 Descriptor::~Descriptor() {
@@ -25,10 +27,11 @@ InputBytes::InputBytes(const std::string& path, std::string kind)
   } else {
     std::error_code error;
     if (std::filesystem::is_directory(path, error))
-      throw FileError(path, "is a folder, permitted is a " + kind_);
+      throw FileError(path, expected_got("a " + kind_, "a folder"));
     descriptor_.value = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   }
-  if (descriptor_.value < 0) throw FileError(path_, "cannot be opened, permitted is a readable " + kind_);
+  if (descriptor_.value < 0)
+    throw FileError(path_, "cannot be opened: " + expected_got("a readable " + kind_, std::strerror(errno)));
   struct stat status {};
   if (::fstat(descriptor_.value, &status) == 0 && S_ISREG(status.st_mode)) {
     const auto at = std::max<off_t>(::lseek(descriptor_.value, 0, SEEK_CUR), 0);
@@ -43,8 +46,8 @@ std::optional<double> InputBytes::share() const {
 
 void InputBytes::finish() const {
   if (error_ != 0)
-    throw FileError(path_, std::string("cannot be read to its end (") + std::strerror(error_) +
-                               "), permitted is a readable " + kind_);
+    throw FileError(
+        path_, "cannot be read to its end: " + expected_got("a readable " + kind_, std::strerror(error_)));
 }
 
 InputBytes::int_type InputBytes::underflow() {
@@ -77,7 +80,7 @@ bool Lines::next(bool comments) {
     if (number_ == 1) {
       if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
       if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
-        throw FileError(bytes_.path(), "is UTF-16, permitted is UTF-8 or ASCII");
+        throw FileError(bytes_.path(), expected_got("UTF-8 or ASCII", "UTF-16"));
     }
     text_ = trimmed(text_);
   } while (text_.empty() || (text_[0] == '#' && !comments));
@@ -86,8 +89,8 @@ bool Lines::next(bool comments) {
   return true;
 }
 
-void Lines::fail(const std::string& why) const {
-  throw FileError(bytes_.path() + ":" + std::to_string(number_), why + ", permitted are " + permitted_);
+void Lines::fail(const std::string& got) const {
+  throw FileError(bytes_.path() + ":" + std::to_string(number_), expected_got(expected_, got));
 }
 
 std::string_view trimmed(std::string_view text) {

@@ -24,7 +24,7 @@ struct Descriptor {
 /// ends it; finish() says so.
 class InputBytes final : public std::streambuf {
  public:
-  /// \param kind what is permitted, "CSV file of u,v" \throws FileError when it cannot be opened
+  /// \param kind what is expected, "CSV file of u,v" \throws FileError when it cannot be opened
   InputBytes(const std::string& path, std::string kind);
 
   const std::string& path() const { return path_; }
@@ -55,8 +55,8 @@ class InputBytes final : public std::streambuf {
 /// The lines of a text in UTF-8. Empty lines and those that begin with # are passed over.
 class Lines {
  public:
-  /// \param permitted ends the messages: "lines like 0.25,0.5"
-  Lines(InputBytes& bytes, std::string permitted) : bytes_(bytes), permitted_(std::move(permitted)) {}
+  /// \param expected what messages say was expected: "lines like 0.25,0.5"
+  Lines(InputBytes& bytes, std::string expected) : bytes_(bytes), expected_(std::move(expected)) {}
 
   /// The next line, false at the end. \throws FileError for a line of more than 65536 bytes, so that a file
   /// without line ends is not read whole, a carriage return within one, and UTF-16 \param comments are lines
@@ -66,12 +66,12 @@ class Lines {
   std::string_view text() const { return text_; }
   /// Of the line in the file, from 1.
   std::uint64_t number() const { return number_; }
-  /// \throws FileError "FILE:LINE: why, permitted are ..."
-  [[noreturn]] void fail(const std::string& why) const;
+  /// \throws FileError "FILE:LINE: expected lines like 0.25,0.5, got GOT"
+  [[noreturn]] void fail(const std::string& got) const;
 
  private:
   InputBytes& bytes_;
-  std::string permitted_, line_;
+  std::string expected_, line_;
   std::string_view text_;
   std::uint64_t number_ = 0;
 };

@@ -17,8 +17,10 @@ inline Vec4<double> with_side(const Vec3<double>& n, const Vec3<double>& t, cons
   return {t.x, t.y, t.z, side > 0 ? 1.0 : side < 0 ? -1.0 : 0.0};
 }
 
-/// OBJ and FBX, by assimp in a process of its own. \param format "obj" or "fbx"
-Asset read_with_assimp(const std::string& path, const std::string& bytes, const std::string& format);
+/// What assimp reads.
+enum class AssimpFormat { obj, fbx };
+/// OBJ and FBX, by assimp in a process of its own.
+Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format);
 
 /// COLLADA.
 Asset read_collada(const std::string& path, const std::string& bytes);

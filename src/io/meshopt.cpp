@@ -35,7 +35,7 @@ constexpr std::array modes{Mode{"ATTRIBUTES", false, 1, meshopt_decodeVertexBuff
 
 struct Filter {
   const char* name;
-  std::array<std::uint64_t, 2> strides;  // those that are permitted; none: all
+  std::array<std::uint64_t, 2> strides;  // those that it takes; none: all
   void (*decode)(void* buffer, std::size_t count, std::size_t stride);
 };
 constexpr std::array filters{Filter{"NONE", {}, nullptr},
@@ -44,60 +44,55 @@ constexpr std::array filters{Filter{"NONE", {}, nullptr},
                              Filter{"EXPONENTIAL", {}, meshopt_decodeFilterExp}};
 
 template <class Kinds>
-const auto& find_kind(const Kinds& kinds, const Place& name) {
+const auto& find_kind(const Kinds& kinds, const JsonCursor& name) {
   std::string list;
   for (const auto& kind : kinds) {
     if (name.text() == kind.name) return kind;
     list += (list.empty() ? "" : ", ") + std::string(kind.name);
   }
-  name.fail("is " + name.shown() + ", permitted are " + list);
+  name.fail("one of " + list);
 }
 
 /// \param left bytes that may still be decoded, decoded ones are taken off
-std::string decode(const GltfFile& file, const Place& view, const Place& compressed, std::uint64_t& left) {
+std::string decode(const GltfFile& file, const JsonCursor& view, const JsonCursor& compressed,
+                   std::uint64_t& left) {
   const Mode& mode = find_kind(modes, compressed.at("mode"));
   const Filter& filter =
       compressed.has("filter") ? find_kind(filters, compressed.at("filter")) : filters.front();
   if (mode.indices && filter.decode != nullptr)
-    compressed.at("filter").fail("is " + compressed.at("filter").shown() + ", permitted with mode " +
-                                 mode.name + " is NONE");
+    compressed.at("filter").fail(std::string("NONE with mode ") + mode.name);
 
-  const Place stride_place = compressed.at("byteStride");
+  const JsonCursor stride_place = compressed.at("byteStride");
   const std::uint64_t stride = stride_place.integer(1, 256);
   if (mode.indices ? stride != 2 && stride != 4 : stride % 4 != 0)
-    stride_place.fail("is " + stride_place.shown() + ", permitted with mode " + mode.name + " are " +
-                      (mode.indices ? "2 and 4" : "multiples of 4"));
+    stride_place.fail(std::string(mode.indices ? "2 or 4" : "a multiple of 4") + " with mode " + mode.name);
   const auto& strides = filter.strides;
   if (strides[0] != 0 && std::find(strides.begin(), strides.end(), stride) == strides.end())
-    stride_place.fail("is " + stride_place.shown() + ", permitted with filter " + filter.name + " " +
-                      (strides[0] == strides[1] ? "is 8" : "are 4 and 8"));
+    stride_place.fail(std::string(strides[0] == strides[1] ? "8" : "4 or 8") + " with filter " + filter.name);
   if (view.has("byteStride") && view.at("byteStride").integer() != stride)
-    view.at("byteStride")
-        .fail("is " + view.at("byteStride").shown() + ", permitted is that of its " + extension + ", " +
-              std::to_string(stride));
+    view.at("byteStride").fail(std::to_string(stride) + ", that of its " + extension);
 
   const std::string_view stream = file.view_bytes(compressed);
-  const Place count_place = compressed.at("count");
+  const JsonCursor count_place = compressed.at("count");
   const std::uint64_t count = count_place.integer(1);
   if (count % mode.group != 0)
-    count_place.fail("is " + count_place.shown() + ", permitted with mode " + mode.name +
-                     " are multiples of " + std::to_string(mode.group));
-  const std::uint64_t permitted = std::min(left, most_expansion * stream.size());
-  if (count > permitted / stride)
-    count_place.fail("is " + count_place.shown() + " elements of " + std::to_string(stride) +
-                     " bytes, permitted for its stream of " + std::to_string(stream.size()) +
-                     " bytes are at most " + std::to_string(permitted) + " bytes");
+    count_place.fail("a multiple of " + std::to_string(mode.group) + " with mode " + mode.name);
+  const std::uint64_t most = std::min(left, most_expansion * stream.size());
+  if (count > most / stride)
+    count_place.fail("at most " + std::to_string(most) + " bytes for its stream of " +
+                         std::to_string(stream.size()) + " bytes",
+                     count_place.shown() + " elements of " + std::to_string(stride) + " bytes");
   left -= count * stride;
   if (view.at("byteLength").integer() != count * stride)
     view.at("byteLength")
-        .fail("is " + view.at("byteLength").shown() + ", permitted are the " + std::to_string(count) +
-              " elements of " + std::to_string(stride) + " bytes of its " + extension);
+        .fail("the bytes of the " + std::to_string(count) + " elements of " + std::to_string(stride) +
+              " bytes of its " + extension);
 
   std::string bytes(count * stride, '\0');
   if (mode.decode(bytes.data(), count, stride, data(stream), stream.size()) != 0)
-    compressed.fail("holds a stream that cannot be decoded, permitted are whole streams of mode " +
-                    std::string(mode.name) + " with " + std::to_string(count) + " elements of " +
-                    std::to_string(stride) + " bytes");
+    compressed.fail("a whole stream of mode " + std::string(mode.name) + " with " + std::to_string(count) +
+                        " elements of " + std::to_string(stride) + " bytes",
+                    "one that cannot be decoded");
   if (filter.decode != nullptr) filter.decode(bytes.data(), count, stride);
   return bytes;
 }
@@ -106,10 +101,10 @@ std::string decode(const GltfFile& file, const Place& view, const Place& compres
 void remove_placeholders(GltfFile& file) {
   std::vector<bool> read(file.buffers.size(), false);
   std::vector<Json*> numbers;
-  const Place views = file.root().at("bufferViews");
+  const JsonCursor views = file.root().at("bufferViews");
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto compressed = views.at(i).extension(extension);
-    const Place buffer = (compressed ? *compressed : views.at(i)).at("buffer");
+    const JsonCursor buffer = (compressed ? *compressed : views.at(i)).at("buffer");
     file.element("buffers", buffer);
     read[buffer.integer()] = true;
     Json& view = file.json["bufferViews"][i];
@@ -144,7 +139,7 @@ void decompress_meshopt(GltfFile& file) {
   std::uint64_t left = 0;
   for (const auto& buffer : file.buffers) left += buffer ? most_expansion * buffer->size() : 0;
   for (const std::size_t i : compressed) {
-    const Place view = file.root().at("bufferViews").at(i);
+    const JsonCursor view = file.root().at("bufferViews").at(i);
     const std::size_t offset = file.append_bytes(decode(file, view, *view.extension(extension), left));
     Json& json = file.json["bufferViews"][i];
     json["buffer"] = 0u;

@@ -29,7 +29,7 @@ struct PlyHeader {
   std::vector<Table>::const_iterator vertices(const std::string& path) const {
     const auto found = table("vertex");
     if (found == tables.end())
-      throw FileError(path, "has no element vertex, permitted is a PLY file with vertices");
+      throw FileError(path, expected_got("a PLY file with vertices", "one without the element vertex"));
     return found;
   }
 };
@@ -53,17 +53,17 @@ Type ply_type(std::string_view word, const Lines& lines) {
                                                                      {"float64", Type::f64}}};
   for (const auto& [name, type] : names)
     if (word == name) return type;
-  lines.fail(in_quotes(word) + " is no type of PLY");
+  lines.fail(in_quotes(word) + ", which is no type of PLY");
 }
 
 PlyHeader read_header(Lines& lines, const std::string& path) {
   if (!lines.next() || lines.text() != "ply")
-    throw FileError(path, "does not begin with ply, permitted is a PLY file");
+    throw FileError(path, expected_got("a PLY file, which begins with ply", "another beginning"));
   std::optional<Encoding> encoding;
   std::vector<Table> tables;
   std::vector<std::string_view> words;
   while (true) {
-    if (!lines.next()) throw FileError(path, "ends within its header, permitted is a PLY file");
+    if (!lines.next()) throw FileError(path, expected_got("a PLY file", "one that ends within its header"));
     split_fields(lines.text(), ' ', words);
     if (words[0] == "end_header") break;
     if (words[0] == "comment" || words[0] == "obj_info") continue;
@@ -82,10 +82,10 @@ PlyHeader read_header(Lines& lines, const std::string& path) {
         lines.fail("a list whose length is of type " + in_quotes(words[2]));
       tables.back().fields.push_back({std::string(words[4]), ply_type(words[3], lines), count});
     } else {
-      lines.fail("the header has " + in_quotes(lines.text()));
+      lines.fail(in_quotes(lines.text()) + " in the header");
     }
   }
-  if (!encoding) throw FileError(path, "its header has no format, permitted is a PLY file");
+  if (!encoding) throw FileError(path, expected_got("a PLY file", "one without a format in its header"));
   return {*encoding, std::move(tables)};
 }
 
@@ -116,7 +116,7 @@ void read_faces(RowReader& rows, const Table& table, const std::string& path, st
                     uvs_at = list_named(table, {"texcoord"});
   const bool with_uvs = uvs_at != table.fields.size();
   if (corners_at == table.fields.size())
-    throw FileError(path, "has faces without corners, permitted are those with a list vertex_indices");
+    throw FileError(path, expected_got("faces with a list vertex_indices", "faces without corners"));
   std::vector<double> corners, uvs;
   for (std::uint64_t i = 0; i < table.rows; ++i) {
     corners.clear();
@@ -128,13 +128,15 @@ void read_faces(RowReader& rows, const Table& table, const std::string& path, st
     const std::string face = "face " + std::to_string(i);
     for (const double c : corners)
       if (!(c >= 0 && c < static_cast<double>(vertices)) || c != std::floor(c))
-        throw FileError(path, face + " has the corner " + shortest(c) +
-                                  ", permitted are the numbers of its " + std::to_string(vertices) +
-                                  " vertices, from 0");
+        throw FileError(path, face + ": " +
+                                  expected_got("corners that are whole numbers below its " +
+                                                   std::to_string(vertices) + " vertices",
+                                               shortest(c)));
     if (with_uvs && uvs.size() != 2 * corners.size())
-      throw FileError(path, face + " has a texcoord of " + std::to_string(uvs.size()) +
-                                " numbers, permitted are two for each of its " +
-                                std::to_string(corners.size()) + " corners");
+      throw FileError(path, face + ": " +
+                                expected_got("a texcoord of two numbers for each of its " +
+                                                 std::to_string(corners.size()) + " corners",
+                                             std::to_string(uvs.size())));
     for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
       Triangle triangle;
       for (std::size_t j = 0; j < 3; ++j) {
@@ -186,8 +188,7 @@ Asset read_ply(const std::string& path) {
   const PlyHeader header = read_header(lines, path);
   const auto vertices = header.vertices(path), faces = header.table("face");
   if (vertices->rows > UINT32_MAX)
-    throw FileError(
-        path, "announces " + std::to_string(vertices->rows) + " vertices, permitted are at most 4294967295");
+    throw FileError(path, expected_got("at most 4294967295 vertices", std::to_string(vertices->rows)));
   RowReader rows(bytes, lines, header.encoding);
   Primitive primitive;
   std::vector<Vec2<double>> corner_uvs;

@@ -52,9 +52,10 @@ PointFile read_gltf_points(const std::string& path) {
     }
   }
   if (std::find(used.begin(), used.end(), true) == used.end())
-    throw FileError(path, "holds no triangles" +
-                              (asset.skipped.empty() ? "" : " (" + asset.skipped[0].reason + ")") +
-                              ", permitted is a glTF whose triangles use its vertices");
+    throw FileError(
+        path,
+        expected_got("a glTF whose triangles use its vertices",
+                     "no triangles" + (asset.skipped.empty() ? "" : " (" + asset.skipped[0].reason + ")")));
   find_places(result, used);
   return result;
 }
@@ -72,7 +73,7 @@ PointColumns PointColumns::named(std::span<const std::string> names, const std::
       for (std::size_t k = 0; k < names.size(); ++k)
         if (lower(names[k]) == wanted) {
           if (found.size() > 0 && lower(names[found.back()]) == wanted)
-            throw FileError(where, "names the column '" + std::string(wanted) + "' twice, permitted is once");
+            throw FileError(where, expected_got("each column once", "'" + std::string(wanted) + "' twice"));
           found.push_back(k);
         }
     if (found.size() != group.names.size()) continue;
@@ -81,7 +82,8 @@ PointColumns PointColumns::named(std::span<const std::string> names, const std::
       columns.slots[found[k]] = group.first + static_cast<int>(k);
   }
   if (!taken[0])
-    throw FileError(where, "names no columns x, y and z, permitted are x y z with nx ny nz, u v and others");
+    throw FileError(
+        where, expected_got("the columns x y z, with nx ny nz, u v and others", "none named x, y and z"));
   columns.normals = taken[3];
   columns.uvs = taken[6];
   return columns;
@@ -104,7 +106,7 @@ void PointReader::add(const PointColumns& columns, const PointNumbers& point, st
 
 PointFile PointReader::finish() {
   bytes_.finish();
-  if (result_.cloud.positions.empty()) throw FileError(path(), "holds no points, permitted is at least one");
+  if (result_.cloud.positions.empty()) throw FileError(path(), expected_got("at least one point", "none"));
   return std::move(result_);
 }
 
@@ -126,7 +128,7 @@ void split_fields(std::string_view line, char separator, std::vector<std::string
 
 double number_of(std::string_view field, const Lines& lines) {
   const auto value = parse_number(field);
-  if (!value) lines.fail(in_quotes(field) + " is no number within the range of double");
+  if (!value) lines.fail(in_quotes(field) + ", which is no number within the range of double");
   return *value;
 }
 
@@ -170,7 +172,7 @@ PointFile read_points(const std::string& path, const std::function<void(double)>
     PointFile (*read)(io::PointReader&);
   };
   static const std::vector<Format> formats{
-      {{".xyz", ".txt", ".csv", ".tsv"}, "text with a point a line", io::read_table},
+      {{".xyz", ".txt", ".csv", ".tsv"}, "text with a point per line", io::read_table},
       {{".obj"}, "OBJ file", io::read_obj_points},
       {{".ply"}, "PLY file", io::read_ply_points},
       {{".pcd"}, "PCD file", io::read_pcd_points},
@@ -183,8 +185,8 @@ PointFile read_points(const std::string& path, const std::function<void(double)>
   io::expect_regular_file(path);
   throw FileError(
       path,
-      "its extension names no format of points, permitted are .xyz, .txt, .csv, .tsv, .ply, .pcd, .obj, "
-      ".stl, .glb and .gltf");
+      expected_got("one of the extensions .xyz, .txt, .csv, .tsv, .ply, .pcd, .obj, .stl, .glb and .gltf",
+                   io::in_quotes(std::filesystem::path(path).extension().string())));
 }
 
 }  // namespace darboux

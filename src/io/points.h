@@ -33,7 +33,7 @@ struct PointColumns {
 /// An open file and the points read from it so far.
 class PointReader {
  public:
-  /// \param kind what is permitted, "PLY file" \throws FileError when it is not a regular file that can be
+  /// \param kind what is expected, "PLY file" \throws FileError when it is not a regular file that can be
   /// read
   PointReader(const std::string& path, const std::string& kind, const std::function<void(double)>& progress);
 

@@ -49,9 +49,11 @@ Asset read_any(const std::string& path) {
   if (extension == ".stl") return io::read_stl(path);
   if (extension == ".dae") return io::read_collada(path, io::read_file(path));
   if (extension == ".obj" || extension == ".fbx")
-    return io::read_with_assimp(path, io::read_file(path), extension.substr(1));
-  throw FileError(path, "is of no known kind, permitted are GLB by its content and by their names " +
-                            joined({asset_extensions().begin(), asset_extensions().end()}));
+    return io::read_with_assimp(path, io::read_file(path),
+                                extension == ".obj" ? io::AssimpFormat::obj : io::AssimpFormat::fbx);
+  throw FileError(path, expected_got("a GLB by its content, or one of the extensions " +
+                                         joined({asset_extensions().begin(), asset_extensions().end()}),
+                                     io::in_quotes(extension)));
 }
 
 }  // namespace

@@ -59,21 +59,22 @@ void RowReader::expect_end(const Table& last) {
   const bool more =
       encoding_ == Encoding::ascii ? lines_.next() : bytes_.sgetc() != InputBytes::traits_type::eof();
   if (more)
-    throw FileError(bytes_.path(), "goes on after the last " + last.name + ", permitted are the " +
-                                       std::to_string(last.rows) + " that its header announces");
+    throw FileError(bytes_.path(), expected_got("the " + std::to_string(last.rows) + " rows of " + last.name +
+                                                    " that its header announces",
+                                                "more after them"));
 }
 
 void RowReader::cut_off(const Table& table, std::uint64_t row) const {
-  throw FileError(bytes_.path(), "ends at " + table.name + " " + std::to_string(row) +
-                                     ", permitted are the " + std::to_string(table.rows) +
-                                     " that its header announces");
+  throw FileError(bytes_.path(), expected_got("the " + std::to_string(table.rows) + " rows of " + table.name +
+                                                  " that its header announces",
+                                              "an end at " + table.name + " " + std::to_string(row)));
 }
 
 std::uint64_t RowReader::list_length(const Table& table, std::uint64_t row, double number) const {
   if (!(number >= 0 && number <= 0x1p53) || number != std::floor(number))
-    throw FileError(bytes_.path(), table.name + " " + std::to_string(row) + " has a list of " +
-                                       shortest(number) +
-                                       " numbers, permitted are whole numbers from 0 to 2^53");
+    throw FileError(bytes_.path(), table.name + " " + std::to_string(row) + ": " +
+                                       expected_got("a list whose length is a whole number from 0 to 2^53",
+                                                    shortest(number)));
   return static_cast<std::uint64_t>(number);
 }
 
@@ -87,7 +88,7 @@ std::uint64_t count_of(std::string_view word, const Lines& lines) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc{} || end != word.data() + word.size())
-    lines.fail(in_quotes(word) + " is no whole number");
+    lines.fail(in_quotes(word) + ", which is no whole number");
   return value;
 }
 

@@ -78,7 +78,7 @@ class RowReader {
     }
   }
 
-  /// The next row as a point. \param columns one a field
+  /// The next row as a point. \param columns one per field
   PointNumbers read_point(const Table& table, std::uint64_t row, const PointColumns& columns) {
     PointNumbers point{};
     read_row(table, row, [&](std::size_t field, double value) {

@@ -17,7 +17,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary numbers are copied as they are");
 
-// What is found in a file, in its order: three corners a triangle.
+// What is found in a file, in its order: three corners per triangle.
 struct StlParts {
   std::function<void(std::string_view name)> solid;
   std::function<void(const PointNumbers& corner, std::string_view where, std::uint64_t number)> corner;
@@ -44,7 +44,7 @@ void read_text(InputBytes& bytes, const StlParts& parts) {
   while (lines.next()) {
     split_fields(lines.text(), ' ', fields);
     const std::string word = lower(fields[0]);
-    if (!begun && word != "solid") lines.fail("something before the first solid");
+    if (!begun && word != "solid") lines.fail("a line before the first solid");
     begun = true;
     ended = word == "endsolid";
     if (word == "solid") parts.solid(trimmed(lines.text().substr(fields[0].size())));
@@ -57,7 +57,7 @@ void read_text(InputBytes& bytes, const StlParts& parts) {
                  "line ", lines.number());
     ++corners;
   }
-  if (!ended) throw FileError(bytes.path(), "ends before its endsolid, permitted is a whole STL file");
+  if (!ended) throw FileError(bytes.path(), expected_got("a whole STL file", "one without its endsolid"));
 }
 
 // Binary files may begin with "solid" too: their size tells.
@@ -72,10 +72,10 @@ void read_parts(InputBytes& bytes, const StlParts& parts) {
   if (lower({start.data(), 5}) == "solid") return read_text(bytes, parts);
   throw FileError(
       bytes.path(),
-      "is no STL file, permitted are ASCII, which begins with solid, and binary: 84 bytes and 50 for "
-      "each triangle that they count" +
-          (whole ? ", here " + std::to_string(triangles) + " triangles in " + std::to_string(size) + " bytes"
-                 : std::string()));
+      expected_got(
+          "STL: ASCII, which begins with solid, or binary, 84 bytes and 50 for each triangle that they count",
+          whole ? std::to_string(triangles) + " triangles in " + std::to_string(size) + " bytes"
+                : std::string("neither")));
 }
 
 }  // namespace
@@ -102,7 +102,8 @@ Asset read_stl(const std::string& path) {
                      [&](const PointNumbers& corner, std::string_view, std::uint64_t) {
                        Mesh& mesh = solids.back().data;
                        if (mesh.positions.size() > UINT32_MAX - 3)
-                         throw FileError(path, "has too many triangles, permitted are 1431655764 a solid");
+                         throw FileError(path,
+                                         expected_got("at most 1431655764 triangles per solid", "more"));
                        const auto index = static_cast<std::uint32_t>(mesh.positions.size());
                        mesh.positions.push_back({corner[0], corner[1], corner[2]});
                        if (index % 3 == 2) mesh.triangles.push_back({index - 2, index - 1, index});

@@ -11,14 +11,16 @@
 #include <darboux/error.h>
 #include <darboux/io.h>
 
+#include "base/text.h"
+
 namespace darboux {
 namespace {
 
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const std::string& path, int error) {
-  throw FileError(path, std::string("cannot be written (") + std::strerror(error) +
-                            "), permitted is a file in a writable folder with room for it");
+  throw FileError(path, "cannot be written: " + expected_got("a file in a writable folder with room for it",
+                                                             std::strerror(error)));
 }
 
 }  // namespace
@@ -33,7 +35,7 @@ OutputFile::OutputFile(const std::string& path) : path_(path) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (fs::is_directory(status) || path.empty() || path.ends_with('/'))
-    throw FileError(path.empty() ? "\"\"" : path, "is a folder, permitted is the name of a file");
+    throw FileError(path.empty() ? "\"\"" : path, expected_got("the name of a file", "that of a folder"));
   const bool link = fs::is_symlink(fs::symlink_status(path, ignored));
   // /dev/stdout and the like may lead to a regular file, yet must not be replaced by one.
   const bool system_link = link && (path.starts_with("/dev/") || path.starts_with("/proc/"));

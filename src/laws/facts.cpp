@@ -96,9 +96,9 @@ void check_implicit(const AnySurface& surface, const Points& points, Checks& che
 
 void check_second_formula(const AnySurface& surface, const Points& points, Checks& checks) {
   Law law(points.name, "second_formula", "position");
-  if (states(surface, "position_again"))
+  if (states(surface, "second_formula"))
     for (const Point& p : points.list)
-      law.compare(norm(*surface.position_again(p.u, p.v) - p.j.position) / points.scale[0],
+      law.compare(norm(*surface.second_formula(p.u, p.v) - p.j.position) / points.scale[0],
                   16 * unit_roundoff * (1 + p.condition[0]), p.u, p.v);
   checks.push_back(law.result("the surface states no second formula of its position"));
 }

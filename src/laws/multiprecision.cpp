@@ -233,6 +233,59 @@ class HighPrecision {
     compare(has(f.status, Status::limit_frame | Status::no_frame) && !degenerate);
   }
 
+  // Errors of a limit frame against the nearest limit that 40 digits show; its condition.
+  struct Nearest {
+    bool shown = false;
+    std::array<double, 3> errors{infinity, infinity, infinity};
+    double condition = 0;
+  };
+
+  static std::array<double, 3> errors_of(const Frame<S>& f, const ExactFrame& e) {
+    return {largest_difference(f.t, e.t), largest_difference(f.b, e.b), largest_difference(f.n, e.n)};
+  }
+
+  // The limit along the given u (or v): from inside the domain, from either side of a point within it. At
+  // zero a distance may be as small as one likes; elsewhere 40 digits leave 1e-18, which is too coarse
+  // for parameters of very different sizes. Where two such distances still give different frames, the
+  // limit is approached as by a root, and no distance shows it.
+  static Nearest nearest_limit(const AnySurface& surface, const Vec2<double>& uv, const Frame<S>& f) {
+    const double u = uv.x, v = uv.y;
+    const SurfaceInfo& info = surface.info();
+    Nearest nearest;
+    for (const double side : {1.0, -1.0})
+      for (const bool along_v : {true, false}) {
+        if (!has(f.status,
+                 along_v ? Status::dpdu_zero | Status::parallel : Status::dpdv_zero | Status::parallel))
+          continue;
+        const double x = along_v ? v : u;
+        const Coordinate kind = along_v ? info.v : info.u;
+        const bool bounded = kind == Coordinate::linear || kind == Coordinate::half_turn;
+        if ((bounded && ((x == 0 && side < 0) || (x == 1 && side > 0))) || (x != 0 && spread(surface) > 1e6))
+          continue;
+        const Multiprecision far = x == 0 ? tiny() : Multiprecision(1e-18), near = far * Multiprecision(1e-3);
+        const auto approach = [&](const Multiprecision& distance) {
+          Inputs inputs(u, v, surface.parameters());
+          Multiprecision& moved = along_v ? inputs.v : inputs.u;
+          moved = moved + Multiprecision(side) * distance;
+          return inputs;
+        };
+        const Inputs at = approach(near);
+        const ExactFrame exact_near = exact_frame(multiprecision_jet(surface, at), f.handedness);
+        const ExactFrame exact_far = exact_frame(multiprecision_jet(surface, approach(far)), f.handedness);
+        if (!(difference(exact_far, exact_near) < roundoff / 2)) continue;
+        nearest.shown = true;
+        const std::array<double, 3> found = errors_of(f, exact_near);
+        if (!(found[0] + found[1] + found[2] < nearest.errors[0] + nearest.errors[1] + nearest.errors[2]))
+          continue;
+        nearest.errors = found;
+        nearest.condition = 0;
+        for_each_neighbour(surface, at, [&](const Jet2<Multiprecision>& moved) {
+          nearest.condition += change(exact_frame(moved, f.handedness), exact_near);
+        });
+      }
+    return nearest;
+  }
+
   void compare_frame(const AnySurface& surface, const Vec2<double>& uv, const Sample<S>& sample,
                      const Jet2<Multiprecision>& exact, const std::vector<Jet2<Multiprecision>>& neighbours,
                      const std::array<double, 6>& scale, const std::array<double, 6>& partial_condition,
@@ -244,51 +297,13 @@ class HighPrecision {
     const bool closed = surface.has_closed_frame();
     // Of every frame, whatever the oracle can say of its directions.
     orthonormality_.compare(deviation_from_orthonormal(f), (closed ? 8 : 16) * roundoff, u, v, of);
-    const auto error = [&](const ExactFrame& e) {
-      return std::array{largest_difference(f.t, e.t), largest_difference(f.b, e.b),
-                        largest_difference(f.n, e.n)};
-    };
     std::array<double, 3> errors{infinity, infinity, infinity};
     double condition = 0, of_40_digits = 0;
     if (has(f.status, Status::limit_frame)) {
-      // The limit along the given u (or v): from inside the domain, from either side of a point within it. At
-      // zero a distance may be as small as one likes; elsewhere 40 digits leave 1e-18, which is too coarse
-      // for parameters of very different sizes. Where two such distances still give different frames, the
-      // limit is approached as by a root, and no distance shows it.
-      bool shown = false;
-      for (const double side : {1.0, -1.0})
-        for (const bool along_v : {true, false}) {
-          if (!has(f.status,
-                   along_v ? Status::dpdu_zero | Status::parallel : Status::dpdv_zero | Status::parallel))
-            continue;
-          const double x = along_v ? v : u;
-          const Coordinate kind = along_v ? info.v : info.u;
-          const bool bounded = kind == Coordinate::linear || kind == Coordinate::half_turn;
-          if ((bounded && ((x == 0 && side < 0) || (x == 1 && side > 0))) ||
-              (x != 0 && spread(surface) > 1e6))
-            continue;
-          const Multiprecision far = x == 0 ? tiny() : Multiprecision(1e-18),
-                               near = far * Multiprecision(1e-3);
-          const auto approach = [&](const Multiprecision& distance) {
-            Inputs inputs(u, v, surface.parameters());
-            Multiprecision& moved = along_v ? inputs.v : inputs.u;
-            moved = moved + Multiprecision(side) * distance;
-            return inputs;
-          };
-          const Inputs at = approach(near);
-          const ExactFrame exact_near = exact_frame(multiprecision_jet(surface, at), f.handedness);
-          const ExactFrame exact_far = exact_frame(multiprecision_jet(surface, approach(far)), f.handedness);
-          if (!(difference(exact_far, exact_near) < roundoff / 2)) continue;
-          shown = true;
-          const std::array<double, 3> found = error(exact_near);
-          if (!(found[0] + found[1] + found[2] < errors[0] + errors[1] + errors[2])) continue;
-          errors = found;
-          condition = 0;
-          for_each_neighbour(surface, at, [&](const Jet2<Multiprecision>& moved) {
-            condition += change(exact_frame(moved, f.handedness), exact_near);
-          });
-        }
-      if (!shown) return;
+      const Nearest nearest = nearest_limit(surface, uv, f);
+      if (!nearest.shown) return;
+      errors = nearest.errors;
+      condition = nearest.condition;
     } else {
       const ExactFrame e = exact_frame(exact, f.handedness);
       // Where the true partials give no frame, those with their rounding gave an arbitrary one.
@@ -303,7 +318,7 @@ class HighPrecision {
           norm(rounded(cross(exact.dpdu, unit(exact.dpdv)))) <
               16 * roundoff * (1 + partial_condition[1]) * scale[1])
         return;
-      errors = error(e);
+      errors = errors_of(f, e);
       for (const Jet2<Multiprecision>& moved : neighbours)
         condition += change(exact_frame(moved, f.handedness), e);
     }

@@ -82,9 +82,9 @@ std::string broken_laws(const AnySurface& surface, const CheckOptions& options) 
   std::string text;
   for (const Check& c : check_surface(surface, options))
     if (!c.passed)
-      text += std::string(c.surface) + ": " + std::string(c.route) + " of " + std::string(c.quantity) +
-              " is off by " + shortest(c.max_error) + ", permitted is " + shortest(c.bound) +
-              ", worst at u = " + shortest(c.worst_u) + ", v = " + shortest(c.worst_v) + "\n";
+      text += std::string(c.surface) + ": " + std::string(c.route) + " of " + std::string(c.quantity) + ": " +
+              expected_got("an error of at most " + shortest(c.bound), shortest(c.max_error)) +
+              " at u = " + shortest(c.worst_u) + ", v = " + shortest(c.worst_v) + "\n";
   return text;
 }
 

@@ -10,7 +10,8 @@
 #include <darboux/local_jets.h>
 
 #include "base/neighbours.h"
-#include "base/pieces.h"
+#include "base/parallel.h"
+#include "base/text.h"
 #include "batch.h"
 #include "uv_fit.h"
 
@@ -186,47 +187,47 @@ auto with_degree(int degree, const F& f) {
     case 4:
       return f(std::integral_constant<int, 4>());
     default:
-      throw ParameterError("degree", std::to_string(degree) + " is out of range, permitted is 2 to 4");
+      throw ParameterError("degree", expected_got("2 to 4", std::to_string(degree)));
   }
 }
 
 void check_weights(std::span<const double> weights, std::size_t n) {
   if (weights.empty()) return;
   if (weights.size() != n)
-    throw ParameterError("weights", std::to_string(weights.size()) + " for " + std::to_string(n) +
-                                        " neighbours, permitted is one each or none");
+    throw ParameterError("weights",
+                         expected_got("none or one for each of " + std::to_string(n) + " neighbours",
+                                      std::to_string(weights.size())));
   for (const double w : weights)
     if (!(w > 0 && w < infinite)) throw_out_of_range("weights", "weight", w, Range::positive());
 }
 
 void check_length(std::size_t size, const char* attribute, const PointCloud& cloud) {
   if (size != 0 && size != cloud.positions.size())
-    throw MeshError("points", std::to_string(size) + " " + attribute + " for " +
-                                  std::to_string(cloud.positions.size()) +
-                                  " positions, permitted is one each or none");
+    throw MeshError("points", expected_got("no " + std::string(attribute) + " or one per position, " +
+                                               std::to_string(cloud.positions.size()),
+                                           std::to_string(size)));
 }
 
 // fit(some points, the indices of the `count` nearest to each, the results of all) for every point of a
-// cloud; `make()` makes a fit, once a piece.
+// cloud; `make()` makes a fit, once per piece.
 template <class Result, class Make>
 std::vector<Result> at_every_point(const PointCloud& cloud, const CloudJetOptions& options,
                                    const Result& none, const Make& make) {
   check_length(cloud.normals.size(), "normals", cloud);
   check_length(cloud.uvs.size(), "uvs", cloud);
   if (options.threads < 0)
-    throw ParameterError("threads",
-                         std::to_string(options.threads) + " threads, permitted is 0 (all) or more");
+    throw ParameterError("threads", expected_got("0 (all) or more", std::to_string(options.threads)));
   const std::size_t least = jet_coefficients(options.degree),
                     wanted = options.neighbours == 0 ? 2 * jet_coefficients(options.degree + 1)
                                                      : options.neighbours;
   if (wanted < least)
-    throw ParameterError("neighbours", std::to_string(wanted) + " for degree " +
-                                           std::to_string(options.degree) + ", permitted is " +
-                                           std::to_string(least) + " or more");
+    throw ParameterError("neighbours", expected_got(std::to_string(least) + " or more for degree " +
+                                                        std::to_string(options.degree),
+                                                    std::to_string(wanted)));
   const Neighbours tree(cloud.positions);
   const std::size_t k = std::min(wanted, tree.size());
   std::vector<Result> results(cloud.positions.size(), none);
-  in_pieces(
+  parallel_ranges(
       results.size(), thread_count(options.threads),
       [&](std::size_t begin, std::size_t end) {
         auto fit = make();
@@ -261,8 +262,8 @@ UvJet uv_jet(std::span<const Vec2<double>> uvs, std::span<const Vec3<double>> po
              const Vec2<double>& at, const JetOptions& options) {
   check_weights(options.weights, positions.size());
   if (uvs.size() != positions.size())
-    throw ParameterError("uvs", std::to_string(uvs.size()) + " for " + std::to_string(positions.size()) +
-                                    " positions, permitted is one each");
+    throw ParameterError("uvs", expected_got("one per position, " + std::to_string(positions.size()),
+                                             std::to_string(uvs.size())));
   return with_degree(options.degree, [&](auto degree) {
     return OneUvFit<degree>()(uvs, positions, at, options.weights, options.u_periodic, options.v_periodic);
   });
@@ -309,7 +310,7 @@ std::vector<LocalJet> local_jets(const PointCloud& cloud, const CloudJetOptions&
 
 std::vector<UvJet> uv_jets(const PointCloud& cloud, const CloudJetOptions& options) {
   if (cloud.uvs.empty() && !cloud.positions.empty())
-    throw MeshError("points", "have no uvs, permitted is one each");
+    throw MeshError("points", expected_got("one uv per position", "none"));
   with_degree(options.degree, [](auto) {});
   return at_every_point(cloud, options, no_uv_jet(non_finite, infinite), [&] {
     return [&](std::span<const std::size_t> points, std::span<const std::uint32_t> indices, std::size_t count,

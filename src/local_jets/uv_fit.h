@@ -34,11 +34,45 @@ class UvFit {
 
   // \param count of the neighbours \param total the sum of their weights
   UvFitResult<S> solve(const S& count, const S& total) {
-    using std::sqrt;
-    const S zero(0), one(1), two(2);
+    const S two(2);
+    const Scaling scaling = normalise();
     UvFitResult<S> result;
-    // Coordinates (x, y) = A (u, v) whose columns are orthonormal but for a common factor: a chart that is
-    // stretched or sheared gives the same ones.
+    result.sized = scaling.sized;
+    fit_.solve(count, total);
+    result.condition = fit_.condition();
+    result.residual_rms = scaling.radius * fit_.residual_rms();
+
+    const S a00 = scaling.per_u * scaling.b00, a10 = scaling.per_u * scaling.b10,
+            a11 = scaling.per_v * scaling.b11;
+    Vec3<S> c[Fit::jet];
+    for (int k = 0; k < Fit::jet; ++k)
+      c[k] = {scaling.radius * fit_.coefficient(k, 0), scaling.radius * fit_.coefficient(k, 1),
+              scaling.radius * fit_.coefficient(k, 2)};
+    const Vec3<S> dpdu = a00 * c[1] + a10 * c[2], dpdv = a11 * c[2];
+    result.jet = {c[0],
+                  dpdu,
+                  dpdv,
+                  two * a00 * a00 * c[3] + two * a00 * a10 * c[4] + two * a10 * a10 * c[5],
+                  a00 * a11 * c[4] + two * a10 * a11 * c[5],
+                  two * a11 * a11 * c[5]};
+    result.frame = frame_from_partials(dpdu, dpdv);
+
+    set_errors(scaling, result);
+    return result;
+  }
+
+ private:
+  // Coordinates (x, y) = A (u, v) whose columns are orthonormal but for a common factor: a chart that is
+  // stretched or sheared gives the same ones. A = [[b00, 0], [b10, b11]] diag(per_u, per_v); positions are
+  // divided by radius.
+  struct Scaling {
+    S sized, per_u, per_v, radius, b00, b10, b11;
+  };
+
+  // Gives the neighbours these coordinates.
+  Scaling normalise() {
+    using std::sqrt;
+    const S one(1);
     S u_size(0), v_size(0), radius(0);
     for (std::size_t i = 0; i < n_; ++i) {
       u_size = larger(u_size, given_[i].x);
@@ -78,29 +112,17 @@ class UvFit {
       for (S& value : given_[i].values) value = value * per_radius;
     }
     const S infinite(std::numeric_limits<double>::infinity());
-    result.sized = select(per_u < infinite && per_v < infinite && per_radius < infinite &&
-                              yy * S(Fit::worst_condition) > sqrt(before),
-                          one, zero);
-    fit_.solve(count, total);
-    result.condition = fit_.condition();
-    result.residual_rms = radius * fit_.residual_rms();
-
+    const S sized = select(per_u < infinite && per_v < infinite && per_radius < infinite &&
+                               yy * S(Fit::worst_condition) > sqrt(before),
+                           one, S(0));
     // Without the units of u and v, whose squares may overflow.
-    const S b00 = per_xx * per_size, b11 = per_yy * per_size, b10 = -slope * b11;
-    const S a00 = per_u * b00, a10 = per_u * b10, a11 = per_v * b11;
-    Vec3<S> c[Fit::jet];
-    for (int k = 0; k < Fit::jet; ++k)
-      c[k] = {radius * fit_.coefficient(k, 0), radius * fit_.coefficient(k, 1),
-              radius * fit_.coefficient(k, 2)};
-    const Vec3<S> dpdu = a00 * c[1] + a10 * c[2], dpdv = a11 * c[2];
-    result.jet = {c[0],
-                  dpdu,
-                  dpdv,
-                  two * a00 * a00 * c[3] + two * a00 * a10 * c[4] + two * a10 * a10 * c[5],
-                  a00 * a11 * c[4] + two * a10 * a11 * c[5],
-                  two * a11 * a11 * c[5]};
-    result.frame = frame_from_partials(dpdu, dpdv);
+    const S b00 = per_xx * per_size, b11 = per_yy * per_size;
+    return {sized, per_u, per_v, radius, b00, -slope * b11, b11};
+  }
 
+  void set_errors(const Scaling& scaling, UvFitResult<S>& result) const {
+    using std::sqrt;
+    const S zero(0), one(1);
     using Gain = typename Fit::Gain;
     const auto error = [this](const Gain& gain, const Vec3<S>& s) {
       const S components[] = {s.x, s.y, s.z};
@@ -110,15 +132,15 @@ class UvFit {
       return sqrt(S(error(gain, {one, zero, zero}) + error(gain, {zero, one, zero}) +
                     error(gain, {zero, zero, one})));
     };
-    const Gain of_dpdu = fit_.gain({{zero, b00, b10, zero, zero, zero}}),
-               of_dpdv = fit_.gain({{zero, zero, b11, zero, zero, zero}});
-    const S u_unit = radius * per_u, v_unit = radius * per_v;
+    const Gain of_dpdu = fit_.gain({{zero, scaling.b00, scaling.b10, zero, zero, zero}}),
+               of_dpdv = fit_.gain({{zero, zero, scaling.b11, zero, zero, zero}});
+    const S u_unit = scaling.radius * scaling.per_u, v_unit = scaling.radius * scaling.per_v;
     result.dpdu_error = u_unit * length_error(of_dpdu);
     result.dpdv_error = v_unit * length_error(of_dpdv);
     // δt = (b b·δdpdu + n n·δdpdu)/|dpdu|; δn = -Σ r n·δdp over u and v, with r the gradients of u and v in
     // the surface.
     const Vec3<S>&t = result.frame.t, &b = result.frame.b, &n = result.frame.n;
-    const S e = dot(dpdu, t), f = dot(dpdv, t), g = dot(dpdv, b);
+    const S e = dot(result.jet.dpdu, t), f = dot(result.jet.dpdv, t), g = dot(result.jet.dpdv, b);
     const S per_e = u_unit / e, per_g = v_unit / g, shear = f / g;
     Gain along_t, along_b;
     for (int k = 0; k < Fit::M; ++k) {
@@ -127,10 +149,8 @@ class UvFit {
     }
     result.tangent_error = sqrt(S(error(along_t, b) + error(along_t, n)));
     result.normal_error = sqrt(S(error(along_t, n) + error(along_b, n)));
-    return result;
   }
 
- private:
   static S larger(const S& most, const S& x) {
     using std::abs;
     const S size = abs(x);

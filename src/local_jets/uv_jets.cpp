@@ -1,4 +1,4 @@
-// Polynomials P(u, v) through the neighbours of several points at once, a point a lane; compiled once per
+// Polynomials P(u, v) through the neighbours of several points at once, a point per lane; compiled once per
 // instruction set, which DARBOUX_ISA names. Everything but the table has internal linkage.
 #include "uv_jets.h"
 

@@ -381,8 +381,8 @@ double distance(const Box& a, const Box& b) {
 
 MeshComparison compare(const Mesh& a, const Mesh& b, const CompareOptions& options) {
   if (!(options.max_angle_deg >= 0 && options.max_angle_deg <= 180))
-    throw ParameterError("max_angle_deg", shortest(options.max_angle_deg) +
-                                              " is out of range, permitted is 0 <= degrees <= 180");
+    throw ParameterError("max_angle_deg",
+                         expected_got("0 <= degrees <= 180", shortest(options.max_angle_deg)));
   check_consistent(a, "compare: first mesh");
   check_consistent(b, "compare: second mesh");
   const Joint joint = join(a, b);

@@ -6,6 +6,8 @@
 #include <darboux/error.h>
 #include <darboux/split_vertices.h>
 
+#include "base/text.h"
+
 namespace darboux {
 namespace {
 
@@ -14,18 +16,18 @@ constexpr std::uint32_t none = SplitVertices::no_corner;
 void check_arguments(std::size_t vertices, std::span<const std::uint32_t> corners,
                      std::span<const float> values) {
   if (vertices >= none || corners.size() >= none)
-    throw MeshError("split_vertices", std::to_string(vertices) + " vertices and " +
-                                          std::to_string(corners.size()) +
-                                          " corners, permitted are less than 2^32 - 1 of each");
+    throw MeshError("split_vertices", expected_got("fewer than 2^32 - 1 vertices and corners",
+                                                   std::to_string(vertices) + " vertices and " +
+                                                       std::to_string(corners.size()) + " corners"));
   if (values.size() != 0 && (corners.empty() || values.size() % corners.size() != 0))
-    throw MeshError("split_vertices", std::to_string(values.size()) + " values for " +
-                                          std::to_string(corners.size()) +
-                                          " corners, permitted are as many for each");
+    throw MeshError("split_vertices", expected_got("the same number of values for each of " +
+                                                       std::to_string(corners.size()) + " corners",
+                                                   std::to_string(values.size()) + " values"));
   for (std::size_t c = 0; c < corners.size(); ++c)
     if (corners[c] >= vertices)
-      throw MeshError("split_vertices", "corner " + std::to_string(c) + " names vertex " +
-                                            std::to_string(corners[c]) + ", permitted are 0 to " +
-                                            std::to_string(vertices) + " exclusive");
+      throw MeshError("split_vertices", "corner " + std::to_string(c) + ": " +
+                                            expected_got("a vertex below " + std::to_string(vertices),
+                                                         std::to_string(corners[c])));
 }
 
 // The corners, those of one vertex together and in order.
@@ -77,7 +79,8 @@ SplitVertices split_vertices(std::size_t vertices, std::span<const std::uint32_t
       result.indices[c] = v;
     } else {
       if (result.source.size() + 1 >= none)
-        throw MeshError("split_vertices", "2^32 - 1 vertices or more result, permitted are less");
+        throw MeshError("split_vertices",
+                        expected_got("fewer than 2^32 - 1 vertices", "more after the split"));
       result.indices[c] = static_cast<std::uint32_t>(result.source.size());
       result.source.push_back(v);
       result.corner.push_back(c);

@@ -14,7 +14,7 @@ namespace darboux {
 /// The studies as `darboux converge --json` prints them; numbers that do not exist are null.
 nlohmann::ordered_json studies_json(const std::vector<Study>& studies);
 
-/// One row a study and resolution, with a header; RFC 4180 quoting, numbers read back to the same bits, an
+/// One row per study and resolution, with a header; RFC 4180 quoting, numbers read back to the same bits, an
 /// order that does not exist is an empty field.
 std::string studies_csv(const std::vector<Study>& studies);
 

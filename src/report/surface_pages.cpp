@@ -75,7 +75,7 @@ struct Header {
 };
 
 [[noreturn]] void throw_undocumented(const std::string& name) {
-  throw Error(name, "its header has no comment above the type, permitted is one as in torus.h");
+  throw Error(name, "header: expected a comment above the type, as in torus.h, got none");
 }
 
 Header read_header(const AnySurface& surface) {
@@ -286,7 +286,7 @@ std::string facts(const AnySurface& surface, const Header& header,
       {"implicit", "`implicit(p)`, the signed distance to first order"},
       {"gaussian_curvature", "`gaussian_curvature(u, v)`"},
       {"mean_curvature", "`mean_curvature(u, v)`, with the sign that belongs to n"},
-      {"position_again", "`position_again(u, v)`, the position by another formula"}};
+      {"second_formula", "`second_formula(u, v)`, the position by another formula"}};
   std::string text =
       "## Facts\n\nKnown from elsewhere than the formula above and its derivatives; `darboux check " +
       std::string(surface.info().name) + "` compares.\n\n";
@@ -389,7 +389,7 @@ std::string index() {
       "<!--\nWritten by `darboux surfaces --pages docs/surfaces`: change src/report/surface_pages.cpp, not "
       "this.\n-->\n\n"
       "# Surfaces\n\n"
-      "One page a surface: formula, parameters, singular points, facts, sources. The pages are written by "
+      "One page per surface: formula, parameters, singular points, facts, sources. The pages are written by "
       "`darboux "
       "surfaces\n--pages` from the headers in [surfaces/darboux](../../surfaces/darboux). How to [add a "
       "surface](../howto/add-a-surface.md).\n\n"

@@ -277,14 +277,16 @@ class Drawing {
     struct Axis {
       std::string_view name, colour;
       Vec3<double> direction;
+      bool normal;
     };
-    std::array<Axis, 3> axes{{{"t", "#c81414", f.t}, {"b", "#0a7a14", f.b}, {"n", "#1414d2", f.n}}};
+    std::array<Axis, 3> axes{
+        {{"t", "#c81414", f.t, false}, {"b", "#0a7a14", f.b, false}, {"n", "#1414d2", f.n, true}}};
     std::stable_sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) {
       return std::lround(1e6 * dot(a.direction, to_viewer)) < std::lround(1e6 * dot(b.direction, to_viewer));
     });
     for (const Axis& a : axes) {
       const double x = dot(a.direction, to_right), y = -dot(a.direction, upward);
-      const bool behind = a.name == "n" && dot(f.n, to_viewer) < 0;
+      const bool behind = a.normal && dot(f.n, to_viewer) < 0;
       if (behind) out_ += "\n<g opacity=\".5\">";
       arrow(base, x, y, arrow_length, a.colour, a.name);
       if (behind) out_ += "</g>";

@@ -14,9 +14,8 @@ std::string describe(const Range& permitted, std::string_view name) {
 
 void throw_out_of_range(std::string_view subject, std::string_view name, double value,
                         const Range& permitted) {
-  throw ParameterError(std::string(subject), std::string(name) + " = " + shortest(value) +
-                                                 " is out of range, permitted is " +
-                                                 describe(permitted, name));
+  throw ParameterError(std::string(subject),
+                       std::string(name) + ": " + expected_got(describe(permitted, name), shortest(value)));
 }
 
 void throw_refused(std::string_view subject, std::string_view why) {
@@ -25,7 +24,7 @@ void throw_refused(std::string_view subject, std::string_view why) {
 
 void detail::throw_singular_transform() {
   throw ParameterError("transform",
-                       "the linear part is singular or not finite, permitted are invertible maps");
+                       expected_got("an invertible map", "a linear part that is singular or not finite"));
 }
 
 }  // namespace darboux

@@ -73,7 +73,7 @@ class BezierPatch {
 
   /// The sums over Bernstein polynomials themselves.
   template <class S>
-  Vec3<S> position_again(const S& u, const S& v) const {
+  Vec3<S> second_formula(const S& u, const S& v) const {
     return detail::patch_position(net<S>(), bernstein(degree_u_, u), bernstein(degree_v_, v));
   }
 

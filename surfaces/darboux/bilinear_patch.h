@@ -78,7 +78,7 @@ struct BilinearPatch {
   }
   /// p00 + u a + v b + uv c with a = p10 - p00, b = p01 - p00, c = p11 - p10 - p01 + p00
   template <class S>
-  constexpr Vec3<S> position_again(const S& u, const S& v) const {
+  constexpr Vec3<S> second_formula(const S& u, const S& v) const {
     const auto [p, q, r, s] = corners<S>();
     return p + u * (q - p) + v * (r - p) + (u * v) * ((s - q) - (r - p));
   }

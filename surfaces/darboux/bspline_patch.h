@@ -92,7 +92,7 @@ class BSplinePatch {
 
   /// The sum over the basis functions of Cox and de Boor.
   template <class S>
-  Vec3<S> position_again(const S& u, const S& v) const {
+  Vec3<S> second_formula(const S& u, const S& v) const {
     int i = 0, j = 0;
     const auto a = u_.basis(u, i), b = v_.basis(v, j);
     return detail::patch_position(net<S>(i, j), a, b);

@@ -68,7 +68,7 @@ struct Catenoid {
 
   /// The catenary as the mean of two exponential curves, w between its ends -extent and extent.
   template <class S>
-  constexpr Vec3<S> position_again(const Turn<S>& u, const S& v) const {
+  constexpr Vec3<S> second_formula(const Turn<S>& u, const S& v) const {
     const S c = lift<S>(waist_radius), e = lift<S>(extent), w = v * e - (lift<S>(1.0) - v) * e;
     const S rho = lift<S>(0.5) * (c * exp(w) + c * exp(S(-w)));
     return {rho * u.cos, rho * u.sin, c * w};

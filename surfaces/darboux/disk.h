@@ -42,7 +42,8 @@ struct Disk {
           std::to_chars(digits.data(), digits.data() + digits.size(), static_cast<double>(x)).ptr;
       return std::string(digits.data(), end);
     };
-    return "inner_radius = " + text(inner_radius) + " must be below outer_radius = " + text(outer_radius);
+    return "inner_radius: expected less than outer_radius = " + text(outer_radius) + ", got " +
+           text(inner_radius);
   }
 
   template <class S>
@@ -91,7 +92,7 @@ struct Disk {
 
   /// From the circle half-way between the rims, (1/2 - v) times the width of the annulus outward.
   template <class S>
-  constexpr Vec3<S> position_again(const Turn<S>& u, const S& v) const {
+  constexpr Vec3<S> second_formula(const Turn<S>& u, const S& v) const {
     const S R = lift<S>(outer_radius), r = lift<S>(inner_radius), half = lift<S>(0.5);
     const Vec3<S> outward{u.cos, u.sin, lift<S>(0.0)};
     return (half * (R + r)) * outward + ((half - v) * (R - r)) * outward;

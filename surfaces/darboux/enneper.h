@@ -73,7 +73,7 @@ struct Enneper {
 
   /// Weierstrass' representation: with ζ = s + i t, scale (Re(ζ - ζ³/3), Im(ζ + ζ³/3), Re ζ²).
   template <class S>
-  constexpr Vec3<S> position_again(const S& u, const S& v) const {
+  constexpr Vec3<S> second_formula(const S& u, const S& v) const {
     const S a = lift<S>(scale), e = lift<S>(extent), one = lift<S>(1.0), three = lift<S>(3.0);
     const Vec2<S> z{u * e - (one - u) * e, v * e - (one - v) * e};  // between its ends -e and e
     const auto times = [](const Vec2<S>& p, const Vec2<S>& q) {

@@ -43,7 +43,7 @@ struct Extrusion {
                                                 "from the curve to its copy; length")};
   }
   std::string refusal() const {
-    if (detail::vanishes(direction)) return "the direction must not be zero";
+    if (detail::vanishes(direction)) return "the direction: expected one that is not zero, got zero";
     return detail::curve_refusal(curve);
   }
 
@@ -91,10 +91,10 @@ struct Extrusion {
   }
   /// The curve's point by its other formula, and v d.
   template <class P, class S>
-  Vec3<S> position_again(const P& u, const S& v) const requires requires(const Curve& c) {
-    c.position_again(u);
+  Vec3<S> second_formula(const P& u, const S& v) const requires requires(const Curve& c) {
+    c.second_formula(u);
   }
-  { return curve.position_again(u) + v * detail::lift_vector<S>(direction); }
+  { return curve.second_formula(u) + v * detail::lift_vector<S>(direction); }
 
   /// The same extrusion over another scalar.
   template <class To>

@@ -83,8 +83,8 @@ struct Graph {
   }
   std::string refusal() const {
     const auto wrong = [](std::string_view name, const T& a, const T& b) {
-      return std::string(name) + "0 = " + detail::text_of(a) + " must be below " + std::string(name) +
-             "1 = " + detail::text_of(b);
+      return std::string(name) + "0: expected less than " + std::string(name) + "1 = " + detail::text_of(b) +
+             ", got " + detail::text_of(a);
     };
     if (!(x0 < x1)) return wrong("x", x0, x1);
     if (!(y0 < y1)) return wrong("y", y0, y1);
@@ -147,7 +147,7 @@ struct Graph {
   }
   /// From the middle of the rectangle, (u - 1/2) and (v - 1/2) of its sides away.
   template <class S>
-  Vec3<S> position_again(const S& u, const S& v) const {
+  Vec3<S> second_formula(const S& u, const S& v) const {
     const S half = lift<S>(0.5), a = lift<S>(x0), b = lift<S>(x1), c = lift<S>(y0), d = lift<S>(y1);
     const S x = half * (a + b) + (u - half) * (b - a), y = half * (c + d) + (v - half) * (d - c);
     return {x, y, f(x, y)};

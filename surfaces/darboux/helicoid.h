@@ -96,7 +96,7 @@ struct Helicoid {
 
   /// The ruling at u = 0 carried along by the screw motion, which turns it twice by half the angle.
   template <class S>
-  constexpr Vec3<S> position_again(const S& u, const S& v) const {
+  constexpr Vec3<S> second_formula(const S& u, const S& v) const {
     const S two = lift<S>(2.0), inner = lift<S>(inner_radius), outer = inner + lift<S>(width);
     const S s = (lift<S>(1.0) - v) * inner + v * outer;
     const Turn<S> half = sincos_half_turns<S>(lift<S>(turns) * u);

@@ -78,7 +78,7 @@ struct HyperbolicParaboloid {
 
   /// Between the ends -a and a, -b and b; the height by s² = 1 - 4u (1 - u), t² = 1 - 4v (1 - v).
   template <class S>
-  constexpr Vec3<S> position_again(const S& u, const S& v) const {
+  constexpr Vec3<S> second_formula(const S& u, const S& v) const {
     const S a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), one = lift<S>(1.0), ru = one - u,
             rv = one - v;
     return {u * a - ru * a, v * b - rv * b, lift<S>(4.0) * (lift<S>(height) * (v * rv - u * ru))};

@@ -10,8 +10,8 @@ namespace darboux {
 ///   P(u, v) = (ρ cos x, ρ sin x, z),   x = 2πu,   y = 2πv
 ///   ρ = R + r (cos(x/2) sin y - sin(x/2) sin 2y),   z = r (sin(x/2) sin y + cos(x/2) sin 2y)
 /// u runs round the axis, v along the figure 8, both in turns. P(u + 1, v) = P(u, 1 - v), and n changes its
-/// sign there: the surface has one side, the frame two values a point, and u is reduced modulo 2. v = 0 and v
-/// = 1/2 are one circle, the double points of the figures: self_intersecting. For R <= 1.25 r the figures
+/// sign there: the surface has one side, the frame two values per point, and u is reduced modulo 2. v = 0 and
+/// v = 1/2 are one circle, the double points of the figures: self_intersecting. For R <= 1.25 r the figures
 /// reach the axis; where ρ <= 0 the status is self_intersecting too. Regular but for points of the axis where
 /// the figure is at an extreme distance from its centre, ρ = 0 and (1 + 4 cos 2y) sin 2y = 0: there dpdu and
 /// dpdv are parallel, and the limit of n depends on the direction; no_frame. For R = r these points only
@@ -135,7 +135,7 @@ struct KleinBottle {
   /// The figure 8 drawn in the plane y = 0, turned about the y axis by half the azimuth, shifted by R along
   /// x, turned about the z axis twice by half the azimuth.
   template <class S>
-  constexpr Vec3<S> position_again(const Turn<S>& u, const Turn<S>& v) const {
+  constexpr Vec3<S> second_formula(const Turn<S>& u, const Turn<S>& v) const {
     const S zero = lift<S>(0.0), r = lift<S>(tube_radius);
     const S a = r * v.sin, b = lift<S>(2.0) * (a * v.cos);
     Vec3<S> p{u.cos * a - u.sin * b + lift<S>(radius), zero, u.sin * a + u.cos * b};

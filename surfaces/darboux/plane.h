@@ -61,7 +61,7 @@ struct Plane {
 
   /// The bilinear mean of the four corners (±w/2, ±d/2, 0).
   template <class S>
-  constexpr Vec3<S> position_again(const S& u, const S& v) const {
+  constexpr Vec3<S> second_formula(const S& u, const S& v) const {
     const S one = lift<S>(1.0), zero = lift<S>(0.0);
     const S x = lift<S>(0.5) * lift<S>(width), y = lift<S>(0.5) * lift<S>(depth);
     const Vec3<S> front = (one - u) * Vec3<S>{-x, -y, zero} + u * Vec3<S>{x, -y, zero};

@@ -52,7 +52,7 @@ struct Pseudosphere {
           std::to_chars(digits.data(), digits.data() + digits.size(), static_cast<double>(x)).ptr;
       return std::string(digits.data(), end);
     };
-    return "w0 = " + text(w0) + " must be below w1 = " + text(w1);
+    return "w0: expected less than w1 = " + text(w1) + ", got " + text(w0);
   }
 
   template <class S>
@@ -107,7 +107,7 @@ struct Pseudosphere {
   /// By the tractrix in the form of hyperbolic functions: with τ = ln tan(w/2), distance a / cosh τ from the
   /// axis, height a (τ - tanh τ); turned twice by half the azimuth.
   template <class S>
-  constexpr Vec3<S> position_again(const S& u, const S& v) const {
+  constexpr Vec3<S> second_formula(const S& u, const S& v) const {
     const S one = lift<S>(1.0), two = lift<S>(2.0), a = lift<S>(radius), turned = lift<S>(turns) * u;
     const Turn<S> w = profile_angle(v), half = sincos_half_turns<S>(turned);
     const S tau = w.cos < lift<S>(0.0) ? log(S((one - w.cos) / w.sin)) : log(S(w.sin / (one + w.cos)));

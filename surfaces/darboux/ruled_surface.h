@@ -87,7 +87,7 @@ struct RuledSurface {
   }
   /// A + v (B - A), with the curves' own other formulas.
   template <class P, class S>
-  Vec3<S> position_again(const P& u, const S& v) const {
+  Vec3<S> second_formula(const P& u, const S& v) const {
     const Vec3<S> p = again<S>(a, u), q = again<S>(b, u);
     return p + v * (q - p);
   }
@@ -103,8 +103,8 @@ struct RuledSurface {
  private:
   template <class S, class C, class P>
   static Vec3<S> again(const C& curve, const P& u) {
-    if constexpr (requires { curve.position_again(u); })
-      return curve.position_again(u);
+    if constexpr (requires { curve.second_formula(u); })
+      return curve.second_formula(u);
     else
       return curve.jet(u).position;
   }

@@ -36,7 +36,8 @@ struct SurfaceOfRevolution {
   std::string refusal() const {
     if constexpr (requires { profile.control_points(); })
       for (const auto& p : profile.control_points())
-        if (!(p.y == scalar(0))) return "the profile does not lie in the plane y = 0";
+        if (!(p.y == scalar(0)))
+          return "the profile: expected a curve in the plane y = 0, got one that leaves it";
     return detail::curve_refusal(profile);
   }
 
@@ -98,11 +99,11 @@ struct SurfaceOfRevolution {
   }
   /// The profile's point by its other formula, turned round the axis.
   template <class S, class P>
-  Vec3<S> position_again(const Turn<S>& u, const P& v) const requires requires(const Curve& c) {
-    c.position_again(v);
+  Vec3<S> second_formula(const Turn<S>& u, const P& v) const requires requires(const Curve& c) {
+    c.second_formula(v);
   }
   {
-    const Vec3<S> p = profile.position_again(v);
+    const Vec3<S> p = profile.second_formula(v);
     return {u.cos * p.x, u.sin * p.x, p.z};
   }
 

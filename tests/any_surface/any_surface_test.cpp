@@ -102,25 +102,23 @@ TEST(MakeSurface, ListsTheKnownParametersForAnUnknownOne) {
 TEST(MakeSurface, NamesAParameterThatIsNoNumber) {
   for (const char* text : {"", "abc", "1x", " 1", "1 ", "0x10", "+1", "1e400", "-1e400", "--1"}) {
     EXPECT_EQ(message_of(std::string("torus:minor_radius=") + text),
-              "torus: minor_radius: '" + std::string(text) +
-                  "' is not a number, permitted are decimal numbers like 0.25");
+              "torus: minor_radius: expected a decimal number such as 0.25, got '" + std::string(text) + "'");
   }
   EXPECT_EQ(message_of("torus:minor_radius=1,5"),
             "torus: unknown parameter '5', known are major_radius, minor_radius");
   EXPECT_EQ(message_of("torus:major_radius"),
-            "torus: parameter 'major_radius' has no value, write major_radius=number");
+            "torus: parameter 'major_radius': expected major_radius=number, got no value");
   EXPECT_EQ(message_of("torus:major_radius=1,major_radius=1"),
-            "torus: parameter 'major_radius' is given twice, permitted is once");
+            "torus: parameter 'major_radius': expected one value, got a second one");
 }
 
 TEST(MakeSurface, NamesAParameterOutOfRange) {
   for (const char* value : {"0", "-0", "-1", "inf", "-inf", "nan"})
     EXPECT_EQ(message_of(std::string("sphere:radius=") + value),
-              std::string("sphere: radius = ") + value + " is out of range, permitted is 0 < radius < inf");
+              std::string("sphere: radius: expected 0 < radius < inf, got ") + value);
   EXPECT_EQ(message_of("torus:major_radius=-1"),
-            "torus: major_radius = -1 is out of range, permitted is 0 <= major_radius < inf");
-  EXPECT_EQ(message_of("cylinder:height=0"),
-            "cylinder: height = 0 is out of range, permitted is 0 < height < inf");
+            "torus: major_radius: expected 0 <= major_radius < inf, got -1");
+  EXPECT_EQ(message_of("cylinder:height=0"), "cylinder: height: expected 0 < height < inf, got 0");
 }
 
 TEST(ParseSpecification, KeepsNamesAndValuesUnchecked) {

@@ -305,7 +305,8 @@ TEST(FileTangents, NumbersThatAreNotFiniteAreRefusedByName) {
     const std::string message = test::refusal_of<MeshError>([&] { rewrite(path); });
     return message.starts_with(path + ": ") ? message.substr(path.size() + 2) : message;
   };
-  const std::string first = "meshes[0].primitives[0]", rest = " is not finite, permitted are finite numbers";
+  const std::string first = "meshes[0].primitives[0]",
+                    rest = ": expected finite numbers, got NaN or infinity";
   for (const float bad : {nan_f, inf_f, -inf_f}) {
     EXPECT_EQ(refusal(one_triangle({0, 0, 1, 0, bad, 1, bad, 0, 1}, {0, 0, 1, 0, 0, 1})),
               first + ": normal of vertex 1" + rest);
@@ -336,12 +337,16 @@ TEST(FileTangents, BrokenFilesAreRefused) {
   Builder b = one_triangle();
   Json& primitive = b.json["meshes"][0]["primitives"][0];
   primitive["indices"] = b.packed<std::uint8_t>("SCALAR", 5121, 3, {0, 1, 3});
-  EXPECT_NE(refusal(b).find("index 3 at place 2, permitted are 0 to 2"), std::string::npos) << refusal(b);
+  EXPECT_NE(refusal(b).find("indices: expected indices below 3, got 3 at place 2"), std::string::npos)
+      << refusal(b);
   b.json["accessors"].back()["count"] = 0;  // no triangle
-  EXPECT_NE(refusal(b).find("count is 0"), std::string::npos) << refusal(b);
+  EXPECT_NE(refusal(b).find("count: expected an integer not below 1, got 0"), std::string::npos)
+      << refusal(b);
   primitive.erase("indices");
   primitive["targets"] = {{{"POSITION", b.positions({0, 0, 0})}}};
-  EXPECT_NE(refusal(b).find("targets[0].POSITION names an accessor of 1 elements"), std::string::npos)
+  EXPECT_NE(refusal(b).find(
+                "targets[0].POSITION: expected an accessor of as many elements as POSITION's, 3, got 1"),
+            std::string::npos)
       << refusal(b);
   EXPECT_THROW(rewrite(one_triangle(), by("no such method")), ParameterError);
 }
@@ -443,7 +448,7 @@ TEST(SetTangents, DeltasThatDoNotFitAreRefused) {
   const std::vector<std::vector<Vec3<float>>> one(1, std::vector<Vec3<float>>(9)),
       small(2, std::vector<Vec3<float>>(8)), good(2, std::vector<Vec3<float>>(9));
   EXPECT_MESH_REFUSED(document.set_tangents(0, 0, tangents, one),
-                      "1 lists of deltas, permitted is one for each of its 2 morph targets");
+                      "expected one list of deltas per morph target, 2, got 1");
   EXPECT_MESH_REFUSED(document.set_tangents(0, 0, tangents, small), "8 deltas");
   EXPECT_MESH_REFUSED(document.set_tangents(1, 0, tangents, one), "0 morph targets");
   document.set_tangents(0, 0, tangents, good);

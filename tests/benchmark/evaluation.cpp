@@ -1,5 +1,5 @@
-// Times evaluate() against other ways and against the limits of the machine.
-//   benchmark_evaluation [Google Benchmark's options]    one way after the other, e.g.
+// Times evaluate() against other methods and against the limits of the machine.
+//   benchmark_evaluation [Google Benchmark's options]    one method after the other, e.g.
 //                                                        --benchmark_filter=torus/double
 //   benchmark_evaluation --table [--quick]               all in turns; writes the tables of
 //                                                        docs/reports/evaluation.md
@@ -22,10 +22,10 @@
 #include <darboux/catalogue.h>
 #include <darboux/evaluate.h>
 
+#include "baselines.h"
 #include "groups.h"
 #include "measure.h"
 #include "tables.h"
-#include "ways.h"
 
 namespace darboux::bench {
 namespace {
@@ -94,7 +94,7 @@ Points<T> random_points(std::size_t n) {
 }
 
 template <class T>
-Outputs<T> outputs(Layout layout, Wanted wanted, const Place& to, std::size_t n) {
+Outputs<T> outputs(Layout layout, Wanted wanted, const Destination& to, std::size_t n) {
   Outputs<T> out;
   const auto at = [&](std::size_t k) { return number_at<T>(layout, wanted, to, k, 0); };
   if (wanted == Wanted::tangent4) return out.packed(Attribute::tangent4, {at(0), 4 * n});
@@ -112,14 +112,16 @@ Outputs<T> outputs(Layout layout, Wanted wanted, const Place& to, std::size_t n)
   return out;
 }
 
-// ---- groups of ways that are timed in turns ---------------------------------------------------------------
+// ---- groups of methods that are timed in turns -----------------------------------------------------------
 
 // The naive loop, the limits, and the library's batch, for one shape of results.
 template <class T>
 void add_shape(Group& group, ByHand kind, Layout layout, Wanted wanted, std::size_t n, bool memory,
                const std::vector<InstructionSet>& sets) {
   const std::string shape = shape_name(layout, wanted);
-  const auto place = [=] { return place_of<T>(layout, wanted, memory ? Sets::get().next() : reused(), n); };
+  const auto place = [=] {
+    return destination_of<T>(layout, wanted, memory ? Sets::get().next() : reused(), n);
+  };
   const auto by = [=](Method method) {
     return
         [=] { evaluate_by<T>(method, kind, layout, wanted, inputs<T>().u(), inputs<T>().v(), n, place()); };
@@ -137,7 +139,7 @@ void add_shape(Group& group, ByHand kind, Layout layout, Wanted wanted, std::siz
   for (const InstructionSet set : sets)
     group.add(shape, ours(set), n,
               [=, surface = surface_of(kind), points = random_points<T>(n),
-               fixed = outputs<T>(layout, wanted, place_of<T>(layout, wanted, reused(), n), n)] {
+               fixed = outputs<T>(layout, wanted, destination_of<T>(layout, wanted, reused(), n), n)] {
                 const EvaluateOptions options{.instruction_set = set};
                 if (memory)
                   surface.evaluate(points, outputs<T>(layout, wanted, place(), n), options);
@@ -150,9 +152,9 @@ void add_shape(Group& group, ByHand kind, Layout layout, Wanted wanted, std::siz
               n, [=] { (memory ? writer.past_caches : writer.cached)(place()); });
   if (layout == Layout::separate && wanted == Wanted::all)
     group.add(shape, "copy (memcpy)", n, [=] {
-      const Place from = place();
-      const Place to =
-          memory ? place() : place_of<T>(layout, wanted, reused() + from.arrays * from.stride, n);
+      const Destination from = place();
+      const Destination to =
+          memory ? place() : destination_of<T>(layout, wanted, reused() + from.arrays * from.stride, n);
       for (std::size_t k = 0; k < to.arrays; ++k)
         std::memcpy(to.base + k * to.stride, from.base + k * from.stride, to.bytes);
     });
@@ -162,9 +164,9 @@ template <class T>
 void add_grid(Group& group, ByHand kind, Layout layout) {
   group.add("grid: " + shape_name(layout, Wanted::all), best_of_ours(), many,
             [=, surface = surface_of(kind), points = Points<T>::grid(1023, 1023)] {
-              surface.evaluate(points,
-                               outputs<T>(layout, Wanted::all,
-                                          place_of<T>(layout, Wanted::all, Sets::get().next(), many), many));
+              surface.evaluate(
+                  points, outputs<T>(layout, Wanted::all,
+                                     destination_of<T>(layout, Wanted::all, Sets::get().next(), many), many));
             });
 }
 
@@ -180,7 +182,7 @@ template <class T>
 void add_consumers(Group& group, ByHand kind) {
   const std::string shape = "18, then the sum of the normals";
   group.add(shape, "evaluate(), then read", many, [=, surface = surface_of(kind)] {
-    const Place to = place_of<T>(Layout::separate, Wanted::all, Sets::get().next(), many);
+    const Destination to = destination_of<T>(Layout::separate, Wanted::all, Sets::get().next(), many);
     surface.evaluate(random_points<T>(many), outputs<T>(Layout::separate, Wanted::all, to, many));
     std::array<std::array<T, 8>, 3> sums{};
     for (std::size_t c = 0; c < 3; ++c)
@@ -221,10 +223,10 @@ Group by_hand_group(ByHand kind, bool memory) {
 
 // f(first point, place of that and the following) of as many equal parts.
 template <class T, class F>
-void in_parts(int parts, std::size_t n, const Place& to, const F& f) {
+void in_parts(int parts, std::size_t n, const Destination& to, const F& f) {
   const auto part = [&](int k) {
     const auto count = static_cast<std::size_t>(parts), first = n / count * static_cast<std::size_t>(k);
-    f(first, Place{to.base + first * sizeof(T), to.arrays, to.bytes / count, to.stride});
+    f(first, Destination{to.base + first * sizeof(T), to.arrays, to.bytes / count, to.stride});
   };
   if (parts == 1)
     part(0);
@@ -239,7 +241,7 @@ Group threads_group(ByHand kind) {
   Group group{std::string(name_of(kind)) + "/" + scalar_name<T> + "/threads", {}};
   for (const std::size_t n : thread_sizes) {
     const auto place = [=] {
-      return place_of<T>(Layout::separate, Wanted::all, n == many ? Sets::get().next() : reused(), n);
+      return destination_of<T>(Layout::separate, Wanted::all, n == many ? Sets::get().next() : reused(), n);
     };
     for (const int threads : {1, 2}) {
       const std::string number = std::to_string(threads);
@@ -248,13 +250,13 @@ Group threads_group(ByHand kind) {
                          {.threads = threads});
       });
       group.add(size_name(n), "naive " + number, n, [=] {
-        in_parts<T>(threads, n, place(), [&](std::size_t first, const Place& to) {
+        in_parts<T>(threads, n, place(), [&](std::size_t first, const Destination& to) {
           evaluate_by<T>(Method::naive, kind, Layout::separate, Wanted::all, inputs<T>().u() + first,
                          inputs<T>().v() + first, n / static_cast<std::size_t>(threads), to);
         });
       });
       group.add(size_name(n), "limit " + number, n, [=, writer = writers().back()] {
-        in_parts<T>(threads, n, place(), [&](std::size_t, const Place& to) {
+        in_parts<T>(threads, n, place(), [&](std::size_t, const Destination& to) {
           (n == many ? writer.past_caches : writer.cached)(to);
         });
       });
@@ -274,7 +276,7 @@ Group crossover_group() {
            {std::pair{"cached", Stores::cached}, std::pair{"past_caches", Stores::past_caches}})
         group.add(std::to_string(megabytes) + (read ? " MB, then read" : " MB"), method, n,
                   [=, stores = stores, surface = surface_of(ByHand::torus)] {
-                    const Place to = place_of<T>(Layout::separate, Wanted::all, reused(), n);
+                    const Destination to = destination_of<T>(Layout::separate, Wanted::all, reused(), n);
                     surface.evaluate(random_points<T>(n), outputs<T>(Layout::separate, Wanted::all, to, n),
                                      {.stores = stores});
                     if (!read) return;
@@ -295,7 +297,7 @@ Group catalogue_group() {
   Group group{"catalogue/double/L2", {}};
   const std::vector<CatalogueLoops<double>>& loops = catalogue_loops<double>();
   for (std::size_t k = 0; k < loops.size(); ++k) {
-    const auto place = [] { return place_of<double>(Layout::separate, Wanted::all, reused(), few); };
+    const auto place = [] { return destination_of<double>(Layout::separate, Wanted::all, reused(), few); };
     group.add(std::string(loops[k].surface), "naive", few, [=, naive = loops[k].naive] {
       naive(inputs<double>().u(), inputs<double>().v(), few, place());
     });
@@ -324,33 +326,34 @@ std::vector<Group> all_groups() {
   return groups;
 }
 
-// All ways write the same numbers; what times something else would be of no use.
+// All methods write the same numbers; what times something else would be of no use.
 template <class T>
 void check_numbers(const Group& group, ByHand kind) {
   std::map<std::string, std::vector<double>> expected;
-  for (const Way& way : group.ways)
+  for (const Timing& timing : group.timings)
     for (const Layout layout : {Layout::separate, Layout::vectors, Layout::structs})
       for (const Wanted wanted : {Wanted::all, Wanted::frame, Wanted::tangent4}) {
-        if (way.shape != shape_name(layout, wanted) ||
-            (wanted == Wanted::tangent4 && layout != Layout::structs) || way.method.starts_with("limit") ||
-            way.method.starts_with("copy"))
+        if (timing.shape != shape_name(layout, wanted) ||
+            (wanted == Wanted::tangent4 && layout != Layout::structs) || timing.method.starts_with("limit") ||
+            timing.method.starts_with("copy"))
           continue;
-        const Place place = place_of<T>(layout, wanted, reused(), few);
+        const Destination place = destination_of<T>(layout, wanted, reused(), few);
         std::memset(place.base, 0xff, place.arrays * place.stride);
-        way.run();
+        timing.run();
         std::vector<double> numbers;
         for (std::size_t i = 0; i < few; ++i)
           for (std::size_t k = 0; k < numbers_of(wanted); ++k)
             numbers.push_back(static_cast<double>(*number_at<T>(layout, wanted, place, k, i)));
-        const auto [first, is_new] = expected.try_emplace(way.shape, numbers);
-        const bool differences = way.method == "central differences";
+        const auto [first, is_new] = expected.try_emplace(timing.shape, numbers);
+        const bool differences = timing.method == "central differences";
         const double tolerance =
             std::same_as<T, double> ? (differences ? 1e-5 : 1e-10) : (differences ? 0.3 : 3e-2);
         for (std::size_t k = 0; k < numbers.size(); ++k)
           if (!(std::fabs(numbers[k] - first->second[k]) <= tolerance))
-            throw std::runtime_error(group.name + ", " + way.shape + ": number " + std::to_string(k) +
-                                     " by " + way.method + " is " + std::to_string(numbers[k]) + ", naive " +
-                                     std::to_string(first->second[k]) + " (" + name_of(kind) + ")");
+            throw std::runtime_error(group.name + ", " + timing.shape + ": number " + std::to_string(k) +
+                                     " by " + timing.method + " is " + std::to_string(numbers[k]) +
+                                     ", naive " + std::to_string(first->second[k]) + " (" + name_of(kind) +
+                                     ")");
       }
 }
 
@@ -367,7 +370,7 @@ int table(std::vector<Group>& groups, bool quick) {
   for (Group& group : groups) {
     const bool in_cache = group.name.ends_with("/L2");
     std::cerr << group.name << " ...\n";
-    measure(group.ways, in_cache ? 2 * rounds : rounds);
+    measure(group.timings, in_cache ? 2 * rounds : rounds);
   }
   std::cout << "- points: random, std::mt19937_64, seed " << seed
             << "\n- memory regime: " << Sets::get().count() << " sets of " << Sets::bytes() / 1000000
@@ -382,12 +385,12 @@ int table(std::vector<Group>& groups, bool quick) {
 
 void add_benchmarks(std::vector<Group>& groups) {
   for (Group& group : groups)
-    for (Way& way : group.ways) {
-      std::string name = group.name + "/" + way.shape + "/" + way.method;
+    for (Timing& timing : group.timings) {
+      std::string name = group.name + "/" + timing.shape + "/" + timing.method;
       std::replace(name.begin(), name.end(), ' ', '_');
-      ::benchmark::RegisterBenchmark(name.c_str(), [&way](::benchmark::State& state) {
-        for (auto _ : state) way.run();
-        state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(way.points));
+      ::benchmark::RegisterBenchmark(name.c_str(), [&timing](::benchmark::State& state) {
+        for (auto _ : state) timing.run();
+        state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(timing.points));
       })->UseRealTime();
     }
 }

@@ -1,5 +1,5 @@
 /// \file groups.h
-/// What is timed in turns: groups of ways, by name.
+/// What is timed in turns: groups of methods, by name.
 #pragma once
 
 #include <array>
@@ -27,28 +27,28 @@ inline constexpr std::array<std::size_t, 12> crossover_sizes{1, 2, 4, 6, 8, 10, 
 
 struct Group {
   std::string name;  // surface/scalar/regime
-  std::vector<Way> ways;
+  std::vector<Timing> timings;
 
   void add(const std::string& shape, const std::string& method, std::size_t points,
            std::function<void()> run) {
-    ways.push_back({shape, method, points, std::move(run)});
+    timings.push_back({shape, method, points, std::move(run)});
   }
-  const Way* find(const std::string& shape, const std::string& method) const {
-    for (const Way& way : ways)
-      if (way.shape == shape && way.method == method) return &way;
+  const Timing* find(const std::string& shape, const std::string& method) const {
+    for (const Timing& timing : timings)
+      if (timing.shape == shape && timing.method == method) return &timing;
     return nullptr;
   }
-  const Way& at(const std::string& shape, const std::string& method) const {
-    if (const Way* way = find(shape, method)) return *way;
-    throw std::logic_error("no way " + shape + " / " + method + " in " + name);
+  const Timing& at(const std::string& shape, const std::string& method) const {
+    if (const Timing* timing = find(shape, method)) return *timing;
+    throw std::logic_error("no timing of " + shape + " / " + method + " in " + name);
   }
-  // The fastest way to write what has this shape.
-  const Way& limit(const std::string& shape) const {
-    const Way* best = nullptr;
-    for (const Way& way : ways)
-      if (way.shape == shape && way.method.starts_with("limit") &&
-          (best == nullptr || median(way.ns) < median(best->ns)))
-        best = &way;
+  // The fastest method of writing what has this shape.
+  const Timing& limit(const std::string& shape) const {
+    const Timing* best = nullptr;
+    for (const Timing& timing : timings)
+      if (timing.shape == shape && timing.method.starts_with("limit") &&
+          (best == nullptr || median(timing.ns) < median(best->ns)))
+        best = &timing;
     if (best == nullptr) throw std::logic_error("no limit for " + shape + " in " + name);
     return *best;
   }

@@ -101,10 +101,10 @@ void table(bool quick) {
     const auto ours = [&](std::size_t i) {
       return local_jet(of(i), cloud.points[i], {.degree = degree, .side = cloud.normals[i]});
     };
-    std::vector<Way> ways;
-    ways.push_back({"", "Darboux", fits, [&] {
-                      for (std::size_t i = 0; i < fits; ++i) sink += ours(i).n.x;
-                    }});
+    std::vector<Timing> timings;
+    timings.push_back({"", "Darboux", fits, [&] {
+                         for (std::size_t i = 0; i < fits; ++i) sink += ours(i).n.x;
+                       }});
     Errors errors[2];
     for (std::size_t i = 0; i < fits; ++i) {
       const LocalJet jet = ours(i);
@@ -124,9 +124,9 @@ void table(bool quick) {
       monge.comply_wrt_given_normal({cloud.normals[i].x, cloud.normals[i].y, cloud.normals[i].z});
       return monge;
     };
-    ways.push_back({"", "CGAL", fits, [&] {
-                      for (std::size_t i = 0; i < fits; ++i) sink += cgal(i).normal_direction().x();
-                    }});
+    timings.push_back({"", "CGAL", fits, [&] {
+                         for (std::size_t i = 0; i < fits; ++i) sink += cgal(i).normal_direction().x();
+                       }});
     for (std::size_t i = 0; i < fits; ++i) {
       const auto monge = cgal(i);
       const auto n = monge.normal_direction();
@@ -134,11 +134,11 @@ void table(bool quick) {
                     cloud.normals[i], cloud.curvatures[i]);
     }
 #endif
-    measure(ways, rounds);
-    std::printf("| %d | %d | %.0f |", degree, k, 1e9 / ways[0].best());
-    if (ways.size() > 1)
-      std::printf(" %.0f | %.1f | %.1e | %.1e | %.1e | %.1e |\n", 1e9 / ways[1].best(),
-                  ratio(ways[1], ways[0]), median(errors[0].normal), median(errors[1].normal),
+    measure(timings, rounds);
+    std::printf("| %d | %d | %.0f |", degree, k, 1e9 / timings[0].best());
+    if (timings.size() > 1)
+      std::printf(" %.0f | %.1f | %.1e | %.1e | %.1e | %.1e |\n", 1e9 / timings[1].best(),
+                  ratio(timings[1], timings[0]), median(errors[0].normal), median(errors[1].normal),
                   median(errors[0].curvature), median(errors[1].curvature));
     else
       std::printf(" not measured | | %.1e | | %.1e | |\n", median(errors[0].normal),

@@ -1,5 +1,5 @@
 /// \file measure.h
-/// Times several ways of doing the same, in turns, so that a drift of the clock meets all of them.
+/// Times several methods of doing the same, in turns, so that a drift of the clock meets all of them.
 #pragma once
 
 #include <algorithm>
@@ -67,7 +67,7 @@ inline double median(std::vector<double> x) {
 }
 
 /// Something to be timed.
-struct Way {
+struct Timing {
   std::string shape;   ///< what is written, e.g. "18, separate arrays"
   std::string method;  ///< by whom
   std::size_t points;  ///< in a call
@@ -78,15 +78,15 @@ struct Way {
 };
 
 /// The median over the rounds of a's time over b's in the same round.
-inline double ratio(const Way& a, const Way& b) {
+inline double ratio(const Timing& a, const Timing& b) {
   std::vector<double> all;
   for (std::size_t r = 0; r < std::min(a.ns.size(), b.ns.size()); ++r) all.push_back(a.ns[r] / b.ns[r]);
   return median(all);
 }
 
-/// Times all ways one after the other, so many rounds. Each is called once untimed directly before it is
+/// Times all of them one after the other, so many rounds. Each is called once untimed directly before it is
 /// timed, and then as often as takes half a millisecond.
-inline void measure(std::vector<Way>& ways, int rounds) {
+inline void measure(std::vector<Timing>& timings, int rounds) {
   using Clock = std::chrono::steady_clock;
   const auto seconds = [](auto&& f) {
     const auto from = Clock::now();
@@ -94,18 +94,18 @@ inline void measure(std::vector<Way>& ways, int rounds) {
     return std::chrono::duration<double>(Clock::now() - from).count();
   };
   std::vector<int> calls;
-  for (Way& way : ways) {
-    way.run();
-    calls.push_back(std::clamp(static_cast<int>(0.5e-3 / std::max(seconds(way.run), 1e-7)), 1, 200));
+  for (Timing& timing : timings) {
+    timing.run();
+    calls.push_back(std::clamp(static_cast<int>(0.5e-3 / std::max(seconds(timing.run), 1e-7)), 1, 200));
   }
   for (int round = 0; round < rounds; ++round)
-    for (std::size_t k = 0; k < ways.size(); ++k) {
-      Way& way = ways[k];
-      way.run();
+    for (std::size_t k = 0; k < timings.size(); ++k) {
+      Timing& timing = timings[k];
+      timing.run();
       const double time = seconds([&] {
-        for (int i = 0; i < calls[k]; ++i) way.run();
+        for (int i = 0; i < calls[k]; ++i) timing.run();
       });
-      way.ns.push_back(time * 1e9 / calls[k] / static_cast<double>(way.points));
+      timing.ns.push_back(time * 1e9 / calls[k] / static_cast<double>(timing.points));
     }
 }
 

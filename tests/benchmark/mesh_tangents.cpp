@@ -168,30 +168,30 @@ Mesh mesh_of(const MeshArrays& arrays) {
 void methods(const std::vector<Size>& sizes, const Size& twice_at, int rounds) {
   const std::vector<int> cores = allowed_cores();
   std::vector<std::string> titles;
-  std::vector<std::vector<Way>> columns;
+  std::vector<std::vector<Timing>> columns;
   for (const Size& size : sizes) {
     std::cerr << size.name << ": methods ...\n";
     const Mesh mesh = mesh_of(torus(size.columns, size.rows));
-    std::vector<Way> ways;
+    std::vector<Timing> timings;
     const std::size_t most_threads = size.name == twice_at.name && cores.size() > 1 ? 2 : 1;
     for (std::size_t threads = 1; threads <= most_threads; ++threads) {
       const std::vector<int> run_on(cores.begin(), cores.begin() + static_cast<std::ptrdiff_t>(threads));
       for (const FrameMethod& method : frame_methods())
-        ways.push_back({"", std::string(method.name), mesh.triangles.size(), [&, run_on] {
-                          allow_cores(run_on);
-                          mesh_frames(mesh, method, static_cast<int>(run_on.size()));
-                        }});
+        timings.push_back({"", std::string(method.name), mesh.triangles.size(), [&, run_on] {
+                             allow_cores(run_on);
+                             mesh_frames(mesh, method, static_cast<int>(run_on.size()));
+                           }});
       titles.push_back(size.name + (threads == 2 ? ", two threads" : ""));
     }
-    measure(ways, rounds);
-    for (auto at = ways.begin(); at != ways.end(); at += std::ssize(frame_methods()))
+    measure(timings, rounds);
+    for (auto at = timings.begin(); at != timings.end(); at += std::ssize(frame_methods()))
       columns.emplace_back(at, at + std::ssize(frame_methods()));
   }
   allow_cores(cores);
   header("method", titles);
   for (std::size_t k = 0; k < frame_methods().size(); ++k) {
     std::cout << "| `" << frame_methods()[k].name << "` |";
-    for (const std::vector<Way>& column : columns)
+    for (const std::vector<Timing>& column : columns)
       std::cout << ' ' << millions_a_second(1, median(column[k].ns) * 1e-9) << " |";
     std::cout << '\n';
   }

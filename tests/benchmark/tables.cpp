@@ -10,8 +10,8 @@
 
 #include <darboux/evaluate.h>
 
+#include "baselines.h"
 #include "measure.h"
-#include "ways.h"
 
 namespace darboux::bench {
 namespace {
@@ -22,8 +22,8 @@ std::string number(double x, int digits) {
   text << std::fixed << x;
   return text.str();
 }
-std::string nanoseconds(const Way& way) {
-  return number(way.best(), 2) + " / " + number(median(way.ns), 2);
+std::string nanoseconds(const Timing& timing) {
+  return number(timing.best(), 2) + " / " + number(median(timing.ns), 2);
 }
 
 class Report {
@@ -51,16 +51,16 @@ class Report {
     throw std::logic_error("no group " + name);
   }
 
-  // The shape whose naive loop and limit a way is held against.
+  // The shape whose naive loop and limit a method is held against.
   static std::string compared_with(const std::string& shape) {
     if (shape.starts_with("grid: ")) return shape.substr(6);
     return shape == "18, then the sum of the normals" ? "18, separate arrays" : shape;
   }
-  static double over_naive(const Group& g, const Way& way) {
-    return ratio(g.at(compared_with(way.shape), "naive Eigen loop"), way);
+  static double over_naive(const Group& g, const Timing& timing) {
+    return ratio(g.at(compared_with(timing.shape), "naive Eigen loop"), timing);
   }
-  static double over_limit(const Group& g, const Way& way) {
-    return ratio(way, g.limit(compared_with(way.shape)));
+  static double over_limit(const Group& g, const Timing& timing) {
+    return ratio(timing, g.limit(compared_with(timing.shape)));
   }
 
   void by_hand(const std::string& regime, const std::string& scalar) const {
@@ -69,24 +69,25 @@ class Report {
     std::cout << "\n#### " << scalar << ", " << regime << "\n\n"
               << "| written | by | torus, ns | × naive | / limit | sphere, ns | × naive | / limit |\n"
               << "|---|---|---:|---:|---:|---:|---:|---:|\n";
-    const auto row = [&](const std::string& shape, const std::string& method, auto&& way_of) {
+    const auto row = [&](const std::string& shape, const std::string& method, auto&& timing_of) {
       std::cout << "| " << shape << " | " << method;
       for (const Group* g : {&torus, &sphere}) {
-        const Way& x = way_of(*g);
+        const Timing& x = timing_of(*g);
         std::cout << " | " << nanoseconds(x) << " | " << number(over_naive(*g, x), 2) << " | "
                   << number(over_limit(*g, x), 2);
       }
       std::cout << " |\n";
     };
     std::string last_limit;
-    for (const Way& way : torus.ways) {
+    for (const Timing& timing : torus.timings) {
       // The registers' widths are told apart for the first shape; of the others the fastest is shown.
-      if (!way.method.starts_with("limit") || way.shape == torus.ways.front().shape) {
-        row(way.shape, way.method, [&](const Group& g) -> const Way& { return g.at(way.shape, way.method); });
-      } else if (way.shape != last_limit) {
-        last_limit = way.shape;
-        row(way.shape, way.method.substr(0, way.method.find(',')),
-            [&](const Group& g) -> const Way& { return g.limit(way.shape); });
+      if (!timing.method.starts_with("limit") || timing.shape == torus.timings.front().shape) {
+        row(timing.shape, timing.method,
+            [&](const Group& g) -> const Timing& { return g.at(timing.shape, timing.method); });
+      } else if (timing.shape != last_limit) {
+        last_limit = timing.shape;
+        row(timing.shape, timing.method.substr(0, timing.method.find(',')),
+            [&](const Group& g) -> const Timing& { return g.limit(timing.shape); });
       }
     }
     if (!with_occt && scalar == "double")
@@ -224,7 +225,7 @@ class Report {
       for (const std::string scalar : {"double", "float"})
         for (const std::size_t n : thread_sizes) {
           const Group& g = group(surface + "/" + scalar + "/threads");
-          const Way &one = g.at(size_name(n), "1"), &two = g.at(size_name(n), "2");
+          const Timing &one = g.at(size_name(n), "1"), &two = g.at(size_name(n), "2");
           std::cout << "| " << surface << " | " << scalar << " | " << size_name(n) << " | "
                     << nanoseconds(one) << " | " << nanoseconds(two) << " | " << number(ratio(one, two), 2);
           for (const std::string by : {"naive ", "limit "})
@@ -247,7 +248,7 @@ class Report {
         std::cout << "| " << megabytes << " MB";
         for (const std::string then : {"", ", then read"}) {
           const std::string shape = std::to_string(megabytes) + " MB" + then;
-          const Way &cached = g.at(shape, "cached"), &past = g.at(shape, "past_caches");
+          const Timing &cached = g.at(shape, "cached"), &past = g.at(shape, "past_caches");
           std::cout << " | " << number(median(cached.ns), 2) << " | " << number(median(past.ns), 2) << " | "
                     << number(ratio(past, cached), 2);
         }

@@ -1,4 +1,4 @@
-// Time against measured error of every way to evaluate, on every surface of the catalogue, in double and
+// Time against measured error of every method of evaluation, on every surface of the catalogue, in double and
 // float: CSV on stdout. 4096 random points into memory that stays in the cache; errors at the first 2000 of
 // them against 40 digits.
 //   benchmark_work_precision [--quick]
@@ -16,8 +16,8 @@
 #include <darboux/evaluate.h>
 #include <darboux/multiprecision.h>
 
+#include "baselines.h"
 #include "measure.h"
-#include "ways.h"
 
 namespace darboux::bench {
 namespace {
@@ -55,7 +55,7 @@ struct Errors {
 };
 // Of the numbers in memory: components of t, b, n; of position, dpdu and dpdv over the longest of each.
 template <class T>
-Errors errors(const Exact& exact, const Place& place) {
+Errors errors(const Exact& exact, const Destination& place) {
   Errors result;
   for (std::size_t vector = 0; vector < 6; ++vector) {
     double largest = 0, length = vector < 3 ? 0 : 1;
@@ -81,10 +81,10 @@ Errors errors(const Exact& exact, const Place& place) {
 template <class T>
 void rows(const AnySurface& surface, const CatalogueLoops<T>& loops, int rounds) {
   static const RandomPoints<T> points(timed_points);
-  const Place place = place_of<T>(layout, wanted, memory(), timed_points);
-  std::vector<Way> ways;
+  const Destination place = destination_of<T>(layout, wanted, memory(), timed_points);
+  std::vector<Timing> timings;
   const auto add = [&](const std::string& method, std::function<void()> run) {
-    ways.push_back({"", method, timed_points, std::move(run)});
+    timings.push_back({"", method, timed_points, std::move(run)});
   };
   const auto add_loop = [&](const std::string& method, typename CatalogueLoops<T>::Loop loop) {
     add(method, [=] { loop(points.u(), points.v(), timed_points, place); });
@@ -125,15 +125,15 @@ void rows(const AnySurface& surface, const CatalogueLoops<T>& loops, int rounds)
                        {.instruction_set = set});
     });
 
-  measure(ways, rounds);
+  measure(timings, rounds);
   const Exact truth = exact(surface, points);
-  for (const Way& way : ways) {
+  for (const Timing& timing : timings) {
     std::memset(memory(), 0xff, 18 * place.stride);
-    way.run();
+    timing.run();
     const Errors e = errors<T>(truth, place);
     std::printf("%s,%s,%s,%.3g,%.3g,%.3g\n", std::string(loops.surface).c_str(),
-                std::same_as<T, double> ? "double" : "float", way.method.c_str(), median(way.ns), e.frame,
-                e.partials);
+                std::same_as<T, double> ? "double" : "float", timing.method.c_str(), median(timing.ns),
+                e.frame, e.partials);
   }
 }
 

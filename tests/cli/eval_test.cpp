@@ -242,7 +242,7 @@ TEST_F(Cli, EvalWritesNpyWithTheNumberOfRowsAlsoFromAPipe) {
   EXPECT_EQ(read_bytes(path("out.npy")), file);
   EXPECT_EQ(good("cat in.csv | " + eval + "--input - --format npy | cat"), file);
   EXPECT_EQ(good("cat in.json | " + eval + "--input - --input-format json --format npy"), file);
-  // Two numbers a row are points.
+  // Two numbers per row are points.
   good("darboux eval torus --grid 7x3 --attributes principal_curvatures --format npy -o uv.npy");
   good("darboux eval torus --grid 7x3 --attributes principal_curvatures --format f64 -o uv.f64");
   EXPECT_EQ(good(eval + "--input uv.npy --format csv"), good(eval + "--input uv.f64 --format csv"));
@@ -349,7 +349,7 @@ TEST_F(Cli, EvalRefusesInputsThatAreNotWhole) {
                                std::vector<std::string> parts) {
     write_bytes(path(name), bytes);
     parts.push_back(name);
-    parts.emplace_back("permitted");
+    parts.emplace_back("expected");
     refused(eval + name, parts);
     parts[parts.size() - 2] = "standard input";
     refused("cat " + name + " | " + eval + "- --input-format " + name.substr(name.find('.') + 1), parts);
@@ -397,8 +397,8 @@ TEST_F(Cli, EvalRefusesInputsThatAreNotWhole) {
   refuse_file("nested.json", R"({"a": {"samples": [{"u": 0, "v": 0}]}})", {"no samples"});
   refuse_file("numbers.json", R"([{"u": 0, "v": 0}, 7])", {"sample 1", "no object"});
   refuse_file("arrays.json", "[[0, 0]]", {"sample 0", "no object"});
-  refuse_file("missing.json", R"([{"u": 0, "v": 0}, {"u": 0}])", {"sample 1", "both u and v"});
-  refuse_file("before.json", R"([{"v": 0, "x": {"u": 0}}])", {"sample 0", "both u and v"});
+  refuse_file("missing.json", R"([{"u": 0, "v": 0}, {"u": 0}])", {"sample 1", "one without u or v"});
+  refuse_file("before.json", R"([{"v": 0, "x": {"u": 0}}])", {"sample 0", "one without u or v"});
   for (const std::string value : {"\"0\"", "true", "[0]", "{}"})
     refuse_file("value.json", "[{\"v\": 0, \"u\": " + value + "}]", {"sample 0", "no number"});
   // A row that is wrong after thousands that are right: nothing is left all the same.

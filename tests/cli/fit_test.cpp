@@ -1,6 +1,7 @@
 // `fit`: the contract's keys, exit statuses, frames, refusals. What is found is tested with the library.
 
 #include <array>
+#include <functional>
 #include <iomanip>
 #include <random>
 
@@ -180,14 +181,15 @@ TEST_F(Cli, FitTakesTheFrameOfEachPointsOwnUv) {
   }
 }
 
-// One torus in every format: 25 x 13 vertices at 24 x 12 places, and one that no face uses.
-TEST_F(Cli, FitJudgesEveryVertexOfEveryFormat) {
-  constexpr std::size_t columns = 24, rows = 12, vertices = (columns + 1) * (rows + 1);
-  constexpr double sigma = 0.01;
-  constexpr std::uint64_t seed = 61;
-  SCOPED_TRACE("seed " + std::to_string(seed));
+constexpr std::size_t torus_columns = 24, torus_rows = 12,
+                      torus_vertices = (torus_columns + 1) * (torus_rows + 1);
+constexpr double torus_noise = 0.01;
+
+// The vertices of a noisy torus, the same at the seams, without triangles.
+Mesh noisy_torus(std::uint64_t seed) {
+  constexpr std::size_t columns = torus_columns, rows = torus_rows;
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> noise(0, sigma);
+  std::normal_distribution<double> noise(0, torus_noise);
   const AnySurface surface = make_surface("torus:major_radius=1,minor_radius=0.4");
   Mesh mesh;
   for (std::size_t j = 0; j <= rows; ++j)
@@ -198,6 +200,12 @@ TEST_F(Cli, FitJudgesEveryVertexOfEveryFormat) {
       if (j == rows) p = mesh.positions[i];
       mesh.positions.push_back(p);
     }
+  return mesh;
+}
+
+// It as a.xyz, a.ply, a.pcd, a.obj, a.stl and a.glb in a folder, with triangles where the format has them.
+void write_in_every_format(Mesh& mesh, const std::function<std::string(const char*)>& path) {
+  constexpr std::size_t columns = torus_columns, rows = torus_rows;
   std::string table, faces, list, facets;
   for (const Vec3<double>& p : mesh.positions) table += row_of(p), list += "v " + row_of(p);
   for (std::uint32_t j = 0; j < rows; ++j)
@@ -216,7 +224,7 @@ TEST_F(Cli, FitJudgesEveryVertexOfEveryFormat) {
         facets += "endloop\nendfacet\n";
       }
     }
-  const std::string count = std::to_string(vertices);
+  const std::string count = std::to_string(torus_vertices);
   write_bytes(path("a.xyz"), table);
   write_bytes(path("a.ply"), "ply\nformat ascii 1.0\nelement vertex " + count +
                                  "\nproperty double x\nproperty double y\nproperty double z\nelement face 1\n"
@@ -227,11 +235,20 @@ TEST_F(Cli, FitJudgesEveryVertexOfEveryFormat) {
   write_bytes(path("a.obj"), list + faces + "v 9 9 9\n");
   write_bytes(path("a.stl"), "solid\n" + facets + "endsolid\n");
   write_glb(path("a.glb"), mesh, "a");
+}
+
+// One torus in every format: 25 x 13 vertices at 24 x 12 places, and one that no face uses.
+TEST_F(Cli, FitJudgesEveryVertexOfEveryFormat) {
+  constexpr std::size_t vertices = torus_vertices, places = torus_columns * torus_rows;
+  constexpr double sigma = torus_noise;
+  constexpr std::uint64_t seed = 61;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Mesh mesh = noisy_torus(seed);
+  write_in_every_format(mesh, [this](const char* name) { return path(name); });
   struct Case {
     std::string file;
     std::size_t points, measured, unused = 0;
   };
-  constexpr std::size_t places = columns * rows;
   for (const Case& c : {Case{"a.xyz", vertices, places}, Case{"a.pcd", vertices, places},
                         Case{"a.ply", vertices, places}, Case{"a.glb", vertices, places},
                         Case{"a.obj", vertices, places, 1}, Case{"a.stl", 6 * places, places}}) {
@@ -300,10 +317,10 @@ TEST_F(Cli, FitTakesTheKindsThatTheLibraryFits) {
   EXPECT_EQ(fit["inliers"], 441);
   // Before any file is read or written.
   refused("darboux fit missing.xyz --surface superellipsoid --frames frames.csv",
-          {"--surface: 'superellipsoid'", "without uvs", "enneper"});
+          {"--surface: expected", "got 'superellipsoid'", "without uvs", "enneper"});
   refused("darboux fit missing.xyz --surface bezier-patch", {"--surface: ", "without uvs"});
   refused("darboux fit missing.xyz --with-uv --surface tube --frames frames.csv",
-          {"--surface: 'tube'", "with uvs", "klein-bottle"});
+          {"--surface: expected", "got 'tube'", "with uvs", "klein-bottle"});
   EXPECT_FALSE(fs::exists(path("frames.csv")));
 }
 
@@ -315,7 +332,7 @@ TEST_F(Cli, FitSaysWhatItPassedOver) {
   EXPECT_NE(r.err.find("colours.xyz: line 1: columns 4 to 6"), std::string::npos) << r.err;
   EXPECT_EQ(sh("darboux fit colours.xyz --quiet").err, "");
   good("sed -i 's/$/ 1 2/' colours.xyz");
-  refused("darboux fit colours.xyz --with-uv", {"no uvs", "columns 4 to 6"});
+  refused("darboux fit colours.xyz --with-uv", {"none with uvs", "columns 4 to 6"});
 }
 
 // Digits down to the standard error: metres of a national grid, and a scan in millimetres.
@@ -356,10 +373,10 @@ TEST_F(Cli, FitRefusesWrongUsage) {
   refused("darboux fit", {"FILE"});
   refused("darboux fit " + torus + " " + torus, {torus});
   refused("darboux fit " + torus + " --surface torus:major_radius=2",
-          {"--surface", "finds the parameters", "torus"});
+          {"--surface", "without parameters", "torus"});
   refused("darboux fit " + torus + " --surface potato", {"potato", "auto", "cylinder"});
   for (const std::string noise : {"0", "-1", "nan", "inf", "x"})
-    refused("darboux fit " + torus + " --noise=" + noise, {"--noise", "permitted"});
+    refused("darboux fit " + torus + " --noise=" + noise, {"--noise", "expected 0 < SIGMA"});
   refused("darboux fit " + torus + " --seed -1", {"--seed"});
   refused("darboux fit " + torus + " --with-uv", {torus, "uvs"});
   refused("darboux fit " + torus + " --frames -", {"--frames"});

@@ -132,23 +132,24 @@ TEST_F(Cli, RefusesBadSurfaceFilesInOneLine) {
   write_bytes(path("net.json"), R"({"points": [[[0,0,0],[0,1]], [[1,0,0],[1,1,1]]]})");
   for (const std::string command :
        {"darboux eval --at 0,0 ", "darboux check ", "darboux mesh --grid 2x2 -o x.glb "}) {
-    refused(command + "formula", {"formula", "names no file", "formula:file=FILE"});
+    refused(command + "formula", {"formula", "expected formula:file=FILE", "got no file"});
     refused(command + "formula:", {"formula", "no value"});
-    refused(command + "formula:file=none", {"none: does not exist"});
-    refused(command + "formula:file=.", {".: is a folder"});
-    refused(command + "formula:a=2", {"names no file"});
+    refused(command + "formula:file=none", {"none: expected a readable file"});
+    refused(command + "formula:file=.", {".: expected a file, got a folder"});
+    refused(command + "formula:a=2", {"got no file"});
     refused(command + "formula:file=my.surface,b=2", {"unknown parameter 'b'", "known are a"});
     refused(command + "formula:file=my.surface,a=two", {"formula: a", "two", "number"});
-    refused(command + "formula:file=my.surface,a=2,a=3", {"'a' is given twice"});
-    refused(command + "formula:file=my.surface,file=my.surface", {"'file' is given twice"});
+    refused(command + "formula:file=my.surface,a=2,a=3", {"'a': expected one value"});
+    refused(command + "formula:file=my.surface,file=my.surface", {"'file': expected one value"});
     refused(command + "formula:file=unknown.surface",
             {"unknown.surface:3: unknown name 'radius'", "column 5"});
-    refused(command + "bezier-patch:file=net.json", {"net.json: points[0][1] has 2 coordinates"});
+    refused(command + "bezier-patch:file=net.json",
+            {"net.json: points[0][1]: expected 3 coordinates", "got 2"});
     refused(command + "bezier-patch:file=net.json,a=2", {"unknown parameter 'a'", "file"});
     refused(command + "bezier-patch:radius=2", {"unknown parameter 'radius'", "file"});
     refused(command + "torus:file=net.json", {"unknown parameter 'file'", "major_radius"});
   }
-  refused("darboux eval \"$(printf 'formula:file=a\\nb')\" --at 0,0", {"a?b: does not exist"});
+  refused("darboux eval \"$(printf 'formula:file=a\\nb')\" --at 0,0", {"a?b: expected a readable file"});
   // A path that is not UTF-8 still makes valid JSON.
   json(
       "name=$(printf '\\377.surface'); cp my.surface \"$name\"; darboux eval \"formula:file=$name\" --at 0,0 "

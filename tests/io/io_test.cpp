@@ -84,7 +84,7 @@ TEST(ReadGltf, FloatBitsAreKept) {
 
 TEST(ReadGltf, InterleavedAccessors) {
   Builder b;
-  // Two floats of padding, then position, 4 bytes of colour, uv: 24 bytes a vertex.
+  // Two floats of padding, then position, 4 bytes of colour, uv: 24 bytes per vertex.
   const auto view =
       b.view(test::pack<float>({-1, -1, 0, 1, 2, -9, 0.5f, 0.25f, 3, 4, 5, -9, 0.75f, 1, 6, 7, 8, -9, 0, 1}),
              {{"byteStride", 24}});

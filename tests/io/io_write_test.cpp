@@ -234,7 +234,7 @@ TEST(Rewrite, RemapAndTangentsOnARealFile) {
   const TempFolder folder;
   GltfDocument document = GltfDocument::load(data + "torus_016.three.glb");
   const Mesh before = document.asset().primitives.at(0).data;
-  std::vector<std::uint32_t> source, indices;  // one vertex a corner
+  std::vector<std::uint32_t> source, indices;  // one vertex per corner
   for (const Triangle& t : before.triangles) source.insert(source.end(), t.begin(), t.end());
   for (std::uint32_t i = 0; i < source.size(); ++i) indices.push_back(i);
   document.remap_vertices(0, 0, source, indices);

@@ -1,5 +1,5 @@
 // Broken and hostile PLY, STL, COLLADA and FBX: each is refused by a FileError of one line that names the
-// file, what is wrong and what is permitted, or read as something sound. No crash of assimp is one of ours.
+// file, what was expected and what it has, or read as something sound. No crash of assimp is one of ours.
 #include <csignal>
 #include <cstdlib>
 #include <limits>
@@ -100,12 +100,13 @@ TEST(BadMeshFiles, WhatIsNoneOfThem) {
          {std::string(), std::string("\n"), std::string("hello\n"), std::string(1000, '\0'),
           std::string(1000, '\xFF'), std::string("# only a comment\r\n"), std::string("\xFF\xFEp\0l\0y\0", 8),
           std::string(200000, 'a'), std::string(100000, '<'), std::string(100000, '{')})
-      expect_bytes_refused(bytes, "permitted", name);
+      expect_bytes_refused(bytes, "expected", name);
     std::filesystem::create_directory(folder / name);
-    test::expect_refused(folder / name, "is a folder");
+    test::expect_refused(folder / name, "got a folder");
     ASSERT_EQ(::mkfifo((folder / ("pipe." + extension)).c_str(), 0600), 0);
-    test::expect_refused(folder / ("pipe." + extension), "is a device or a pipe");
-    test::expect_refused(folder / ("missing." + extension), "does not exist");
+    test::expect_refused(folder / ("pipe." + extension), "expected a regular file, got a device or a pipe");
+    test::expect_refused(folder / ("missing." + extension),
+                         "expected a readable file, got no file of this name");
   }
 }
 
@@ -147,20 +148,23 @@ TEST(BadMeshFiles, Ply) {
     expect_bytes_refused(bytes, part, "bad.ply");
   };
   refused(head + faces + rows + "3 0 1 3\n",
-          "face 0 has the corner 3, permitted are the numbers of its 3 vertices");
-  refused(head + faces + rows + "3 0 1 -1\n", "face 0 has the corner -1");
-  refused(head + faces + rows + "3 0 1 0.5\n", "face 0 has the corner 0.5");
-  refused(head + faces + rows + "3 0 1 nan\n", "face 0 has the corner nan");
-  refused(head + faces + rows + "-3 0 1 2\n", "face 0 has a list of -3 numbers");
+          "face 0: expected corners that are whole numbers below its 3 vertices, got 3");
+  refused(head + faces + rows + "3 0 1 -1\n", "whole numbers below its 3 vertices, got -1");
+  refused(head + faces + rows + "3 0 1 0.5\n", "whole numbers below its 3 vertices, got 0.5");
+  refused(head + faces + rows + "3 0 1 nan\n", "whole numbers below its 3 vertices, got nan");
+  refused(head + faces + rows + "-3 0 1 2\n",
+          "face 0: expected a list whose length is a whole number from 0 to 2^53, got -3");
   refused(head + faces + rows + "3 0 1\n", "too few");
   refused(head + faces + rows + "3 0 1 2 2\n", "too many");
-  refused(head + faces + rows, "ends at face 0");
-  refused(head + faces + rows + "3 0 1 2\n3 0 1 2\n", "goes on after the last face");
+  refused(head + faces + rows, "expected the 1 rows of face that its header announces, got an end at face 0");
+  refused(head + faces + rows + "3 0 1 2\n3 0 1 2\n",
+          "expected the 1 rows of face that its header announces, got more after them");
   refused(head + faces + "0 0 0\n1e999 0 0\n0 1 0\n3 0 1 2\n", "1e999");
   refused(head + faces + "0 0 0\n1_000 0 0\n0 1 0\n3 0 1 2\n", "1_000");
   refused(head + "element face 1\nproperty int vertex_indices\nend_header\n" + rows + "3\n",
           "faces without corners");
-  refused("ply\nformat ascii 1.0\n" + faces, "has no element vertex");
+  refused("ply\nformat ascii 1.0\n" + faces,
+          "expected a PLY file with vertices, got one without the element vertex");
   refused("ply\nformat ascii 1.0\nelement vertex 4294967296\nproperty float x\n" + faces,
           "4294967296 vertices");
   refused(
@@ -190,7 +194,7 @@ TEST(BadMeshFiles, Stl) {
   const auto refused = [](const std::string& bytes, const std::string& part) {
     expect_bytes_refused(bytes, part, "bad.stl");
   };
-  refused("solidity\nvertex 0 0 0\nendsolid\n", "something before the first solid");
+  refused("solidity\nvertex 0 0 0\nendsolid\n", "got a line before the first solid");
   refused("solid a\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendsolid\n",
           ":5: a triangle of 2 vertices");
   refused("solid a\nvertex 0 0 0\nvertex 1 0 0\nendsolid\n", ":4: a triangle of 2 vertices");
@@ -212,32 +216,38 @@ TEST(BadMeshFiles, Collada) {
   const auto refused = [](const std::string& bytes, const std::string& part) {
     expect_bytes_refused(bytes, part, "bad.dae");
   };
-  refused("<COLLADA><a></COLLADA>", "is not XML at byte");
-  refused("<html/>", "is no COLLADA file");
-  refused(with("<p>0", "<p>99"), "has the index 99 at offset 0, permitted are those of the 12 vectors there");
-  refused(with("<p>0", "<p>-1"), "holds \"-1\" at place 0, permitted are whole numbers");
-  refused(with("<p>0", "<p>0 0"), "indices, permitted is a multiple of 5");
-  refused(with("<p>0", "<p>1e0"), "holds \"1e0\"");
-  refused(with("<triangles count=\"12\"", "<triangles count=\"13\""), "states a count of 13");
-  refused(with("array\" count=\"36", "array\" count=\"36000000000"), "states a count of 36000000000");
+  refused("<COLLADA><a></COLLADA>", "what is not XML at byte");
+  refused("<html/>", "expected COLLADA: XML whose first element is COLLADA");
+  refused(with("<p>0", "<p>99"), "expected indices below 12 at offset 0, got 99");
+  refused(with("<p>0", "<p>-1"), "expected whole numbers from 0, got \"-1\" at place 0");
+  refused(with("<p>0", "<p>0 0"), "expected a multiple of 5 indices, got");
+  refused(with("<p>0", "<p>1e0"), "expected whole numbers from 0, got \"1e0\"");
+  refused(with("<triangles count=\"12\"", "<triangles count=\"13\""),
+          "expected a count of its 12 polygons, got 13");
+  refused(with("array\" count=\"36", "array\" count=\"36000000000"),
+          "expected a count of its 36 numbers, got 36000000000");
   refused(with("-array\" count=\"12\" stride=\"3\"", "-array\" count=\"13\" stride=\"3\""),
           "asks for 13 vectors");
   refused(with("count=\"12\" stride=\"3\"", "count=\"12\" stride=\"18446744073709551615\""),
-          "asks for 12 vectors");
-  refused(with("count=\"12\" stride=\"3\"", "count=\"12\" stride=\"0\""), "asks for 12 vectors");
-  refused(with("count=\"12\" stride=\"3\"", "count=\"12\" offset=\"1\" stride=\"3\""), "asks for 12 vectors");
+          "got 12 vectors of");
+  refused(with("count=\"12\" stride=\"3\"", "count=\"12\" stride=\"0\""), "got 12 vectors of");
+  refused(with("count=\"12\" stride=\"3\"", "count=\"12\" offset=\"1\" stride=\"3\""), "got 12 vectors of");
   refused(with("count=\"12\" stride=\"3\"", "count=\"18446744073709551615\" stride=\"3\""),
           "asks for 18446744073709551615");
-  refused(with("<param name=\"X\"", "<param"), "has 2 components, permitted are at least 3");
+  refused(with("<param name=\"X\"", "<param"), "expected at least 3 components, got 2");
   refused(with("source=\"#mesh-position-array\"", "source=\"#nowhere\""),
-          "\"#nowhere\", permitted is the #ID of a <float_array>");
-  refused(with("source=\"#mesh-position-array\"", "source=\"other.dae#a\""), "permitted is the #ID");
-  refused(with("\"POSITION\"", "\"PLACE\""), "has no positions");
-  refused(with("url=\"#mesh\"", "url=\"#mash\""), "shows no <geometry>");
-  refused(with("offset=\"1\"", "offset=\"999999999999\""), "offset 999999999999");
-  refused(with("offset=\"1\"", "offset=\"one\""), "offset \"one\"");
-  refused(with("<node>", "<node><matrix>1 2 3</matrix>"), "has 3 numbers, permitted are 16");
-  refused(with("<node>", "<node><skew>1 2 3 4 5 6 7</skew>"), "skews");
+          "expected the #ID of a <float_array> of the file as its source, got \"#nowhere\"");
+  refused(with("source=\"#mesh-position-array\"", "source=\"other.dae#a\""),
+          "expected the #ID of a <float_array> of the file as its source, got \"other.dae#a\"");
+  refused(with("\"POSITION\"", "\"PLACE\""),
+          "expected an input VERTEX whose vertices have POSITION, got none");
+  refused(with("url=\"#mesh\"", "url=\"#mash\""),
+          "expected the #ID of a <geometry>, or of a controller of one, got \"#mash\"");
+  refused(with("offset=\"1\"", "offset=\"999999999999\""),
+          "expected an offset from 0 to 1000, got 999999999999");
+  refused(with("offset=\"1\"", "offset=\"one\""), "expected a whole number as its offset, got \"one\"");
+  refused(with("<node>", "<node><matrix>1 2 3</matrix>"), "expected 16 numbers, got 3");
+  refused(with("<node>", "<node><skew>1 2 3 4 5 6 7</skew>"), "got skew");
   const std::string list = std::string(good).replace(good.find("<triangles"), 10, "<polylist"),
                     end = "</triangles>";
   const auto with_counts = [&](const std::string& counts) {
@@ -245,11 +255,13 @@ TEST(BadMeshFiles, Collada) {
     text.replace(text.find(end), end.size(), "</polylist>");
     return text.insert(text.find("<p>"), "<vcount>" + counts + "</vcount>");
   };
-  refused(with_counts("3 3"), "has a <vcount> that is not of the 36 corners");
-  refused(with_counts("3 18446744073709551615"), "has a <vcount> that is not of the 36 corners");
-  refused(with_counts("3 33"), "states a count of 12");
+  refused(with_counts("3 3"), "expected a <vcount> that sums up to the 36 corners of its <p>");
+  refused(with_counts("3 18446744073709551615"),
+          "expected a <vcount> that sums up to the 36 corners of its <p>");
+  refused(with_counts("3 33"), "got 12");
   // A node within itself, and one that doubles with each level.
-  refused(with("<node>", "<node id=\"n\"><instance_node url=\"#n\"/>"), "is shown too often");
+  refused(with("<node>", "<node id=\"n\"><instance_node url=\"#n\"/>"),
+          "expected nodes of at most 1000000 elements in all, none within itself");
   std::string nodes;
   for (int k = 0; k < 40; ++k)
     nodes += "<node id=\"n" + std::to_string(k) + "\">" +
@@ -257,7 +269,8 @@ TEST(BadMeshFiles, Collada) {
                      : "<instance_node url=\"#n" + std::to_string(k - 1) + "\"/><instance_node url=\"#n" +
                            std::to_string(k - 1) + "\"/>") +
              "</node>";
-  refused(with("<node>", nodes + "<node>"), "is shown too often");
+  refused(with("<node>", nodes + "<node>"),
+          "expected nodes of at most 1000000 elements in all, none within itself");
 }
 
 TEST(BadMeshFiles, Fbx) {
@@ -273,7 +286,7 @@ TEST(BadMeshFiles, Fbx) {
   refused(with("PolygonVertexIndex: *36 {\n a: 0", "PolygonVertexIndex: *36 {\n a: 99"), "out of range");
   refused(with("FBXVersion: 7400", "FBXVersion: 6100"),
           "expected FBX 7.1 (2011) or later, got 6.1: Autodesk's FBX Converter 2013");
-  refused(with("C: \"OO\",10,20\n", ""), "has no faces, permitted is an FBX with faces");
+  refused(with("C: \"OO\",10,20\n", ""), "expected an FBX with faces, got a file that has no faces");
   // Nodes within each other: assimp calls itself until its stack ends.
   refused(with("C: \"OO\",20,0\n", "C: \"OO\",20,0\nC: \"OO\",20,20\n"), "cannot be read by assimp");
   refused("Kaydara FBX Binary  " + std::string("\0\x1a\0\xe8\x1c\0\0", 7) + std::string(200, '\xFF'),

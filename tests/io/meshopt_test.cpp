@@ -159,7 +159,7 @@ TEST(ReadMeshopt, ManyBlocksOfFloats) {
   }
 }
 
-/// A triangle whose normals are a compressed view of `stride` bytes an element.
+/// A triangle whose normals are a compressed view of `stride` bytes per element.
 Compressed with_normals(const std::string& stream, const char* filter, std::size_t stride,
                         int component_type) {
   Compressed made;
@@ -332,33 +332,37 @@ TEST(BadMeshopt, ValuesThatAreNotWhatTheyShouldBe) {
   const std::string indices = "/bufferViews/" + std::to_string(good.json["bufferViews"].size() - 5);
   ASSERT_EQ(good.json[Json::json_pointer(indices + "/extensions/EXT_meshopt_compression/count")], 24);
   for (const auto& [pointer, value, message] : std::initializer_list<Patch>{
-           {"0/mode", "\"ATTRIBUTE\"", "mode is \"ATTRIBUTE\", permitted are ATTRIBUTES, TRIANGLES, INDICES"},
-           {"0/mode", "1", "mode is 1, permitted is a text"},
-           {"0/filter", "\"EXP\"", "permitted are NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL"},
-           {"0/filter", "\"OCTAHEDRAL\"", "byteStride is 20, permitted with filter OCTAHEDRAL are 4 and 8"},
-           {"0/filter", "\"QUATERNION\"", "byteStride is 20, permitted with filter QUATERNION is 8"},
-           {"0/byteStride", "0", "byteStride is 0, expected an integer from 1 to 256"},
-           {"0/byteStride", "260", "byteStride is 260, expected an integer from 1 to 256"},
-           {"0/byteStride", "18", "byteStride is 18, permitted with mode ATTRIBUTES are multiples of 4"},
-           {"0/byteStride", "24", "bufferViews[0].byteStride is 20, permitted is that of its"},
-           {"0/count", "0", "count is 0, expected an integer not below 1"},
-           {"0/count", "10", "bufferViews[0].byteLength is 180, permitted are the 10 elements of 20 bytes"},
-           {"0/count", "4294967296", "count is 4294967296 elements of 20 bytes, permitted for its stream"},
-           {"0/count", "9007199254740992", "count is 9007199254740992 elements"},
+           {"0/mode", "\"ATTRIBUTE\"",
+            "mode: expected one of ATTRIBUTES, TRIANGLES, INDICES, got \"ATTRIBUTE\""},
+           {"0/mode", "1", "mode: expected a text, got 1"},
+           {"0/filter", "\"EXP\"", "expected one of NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, got \"EXP\""},
+           {"0/filter", "\"OCTAHEDRAL\"", "byteStride: expected 4 or 8 with filter OCTAHEDRAL, got 20"},
+           {"0/filter", "\"QUATERNION\"", "byteStride: expected 8 with filter QUATERNION, got 20"},
+           {"0/byteStride", "0", "byteStride: expected an integer from 1 to 256, got 0"},
+           {"0/byteStride", "260", "byteStride: expected an integer from 1 to 256, got 260"},
+           {"0/byteStride", "18", "byteStride: expected a multiple of 4 with mode ATTRIBUTES, got 18"},
+           {"0/byteStride", "24",
+            "bufferViews[0].byteStride: expected 24, that of its EXT_meshopt_compression, got 20"},
+           {"0/count", "0", "count: expected an integer not below 1, got 0"},
+           {"0/count", "10",
+            "bufferViews[0].byteLength: expected the bytes of the 10 elements of 20 bytes of its"},
+           {"0/count", "4294967296", "got 4294967296 elements of 20 bytes"},
+           {"0/count", "9007199254740992", "got 9007199254740992 elements of 20 bytes"},
            {"0/count", "922337203685477581",
-            "count is 922337203685477581 elements"},  // 20 times it is 4 mod 2^64
-           {"0/count", "18446744073709551615", "count is 18446744073709551615 elements"},
-           {"0/buffer", "1", "buffers[1] has no data"},
-           {"0/buffer", "2", "buffer is 2, permitted are 0 to 1"},
-           {"0/byteOffset", "1", "holds a stream that cannot be decoded"},
-           {"0/byteOffset", "100000", "bytes from byte 100000, permitted are"},
-           {"0/byteLength", "18446744073709551615", "asks for 18446744073709551615 bytes"},
-           {"0/byteLength", "40", "holds a stream that cannot be decoded, permitted are whole streams"},
-           {"i/mode", "\"ATTRIBUTES\"", "byteStride is 2, permitted with mode ATTRIBUTES are multiples of 4"},
-           {"i/mode", "\"INDICES\"", "holds a stream that cannot be decoded"},
-           {"i/filter", "\"EXPONENTIAL\"", "permitted with mode TRIANGLES is NONE"},
-           {"i/byteStride", "8", "byteStride is 8, permitted with mode TRIANGLES are 2 and 4"},
-           {"i/count", "25", "count is 25, permitted with mode TRIANGLES are multiples of 3"},
+            "got 922337203685477581 elements of 20 bytes"},  // 20 times it is 4 mod 2^64
+           {"0/count", "18446744073709551615", "got 18446744073709551615 elements of 20 bytes"},
+           {"0/buffer", "1",
+            "buffers[1]: expected a uri or, for buffer 0, the binary chunk of a GLB, got no data"},
+           {"0/buffer", "2", "buffer: expected 0 to 1, the buffers there are, got 2"},
+           {"0/byteOffset", "1", "got one that cannot be decoded"},
+           {"0/byteOffset", "100000", "bytes from byte 100000"},
+           {"0/byteLength", "18446744073709551615", "got 18446744073709551615 bytes from byte"},
+           {"0/byteLength", "40", "expected a whole stream of mode ATTRIBUTES"},
+           {"i/mode", "\"ATTRIBUTES\"", "byteStride: expected a multiple of 4 with mode ATTRIBUTES, got 2"},
+           {"i/mode", "\"INDICES\"", "got one that cannot be decoded"},
+           {"i/filter", "\"EXPONENTIAL\"", "filter: expected NONE with mode TRIANGLES, got \"EXPONENTIAL\""},
+           {"i/byteStride", "8", "byteStride: expected 2 or 4 with mode TRIANGLES, got 8"},
+           {"i/count", "25", "count: expected a multiple of 3 with mode TRIANGLES, got 25"},
        }) {
     SCOPED_TRACE(std::string(pointer) + " = " + value);
     Builder b = good;
@@ -368,7 +372,7 @@ TEST(BadMeshopt, ValuesThatAreNotWhatTheyShouldBe) {
   }
   Builder b = good;
   b.json["bufferViews"][0]["extensions"] = Json::array();
-  test::expect_bytes_refused(b.glb(), "bufferViews[0].extensions is array, permitted is an object");
+  test::expect_bytes_refused(b.glb(), "bufferViews[0].extensions: expected an object, got array");
 }
 
 TEST(BadMeshopt, OneStreamReadOverAndOver) {
@@ -383,7 +387,7 @@ TEST(BadMeshopt, OneStreamReadOverAndOver) {
   ASSERT_TRUE(test::content_is_read(made.builder.glb()));
   const Json one = made.builder.json["bufferViews"][0];
   for (int i = 0; i < 1000; ++i) made.builder.json["bufferViews"].push_back(one);
-  test::expect_bytes_refused(made.builder.glb(), "permitted for its stream of");
+  test::expect_bytes_refused(made.builder.glb(), "bytes for its stream of");
 }
 
 TEST(BadMeshopt, StreamsCutShort) {

@@ -230,7 +230,7 @@ TEST_F(SurfaceFiles, ParametersAreNamedOverriddenAndWrittenDown) {
             std::string::npos);
   EXPECT_NE(message<ParameterError>([&] {
               formula(text, {{"a", INFINITY}});
-            }).find("a = inf, permitted are finite"),
+            }).find("a: expected a finite number, got inf"),
             std::string::npos);
   EXPECT_NE(message<ParameterError>([&] {
               formula("x=u\ny=v\nz=0", {{"a", 1}});
@@ -270,15 +270,17 @@ TEST_F(SurfaceFiles, LinesAreReadWhateverTheirEnds) {
 
 TEST_F(SurfaceFiles, RefusesBadFormulasInOneLine) {
   const std::string known = "known are u, v, pi";
-  refused("", {"x is not defined", "x, y and z"});
-  refused("# nothing\n", {"x is not defined"});
-  refused("x = u\ny = v\n", {"z is not defined"});
-  refused("x = u\ny = v\nhello\nz = u\n", {":3:", "\"hello\" is no definition", "x = a*cos(2*pi*u)"});
-  refused("x = u\ny = v\n2a = 1\nz = u\n", {":3:", "is no definition"});
-  refused("x = u\ny =\nz = u\n", {":2:", "y has no value"});
-  refused("x = u\ny = v\nz = u\n\nx = v\n", {":5:", "x is defined again", "line 1"});
+  refused("", {"got none of x", "definitions of x, y and z"});
+  refused("# nothing\n", {"got none of x"});
+  refused("x = u\ny = v\n", {"got none of z"});
+  refused("x = u\ny = v\nhello\nz = u\n", {":3:", "got \"hello\"", "x = a*cos(2*pi*u)"});
+  refused("x = u\ny = v\n2a = 1\nz = u\n", {":3:", "expected lines like x = a*cos(2*pi*u), got"});
+  refused("x = u\ny =\nz = u\n", {":2:", "expected lines like y = 2, got y without a value"});
+  refused("x = u\ny = v\nz = u\n\nx = v\n",
+          {":5:", "x: expected one definition, got a second one", "line 1"});
   for (const std::string name : {"u", "v", "pi", "sin", "cos_turns"})
-    refused(name + " = 1\n", {":1:", name + " has a meaning of its own"});
+    refused(name + " = 1\n",
+            {":1:", "expected a name other than u, v, pi and those of functions, got " + name});
   refused("a = 2\nx = u\ny = v\nz = a*radius\n",
           {":4:", "unknown name 'radius' at column 7", known + ", a, x, y, z", "sqrt"});
   refused("x = u\ny = v\nz = foo(u)\n", {":3:", "unknown name 'foo' at column 5", known});
@@ -291,7 +293,7 @@ TEST_F(SurfaceFiles, RefusesBadFormulasInOneLine) {
   refused("x = u\ny = v\nz = atan2(u)\n", {":3:", "Too few parameters for function \"atan2\""});
   refused("x = u\ny = v\nz = -\n", {":3:", "Unexpected end of expression"});
   refused("x = u\ny = v\nz = u ? 1\n", {":3:", "missing an else clause"});
-  refused("x = u\ny = v\nz = 1, 2\n", {":3:", "2 expressions", "permitted is one"});
+  refused("x = u\ny = v\nz = 1, 2\n", {":3:", "2 expressions", "expected one expression"});
   refused("x = u\ny = v\nz = u = 3\n", {":3:", "assignment"});
   refused("x = u\ny = v\nz = 1e999*u\n", {":3:", "cannot be read"});
   refused("x = u\ny = v\nz = \xCF\x80*u\n", {":3:", "cannot be read at column 5"});
@@ -302,11 +304,14 @@ TEST_F(SurfaceFiles, RefusesBadFormulasInOneLine) {
   refused("x = x\ny = v\nz = u\n", {":1:", "x -> x"});
   refused("x = u\ny = v\nz = 0\nunused = unused2\nunused2 = unused\n", {"unused -> unused2 -> unused"});
   refused("x = u\ny = v\nz = 0\nunused = 2*(u\n", {":4:", "Missing parenthesis"});
-  refused("a = 1/0\nx = u\ny = v\nz = a\n", {":1:", "parameter a is inf", "finite"});
+  refused("a = 1/0\nx = u\ny = v\nz = a\n",
+          {":1:", "parameter a: expected a finite number, got inf", "finite"});
   refused(std::string(2000000, 'x'), {"2000000 bytes", "1048576"});
-  EXPECT_NE(message<FileError>([&] { read_formula_surface(folder_ / "none"); }).find("none: does not exist"),
+  EXPECT_NE(message<FileError>([&] {
+              read_formula_surface(folder_ / "none");
+            }).find("none: expected a readable file"),
             std::string::npos);
-  EXPECT_NE(message<FileError>([&] { read_formula_surface(folder_ / ""); }).find("is a folder"),
+  EXPECT_NE(message<FileError>([&] { read_formula_surface(folder_ / ""); }).find("got a folder"),
             std::string::npos);
   // A long chain of definitions is no recursion.
   std::string chain = "x = u\ny = v\nz = a0\n";
@@ -387,83 +392,86 @@ TEST_F(SurfaceFiles, KnotsInsideAreBreaks) {
 TEST_F(SurfaceFiles, RefusesBadJsonInOneLine) {
   const char *bezier = "bezier-patch", *bspline = "bspline-patch", *turned = "surface-of-revolution";
   for (const char* kind : {bezier, bspline, turned}) {
-    refused(kind, "", {"is empty", "permitted is a JSON object"});
-    refused(kind, " \n", {"is empty"});
-    refused(kind, "{\"points\": [[0, 1],", {"is not JSON at byte", "permitted is a JSON object"});
-    refused(kind, "[1, 2]", {"holds a JSON array", "permitted is a JSON object"});
-    refused(kind, "{\"point\": []}", {"unknown key \"point\"", "permitted are points, weights"});
+    refused(kind, "", {"got an empty file", "expected a JSON object"});
+    refused(kind, " \n", {"got an empty file"});
+    refused(kind, "{\"points\": [[0, 1],", {"what is not JSON at byte", "expected a JSON object"});
+    refused(kind, "[1, 2]", {"got a JSON array", "expected a JSON object"});
+    refused(kind, "{\"point\": []}", {"got \"point\"", "expected keys among points, weights"});
     refused(kind, "{\"points\": [[1e999, 0, 0]]}", {"range of double"});
-    refused(kind, "\xff\xfe", {"is not JSON"});
+    refused(kind, "\xff\xfe", {"what is not JSON"});
   }
-  refused(bezier, "{}", {"has no points"});
-  refused(bezier, "{\"points\": 7}", {"points is 7, permitted is an array"});
-  refused(bezier, "{\"points\": []}", {"points holds 0 rows, permitted are at least 2"});
-  refused(bezier, "{\"points\": [[[0,0,0]], [[1,0,0]]]}",
-          {"points[0] holds 1 points, permitted are at least 2"});
+  refused(bezier, "{}", {"expected an object with points"});
+  refused(bezier, "{\"points\": 7}", {"points: expected an array, got 7"});
+  refused(bezier, "{\"points\": []}", {"points: expected at least 2 rows, got 0"});
+  refused(bezier, "{\"points\": [[[0,0,0]], [[1,0,0]]]}", {"points[0]: expected at least 2 points, got 1"});
   refused(bezier, "{\"points\": [[[0,0,0],[1,0,0]], [[0,1,0]]]}",
-          {"points[1] holds 1 points, permitted are 2, as many as in the first row"});
+          {"points[1]: expected 2 points, as many as in the first row, got 1"});
   refused(bezier, "{\"points\": [[[0,0,0],[1,0]], [[0,1,0],[1,1,0]]]}",
-          {"points[0][1] has 2 coordinates, permitted are 3, [x, y, z]"});
+          {"points[0][1]: expected 3 coordinates, [x, y, z], got 2"});
   refused(bezier, "{\"points\": [[[0,0,0],[1,0,\"a\"]], [[0,1,0],[1,1,0]]]}",
-          {"points[0][1][2] is \"a\", permitted is a number"});
-  refused(bezier, "{\"points\": [[[0,0,0],[1,0,null]], [[0,1,0],[1,1,0]]]}", {"points[0][1][2] is null"});
-  refused(bezier, "{\"points\": [[[0,0,0],5], [[0,1,0],[1,1,0]]]}", {"points[0][1] is 5", "[x, y, z]"});
+          {"points[0][1][2]: expected a number, got \"a\""});
+  refused(bezier, "{\"points\": [[[0,0,0],[1,0,null]], [[0,1,0],[1,1,0]]]}",
+          {"points[0][1][2]: expected a number, got null"});
+  refused(bezier, "{\"points\": [[[0,0,0],5], [[0,1,0],[1,1,0]]]}",
+          {"points[0][1]: expected a point [x, y, z], got 5", "[x, y, z]"});
   refused(bezier, "{" + bezier_net + ", \"degree_u\": 3}",
-          {"degree_u is 3, permitted is 1", "rows of points"});
+          {"degree_u: expected 1, one less than there are", "rows of points"});
   refused(bezier, "{" + bezier_net + ", \"degree_v\": 0}",
-          {"degree_v is 0, expected an integer from 1 to 15"});
+          {"degree_v: expected an integer from 1 to 15, got 0"});
   refused(bezier, "{" + bezier_net + ", \"degree_v\": 2.5}",
-          {"degree_v is 2.5, expected an integer from 1 to 15"});
-  refused(bezier, "{" + bezier_net + ", \"weights\": [[1,1,1]]}", {"weights holds 1 rows, permitted are 2"});
+          {"degree_v: expected an integer from 1 to 15, got 2.5"});
+  refused(bezier, "{" + bezier_net + ", \"weights\": [[1,1,1]]}", {"weights: expected 2 rows, got 1"});
   refused(bezier, "{" + bezier_net + ", \"weights\": [[1,1,1],[1,1]]}",
-          {"weights[1] holds 2 weights, permitted are 3"});
+          {"weights[1]: expected 3 weights, got 2"});
   refused(bezier, "{" + bezier_net + ", \"weights\": [[1,1,1],[1,0,1]]}",
-          {"weights[1][1] is 0, permitted are positive numbers"});
-  refused(bezier, "{" + bezier_net + ", \"weights\": [[1,1,1],[1,-2.5,1]]}", {"weights[1][1] is -2.5"});
+          {"weights[1][1]: expected a positive number, got 0"});
+  refused(bezier, "{" + bezier_net + ", \"weights\": [[1,1,1],[1,-2.5,1]]}",
+          {"weights[1][1]: expected a positive number, got -2.5"});
   std::string rows;
   for (int i = 0; i < 17; ++i) rows += (i == 0 ? "" : ",") + std::string("[[0,0,0],[0,1,0]]");
-  refused(bezier, "{\"points\": [" + rows + "]}", {"points holds 17 rows, permitted are at most 16"});
+  refused(bezier, "{\"points\": [" + rows + "]}", {"points: expected at most 16 rows, got 17"});
 
   const std::string degrees = ", \"degree_u\": 2, \"degree_v\": 1";
-  refused(bspline, "{" + bspline_net + "}", {"has no degree_u"});
+  refused(bspline, "{" + bspline_net + "}", {"expected an object with degree_u, got one without"});
   refused(bspline, "{" + bspline_net + ", \"degree_u\": 16, \"degree_v\": 1}",
-          {"degree_u is 16", "from 1 to 15"});
+          {"degree_u: expected an integer from 1 to 15, got 16", "from 1 to 15"});
   refused(bspline, "{" + bspline_net + ", \"degree_u\": 4, \"degree_v\": 1}",
-          {"points holds 4 rows", "at least 5"});
+          {"points: expected at least 5 rows, got 4", "at least 5"});
   refused(bspline, "{" + bspline_net + ", \"degree_u\": 2, \"degree_v\": 3}",
-          {"points[0] holds 3 points", "at least 4"});
+          {"points[0]: expected at least 4 points, got 3", "at least 4"});
   refused(bspline, "{" + bspline_net + degrees + ", \"knots_u\": [0, 0, 1, 1]}",
-          {"knots_u holds 4 knots, permitted are 7, for 4 points and degree 2"});
+          {"knots_u: expected 7 knots, for 4 points and degree 2, got 4"});
   refused(bspline, "{" + bspline_net + degrees + ", \"knots_u\": [0, 0, 0, 0.5, 0.25, 1, 1]}",
-          {"knots_u[4] is 0.25 after 0.5", "do not decrease"});
+          {"knots_u[4]: expected knots that do not decrease, got 0.25 after 0.5", "do not decrease"});
   refused(bspline, "{" + bspline_net + degrees + ", \"knots_u\": [0, 0, 0, 0, 1, 1, 1]}",
-          {"knots_u", "multiplicity above degree + 1 = 3"});
+          {"knots_u", "expected a multiplicity of at most degree + 1 = 3, got more"});
   refused(bspline, "{" + bspline_net + degrees + ", \"knots_v\": [0, 0, \"x\", 1, 1]}",
-          {"knots_v[2] is \"x\""});
+          {"knots_v[2]: expected a number, got \"x\""});
   refused(bspline, "{" + bspline_net + degrees + ", \"knots_v\": {}}",
-          {"knots_v is object, permitted is an array"});
+          {"knots_v: expected an array, got object"});
 
-  refused(turned, "{}", {"has no points"});
-  refused(turned, "{\"points\": [[1, 0]]}", {"points holds 1 points, permitted are at least 2"});
+  refused(turned, "{}", {"expected an object with points"});
+  refused(turned, "{\"points\": [[1, 0]]}", {"points: expected at least 2 points, got 1"});
   refused(turned, "{\"points\": [[1, 0], [1, 0, 1]]}",
-          {"points[1] has 3 coordinates, permitted are 2, [rho, z]"});
-  refused(turned, "{" + profile_points + ", \"degree\": 5}",
-          {"points holds 5 points, permitted are at least 6"});
-  refused(turned, "{" + profile_points + ", \"degree\": 0}", {"degree is 0"});
-  refused(turned, "{" + profile_points + ", \"weights\": [1, 2]}",
-          {"weights holds 2 weights, permitted are 5"});
-  refused(turned, "{" + profile_points + ", \"weights\": [1, 2, -1, 1, 1]}", {"weights[2] is -1"});
+          {"points[1]: expected 2 coordinates, [rho, z], got 3"});
+  refused(turned, "{" + profile_points + ", \"degree\": 5}", {"points: expected at least 6 points, got 5"});
+  refused(turned, "{" + profile_points + ", \"degree\": 0}",
+          {"degree: expected an integer from 1 to 15, got 0"});
+  refused(turned, "{" + profile_points + ", \"weights\": [1, 2]}", {"weights: expected 5 weights, got 2"});
+  refused(turned, "{" + profile_points + ", \"weights\": [1, 2, -1, 1, 1]}",
+          {"weights[2]: expected a positive number, got -1"});
   refused(turned, "{" + profile_points + ", \"degree\": 2, \"knots\": [0,0,0,1,1,1]}",
-          {"knots holds 6 knots, permitted are 8"});
+          {"knots: expected 8 knots, for 5 points and degree 2, got 6"});
 
-  EXPECT_NE(
-      message<FileError>([&] { read_surface_file(bezier, folder_ / "none"); }).find("none: does not exist"),
-      std::string::npos);
-  EXPECT_NE(message<FileError>([&] { read_surface_file(bezier, folder_ / ""); }).find("is a folder"),
+  EXPECT_NE(message<FileError>([&] {
+              read_surface_file(bezier, folder_ / "none");
+            }).find("none: expected a readable file"),
+            std::string::npos);
+  EXPECT_NE(message<FileError>([&] { read_surface_file(bezier, folder_ / ""); }).find("got a folder"),
             std::string::npos);
   EXPECT_NE(message<ParameterError>([&] {
               read_surface_file("torus", folder_ / "none");
-            }).find("torus: is not read from files, permitted are bezier-patch, bspline-patch"),
+            }).find("torus: expected a kind that is read from files: one of bezier-patch, bspline-patch"),
             std::string::npos);
 }
 

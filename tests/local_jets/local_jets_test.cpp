@@ -504,7 +504,7 @@ TEST(LocalJets, Refusals) {
   const Patch patch = random_patch(make_surface(specifications[0]), random, 30, 0.1);
   const Points& p = patch.points;
   for (const int degree : {-1, 0, 1, 5}) {
-    const std::string words = "degree: " + std::to_string(degree) + " is out of range, permitted is 2 to 4";
+    const std::string words = "degree: expected 2 to 4, got " + std::to_string(degree);
     EXPECT_REFUSED(local_jet(p, p[0], {.degree = degree}), words);
     EXPECT_REFUSED(uv_jet(patch.uvs, p, patch.uv, {.degree = degree}), words);
     EXPECT_REFUSED(local_jets({p, {}, {}}, {.degree = degree}), words);
@@ -512,7 +512,7 @@ TEST(LocalJets, Refusals) {
   }
   std::vector<double> weights(29, 1);
   EXPECT_REFUSED(local_jet(p, p[0], {.weights = weights}),
-                 "weights: 29 for 30 neighbours, permitted is one each or none");
+                 "weights: expected none or one for each of 30 neighbours, got 29");
   weights.assign(30, 1);
   for (const double w : {0.0, -1.0, infinite, std::nan("")}) {
     weights[3] = w;
@@ -520,21 +520,20 @@ TEST(LocalJets, Refusals) {
     EXPECT_REFUSED(uv_jet(patch.uvs, p, patch.uv, {.weights = weights}), "weights: weight = ");
   }
   EXPECT_REFUSED(uv_jet(std::span(patch.uvs).first(3), p, patch.uv),
-                 "uvs: 3 for 30 positions, permitted is one each");
+                 "uvs: expected one per position, 30, got 3");
   EXPECT_REFUSED(local_jets({p, {}, {}}, {.neighbours = 9}),
-                 "neighbours: 9 for degree 3, permitted is 10 or more");
-  EXPECT_REFUSED(local_jets({p, {}, {}}, {.threads = -1}),
-                 "threads: -1 threads, permitted is 0 (all) or more");
+                 "neighbours: expected 10 or more for degree 3, got 9");
+  EXPECT_REFUSED(local_jets({p, {}, {}}, {.threads = -1}), "threads: expected 0 (all) or more, got -1");
   const auto of_mesh = [](auto&& f) { return refusal_of<MeshError>(f); };
   EXPECT_EQ(of_mesh([&] {
               local_jets({p, {{0, 0, 1}}, {}});
             }),
-            "points: 1 normals for 30 positions, permitted is one each or none");
+            "points: expected no normals or one per position, 30, got 1");
   EXPECT_EQ(of_mesh([&] {
               uv_jets({p, {}, {{0, 0}}});
             }),
-            "points: 1 uvs for 30 positions, permitted is one each or none");
-  EXPECT_EQ(of_mesh([&] { uv_jets({p, {}, {}}); }), "points: have no uvs, permitted is one each");
+            "points: expected no uvs or one per position, 30, got 1");
+  EXPECT_EQ(of_mesh([&] { uv_jets({p, {}, {}}); }), "points: expected one uv per position, got none");
 }
 
 }  // namespace

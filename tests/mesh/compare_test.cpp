@@ -380,7 +380,7 @@ TEST(Compare, NothingIsNotTheSame) {
 
 // ---- a second count ---------------------------------------------------------------------------------------
 
-// Small random meshes with few values a number, so that most corners, triangles and tangents occur several
+// Small random meshes with few values per number, so that most corners, triangles and tangents occur several
 // times, also triangles in one point. The corners of each kind and, among them, of each tangent, are counted
 // in maps.
 TEST(Compare, DuplicatesArePairedAsOftenAsBothHaveThem) {
@@ -495,7 +495,9 @@ TEST(Compare, RefusesWhatDoesNotFit) {
             std::string::npos);
   broken = mesh;
   broken.triangles[0][1] = 100000;
-  EXPECT_NE(test::refusal_of<MeshError>([&] { compare(broken, mesh); }).find("first mesh: index 100000"),
+  EXPECT_NE(test::refusal_of<MeshError>([&] {
+              compare(broken, mesh);
+            }).find("first mesh: triangle 0: expected indices below"),
             std::string::npos);
   for (const double angle : {-1.0, 181.0, nan})
     EXPECT_NE(test::refusal_of([&] { compare(mesh, mesh, {angle}); }).find("0 <= degrees <= 180"),

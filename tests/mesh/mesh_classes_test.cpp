@@ -309,13 +309,8 @@ double size_of_range(std::vector<double> x) {
   return *high - *low;
 }
 
-// Classes and islands from every pair of vertices and every pair of triangles. Which uv and normal a vertex
-// has is asked of the first vertex of its place and normal. Less than 64 normals a place.
-MeshClasses reference_classes(const Mesh& mesh, const std::vector<bool>& pole) {
-  const auto n = static_cast<std::uint32_t>(mesh.positions.size());
-  const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-  std::set<std::uint32_t> used;
-  for (const Triangle& triangle : mesh.triangles) used.insert(triangle.begin(), triangle.end());
+// How far positions and uvs that count as the same may be apart.
+std::pair<double, double> reference_tolerances(const Mesh& mesh, const std::set<std::uint32_t>& used) {
   std::vector<double> x, y, z, u, v;
   for (const std::uint32_t i : used) {
     const Vec3<double>& p = mesh.positions[i];
@@ -324,8 +319,32 @@ MeshClasses reference_classes(const Mesh& mesh, const std::vector<bool>& pole) {
     if (mesh.uvs.empty() || !std::isfinite(mesh.uvs[i].x + mesh.uvs[i].y)) continue;
     u.push_back(mesh.uvs[i].x), v.push_back(mesh.uvs[i].y);
   }
-  const double tolerance = 1e-6 * std::hypot(size_of_range(x), size_of_range(y), size_of_range(z)),
-               uv_tolerance = 1e-6 * std::max(size_of_range(u), size_of_range(v));
+  return {1e-6 * std::hypot(size_of_range(x), size_of_range(y), size_of_range(z)),
+          1e-6 * std::max(size_of_range(u), size_of_range(v))};
+}
+
+// For each vertex the first at its place with its normal, itself a first.
+std::vector<std::uint32_t> first_with_normal(const Mesh& mesh, const std::vector<std::uint32_t>& place) {
+  std::vector<std::uint32_t> normal(place.size());
+  for (std::uint32_t i = 0; i < normal.size(); ++i) {
+    const auto fits = [&](std::uint32_t j) {
+      return j == i || (place[j] == place[i] && normal[j] == j &&
+                        (mesh.normals.empty() || within(mesh.normals[i], mesh.normals[j], 2e-6)));
+    };
+    while (!fits(normal[i])) ++normal[i];
+  }
+  return normal;
+}
+
+// Classes and islands from every pair of vertices and every pair of triangles. Which uv and normal a vertex
+// has is asked of the first vertex of its place and normal. Less than 64 normals per place.
+MeshClasses reference_classes(const Mesh& mesh, const std::vector<bool>& pole) {
+  const auto n = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  std::set<std::uint32_t> used;
+  for (const Triangle& triangle : mesh.triangles) used.insert(triangle.begin(), triangle.end());
+  const auto tolerances = reference_tolerances(mesh, used);
+  const double tolerance = tolerances.first, uv_tolerance = tolerances.second;
 
   const std::vector<std::uint32_t> place = chains(n, [&](std::uint32_t i, std::uint32_t j) {
     return used.contains(i) && used.contains(j) && within(mesh.positions[i], mesh.positions[j], tolerance);
@@ -350,14 +369,7 @@ MeshClasses reference_classes(const Mesh& mesh, const std::vector<bool>& pole) {
     return (positive[i] && only_negative(j)) || (positive[j] && only_negative(i));
   };
 
-  std::vector<std::uint32_t> normal(n);  // the first vertex at the place with this normal, itself a first
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const auto fits = [&](std::uint32_t j) {
-      return j == i || (place[j] == place[i] && normal[j] == j &&
-                        (mesh.normals.empty() || within(mesh.normals[i], mesh.normals[j], 2e-6)));
-    };
-    while (!fits(normal[i])) ++normal[i];
-  }
+  const std::vector<std::uint32_t> normal = first_with_normal(mesh, place);
 
   using Pair = std::pair<std::uint32_t, std::uint32_t>;
   const auto edges = [&](const std::vector<std::uint32_t>& id, std::uint32_t t) {

@@ -39,17 +39,16 @@ TEST(CheckConsistent, NamesTheMeshAndWhatIsWrong) {
     return "accepted";
   };
   EXPECT_EQ(message_after([](Mesh& m) { m.normals.resize(2); }),
-            "part 7: 2 normals for 3 positions, permitted are none or as many");
+            "part 7: expected no normals or one per position, 3, got 2");
   EXPECT_EQ(message_after([](Mesh& m) { m.uvs.resize(4); }),
-            "part 7: 4 uvs for 3 positions, permitted are none or as many");
+            "part 7: expected no uvs or one per position, 3, got 4");
   EXPECT_EQ(message_after([](Mesh& m) { m.tangents.resize(1); }),
-            "part 7: 1 tangents for 3 positions, permitted are none or as many");
+            "part 7: expected no tangents or one per position, 3, got 1");
   for (const std::uint32_t index : {3U, 4294967295U})
     EXPECT_EQ(message_after([&](Mesh& m) {
                 m.triangles.push_back({0, index, 1});
               }),
-              "part 7: index " + std::to_string(index) +
-                  " in triangle 1 is out of range, permitted are 0 to 3 exclusive");
+              "part 7: triangle 1: expected indices below 3, got " + std::to_string(index));
 }
 
 }  // namespace

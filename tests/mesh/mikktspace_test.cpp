@@ -326,22 +326,26 @@ TEST(MikkTSpace, RefusesWhatCannotBeRight) {
   const auto has = [](const std::string& text, const std::string& words) {
     EXPECT_NE(text.find(words), std::string::npos) << text;
   };
-  has(refusal([](Arrays& a) { a.normals.pop_back(); }), "8 numbers of normals");
-  has(refusal([](Arrays& a) { a.uvs.clear(); }), "0 numbers of uvs");
-  has(refusal([](Arrays& a) { a.positions.pop_back(); }), "8 numbers of positions");
-  has(refusal([](Arrays& a) { a.corners = {0, 1, 3}; }), "corner 2 is vertex 3");
-  has(refusal([](Arrays& a) { a.corners = {0, 1}; }), "2 corners");
-  has(refusal([](Arrays& a) { a.face_sizes = {5}; }), "face 0 has 5 corners");
-  has(refusal([](Arrays& a) { a.face_sizes = {4}; }), "3 corners");
+  has(refusal([](Arrays& a) { a.normals.pop_back(); }),
+      "three numbers for the normal of each of its 3 vertices, got 8 numbers");
+  has(refusal([](Arrays& a) { a.uvs.clear(); }),
+      "two numbers for the uv of each of its 3 vertices, got 0 numbers");
+  has(refusal([](Arrays& a) { a.positions.pop_back(); }), "three numbers per position, got 8 numbers");
+  has(refusal([](Arrays& a) { a.corners = {0, 1, 3}; }), "vertices below 3, got vertex 3 at corner 2");
+  has(refusal([](Arrays& a) { a.corners = {0, 1}; }), "three corners per face, got 2 corners");
+  has(refusal([](Arrays& a) { a.face_sizes = {5}; }), "faces of 3 or 4 corners, got 5 in face 0");
+  has(refusal([](Arrays& a) { a.face_sizes = {4}; }), "the 4 corners of its faces, got 3 corners");
   has(refusal([](Arrays& a) { a.normals[4] = std::numeric_limits<float>::quiet_NaN(); }),
-      "normal of vertex 1 has the component nan");
-  has(refusal([](Arrays& a) { a.normals[7] = 1e30F; }), "normal of vertex 2 has the component 1");
+      "got nan in the normal of vertex 1");
+  has(refusal([](Arrays& a) { a.normals[7] = 1e30F; }), " in the normal of vertex 2");
   has(refusal([](Arrays& a) { a.uvs[4] = std::numeric_limits<float>::infinity(); }),
-      "uv of vertex 2 has the component inf");
+      "got inf in the uv of vertex 2");
   std::vector<float> tangents(11);
   has(refusal_of<Error>([&] { mikktspace(good.mesh(), tangents); }), "11 numbers");
-  has(refusal_of<Error>([&] { mikktspace(good.mesh(), {.threads = -1}); }), "-1 threads");
-  has(refusal_of<Error>([&] { mikktspace(good.mesh(), {.angular_threshold = 181}); }), "181");
+  has(refusal_of<Error>([&] { mikktspace(good.mesh(), {.threads = -1}); }),
+      "threads: expected 0 (all) or more, got -1");
+  has(refusal_of<Error>([&] { mikktspace(good.mesh(), {.angular_threshold = 181}); }),
+      "expected 0 <= degrees <= 180, got 181");
 }
 
 }  // namespace

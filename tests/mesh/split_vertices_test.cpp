@@ -103,11 +103,11 @@ TEST(SplitVertices, RefusesWhatDoesNotFit) {
   const auto refusal = [](std::size_t vertices, const Indices& corners, const std::vector<float>& values) {
     return test::refusal_of<MeshError>([&] { split_vertices(vertices, corners, values); });
   };
-  EXPECT_EQ(refusal(3, {0, 1, 3}, {1, 2, 3}),
-            "split_vertices: corner 2 names vertex 3, permitted are 0 to 3 exclusive");
+  EXPECT_EQ(refusal(3, {0, 1, 3}, {1, 2, 3}), "split_vertices: corner 2: expected a vertex below 3, got 3");
   EXPECT_EQ(refusal(3, {0, 1, 2}, {1, 2}),
-            "split_vertices: 2 values for 3 corners, permitted are as many for each");
-  EXPECT_EQ(refusal(3, {}, {1}), "split_vertices: 1 values for 0 corners, permitted are as many for each");
+            "split_vertices: expected the same number of values for each of 3 corners, got 2 values");
+  EXPECT_EQ(refusal(3, {}, {1}),
+            "split_vertices: expected the same number of values for each of 0 corners, got 1 values");
   EXPECT_NE(refusal(0xFFFFFFFF, {}, {}).find("2^32 - 1"), std::string::npos);
 }
 

@@ -103,7 +103,7 @@ TEST(VertexNormals, RefuseBadMeshes) {
     mesh.positions[3].y = bad;
     EXPECT_NE(test::refusal_of<MeshError>([&] {
                 vertex_normals(mesh, NormalWeight::area);
-              }).find("position of vertex 3 is not finite"),
+              }).find("position of vertex 3: expected finite numbers"),
               std::string::npos);
   }
 }

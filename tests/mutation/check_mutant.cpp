@@ -126,7 +126,7 @@ int values() {
         beside = beside + (uniform(random) - 0.5) * Vec3<double>{1, 0.5, uniform(random)};
         for (const Vec3<double>& p : {j.position, beside}) write(s.implicit(p).value_or(0));
         write(s.gaussian_curvature(u, v).value_or(0)), write(s.mean_curvature(u, v).value_or(0));
-        write_vector(s.position_again(u, v).value_or(Vec3<double>{0, 0, 0}));
+        write_vector(s.second_formula(u, v).value_or(Vec3<double>{0, 0, 0}));
       }
   }
   return 0;

@@ -26,13 +26,27 @@ struct GeneratedMesh {
   static constexpr float moved[2][3] = {{0.25f, 0, 0.25f}, {0, 0.125f, 0.5f}}, turned[3] = {0.25f, 0.5f, 0};
 };
 
+/// Images, materials, nodes, a skin, and an animation from the accessors `times` and `weights`: what a
+/// rewritten file has to keep.
+inline void add_surroundings(Builder& b, const Json& times, const Json& weights) {
+  b.json.update(Json::parse(R"({
+    "images": [{"uri": "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="}],
+    "textures": [{"source": 0}],
+    "materials": [{"normalTexture": {"index": 0}}, {"name": "plain", "extras": {"tiny": 1e-310}}],
+    "nodes": [{"mesh": 0, "skin": 0, "weights": [0.1, 0.30000000000000004]}, {"mesh": 1}, {"name": "joint"}],
+    "skins": [{"joints": [2]}], "scenes": [{"nodes": [0, 1, 2]}], "scene": 0})"));
+  b.json["animations"] =
+      Json::array({{{"samplers", {{{"input", times}, {"output", weights}}}},
+                    {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}});
+}
+
 /// Mesh 0 has two primitives over the same accessors, with two targets each; mesh 1 a strip over them without
 /// targets.
 inline Builder generated_gltf() {
   using M = GeneratedMesh;
   Builder b;
   const Json vertex_target = {{"target", 34962}}, index_target = {{"target", 34963}};
-  std::string interleaved;  // position, 2 bytes left out, normal, 2 bytes left out, uv: 20 bytes a vertex
+  std::string interleaved;  // position, 2 bytes left out, normal, 2 bytes left out, uv: 20 bytes per vertex
   for (std::size_t i = 0; i < M::vertices; ++i) {
     const auto* p = M::positions[i];
     const auto* n = M::normals[i % 3];
@@ -101,15 +115,7 @@ inline Builder generated_gltf() {
           {"mode", 5}}}}});
   b.json["extensionsUsed"] = {"KHR_mesh_quantization"};
   b.json["extensionsRequired"] = {"KHR_mesh_quantization"};
-  b.json.update(Json::parse(R"({
-    "images": [{"uri": "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="}],
-    "textures": [{"source": 0}],
-    "materials": [{"normalTexture": {"index": 0}}, {"name": "plain", "extras": {"tiny": 1e-310}}],
-    "nodes": [{"mesh": 0, "skin": 0, "weights": [0.1, 0.30000000000000004]}, {"mesh": 1}, {"name": "joint"}],
-    "skins": [{"joints": [2]}], "scenes": [{"nodes": [0, 1, 2]}], "scene": 0})"));
-  b.json["animations"] =
-      Json::array({{{"samplers", {{{"input", times}, {"output", weights}}}},
-                    {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}});
+  add_surroundings(b, times, weights);
   return b;
 }
 

@@ -112,17 +112,20 @@ TEST(Refused, SingularAndNotFiniteMapsAre) {
   for (const Chart& chart :
        {Chart{sphere, {1, 2, 2, 4}, {0, 0}}, Chart{sphere, {0, 0, 0, 0}, {0, 0}},
         Chart{sphere, {infinity, 0, 0, 1}, {0, 0}}, sub_rectangle(sphere, 0.5, 0.5, 0, 1)})
-    EXPECT_TRUE(has_text(refused(chart), "reparametrised sphere: the map of (u, v) is singular"))
+    EXPECT_TRUE(
+        has_text(refused(chart), "reparametrised sphere: the map of (u, v): expected an invertible one"))
         << refused(chart);
   EXPECT_TRUE(has_text(refused(Chart{sphere, {1, 0, 0, 1}, {infinity, 0}}), "offset of (u, v)"));
   EXPECT_EQ(refused(Chart{sphere, {1e-200, 0, 0, 1e-200}, {0, 0}}), "");  // its determinant underflows
 
   for (const Linear& A : {Linear{1, 0, 0, 0, 1, 0, 0, 0, 0}, Linear{1, 2, 3, 2, 4, 6, 0, 0, 1},
                           Linear{1, 0, 0, 0, 1, 0, 0, 0, 1e-200}, Linear{infinity, 0, 0, 0, 1, 0, 0, 0, 1}})
-    EXPECT_TRUE(has_text(refused(Placed{sphere, A, {0, 0, 0}}), "placed sphere: the placement is singular"));
+    EXPECT_TRUE(has_text(refused(Placed{sphere, A, {0, 0, 0}}),
+                         "placed sphere: the placement: expected an invertible map"));
   EXPECT_TRUE(has_text(refused(Placed{sphere, rotation, {0, infinity, 0}}), "translation"));
   EXPECT_EQ(refused(Placed{sphere, Linear{1e-150, 0, 0, 0, 1e-150, 0, 0, 0, 1e-150}, {0, 0, 0}}), "");
-  EXPECT_TRUE(has_text(refused(Offset{sphere, infinity}), "offset sphere: the distance is not finite"));
+  EXPECT_TRUE(
+      has_text(refused(Offset{sphere, infinity}), "offset sphere: the distance: expected a finite number"));
 
   // The base's own refusals pass through.
   EXPECT_NE(refused(Offset{Disk{1.0, 2.0}, 0.5}), "");

@@ -38,34 +38,38 @@ TEST(Refusals, OfDegreesKnotsPointsAndWeights) {
   const std::vector<Wrong> all{
       {2, good, 4, {}, ""},
       {2, good, 4, {1, 2, 3, 4}, ""},
-      {0, good, 4, {}, "degree = 0 must be from 1 to 15"},
-      {-1, good, 4, {}, "degree = -1 must be from 1 to 15"},
-      {16, good, 4, {}, "degree = 16 must be from 1 to 15"},
-      {2, {}, 0, {}, "0 knots: too few control points, degree 2 needs 3 and 6 knots"},
-      {2, {0, 0, 0, 1, 1}, 2, {}, "5 knots: too few control points, degree 2 needs 3 and 6 knots"},
-      {2, {0, 0, 0, nan_value, 1, 1, 1}, 4, {}, "knot 3 is not finite"},
-      {2, {0, 0, 0, 0.5, 1, 1, infinity}, 4, {}, "knot 6 is not finite"},
-      {2, {-infinity, 0, 0, 0.5, 1, 1, 1}, 4, {}, "knot 0 is not finite"},
+      {0, good, 4, {}, "degree: expected 1 to 15, got 0"},
+      {-1, good, 4, {}, "degree: expected 1 to 15, got -1"},
+      {16, good, 4, {}, "degree: expected 1 to 15, got 16"},
+      {2, {}, 0, {}, "expected at least 6 knots, for 3 control points of degree 2, got 0"},
+      {2, {0, 0, 0, 1, 1}, 2, {}, "expected at least 6 knots, for 3 control points of degree 2, got 5"},
+      {2, {0, 0, 0, nan_value, 1, 1, 1}, 4, {}, "knot 3: expected a finite number, got NaN or infinity"},
+      {2, {0, 0, 0, 0.5, 1, 1, infinity}, 4, {}, "knot 6: expected a finite number, got NaN or infinity"},
+      {2, {-infinity, 0, 0, 0.5, 1, 1, 1}, 4, {}, "knot 0: expected a finite number, got NaN or infinity"},
+      {2, {0, 0, 0, 0.75, 0.5, 1, 1, 1}, 5, {}, "knot 4: expected at least knot 3, 0.75, got 0.5"},
       {2,
-       {0, 0, 0, 0.75, 0.5, 1, 1, 1},
-       5,
+       {0, 0, 0, 0.5, 0.5, 0.5, 0.5, 1, 1, 1},
+       7,
        {},
-       "knot 4 = 0.5 is less than knot 3 = 0.75, knots must not decrease"},
-      {2, {0, 0, 0, 0.5, 0.5, 0.5, 0.5, 1, 1, 1}, 7, {}, "knot 0.5 has a multiplicity above degree + 1 = 3"},
-      {2, {0, 0, 0, 0, 1, 1, 1}, 4, {}, "knot 0 has a multiplicity above degree + 1 = 3"},
-      {2, {0, 0.5, 1, 1, 1.5, 2}, 3, {}, "the knots enclose no interval"},
-      {2, good, 3, {}, "3 control points, there must be 4"},
-      {2, good, 5, {}, "5 control points, there must be 4"},
-      {2, good, 0, {}, "0 control points, there must be 4"},
-      {2, good, 4, {1, 1, 1}, "3 weights, there must be 4 or none"},
+       "knot 0.5: expected a multiplicity of at most degree + 1 = 3, got more"},
+      {2,
+       {0, 0, 0, 0, 1, 1, 1},
+       4,
+       {},
+       "knot 0: expected a multiplicity of at most degree + 1 = 3, got more"},
+      {2, {0, 0.5, 1, 1, 1.5, 2}, 3, {}, "expected knots that enclose an interval, got none that do"},
+      {2, good, 3, {}, "expected 4 control points, got 3"},
+      {2, good, 5, {}, "expected 4 control points, got 5"},
+      {2, good, 0, {}, "expected 4 control points, got 0"},
+      {2, good, 4, {1, 1, 1}, "expected 4 weights or none, got 3"},
       {2,
        good,
        4,
        {1, 1, 0, 1},
-       "weight 2 = 0 must be positive and finite, and not vanish beside the largest"},
-      {2, good, 4, {-1, 1, 1, 1}, "weight 0 = -1 must be positive and finite"},
-      {2, good, 4, {1, nan_value, 1, 1}, "weight 1 = nan must be positive and finite"},
-      {2, good, 4, {1, 1, 1, infinity}, "weight 3 = inf must be positive and finite"}};
+       "weight 2: expected a positive finite number, not negligible beside the largest, got 0"},
+      {2, good, 4, {-1, 1, 1, 1}, "weight 0: expected a positive finite number, got -1"},
+      {2, good, 4, {1, nan_value, 1, 1}, "weight 1: expected a positive finite number, got nan"},
+      {2, good, 4, {1, 1, 1, infinity}, "weight 3: expected a positive finite number, got inf"}};
   const std::vector<double> line{0, 0, 1, 1};
   for (const Wrong& w : all) {
     const std::vector<Vec> points(w.points, Vec{1, 2, 3}), twice(2 * w.points, Vec{1, 2, 3});
@@ -97,7 +101,7 @@ TEST(Refusals, OfPointsThatAreNotFinite) {
   for (const double bad : {nan_value, infinity, -infinity})
     for (const Vec& point : {Vec{bad, 0, 0}, Vec{0, bad, 0}, Vec{0, 0, bad}}) {
       const std::vector<Vec> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, point};
-      const std::string why = "control point 3 is not finite";
+      const std::string why = "control point 3: expected finite coordinates, got NaN or infinity";
       EXPECT_EQ(refusal_of([&] { BSplineCurve<double>(3, clamped_knots(3, 4), points); }),
                 "b-spline curve: " + why);
       EXPECT_EQ(refusal_of([&] { BezierPatch<double>(1, 1, points); }), "bezier-patch: " + why);
@@ -113,35 +117,42 @@ TEST(Refusals, OfCurvesAndWhatIsMadeOfThem) {
   const BSplineCurve<double> spatial(1, {0, 0, 1, 1}, {{0, 0, 0}, {1, 1, 1}});
   const auto check = [](const auto& surface) { return refusal_of([&] { checked(surface); }); };
   EXPECT_EQ(check(Extrusion<>{}), "accepted");
-  EXPECT_EQ(check(Extrusion{LineSegment{o, x}, o}), "extrusion: the direction must not be zero");
+  EXPECT_EQ(check(Extrusion{LineSegment{o, x}, o}),
+            "extrusion: the direction: expected one that is not zero, got zero");
   EXPECT_EQ(check(Extrusion{LineSegment{o, Vec{nan_value, 0, 0}}, x}),
-            "extrusion: an end of the line segment is not finite");
+            "extrusion: line segment: expected finite ends, got NaN or infinity");
   EXPECT_EQ(check(Tube{CircleCurve{0.0}, 0.1}),
-            "tube: circle_radius = 0 is out of range, permitted is 0 < circle_radius < inf");
+            "tube: circle_radius: expected 0 < circle_radius < inf, got 0");
   EXPECT_EQ(check(Extrusion{CircleCurve{-1.0}, x}),
-            "extrusion: the circle's radius must be positive and finite");
+            "extrusion: radius of the circle: expected a positive finite number, got another");
   EXPECT_EQ(check(Extrusion{HelixCurve{0.0, 1.0, 1.0}, x}),
-            "extrusion: the helix's radius must be positive and finite");
+            "extrusion: radius of the helix: expected a positive finite number, got another");
   EXPECT_EQ(check(Extrusion{HelixCurve{1.0, infinity, 1.0}, x}),
-            "extrusion: the helix's pitch must be finite");
+            "extrusion: pitch of the helix: expected a finite number, got NaN or infinity");
   EXPECT_EQ(check(Extrusion{HelixCurve{1.0, 1.0, 0.0}, x}),
-            "extrusion: the helix's number of turns must be positive and finite");
-  EXPECT_EQ(check(Tube{LineSegment{o, x}, -1.0}),
-            "tube: radius = -1 is out of range, permitted is 0 < radius < inf");
-  EXPECT_EQ(check(Tube{PlanarCurve{spatial}, 0.1}), "tube: the curve does not lie in a plane z = constant");
-  EXPECT_EQ(check(Tube{UprightCurve{spatial, o}, 0.1}), "tube: the direction `up` must not be zero");
+            "extrusion: turns of the helix: expected a positive finite number, got another");
+  EXPECT_EQ(check(Tube{LineSegment{o, x}, -1.0}), "tube: radius: expected 0 < radius < inf, got -1");
+  EXPECT_EQ(check(Tube{PlanarCurve{spatial}, 0.1}),
+            "tube: expected a curve in a plane z = constant, got one that leaves it");
+  EXPECT_EQ(check(Tube{UprightCurve{spatial, o}, 0.1}),
+            "tube: the direction `up`: expected one that is not zero, got zero");
   EXPECT_EQ(check(Tube{RotationMinimisingCurve<BSplineCurve<double>>{spatial, x, 0}, 0.1}),
-            "tube: panels = 0 must be positive");
+            "tube: panels: expected 1 or more, got 0");
   EXPECT_EQ(check(Tube{RotationMinimisingCurve{spatial, o}, 0.1}),
-            "tube: the direction `up` must not be zero");
-  EXPECT_EQ(check(SurfaceOfRevolution{spatial}),
-            "surface-of-revolution: the profile does not lie in the plane y = 0");
-  EXPECT_EQ(check(RuledSurface{CircleCurve{0.0}, CircleCurve{1.0}}),
-            "ruled-surface: the first curve: the circle's radius must be positive and finite");
+            "tube: the direction `up`: expected one that is not zero, got zero");
+  EXPECT_EQ(
+      check(SurfaceOfRevolution{spatial}),
+      "surface-of-revolution: the profile: expected a curve in the plane y = 0, got one that leaves it");
+  EXPECT_EQ(
+      check(RuledSurface{CircleCurve{0.0}, CircleCurve{1.0}}),
+      "ruled-surface: the first curve: radius of the circle: expected a positive finite number, got another");
   EXPECT_EQ(check(RuledSurface{CircleCurve{1.0}, CircleCurve{nan_value}}),
-            "ruled-surface: the second curve: the circle's radius must be positive and finite");
-  EXPECT_EQ(check(Graph{RoundHill<double>{}, 1.0, 0.5, 0.0, 1.0}), "graph: x0 = 1 must be below x1 = 0.5");
-  EXPECT_EQ(check(Graph{RoundHill<double>{}, 0.0, 1.0, 2.0, 2.0}), "graph: y0 = 2 must be below y1 = 2");
+            "ruled-surface: the second curve: radius of the circle: expected a positive finite number, got "
+            "another");
+  EXPECT_EQ(check(Graph{RoundHill<double>{}, 1.0, 0.5, 0.0, 1.0}),
+            "graph: x0: expected less than x1 = 0.5, got 1");
+  EXPECT_EQ(check(Graph{RoundHill<double>{}, 0.0, 1.0, 2.0, 2.0}),
+            "graph: y0: expected less than y1 = 2, got 2");
 }
 
 }  // namespace

@@ -400,7 +400,7 @@ TEST(FrameTransform, RefusesSingularMapsByName) {
       ADD_FAILURE() << m << " was accepted";
     } catch (const ParameterError& error) {
       EXPECT_STREQ(error.what(),
-                   "transform: the linear part is singular or not finite, permitted are invertible maps");
+                   "transform: expected an invertible map, got a linear part that is singular or not finite");
     }
   }
   for (const double bad : {nan_value, infinity, -infinity}) {

@@ -169,7 +169,7 @@ TEST(BSpline, CurveEqualsItsBezierPieces) {
           expect_near(length * a.first, b.first, 1e-12, "first");
           expect_near(length * length * a.second, b.second, 1e-11, "second");
           expect_near(length * length * length * a.third, b.third, 1e-10, "third");
-          expect_near(a.position, curve.position_again(t), 1e-13, "position_again");
+          expect_near(a.position, curve.second_formula(t), 1e-13, "second_formula");
         }
       }
     }
@@ -221,9 +221,9 @@ TEST(BSpline, PatchEqualsItsBezierPieces) {
           expect_near(length * length * a.d2pdu2, b.d2pdu2, 1e-11, "d2pdu2");
           expect_near(length * a.d2pduv, b.d2pduv, 1e-11, "d2pduv");
           expect_near(a.d2pdv2, b.d2pdv2, 1e-11, "d2pdv2");
-          expect_near(a.position, patch.position_again(u, v), 1e-13, "position_again");
-          expect_near(b.position, piece.position_again((u - begin) / length, v), 1e-13,
-                      "position_again of Bézier");
+          expect_near(a.position, patch.second_formula(u, v), 1e-13, "second_formula");
+          expect_near(b.position, piece.second_formula((u - begin) / length, v), 1e-13,
+                      "second_formula of Bézier");
           const Jet2<double> c = jet(turned, v, u);
           expect_near(c.position, a.position, 1e-14, "turned position");
           expect_near(length * c.dpdv, length * a.dpdu, 1e-13, "turned dpdv");
@@ -530,9 +530,9 @@ void expect_rebound(const X& surface) {
       near(j.d2pdu2, m.d2pdu2, 1e-12);
       near(j.d2pduv, m.d2pduv, 1e-12);
       near(j.d2pdv2, m.d2pdv2, 1e-12);
-      if constexpr (StatesPositionAgain<X>) {  // to more digits than double has
+      if constexpr (StatesSecondFormula<X>) {  // to more digits than double has
         const auto again =
-            many.position_again(prepare<X::info.u>(Multiprecision(u)), prepare<X::info.v>(Multiprecision(v)));
+            many.second_formula(prepare<X::info.u>(Multiprecision(u)), prepare<X::info.v>(Multiprecision(v)));
         for (const Multiprecision& d :
              {again.x - m.position.x, again.y - m.position.y, again.z - m.position.z})
           EXPECT_LE(std::fabs(static_cast<double>(d)), 1e-34);

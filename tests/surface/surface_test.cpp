@@ -50,8 +50,7 @@ TEST(Checked, NamesSurfaceParameterValueAndRange) {
       checked(Sphere{radius});
       ADD_FAILURE() << radius << " was accepted";
     } catch (const ParameterError& error) {
-      EXPECT_EQ(error.what(),
-                std::string("sphere: radius = ") + text + " is out of range, permitted is 0 < radius < inf");
+      EXPECT_EQ(error.what(), std::string("sphere: radius: expected 0 < radius < inf, got ") + text);
     }
   }
   EXPECT_THROW(checked(Sphere{std::numeric_limits<double>::quiet_NaN()}), ParameterError);

@@ -58,7 +58,7 @@ TEST(PositionOnly, RuledSurfaceOfSuchCurves) {
   for (int i = 0; i <= 8; ++i)
     for (int k = 0; k <= 8; ++k) {
       const double u = i / 8.0, v = k / 8.0;
-      EXPECT_LE(norm(surface.position_again(u, v) - jet(surface, u, v).position), 16 * roundoff);
+      EXPECT_LE(norm(surface.second_formula(u, v) - jet(surface, u, v).position), 16 * roundoff);
     }
   const RuledSurface crossing{LineSegment{Vec{0, 0, 0}, Vec{1, 0, 0}},
                               LineSegment{Vec{1, 1, 0}, Vec{0, 1, 0}}};

@@ -173,7 +173,7 @@ std::vector<Rule> rules(const Includes& tree) {
       // Other libraries, each behind one room.
       {"boost stays behind multiprecision", "(?!src/surface/multiprecision\\.cpp).*", "", "boost/.*"},
       {"xsimd stays in the kernels", "(?!src/evaluate/kernels/).*", "", "xsimd/.*"},
-      {"threads stay behind these", "(?!src/evaluate/evaluate\\.cpp|src/base/pieces\\.h).*", "", "tbb/.*"},
+      {"threads stay behind these", "(?!src/evaluate/evaluate\\.cpp|src/base/parallel\\.h).*", "", "tbb/.*"},
       {"nanoflann stays behind the k-d tree", "(?!src/base/neighbours\\.h).*", "", "nanoflann\\.hpp"},
       {"Ceres stays behind the fit", "(?!src/fit/).*", "", "ceres/.*|glog/.*"},
       {"JSON stays behind files, reports and the command line", "(?!src/(io|assets|cli|report)/).*", "",

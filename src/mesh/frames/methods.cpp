@@ -3,6 +3,7 @@
 
 #include <darboux/error.h>
 
+#include "base/text.h"
 #include "corner.h"
 
 namespace darboux {
@@ -19,7 +20,7 @@ constexpr FrameMethod methods[] = {
      .single_precision = true,
      .at_poles = {.tangent = {2, 1}, .bitangent = {2, 1}},
      .source = "Mikkelsen2008",
-     .cost = "linear, about 0.8 µs a triangle, most of it copies of the mesh"},
+     .cost = "linear, about 0.8 µs per triangle, most of it copies of the mesh"},
     {.name = "mikktspace-bitangent",
      .summary = "MikkTSpace with the second direction that it computes itself in place of the one built from "
                 "normal and "
@@ -31,7 +32,7 @@ constexpr FrameMethod methods[] = {
      .at_poles = {.tangent = {2, 1}, .bitangent = {1, 0.5}},
      .bitangent_chart = Chart::any,
      .source = "Mikkelsen2008",
-     .cost = "linear, about 0.8 µs a triangle, most of it copies of the mesh"},
+     .cost = "linear, about 0.8 µs per triangle, most of it copies of the mesh"},
     {.name = "face",
      .summary = "each triangle on its own: the directions in which the texture's u and v grow on it; "
                 "faceted, as with flat "
@@ -44,7 +45,7 @@ constexpr FrameMethod methods[] = {
      .bitangent_chart = Chart::any,
      .reach = 0,
      .source = "Lengyel2001",
-     .cost = "linear, about 0.4 µs a triangle"},
+     .cost = "linear, about 0.4 µs per triangle"},
     {.name = "average",
      .summary = "triangle tangents added up at each vertex, stretched ones count more, then made square to "
                 "the normal "
@@ -52,27 +53,27 @@ constexpr FrameMethod methods[] = {
      .formula = "t = GramSchmidt(sum T), b = GramSchmidt(sum B)",
      .compute = compute_average,
      .source = "Lengyel2001",
-     .cost = "linear, about 0.3 µs a triangle"},
+     .cost = "linear, about 0.3 µs per triangle"},
     {.name = "unit",
      .summary = "triangle directions averaged at each vertex, every triangle counts the same",
      .formula = "t = GramSchmidt(sum T/|T|), b likewise",
      .compute = compute_unit,
      .source = "Max1999",
-     .cost = "linear, about 0.4 µs a triangle"},
+     .cost = "linear, about 0.4 µs per triangle"},
     {.name = "area",
      .summary = "triangle directions averaged at each vertex, large triangles count more; the safe choice on "
                 "thin triangles",
      .formula = "t = GramSchmidt(sum area T/|T|), b likewise",
      .compute = compute_area,
      .source = "Max1999",
-     .cost = "linear, about 0.4 µs a triangle"},
+     .cost = "linear, about 0.4 µs per triangle"},
     {.name = "angle",
      .summary = "triangle directions averaged at each vertex, by the angle the triangle has there",
      .formula = "t = GramSchmidt(sum angle T/|T|), b likewise",
      .compute = compute_angle,
      .at_poles = {.tangent = {2, 1}, .bitangent = {2, 1}},
      .source = "Max1999",
-     .cost = "linear, about 0.6 µs a triangle"},
+     .cost = "linear, about 0.6 µs per triangle"},
     {.name = "max",
      .summary = "triangle directions averaged at each vertex, those with short edges and a square corner "
                 "there count more, "
@@ -81,7 +82,7 @@ constexpr FrameMethod methods[] = {
      .compute = compute_max,
      .at_poles = {.tangent = {2, 0}, .bitangent = {2, 0}},
      .source = "Max1999",
-     .cost = "linear, about 0.6 µs a triangle"},
+     .cost = "linear, about 0.6 µs per triangle"},
     {.name = "fragment-gradient",
      .summary = "what a shader gets from solving for the gradients of u and v across the smooth normal "
                 "(tinyrenderer); on "
@@ -92,7 +93,7 @@ constexpr FrameMethod methods[] = {
      .tangent_chart = Chart::orthogonal,
      .reach = 0,
      .source = "Sokolov2016",
-     .cost = "linear, about 2 µs a triangle"},
+     .cost = "linear, about 2 µs per triangle"},
     {.name = "fragment-solve",
      .summary = "what a shader gets from the triangle's own directions beside the smooth normal "
                 "(tinyrenderer); not square to "
@@ -104,7 +105,7 @@ constexpr FrameMethod methods[] = {
      .bitangent_chart = Chart::any,
      .reach = 0,
      .source = "Sokolov2016",
-     .cost = "linear, about 1.2 µs a triangle"},
+     .cost = "linear, about 1.2 µs per triangle"},
     {.name = "procrustes",
      .summary = "the rotation that best lays the texture about a vertex onto the mesh there; right only "
                 "where the texture is "
@@ -116,7 +117,7 @@ constexpr FrameMethod methods[] = {
      .tangent_chart = Chart::conformal,
      .bitangent_chart = Chart::conformal,
      .source = "Choi2024",
-     .cost = "linear, about 1.2 µs a triangle"},
+     .cost = "linear, about 1.2 µs per triangle"},
     {.name = "quadratic",
      .summary = "a smooth curved patch laid through the neighbourhood of each vertex, and its own "
                 "directions; needs a smooth "
@@ -131,7 +132,7 @@ constexpr FrameMethod methods[] = {
      .bitangent_chart = Chart::any,
      .reach = 2,
      .source = "Darboux",
-     .cost = "linear, about 1.8 µs a triangle"},
+     .cost = "linear, about 1.8 µs per triangle"},
     {.name = "cubic",
      .summary = "the same with a patch of degree 3: hundreds of times more accurate than averages on smooth "
                 "meshes, an "
@@ -144,7 +145,7 @@ constexpr FrameMethod methods[] = {
      .bitangent_chart = Chart::any,
      .reach = 2,
      .source = "Darboux",
-     .cost = "linear, about 2.8 µs a triangle"},
+     .cost = "linear, about 2.8 µs per triangle"},
 };
 
 }  // namespace
@@ -165,13 +166,13 @@ const FrameMethod& find_frame_method(std::string_view name) {
 MeshFrames mesh_frames(const Mesh& mesh, const FrameMethod& method, int threads) {
   check_consistent(mesh, "mesh");
   check_finite(mesh, "mesh");
-  if (threads < 0)
-    throw ParameterError("threads", std::to_string(threads) + " threads, permitted is 0 (all) or more");
+  if (threads < 0) throw ParameterError("threads", expected_got("0 (all) or more", std::to_string(threads)));
   if (mesh.uvs.empty() && !mesh.triangles.empty())
-    throw MeshError("mesh", "has no uvs, tangents need one uv set");
+    throw MeshError("mesh", expected_got("one uv set for tangents", "no uvs"));
   if (method.needs_normals && mesh.normals.empty() && !mesh.triangles.empty())
-    throw MeshError("mesh",
-                    "has no normals, method '" + std::string(method.name) + "' needs them ('face' does not)");
+    throw MeshError(
+        "mesh",
+        expected_got("normals for method '" + std::string(method.name) + "' ('face' needs none)", "none"));
   return method.compute(mesh, threads);
 }
 

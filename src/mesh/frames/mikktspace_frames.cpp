@@ -7,6 +7,7 @@
 #include <darboux/error.h>
 #include <darboux/mikktspace.h>
 
+#include "base/text.h"
 #include "corner.h"
 
 namespace darboux {
@@ -25,9 +26,8 @@ std::vector<float> to_floats(const std::vector<Vector>& values, const char* name
   for (std::size_t i = 0; i < components * values.size(); ++i) {
     greatest = std::fmax(greatest, std::fabs(component(i)));
     if (greatest > static_cast<double>(std::numeric_limits<float>::max()))
-      throw MeshError(
-          "mesh", std::string(name) + " of vertex " + std::to_string(i / components) +
-                      " is beyond single precision, permitted for mikktspace are magnitudes up to 3.4e38");
+      throw MeshError("mesh", std::string(name) + " of vertex " + std::to_string(i / components) + ": " +
+                                  expected_got("magnitudes up to 3.4e38 for mikktspace", shortest(greatest)));
   }
   const double small = 0x1p-100;
   const int exponent = any_scale && greatest > 0 && greatest < small ? std::ilogb(greatest) : 0;

@@ -10,7 +10,7 @@
 #include <Eigen/SVD>
 
 #include "base/hash_table.h"
-#include "base/pieces.h"
+#include "base/parallel.h"
 #include "corner.h"
 #include "creases.h"
 
@@ -185,7 +185,7 @@ MeshFrames of_nodes(const Mesh& mesh, int threads, const FrameOf& frame) {
   Rings rings(mesh);
   std::vector<CornerFrame>& frames = rings.frames.frames;
   frames.resize(rings.size());
-  in_pieces(
+  parallel_ranges(
       rings.size(), thread_count(threads),
       [&](std::size_t begin, std::size_t end) {
         Rings::Walk walk;

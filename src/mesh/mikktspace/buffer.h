@@ -84,11 +84,11 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
-// Memory that one step after the other uses.
-class Room {
+// Scratch memory that the steps of the work use one after the other.
+class Scratch {
  public:
-  explicit Room(std::size_t bytes) : bytes_(bytes) {}
-  // The first `size` T of it; what was there is gone.
+  explicit Scratch(std::size_t bytes) : bytes_(bytes) {}
+  // The first `size` T of it, from a byte on; what was there is gone.
   template <class T>
   std::span<T> as(std::size_t size, std::size_t from_byte = 0) {
     return {reinterpret_cast<T*>(bytes_.data() + from_byte), size};

@@ -12,7 +12,7 @@ namespace darboux::mikk {
 namespace {
 
 // The most that any step takes.
-std::size_t room_for(const MikkMesh& mesh) {
+std::size_t scratch_bytes(const MikkMesh& mesh) {
   const std::size_t corners =
       mesh.face_sizes.empty() ? mesh.corner_count() : 6 * mesh.face_sizes.size();  // a quad is two triangles
   return std::max(weld_places(mesh.vertex_count()) * sizeof(Index), sizeof(Part) * corners);
@@ -21,15 +21,15 @@ std::size_t room_for(const MikkMesh& mesh) {
 }  // namespace
 
 Connectivity::Connectivity(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths)
-    : mesh_(mesh), range_(range), threads_(thread_count(options.threads)), room_(room_for(mesh)) {
+    : mesh_(mesh), range_(range), threads_(thread_count(options.threads)), scratch_(scratch_bytes(mesh)) {
   weld();
   list_triangles();
-  name_as_the_original();
+  take_values_of_representatives();
   set_degenerate_apart();
   list_corners();
   find_neighbours();
   if (!options.sort_all_edges && good_ > 0) find_last_neighbours();
-  name_ = {};
+  representative_ = {};
   differentiate(lengths);
   orient_any();
 }
@@ -78,7 +78,7 @@ void Connectivity::list_triangles() {
 void Connectivity::set_degenerate_apart() {
   std::vector<std::uint8_t> degenerate(all_);
   std::atomic<std::size_t> count = 0;
-  in_pieces(all_, threads_, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(all_, threads_, [&](std::size_t begin, std::size_t end) {
     std::size_t here = 0;
     for (std::size_t t = begin; t < end; ++t) {
       const Vector a = position(vertex(corner(3 * t))), b = position(vertex(corner(3 * t + 1))),
@@ -124,7 +124,7 @@ void Connectivity::list_corners() {
   at_vertex_ = Buffer<Index>(3 * good_);
   // Each thread has some of the ids and looks at all corners; many threads would look too often.
   const std::size_t parts = std::min<std::size_t>(threads_, 8);
-  const auto of_ids = [&](const auto& f) { in_pieces(ids, parts, f, ids / parts + 1); };
+  const auto of_ids = [&](const auto& f) { parallel_ranges(ids, parts, f, ids / parts + 1); };
   of_ids([&](std::size_t first, std::size_t last) {
     std::fill(&begin_[first], &begin_[last], 0);
     for (std::size_t at = 0; at < 3 * good_; ++at)
@@ -160,10 +160,10 @@ void Connectivity::pair_up(std::span<const Edge> run) {
 // the first that is left, in the order of the triangles. An edge is looked at from its smaller vertex.
 void Connectivity::find_neighbours() {
   neighbour_ = Buffer<Index>(3 * good_);
-  in_pieces(3 * good_, threads_, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(3 * good_, threads_, [&](std::size_t begin, std::size_t end) {
     std::fill(neighbour_.data() + begin, neighbour_.data() + end, none);
   });
-  in_pieces(ids_, threads_, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
     std::vector<Edge> edges;
     for (std::size_t v = begin; v < end; ++v) {
       edges.clear();

@@ -12,7 +12,7 @@
 #include <darboux/mikktspace.h>
 
 #include "arithmetic.h"
-#include "base/pieces.h"
+#include "base/parallel.h"
 #include "buffer.h"
 #include "input.h"
 
@@ -57,7 +57,7 @@ struct Connectivity {
   // them.
   std::size_t corner(std::size_t at) const { return corner_.empty() ? at : corner_[at]; }
   Index welded(std::size_t at) const { return id_[vertex(corner(at))]; }
-  // Whose values a corner has: those of the vertex that stands for all welded to it, whose zeros may have
+  // The vertex whose values a corner has: the one that stands for all welded to it, whose zeros may have
   // other signs.
   Index source(std::size_t at) const { return mixed_zeros_ ? stands_for_[welded(at)] : vertex(corner(at)); }
   std::size_t face(std::size_t triangle) const { return face_.empty() ? triangle : face_[triangle]; }
@@ -84,8 +84,10 @@ struct Connectivity {
   };
   // Each edge of a run of equal ones takes the first after it that is left and passes the other way.
   void pair_up(std::span<const Edge> run);
-  void name(std::span<const Index> wanted);
-  void name_as_the_original();
+  void find_representatives(std::span<const Index> wanted);
+  void take_values_of_representatives();
+  void bound_representatives(Buffer<Index>& first, Buffer<Index>& last) const;
+  std::vector<Index> candidates_for_the_last_run();
   void find_last_neighbours();
   void differentiate(bool lengths);
   void orient_any();
@@ -93,7 +95,7 @@ struct Connectivity {
   const MikkMesh& mesh_;
   Range range_;
   std::size_t threads_;
-  Room room_;                       // of the welding, then of the names, then of the parts
+  Scratch scratch_;                 // of the welding, then of the representatives, then of the parts
   std::size_t ids_ = 0;             // some may not be used
   bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs
   bool any_ = false;                // some triangle is `any`
@@ -105,8 +107,9 @@ struct Connectivity {
   std::vector<Index> cut_;          // the corners of the triangles in the order of the faces; empty: in order
   std::size_t all_ = 0, good_ = 0;  // triangles; the degenerate ones come last
   std::vector<std::uint8_t>
-      alone_;           // of each triangle: whether it is one of a quad of which one is degenerate
-  Buffer<Index> name_;  // of each id, while that is needed: the corner that the original names it by
+      alone_;  // of each triangle: whether it is one of a quad of which one is degenerate
+  Buffer<Index>
+      representative_;  // of each id, while that is needed: the corner by which the original knows it
   Buffer<Index> begin_, at_vertex_;     // of each id: its corners in good triangles, ascending
   Buffer<Index> neighbour_;             // of each good triangle: across the edges that begin at its corners
   std::span<Part> part_;                // of each corner of the good triangles

@@ -116,12 +116,12 @@ inline Found find(const Triangles& x) {
 }  // namespace
 
 void Connectivity::differentiate(bool lengths) {
-  part_ = room_.as<Part>(3 * good_);
+  part_ = scratch_.as<Part>(3 * good_);
   orientation_ = Buffer<Orientation>(good_);
   if (lengths) lengths_ = Buffer<Lengths>(good_);
   const Floats quarter = Floats{} + 0.25F;  // so that differences do not overflow
   std::atomic<bool> any = false;
-  in_pieces(good_, threads_, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(good_, threads_, [&](std::size_t begin, std::size_t end) {
     bool any_here = false;
     for (std::size_t first = begin; first < end; first += lanes) {
       Triangles x;

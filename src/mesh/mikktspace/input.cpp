@@ -9,14 +9,14 @@
 
 #include <darboux/error.h>
 
-#include "base/pieces.h"
+#include "base/parallel.h"
 #include "base/text.h"
 
 namespace darboux::mikk {
 namespace {
 
-[[noreturn]] void refuse(const std::string& why) {
-  throw MeshError("mesh", why);
+[[noreturn]] void refuse(const std::string& expected, const std::string& got) {
+  throw MeshError("mesh", expected_got(expected, got));
 }
 
 constexpr std::size_t most_corners = std::numeric_limits<std::uint32_t>::max() / 3;
@@ -24,43 +24,40 @@ constexpr std::size_t most_corners = std::numeric_limits<std::uint32_t>::max() /
 void check_sizes(const MikkMesh& mesh) {
   const std::size_t n = mesh.positions.size() / 3;
   if (mesh.positions.size() % 3 != 0)
-    refuse("has " + std::to_string(mesh.positions.size()) +
-           " numbers of positions, permitted are three a vertex");
+    refuse("three numbers per position", std::to_string(mesh.positions.size()) + " numbers");
   if (mesh.normals.size() != 3 * n)
-    refuse("has " + std::to_string(mesh.normals.size()) +
-           " numbers of normals, permitted are three for each of its " + std::to_string(n) + " vertices");
+    refuse("three numbers for the normal of each of its " + std::to_string(n) + " vertices",
+           std::to_string(mesh.normals.size()) + " numbers");
   if (mesh.uvs.size() != 2 * n)
-    refuse("has " + std::to_string(mesh.uvs.size()) + " numbers of uvs, permitted are two for each of its " +
-           std::to_string(n) + " vertices");
+    refuse("two numbers for the uv of each of its " + std::to_string(n) + " vertices",
+           std::to_string(mesh.uvs.size()) + " numbers");
   const std::size_t corners = mesh.corner_count();
   if (n >= most_corners)
-    refuse("has " + std::to_string(n) + " vertices, permitted are up to " + std::to_string(most_corners - 1));
+    refuse("at most " + std::to_string(most_corners - 1) + " vertices", std::to_string(n));
   if (corners >= most_corners)
-    refuse("has " + std::to_string(corners) + " corners, permitted are up to " +
-           std::to_string(most_corners - 1));
+    refuse("at most " + std::to_string(most_corners - 1) + " corners", std::to_string(corners));
   for (std::size_t c = 0; c < mesh.corners.size(); ++c)
     if (mesh.corners[c] >= n)
-      refuse("corner " + std::to_string(c) + " is vertex " + std::to_string(mesh.corners[c]) +
-             ", permitted are " + (n == 0 ? "none: there are no vertices" : "0 to " + std::to_string(n - 1)));
+      refuse("vertices below " + std::to_string(n),
+             "vertex " + std::to_string(mesh.corners[c]) + " at corner " + std::to_string(c));
   std::size_t sum = 0;
   for (std::size_t f = 0; f < mesh.face_sizes.size(); ++f) {
     if (mesh.face_sizes[f] != 3 && mesh.face_sizes[f] != 4)
-      refuse("face " + std::to_string(f) + " has " + std::to_string(mesh.face_sizes[f]) +
-             " corners, permitted are 3 and 4");
+      refuse("faces of 3 or 4 corners", std::to_string(mesh.face_sizes[f]) + " in face " + std::to_string(f));
     sum += mesh.face_sizes[f];
   }
   if (mesh.face_sizes.empty() ? corners % 3 != 0 : sum != corners)
-    refuse("has " + std::to_string(corners) + " corners, permitted are those of its faces, " +
-           (mesh.face_sizes.empty() ? "three each" : std::to_string(sum)));
+    refuse(mesh.face_sizes.empty() ? "three corners per face"
+                                   : "the " + std::to_string(sum) + " corners of its faces",
+           std::to_string(corners) + " corners");
 }
 
 void check(const MikkOptions& options) {
   if (options.threads < 0)
-    throw ParameterError("threads",
-                         std::to_string(options.threads) + " threads, permitted is 0 (all) or more");
+    throw ParameterError("threads", expected_got("0 (all) or more", std::to_string(options.threads)));
   if (!(options.angular_threshold >= 0 && options.angular_threshold <= 180))
     throw ParameterError("angular threshold",
-                         std::to_string(options.angular_threshold) + " degrees, permitted are 0 to 180");
+                         expected_got("0 <= degrees <= 180", std::to_string(options.angular_threshold)));
 }
 
 // The bits of a magnitude grow with it; those of infinity and NaN are the greatest.
@@ -71,7 +68,7 @@ std::uint32_t magnitude_bits(float x) {
 float greatest_magnitude(std::span<const float> x, int threads) {
   std::mutex mutex;
   std::uint32_t greatest = 0;
-  in_pieces(x.size(), thread_count(threads), [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(x.size(), thread_count(threads), [&](std::size_t begin, std::size_t end) {
     std::uint32_t here = 0;
     for (std::size_t i = begin; i < end; ++i) here = std::max(here, magnitude_bits(x[i]));
     const std::lock_guard lock(mutex);
@@ -86,9 +83,9 @@ float check(const char* name, std::span<const float> x, std::size_t components, 
   if (magnitude_bits(greatest) <= magnitude_bits(most)) return greatest;
   std::size_t i = 0;
   while (magnitude_bits(x[i]) <= magnitude_bits(most)) ++i;
-  refuse(std::string(name) + " of vertex " + std::to_string(i / components) + " has the component " +
-         shortest(static_cast<double>(x[i])) + ", permitted are magnitudes up to " +
-         shortest(static_cast<double>(most)));
+  refuse("magnitudes up to " + shortest(static_cast<double>(most)), shortest(static_cast<double>(x[i])) +
+                                                                        " in the " + name + " of vertex " +
+                                                                        std::to_string(i / components));
 }
 
 constexpr float large = 0x1p28F;

@@ -1,7 +1,13 @@
-// The original names welded vertices by one of their corners, sorts the edges by the smaller name, the runs
-// of equal ones by the greater, and the runs of equal edges by triangle; but it forgets the last run of each.
-// So which of the last edges find each other depends on the order that its first sort leaves, and that on the
-// names. This is followed here as far as it matters.
+// The order in which the original leaves the edges that it forgets to sort.
+//
+// MikkTSpace finds neighbours by sorting all edges: first by their smaller vertex, then each run of equal
+// smaller vertices by the greater one, then each run of equal edges by triangle. Its loops miss the last run
+// at every level. So the edges with the greatest smaller vertex stay as the first sort left them, and equal
+// ones that do not lie side by side there do not find each other.
+//
+// To give the same bits, this file follows the original where that matters: the corner by which it knows each
+// welded vertex (its representative), because the sort compares these; and the way of its quicksort to the
+// last run.
 
 #include <algorithm>
 #include <array>
@@ -57,9 +63,10 @@ Box box_of(std::span<const Entry> entries) {
   return box[0];
 }
 
-// What halving a cell does, again and again until all that is left of a part is in one place or next to each
-// other: those below the middle change places with those that are not, from both ends inwards. leaf(begin,
-// end) in the order of the places.
+// How the original orders the corners of a cell. It halves the cell across its longest side, again and again,
+// until the corners left lie in one place or next to each other. Halving swaps corners below the middle with
+// those that are not, from both ends inwards. leaf(begin, end) is called for each part in the order of the
+// places.
 class Halving {
  public:
   template <class Leaf>
@@ -96,179 +103,102 @@ class Halving {
   Buffer<Index> below_, others_;  // where they are
 };
 
-}  // namespace
-
-// Names of the ids wanted, or of all: the first corner in the order in which halving a cell, again and again,
-// leaves them.
-void Connectivity::name(std::span<const Index> wanted) {
-  if (name_.empty()) name_ = Buffer<Index>(ids_);
-  std::fill(name_.data(), name_.data() + name_.size(), none);
-  const std::size_t entries = 3 * all_;
-  if (entries == 0) return;
-  const auto position_of = [&](std::size_t entry) {
-    return &mesh_.positions[3 * std::size_t{vertex(listed(entry))}];
-  };
-  const auto point = [&](std::size_t entry) {
-    const float* p = position_of(entry);
-    return Box(Floats{p[0], p[1], p[2], 0});
-  };
-  // Work is cut into the same blocks for all passes, so that the entries of a cell stay in order.
-  constexpr std::size_t block = 1 << 16;
-  const std::size_t blocks = (entries + block - 1) / block;
-  const auto in_blocks = [&](const auto& f) {
-    in_pieces(
-        blocks, threads_,
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t b = begin; b < end; ++b) f(b, b * block, std::min(entries, (b + 1) * block));
-        },
-        1);
-  };
-  std::vector<Box> boxes(blocks, point(0));
-  in_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
-    Box box = boxes[b];
-    for (std::size_t e = begin; e < end; ++e) box.add(point(e));
-    boxes[b] = box;
-  });
-  Box box = boxes[0];
-  for (const Box& other : boxes) box.add(other);
-  const std::size_t axis = box.longest();
-  const float low = box.low[axis], high = box.high[axis];
-  const auto cell_of = [&](float x) {
-    const float at = cell_count * ((x - low) / (high - low));
-    return at >= 0 ? at < cell_count ? static_cast<std::size_t>(at) : cell_count - 1
-                   : 0;  // 0 of a flat mesh too
-  };
-  std::vector<std::uint8_t> looked_at(cell_count, wanted.empty() ? 1 : 0);
-  for (const Index id : wanted)
-    looked_at[cell_of(mesh_.positions[3 * std::size_t{stands_for_[id]} + axis])] = 1;
-  // Behind the entries stand, of each block, those that are looked at.
-  const std::span<Index> hits = room_.as<Index>(entries, entries * sizeof(Entry));
-  std::vector<std::size_t> hits_of(blocks);
-  std::vector<Index> next(blocks * cell_count, 0);  // of each block and cell: its entries, then where they go
-  in_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
-    std::size_t hit = begin;
-    for (std::size_t e = begin; e < end; ++e) {
-      const std::size_t cell = cell_of(position_of(e)[axis]);
-      hits[hit] = static_cast<Index>(e);
-      hit += looked_at[cell];
-      next[b * cell_count + cell] += looked_at[cell];
-    }
-    hits_of[b] = hit - begin;
-  });
-  std::array<std::size_t, cell_count + 1> first;
-  std::size_t sum = 0;
-  for (std::size_t cell = 0; cell < cell_count; ++cell) {
-    first[cell] = sum;
-    for (std::size_t b = 0; b < blocks; ++b)
-      sum += std::exchange(next[b * cell_count + cell], static_cast<Index>(sum));
+// The corners of all triangles, sorted into the cells.
+class Cells {
+ public:
+  explicit Cells(Connectivity& mesh)
+      : mesh_(mesh), entries_(3 * mesh.all_), blocks_((entries_ + block - 1) / block) {
+    std::vector<Box> boxes(blocks_, point(0));
+    in_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
+      Box box = boxes[b];
+      for (std::size_t e = begin; e < end; ++e) box.add(point(e));
+      boxes[b] = box;
+    });
+    Box box = boxes[0];
+    for (const Box& other : boxes) box.add(other);
+    axis_ = box.longest();
+    low_ = box.low[axis_];
+    high_ = box.high[axis_];
   }
-  first[cell_count] = sum;
-  const std::span<Entry> all = room_.as<Entry>(sum);
-  in_blocks([&](std::size_t b, std::size_t begin, std::size_t) {
-    for (const Index e : hits.subspan(begin, hits_of[b])) {
-      const float* p = position_of(e);
-      all[next[b * cell_count + cell_of(p[axis])]++] = {{p[0], p[1], p[2]}, static_cast<Index>(listed(e))};
+
+  std::size_t axis() const { return axis_; }
+  // The cell of a coordinate along the axis; 0 in a flat mesh too.
+  std::size_t at(float x) const {
+    const float at = cell_count * ((x - low_) / (high_ - low_));
+    return at >= 0 ? at < cell_count ? static_cast<std::size_t>(at) : cell_count - 1 : 0;
+  }
+
+  // A counting sort of the entries of the cells asked for; within a cell they keep their order.
+  void sort(const std::vector<std::uint8_t>& asked) {
+    // Behind the entries stand, block by block, those asked for.
+    const std::span<Index> hits = mesh_.scratch_.as<Index>(entries_, entries_ * sizeof(Entry));
+    std::vector<std::size_t> hits_of(blocks_);
+    std::vector<Index> next(blocks_ * cell_count, 0);  // per block and cell: a count, then where they go
+    in_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
+      std::size_t hit = begin;
+      for (std::size_t e = begin; e < end; ++e) {
+        const std::size_t cell = at(position(e)[axis_]);
+        hits[hit] = static_cast<Index>(e);
+        hit += asked[cell];
+        next[b * cell_count + cell] += asked[cell];
+      }
+      hits_of[b] = hit - begin;
+    });
+    std::size_t sum = 0;
+    for (std::size_t cell = 0; cell < cell_count; ++cell) {
+      first_[cell] = sum;
+      for (std::size_t b = 0; b < blocks_; ++b)
+        sum += std::exchange(next[b * cell_count + cell], static_cast<Index>(sum));
     }
-  });
-  in_pieces(
-      cell_count, threads_,
-      [&](std::size_t begin, std::size_t end) {
-        Halving halve;
-        for (std::size_t cell = begin; cell < end; ++cell) {
-          if (first[cell] == first[cell + 1]) continue;
-          const std::span<Entry> of_cell = all.subspan(first[cell], first[cell + 1] - first[cell]);
-          halve(of_cell, [&](Index leaf, Index leaf_end) {
-            for (Index i = leaf; i < leaf_end; ++i)
-              if (Index& name = name_[id_[vertex(of_cell[i].corner)]]; name == none) name = of_cell[i].corner;
-          });
-        }
-      },
-      16);
-}
-
-// Zeros of either sign are equal, so that the name decides whose signs a vertex has.
-void Connectivity::name_as_the_original() {
-  if (!mixed_zeros_) return;
-  name({});
-  for (std::size_t id = 0; id < name_.size(); ++id)
-    if (name_[id] != none) stands_for_[id] = vertex(name_[id]);
-}
-
-void Connectivity::find_last_neighbours() {
-  const std::size_t ids = ids_, edges_count = 3 * good_;
-  // The last run by the smaller name: bounds first, then names where these leave it open.
-  Buffer<Index> first(ids), last(ids);
-  if (corner_.empty()) {
-    in_pieces(ids, threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t id = begin; id < end; ++id) {
-        const std::span<const Index> corners = corners_at(static_cast<Index>(id));
-        first[id] = corners.empty() ? none : corners.front();
-        last[id] = corners.empty() ? 0 : corners.back();
+    first_[cell_count] = sum;
+    sorted_ = mesh_.scratch_.as<Entry>(sum);
+    in_blocks([&](std::size_t b, std::size_t begin, std::size_t) {
+      for (const Index e : hits.subspan(begin, hits_of[b])) {
+        const float* p = position(e);
+        sorted_[next[b * cell_count + at(p[axis_])]++] = {{p[0], p[1], p[2]},
+                                                          static_cast<Index>(mesh_.listed(e))};
       }
     });
-  } else {
-    std::fill(first.data(), first.data() + ids, none);
-    std::fill(last.data(), last.data() + ids, 0);
-    for (std::size_t e = 0; e < 3 * all_; ++e) {
-      const std::size_t c = listed(e);
-      const Index id = id_[vertex(c)];
-      first[id] = std::min(first[id], static_cast<Index>(c));
-      last[id] = std::max(last[id], static_cast<Index>(c));
-    }
   }
-  const auto smaller = [&](const Buffer<Index>& names, std::size_t edge) {
-    return std::min(names[welded(edge)], names[welded(next(edge))]);
-  };
-  // The greatest of the smaller names of a triangle's edges is the median of its names.
-  std::mutex mutex;
-  Index bound = 0;
-  in_pieces(good_, threads_, [&](std::size_t begin, std::size_t end) {
-    Index here = 0;
-    for (std::size_t t = begin; t < end; ++t) {
-      const Index a = first[welded(3 * t)], b = first[welded(3 * t + 1)], c = first[welded(3 * t + 2)];
-      here = std::max(here, std::max(std::min(a, b), std::min(std::max(a, b), c)));
-    }
-    const std::lock_guard lock(mutex);
-    bound = std::max(bound, here);
-  });
-  std::vector<Index> open;
-  const auto may_be_last = [&](Index id) { return last[id] >= bound; };
-  for (Index id = 0; id < ids; ++id)
-    if (may_be_last(id))
-      for (const Index at : corners_at(id))
-        if (may_be_last(welded(next(at)))) open.push_back(at);
-  std::vector<Index> wanted;
-  for (const Index e : open)
-    for (const Index id : {welded(e), welded(next(e))})
-      if (first[id] != last[id]) wanted.push_back(id);
-  if (name_.empty() && wanted.empty()) {
-    name_ = std::move(first);
-  } else if (name_.empty()) {
-    name(wanted);
-    for (const Index e : open)  // the others have one name only
-      for (const Index id : {welded(e), welded(next(e))})
-        if (first[id] == last[id]) name_[id] = first[id];
+  std::span<Entry> operator[](std::size_t cell) const {
+    return sorted_.subspan(first_[cell], first_[cell + 1] - first_[cell]);
   }
-  Index greatest = 0;
-  for (const Index e : open) greatest = std::max(greatest, smaller(name_, e));
-  std::vector<Index> run;
-  for (const Index e : open)
-    if (smaller(name_, e) == greatest) run.push_back(e);
-  const auto other = [&](Index edge) { return std::max(name_[welded(edge)], name_[welded(next(edge))]); };
-  // Two edges find each other in any order, and so does none.
-  std::vector<Index> others;
-  for (const Index e : run) others.push_back(other(e));
-  std::sort(others.begin(), others.end());
-  if (run.size() < 3 || std::adjacent_find(others.begin(), others.end()) == others.end()) return;
-  if (!mixed_zeros_) name({});
-  // The original's first sort, of which only what leads to the last run is followed.
-  struct NamedEdge {
-    Index name, edge;
-  };
-  const std::span<NamedEdge> edges = room_.as<NamedEdge>(edges_count);
-  in_pieces(edges_count, threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) edges[e] = {smaller(name_, e), static_cast<Index>(e)};
-  });
+
+ private:
+  static constexpr std::size_t block = 1 << 16;
+
+  const float* position(std::size_t entry) const {
+    return &mesh_.mesh_.positions[3 * std::size_t{mesh_.vertex(mesh_.listed(entry))}];
+  }
+  Box point(std::size_t entry) const {
+    const float* p = position(entry);
+    return Box(Floats{p[0], p[1], p[2], 0});
+  }
+  // f(block, begin, end). All passes have the same blocks, so that the entries of a cell stay in order.
+  template <class F>
+  void in_blocks(const F& f) const {
+    parallel_ranges(
+        blocks_, mesh_.threads_,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t b = begin; b < end; ++b) f(b, b * block, std::min(entries_, (b + 1) * block));
+        },
+        1);
+  }
+
+  Connectivity& mesh_;
+  std::size_t entries_, blocks_, axis_ = 0;
+  float low_ = 0, high_ = 0;
+  std::array<std::size_t, cell_count + 1> first_{};
+  std::span<Entry> sorted_;
+};
+
+struct KeyedEdge {
+  Index key, edge;  // its smaller representative; the corner where it begins
+};
+
+// The original's first sort, a quicksort with pivots from its own random numbers, of which only what leads to
+// the run of the greatest key is followed.
+void sort_as_the_original(std::span<KeyedEdge> edges, Index greatest) {
   struct Part {
     std::ptrdiff_t first, last;
     std::uint32_t seed;
@@ -279,31 +209,152 @@ void Connectivity::find_last_neighbours() {
     parts.pop_back();
     if (end - begin < 1) continue;
     if (end - begin == 1) {
-      if (edges[begin].name > edges[end].name) std::swap(edges[begin], edges[end]);
+      if (edges[begin].key > edges[end].key) std::swap(edges[begin], edges[end]);
       continue;
     }
     seed += std::rotl(seed, static_cast<int>(seed & 31U)) + 3;
     const Index pivot =
-        edges[begin + static_cast<std::ptrdiff_t>(seed % static_cast<std::uint32_t>(end - begin + 1))].name;
+        edges[begin + static_cast<std::ptrdiff_t>(seed % static_cast<std::uint32_t>(end - begin + 1))].key;
     std::ptrdiff_t left = begin, right = end;
     do {
-      while (edges[left].name < pivot) ++left;
-      while (edges[right].name > pivot) --right;
+      while (edges[left].key < pivot) ++left;
+      while (edges[right].key > pivot) --right;
       if (left <= right) std::swap(edges[left++], edges[right--]);
     } while (left <= right);
     if (pivot == greatest && begin < right) parts.push_back({begin, right, seed});
     if (left < end) parts.push_back({left, end, seed});
   }
+}
+
+}  // namespace
+
+// The representatives of the ids wanted, or of all: the first corner of each in the original's order.
+void Connectivity::find_representatives(std::span<const Index> wanted) {
+  if (representative_.empty()) representative_ = Buffer<Index>(ids_);
+  std::fill(representative_.data(), representative_.data() + representative_.size(), none);
+  if (all_ == 0) return;
+  Cells cells(*this);
+  std::vector<std::uint8_t> asked(cell_count, wanted.empty() ? 1 : 0);
+  for (const Index id : wanted)
+    asked[cells.at(mesh_.positions[3 * std::size_t{stands_for_[id]} + cells.axis()])] = 1;
+  cells.sort(asked);
+  parallel_ranges(
+      cell_count, threads_,
+      [&](std::size_t begin, std::size_t end) {
+        Halving halve;
+        for (std::size_t cell = begin; cell < end; ++cell) {
+          const std::span<Entry> entries = cells[cell];
+          if (entries.empty()) continue;
+          halve(entries, [&](Index leaf, Index leaf_end) {
+            for (Index i = leaf; i < leaf_end; ++i)
+              if (Index& first = representative_[id_[vertex(entries[i].corner)]]; first == none)
+                first = entries[i].corner;
+          });
+        }
+      },
+      16);
+}
+
+// Zeros of either sign are equal, so that the representative decides which signs a vertex has.
+void Connectivity::take_values_of_representatives() {
+  if (!mixed_zeros_) return;
+  find_representatives({});
+  for (std::size_t id = 0; id < representative_.size(); ++id)
+    if (representative_[id] != none) stands_for_[id] = vertex(representative_[id]);
+}
+
+// The first and the last corner of each id, between which its representative lies.
+void Connectivity::bound_representatives(Buffer<Index>& first, Buffer<Index>& last) const {
+  if (corner_.empty()) {
+    parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t id = begin; id < end; ++id) {
+        const std::span<const Index> corners = corners_at(static_cast<Index>(id));
+        first[id] = corners.empty() ? none : corners.front();
+        last[id] = corners.empty() ? 0 : corners.back();
+      }
+    });
+    return;
+  }
+  std::fill(first.data(), first.data() + ids_, none);
+  std::fill(last.data(), last.data() + ids_, 0);
+  for (std::size_t e = 0; e < 3 * all_; ++e) {
+    const std::size_t c = listed(e);
+    const Index id = id_[vertex(c)];
+    first[id] = std::min(first[id], static_cast<Index>(c));
+    last[id] = std::max(last[id], static_cast<Index>(c));
+  }
+}
+
+// The edges that may be in the last run, and their representatives where bounds do not tell them.
+std::vector<Index> Connectivity::candidates_for_the_last_run() {
+  Buffer<Index> first(ids_), last(ids_);
+  bound_representatives(first, last);
+  // The greatest of the smaller representatives of a triangle's edges is the median of its three.
+  std::mutex mutex;
+  Index bound = 0;
+  parallel_ranges(good_, threads_, [&](std::size_t begin, std::size_t end) {
+    Index here = 0;
+    for (std::size_t t = begin; t < end; ++t) {
+      const Index a = first[welded(3 * t)], b = first[welded(3 * t + 1)], c = first[welded(3 * t + 2)];
+      here = std::max(here, std::max(std::min(a, b), std::min(std::max(a, b), c)));
+    }
+    const std::lock_guard lock(mutex);
+    bound = std::max(bound, here);
+  });
+  std::vector<Index> candidates;
+  const auto may_be_last = [&](Index id) { return last[id] >= bound; };
+  for (Index id = 0; id < ids_; ++id)
+    if (may_be_last(id))
+      for (const Index at : corners_at(id))
+        if (may_be_last(welded(next(at)))) candidates.push_back(at);
+  std::vector<Index> wanted;
+  for (const Index e : candidates)
+    for (const Index id : {welded(e), welded(next(e))})
+      if (first[id] != last[id]) wanted.push_back(id);
+  if (representative_.empty() && wanted.empty()) {
+    representative_ = std::move(first);
+  } else if (representative_.empty()) {
+    find_representatives(wanted);
+    for (const Index e : candidates)  // the others have one corner only
+      for (const Index id : {welded(e), welded(next(e))})
+        if (first[id] == last[id]) representative_[id] = first[id];
+  }
+  return candidates;
+}
+
+void Connectivity::find_last_neighbours() {
+  const std::vector<Index> candidates = candidates_for_the_last_run();
+  const auto smaller = [&](std::size_t edge) {
+    return std::min(representative_[welded(edge)], representative_[welded(next(edge))]);
+  };
+  const auto greater = [&](Index edge) {
+    return std::max(representative_[welded(edge)], representative_[welded(next(edge))]);
+  };
+  Index greatest = 0;
+  for (const Index e : candidates) greatest = std::max(greatest, smaller(e));
+  std::vector<Index> run, others;
+  for (const Index e : candidates)
+    if (smaller(e) == greatest) run.push_back(e), others.push_back(greater(e));
+  // The order matters only among three edges or more of which two are equal.
+  std::sort(others.begin(), others.end());
+  if (run.size() < 3 || std::adjacent_find(others.begin(), others.end()) == others.end()) return;
+
+  if (!mixed_zeros_) find_representatives({});
+  const std::span<KeyedEdge> edges = scratch_.as<KeyedEdge>(3 * good_);
+  parallel_ranges(edges.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) edges[e] = {smaller(e), static_cast<Index>(e)};
+  });
+  sort_as_the_original(edges, greatest);
   for (std::size_t i = 0; i < run.size(); ++i) run[i] = edges[edges.size() - run.size() + i].edge;
   for (const Index e : run) neighbour_[e] = none;
   std::vector<Edge> equal;
   for (std::size_t i = 0, j; i < run.size(); i = j) {
-    for (j = i; j < run.size() && other(run[j]) == other(run[i]);) ++j;
+    for (j = i; j < run.size() && greater(run[j]) == greater(run[i]);) ++j;
     if (j < run.size())
       std::sort(run.begin() + static_cast<std::ptrdiff_t>(i), run.begin() + static_cast<std::ptrdiff_t>(j));
     equal.clear();
     for (std::size_t k = i; k < j; ++k)
-      equal.push_back({other(run[k]), run[k], welded(run[k]) < welded(next(run[k]))});
+      equal.push_back({greater(run[k]), run[k], welded(run[k]) < welded(next(run[k]))});
     pair_up(equal);
   }
 }

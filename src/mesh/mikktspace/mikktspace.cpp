@@ -7,6 +7,7 @@
 #include <darboux/error.h>
 #include <darboux/mikktspace.h>
 
+#include "base/text.h"
 #include "connectivity.h"
 
 namespace darboux {
@@ -182,7 +183,7 @@ void Tangents::serve(Index id, Scratch& x, const Put& put) const {
 
 template <class Put, class Copy>
 void Tangents::of_corners(const Put& put, const Copy& copy) const {
-  in_pieces(ids_, threads_, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
     Scratch scratch;
     for (std::size_t id = begin; id < end; ++id)
       if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, put);
@@ -253,9 +254,9 @@ std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& opt
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options) {
   const mikk::Range range = mikk::check(mesh, options);
   if (tangent4.size() != 4 * mesh.corner_count())
-    throw ParameterError("tangent4", std::to_string(tangent4.size()) +
-                                         " numbers, permitted are four for each of the " +
-                                         std::to_string(mesh.corner_count()) + " corners");
+    throw ParameterError("tangent4", expected_got("four numbers for each of the " +
+                                                      std::to_string(mesh.corner_count()) + " corners",
+                                                  std::to_string(tangent4.size()) + " numbers"));
   const auto put = [&](std::size_t corner, const MikkTangent& x) {
     float* to = &tangent4[4 * corner];
     to[0] = x.t[0], to[1] = x.t[1], to[2] = x.t[2], to[3] = x.sign;

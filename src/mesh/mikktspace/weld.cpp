@@ -71,12 +71,12 @@ class Numbers {
 bool Connectivity::weld_with(std::span<Index> table, std::size_t most_steps) {
   const Vertices vertices{mesh_};
   const std::size_t mask = table.size() - 1;
-  in_pieces(table.size(), threads_, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(table.size(), threads_, [&](std::size_t begin, std::size_t end) {
     std::fill(&table[begin], &table[begin] + (end - begin), none);
   });
   std::atomic<bool> full = false, mixed_zeros = false;
   std::atomic<Index> ids = 0;
-  in_pieces(id_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(id_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     constexpr std::size_t ahead = 32, vertex_ahead = 12;
     std::array<std::size_t, ahead> places{};
     Numbers numbers(ids);
@@ -128,8 +128,8 @@ bool Connectivity::weld_with(std::span<Index> table, std::size_t most_steps) {
 void Connectivity::weld() {
   const std::size_t n = mesh_.vertex_count(), enough = weld_places(n);
   id_ = Buffer<Index>(n);
-  stands_for_ = Buffer<Index>(n + Numbers::at_a_time * pieces_of(n, threads_));
-  const std::span<Index> table = room_.as<Index>(enough);
+  stands_for_ = Buffer<Index>(n + Numbers::at_a_time * range_count(n, threads_));
+  const std::span<Index> table = scratch_.as<Index>(enough);
   // Vertices of a triangle soup are mostly sixfold: a table that is half full then, and soon in the caches.
   if (mesh_.corners.empty() && n > 4096 && weld_with(table.first(std::bit_ceil(n / 3)), 64)) return;
   weld_with(table, enough);

@@ -12,8 +12,8 @@
 namespace darboux {
 namespace {
 
-void require(bool holds, const char* option, double value, const char* permitted) {
-  if (!holds) throw ParameterError(option, shortest(value) + " is out of range, permitted is " + permitted);
+void require(bool holds, const char* option, double value, const char* range) {
+  if (!holds) throw ParameterError(option, expected_got(range, shortest(value)));
 }
 
 const char* name_of(MeshTopology topology) {
@@ -40,75 +40,71 @@ std::string grid_text(const SampleMeshOptions& o) {
 // The topology, for this surface and with the options that belong to others.
 void check_topology(const AnySurface& surface, const SampleMeshOptions& o) {
   const SurfaceInfo& info = surface.info();
-  const auto permit = [&](bool holds, const std::string& wrong, const char* permitted) {
+  const auto expect = [&](bool holds, const char* expected, const std::string& got) {
     if (!holds)
-      throw ParameterError(std::string("topology ") + name_of(o.topology),
-                           wrong + ", permitted " + permitted);
+      throw ParameterError(std::string("topology ") + name_of(o.topology), expected_got(expected, got));
   };
   const std::string name(info.name);
   if (is_sphere(o)) {
-    permit(info.u == Coordinate::turn && info.v == Coordinate::half_turn && is_pole(surface, 0) &&
+    expect(info.u == Coordinate::turn && info.v == Coordinate::half_turn && is_pole(surface, 0) &&
                is_pole(surface, 1),
-           name + " does not run from pole to pole like a sphere",
-           "are surfaces whose u is a turn and v a half turn, such as sphere, ellipsoid, superellipsoid");
-    permit(!o.shared_seam, "has no shared seam", "is seam split");
-    permit(o.v_first == 0 && o.v_last == 1, "covers the whole surface", "is v from 0 to 1");
+           "a surface from pole to pole, whose u is a turn and v a half turn, such as sphere, ellipsoid, "
+           "superellipsoid",
+           name);
+    expect(!o.shared_seam, "seam split", "a shared seam");
+    expect(o.v_first == 0 && o.v_last == 1, "the whole surface, v from 0 to 1", "a part of it");
     require(o.subdivisions >= 1 && o.subdivisions <= 2000, "subdivisions", o.subdivisions,
             "1 <= subdivisions <= 2000");
     if (o.topology == MeshTopology::cube_sphere && o.subdivisions % 2 != 0)
       throw ParameterError("subdivisions",
-                           std::to_string(o.subdivisions) +
-                               " of a cube-sphere puts the poles inside triangles, permitted is "
-                               "an even number");
+                           expected_got("an even number, so that the poles of a cube-sphere are vertices",
+                                        std::to_string(o.subdivisions)));
   }
   if (o.topology == MeshTopology::lantern) {
-    permit(info.u == Coordinate::turn && info.v == Coordinate::linear && !is_pole(surface, o.v_first) &&
+    expect(info.u == Coordinate::turn && info.v == Coordinate::linear && !is_pole(surface, o.v_first) &&
                !is_pole(surface, o.v_last),
-           name + " is no tube",
-           "are surfaces whose u is a turn and v linear, without a pole, such as cylinder");
+           "a surface whose u is a turn and v linear, without a pole, such as cylinder", name);
     require(o.columns >= 3, "grid", o.columns, "at least 3 columns of a lantern");
   }
   if (o.topology != MeshTopology::grid) {
-    permit(o.pole == PolePlacement::per_column, "has no choice of pole", "is a grid for that");
-    permit(o.jitter == 0, "has no jitter", "is a grid for that");
-    permit(!o.random_diagonals, "has no random diagonals", "is a grid for that");
-    permit(!o.mirror, "has no mirrored half", "is a grid for that");
+    expect(o.pole == PolePlacement::per_column, "a grid for a choice of pole", name_of(o.topology));
+    expect(o.jitter == 0, "a grid for jitter", name_of(o.topology));
+    expect(!o.random_diagonals, "a grid for random diagonals", name_of(o.topology));
+    expect(!o.mirror, "a grid for a mirrored half", name_of(o.topology));
   } else if (o.pole != PolePlacement::per_column && !is_pole(surface, o.v_first) &&
              !is_pole(surface, o.v_last)) {
-    throw ParameterError("pole", "neither end of v is one point on " + name +
-                                     ", permitted are surfaces with a pole, such as sphere");
+    throw ParameterError("pole", expected_got("a surface with a pole, such as sphere",
+                                              name + ", which has none at either end of v"));
   }
 }
 
 void check(const AnySurface& surface, const SampleMeshOptions& o) {
   if (o.columns < 1 || o.rows < 1 || static_cast<double>(o.columns) * o.rows > 5e7)
-    throw ParameterError("grid", grid_text(o) +
-                                     " is out of range, permitted is at least 1 segment each way and at "
-                                     "most 5e7 cells (a GLB holds 4 GiB)");
+    throw ParameterError(
+        "grid",
+        expected_got("at least 1 segment each way and at most 5e7 cells (a GLB holds 4 GiB)", grid_text(o)));
   require(o.jitter >= 0 && o.jitter < 0.5, "jitter", o.jitter, "0 <= jitter < 0.5");
   require(std::fabs(o.shear) <= 1000, "shear", o.shear, "-1000 <= shear <= 1000");
   require(o.v_first >= 0 && o.v_first < o.v_last && o.v_last <= 1, "v range", o.v_first,
           "0 <= first < last <= 1");
   if (o.mirror && o.columns % 2 != 0)
-    throw ParameterError("mirror", std::to_string(o.columns) + " columns, permitted is an even number");
+    throw ParameterError("mirror", expected_got("an even number of columns", std::to_string(o.columns)));
   if (o.shared_seam && o.columns < 3)
     throw ParameterError("seam",
-                         "shared with " + std::to_string(o.columns) + " columns, permitted are at least 3");
+                         expected_got("at least 3 columns for a shared seam", std::to_string(o.columns)));
   if (o.shared_seam && surface.info().v == Coordinate::turn && o.rows < 3)
-    throw ParameterError("seam", "shared with " + std::to_string(o.rows) + " rows, permitted are at least 3");
+    throw ParameterError("seam", expected_got("at least 3 rows for a shared seam", std::to_string(o.rows)));
   const std::array sizes{std::fabs(o.scale.x), std::fabs(o.scale.y), std::fabs(o.scale.z)};
   for (const double s : sizes) require(s >= 1e-30 && s <= 1e30, "scale", s, "1e-30 <= |s| <= 1e30 for each");
   const auto [least, most] = std::minmax_element(sizes.begin(), sizes.end());
   if (*most > 1e12 * *least)
-    throw ParameterError("scale",
-                         shortest(*most) + " beside " + shortest(*least) +
-                             " is out of range, permitted is at most 1e12 times the least of the three");
+    throw ParameterError("scale", expected_got("a largest factor of at most 1e12 times the smallest",
+                                               shortest(*most) + " beside " + shortest(*least)));
   require(o.degenerate >= 0, "degenerate", o.degenerate, "0 or more triangles");
   require(o.degenerate_uvs >= 0, "degenerate-uvs", o.degenerate_uvs, "0 or more triangles");
   if (o.degenerate > 0 && (o.shared_seam || o.pole == PolePlacement::shared))
-    throw ParameterError("degenerate",
-                         "edges at a shared seam or pole have no middle in uv, permitted are a "
-                         "split seam and unshared poles");
+    throw ParameterError("degenerate", expected_got("a split seam and unshared poles",
+                                                    "a shared one, whose edges have no midpoint in uv"));
   check_topology(surface, o);
 }
 
@@ -145,8 +141,9 @@ Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
   const VertexMaker make(surface, o);
   ChartMesh chart = is_sphere(o) ? sphere_mesh(surface, o) : grid_mesh(surface, o);
   if (chart.triangles.empty())
-    throw ParameterError("grid", grid_text(o) + " gives no triangle with area on " +
-                                     std::string(surface.info().name) + ", permitted are finer ones");
+    throw ParameterError(
+        "grid", expected_got("one fine enough for triangles with area on " + std::string(surface.info().name),
+                             grid_text(o)));
   if (o.degenerate > 0) round_uvs(chart);
   Mesh mesh;
   for (const ChartVertex& vertex : chart.vertices) make.append(mesh, vertex);
@@ -157,8 +154,8 @@ Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
   const std::size_t sound = mesh.triangles.size();
   const auto at_most = [&](int count, const char* option) {
     if (static_cast<std::size_t>(count) > sound)
-      throw ParameterError(option, std::to_string(count) + " of " + std::to_string(sound) +
-                                       " triangles, permitted are at most as many");
+      throw ParameterError(option, expected_got("at most " + std::to_string(sound) + ", one per triangle",
+                                                std::to_string(count)));
   };
   at_most(o.degenerate, "degenerate");
   at_most(o.degenerate_uvs, "degenerate-uvs");

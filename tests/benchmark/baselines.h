@@ -1,7 +1,7 @@
-/// \file ways.h
-/// The other ways of evaluating a surface at many points, which the library is compared with, and the limits
-/// of the machine. ways.cpp is compiled at -O2 for the baseline of the architecture, whatever the rest of the
-/// build asks for.
+/// \file baselines.h
+/// The other methods of evaluation at many points, with which the library is compared, and the limits
+/// of the machine. baselines.cpp is compiled at -O2 for the baseline of the architecture, whatever the rest
+/// of the build asks for.
 #pragma once
 
 #include <array>
@@ -21,15 +21,15 @@ constexpr std::size_t numbers_of(Wanted wanted) {
 }
 
 /// Where a loop writes: `arrays` arrays of `bytes` bytes each, `stride` bytes apart.
-struct Place {
+struct Destination {
   char* base;
   std::size_t arrays, bytes, stride;
 };
 
-/// The place of `points` points from `base` on: arrays of whole 64-byte lines, each 320 bytes further than
-/// without a gap, so that no two start a power of two apart.
+/// The destination of `points` points from `base` on: arrays of whole 64-byte lines, each 320 bytes further
+/// than without a gap, so that no two start a power of two apart.
 template <class T>
-Place place_of(Layout layout, Wanted wanted, char* base, std::size_t points) {
+Destination destination_of(Layout layout, Wanted wanted, char* base, std::size_t points) {
   const std::size_t numbers = numbers_of(wanted), arrays = layout == Layout::structs    ? 1
                                                            : layout == Layout::separate ? numbers
                                                                                         : (numbers + 2) / 3;
@@ -39,7 +39,7 @@ Place place_of(Layout layout, Wanted wanted, char* base, std::size_t points) {
 
 /// Where the k-th number of a point lies.
 template <class T>
-T* number_at(Layout layout, Wanted wanted, const Place& to, std::size_t k, std::size_t point) {
+T* number_at(Layout layout, Wanted wanted, const Destination& to, std::size_t k, std::size_t point) {
   const std::size_t numbers = numbers_of(wanted);
   const auto first = [&](std::size_t array) { return reinterpret_cast<T*>(to.base + array * to.stride); };
   switch (layout) {
@@ -71,12 +71,12 @@ extern const bool with_occt;
 /// Evaluates at n points. Only naive knows other layouts and fewer numbers than 18 separate arrays.
 template <class T>
 void evaluate_by(Method method, ByHand surface, Layout layout, Wanted wanted, const T* u, const T* v,
-                 std::size_t n, const Place& to);
+                 std::size_t n, const Destination& to);
 
 /// The loops that go through a surface type of the catalogue, 18 separate arrays.
 template <class T>
 struct CatalogueLoops {
-  using Loop = void (*)(const T* u, const T* v, std::size_t n, const Place& to);
+  using Loop = void (*)(const T* u, const T* v, std::size_t n, const Destination& to);
   std::string_view surface;
   bool in_lanes;                    ///< whether the library's batches go over SIMD lanes
   Loop naive;                       ///< the type's own formula at std::sin and std::cos, the frame by Eigen
@@ -90,8 +90,8 @@ const std::vector<CatalogueLoops<T>>& catalogue_loops();
 /// A way to fill memory with registers of one width.
 struct Writer {
   std::string_view name;
-  void (*past_caches)(const Place& to);  ///< non-temporal stores, a whole line an array in turn
-  void (*cached)(const Place& to);       ///< the same with plain stores
+  void (*past_caches)(const Destination& to);  ///< non-temporal stores, a whole line an array in turn
+  void (*cached)(const Destination& to);       ///< the same with plain stores
 };
 /// Those this machine can run.
 std::vector<Writer> writers();

@@ -1,4 +1,4 @@
-#include "ways.h"
+#include "baselines.h"
 
 #include <cmath>
 #include <limits>
@@ -37,7 +37,7 @@ Numbers<T> with_frame(const Vector<T>& position, const Vector<T>& dpdu, const Ve
 
 // f(u, v) at all points. What is not wanted is not computed: the compiler sees that nobody reads it.
 template <Layout layout, Wanted wanted, class T, class F>
-void loop(const F& f, const T* u, const T* v, std::size_t n, const Place& to) {
+void loop(const F& f, const T* u, const T* v, std::size_t n, const Destination& to) {
   constexpr std::size_t numbers = numbers_of(wanted);
   constexpr std::size_t step = layout == Layout::separate ? 1 : layout == Layout::vectors ? 3 : numbers;
   std::array<T*, numbers> out;
@@ -209,7 +209,7 @@ Numbers<double> by_occt(const Handle(Geom_Surface) & surface, bool second, doubl
 
 template <class Surface, class T>
 void by_hand(Method method, Layout layout, Wanted wanted, const T* u, const T* v, std::size_t n,
-             const Place& to) {
+             const Destination& to) {
   constexpr Layout separate = Layout::separate, vectors = Layout::vectors, structs = Layout::structs;
   constexpr Wanted all = Wanted::all;
   const auto naive = [](T x, T y) { return Surface::naive(x, y); };
@@ -282,7 +282,7 @@ Vector<T> eigen(const Vec3<T>& a) {
 }
 
 template <class X, class T>
-void naive_through(const T* u, const T* v, std::size_t n, const Place& to) {
+void naive_through(const T* u, const T* v, std::size_t n, const Destination& to) {
   const auto& surface = instance<X, T>();
   loop<Layout::separate, Wanted::all>(
       [&surface](T x, T y) {
@@ -293,7 +293,7 @@ void naive_through(const T* u, const T* v, std::size_t n, const Place& to) {
 }
 
 template <class X, class T>
-void dual_through(const T* u, const T* v, std::size_t n, const Place& to) {
+void dual_through(const T* u, const T* v, std::size_t n, const Destination& to) {
   const auto& surface = instance<X, T>();
   loop<Layout::separate, Wanted::all>(
       [&surface](T x, T y) {
@@ -304,7 +304,7 @@ void dual_through(const T* u, const T* v, std::size_t n, const Place& to) {
 }
 
 template <int order, class X, class T>
-void differences_through(const T* u, const T* v, std::size_t n, const Place& to) {
+void differences_through(const T* u, const T* v, std::size_t n, const Destination& to) {
   const auto& surface = instance<X, T>();
   const T h = step<T, order>();
   loop<Layout::separate, Wanted::all>(
@@ -324,7 +324,7 @@ void differences_through(const T* u, const T* v, std::size_t n, const Place& to)
 // Each line holds what was computed from its index.
 #if defined(__x86_64__)
 template <bool past_caches>
-void write_sse2(const Place& to) {
+void write_sse2(const Destination& to) {
   for (std::size_t at = 0; at < to.bytes; at += 64) {
     const __m128i x = _mm_set1_epi64x(static_cast<long long>(at));
     for (std::size_t k = 0; k < to.arrays; ++k) {
@@ -339,7 +339,7 @@ void write_sse2(const Place& to) {
   if constexpr (past_caches) _mm_sfence();
 }
 template <bool past_caches>
-__attribute__((target("avx2"))) void write_avx2(const Place& to) {
+__attribute__((target("avx2"))) void write_avx2(const Destination& to) {
   for (std::size_t at = 0; at < to.bytes; at += 64) {
     const __m256i x = _mm256_set1_epi64x(static_cast<long long>(at));
     for (std::size_t k = 0; k < to.arrays; ++k) {
@@ -354,7 +354,7 @@ __attribute__((target("avx2"))) void write_avx2(const Place& to) {
   if constexpr (past_caches) _mm_sfence();
 }
 template <bool past_caches>
-__attribute__((target("avx512f"))) void write_avx512(const Place& to) {
+__attribute__((target("avx512f"))) void write_avx512(const Destination& to) {
   for (std::size_t at = 0; at < to.bytes; at += 64) {
     const __m512i x = _mm512_set1_epi64(static_cast<long long>(at));
     for (std::size_t k = 0; k < to.arrays; ++k) {
@@ -368,7 +368,7 @@ __attribute__((target("avx512f"))) void write_avx512(const Place& to) {
   if constexpr (past_caches) _mm_sfence();
 }
 #else
-void write_plain(const Place& to) {
+void write_plain(const Destination& to) {
   for (std::size_t at = 0; at < to.bytes; at += 64)
     for (std::size_t k = 0; k < to.arrays; ++k) {
       auto* line = reinterpret_cast<std::size_t*>(to.base + k * to.stride + at);
@@ -387,16 +387,16 @@ const bool with_occt = false;
 
 template <class T>
 void evaluate_by(Method method, ByHand surface, Layout layout, Wanted wanted, const T* u, const T* v,
-                 std::size_t n, const Place& to) {
+                 std::size_t n, const Destination& to) {
   if (surface == ByHand::torus)
     by_hand<TorusByHand<T>>(method, layout, wanted, u, v, n, to);
   else
     by_hand<SphereByHand<T>>(method, layout, wanted, u, v, n, to);
 }
 template void evaluate_by(Method, ByHand, Layout, Wanted, const double*, const double*, std::size_t,
-                          const Place&);
+                          const Destination&);
 template void evaluate_by(Method, ByHand, Layout, Wanted, const float*, const float*, std::size_t,
-                          const Place&);
+                          const Destination&);
 
 template <class T>
 const std::vector<CatalogueLoops<T>>& catalogue_loops() {

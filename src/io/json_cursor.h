@@ -1,6 +1,6 @@
 /// \file place.h
-/// Reading a JSON document with messages that name the place, such as "accessors[3].count is -1, permitted
-/// ...".
+/// A value within a JSON document that knows its name there, so that messages say where they are:
+/// "accessors[3].count: expected an integer not below 1, got -1".
 #pragma once
 
 #include <cmath>
@@ -13,6 +13,7 @@
 
 #include <darboux/error.h>
 
+#include "base/text.h"
 #include "files.h"
 
 namespace darboux::io {
@@ -22,15 +23,22 @@ using Json = nlohmann::ordered_json;
 
 /// A value of a document that knows its name there. Every reader throws FileError when the value is not what
 /// is asked for. It refers to the document and must not outlive it.
-class Place {
+class JsonCursor {
  public:
-  Place(const std::string& file, const Json& json, std::string name)
+  JsonCursor(const std::string& file, const Json& json, std::string name)
       : file_(&file), json_(&json), name_(std::move(name)) {}
 
   const Json& json() const { return *json_; }
   const std::string& name() const { return name_; }
 
-  [[noreturn]] void fail(const std::string& message) const { throw FileError(*file_, name_ + " " + message); }
+  /// \throws FileError "FILE: NAME: WHY"
+  [[noreturn]] void refuse(const std::string& why) const { throw FileError(*file_, name_ + ": " + why); }
+  /// \throws FileError "FILE: NAME: expected EXPECTED, got GOT"
+  [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
+    refuse(expected_got(expected, got));
+  }
+  /// The same, where the value itself is what was got.
+  [[noreturn]] void fail(const std::string& expected) const { fail(expected, shown()); }
 
   /// The value itself for a message: numbers in full, texts quoted, else its type.
   std::string shown() const {
@@ -39,25 +47,25 @@ class Place {
   }
 
   bool has(const char* key) const {
-    if (!json_->is_object()) fail("is " + shown() + ", permitted is an object");
+    if (!json_->is_object()) fail("an object");
     return json_->contains(key);
   }
-  Place at(const char* key) const {
-    if (!has(key)) fail(std::string("has no ") + key + ", permitted is one with it");
+  JsonCursor at(const char* key) const {
+    if (!has(key)) fail(std::string("an object with ") + key, "one without");
     return {*file_, *json_->find(key), name_ == "the document" ? key : name_ + "." + key};
   }
 
   /// The object of an extension, nothing where the value does not have it.
-  std::optional<Place> extension(const char* key) const {
+  std::optional<JsonCursor> extension(const char* key) const {
     if (!has("extensions") || !at("extensions").has(key)) return std::nullopt;
     return at("extensions").at(key);
   }
 
   std::size_t size() const {
-    if (!json_->is_array()) fail("is " + shown() + ", permitted is an array");
+    if (!json_->is_array()) fail("an array");
     return json_->size();
   }
-  Place at(std::size_t index) const {
+  JsonCursor at(std::size_t index) const {
     return {*file_, (*json_)[index], name_ + "[" + std::to_string(index) + "]"};
   }
 
@@ -65,10 +73,9 @@ class Place {
                         std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const {
     const std::optional<std::uint64_t> value = whole();
     if (!value || *value < least || *value > most)
-      fail("is " + shown() + ", expected an integer " +
-           (most == std::numeric_limits<std::uint64_t>::max()
-                ? "not below " + std::to_string(least)
-                : "from " + std::to_string(least) + " to " + std::to_string(most)));
+      fail("an integer " + (most == std::numeric_limits<std::uint64_t>::max()
+                                ? "not below " + std::to_string(least)
+                                : "from " + std::to_string(least) + " to " + std::to_string(most)));
     return *value;
   }
   /// The integer under a key that may be missing.
@@ -76,15 +83,15 @@ class Place {
     return has(key) ? at(key).integer() : fallback;
   }
   double number() const {
-    if (!json_->is_number()) fail("is " + shown() + ", permitted is a number");
+    if (!json_->is_number()) fail("a number");
     return json_->get<double>();
   }
   bool boolean() const {
-    if (!json_->is_boolean()) fail("is " + shown() + ", permitted is true or false");
+    if (!json_->is_boolean()) fail("true or false");
     return json_->get<bool>();
   }
   const std::string& text() const {
-    if (!json_->is_string()) fail("is " + shown() + ", permitted is a text");
+    if (!json_->is_string()) fail("a text");
     return json_->get_ref<const std::string&>();
   }
 

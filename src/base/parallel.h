@@ -1,0 +1,43 @@
+/// \file parallel.h
+/// Loops on several threads.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
+namespace darboux {
+
+/// Threads for an option in which 0 stands for all.
+inline std::size_t thread_count(int threads) {
+  return static_cast<std::size_t>(threads == 0 ? tbb::info::default_concurrency() : threads);
+}
+
+/// How many ranges parallel_ranges() cuts [0, n) into: of `least` each at least.
+constexpr std::size_t range_count(std::size_t n, std::size_t threads, std::size_t least = 1 << 15) {
+  return threads <= 1 ? 1 : std::min(n / least + 1, 16 * threads);
+}
+
+/// f(begin, end) over ranges that cover [0, n), on so many threads: each takes the next range when it has
+/// finished one.
+template <class F>
+void parallel_ranges(std::size_t n, std::size_t threads, const F& f, std::size_t least = 1 << 15) {
+  const std::size_t ranges = range_count(n, threads, least);
+  if (ranges == 1) return f(std::size_t{0}, n);
+  std::atomic<std::size_t> taken = 0;
+  tbb::task_group_context context(tbb::task_group_context::isolated);
+  tbb::parallel_for(
+      std::size_t{0}, std::min(threads, ranges),
+      [&](std::size_t) {
+        for (std::size_t k; (k = taken++) < ranges;) f(n * k / ranges, n * (k + 1) / ranges);
+      },
+      tbb::simple_partitioner{}, context);
+}
+
+}  // namespace darboux
