@@ -21,37 +21,74 @@ bool is_mesh_file(const fs::path& path) {
   return std::find(known.begin(), known.end(), extension) != known.end();
 }
 
-// The mesh files in a folder and in its folders; of a folder that cannot be listed the error.
-void list_folder(const fs::path& folder, const fs::path& root, const std::vector<std::string>& exclude,
-                 std::vector<JudgedFile>& found) {
-  const auto is_excluded = [&](const fs::path& path) {
-    const std::string relative = path.lexically_relative(root).generic_string();
-    return std::any_of(exclude.begin(), exclude.end(), [&](const std::string& glob) {
-      return fnmatch(glob.c_str(), relative.c_str(), 0) == 0;
-    });
+// The patterns of --exclude.
+class Excluded {
+ public:
+  explicit Excluded(const std::vector<std::string>& globs) {
+    for (const std::string& given : globs) {
+      std::string glob = given;
+      while (glob.starts_with("./")) glob.erase(0, glob.find_first_not_of('/', 1));
+      while (glob.size() > 1 && glob.ends_with('/')) glob.pop_back();
+      patterns_.push_back({given, glob});
+    }
+  }
+  // Whether a file or folder is left out; notes which patterns say so.
+  bool operator()(const fs::path& relative) {
+    bool any = false;
+    const std::string text = relative.generic_string();
+    for (Pattern& p : patterns_)
+      if (fnmatch(p.glob.c_str(), text.c_str(), 0) == 0) any = p.used = true;
+    return any;
+  }
+  std::vector<std::string> unused() const {
+    std::vector<std::string> result;
+    for (const Pattern& p : patterns_)
+      if (!p.used) result.push_back(p.given);
+    return result;
+  }
+
+ private:
+  struct Pattern {
+    std::string given, glob;
+    bool used = false;
   };
+  std::vector<Pattern> patterns_;
+};
+
+// The mesh files in a folder and in its folders; of a folder that cannot be listed the error. Returns whether
+// something was left out.
+bool list_folder(const fs::path& folder, const fs::path& root, Excluded& excluded,
+                 std::vector<JudgedFile>& found) {
+  bool left_out = false;
   std::error_code error;
   for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
     std::error_code unknown;
-    if (i->is_directory(unknown) && !i->is_symlink(unknown))
-      list_folder(i->path(), root, exclude, found);
-    else if (is_mesh_file(i->path()) && i->is_regular_file(unknown) && !is_excluded(i->path()))
+    const bool is_folder = i->is_directory(unknown) && !i->is_symlink(unknown);
+    if (!is_folder && !(is_mesh_file(i->path()) && i->is_regular_file(unknown))) continue;
+    if (excluded(i->path().lexically_relative(root)))
+      left_out = true;
+    else if (is_folder)
+      left_out |= list_folder(i->path(), root, excluded, found);
+    else
       found.push_back({.path = i->path().string()});
   }
   if (error)
     found.push_back({.path = folder.string(),
                      .error = folder.string() + ": cannot be listed (" + error.message() +
                               "), permitted are folders that can be read"});
+  return left_out;
 }
 
-void list_folder(const std::string& folder, const std::vector<std::string>& exclude,
-                 std::vector<JudgedFile>& files) {
+void list_folder(const std::string& folder, Excluded& excluded, std::vector<JudgedFile>& files) {
   std::vector<JudgedFile> found;
-  list_folder(fs::path(folder), fs::path(folder), exclude, found);
+  const bool left_out = list_folder(fs::path(folder), fs::path(folder), excluded, found);
+  const std::string extensions = joined({asset_extensions().begin(), asset_extensions().end()});
   if (found.empty())
-    found.push_back({.path = folder,
-                     .error = folder + ": holds no mesh file, permitted are folders with " +
-                              joined({asset_extensions().begin(), asset_extensions().end()})});
+    found.push_back(
+        {.path = folder,
+         .error = folder +
+                  (left_out ? ": expected mesh files that --exclude leaves, got none (of " + extensions + ")"
+                            : ": holds no mesh file, permitted are folders with " + extensions)});
   std::sort(found.begin(), found.end(),
             [](const JudgedFile& a, const JudgedFile& b) { return a.path < b.path; });
   files.insert(files.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
@@ -111,15 +148,17 @@ bool JudgedPrimitive::less_determined() const {
 }
 
 std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
-                                 const std::vector<std::string>& exclude) {
+                                 const std::vector<std::string>& exclude, std::vector<std::string>& unused) {
+  Excluded excluded(exclude);
   std::vector<JudgedFile> files;
   for (const std::string& argument : arguments) {
     std::error_code error;
     if (fs::is_directory(argument, error))
-      list_folder(argument, exclude, files);
+      list_folder(argument, excluded, files);
     else
       files.push_back({.path = argument});
   }
+  unused = excluded.unused();
   return files;
 }
 

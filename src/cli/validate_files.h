@@ -43,9 +43,10 @@ struct JudgedFile {
 
 /// The files that arguments name, a folder standing for all mesh files in it and in its folders, in the order
 /// of their names. What cannot be listed has an error. \param exclude patterns as of fnmatch(3), of paths
-/// relative to the folder; * crosses folders
+/// relative to the folder; * crosses folders, and what matches a folder matches all that is in it
+/// \param unused becomes those patterns that matched nothing
 std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
-                                 const std::vector<std::string>& exclude);
+                                 const std::vector<std::string>& exclude, std::vector<std::string>& unused);
 
 /// How findings count, whatever the library says.
 struct Policy {
