@@ -220,14 +220,15 @@ std::string files_text(std::size_t count) {
 }
 
 // Files that fail, are undetermined or cannot be read, a line each.
-void print_bad(const std::vector<JudgedFile>& files) {
+void print_bad(const std::vector<JudgedFile>& files, bool with_baseline) {
   const auto print = [&](const char* title, auto&& is_wanted, auto&& text) {
     bool first = true;
     for (const JudgedFile& file : files) {
       if (!is_wanted(file)) continue;
       if (first) std::cout << title << ":\n";
       first = false;
-      std::cout << "  " << one_line(file.path) << ": " << text(file) << '\n';
+      std::cout << "  " << one_line(file.path) << ": " << text(file)
+                << (with_baseline && !file.worse ? " (no worse than in the baseline)" : "") << '\n';
     }
   };
   const auto first_code = [](const JudgedFile& file) {
@@ -279,7 +280,7 @@ void print_rest(const std::vector<JudgedFile>& files) {
 
 // The end of a report of several files, that reads alone: what was found and what to do, which files failed
 // or cannot be read, of the others how many.
-void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable) {
+void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable, bool with_baseline) {
   std::array<std::size_t, verdict_names.size()> verdicts{};
   for (const JudgedFile& file : files)
     if (file.error.empty()) ++verdicts[static_cast<std::size_t>(file.verdict)];
@@ -291,7 +292,7 @@ void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable)
     if (t.first->severity == Severity::error) std::cout << ". To do: " << t.first->to_do;
     std::cout << '\n';
   }
-  print_bad(files);
+  print_bad(files, with_baseline);
   print_rest(files);
   std::string text = counted(verdicts);
   if (unreadable > 0) text += (text.empty() ? "" : ", ") + std::to_string(unreadable) + " unreadable";
@@ -328,7 +329,7 @@ void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool
   if (!tables)
     std::cout << "--details shows a table and the notes of each of the " << assessments
               << " meshes and parts, and of files that are not listed here\n";
-  if (files.size() > 1) print_closing(files, unreadable);
+  if (files.size() > 1) print_closing(files, unreadable, with_baseline);
   std::map<std::string, std::size_t> ignored;
   for (const JudgedFile& file : files)
     for (const auto& [code, count] : file.ignored) ignored[code] += count;
