@@ -41,8 +41,8 @@ struct FileTangents {
 };
 
 /// Gives the primitives of a document TANGENT by a method of mesh_frames.h, from positions, normals and the
-/// uvs that Primitive::texcoord names, as stored (quantised data as the numbers they stand for; nothing is
-/// renormalised). Old tangents are replaced. Vertices are split where tangents differ (split_vertices.h);
+/// uvs that Primitive::texcoord names, after Primitive::texture_transform unless that maps them onto a line or
+/// a point (quantised data as the numbers they stand for; nothing is renormalised). Old tangents are replaced. Vertices are split where tangents differ (split_vertices.h);
 /// every other attribute, skins included, goes along bit for bit, and triangles keep their order. Every
 /// tangent in the file is finite and of unit length, w = ±1.
 ///

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <utility>
 
 #include <darboux/file_tangents.h>
+#include <darboux/placed_surface.h>
 #include <darboux/split_vertices.h>
 
 namespace darboux {
@@ -23,6 +25,17 @@ Mesh morphed(const Mesh& mesh, const MorphTarget& target) {
     for (auto& n : result.normals)
       if (const double length = norm(n); length > 0) n = n / length;
   return result;
+}
+
+// The uvs that the texture reads. A transform that maps them onto a line or a point leaves them no direction;
+// it is not applied.
+void transform_uvs(Mesh& mesh, const Primitive& p) {
+  if (!p.texture_transform) return;
+  const UvConvention transform{"", *p.texture_transform};
+  const auto& m = transform.affine;
+  const double area = m[0] * m[3] - m[1] * m[2];
+  if (area == 0 || !std::isfinite(area)) return;
+  for (Vec2<double>& uv : mesh.uvs) uv = transform.surface_uv(uv);
 }
 
 Vec3<float> to_float(const Vec3<double>& a) {
@@ -76,11 +89,13 @@ void store(GltfDocument& document, const Primitive& p, const CornerTangents& tan
 
 PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
                                 const FileTangentOptions& options) {
-  const Mesh& mesh = p.data;
   const FrameMethod& method = find_frame_method(options.method);
   const std::string name = document.path() + ": meshes[" + std::to_string(p.mesh) + "].primitives[" +
                            std::to_string(p.primitive) + "]";
-  check_finite(mesh, name);
+  check_finite(p.data, name);
+  Mesh mesh = p.data;
+  transform_uvs(mesh, p);
+  check_finite(mesh, name + " after KHR_texture_transform");
   const std::vector<MorphTarget> targets = document.morph_targets(p);
 
   const MeshFrames frames = mesh_frames(mesh, method, options.threads);
@@ -89,7 +104,8 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
   for (std::size_t c = 0; c < mesh.corners(); ++c)
     tangents.set_base(c, to_float(frames.corner(c).t), to_stored * static_cast<float>(frames.corner(c).sign));
   for (std::size_t k = 0; k < targets.size(); ++k) {
-    const Mesh moved = morphed(mesh, targets[k]);
+    Mesh moved = morphed(p.data, targets[k]);
+    transform_uvs(moved, p);
     check_finite(moved, name + " with targets[" + std::to_string(k) + "]");
     const MeshFrames moved_frames = mesh_frames(moved, method, options.threads);
     for (std::size_t c = 0; c < mesh.corners(); ++c)

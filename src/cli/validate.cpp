@@ -170,7 +170,10 @@ void run(const Arguments& arguments, Common& common) {
   if (!arguments.sarif.empty()) sarif_file.emplace(arguments.sarif);
   if (!arguments.junit.empty()) junit_file.emplace(arguments.junit);
 
-  std::vector<JudgedFile> files = files_of(arguments.files, arguments.exclude);
+  std::vector<std::string> unused;
+  std::vector<JudgedFile> files = files_of(arguments.files, arguments.exclude, unused);
+  for (const std::string& pattern : unused)
+    print_error("--exclude '" + pattern + "' matches no mesh file and no folder of those given");
   check_outputs(arguments, files);
   check_pictures(arguments.pictures, files.size());
   options.keep_errors = arguments.pictures.any();
@@ -190,7 +193,7 @@ void run(const Arguments& arguments, Common& common) {
     print_json(report_json(files, with_baseline));
   else
     print_people(files, with_baseline, arguments.details);
-  if (arguments.github) print_github(files);
+  if (arguments.github) print_github(files, with_baseline);
   if (sarif_file) {
     sarif_file->write(sarif(files, with_baseline).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
     sarif_file->commit();
@@ -267,12 +270,13 @@ void add_validate(CLI::App& app, Common& common) {
                  "codes of findings to drop, with commas between; their counts are printed")
       ->delimiter(',');
   sub.add_flag("--strict", arguments->strict, "warnings are errors, undetermined is fail");
-  sub.add_option("--exclude", arguments->exclude,
-                 "files of the folders to leave out: a pattern of paths relative to the folder, like 'old/*' "
-                 "or '*.stl'");
+  sub.add_option(
+      "--exclude", arguments->exclude,
+      "what to leave out of the folders: a pattern of paths relative to the folder, like 'old', the "
+      "folder of that name, or '*.stl'");
   sub.add_option(
       "--budget", arguments->budget,
-      "seconds per mesh after which no further surface is looked for (the rest is always complete)");
+      "seconds per file after which no further surface is looked for (the rest is always complete)");
   sub.add_flag("--github", arguments->github, "also print annotations for GitHub's workflows");
   sub.add_option("--baseline", arguments->baseline,
                  "an earlier --json report: only what is worse than there makes the exit status 1 or 2");

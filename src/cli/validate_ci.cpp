@@ -10,8 +10,23 @@
 namespace darboux {
 namespace {
 
-constexpr const char* unreadable_code = "FILE_UNREADABLE";
-constexpr const char* unreadable_to_do = "see what the message permits, and export the file anew";
+// Of a file, not of a mesh: no findings of the library.
+constexpr FindingKind unreadable{"FILE_UNREADABLE", Severity::error, "the file cannot be read",
+                                 "see what the message permits, and export the file anew"};
+constexpr FindingKind lost{"FILE_NOTHING_TO_JUDGE", Severity::error,
+                           "the file passed in the baseline, and there is nothing to judge now",
+                           "see what became of its triangles, normals and tangents; or renew the baseline"};
+
+// "the message. To do: what to do"
+std::string with_to_do(const std::string& message, std::string_view to_do) {
+  return message + ". To do: " + std::string(to_do);
+}
+
+// "mesh 0 primitive 0: the message (12). To do: what to do"
+std::string sentence(const Primitive& primitive, const Assessment& assessment, const Finding& f) {
+  return with_to_do(place_of(primitive, assessment) + ": " + f.message + " (" + std::to_string(f.count) + ")",
+                    f.to_do);
+}
 
 std::string_view sarif_level(Severity severity) {
   constexpr std::array<std::string_view, severity_names.size()> names{"note", "warning", "error"};
@@ -34,27 +49,38 @@ std::string uri_of(const std::string& path) {
   return uri;
 }
 
-Json rule_json(std::string_view code, std::string_view message, std::string_view to_do, Severity severity) {
-  return {{"id", code},
-          {"shortDescription", {{"text", message}}},
-          {"fullDescription", {{"text", std::string(message) + ". To do: " + std::string(to_do)}}},
-          {"help", {{"text", to_do}}},
-          {"helpUri", std::string(DARBOUX_DOCS_URL "/findings.md#") + lower(std::string(code))},
-          {"defaultConfiguration", {{"level", sarif_level(severity)}}}};
+Json rule_json(const FindingKind& kind) {
+  Json rule{{"id", kind.code},
+            {"shortDescription", {{"text", kind.message}}},
+            {"fullDescription", {{"text", with_to_do(std::string(kind.message), kind.to_do)}}},
+            {"help", {{"text", kind.to_do}}},
+            {"defaultConfiguration", {{"level", sarif_level(kind.severity)}}}};
+  // The path of an installed page says nothing where the report is read.
+  constexpr std::string_view docs = DARBOUX_DOCS_URL;
+  if (docs.starts_with("http://") || docs.starts_with("https://"))
+    rule["helpUri"] = std::string(docs) + "/findings.md#" + lower(std::string(kind.code));
+  return rule;
 }
 
-Json result_json(const std::string& path, std::string_view code, Severity severity,
+// \param place empty: the file as a whole \param own the severity that no option changes
+Json result_json(const std::string& path, std::string_view code, Severity severity, Severity own,
                  const std::string& message, const std::string& place) {
   // Code scanning shows nothing without a line; the files have none that mean anything.
   Json location{
       {"physicalLocation", {{"artifactLocation", {{"uri", uri_of(path)}}}, {"region", {{"startLine", 1}}}}}};
   if (!place.empty()) location["logicalLocations"] = Json::array({{{"fullyQualifiedName", place}}});
+  // What stays the same when counts and options change.
+  const std::string fingerprint = std::string(code) + '/' + place + '/' + std::string(sarif_level(own));
   return {{"ruleId", code},
           {"level", sarif_level(severity)},
           {"message", {{"text", message}}},
           {"locations", Json::array({location})},
-          // What stays the same when counts change.
-          {"partialFingerprints", {{"primaryLocationLineHash", std::string(code) + '/' + place}}}};
+          {"partialFingerprints", {{"primaryLocationLineHash", fingerprint}}}};
+}
+
+// Of a file as a whole: that it cannot be read, or holds nothing any more.
+Json result_json(const JudgedFile& file, const FindingKind& kind, const std::string& message) {
+  return result_json(file.path, kind.code, kind.severity, kind.severity, message, "");
 }
 
 // Without what XML 1.0 does not have, whatever a file put into it: control characters become '?', U+FFFE and
@@ -74,33 +100,35 @@ void append(pugi::xml_node& node, const char* child, const std::string& type, co
   element.text() = safe.c_str();
 }
 
+// "CODE (12): the message"
+std::string junit_text(const Finding& f) {
+  return std::string(f.code) + " (" + std::to_string(f.count) + "): " + f.message;
+}
+
 }  // namespace
 
 Json sarif(const std::vector<JudgedFile>& files, bool with_baseline) {
   Json rules = Json::array(), results = Json::array();
-  for (const FindingKind& kind : finding_kinds())
-    rules.push_back(rule_json(kind.code, kind.message, kind.to_do, kind.severity));
-  rules.push_back(rule_json(unreadable_code, "the file cannot be read", unreadable_to_do, Severity::error));
+  for (const FindingKind& kind : finding_kinds()) rules.push_back(rule_json(kind));
+  for (const FindingKind& kind : {unreadable, lost}) rules.push_back(rule_json(kind));
   for (const JudgedFile& file : files) {
-    if (!file.error.empty()) {
-      results.push_back(result_json(file.path, unreadable_code, Severity::error, file.error, ""));
+    const auto add_of_file = [&](const FindingKind& kind, const std::string& message) {
+      results.push_back(result_json(file, kind, message));
       if (with_baseline) results.back()["baselineState"] = file.worse ? "new" : "unchanged";
-    }
+    };
+    if (!file.error.empty()) add_of_file(unreadable, file.error);
+    if (file.lost) add_of_file(lost, with_to_do(std::string(lost.message), lost.to_do));
     for (const JudgedPrimitive& p : file.primitives)
-      for (const Assessment& j : p.assessments)
-        for (const Finding& f : j.report.findings) {
-          if (f.severity == Severity::info) continue;
-          const std::string place = place_of(p.primitive, j);
-          results.push_back(result_json(
-              file.path, f.code, f.severity,
-              place + ": " + f.message + " (" + std::to_string(f.count) + "). To do: " + std::string(f.to_do),
-              place));
-          if (!with_baseline) continue;
-          const std::size_t known = p.known_count(f.code);
-          results.back()["baselineState"] = known == 0                 ? "new"
-                                            : known == p.count(f.code) ? "unchanged"
-                                                                       : "updated";
-        }
+      p.each_finding([&](const Assessment& j, const Finding& f, Severity own) {
+        if (f.severity == Severity::info) return;
+        results.push_back(result_json(file.path, f.code, f.severity, own, sentence(p.primitive, j, f),
+                                      place_of(p.primitive, j)));
+        if (!with_baseline) return;
+        const std::size_t known = p.known_count(f.code, own);
+        results.back()["baselineState"] = known == 0                      ? "new"
+                                          : known == p.count(f.code, own) ? "unchanged"
+                                                                          : "updated";
+      });
   }
   Json driver{{"name", "darboux"}, {"version", DARBOUX_VERSION}, {"rules", std::move(rules)}};
   Json run{{"tool", {{"driver", std::move(driver)}}}, {"results", std::move(results)}};
@@ -110,7 +138,7 @@ Json sarif(const std::vector<JudgedFile>& files, bool with_baseline) {
           {"runs", Json::array({std::move(run)})}};
 }
 
-void print_github(const std::vector<JudgedFile>& files) {
+void print_github(const std::vector<JudgedFile>& files, bool with_baseline) {
   constexpr std::size_t most = 50;  // GitHub shows no more
   const auto escaped = [](const std::string& text, bool property) {
     std::string result;
@@ -130,7 +158,7 @@ void print_github(const std::vector<JudgedFile>& files) {
     }
     return result;
   };
-  std::size_t printed = 0, left_out = 0;
+  std::size_t printed = 0, left_out = 0, known = 0;
   const auto print = [&](Severity severity, const std::string& path, std::string_view title,
                          const std::string& message) {
     if (++printed > most) {
@@ -141,19 +169,34 @@ void print_github(const std::vector<JudgedFile>& files) {
               << " file=" << escaped(path, true) << ",title=" << title << "::" << escaped(message, false)
               << '\n';
   };
+  const auto is_known = [&](const JudgedPrimitive& p, const Finding& f, Severity own) {
+    if (!with_baseline) return false;
+    if (f.severity == Severity::error || f.code == finding(Code::undetermined, 0).code)
+      return !p.worse(f, own);
+    return p.count(f.code, own) <= p.known_count(f.code, own);
+  };
   for (const Severity severity : {Severity::error, Severity::warning})
     for (const JudgedFile& file : files) {
-      if (!file.error.empty() && severity == Severity::error)
-        print(severity, file.path, unreadable_code, file.error);
+      if (severity == Severity::error && !file.error.empty()) {
+        if (file.worse)
+          print(severity, file.path, unreadable.code, file.error);
+        else
+          ++known;
+      }
+      if (severity == Severity::error && file.lost)
+        print(severity, file.path, lost.code, with_to_do(std::string(lost.message), lost.to_do));
       for (const JudgedPrimitive& p : file.primitives)
-        for (const Assessment& j : p.assessments)
-          for (const Finding& f : j.report.findings)
-            if (f.severity == severity)
-              print(severity, file.path, f.code,
-                    place_of(p.primitive, j) + ": " + f.message + " (" + std::to_string(f.count) +
-                        "). To do: " + std::string(f.to_do));
+        p.each_finding([&](const Assessment& j, const Finding& f, Severity own) {
+          if (f.severity != severity) return;
+          if (is_known(p, f, own))
+            ++known;
+          else
+            print(severity, file.path, f.code, sentence(p.primitive, j, f));
+        });
     }
   if (left_out > 0) std::cout << "::notice title=darboux::" << left_out << " more findings are in the log\n";
+  if (known > 0)
+    std::cout << "::notice title=darboux::" << known << " findings are as in the baseline, and in the log\n";
 }
 
 std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {
@@ -173,34 +216,39 @@ std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {
       test.append_attribute("file") = path.c_str();
       return test;
     };
-    if (!file.error.empty() || file.primitives.empty()) {
+    if (!file.error.empty() || file.primitives.empty() || file.lost) {
       pugi::xml_node test = add_case("file");
-      if (!file.worse)
-        append(test, "skipped", "baseline", "as in the baseline"), ++skipped;
+      if (file.lost)
+        append(test, "failure", std::string(lost.code), with_to_do(std::string(lost.message), lost.to_do)),
+            ++failures;
       else if (file.error.empty())
-        append(test, "failure", "undetermined", "holds no triangles to judge"), ++failures;
+        append(test, "skipped", "nothing", "holds no triangles to judge"), ++skipped;
+      else if (file.worse)
+        append(test, "error", std::string(unreadable.code), file.error), ++errors;
       else
-        append(test, "error", unreadable_code, file.error), ++errors;
+        append(test, "skipped", "baseline", "as in the baseline"), ++skipped;
     }
     for (const JudgedPrimitive& p : file.primitives)
-      for (const Assessment& j : p.assessments) {
+      for (std::size_t a = 0; a < p.assessments.size(); ++a) {
+        const Assessment& j = p.assessments[a];
         pugi::xml_node test = add_case(place_of(p.primitive, j));
         bool failed = false;
         std::string known;
-        for (const Finding& f : j.report.findings) {
+        const auto fail = [&](const Finding& f) {
+          append(test, "failure", std::string(f.code), with_to_do(junit_text(f), f.to_do));
+          failed = true;
+        };
+        for (std::size_t k = 0; k < j.report.findings.size(); ++k) {
+          const Finding& f = j.report.findings[k];
           if (f.severity != Severity::error) continue;
-          const std::string text = std::string(f.code) + " (" + std::to_string(f.count) + "): " + f.message;
-          if (with_baseline && !p.worse(f)) {
-            known += (known.empty() ? "as in the baseline: " : "; ") + text;
-            continue;
-          }
-          append(test, "failure", std::string(f.code), text + ". To do: " + std::string(f.to_do));
-          failed = true;
+          if (!with_baseline || p.worse(f, p.own_severities[a][k]))
+            fail(f);
+          else
+            known += (known.empty() ? "as in the baseline: " : "; ") + junit_text(f);
         }
-        if (j.report.verdict == Verdict::undetermined && p.less_determined()) {
-          append(test, "failure", "undetermined", "nothing or too little is known to compare with");
-          failed = true;
-        }
+        // The exit status counts it also where it is no error.
+        if (j.report.verdict == Verdict::undetermined && p.less_determined())
+          fail(finding(Code::undetermined, 1));
         failures += failed;
         if (!known.empty()) test.append_child("system-out").text() = xml_text(known).c_str();
       }

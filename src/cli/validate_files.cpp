@@ -8,8 +8,6 @@
 
 #include <fnmatch.h>
 
-#include "validate/findings.h"
-
 namespace darboux {
 namespace {
 
@@ -21,37 +19,74 @@ bool is_mesh_file(const fs::path& path) {
   return std::find(known.begin(), known.end(), extension) != known.end();
 }
 
-// The mesh files in a folder and in its folders; of a folder that cannot be listed the error.
-void list_folder(const fs::path& folder, const fs::path& root, const std::vector<std::string>& exclude,
-                 std::vector<JudgedFile>& found) {
-  const auto is_excluded = [&](const fs::path& path) {
-    const std::string relative = path.lexically_relative(root).generic_string();
-    return std::any_of(exclude.begin(), exclude.end(), [&](const std::string& glob) {
-      return fnmatch(glob.c_str(), relative.c_str(), 0) == 0;
-    });
+// The patterns of --exclude.
+class Excluded {
+ public:
+  explicit Excluded(const std::vector<std::string>& globs) {
+    for (const std::string& given : globs) {
+      std::string glob = given;
+      while (glob.starts_with("./")) glob.erase(0, glob.find_first_not_of('/', 1));
+      while (glob.size() > 1 && glob.ends_with('/')) glob.pop_back();
+      patterns_.push_back({given, glob});
+    }
+  }
+  // Whether a file or folder is left out; notes which patterns say so.
+  bool operator()(const fs::path& relative) {
+    bool any = false;
+    const std::string text = relative.generic_string();
+    for (Pattern& p : patterns_)
+      if (fnmatch(p.glob.c_str(), text.c_str(), 0) == 0) any = p.used = true;
+    return any;
+  }
+  std::vector<std::string> unused() const {
+    std::vector<std::string> result;
+    for (const Pattern& p : patterns_)
+      if (!p.used) result.push_back(p.given);
+    return result;
+  }
+
+ private:
+  struct Pattern {
+    std::string given, glob;
+    bool used = false;
   };
+  std::vector<Pattern> patterns_;
+};
+
+// The mesh files in a folder and in its folders; of a folder that cannot be listed the error. Returns whether
+// something was left out.
+bool list_folder(const fs::path& folder, const fs::path& root, Excluded& excluded,
+                 std::vector<JudgedFile>& found) {
+  bool left_out = false;
   std::error_code error;
   for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
     std::error_code unknown;
-    if (i->is_directory(unknown) && !i->is_symlink(unknown))
-      list_folder(i->path(), root, exclude, found);
-    else if (is_mesh_file(i->path()) && i->is_regular_file(unknown) && !is_excluded(i->path()))
+    const bool is_folder = i->is_directory(unknown) && !i->is_symlink(unknown);
+    if (!is_folder && !(is_mesh_file(i->path()) && i->is_regular_file(unknown))) continue;
+    if (excluded(i->path().lexically_relative(root)))
+      left_out = true;
+    else if (is_folder)
+      left_out |= list_folder(i->path(), root, excluded, found);
+    else
       found.push_back({.path = i->path().string()});
   }
   if (error)
     found.push_back({.path = folder.string(),
                      .error = folder.string() + ": cannot be listed (" + error.message() +
                               "), permitted are folders that can be read"});
+  return left_out;
 }
 
-void list_folder(const std::string& folder, const std::vector<std::string>& exclude,
-                 std::vector<JudgedFile>& files) {
+void list_folder(const std::string& folder, Excluded& excluded, std::vector<JudgedFile>& files) {
   std::vector<JudgedFile> found;
-  list_folder(fs::path(folder), fs::path(folder), exclude, found);
+  const bool left_out = list_folder(fs::path(folder), fs::path(folder), excluded, found);
+  const std::string extensions = joined({asset_extensions().begin(), asset_extensions().end()});
   if (found.empty())
-    found.push_back({.path = folder,
-                     .error = folder + ": holds no mesh file, permitted are folders with " +
-                              joined({asset_extensions().begin(), asset_extensions().end()})});
+    found.push_back(
+        {.path = folder,
+         .error = folder +
+                  (left_out ? ": expected mesh files that --exclude leaves, got none (of " + extensions + ")"
+                            : ": holds no mesh file, permitted are folders with " + extensions)});
   std::sort(found.begin(), found.end(),
             [](const JudgedFile& a, const JudgedFile& b) { return a.path < b.path; });
   files.insert(files.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
@@ -71,55 +106,103 @@ void add_node_findings(const Primitive& primitive, MeshReport& report) {
   add(report, finding(Code::node_scale_not_uniform, sheared));
 }
 
-void apply(const Policy& policy, MeshReport& report, std::map<std::string, std::size_t>& ignored) {
-  std::erase_if(report.findings, [&](const Finding& f) {
-    const bool drop = std::find(policy.ignore.begin(), policy.ignore.end(), f.code) != policy.ignore.end();
-    if (drop) ignored[std::string(f.code)] += f.count;
-    return drop;
-  });
-  bool any_error = false;
-  for (Finding& f : report.findings) {
+// The report under the policy. Returns the library's severity of each finding.
+std::vector<Severity> apply(const Policy& policy, MeshReport& report,
+                            std::map<std::string, std::size_t>& ignored) {
+  struct Graded {
+    Finding finding;
+    Severity own;
+  };
+  std::vector<Graded> graded;
+  const auto grade = [&](Finding f) {
+    if (std::find(policy.ignore.begin(), policy.ignore.end(), f.code) != policy.ignore.end()) {
+      ignored[std::string(f.code)] += f.count;
+      return;
+    }
+    const Severity own = f.severity;
     if (const auto asked = policy.severity.find(f.code); asked != policy.severity.end())
       f.severity = asked->second;
-    if (policy.strict && f.severity == Severity::warning) f.severity = Severity::error;
-    any_error = any_error || f.severity == Severity::error;
+    graded.push_back({std::move(f), own});
+  };
+  for (Finding& f : report.findings) grade(std::move(f));
+  // Errors that only a policy makes do not hide that nothing was judged.
+  const auto is_own_error = [](const Graded& g) {
+    return g.own == Severity::error && g.finding.severity == Severity::error;
+  };
+  if (report.without_errors == Verdict::undetermined &&
+      std::none_of(graded.begin(), graded.end(), is_own_error))
+    grade(finding(Code::undetermined, 1));
+  for (Graded& g : graded)
+    if (policy.strict && g.finding.severity == Severity::warning) g.finding.severity = Severity::error;
+  std::stable_sort(graded.begin(), graded.end(),
+                   [](const Graded& a, const Graded& b) { return a.finding.severity > b.finding.severity; });
+  report.findings.clear();
+  std::vector<Severity> own;
+  for (Graded& g : graded) {
+    report.findings.push_back(std::move(g.finding));
+    own.push_back(g.own);
   }
-  std::stable_sort(report.findings.begin(), report.findings.end(),
-                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+  const bool any_error = !graded.empty() && report.findings.front().severity == Severity::error;
   report.verdict = any_error ? Verdict::fail : report.without_errors;
-  if (policy.strict && report.verdict == Verdict::undetermined) report.verdict = Verdict::fail;
+  return own;
+}
+
+const std::string_view undetermined_code = finding(Code::undetermined, 0).code;
+
+bool is_undetermined(const Assessment& assessment) {
+  const auto& findings = assessment.report.findings;
+  return assessment.report.verdict == Verdict::undetermined ||
+         std::any_of(findings.begin(), findings.end(),
+                     [](const Finding& f) { return f.code == undetermined_code; });
+}
+
+std::size_t known(const FindingCounts& counts, std::string_view code, Severity own) {
+  const auto at = counts.find(std::pair(std::string(code), own));
+  return at == counts.end() ? 0 : at->second;
 }
 
 }  // namespace
 
-std::size_t JudgedPrimitive::count(std::string_view code) const {
+std::size_t JudgedPrimitive::count(std::string_view code, Severity own) const {
   std::size_t sum = 0;
-  for (const Assessment& j : assessments)
-    for (const Finding& f : j.report.findings) sum += f.code == code ? f.count : 0;
+  each_finding([&](const Assessment&, const Finding& f, Severity of_library) {
+    sum += f.code == code && of_library == own ? f.count : 0;
+  });
   return sum;
 }
 
-std::size_t JudgedPrimitive::known_count(std::string_view code) const {
-  const auto at = known.find(code);
-  return at == known.end() ? 0 : at->second;
+std::size_t JudgedPrimitive::known_count(std::string_view code, Severity own) const {
+  return darboux::known(known, code, own);
+}
+
+bool JudgedPrimitive::worse(const Finding& finding, Severity own) const {
+  if (finding.code == undetermined_code) return less_determined();
+  if (own == Severity::error) return count(finding.code, own) > known_count(finding.code, own);
+  std::size_t now = 0, then = 0;
+  for (const Severity s : {Severity::info, Severity::warning, Severity::error}) {
+    now += count(finding.code, s);
+    then += known_count(finding.code, s);
+  }
+  return now > then;
 }
 
 bool JudgedPrimitive::less_determined() const {
-  return static_cast<std::size_t>(std::count_if(assessments.begin(), assessments.end(), [](const Assessment& j) {
-           return j.report.verdict == Verdict::undetermined;
-         })) > known_not_pass;
+  return static_cast<std::size_t>(std::count_if(assessments.begin(), assessments.end(), is_undetermined)) >
+         known_not_pass;
 }
 
 std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
-                                 const std::vector<std::string>& exclude) {
+                                 const std::vector<std::string>& exclude, std::vector<std::string>& unused) {
+  Excluded excluded(exclude);
   std::vector<JudgedFile> files;
   for (const std::string& argument : arguments) {
     std::error_code error;
     if (fs::is_directory(argument, error))
-      list_folder(argument, exclude, files);
+      list_folder(argument, excluded, files);
     else
       files.push_back({.path = argument});
   }
+  unused = excluded.unused();
   return files;
 }
 
@@ -169,13 +252,14 @@ void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& po
         if (first[i] == i && std::count(first.begin(), first.end(), i) > 1) repeated[i] = assessments;
         add_node_findings(primitive, assessments.front().report);
         add(assessments.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
+        std::vector<std::vector<Severity>> own;
         for (Assessment& j : assessments) {
-          apply(policy, j.report, file.ignored);
+          own.push_back(apply(policy, j.report, file.ignored));
           file.verdict = std::max(file.verdict, j.report.verdict);
         }
         if (!options.keep_errors) primitive.data = {};
         primitive.other_uvs = {};
-        file.primitives.push_back({std::move(primitive), std::move(assessments)});
+        file.primitives.push_back({std::move(primitive), std::move(assessments), std::move(own)});
       }
     } catch (const FileError& e) {
       file.error = e.what();
@@ -204,12 +288,72 @@ Json read_baseline(const std::string& path) {
 
 namespace {
 
-bool is_pass(const Json& entry, const std::string& path) {
+Verdict verdict_of(const Json& entry, const std::string& path) {
   const std::string verdict = entry.at("verdict");
-  if (std::find(verdict_names.begin(), verdict_names.end(), verdict) == verdict_names.end())
-    throw FileError(path, "has a verdict '" + verdict + "', permitted are " +
-                              joined({verdict_names.begin(), verdict_names.end()}));
-  return verdict == "pass" || verdict == "nothing";
+  const auto found = std::find(verdict_names.begin(), verdict_names.end(), verdict);
+  if (found == verdict_names.end())
+    throw FileError(path, "expected a verdict of " + joined({verdict_names.begin(), verdict_names.end()}) +
+                              ", got '" + verdict + "'");
+  return static_cast<Verdict>(found - verdict_names.begin());
+}
+
+Severity severity_of(const Json& name, const std::string& path) {
+  const auto found = std::find(severity_names.begin(), severity_names.end(), name.get<std::string>());
+  if (found == severity_names.end())
+    throw FileError(path, "expected a severity of " + joined({severity_names.begin(), severity_names.end()}) +
+                              ", got " + name.dump());
+  return static_cast<Severity>(found - severity_names.begin());
+}
+
+// What the baseline says of a mesh or part.
+void add_known(JudgedPrimitive& p, const Json& mesh, const std::string& path) {
+  const Verdict verdict = verdict_of(mesh, path);
+  p.known_not_pass += verdict > Verdict::pass;
+  bool says_undetermined = false;
+  for (const Json& finding : mesh.at("findings")) {
+    if (!finding.at("count").is_number_unsigned())
+      throw FileError(path,
+                      "has a count " + finding.at("count").dump() + ", permitted are whole numbers from 0");
+    const std::string code = finding.at("code");
+    const Severity own =
+        severity_of(finding.at(finding.contains("own_severity") ? "own_severity" : "severity"), path);
+    p.known[{code, own}] += finding.at("count").get<std::size_t>();
+    says_undetermined |= code == undetermined_code;
+  }
+  // Reports of earlier versions say it by the verdict alone.
+  if (verdict == Verdict::undetermined && !says_undetermined)
+    ++p.known[{std::string(undetermined_code), Severity::warning}];
+}
+
+void compare(JudgedFile& file, const Json& entry, const std::string& path) {
+  const bool was_unreadable = entry.contains("error");
+  if (!file.error.empty() || was_unreadable) {
+    file.worse = file.worse && !was_unreadable;
+    if (was_unreadable)  // whatever it is now was no better then
+      for (JudgedPrimitive& p : file.primitives) {
+        p.known_not_pass = p.assessments.size();
+        p.each_finding([&](const Assessment&, const Finding& f, Severity own) {
+          p.known[{std::string(f.code), own}] += f.count;
+        });
+      }
+    return;
+  }
+  std::map<std::pair<std::size_t, std::size_t>, JudgedPrimitive*> by_number;
+  for (JudgedPrimitive& p : file.primitives) by_number[{p.primitive.mesh, p.primitive.primitive}] = &p;
+  for (const Json& mesh : entry.at("meshes")) {
+    const auto p =
+        by_number.find({mesh.at("mesh").get<std::size_t>(), mesh.at("primitive").get<std::size_t>()});
+    if (p != by_number.end()) add_known(*p->second, mesh, path);
+  }
+  // What fails has an error, which counts; what is undetermined has none.
+  file.lost = verdict_of(entry, path) == Verdict::pass && file.verdict == Verdict::nothing;
+  file.worse = file.lost;
+  for (const JudgedPrimitive& p : file.primitives) {
+    file.worse |= p.less_determined();
+    p.each_finding([&](const Assessment&, const Finding& f, Severity own) {
+      file.worse |= f.severity == Severity::error && p.worse(f, own);
+    });
+  }
 }
 
 }  // namespace
@@ -218,45 +362,8 @@ void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& pa
   try {
     std::map<std::string, const Json*> then;
     for (const Json& entry : baseline.at("files")) then[entry.at("file").get<std::string>()] = &entry;
-    for (JudgedFile& file : files) {
-      const auto old = then.find(utf8(file.path));
-      if (old == then.end()) continue;
-      const Json& entry = *old->second;
-      const bool was_unreadable = entry.contains("error");
-      if (!file.error.empty() || was_unreadable) {
-        file.worse = file.worse && !was_unreadable;
-        if (was_unreadable)  // whatever it is now was no better then
-          for (JudgedPrimitive& p : file.primitives) {
-            p.known_not_pass = p.assessments.size();
-            for (const Assessment& j : p.assessments)
-              for (const Finding& f : j.report.findings) p.known[std::string(f.code)] = p.count(f.code);
-          }
-        continue;
-      }
-      std::map<std::pair<std::size_t, std::size_t>, JudgedPrimitive*> by_number;
-      for (JudgedPrimitive& p : file.primitives) by_number[{p.primitive.mesh, p.primitive.primitive}] = &p;
-      for (const Json& mesh : entry.at("meshes")) {
-        const auto p =
-            by_number.find({mesh.at("mesh").get<std::size_t>(), mesh.at("primitive").get<std::size_t>()});
-        if (p == by_number.end()) continue;
-        p->second->known_not_pass += !is_pass(mesh, path);
-        for (const Json& finding : mesh.at("findings")) {
-          if (!finding.at("count").is_number_unsigned())
-            throw FileError(
-                path, "has a count " + finding.at("count").dump() + ", permitted are whole numbers from 0");
-          p->second->known[finding.at("code").get<std::string>()] += finding.at("count").get<std::size_t>();
-        }
-      }
-      // What fails has an error, which counts; what is undetermined has none.
-      is_pass(entry, path);  // refuses what is no verdict
-      file.worse = false;
-      for (const JudgedPrimitive& p : file.primitives) {
-        file.worse |= p.less_determined();
-        for (const Assessment& j : p.assessments)
-          for (const Finding& f : j.report.findings)
-            file.worse |= f.severity == Severity::error && p.worse(f);
-      }
-    }
+    for (JudgedFile& file : files)
+      if (const auto old = then.find(utf8(file.path)); old != then.end()) compare(file, *old->second, path);
   } catch (const Json::exception& e) {
     throw FileError(path, "is no report of darboux validate --json: " + std::string(e.what()));
   }

@@ -5,28 +5,45 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <darboux/assess.h>
 #include <darboux/io.h>
 
 #include "command.h"
+#include "validate/findings.h"
 
 namespace darboux {
+
+/// Numbers of findings by code and severity, the library's, whatever an option made of it.
+using FindingCounts = std::map<std::pair<std::string, Severity>, std::size_t, std::less<>>;
 
 struct JudgedPrimitive {
   Primitive primitive;  ///< without its data, unless errors are kept
   std::vector<Assessment> assessments;
-  std::map<std::string, std::size_t, std::less<>> known{};  ///< counts of findings in the baseline, by code
+  /// The library's severity of each finding of each assessment.
+  std::vector<std::vector<Severity>> own_severities{};
+  FindingCounts known{};           ///< in the baseline
   std::size_t known_not_pass = 0;  ///< meshes and parts that did not pass in the baseline
 
-  /// Of one code, over all parts.
-  std::size_t count(std::string_view code) const;
-  /// Whether there is more of it than in the baseline.
-  bool worse(const Finding& finding) const { return count(finding.code) > known_count(finding.code); }
-  std::size_t known_count(std::string_view code) const;
+  /// Over all parts.
+  std::size_t count(std::string_view code, Severity own) const;
+  std::size_t known_count(std::string_view code, Severity own) const;
+  /// Whether an error counts against a run with a baseline. The library's own errors are compared with its
+  /// own errors; what an option made an error, with all findings of the code. UNDETERMINED goes by
+  /// less_determined().
+  bool worse(const Finding& finding, Severity own) const;
   /// Whether more parts are undetermined than did not pass in the baseline.
   bool less_determined() const;
+
+  /// \param f called with each assessment, each of its findings, and the library's severity of that
+  template <class F>
+  void each_finding(F f) const {
+    for (std::size_t a = 0; a < assessments.size(); ++a)
+      for (std::size_t k = 0; k < assessments[a].report.findings.size(); ++k)
+        f(assessments[a], assessments[a].report.findings[k], own_severities[a][k]);
+  }
 };
 
 struct JudgedFile {
@@ -36,6 +53,7 @@ struct JudgedFile {
   std::vector<SkippedPrimitive> skipped{};
   std::map<std::string, std::size_t> ignored{};  ///< counts of findings that were dropped, by code
   Verdict verdict = Verdict::nothing;            ///< the worst of its meshes and parts
+  bool lost = false;  ///< it passed in the baseline, and there is nothing to judge now
   /// Whether it counts against the run: it is neither pass nor nothing or could not be read and, where there
   /// is a baseline, was better there.
   bool worse = false;
@@ -43,27 +61,28 @@ struct JudgedFile {
 
 /// The files that arguments name, a folder standing for all mesh files in it and in its folders, in the order
 /// of their names. What cannot be listed has an error. \param exclude patterns as of fnmatch(3), of paths
-/// relative to the folder; * crosses folders
+/// relative to the folder; * crosses folders, and what matches a folder matches all that is in it
+/// \param unused becomes those patterns that matched nothing
 std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
-                                 const std::vector<std::string>& exclude);
+                                 const std::vector<std::string>& exclude, std::vector<std::string>& unused);
 
 /// How findings count, whatever the library says.
 struct Policy {
   std::map<std::string, Severity, std::less<>> severity{};
   std::vector<std::string> ignore{};  ///< codes that are dropped but for their counts
-  bool strict = false;                ///< warnings are errors, undetermined is fail
+  bool strict = false;                ///< warnings are errors, UNDETERMINED too
 };
 
-/// Reads and judges one file.
+/// Reads and judges one file. What is undetermined has the finding UNDETERMINED.
 void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& policy);
 
 /// An earlier report, `darboux validate --json`. \throws FileError
 Json read_baseline(const std::string& path);
 
 /// Lets only that count against the run what is worse than in the baseline: an error that is new or more
-/// frequent in a primitive (whatever its severity was), a primitive of which more parts are undetermined than
-/// did not pass then, a file without triangles that passed then, one that could be read then. \param path
-/// where it was read from, for messages \throws FileError where it is no such report
+/// frequent in a primitive (JudgedPrimitive::worse()), a primitive of which more parts are undetermined than
+/// did not pass then, a file that passed then and has nothing to judge now, one that could be read then.
+/// \param path where it was read from, for messages \throws FileError where it is no such report
 void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& path, const Json& baseline);
 
 /// "mesh 0 primitive 1 part 2 (name)"
@@ -74,16 +93,17 @@ std::string uv_convention(const MeshFit& fit);
 
 Json report_json(const std::vector<JudgedFile>& files, bool with_baseline);
 
-/// A short table a mesh and part; where there are many of them and no details are asked for, only what was
-/// found.
+/// A short table a mesh and part; where there are many of them or many files and no details are asked for,
+/// only what was found.
 void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool details);
 
 /// Static Analysis Results Interchange Format 2.1.0, with what GitHub's code scanning asks for.
 /// \param with_baseline whether to say what is new, unchanged or updated
 Json sarif(const std::vector<JudgedFile>& files, bool with_baseline);
 
-/// Annotations of GitHub's workflows, a line per error and warning, at most some dozens.
-void print_github(const std::vector<JudgedFile>& files);
+/// Annotations of GitHub's workflows, a line per error and warning, at most some dozens. With a baseline only
+/// what there is more of than then.
+void print_github(const std::vector<JudgedFile>& files, bool with_baseline);
 
 /// JUnit's XML, a test case each mesh or part; what counts against the run is a failure.
 std::string junit(const std::vector<JudgedFile>& files, bool with_baseline);

@@ -29,7 +29,13 @@ Json classes_json(const std::vector<ClassReport>& classes) {
   return json;
 }
 
-Json assessment_json(const JudgedPrimitive& judged, const Assessment& assessment, bool with_baseline) {
+std::string_view name_of(Severity severity) {
+  return severity_names[static_cast<std::size_t>(severity)];
+}
+
+Json assessment_json(const JudgedPrimitive& judged, std::size_t which, bool with_baseline) {
+  const Assessment& assessment = judged.assessments[which];
+  const std::vector<Severity>& own_severities = judged.own_severities[which];
   const Primitive& primitive = judged.primitive;
   const MeshReport& report = assessment.report;
   Json json{{"mesh", primitive.mesh},
@@ -104,13 +110,16 @@ Json assessment_json(const JudgedPrimitive& judged, const Assessment& assessment
   json["degenerate_uv_triangles"] = report.degenerate_uv_triangles;
   json["classes"] = classes_json(report.classes);
   json["findings"] = Json::array();
-  for (const Finding& f : report.findings) {
-    json["findings"].push_back({{"code", f.code},
-                                {"severity", severity_names[static_cast<std::size_t>(f.severity)]},
-                                {"count", f.count},
-                                {"message", f.message},
-                                {"to_do", f.to_do}});
-    if (with_baseline) json["findings"].back()["baseline"] = judged.known_count(f.code);
+  for (std::size_t k = 0; k < report.findings.size(); ++k) {
+    const Finding& f = report.findings[k];
+    const Severity own = own_severities[k];
+    Json entry{{"code", f.code}, {"severity", name_of(f.severity)}};
+    if (own != f.severity) entry["own_severity"] = name_of(own);
+    entry["count"] = f.count;
+    entry["message"] = f.message;
+    entry["to_do"] = f.to_do;
+    if (with_baseline) entry["baseline"] = judged.known_count(f.code, own);
+    json["findings"].push_back(std::move(entry));
   }
   return json;
 }
@@ -129,27 +138,36 @@ Json report_json(const std::vector<JudgedFile>& files, bool with_baseline) {
     if (!file.error.empty()) entry["error"] = file.error;
     entry["meshes"] = Json::array();
     for (const JudgedPrimitive& p : file.primitives)
-      for (const Assessment& j : p.assessments) entry["meshes"].push_back(assessment_json(p, j, with_baseline));
+      for (std::size_t a = 0; a < p.assessments.size(); ++a)
+        entry["meshes"].push_back(assessment_json(p, a, with_baseline));
     entry["skipped"] = Json::array();
     for (const SkippedPrimitive& s : file.skipped)
       entry["skipped"].push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
     list.push_back(std::move(entry));
   }
-  Json verdicts = Json::object(), codes = Json::object(), ignored = Json::object();
+  Json verdicts = Json::object(), codes = Json::object(), by_severity = Json::object(),
+       ignored = Json::object();
+  const auto add = [](Json& counts, std::string_view name, std::size_t n) {
+    Json& count = counts[std::string(name)];
+    count = (count.is_null() ? std::size_t{0} : count.get<std::size_t>()) + n;
+  };
   for (const std::string_view name : verdict_names) verdicts[std::string(name)] = 0;
   for (const JudgedFile& file : files) {
-    Json& count = verdicts[std::string(verdict_names[static_cast<std::size_t>(file.verdict)])];
-    count = count.get<std::size_t>() + 1;
+    add(verdicts, verdict_names[static_cast<std::size_t>(file.verdict)], 1);
     for (const JudgedPrimitive& p : file.primitives)
-      for (const Assessment& j : p.assessments)
-        for (const Finding& f : j.report.findings)
-          codes[std::string(f.code)] = codes.value(std::string(f.code), std::size_t{0}) + f.count;
-    for (const auto& [code, n] : file.ignored) ignored[code] = ignored.value(code, std::size_t{0}) + n;
+      p.each_finding([&](const Assessment&, const Finding& f, Severity) {
+        add(codes, f.code, f.count);
+        add(by_severity[std::string(f.code)], name_of(f.severity), f.count);
+      });
+    for (const auto& [code, n] : file.ignored) add(ignored, code, n);
   }
   Json json{{"schema_version", 1},
             {"tool_version", DARBOUX_VERSION},
             {"files", std::move(list)},
-            {"totals", {{"verdicts", std::move(verdicts)}, {"codes", std::move(codes)}}},
+            {"totals",
+             {{"verdicts", std::move(verdicts)},
+              {"codes", std::move(codes)},
+              {"codes_by_severity", std::move(by_severity)}}},
             {"ignored", std::move(ignored)},
             {"verdict", verdict_names[static_cast<std::size_t>(verdict)]}};
   if (with_baseline) json["worse"] = worse;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "base/base64.h"
 #include "report/colour_map.h"
@@ -293,21 +294,38 @@ std::string pictures(const Entry& e) {
   return html + "<script type=\"application/json\">" + script_json(data) + "</script>\n";
 }
 
-// How often each code was found over all parts, errors and warnings, errors first.
-std::vector<std::pair<std::string, std::size_t>> codes_of(const Entry& e) {
-  std::vector<std::pair<std::string, std::size_t>> codes;
+// How often a code was found with one severity.
+struct CodeCount {
+  std::string code;
+  Severity severity;
+  std::size_t count;
+};
+
+// Over all parts, errors and warnings, errors first.
+std::vector<CodeCount> codes_of(const Entry& e) {
+  std::vector<CodeCount> codes;
   for (const Severity severity : {Severity::error, Severity::warning})
     for (const Assessment& j : e.judged.assessments)
       for (const Finding& f : j.report.findings) {
         if (f.severity != severity) continue;
-        const auto at =
-            std::find_if(codes.begin(), codes.end(), [&](const auto& c) { return c.first == f.code; });
+        const auto at = std::find_if(codes.begin(), codes.end(), [&](const CodeCount& c) {
+          return c.code == f.code && c.severity == severity;
+        });
         if (at == codes.end())
-          codes.push_back({std::string(f.code), f.count});
+          codes.push_back({std::string(f.code), severity, f.count});
         else
-          at->second += f.count;
+          at->count += f.count;
       }
   return codes;
+}
+
+// Those of one severity: "TANGENT_ANGLE 12, NORMAL_ANGLE 3".
+std::string codes_text(const std::vector<CodeCount>& codes, Severity severity, const char* between) {
+  std::string words;
+  for (const CodeCount& c : codes)
+    if (c.severity == severity)
+      words += (words.empty() ? "" : between) + text(c.code) + ' ' + std::to_string(c.count);
+  return words;
 }
 
 std::string histogram(const Entry& e) {
@@ -317,14 +335,14 @@ std::string histogram(const Entry& e) {
   for (const float error : e.errors) compared += !std::isnan(error), beyond += error > e.limit;
   std::string words = std::to_string(beyond) + " of " + plural(compared, "corner") +
                       " compared lie beyond the interior's limit, " + rounded(e.limit, 4) + "°.";
-  std::string counted;
-  for (const auto& [code, count] : codes_of(e))
-    counted += (counted.empty() ? "" : ", ") + text(code) + ' ' + std::to_string(count);
-  if (beyond > 0 && !counted.empty())
-    words +=
-        " Seams, pole rings, creases and borders may be three times as far; a corner counts once, under the "
-        "first code it meets: " +
-        counted + '.';
+  const std::vector<CodeCount> codes = codes_of(e);
+  const std::string errors = codes_text(codes, Severity::error, ", "),
+                    warnings = codes_text(codes, Severity::warning, ", ");
+  if (beyond > 0) words += " Seams, pole rings, creases and borders may be three times as far.";
+  if (beyond > 0 && !errors.empty())
+    words += " A corner counts as one error at most, the first that it meets: " + errors + '.';
+  if (beyond > 0 && !warnings.empty())
+    words += " Warnings, of which a corner may have several: " + warnings + '.';
   double uncertain = 0;
   for (const Assessment& j : e.judged.assessments)
     uncertain = std::fmax(uncertain, (e.quantity() == "normal" ? j.report.normal_uncertainty_deg
@@ -375,11 +393,14 @@ std::string parts(const Entry& e) {
 }
 
 std::string entry(const Entry& e, bool one_file, bool open) {
-  std::string codes, code_names;
-  for (const auto& [code, count] : codes_of(e)) {
-    codes += (codes.empty() ? "" : " · ") + text(code) + ' ' + std::to_string(count);
-    code_names += (code_names.empty() ? "" : " ") + code;
-  }
+  const std::vector<CodeCount> found = codes_of(e);
+  std::string codes = codes_text(found, Severity::error, " · ");
+  if (const std::string warnings = codes_text(found, Severity::warning, " · "); !warnings.empty())
+    codes += (codes.empty() ? "warnings: " : " · warnings: ") + warnings;
+  std::set<std::string> names;
+  for (const CodeCount& c : found) names.insert(c.code);
+  std::string code_names;
+  for (const std::string& name : names) code_names += (code_names.empty() ? "" : " ") + name;
   const std::string place =
       "mesh " + std::to_string(e.judged.primitive.mesh) + " primitive " +
       std::to_string(e.judged.primitive.primitive) +
@@ -424,8 +445,11 @@ std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
               ">" + badge(v) + " " + std::to_string(count) + "</label>\n";
   }
   std::map<std::string, std::size_t> codes;  // and of how many meshes
-  for (const Entry& e : entries)
-    for (const auto& found : codes_of(e)) ++codes[found.first];
+  for (const Entry& e : entries) {
+    std::set<std::string> names;
+    for (const CodeCount& c : codes_of(e)) names.insert(c.code);
+    for (const std::string& name : names) ++codes[name];
+  }
   if (!codes.empty()) {
     html += "<label>finding <select class=by-code><option value=\"\">any</option>";
     for (const auto& [code, count] : codes)

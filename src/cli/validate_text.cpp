@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <iostream>
 #include <map>
+#include <set>
 #include <span>
+#include <utility>
 
 #include "validate_files.h"
 
@@ -58,7 +60,8 @@ void print_mikktspace(const MikkReport& mikktspace) {
   std::cout << '\n';
 }
 
-void print_assessment(const JudgedPrimitive& judged, const Assessment& assessment, bool with_baseline) {
+void print_assessment(const JudgedPrimitive& judged, std::size_t number, bool with_baseline) {
+  const Assessment& assessment = judged.assessments[number];
   const MeshReport& report = assessment.report;
   std::cout << "  " << place_of(judged.primitive, assessment) << ": " << report.corners << " corners";
   if (assessment.fit && assessment.fit->fits)
@@ -94,9 +97,12 @@ void print_assessment(const JudgedPrimitive& judged, const Assessment& assessmen
     std::cout << '\n';
   }
   if (report.mikktspace) print_mikktspace(*report.mikktspace);
-  for (const Finding& f : report.findings) {
+  for (std::size_t k = 0; k < report.findings.size(); ++k) {
+    const Finding& f = report.findings[k];
     std::string count = std::to_string(f.count);
-    if (with_baseline) count += ", " + std::to_string(judged.known_count(f.code)) + " in the baseline";
+    if (with_baseline)
+      count += ", " + std::to_string(judged.known_count(f.code, judged.own_severities[number][k])) +
+               " in the baseline";
     print_finding(f.severity, f.code, count, f.message);
   }
 }
@@ -109,107 +115,185 @@ std::string counted(const std::array<std::size_t, verdict_names.size()>& verdict
   return joined(texts);
 }
 
+// What of a code there is with one severity.
+struct CodeTotal {
+  const Finding* first;  // which was found
+  std::size_t count = 0, places = 0, files = 0, known = 0;
+};
+
+// Errors and warnings of the files, errors first. known counts the baseline's in primitives without any now.
+std::vector<CodeTotal> totals_of(std::span<const JudgedFile> files) {
+  struct Gathered {
+    CodeTotal total;
+    std::set<Severity> own{};
+    const JudgedFile* last = nullptr;
+  };
+  std::vector<Gathered> gathered;
+  for (const JudgedFile& file : files)
+    for (const JudgedPrimitive& p : file.primitives)
+      p.each_finding([&](const Assessment&, const Finding& f, Severity own) {
+        if (f.severity == Severity::info) return;
+        auto at = std::find_if(gathered.begin(), gathered.end(), [&](const Gathered& g) {
+          return g.total.first->code == f.code && g.total.first->severity == f.severity;
+        });
+        if (at == gathered.end()) at = gathered.insert(at, {{&f}});
+        at->total.count += f.count, ++at->total.places;
+        at->total.files += std::exchange(at->last, &file) != &file;
+        at->own.insert(own);
+      });
+  std::stable_sort(gathered.begin(), gathered.end(), [](const Gathered& a, const Gathered& b) {
+    return a.total.first->severity > b.total.first->severity;
+  });
+  std::vector<CodeTotal> totals;
+  for (Gathered& g : gathered) {
+    for (const JudgedFile& file : files)
+      for (const JudgedPrimitive& p : file.primitives)
+        for (const Severity own : g.own) g.total.known += p.known_count(g.total.first->code, own);
+    totals.push_back(g.total);
+  }
+  return totals;
+}
+
+// "6 parts: 6 fail", of a file with several.
+std::string overview(const JudgedFile& file) {
+  std::array<std::size_t, verdict_names.size()> verdicts{};
+  std::size_t count = 0;
+  bool with_parts = false;
+  for (const JudgedPrimitive& p : file.primitives) {
+    with_parts |= p.assessments.size() > 1;
+    for (const Assessment& j : p.assessments) ++count, ++verdicts[static_cast<std::size_t>(j.report.verdict)];
+  }
+  const char* what = !with_parts ? "meshes" : file.primitives.size() == 1 ? "parts" : "meshes and parts";
+  return count < 2 ? "" : std::to_string(count) + ' ' + what + ": " + counted(verdicts);
+}
+
+// The same with all codes: "6 parts: 6 fail; TANGENT_ANGLE 720; warnings: NORMAL_ANGLE 12".
+std::string overview_with_codes(const JudgedFile& file) {
+  std::string text = overview(file);
+  if (text.empty()) return text;
+  std::string errors, warnings;
+  for (const CodeTotal& t : totals_of(std::span(&file, 1))) {
+    std::string& list = t.first->severity == Severity::error ? errors : warnings;
+    list += (list.empty() ? "" : ", ") + std::string(t.first->code) + ' ' + std::to_string(t.count);
+  }
+  if (!errors.empty()) text += "; " + errors;
+  if (!warnings.empty()) text += "; warnings: " + warnings;
+  return text;
+}
+
 // What was found in a file, without tables and notes.
 void print_summary(const JudgedFile& file, bool with_baseline) {
-  struct Total {
-    const Finding* first;
-    std::size_t count = 0, places = 0, known = 0;
-  };
-  std::vector<Total> totals;
-  std::array<std::size_t, verdict_names.size()> verdicts{};
-  std::size_t assessments = 0;
-  for (const JudgedPrimitive& p : file.primitives) {
-    for (const Assessment& j : p.assessments) {
-      ++assessments;
-      ++verdicts[static_cast<std::size_t>(j.report.verdict)];
-      for (const Finding& f : j.report.findings) {
-        if (f.severity == Severity::info) continue;
-        auto at = std::find_if(totals.begin(), totals.end(),
-                               [&](const Total& t) { return t.first->code == f.code; });
-        if (at == totals.end()) at = totals.insert(at, {&f});
-        at->count += f.count, ++at->places;
-      }
-    }
-    for (Total& t : totals) t.known += p.known_count(t.first->code);
-  }
-  if (assessments > 1) std::cout << "  " << assessments << " meshes and parts: " << counted(verdicts) << '\n';
-  std::stable_sort(totals.begin(), totals.end(),
-                   [](const Total& a, const Total& b) { return a.first->severity > b.first->severity; });
-  for (const Total& t : totals) {
+  const std::string first = overview(file);
+  if (!first.empty()) std::cout << "  " << first << '\n';
+  for (const CodeTotal& t : totals_of(std::span(&file, 1))) {
     std::string count = std::to_string(t.count);
-    if (assessments > 1) count += " in " + std::to_string(t.places) + " of them";
+    if (!first.empty()) count += " in " + std::to_string(t.places) + " of them";
     if (with_baseline) count += ", " + std::to_string(t.known) + " in the baseline";
     print_finding(t.first->severity, t.first->code, count, t.first->message);
   }
 }
 
-// What of a code there is over all files.
-struct CodeTotal {
-  const Finding* first;
-  Severity severity;
-  std::size_t count = 0, files = 0;
-};
+// Why there is nothing to judge in a file.
+std::string nothing_because(const JudgedFile& file) {
+  const bool triangles = std::any_of(file.primitives.begin(), file.primitives.end(), [](const auto& p) {
+    return std::any_of(p.assessments.begin(), p.assessments.end(),
+                       [](const Assessment& j) { return j.report.corners > 0; });
+  });
+  return triangles ? "neither normals nor tangents to judge" : "no triangles to judge";
+}
 
-std::vector<CodeTotal> totals_of(std::span<const JudgedFile> files) {
-  std::vector<CodeTotal> totals;
+// Whether something in it has to be looked at.
+bool has_something(const JudgedFile& file) {
+  return file.verdict > Verdict::pass || file.lost || !totals_of(std::span(&file, 1)).empty();
+}
+
+// "is not JSON, expected ...": of the reason why a file cannot be read the first sentence, without its path.
+std::string first_sentence(const JudgedFile& file) {
+  std::string text = one_line(file.error);
+  const std::string path = one_line(file.path) + ": ";
+  if (text.starts_with(path)) text.erase(0, path.size());
+  return text.substr(0, std::min(text.find(". "), text.size()));
+}
+
+std::string files_text(std::size_t count) {
+  return std::to_string(count) + (count == 1 ? " file" : " files");
+}
+
+// Files that fail, are undetermined or cannot be read, a line each.
+void print_bad(const std::vector<JudgedFile>& files, bool with_baseline) {
+  const auto print = [&](const char* title, auto&& is_wanted, auto&& text) {
+    bool first = true;
+    for (const JudgedFile& file : files) {
+      if (!is_wanted(file)) continue;
+      if (first) std::cout << title << ":\n";
+      first = false;
+      std::cout << "  " << one_line(file.path) << ": " << text(file)
+                << (with_baseline && !file.worse ? " (no worse than in the baseline)" : "") << '\n';
+    }
+  };
+  const auto first_code = [](const JudgedFile& file) {
+    std::vector<CodeTotal> totals = totals_of(std::span(&file, 1));
+    const auto is_reason = [&](const CodeTotal& t) {
+      return file.verdict == Verdict::fail ? t.first->severity == Severity::error
+                                           : t.first->code == finding(Code::undetermined, 1).code;
+    };
+    std::erase_if(totals, [&](const CodeTotal& t) { return !is_reason(t); });
+    if (totals.empty()) return finding(Code::undetermined, 1).message;  // the finding is ignored
+    return std::string(totals[0].first->code) + " (" + std::to_string(totals[0].count) + ")" +
+           (totals.size() > 1 ? " and " + std::to_string(totals.size() - 1) +
+                                    (totals.size() == 2 ? " more code" : " more codes")
+                              : std::string());
+  };
+  const auto is = [](Verdict verdict) {
+    return [verdict](const JudgedFile& file) { return file.error.empty() && file.verdict == verdict; };
+  };
+  print("failed", is(Verdict::fail), first_code);
+  print("undetermined", is(Verdict::undetermined), first_code);
+  print(
+      "nothing to judge now, and passed in the baseline", [](const JudgedFile& file) { return file.lost; },
+      [](const JudgedFile& file) { return "holds " + nothing_because(file); });
+  print(
+      "cannot be read", [](const JudgedFile& file) { return !file.error.empty(); }, first_sentence);
+}
+
+// What neither failed nor has to be looked at, a line for each reason.
+void print_rest(const std::vector<JudgedFile>& files) {
+  std::size_t plain = 0, with_warnings = 0;
+  std::map<std::string, std::size_t> nothing, skipped;
   for (const JudgedFile& file : files) {
-    for (const JudgedPrimitive& p : file.primitives)
-      for (const Assessment& j : p.assessments)
-        for (const Finding& f : j.report.findings) {
-          if (f.severity == Severity::info) continue;
-          auto at = std::find_if(totals.begin(), totals.end(), [&](const CodeTotal& t) {
-            return t.first->code == f.code && t.severity == f.severity;
-          });
-          if (at == totals.end()) at = totals.insert(at, {&f, f.severity});
-          at->count += f.count;
-        }
-    for (CodeTotal& t : totals)
-      t.files += std::any_of(file.primitives.begin(), file.primitives.end(), [&](const JudgedPrimitive& p) {
-        return std::any_of(p.assessments.begin(), p.assessments.end(), [&](const Assessment& j) {
-          return std::any_of(j.report.findings.begin(), j.report.findings.end(), [&](const Finding& f) {
-            return f.code == t.first->code && f.severity == t.severity;
-          });
-        });
-      });
+    for (const SkippedPrimitive& s : file.skipped) ++skipped[s.reason];
+    if (!file.error.empty() || file.verdict > Verdict::pass) continue;
+    if (file.verdict == Verdict::nothing)
+      ++nothing[nothing_because(file)];
+    else
+      ++(has_something(file) ? with_warnings : plain);
   }
-  std::stable_sort(totals.begin(), totals.end(),
-                   [](const CodeTotal& a, const CodeTotal& b) { return a.severity > b.severity; });
-  return totals;
+  if (plain + with_warnings + nothing.size() + skipped.size() > 0) std::cout << "the rest:\n";
+  if (plain > 0) std::cout << "  " << files_text(plain) << ": pass, nothing found\n";
+  if (with_warnings > 0) std::cout << "  " << files_text(with_warnings) << ": pass, with warnings\n";
+  for (const auto& [reason, count] : nothing)
+    std::cout << "  " << files_text(count) << ": " << reason << '\n';
+  for (const auto& [reason, count] : skipped)
+    std::cout << "  " << count << (count == 1 ? " primitive" : " primitives") << " not judged: " << reason
+              << '\n';
 }
 
-// What is wrong with a file, a line each code, and what to do.
-void print_failure(const JudgedFile& file) {
-  std::cout << "  " << one_line(file.path) << '\n';
-  if (!file.error.empty()) {
-    std::cout << "    cannot be read\n";
-    return;
-  }
-  for (const CodeTotal& t : totals_of(std::span(&file, 1)))
-    if (t.severity == Severity::error)
-      std::cout << "    " << t.first->code << " (" << t.count << "), to do: " << t.first->to_do << '\n';
-  if (file.verdict == Verdict::undetermined)
-    std::cout << "    undetermined: nothing could judge its tangents\n";
-}
-
-// The end of a report of several files, that reads alone: how many of each verdict, what was found, which
-// files failed.
-void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable) {
-  constexpr std::size_t most_failures = 12;
+// The end of a report of several files, that reads alone: what was found and what to do, which files failed
+// or cannot be read, of the others how many.
+void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable, bool with_baseline) {
   std::array<std::size_t, verdict_names.size()> verdicts{};
   for (const JudgedFile& file : files)
     if (file.error.empty()) ++verdicts[static_cast<std::size_t>(file.verdict)];
   const std::vector<CodeTotal> totals = totals_of(files);
   if (!totals.empty()) std::cout << "found:\n";
-  for (const CodeTotal& t : totals)
-    std::cout << "  " << severity_names[static_cast<std::size_t>(t.severity)] << ' ' << t.first->code << ": "
-              << t.count << " in " << t.files << (t.files == 1 ? " file" : " files") << '\n';
-  std::size_t bad = 0;
-  for (const JudgedFile& file : files) {
-    if (file.verdict <= Verdict::pass && file.error.empty()) continue;
-    if (++bad == 1) std::cout << "failed or undetermined:\n";
-    if (bad <= most_failures) print_failure(file);
+  for (const CodeTotal& t : totals) {
+    std::cout << "  " << severity_names[static_cast<std::size_t>(t.first->severity)] << ' ' << t.first->code
+              << ": " << t.count << " in " << files_text(t.files);
+    if (t.first->severity == Severity::error) std::cout << ". To do: " << t.first->to_do;
+    std::cout << '\n';
   }
-  if (bad > most_failures) std::cout << "  and " << bad - most_failures << " more above\n";
+  print_bad(files, with_baseline);
+  print_rest(files);
   std::string text = counted(verdicts);
   if (unreadable > 0) text += (text.empty() ? "" : ", ") + std::to_string(unreadable) + " unreadable";
   std::cout << files.size() << " files: " << text << '\n';
@@ -221,26 +305,31 @@ void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool
   std::size_t assessments = 0, unreadable = 0;
   for (const JudgedFile& file : files)
     for (const JudgedPrimitive& p : file.primitives) assessments += p.assessments.size();
-  const bool tables = details || assessments <= most_tables;
+  const bool tables = details || (assessments <= most_tables && files.size() <= most_tables);
   for (const JudgedFile& file : files) {
     if (!file.error.empty()) {
       ++unreadable;
       continue;
     }
+    if (!tables && !has_something(file)) continue;
     std::cout << one_line(file.path) << ": " << verdict_names[static_cast<std::size_t>(file.verdict)] << '\n';
-    if (file.primitives.empty()) std::cout << "  holds no triangles to judge\n";
-    if (tables)
-      for (const JudgedPrimitive& p : file.primitives)
-        for (const Assessment& j : p.assessments) print_assessment(p, j, with_baseline);
-    else
+    if (file.verdict == Verdict::nothing)
+      std::cout << "  holds " << nothing_because(file) << (file.lost ? "; it passed in the baseline" : "")
+                << '\n';
+    if (!tables) {
       print_summary(file, with_baseline);
+      continue;
+    }
+    if (const std::string line = overview_with_codes(file); !line.empty()) std::cout << "  " << line << '\n';
+    for (const JudgedPrimitive& p : file.primitives)
+      for (std::size_t a = 0; a < p.assessments.size(); ++a) print_assessment(p, a, with_baseline);
     for (const SkippedPrimitive& s : file.skipped)
       std::cout << "  mesh " << s.mesh << " primitive " << s.primitive << " not judged: " << s.reason << '\n';
   }
   if (!tables)
     std::cout << "--details shows a table and the notes of each of the " << assessments
-              << " meshes and parts\n";
-  if (files.size() > 1) print_closing(files, unreadable);
+              << " meshes and parts, and of files that are not listed here\n";
+  if (files.size() > 1) print_closing(files, unreadable, with_baseline);
   std::map<std::string, std::size_t> ignored;
   for (const JudgedFile& file : files)
     for (const auto& [code, count] : file.ignored) ignored[code] += count;

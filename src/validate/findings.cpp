@@ -121,8 +121,12 @@ constexpr std::array kinds{
                 "nodes scale the mesh unevenly (counted in nodes): tangents must go by M, normals by its "
                 "inverse transpose",
                 "see that the renderer takes normals by the inverse transpose"},
+    FindingKind{
+        "UNDETERMINED", warning,
+        "neither a surface nor the triangles could judge what is stored (counted in meshes and parts)",
+        "declare the surface, or let the triangles judge: --surface, --reference"},
 };
-static_assert(kinds.size() == static_cast<std::size_t>(Code::node_scale_not_uniform) + 1);
+static_assert(kinds.size() == static_cast<std::size_t>(Code::undetermined) + 1);
 
 }  // namespace
 

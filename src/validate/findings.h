@@ -52,6 +52,7 @@ enum class Code : std::size_t {
   vertex_unreferenced,
   node_mirrored,
   node_scale_not_uniform,
+  undetermined,
 };
 inline constexpr std::size_t corner_errors = 12;
 

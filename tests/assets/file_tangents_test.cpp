@@ -435,6 +435,80 @@ TEST(FileTangents, FollowTheUvsOfTheTextureThatReadsThem) {
   }
 }
 
+// What reads the frame reads the uvs after its KHR_texture_transform. The formula is the extension's:
+// translation rotation scale uv, with columns (cos, -sin) and (sin, cos) of the rotation.
+TEST(FileTangents, FollowTheTransformOfTheTextureThatReadsThem) {
+  const double angle = 0.7, c = std::cos(angle), s = std::sin(angle);
+  const double scale[] = {-2, 0.5}, offset[] = {0.25, -3};  // mirrored: w turns too
+  const auto by_hand = [&](double u, double v) {
+    return std::array{static_cast<float>(c * scale[0] * u + s * scale[1] * v + offset[0]),
+                      static_cast<float>(-s * scale[0] * u + c * scale[1] * v + offset[1])};
+  };
+  // Four triangles about a vertex off the plane, sheared uvs; a morph target that moves uvs.
+  const std::vector<float> uvs{0, 0, 1, 0.1f, 1.2f, 1, 0, 0.9f, 0.4f, 0.6f};
+  const std::vector<float> moves{0, 0, 0.5f, 0, 0, 0.25f, 0, 0, 0.125f, 0.25f};
+  std::vector<float> hand, hand_moves;
+  for (std::size_t i = 0; i < uvs.size(); i += 2) {
+    const auto at = by_hand(uvs[i], uvs[i + 1]);
+    const auto moved = by_hand(double(uvs[i]) + moves[i], double(uvs[i + 1]) + moves[i + 1]);
+    for (std::size_t k = 0; k < 2; ++k) hand.push_back(at[k]), hand_moves.push_back(moved[k] - at[k]);
+  }
+  const auto file = [&](const std::vector<float>& of, const std::vector<float>& moved, const Json& material) {
+    Builder b;
+    const auto packed = [&](const std::vector<float>& values) {
+      const std::string bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+      return b.accessor("VEC2", 5126, 5, {{"bufferView", b.view(bytes)}});
+    };
+    b.primitive(
+        {{"POSITION", b.positions({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5f, 0.5f, 0.5f})},
+         {"NORMAL", b.packed<float>("VEC3", 5126, 5, {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1})},
+         {"TEXCOORD_0", packed(uvs)},
+         {"TEXCOORD_1", packed(of)}},
+        {{"indices", b.packed<std::uint16_t>("SCALAR", 5123, 12, {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4})},
+         {"targets", {{{"TEXCOORD_1", packed(moved)}}}},
+         {"material", 0}});
+    b.json["materials"] = Json::array({material});
+    return b;
+  };
+  const auto tangents = [&](const Builder& b) {
+    const Rewritten r = rewrite(b);
+    const Json& json = r.after.json["meshes"][0]["primitives"][0];
+    std::vector<float> values;
+    for (const auto& t : test::corner_floats<4>(r.after, json, json["attributes"]["TANGENT"]))
+      values.insert(values.end(), t.begin(), t.end());
+    for (const auto& t : test::corner_floats<3>(r.after, json, json["targets"][0]["TANGENT"]))
+      values.insert(values.end(), t.begin(), t.end());
+    return values;
+  };
+  const auto texture = [](const Json& transform) {
+    return Json{{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}};
+  };
+  const Json transform{{"offset", offset}, {"rotation", angle}, {"scale", scale}, {"texCoord", 1}};
+  const Json turned = texture(transform), plain{{"index", 0}, {"texCoord", 1}};
+  const auto extension = [](const char* name, const char* property, const Json& value) {
+    return Json{{"extensions", {{name, {{property, value}}}}}};
+  };
+  const auto expected = tangents(file(hand, hand_moves, {{"normalTexture", plain}}));
+  const auto untransformed = tangents(file(uvs, moves, {{"normalTexture", plain}}));
+  EXPECT_NE(expected, untransformed);
+  for (const Json& material : {Json{{"normalTexture", turned}},
+                               extension("KHR_materials_clearcoat", "clearcoatNormalTexture", turned),
+                               extension("KHR_materials_anisotropy", "anisotropyTexture", turned)}) {
+    const auto got = tangents(file(uvs, moves, material));
+    ASSERT_EQ(got.size(), expected.size());
+    // The uvs by hand are rounded to float twice, base and delta; a float's last bit of uvs up to 4, over
+    // edges of 0.2 and more.
+    for (std::size_t i = 0; i < got.size(); ++i) EXPECT_NEAR(got[i], expected[i], 4 * 1.2e-7 / 0.2) << i;
+  }
+  // The first texture decides; a transform that leaves no direction is not applied.
+  Json both = extension("KHR_materials_clearcoat", "clearcoatNormalTexture", turned);
+  both["normalTexture"] = plain;
+  EXPECT_EQ(tangents(file(uvs, moves, both)), untransformed);
+  Json flat = transform;
+  flat["scale"] = {0, 1};
+  EXPECT_EQ(tangents(file(uvs, moves, {{"normalTexture", texture(flat)}})), untransformed);
+}
+
 // ---- the document's own functions
 
 #define EXPECT_MESH_REFUSED(statement, words) \

@@ -13,7 +13,7 @@ need_npm "$work" ajv@6.12.6 @microsoft/jest-sarif@1.0.0-beta.0 xmllint-wasm@5.3.
 rm -rf "$work/run"
 mkdir -p "$work/run/out"
 cd "$work/run"
-assess() {  # judge NAME WANTED_STATUS ARGUMENT...
+judge() {  # judge NAME WANTED_STATUS ARGUMENT...
   local name=$1 wanted=$2 status=0
   shift 2
   "$tool" validate "$@" --sarif "out/$name.sarif" --junit "out/$name.xml" >/dev/null 2>&1 || status=$?
@@ -23,6 +23,8 @@ assess() {  # judge NAME WANTED_STATUS ARGUMENT...
   local failed=0
   ! grep -qE '<(failure|error) ' "out/$name.xml" || failed=1
   [ $((status > 0)) = $failed ] || { echo "FAILED: $name: status $status, but the XML says otherwise"; exit 1; }
+  # And SARIF has a result where there is something to say.
+  [ $status = 0 ] || grep -q '"ruleId"' "out/$name.sarif" || { echo "FAILED: $name: status $status without a result"; exit 1; }
 }
 mkdir -p assets/deep empty
 cp "$data/torus_016.three.glb" assets/good.glb
@@ -33,6 +35,25 @@ judge absolute 1 "$PWD/assets" --fail-on TANGENT_NOT_MIKKTSPACE
 judge all 1 "$data"
 judge strict 1 "$data" --strict --ignore TANGENT_HANDEDNESS_CONVENTION
 judge local 1 "$data" --reference local,mikktspace
+
+# Nothing but undetermined: with and without --strict, also where the baseline passed or was undetermined.
+cp "$data/torus_032.mikk.glb" bare.glb
+"$tool" validate bare.glb --json >passed.json
+judge undetermined 1 bare.glb --reference mikktspace
+"$tool" validate bare.glb --reference mikktspace --json >undetermined.json || true
+for strict in "" --strict; do
+  judge "undetermined_now$strict" 1 bare.glb --reference mikktspace --baseline passed.json $strict
+  judge "undetermined_still$strict" 0 bare.glb --reference mikktspace --baseline undetermined.json $strict
+done
+judge undetermined_strict 1 bare.glb --reference mikktspace --strict
+grep -q '"ruleId": "UNDETERMINED"' out/undetermined_now--strict.sarif || { echo "FAILED: no reason in SARIF"; exit 1; }
+
+# A file that passed and holds nothing any more.
+cp bare.glb emptied.gltf
+"$tool" validate emptied.gltf --json >full.json
+printf '{"asset": {"version": "2.0"}}' >emptied.gltf
+judge emptied 1 emptied.gltf --baseline full.json
+judge empty_at_first 0 emptied.gltf
 
 # A control character, a byte that is no UTF-8, one of the two characters that XML lacks, and what has a meaning in XML and URIs.
 awkward=$'\x01\xff\xef\xbf\xbf<&">\'%# é:.'

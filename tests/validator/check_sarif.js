@@ -11,9 +11,17 @@ let failed = 0, results = 0;
 for (const file of process.argv.slice(2)) {
   const text = fs.readFileSync(file, 'utf8'), log = JSON.parse(text);
   for (const run of log.runs) results += run.results.length;
+  const fault = text => { ++failed, console.log(`FAILED: ${file}: ${text}`); };
+  // Links lead to the web, or there are none: a path where the tool was installed says nothing to a reader.
   for (const rule of log.runs.flatMap(run => run.tool.driver.rules))
-    if (!rule.helpUri?.endsWith('/findings.md#' + rule.id.toLowerCase()))
-      ++failed, console.log(`FAILED: ${file}: ${rule.id} has no helpUri`);
+    if (rule.helpUri && !/^https?:.*\/findings\.md#/.test(rule.helpUri)) fault(`${rule.id} links to ${rule.helpUri}`);
+    else if (!rule.help?.text) fault(`${rule.id} has no help`);
+  const seen = new Set();
+  for (const r of log.runs.flatMap(run => run.results)) {
+    const key = r.locations[0].physicalLocation.artifactLocation.uri + ' ' + r.partialFingerprints.primaryLocationLineHash;
+    if (seen.has(key)) fault(`two results have the fingerprint ${key}`);
+    seen.add(key);
+  }
   if (permits(log)) continue;
   ++failed;
   console.log(`FAILED: ${file}: ${ajv.errorsText(permits.errors, {separator: '\n  '})}`);
