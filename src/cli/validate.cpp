@@ -272,7 +272,7 @@ void add_validate(CLI::App& app, Common& common) {
                  "or '*.stl'");
   sub.add_option(
       "--budget", arguments->budget,
-      "seconds per mesh after which no further surface is looked for (the rest is always complete)");
+      "seconds per file after which no further surface is looked for (the rest is always complete)");
   sub.add_flag("--github", arguments->github, "also print annotations for GitHub's workflows");
   sub.add_option("--baseline", arguments->baseline,
                  "an earlier --json report: only what is worse than there makes the exit status 1 or 2");
