@@ -1,13 +1,18 @@
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
+#include <span>
 
 #include <darboux/assess.h>
 #include <darboux/error.h>
+#include <darboux/frame.h>
 
 #include "fit/common/kinds.h"
 #include "mesh/triangle_signs.h"
 #include "recognise.h"
 #include "uv_choice.h"
+#include "validate/angles.h"
 #include "validate/findings.h"
 #include "validate/parts.h"
 
@@ -73,7 +78,7 @@ bool is_planar(const AnySurface& surface) {
 }
 
 Assessment assessment_of(const Subject& subject, Recognised recognised, const AssessOptions& options,
-                       bool declared) {
+                         bool declared) {
   const bool fits = recognised.fits();
   const bool planar = fits && is_planar(recognised.fit->surface.surface);
   const Basis basis = declared || recognised.declared ? Basis::declared
@@ -191,24 +196,59 @@ struct Parts {
   }
 };
 
+// Vertices that belong to two parts whose frames differ: no one normal, or no one tangent, is right for both.
+// A vertex is that of another part where positions and normals are the same; uvs may differ, and so may the
+// indices, as in files with one vertex per corner. \param parts those that are recognised and the rest
+std::vector<bool> between_parts(const Mesh& mesh, const VertexJoins& joins,
+                                std::span<const RecognisedPart> parts, double max_angle_deg) {
+  const std::size_t n = joins.position_and_normal.size();
+  struct First {
+    std::uint32_t part, vertex;  // counted from 1; its vertex in the part
+  };
+  std::vector<First> first(n, First{0, 0});
+  std::vector<bool> group(n, false);
+  const double limit = max_angle_deg / degrees_per_radian;
+  const auto differ = [&](const First& a, const First& b) {
+    const RecognisedPart &p = parts[a.part - 1], &q = parts[b.part - 1];
+    if (p.recognised.truth.empty() || q.recognised.truth.empty()) return true;
+    const Truth &s = p.recognised.truth[a.vertex], &t = q.recognised.truth[b.vertex];
+    if (s.pole || t.pole) return true;
+    const double turn = angle_between(s.normal, t.normal);
+    if (!(std::fmin(turn, std::numbers::pi - turn) <= limit)) return true;
+    const std::uint32_t v = p.part.vertices[a.vertex], w = q.part.vertices[b.vertex];
+    const bool one_tangent = !mesh.tangents.empty() && mesh.tangents[v] == mesh.tangents[w] &&
+                             (mesh.uvs.empty() || mesh.uvs[v] == mesh.uvs[w]);
+    return one_tangent && !(angle_between(s.tangent, t.tangent) <= limit);
+  };
+  for (std::uint32_t k = 0; k < parts.size(); ++k)
+    for (std::uint32_t i = 0; i < parts[k].part.vertices.size(); ++i) {
+      const std::uint32_t at = joins.position_and_normal[parts[k].part.vertices[i]];
+      const First here{k + 1, i};
+      if (first[at].part == 0) first[at] = here;
+      if (first[at].part != here.part && differ(first[at], here)) group[at] = true;
+    }
+  std::vector<bool> result(n);
+  for (std::uint32_t v = 0; v < n; ++v) result[v] = group[joins.position_and_normal[v]];
+  return result;
+}
+
 std::vector<Assessment> judge_each(Subject whole, std::vector<RecognisedPart> parts,
-                                  const AssessOptions& options) {
+                                   const AssessOptions& options) {
   const Mesh& mesh = whole.mesh;
   std::vector<bool> is_pole(mesh.positions.size(), false);
   for (const RecognisedPart& p : parts)
     for (std::size_t v = 0; v < p.recognised.truth.size(); ++v)
       if (p.recognised.truth[v].pole) is_pole[p.part.vertices[v]] = true;
   classify_subject(whole, is_pole, options);
-  // A vertex of two parts is at a crease of theirs, and no one frame is right there.
-  std::vector<std::uint32_t> parts_at(mesh.positions.size(), 0);
-  for (const RecognisedPart& p : parts)
-    for (const std::uint32_t v : p.part.vertices)
-      if (++parts_at[v] == 2 && !is_pole[v]) whole.classes.of_vertex[v] = VertexClass::crease;
+  const std::vector<bool> between = between_parts(mesh, whole.joins, parts, options.max_angle_deg);
+  whole.between_parts = between;
+  for (std::uint32_t v = 0; v < between.size(); ++v)
+    if (between[v] && !is_pole[v]) whole.classes.of_vertex[v] = VertexClass::crease;
   std::vector<Assessment> result;
   for (RecognisedPart& p : parts) {
     std::vector<bool> shared(p.part.vertices.size());
     for (std::size_t v = 0; v < shared.size(); ++v) {
-      shared[v] = parts_at[p.part.vertices[v]] > 1;
+      shared[v] = between[p.part.vertices[v]];
       if (shared[v] && !p.recognised.truth.empty())
         p.recognised.truth[v].normal = detail::nan_vector<double>();
     }
@@ -233,15 +273,16 @@ Recognised look_at_whole(const Subject& subject, const AssessOptions& options, E
                                     : recognise(subject.mesh, subject.raw_sign, options.placement, effort);
 }
 
-void note_budget(MeshReport& report, const Effort& effort) {
-  add(report, finding(Code::budget_spent, effort.spent() ? std::max<std::size_t>(report.corners, 1) : 0));
+void note_effort(MeshReport& report, const Effort& effort) {
+  add(report, finding(Code::parts_in_brief, effort.searched_briefly()));
+  add(report, finding(Code::budget_spent, effort.cut_short() ? std::max<std::size_t>(report.corners, 1) : 0));
 }
 
 // Calls judge_as(mesh, options) with the uvs that the tangents follow, and says which they are. Nothing where
 // they are the mesh's.
 template <class JudgeAs>
 std::optional<std::vector<Assessment>> judge_by_other_uvs(const Mesh& mesh, const AssessOptions& options,
-                                                         const JudgeAs& judge_as) {
+                                                          const JudgeAs& judge_as) {
   std::optional<UvChoice> choice = choose_uvs(mesh, options);
   if (!choice) return std::nullopt;
   Mesh other = mesh;
@@ -271,7 +312,7 @@ Assessment assess(const Mesh& mesh, const AssessOptions& options) {
   Effort effort(options.budget);
   Recognised recognised = look_at_whole(subject, options, effort);
   Assessment result = judge_whole(std::move(subject), std::move(recognised), options);
-  note_budget(result.report, effort);
+  note_effort(result.report, effort);
   return result;
 }
 
@@ -294,7 +335,7 @@ std::vector<Assessment> assess_parts(const Mesh& mesh, const AssessOptions& opti
   if (parts.recognised.empty()) {
     Assessment result = judge_whole(std::move(subject), std::move(whole), options);
     add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
-    note_budget(result.report, effort);
+    note_effort(result.report, effort);
     return {std::move(result)};
   }
   if (!parts.rest.empty()) {
@@ -320,7 +361,7 @@ std::vector<Assessment> assess_parts(const Mesh& mesh, const AssessOptions& opti
   add(first, finding(Code::vertex_unreferenced,
                      static_cast<std::size_t>(std::count(used.begin(), used.end(), false))));
   add(first, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
-  note_budget(first, effort);
+  note_effort(first, effort);
   return result;
 }
 

@@ -77,7 +77,7 @@ class Search {
     }
     if (!effort_.may_search(shape_)) {
       result_.reason =
-          effort_.spent() ? ": the time for it was spent" : ": parts like it, or many others, are none";
+          effort_.has_failed(shape_) ? ": parts like it are none" : ": the time for it was spent";
       return std::move(result_);
     }
     look_for_surface();
@@ -87,16 +87,15 @@ class Search {
 
  private:
   static constexpr std::array<std::string_view, 2> planar_{"plane", "disk"};
+  static constexpr std::array<std::string_view, 4> found_in_brief{"sphere", "cylinder", "cone", "torus"};
 
   std::optional<MeshFit> by_uvs(std::span<const std::string_view> kinds, UvMaps maps) {
     if (mesh_.uvs.empty() || !shape_.one_chart) return std::nullopt;
     try {
       std::optional<MeshFit> fit = fit_kinds(mesh_, placement_, kinds, maps, signs_);
       if (fit && !fit->fits) {
-        if (!result_.fit || fit->rms_relative < result_.fit->rms_relative) {
-          result_.reason = nearest_fit(*fit);
-          result_.fit = std::move(*fit);
-        }
+        // Which kind comes nearest to what is none of them says nothing.
+        if (!result_.fit || fit->rms_relative < result_.fit->rms_relative) result_.fit = std::move(*fit);
         return std::nullopt;
       }
       return fit;
@@ -128,12 +127,20 @@ class Search {
 
   void look_for_plane() {
     Evidence evidence{-10, "polygon", ""};
+    // Of corners, so that it is the same however many vertices they share.
     std::size_t agree = 0, compared = 0;
-    for (const Vec3<double>& n : mesh_.normals) {
-      if (!detail::finite(n) || n == Vec3<double>{}) continue;
-      ++compared;
-      agree += std::fabs(to_eigen(n).normalized().dot(shape_.plane_normal)) >= 0.996;  // 5 degrees
+    std::vector<signed char> agrees(mesh_.normals.size(), -1);  // -1: there is none
+    for (std::size_t v = 0; v < agrees.size(); ++v) {
+      const Vec3<double>& n = mesh_.normals[v];
+      if (detail::finite(n) && n != Vec3<double>{})
+        agrees[v] = std::fabs(to_eigen(n).normalized().dot(shape_.plane_normal)) >= 0.996;  // 5 degrees
     }
+    if (!agrees.empty())
+      for (const Triangle& t : mesh_.triangles)
+        for (const std::uint32_t v : t) {
+          compared += agrees[v] >= 0;
+          agree += agrees[v] > 0;
+        }
     if (static_cast<double>(agree) < plane_normals * static_cast<double>(compared)) {
       evidence.rival = "authored normals";
       evidence.text = "the places lie in a plane, the normals are others";
@@ -154,6 +161,18 @@ class Search {
     result_.evidence = std::move(evidence);
   }
 
+  // By positions and normals, and then through uvs. \param brief leaves out what is slow
+  bool weigh_by_places(std::string_view kind, bool brief) {
+    std::optional<MeshFit> fit;
+    if (!placement_) fit = fit_by_normals(mesh_, shape_, kind);
+    if (!fit && (!brief || kind == "sphere") &&
+        (mesh_.normals.empty() || shape_.places.size() >= fewest_by_positions))
+      fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
+    if (!fit) return false;
+    if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
+    return weigh(std::move(*fit));
+  }
+
   // From the quick to the slow.
   void look_for_surface() {
     if (!charted_.empty()) {
@@ -165,6 +184,11 @@ class Search {
     const auto ruled_out = [&](std::string_view kind) {
       return !may_be(kind, quadric) || (kind == "torus" && no_torus);
     };
+    if (effort_.must_be_brief()) {
+      for (const std::string_view kind : found_in_brief)
+        if (!ruled_out(kind) && !effort_.spent() && weigh_by_places(kind, true)) return;
+      return;
+    }
     std::vector<std::string_view> kinds;
     for (const std::string_view kind : fitted_kinds())
       if (!ruled_out(kind)) kinds.push_back(kind);
@@ -172,13 +196,7 @@ class Search {
       if (weigh(std::move(*fit))) return;
     for (const std::string_view kind : found_kinds()) {
       if (kind == "plane" || ruled_out(kind) || effort_.spent()) continue;
-      std::optional<MeshFit> fit;
-      if (!placement_) fit = fit_by_normals(mesh_, shape_, kind);
-      if (!fit && (mesh_.normals.empty() || shape_.places.size() >= fewest_by_positions))
-        fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
-      if (!fit) continue;
-      if (auto charted = by_uvs(std::array{kind}, UvMaps::affine)) fit = std::move(charted);
-      if (weigh(std::move(*fit))) return;
+      if (weigh_by_places(kind, false)) return;
     }
     if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine(shape_))
       return;
@@ -198,7 +216,7 @@ class Search {
 
 namespace {
 
-constexpr std::size_t most_failures = 12;
+constexpr std::size_t thorough_failures = 12;
 
 // What parts that repeat have in common, wherever they lie.
 Effort::Outline outline(const Shape& shape) {
@@ -217,12 +235,23 @@ Effort::Effort(const std::optional<double>& budget) {
 }
 
 bool Effort::spent() const {
-  return until_ && std::chrono::steady_clock::now() >= *until_;
+  const bool spent = until_ && std::chrono::steady_clock::now() >= *until_;
+  cut_short_ = cut_short_ || spent;
+  return spent;
 }
 
 bool Effort::may_search(const Shape& shape) const {
-  return !spent() && failed_.size() < most_failures &&
-         std::find(failed_.begin(), failed_.end(), outline(shape)) == failed_.end();
+  return !has_failed(shape) && !spent();
+}
+
+bool Effort::has_failed(const Shape& shape) const {
+  return std::find(failed_.begin(), failed_.end(), outline(shape)) != failed_.end();
+}
+
+bool Effort::must_be_brief() {
+  const bool brief = failed_.size() >= thorough_failures;
+  searched_briefly_ += brief;
+  return brief;
 }
 
 void Effort::failed(const Shape& shape) {
@@ -231,7 +260,7 @@ void Effort::failed(const Shape& shape) {
 
 bool Effort::may_search_affine(const Shape& shape) {
   if (!one_chart_) one_chart_ = shape.one_chart;
-  return *one_chart_ && shape.one_chart && !spent() && affine_-- > 0;
+  return *one_chart_ && shape.one_chart && affine_ > 0 && !spent() && affine_-- > 0;
 }
 
 Recognised recognise(const Mesh& mesh, std::span<const signed char> signs,

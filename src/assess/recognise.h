@@ -31,22 +31,29 @@ struct Recognised {
 std::string nearest_fit(const MeshFit& fit);
 
 // How much may still be tried on one mesh: parts like those that were no surface are not tried again, and
-// after some of them no others either.
+// after a dozen of them the others are looked at briefly.
 class Effort {
  public:
   using Outline = std::array<std::size_t, 5>;
 
   explicit Effort(const std::optional<double>& budget);
-  bool spent() const;  // the budget is
+  bool spent() const;                            // the budget is; ask only where something would be left out
+  bool cut_short() const { return cut_short_; }  // whether something was
   bool may_search(const Shape& shape) const;
+  bool has_failed(const Shape& shape) const;  // one like it has
   void failed(const Shape& shape);
+  // Whether only what costs little may be tried; counts the parts of which that is so.
+  bool must_be_brief();
+  std::size_t searched_briefly() const { return searched_briefly_; }
   // Once, and not in what falls apart into islands of an atlas: only kinds that are found by positions are
   // charted there.
   bool may_search_affine(const Shape& shape);
 
  private:
   std::optional<std::chrono::steady_clock::time_point> until_;
+  mutable bool cut_short_ = false;
   std::vector<Outline> failed_;
+  std::size_t searched_briefly_ = 0;
   int affine_ = 1;
   std::optional<bool> one_chart_;  // of what was looked at first
 };

@@ -1,6 +1,8 @@
 #include "validate_files.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <new>
@@ -229,8 +231,12 @@ std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives) {
   return result;
 }
 
-std::vector<Assessment> judge_primitive(const Primitive& primitive, const AssessOptions& options) {
+// \param begun when the file was, whose primitives share the budget
+std::vector<Assessment> judge_primitive(const Primitive& primitive, const AssessOptions& options,
+                                        std::chrono::steady_clock::time_point begun) {
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
   AssessOptions with_uvs = options;
+  if (options.budget) with_uvs.budget = std::fmax(*options.budget - spent.count(), 0);
   with_uvs.other_uvs = primitive.other_uvs;
   with_uvs.names_uv_set = primitive.names_uv_set;
   with_uvs.texture_transform = primitive.texture_transform;
@@ -244,11 +250,12 @@ void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& po
       Asset asset = read_asset(file.path);
       file.skipped = asset.skipped;
       const std::vector<std::size_t> first = first_of(asset.primitives);
+      const auto begun = std::chrono::steady_clock::now();
       std::map<std::size_t, std::vector<Assessment>> repeated;  // assessments of those that come again
       for (std::size_t i = 0; i < first.size(); ++i) {
         Primitive& primitive = asset.primitives[i];
         std::vector<Assessment> assessments =
-            first[i] < i ? repeated[first[i]] : judge_primitive(primitive, options);
+            first[i] < i ? repeated[first[i]] : judge_primitive(primitive, options, begun);
         if (first[i] == i && std::count(first.begin(), first.end(), i) > 1) repeated[i] = assessments;
         add_node_findings(primitive, assessments.front().report);
         add(assessments.front().report, finding(Code::indices_left_over, primitive.leftover_indices));

@@ -38,6 +38,18 @@ double half_step_of_decimals(const std::vector<Vector>& directions) {
   return most < 2 ? 0 : 0.5 * std::pow(10, -most);
 }
 
+// Whether the file holds decimals: OBJ, Collada, ASCII PLY and ASCII STL. Others round as their numbers do.
+bool is_text(const std::string& path) {
+  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  if (extension == ".obj" || extension == ".dae") return true;
+  std::string begin(1024, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(stream.gcount()));
+  if (extension == ".ply") return begin.find("format ascii") != std::string::npos;
+  return extension == ".stl" && lower(begin.substr(0, 5)) == "solid" && begin.find('\0') == std::string::npos;
+}
+
 Asset read_any(const std::string& path) {
   io::expect_regular_file(path);
   std::string magic(4, '\0');
@@ -60,6 +72,7 @@ Asset read_any(const std::string& path) {
 
 Asset read_asset(const std::string& path) {
   Asset asset = read_any(path);
+  if (!is_text(path)) return asset;
   for (Primitive& p : asset.primitives) {
     if (p.data.half_steps.normal == 0) p.data.half_steps.normal = half_step_of_decimals(p.data.normals);
     if (p.data.half_steps.tangent == 0) p.data.half_steps.tangent = half_step_of_decimals(p.data.tangents);

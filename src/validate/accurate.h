@@ -32,6 +32,7 @@ class Accurate {
 
   bool known() const { return !truth_.empty(); }
   bool declared() const { return basis_ == Basis::declared; }
+  bool has_sides() const { return basis_ != Basis::recognised_unsided; }
   const Truth& truth(std::uint32_t v) const { return truth_[v]; }
   std::span<const Truth> truths() const { return truth_; }
   const Angles& angles(std::uint32_t v) const { return angles_[v]; }

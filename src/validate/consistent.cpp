@@ -140,7 +140,7 @@ class Closely {
     // The frame turns over a triangle about as its normals do.
     if (outside <= one_sided * max_angle_deg_ + degrees_per_radian * normals_turn_ && !is_uniform(cone) &&
         !is_closed())
-      return {Claim::within, 0};
+      return {Claim::none, 0};
     return {uncertain_ ? Claim::none : Claim::beyond, outside};
   }
 

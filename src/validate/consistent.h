@@ -10,7 +10,9 @@
 // diagonal count too: nobody knows along which one the tool that made the tangents cut it. Each dpdu carries
 // the interval that half a rounding step of positions, uvs and normal allows. Where directions span 180
 // degrees or more, or a triangle that tells no direction may have drawn the tangent outside, nothing is
-// claimed.
+// claimed. Nor is it where the triangles lie on one side of a curved vertex only, as at creases, tips and
+// folds of the uvs, and the tangent is outside by no more than three times the limit and the turn of the
+// normals over them: the true direction may lie half a triangle beyond them.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +29,7 @@ class Cones {
  public:
   Cones() = default;
   // \param raw_sign of each triangle, 0 without uv area
-  // \param limit_deg of each vertex: how far outside a tangent may lie; three times max_angle_deg and the
-  // turn of the normals over its triangles where the triangles lie on one side of a curved vertex only, as at
-  // creases, tips and folds of the uvs: the true direction may lie half a triangle beyond them
+  // \param limit_deg of each vertex: how far outside a tangent may lie
   Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
         std::span<const double> limit_deg, double max_angle_deg);
 

@@ -97,7 +97,7 @@ constexpr std::array kinds{
                 "add normals, or compute them when the mesh is loaded"},
     FindingKind{"UV_MISSING", info, "the mesh has no uvs, so tangents have no truth", "unwrap it"},
     FindingKind{"SURFACE_UNKNOWN", info, "no surface of the catalogue fits",
-                "judge another kind in C++, with PlacedSurface"},
+                "nothing; if you know the surface, declare it (--surface)"},
     FindingKind{
         "BUDGET_SPENT", info,
         "the time for recognising surfaces was spent (--budget); what was not looked at counts as unknown",
@@ -110,6 +110,10 @@ constexpr std::array kinds{
     FindingKind{"PARTS_TOO_MANY", info,
                 "the mesh falls into more than 256 parts, which were not looked at for surfaces of their own",
                 "nothing, or give each surface a primitive of its own"},
+    FindingKind{"PARTS_IN_BRIEF", info,
+                "after a dozen parts that are no surface, the others were looked at for spheres, cylinders, "
+                "cones and tori alone (counted in parts)",
+                "nothing, or declare the surface (--surface)"},
     FindingKind{"TRIANGLES_MISSING", info, "the primitive has no triangle (counted in primitives)",
                 "nothing to judge"},
     FindingKind{"VERTEX_UNREFERENCED", info,

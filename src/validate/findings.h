@@ -48,6 +48,7 @@ enum class Code : std::size_t {
   budget_spent,
   crease_shared,
   parts_too_many,
+  parts_in_brief,
   triangles_missing,
   vertex_unreferenced,
   node_mirrored,

@@ -85,6 +85,7 @@ Subject restrict_to(const Subject& whole, const Part& part) {
       subject.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);
     }
     if (!whole.local.empty()) subject.local.push_back(whole.local[v]);
+    if (!whole.between_parts.empty()) subject.between_parts.push_back(whole.between_parts[v]);
   }
   std::unordered_map<std::int32_t, std::int32_t> island;
   for (const std::uint32_t t : part.triangles) {

@@ -15,6 +15,7 @@ Smooth check_smooth(const Subject& subject, const Accurate& accurate, std::span<
   for (std::uint32_t v = 0; v < n; ++v) {
     const VertexClass vertex_class = subject.classes.of_vertex[v];
     if (vertex_class == VertexClass::pole || (!faceted.empty() && faceted[v])) continue;
+    if (!subject.between_parts.empty() && subject.between_parts[v]) continue;
     if (accurate.known() && accurate.normal(v) != Claim::none &&
         (subject.mesh.tangents.empty() || accurate.tangent(v) != Claim::none))
       continue;

@@ -82,7 +82,7 @@ Subject prepare(const Mesh& mesh, const ValidateOptions& options) {
 
 void classify_subject(Subject& subject, const std::vector<bool>& is_pole, const ValidateOptions& options) {
   const Mesh& mesh = subject.mesh;
-  VertexJoins joins;
+  VertexJoins& joins = subject.joins;
   subject.classes = classify(mesh, is_pole, subject.raw_sign, joins);
   subject.normals = check_normals(mesh, joins);
   if (!options.references.triangles || mesh.tangents.empty() || mesh.normals.empty() || mesh.uvs.empty())

@@ -16,6 +16,7 @@ namespace darboux {
 struct Subject {
   const Mesh& mesh;
   MeshClasses classes{};
+  VertexJoins joins{};                  // of its vertices; empty in a part
   std::vector<signed char> raw_sign{};  // of each triangle, 0 without uv area
   // MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it; empty where it is not
   // asked for or the mesh lacks tangents, normals or uvs.
@@ -23,6 +24,7 @@ struct Subject {
   std::vector<bool> across_mirror{};  // vertices that triangles share whose uvs wind differently
   std::vector<bool> has_uv_area{};    // vertices of a triangle with uv area
   std::vector<Truth> local{};         // at each vertex; empty where it is not asked for or there are no uvs
+  std::vector<bool> between_parts{};  // vertices that no one frame is right for; empty: none
   NormalChecks normals{};
   Cones cones{};  // empty where they are not asked for or the mesh lacks tangents, normals or uvs
 };

@@ -109,6 +109,12 @@ class Judge {
     return darboux::limit_of(classes_.of_vertex[v], options_.max_angle_deg);
   }
   bool is_pole(std::uint32_t v) const { return classes_.of_vertex[v] == VertexClass::pole; }
+  // Where a recognised surface ends, people blend its normals into what comes next, and tangents follow.
+  bool may_be_authored(std::uint32_t v) const {
+    const VertexClass c = classes_.of_vertex[v];
+    return !accurate_.declared() &&
+           (c == VertexClass::border || c == VertexClass::seam || c == VertexClass::crease);
+  }
   std::string worst_text(double worst, const std::string& more = {}) const {
     return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) +
            rounded(options_.max_angle_deg, 4) + " in the interior, " +
@@ -209,18 +215,23 @@ Judge::Decider Judge::tangent_error(const CornerGroup& group) const {
   if (accurate_.known()) {
     const Claim claim = accurate_.tangent(v);
     if (claim == Claim::within) return Decider::nobody;
+    const bool authored = may_be_authored(v) && !tangents_explained_ && !subject_.cones.empty() &&
+                          subject_.cones.claim(v, group.sign) == Claim::within;
     if (claim == Claim::beyond && accurate_.decides(accurate_.tangents_agree(), tangents_explained_))
-      return Decider::surface;
+      return authored ? Decider::nobody : Decider::surface;
   }
   const bool outside = !subject_.cones.empty() && subject_.cones.claim(v, group.sign) == Claim::beyond;
   return outside ? Decider::triangles : Decider::nobody;
 }
 
 bool Judge::normal_error(std::uint32_t v) const {
-  const bool within = accurate_.known() && accurate_.normal(v) == Claim::within;
-  if (!mesh_.normals.empty() && subject_.normals.unsupported[v] && !within) return true;
+  const bool unsupported = !mesh_.normals.empty() && subject_.normals.unsupported[v];
+  // Of a plane either side may be out, so that it has nothing to say for a normal against its own triangles.
+  const bool within = accurate_.known() && accurate_.has_sides() && accurate_.normal(v) == Claim::within;
+  if (unsupported && !within) return true;
   return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
-         accurate_.decides(accurate_.normals_agree(), normals_explained_);
+         accurate_.decides(accurate_.normals_agree(), normals_explained_) &&
+         !(may_be_authored(v) && !normals_explained_ && !unsupported);
 }
 
 // The first error that fits.
@@ -273,7 +284,8 @@ void Judge::count_vertex(std::uint32_t v) {
 
 void Judge::judge_corners() {
   std::array<std::size_t, corner_errors> count{};
-  Beyond tangents, normals, surface_tangents, surface_normals, local_tangents, local_normals, poles;
+  Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
+      local_tangents, local_normals, poles;
   std::size_t leaning = 0;
   const auto warn = [](Beyond& where, std::size_t corners, double angle) {
     where.by_surface += corners;
@@ -310,9 +322,13 @@ void Judge::judge_corners() {
     if (is_pole(v) && surface.tangent > limit_of(v)) warn(poles, corners, surface.tangent);
     if (checks_[v].leans) leaning += corners;
     if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
-      warn(surface_tangents, corners, surface.projected_tangent);
+      warn(accurate_.decides(accurate_.tangents_agree(), tangents_explained_) ? authored_tangents
+                                                                              : surface_tangents,
+           corners, surface.projected_tangent);
     if (!normal_error(v) && accurate_.known() && accurate_.normal(v) == Claim::beyond)
-      warn(surface_normals, corners, surface.normal);
+      warn(accurate_.decides(accurate_.normals_agree(), normals_explained_) ? authored_normals
+                                                                            : surface_normals,
+           corners, surface.normal);
     if (subject_.local.empty() || is_pole(v)) return;
     if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
         (!accurate_.known() || accurate_.tangent(v) == Claim::none))
@@ -330,7 +346,9 @@ void Judge::judge_corners() {
       more += "; " + std::to_string(b.in_all) + " in all, of which " +
               std::to_string(b.in_all - b.counted()) +
               " have an error that comes before this one and count there";
-    return worst_text(b.worst, more);
+    // The limits have no part in what the triangles' planes alone decide.
+    return &b == &normals && b.by_surface == 0 && !more.empty() ? " (" + more.substr(2) + ")"
+                                                                : worst_text(b.worst, more);
   };
   for (std::size_t k = 0; k < corner_errors; ++k) {
     const auto code = static_cast<Code>(k);
@@ -342,9 +360,14 @@ void Judge::judge_corners() {
   }
   const std::string_view
       unsure = "; by the recognised surface, with which too few corners agree to call that an error",
+      edge =
+          "; at borders, seams and creases of the recognised surface, where they may be authored: the "
+          "corners' own triangles do not speak against them",
       nearby = "; more than three times that from what neighbouring vertices tell";
   for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, surface_tangents, unsure},
                                      {Code::normal_angle, surface_normals, unsure},
+                                     {Code::tangent_angle, authored_tangents, edge},
+                                     {Code::normal_angle, authored_normals, edge},
                                      {Code::tangent_angle, local_tangents, nearby},
                                      {Code::normal_angle, local_normals, nearby}})
     add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));

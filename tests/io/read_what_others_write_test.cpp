@@ -125,6 +125,13 @@ TEST(ReadWhatOthersWrite, StepsOfDecimals) {
   EXPECT_EQ(step("vn 1 0 0\nvn 0 -1 0\nvn 0 0 1\n"), 0) << "exact";
   EXPECT_EQ(step("vn 0.6 0.8 0\nvn 0 -1 0\nvn 0 0 1\n"), 0) << "exact";
   EXPECT_EQ(step("vn 5.77 5.77 5.77\nvn 0 0.71 0.71\nvn 0 0 1\n"), 0) << "no unit vectors";
+  // A float holds what was meant: 0.577 in a GLB is a length of 0.9994.
+  Builder b = quad();
+  const auto normals =
+      b.packed<float>("VEC3", 5126, 4, {0.577F, 0.577F, 0.577F, 0, 0.707F, 0.707F, 0, 0, 1, 0, 0, 1});
+  const auto positions = b.packed<float>("VEC3", 5126, 4, {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+  b.primitive({{"POSITION", positions}, {"NORMAL", normals}});
+  EXPECT_EQ(read(b.glb()).primitives.at(1).data.half_steps.normal, 0);
   const Mesh mesh = read("vn 0.577 0.577 0.577\nvn 0.408 0.408 0.816\nvn 0 0.707 0.707\n" + faces, "a.obj")
                         .primitives.at(0)
                         .data;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <random>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/assess.h>
+#include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
 #include <darboux/vertex_normals.h>
 
@@ -311,11 +313,141 @@ inline Mesh mesh_of(const Polyhedron& polyhedron, Normals normals, Unwrap unwrap
   return mesh;
 }
 
+// ---- patches ----------------------------------------------------------------------------------------------
+
+// A grid with uvs of its own, seen from where u runs to the right and v up. \param position of (u, v)
+template <class Position>
+void add_grid(Mesh& mesh, int columns, int rows, Position position) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size()),
+             up = static_cast<std::uint32_t>(columns + 1);
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i <= columns; ++i) {
+      const double u = static_cast<double>(i) / columns, v = static_cast<double>(j) / rows;
+      mesh.positions.push_back(position(u, v));
+      mesh.uvs.push_back({u, v});
+    }
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const std::uint32_t a = first + static_cast<std::uint32_t>(j) * up + static_cast<std::uint32_t>(i);
+      mesh.triangles.push_back({a, a + 1, a + 1 + up});
+      mesh.triangles.push_back({a, a + 1 + up, a + up});
+    }
+}
+
+inline Vec3<double> on_ring(double radius, double turn, double z) {
+  const double angle = 2 * M_PI * (turn - std::floor(turn));
+  return {radius * std::cos(angle), radius * std::sin(angle), z};
+}
+
+// A disk in rings, with a vertex in the middle for each of its sides, facing up or down.
+inline void add_disk(Mesh& mesh, double radius, double z, int sides, int rings, bool up) {
+  add_grid(mesh, sides, rings, [&](double u, double v) { return on_ring(radius * (1 - v), up ? u : -u, z); });
+}
+
+inline Mesh box_of_patches(const Vec3<double>& size, int n) {
+  Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-1., 1.})
+      add_grid(mesh, n, n, [&](double u, double v) {
+        const std::array<double, 3> at{0.5 * side, side * (u - 0.5), v - 0.5};
+        const auto along = [&](int k) { return at[static_cast<std::size_t>((k - axis + 3) % 3)]; };
+        return Vec3<double>{size.x * along(0), size.y * along(1), size.z * along(2)};
+      });
+  return mesh;
+}
+
+inline Mesh capped_cylinder(int sides, int rows, int rings, double height) {
+  Mesh mesh;
+  add_grid(mesh, sides, rows, [&](double u, double v) { return on_ring(1, u, height * v); });
+  add_disk(mesh, 1, height, sides, rings, true);
+  add_disk(mesh, 1, 0, sides, rings, false);
+  return mesh;
+}
+
+inline void add_dome(Mesh& mesh, int sides, int rows) {
+  add_grid(mesh, sides, rows, [&](double u, double v) {
+    return on_ring(v == 1 ? 0 : std::cos(M_PI / 2 * v), u, std::sin(M_PI / 2 * v));
+  });
+}
+
+// ---- ways to store one mesh -------------------------------------------------------------------------------
+
+// The first vertex at each vertex's place.
+inline std::vector<std::uint32_t> places_of(const Mesh& mesh) {
+  std::map<std::array<long long, 3>, std::uint32_t> first;
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    const Vec3<double>& p = mesh.positions[v];
+    const auto step = [](double x) { return std::llround(x * 1e9); };
+    result.push_back(first.try_emplace({step(p.x), step(p.y), step(p.z)}, v).first->second);
+  }
+  return result;
+}
+
+// With the normals of one vertex at each place, weighted by angle: shaded smooth.
+inline Mesh with_averaged_normals(Mesh mesh) {
+  const std::vector<std::uint32_t> place = places_of(mesh);
+  Mesh joined;
+  joined.positions = mesh.positions;
+  for (const auto& [a, b, c] : mesh.triangles)
+    if (place[a] != place[b] && place[b] != place[c] && place[c] != place[a])
+      joined.triangles.push_back({place[a], place[b], place[c]});
+  const std::vector<Vec3<double>> normals = vertex_normals(joined, NormalWeight::angle);
+  mesh.normals.clear();
+  for (const std::uint32_t v : place) mesh.normals.push_back(normals[v]);
+  return mesh;
+}
+
+// One vertex at each place, without uvs; triangles without area are left out.
+inline Mesh welded(const Mesh& mesh) {
+  const std::vector<std::uint32_t> place = places_of(mesh);
+  std::vector<std::uint32_t> number(mesh.positions.size(), 0);
+  Mesh result;
+  for (std::uint32_t v = 0; v < place.size(); ++v) {
+    if (place[v] != v) continue;
+    number[v] = static_cast<std::uint32_t>(result.positions.size());
+    result.positions.push_back(mesh.positions[v]);
+    if (!mesh.normals.empty()) result.normals.push_back(mesh.normals[v]);
+  }
+  for (const auto& [a, b, c] : mesh.triangles)
+    if (place[a] != place[b] && place[b] != place[c] && place[c] != place[a])
+      result.triangles.push_back({number[place[a]], number[place[b]], number[place[c]]});
+  return result;
+}
+
+inline Mesh one_vertex_per_corner(const Mesh& mesh) {
+  Mesh soup;
+  soup.half_steps = mesh.half_steps;
+  const auto take = [](const auto& from, auto& to, std::uint32_t v) {
+    if (!from.empty()) to.push_back(from[v]);
+  };
+  for (const Triangle& t : mesh.triangles) {
+    const auto first = static_cast<std::uint32_t>(soup.positions.size());
+    soup.triangles.push_back({first, first + 1, first + 2});
+    for (const std::uint32_t v : t) {
+      take(mesh.positions, soup.positions, v), take(mesh.normals, soup.normals, v);
+      take(mesh.uvs, soup.uvs, v), take(mesh.tangents, soup.tangents, v);
+    }
+  }
+  return soup;
+}
+
+// MikkTSpace's tangents, with glTF's sign; vertices are shared as they are.
+inline void bake(Mesh& mesh) {
+  const MeshFrames frames = mesh_frames(mesh, find_frame_method("mikktspace"));
+  mesh.tangents.assign(mesh.positions.size(), {1, 0, 0, 1});
+  for (std::size_t c = 0; c < mesh.corners(); ++c) {
+    const CornerFrame& f = frames.corner(c);
+    if (!f.fallback) mesh.tangents[mesh.triangles[c / 3][c % 3]] = {f.t.x, f.t.y, f.t.z, -f.sign};
+  }
+}
+
 inline void round_to_floats(Mesh& mesh) {
   const auto f = [](double x) { return static_cast<double>(static_cast<float>(x)); };
   for (auto& p : mesh.positions) p = {f(p.x), f(p.y), f(p.z)};
   for (auto& n : mesh.normals) n = {f(n.x), f(n.y), f(n.z)};
   for (auto& uv : mesh.uvs) uv = {f(uv.x), f(uv.y)};
+  for (auto& t : mesh.tangents) t = {f(t.x), f(t.y), f(t.z), t.w};
 }
 
 struct NegativeFamily {

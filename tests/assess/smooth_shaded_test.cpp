@@ -1,0 +1,300 @@
+// Edges that are shaded smooth: their normals are averages of two surfaces, and right for neither. Correct
+// files have them, with one vertex for all that meet there, with vertices split by uvs, or with one per
+// corner.
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <darboux/assess.h>
+#include <darboux/sample_mesh.h>
+
+#include "append_mesh.h"
+#include "random_shapes.h"
+
+namespace darboux {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+std::size_t count_of(const std::vector<Assessment>& assessments, std::string_view code, Severity severity) {
+  std::size_t count = 0;
+  for (const Assessment& j : assessments)
+    for (const Finding& f : j.report.findings)
+      count += f.code == code && f.severity == severity ? f.count : 0;
+  return count;
+}
+bool has(const std::vector<Assessment>& assessments, std::string_view code) {
+  return count_of(assessments, code, Severity::info) > 0;
+}
+std::string errors(const std::vector<Assessment>& assessments) {
+  std::string text;
+  for (const Assessment& j : assessments)
+    for (const Finding& f : j.report.findings)
+      if (f.severity == Severity::error)
+        text += std::string(f.code) + " (" + std::to_string(f.count) + ") " + f.message + '\n';
+  return text;
+}
+Verdict verdict(const std::vector<Assessment>& assessments) {
+  Verdict worst = Verdict::nothing;
+  for (const Assessment& j : assessments) worst = std::max(worst, j.report.verdict);
+  return worst;
+}
+std::size_t recognised(const std::vector<Assessment>& assessments) {
+  std::size_t count = 0;
+  for (const Assessment& j : assessments) count += j.fit && j.fit->fits;
+  return count;
+}
+
+// ---- shapes, of patches with uvs of their own
+// ---------------------------------------------------------------
+
+using test::add_grid;
+using test::on_ring;
+
+Mesh hemisphere(int sides, int rows) {
+  Mesh mesh;
+  test::add_dome(mesh, sides, rows);
+  test::add_disk(mesh, 1, 0, sides, 4, false);
+  return mesh;
+}
+
+// Two pages that meet at a right angle.
+Mesh book(int n) {
+  Mesh mesh;
+  add_grid(mesh, n, n, [](double u, double v) { return Vec3<double>{u - 1, v, u - 1}; });
+  add_grid(mesh, n, n, [](double u, double v) { return Vec3<double>{u, v, -u}; });
+  return mesh;
+}
+
+struct Shape {
+  std::string name;
+  Mesh mesh;
+  int columns;           // of its first patch
+  std::size_t surfaces;  // that are recognised at least
+};
+std::vector<Shape> shapes() {
+  return {{"cube, 12x12", test::box_of_patches({1, 1, 1}, 12), 12, 6},
+          {"cube, 20x20", test::box_of_patches({1, 1, 1}, 20), 20, 6},
+          {"tabletop", test::box_of_patches({2, 1, 0.05}, 20), 20, 6},
+          {"prism, 16x10", test::capped_cylinder(16, 10, 4, 3), 16, 1},
+          {"prism, 32x16", test::capped_cylinder(32, 16, 4, 2), 32, 1},
+          {"coin", test::capped_cylinder(48, 3, 4, 0.15), 48, 1},
+          {"hemisphere", hemisphere(32, 10), 32, 1},
+          {"book", book(10), 10, 2}};
+}
+
+// ---- one mesh, stored in several ways
+// -----------------------------------------------------------------------
+
+enum class Stored { shared, by_uvs, by_corner };
+
+Mesh stored(const Mesh& shape, Stored how, bool tangents) {
+  Mesh mesh = test::with_averaged_normals(shape);
+  if (how == Stored::shared) mesh = test::welded(mesh);
+  if (tangents) test::bake(mesh);
+  if (how == Stored::by_corner) mesh = test::one_vertex_per_corner(mesh);
+  test::round_to_floats(mesh);
+  return mesh;
+}
+
+TEST(SmoothShaded, SolidsPassHoweverTheyAreStored) {
+  for (const Shape& shape : shapes())
+    for (const Stored how : {Stored::shared, Stored::by_uvs, Stored::by_corner})
+      for (const bool tangents : {false, true}) {
+        if (tangents && how == Stored::shared) continue;  // it has no uvs
+        const std::vector<Assessment> assessments = assess_parts(stored(shape.mesh, how, tangents));
+        EXPECT_EQ(verdict(assessments), Verdict::pass)
+            << shape.name << " stored " << static_cast<int>(how) << (tangents ? " with tangents" : "") << '\n'
+            << errors(assessments);
+        EXPECT_GE(recognised(assessments), shape.surfaces)
+            << shape.name << " stored " << static_cast<int>(how);
+        EXPECT_TRUE(has(assessments, "CREASE_SHARED")) << shape.name << " stored " << static_cast<int>(how);
+        EXPECT_EQ(count_of(assessments, "NORMAL_ANGLE", Severity::warning), 0u) << shape.name;
+      }
+}
+
+// Errors, warnings, and what is not judged.
+std::vector<Finding> grave(const MeshReport& report) {
+  std::vector<Finding> result;
+  for (const Finding& f : report.findings)
+    if (f.severity != Severity::info || f.code == "CREASE_SHARED") result.push_back(f);
+  return result;
+}
+
+// Vertices or corners: the same findings, with the same counts.
+TEST(SmoothShaded, OneVertexPerCornerIsTheSame) {
+  for (const Shape& shape : shapes())
+    for (const bool planted : {false, true}) {
+      Mesh mesh = stored(shape.mesh, Stored::by_uvs, true);
+      const auto v = static_cast<std::size_t>(2 * (shape.columns + 1) + 5);  // inside the first patch
+      if (planted) mesh.normals[v] = unit(mesh.normals[v] + 0.3 * mesh.tangents[v].xyz());
+      const std::vector<Assessment> one = assess_parts(mesh),
+                                    other = assess_parts(test::one_vertex_per_corner(mesh));
+      ASSERT_EQ(one.size(), other.size()) << shape.name;
+      EXPECT_EQ(verdict(one), planted ? Verdict::fail : Verdict::pass) << shape.name;
+      for (std::size_t k = 0; k < one.size(); ++k) {
+        const auto a = grave(one[k].report), b = grave(other[k].report);
+        EXPECT_EQ(one[k].report.verdict, other[k].report.verdict) << shape.name << " part " << k;
+        ASSERT_EQ(a.size(), b.size()) << shape.name << " part " << k;
+        for (std::size_t i = 0; i < a.size(); ++i) {
+          EXPECT_EQ(a[i].code, b[i].code) << shape.name;
+          EXPECT_EQ(a[i].count, b[i].count) << shape.name << ' ' << a[i].code;
+        }
+      }
+    }
+}
+
+// ---- borders whose normals are their author's
+// ---------------------------------------------------------------
+
+// A dome whose rim leans towards the floor it stands on.
+Mesh dome(int sides, int rows) {
+  Mesh mesh;
+  test::add_dome(mesh, sides, rows);
+  for (const Vec3<double>& p : mesh.positions)
+    mesh.normals.push_back(unit(p.z < 1e-9 ? p + Vec3<double>{0, 0, 1} : p));
+  test::bake(mesh);
+  return mesh;
+}
+
+TEST(Authored, BlendedBordersAreWarnings) {
+  constexpr int sides = 32, rows = 12;
+  Mesh mesh = dome(sides, rows);
+  std::vector<Assessment> assessments = assess_parts(mesh);
+  EXPECT_EQ(verdict(assessments), Verdict::pass) << errors(assessments);
+  ASSERT_EQ(recognised(assessments), 1u);
+  // Each of the rim's vertices leans by 45 degrees and has three corners.
+  EXPECT_EQ(count_of(assessments, "NORMAL_ANGLE", Severity::warning), 3u * sides);
+
+  // Somebody who declares the surface means its normals.
+  AssessOptions declared;
+  declared.surface = parse_specification("sphere");
+  EXPECT_EQ(verdict(assess_parts(mesh, declared)), Verdict::fail);
+
+  // In the interior, and more than 80 degrees from its own triangles, it is an error.
+  const std::size_t v = 5 * (sides + 1) + 3;
+  Mesh tilted = mesh;
+  tilted.normals[v] = unit(mesh.normals[v] + 0.5 * mesh.tangents[v].xyz());
+  tilted.tangents.clear();
+  EXPECT_EQ(count_of(assess_parts(tilted), "NORMAL_ANGLE", Severity::error), 6u);
+  Mesh inside_out = mesh;
+  inside_out.normals[3] = -mesh.normals[3];
+  inside_out.tangents.clear();
+  EXPECT_EQ(count_of(assess_parts(inside_out), "NORMAL_ANGLE", Severity::error), 3u);
+  // And so is a tangent that is none of its own triangles'.
+  Mesh turned = mesh;
+  const Vec3<double> b = cross(mesh.normals[3], mesh.tangents[3].xyz());
+  turned.tangents[3] = {b.x, b.y, b.z, mesh.tangents[3].w};
+  EXPECT_EQ(count_of(assess_parts(turned), "TANGENT_ANGLE", Severity::error), 3u);
+}
+
+// ---- normals that oppose their own triangles
+// ----------------------------------------------------------------
+
+TEST(Opposed, NormalsOnAPlaneAreErrors) {
+  Mesh plane;
+  add_grid(plane, 12, 12, [](double u, double v) { return Vec3<double>{u, v, 0}; });
+  plane.normals.assign(plane.positions.size(), {0, 0, 1});
+  for (const int flipped : {1, 2, 60}) {
+    Mesh mesh = plane;
+    std::vector<bool> is_flipped(mesh.positions.size(), false);
+    for (int i = 0; i < flipped; ++i) is_flipped[static_cast<std::size_t>(30 + i)] = true;
+    std::size_t corners = 0;
+    for (std::size_t v = 0; v < mesh.normals.size(); ++v)
+      if (is_flipped[v]) mesh.normals[v] = {0, 0, -1};
+    for (const Triangle& t : mesh.triangles)
+      for (const std::uint32_t v : t) corners += is_flipped[v];
+    const std::vector<Assessment> assessments = assess_parts(mesh);
+    EXPECT_EQ(recognised(assessments), 1u);
+    EXPECT_EQ(count_of(assessments, "NORMAL_ANGLE", Severity::error), corners) << flipped;
+    EXPECT_EQ(errors(assessments).find("limit 5"), std::string::npos) << errors(assessments);
+  }
+  // All of them: the winding may be meant.
+  for (auto& n : plane.normals) n = {0, 0, -1};
+  EXPECT_EQ(verdict(assess_parts(plane)), Verdict::pass);
+}
+
+TEST(Opposed, OneFaceOfABoxIsAnError) {
+  constexpr int n = 8;
+  Mesh mesh = test::box_of_patches({1, 1, 1}, n);
+  const std::size_t of_face = mesh.positions.size() / 6;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const std::size_t face = v / of_face;
+    Vec3<double> normal{};
+    (face / 2 == 0 ? normal.x : face / 2 == 1 ? normal.y : normal.z) = face % 2 == 0 ? -1 : 1;
+    mesh.normals.push_back(face == 3 ? -normal : normal);
+  }
+  EXPECT_EQ(count_of(assess_parts(mesh), "NORMAL_ANGLE", Severity::error), 6u * n * n);
+}
+
+// ---- what is not looked at
+// ----------------------------------------------------------------------------------
+
+// A tube of six sides: at each vertex two triangles' planes turn by 60 degrees, on one side of it only.
+TEST(OneSided, WhatTheTrianglesCannotTellIsNotWithin) {
+  Mesh mesh;
+  add_grid(mesh, 6, 1, [](double u, double v) { return on_ring(1, u, 3 * v); });
+  mesh = test::with_averaged_normals(mesh);
+  test::bake(mesh);
+  AssessOptions options;
+  options.references.analytic = false;
+  const auto judged = [&](double turn) {
+    Mesh turned = mesh;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const Vec3<double> t = mesh.tangents[v].xyz(),
+                         d = std::cos(turn) * t + std::sin(turn) * cross(mesh.normals[v], t);
+      turned.tangents[v] = {d.x, d.y, d.z, mesh.tangents[v].w};
+    }
+    return assess(turned, options).report;
+  };
+  EXPECT_EQ(judged(0).verdict, Verdict::pass);
+  EXPECT_EQ(judged(0).triangles->judged, mesh.corners());
+  for (const double deg : {20., 40., 70.}) {
+    const MeshReport report = judged(deg * pi / 180);
+    EXPECT_EQ(report.verdict, Verdict::undetermined) << deg;
+    EXPECT_EQ(report.triangles->judged, 0u) << deg;
+  }
+  EXPECT_EQ(judged(85 * pi / 180).verdict, Verdict::fail);
+}
+
+TEST(Budget, IsSpentOnlyWhereSomethingIsLeftOut) {
+  AssessOptions options;
+  options.budget = 1e-9;
+  Mesh plane;
+  add_grid(plane, 4, 4, [](double u, double v) { return Vec3<double>{u, v, 0}; });
+  plane.normals.assign(plane.positions.size(), {0, 0, 1});
+  EXPECT_FALSE(has(assess_parts(plane, options), "BUDGET_SPENT"));
+  const Mesh sphere = sample_mesh(make_surface("sphere"), {.columns = 16, .rows = 8});
+  EXPECT_TRUE(has(assess_parts(sphere, options), "BUDGET_SPENT"));
+  options.budget = 1e6;
+  EXPECT_FALSE(has(assess_parts(sphere, options), "BUDGET_SPENT"));
+}
+
+// Behind forty parts that are no surface.
+TEST(Brief, ASphereAmongManyUnknownPartsIsFound) {
+  Mesh mesh;
+  for (int k = 0; k < 40; ++k)
+    add_grid(mesh, 12, 12, [k](double u, double v) {
+      return Vec3<double>{3.0 * k + u, v,
+                          0.2 * std::sin((3 + 0.37 * k) * u + k) * std::cos((4 - 0.05 * k) * v)};
+    });
+  mesh = test::with_averaged_normals(mesh);
+  Mesh sphere = sample_mesh(make_surface("sphere"), {.columns = 12, .rows = 8});
+  sphere.tangents.clear();
+  for (auto& p : sphere.positions) p.y += 5;
+  append(mesh, sphere);
+  const std::vector<Assessment> assessments = assess_parts(mesh);
+  ASSERT_EQ(recognised(assessments), 1u);
+  for (const Assessment& j : assessments)
+    if (j.fit && j.fit->fits) {
+      EXPECT_EQ(j.fit->surface.surface.info().name, "sphere");
+    }
+  EXPECT_TRUE(has(assessments, "PARTS_IN_BRIEF"));
+}
+
+}  // namespace
+}  // namespace darboux
