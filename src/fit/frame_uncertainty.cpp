@@ -11,7 +11,7 @@
 #include <darboux/forms.h>
 #include <darboux/project.h>
 
-#include "fit/common/closed_foot.h"
+#include "fit/primitives/list.h"
 #include "fit/common/parameter_jet.h"
 
 namespace darboux {
@@ -338,7 +338,7 @@ UncertainFrame frame_near(const PointFit& fit, const Vec3<double>& p) {
 UncertainFrame frame_near(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
                           const Vec3<double>& p) {
   const Vec3<double> local = from_eigen(placed.placement.inverse() * to_eigen(p));
-  const auto closed = closed_foot(placed.surface, local);
+  const auto closed = fit::closed_form_foot(placed.surface, local);
   const Vec2<double> uv = closed ? *closed : searched_foot(placed.surface, local);
   return uncertain_frame(placed, uncertainty, uv, &local);
 }

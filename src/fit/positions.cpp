@@ -9,6 +9,8 @@
 #include <darboux/fit_mesh.h>
 
 #include "base/evenly_chosen.h"
+#include "fit/primitives/fit_primitives.h"
+#include "fit/primitives/list.h"
 #include "fit_kinds.h"
 #include "mesh/triangle_signs.h"
 
@@ -124,9 +126,9 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<Surfa
   for (const std::size_t i : evenly_chosen(vertices.size(), fitted_vertices))
     cloud.positions.push_back(mesh.positions[vertices[i]]);
   const double size = box.isEmpty() ? 0 : box.diagonal().stableNorm();
-  for (const std::string_view kind : found_kinds()) {
-    if (only && only->name != kind) continue;
-    PointFit found = fit_points(cloud, {.surface = std::string(kind)});
+  for (const fit::Primitive* primitive : fit::primitives()) {
+    if (only && only->name != primitive->name) continue;
+    PointFit found = fit::fit_primitives(cloud, {.surface = std::string(primitive->name)}, primitive);
     if (!found.usable || !(found.rms <= fits_below * size) || !hold(only, placement, found)) continue;
     double squares = 0, farthest = 0;
     for (const std::uint32_t v : vertices) {
@@ -176,7 +178,8 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const 
   result.reserve(mesh.positions.size());
   const Eigen::Vector3d d = fit.projection.col(2);
   // A cone's apex has no normal, and what lies as near to it as positions are known may be on any side of it.
-  const bool tipped = fit.surface.surface.info().name == "cone";
+  const fit::Primitive* primitive = fit::primitive_named(fit.surface.surface.info().name);
+  const bool tipped = primitive && primitive->has_apex;
   const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
   const auto is_tip = [&](const Vec3<double>& p) {
     if (!tipped) return false;

@@ -1,5 +1,5 @@
 // The mean distance that noise gives points of a curved surface.
-#include "fit/common/bias.h"
+#include "fit/common/noise_bias.h"
 
 #include <cmath>
 #include <limits>

@@ -75,7 +75,7 @@ TEST_P(AnyKind, IsFoundWithoutAGuess) {
   for (const double share : {1.0, 0.5}) {
     std::cout << "seed " << seed << '\n';
     const Sampled data = sampled(GetParam(), share, seed++);
-    const PointFit fit = fit_any_kind(data.points, GetParam(), {});
+    const PointFit fit = fit_catalogue(data.points, GetParam(), {});
     ASSERT_TRUE(fit.usable) << fit.reason;
     // 800 distances: sigma is told to 1/40, four of these; few points are taken for outliers.
     EXPECT_NEAR(fit.sigma, noise, 0.1 * noise) << fit.reason;
@@ -119,7 +119,7 @@ TEST(AnyKindFit, StandardErrorsAreThoseOfRepeatedFits) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const Sampled data = sampled("one-sheet-hyperboloid", 0.7, seed, 400);
     // From a guess, which costs less; what comes out of it does not depend on that.
-    const PointFit fit = fit_any_kind(data.points, "one-sheet-hyperboloid", with_guess(data.truth));
+    const PointFit fit = fit_catalogue(data.points, "one-sheet-hyperboloid", with_guess(data.truth));
     ASSERT_TRUE(fit.usable) << fit.reason;
     for (const StandardError& error : fit.standard_errors)
       if (error.name == "waist_radius" || error.name == "semi_axis_z") {
@@ -136,7 +136,7 @@ TEST(AnyKindFit, StandardErrorsAreThoseOfRepeatedFits) {
 
 TEST(AnyKindFit, SaysWhatThePointsDoNotTell) {
   const Sampled data = sampled("one-sheet-hyperboloid", 1, 3);
-  const PointFit fit = fit_any_kind(data.points, "one-sheet-hyperboloid", {});
+  const PointFit fit = fit_catalogue(data.points, "one-sheet-hyperboloid", {});
   ASSERT_TRUE(fit.usable) << fit.reason;
   EXPECT_NE(fit.reason.find("height not told by the points, held"), std::string::npos) << fit.reason;
   // Nothing of the height, the last parameter; and one motion less, the turn about the axis.
@@ -157,7 +157,7 @@ TEST(AnyKindFit, PassesOutliersAndBadPointsBy) {
         from_eigen(box.min() + box.sizes().cwiseProduct(
                                    Eigen::Vector3d(uniform(random), uniform(random), uniform(random))));
   data.points.positions.push_back({std::nan(""), 0, 0});
-  const PointFit fit = fit_any_kind(data.points, "catenoid", {});
+  const PointFit fit = fit_catalogue(data.points, "catenoid", {});
   ASSERT_TRUE(fit.usable) << fit.reason;
   EXPECT_EQ(fit.ignored, 1U);
   EXPECT_EQ(fit.is_inlier.size(), data.points.positions.size());
@@ -172,29 +172,29 @@ TEST(AnyKindFit, IsNotUsableOnOtherPoints) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   PointCloud cube;
   for (int i = 0; i < 400; ++i) cube.positions.push_back({uniform(random), uniform(random), uniform(random)});
-  const PointFit fit = fit_any_kind(cube, "catenoid", {});
+  const PointFit fit = fit_catalogue(cube, "catenoid", {});
   EXPECT_FALSE(fit.usable);
   EXPECT_FALSE(fit.surface);
   EXPECT_FALSE(fit.reason.empty());
   PointCloud few;
   few.positions.assign(5, {1, 2, 3});
-  EXPECT_FALSE(fit_any_kind(few, "catenoid", {}).usable);
+  EXPECT_FALSE(fit_catalogue(few, "catenoid", {}).usable);
   few.positions.assign(50, {1, 2, 3});
-  EXPECT_EQ(fit_any_kind(few, "catenoid", {}).reason, "all points are at one place");
-  EXPECT_FALSE(fit_any_kind({}, "catenoid", {}).usable);
+  EXPECT_EQ(fit_catalogue(few, "catenoid", {}).reason, "all points are at one place");
+  EXPECT_FALSE(fit_catalogue({}, "catenoid", {}).usable);
 }
 
 TEST(AnyKindFit, RefusesBadRequests) {
   const PointCloud points = sampled("catenoid", 1, 7, 50).points;
-  EXPECT_THROW(fit_any_kind(points, "bezier-patch", {}), ParameterError);
-  EXPECT_THROW(fit_any_kind(points, "superellipsoid", {}), ParameterError);
-  EXPECT_THROW(fit_any_kind(points, "teapot", {}), ParameterError);
+  EXPECT_THROW(fit_catalogue(points, "bezier-patch", {}), ParameterError);
+  EXPECT_THROW(fit_catalogue(points, "superellipsoid", {}), ParameterError);
+  EXPECT_THROW(fit_catalogue(points, "teapot", {}), ParameterError);
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL})
-    EXPECT_THROW(fit_any_kind(points, "catenoid", with_noise(bad)), ParameterError);
-  EXPECT_THROW(fit_any_kind(points, "catenoid", with_guess({make_surface("sphere")})), ParameterError);
+    EXPECT_THROW(fit_catalogue(points, "catenoid", with_noise(bad)), ParameterError);
+  EXPECT_THROW(fit_catalogue(points, "catenoid", with_guess({make_surface("sphere")})), ParameterError);
   PointCloud ragged = points;
   ragged.normals.resize(3);
-  EXPECT_THROW(fit_any_kind(ragged, "catenoid", {}), MeshError);
+  EXPECT_THROW(fit_catalogue(ragged, "catenoid", {}), MeshError);
 }
 
 // Centre and size are medians: one point, however far, says nothing of the others.
@@ -202,7 +202,7 @@ TEST(AnyKindFit, OneFarPointIsAnOutlier) {
   for (const double far : {1e4, 1e12, 1e150}) {
     Sampled data = sampled("elliptic-paraboloid", 1, 9, 1500);
     data.points.positions[3] = {far, far, -far};
-    const PointFit fit = fit_any_kind(data.points, "elliptic-paraboloid", {});
+    const PointFit fit = fit_catalogue(data.points, "elliptic-paraboloid", {});
     ASSERT_TRUE(fit.usable) << far << ": " << fit.reason;
     EXPECT_NEAR(fit.sigma, noise, 0.1 * noise) << far;  // 1500 distances tell it to 2 %
     EXPECT_FALSE(fit.is_inlier[3]);
@@ -226,7 +226,7 @@ TEST(AnyKindFit, LinesAndPlanesAreNoSurfaces) {
               off(normal(random), normal(random), normal(random));
           points.positions.push_back(from_eigen(pose * (x + sigma * off)));
         }
-        const PointFit fit = fit_any_kind(points, kind, {});
+        const PointFit fit = fit_catalogue(points, kind, {});
         EXPECT_FALSE(fit.usable) << kind << ", sigma " << sigma << (plane ? ", plane: " : ", line: ")
                                  << fit.reason << ' '
                                  << (fit.surface ? fit.surface->surface.specification() : "");
@@ -238,11 +238,11 @@ TEST(AnyKindFit, LinesAndPlanesAreNoSurfaces) {
 // the same. 30 points' weights depend on the noise by some percent; the correction is 30 / 23.
 TEST(AnyKindFit, CovarianceIsThatOfTheStatedNoise) {
   const Sampled data = sampled("one-sheet-hyperboloid", 0.7, 11, 30);
-  const PointFit free = fit_any_kind(data.points, "one-sheet-hyperboloid", with_guess(data.truth));
+  const PointFit free = fit_catalogue(data.points, "one-sheet-hyperboloid", with_guess(data.truth));
   ASSERT_TRUE(free.usable) << free.reason;
   PointFitOptions options = with_guess(data.truth);
   options.noise = free.sigma;
-  const PointFit held = fit_any_kind(data.points, "one-sheet-hyperboloid", options);
+  const PointFit held = fit_catalogue(data.points, "one-sheet-hyperboloid", options);
   ASSERT_TRUE(held.usable) << held.reason;
   EXPECT_EQ(free.inliers, 30U);
   EXPECT_NEAR(free.covariance(6, 6) / held.covariance(6, 6), 1, 0.05);
@@ -262,7 +262,7 @@ TEST(AnyKindFit, ConvergesWithinTheStandardErrors) {
     PlacedSurface guess = data.truth;
     guess.surface = guess.surface.with(
         std::vector{factor * parameter(guess.surface, "waist_radius"), parameter(guess.surface, "extent")});
-    fits.push_back(fit_any_kind(data.points, "catenoid", with_guess(guess)));
+    fits.push_back(fit_catalogue(data.points, "catenoid", with_guess(guess)));
     ASSERT_TRUE(fits.back().usable) << fits.back().reason;
   }
   EXPECT_NEAR(parameter(fits[0].surface->surface, "waist_radius"),
@@ -275,7 +275,7 @@ TEST(AnyKindFit, ThePatchEnclosesTheInliers) {
   for (const char* kind :
        {"one-sheet-hyperboloid", "catenoid", "elliptic-paraboloid", "hyperbolic-paraboloid"}) {
     const Sampled data = sampled(kind, 0.6, 14);
-    const PointFit fit = fit_any_kind(data.points, kind, {});
+    const PointFit fit = fit_catalogue(data.points, kind, {});
     ASSERT_TRUE(fit.usable) << fit.reason;
     const Projector projector(fit.surface->surface);
     const Eigen::Isometry3d inverse = fit.surface->placement.inverse();
@@ -296,7 +296,7 @@ TEST(AnyKindFit, TellsItsProgress) {
   std::vector<double> shares;
   options.progress = [&](double share) { shares.push_back(share); };
   const Sampled data = sampled("catenoid", 1, 15, 3000);
-  ASSERT_TRUE(fit_any_kind(data.points, "catenoid", options).usable);
+  ASSERT_TRUE(fit_catalogue(data.points, "catenoid", options).usable);
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_EQ(shares.back(), 1);
   EXPECT_GT(shares.size(), 40U + 3);  // at most 40 starts; the others from within the fits that follow
@@ -304,8 +304,8 @@ TEST(AnyKindFit, TellsItsProgress) {
 
 TEST(AnyKindFit, GivesTheSameBitsAgain) {
   const PointCloud points = sampled("hyperbolic-paraboloid", 1, 8, 200).points;
-  const PointFit a = fit_any_kind(points, "hyperbolic-paraboloid", {}),
-                 b = fit_any_kind(points, "hyperbolic-paraboloid", {});
+  const PointFit a = fit_catalogue(points, "hyperbolic-paraboloid", {}),
+                 b = fit_catalogue(points, "hyperbolic-paraboloid", {});
   ASSERT_TRUE(a.usable && b.usable) << a.reason;
   EXPECT_EQ(a.surface->surface.specification(), b.surface->surface.specification());
   EXPECT_EQ(a.surface->placement.matrix(), b.surface->placement.matrix());

@@ -483,7 +483,7 @@ TEST(FitPoints, BearsAnyFinitePoint) {
   }
   for (const double scale : {1e-310, 1e-200, 1e200, 1.7e308})
     expect_unusable(cloud_of(100, 6, [&](Random& r) { return Eigen::Vector3d(scale * on_sphere(r)); }),
-                    "sphere", "permitted are 1e-152 to 1e152");
+                    "sphere", "expected 1e-152 to 1e152");
 }
 
 // A point tells once what it has to tell.

@@ -14,7 +14,7 @@
 #include <darboux/error.h>
 #include <darboux/fit_mesh.h>
 
-#include "fit/common/manifolds.h"
+#include "fit/common/rotation_manifold.h"
 #include "random_pose.h"
 
 namespace darboux {

@@ -9,12 +9,12 @@
 #include <ceres/ceres.h>
 
 #include "base/quantile.h"
-#include "fit/common/bias.h"
+#include "fit/common/noise_bias.h"
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 namespace {
 
-// All points as one cost of n + 1 residuals. Feet follow those of the last accepted shape.
+// All points as one cost of n + 1 residuals. FootPoints follow those of the last accepted shape.
 class BatchedCost final : public ceres::CostFunction {
  public:
   BatchedCost(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts,
@@ -48,14 +48,14 @@ class BatchedCost final : public ceres::CostFunction {
     if (!sums(*shape, delta, rows ? &normal : nullptr, squares)) return false;
     r.setZero();
     if (rows) {
-      const Compressed compressed = normal.compressed();
-      r.head(n) = compressed(normal.g);
+      const ReducedNormalEquations reduced = normal.reduced();
+      r.head(n) = reduced(normal.g);
       Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> j(jacobians[0],
                                                                                            n + 1, n);
-      j << compressed.jacobian(), Eigen::RowVectorXd::Zero(n);
+      j << reduced.jacobian(), Eigen::RowVectorXd::Zero(n);
       accepted_ = tried_;
     }
-    r[n] = rest(squares, r.head(n));
+    r[n] = remaining_residual(squares, r.head(n));
     return true;
   }
 
@@ -66,19 +66,19 @@ class BatchedCost final : public ceres::CostFunction {
     Normal normal(n);
     double squares = 0;
     if (!sums(shape_, Eigen::VectorXd::Zero(n), &normal, squares)) return infinity;
-    return size_ * normal.compressed()(normal.g).norm();
+    return size_ * normal.reduced()(normal.g).norm();
   }
 
  private:
   // The weighted squares of the distances over the size and, where they are asked for, the normal equations.
   // False where something is not finite.
   bool sums(const Shape& shape, const Eigen::VectorXd& delta, Normal* normal, double& squares) const {
-    const Feeler feeler(shape);
+    const FootFinder finder(shape);
     const DistanceRow row_of(shape, delta, units_, size_);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const double w = weighted_.weight[i];
       if (w == 0) continue;
-      const Projection f = feeler.follow(points_[i], tried_[i]);
+      const Projection f = finder.follow(points_[i], tried_[i]);
       tried_[i] = f.uv;
       const double r = (f.distance - weighted_.bias[i]) / size_;
       if (!std::isfinite(r)) return false;
@@ -201,4 +201,4 @@ void refine(Estimate& e, const Positions& points, const std::vector<double>& typ
   }
 }
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

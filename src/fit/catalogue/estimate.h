@@ -6,7 +6,7 @@
 
 #include "shape.h"
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 
 struct Weighted {
   std::vector<double> weight, bias;  // 0 <= weight; the mean distance that noise makes of none
@@ -20,7 +20,7 @@ struct Mixture {
 
 struct Estimate {
   Shape shape;
-  Feet feet{};
+  FootPoints feet{};
   Weighted weighted{};
   Mixture mixture{};
   double log_likelihood = -infinity;
@@ -31,9 +31,9 @@ struct Estimate {
 using Progress = std::function<void(double)>;
 
 // From the shape, and sigma where it is known: Ceres with the weights held, then new feet and weights, until
-// the next step would be a small part of the standard errors. Feet are searched for, and once more where they
-// have been followed to the end. A draft stops early, only follows them, and tells no progress.
+// the next step would be a small part of the standard errors. FootPoints are searched for, and once more
+// where they have been followed to the end. A draft stops early, only follows them, and tells no progress.
 void refine(Estimate& e, const Positions& points, const std::vector<double>& typical, double size, bool draft,
             const Progress& progress);
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

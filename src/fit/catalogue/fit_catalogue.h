@@ -19,6 +19,6 @@ namespace darboux {
 // parameters, a bad noise or a guess of another kind, MeshError for normals or uvs of another length than
 // positions. Cost: some 0.5 s, and beyond 2000 points 30 us a point, most of it two or three searches for all
 // feet.
-PointFit fit_any_kind(const PointCloud& points, const std::string& kind, const PointFitOptions& options);
+PointFit fit_catalogue(const PointCloud& points, const std::string& kind, const PointFitOptions& options);
 
 }  // namespace darboux

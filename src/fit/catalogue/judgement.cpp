@@ -10,14 +10,15 @@
 #include "fit/common/kinds.h"
 #include "principal.h"
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 namespace {
 
 // What more the whole patch would tell than the points do, its name; empty where it is nothing: symmetries,
 // and lengths that only bound the patch.
-std::string not_told(const Shape& shape, const Compressed& told, const Eigen::VectorXd& units, double size) {
+std::string not_told(const Shape& shape, const ReducedNormalEquations& told, const Eigen::VectorXd& units,
+                     double size) {
   constexpr int grid = 17;
-  constexpr double clearly = 1e-8;  // of the best known direction; far above unknown_below
+  constexpr double clearly = 1e-8;  // of the best known direction; far above unidentifiable_below
   const Eigen::Index n = units.size();
   const DistanceRow row_of(shape, Eigen::VectorXd::Zero(n), units, size);
   Normal whole(n);
@@ -31,7 +32,7 @@ std::string not_told(const Shape& shape, const Compressed& told, const Eigen::Ve
     }
   const double most =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whole.h, Eigen::EigenvaluesOnly).eigenvalues()[n - 1];
-  for (Eigen::Index k = 0; k < n && !told.is_known(k); ++k) {
+  for (Eigen::Index k = 0; k < n && !told.is_identifiable(k); ++k) {
     const Eigen::VectorXd direction = told.directions().col(k);
     if (!(direction.dot(whole.h.selfadjointView<Eigen::Lower>() * direction) > clearly * most)) continue;
     Eigen::Index largest;
@@ -45,17 +46,17 @@ std::string not_told(const Shape& shape, const Compressed& told, const Eigen::Ve
 }
 
 // The sum of the directions that are not told, v v^T each.
-Eigen::MatrixXd unknown_directions(const Compressed& told) {
+Eigen::MatrixXd unknown_directions(const ReducedNormalEquations& told) {
   const Eigen::Index n = told.directions().rows();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index k = 0; k < n && !told.is_known(k); ++k)
+  for (Eigen::Index k = 0; k < n && !told.is_identifiable(k); ++k)
     result += told.directions().col(k) * told.directions().col(k).transpose();
   return result;
 }
 
 // Directions in which the parameters are not told, whatever the motion: each parameter alone, then what is
 // left if it is only one direction.
-std::vector<Eigen::VectorXd> unknown_ways(const Compressed& told) {
+std::vector<Eigen::VectorXd> unknown_ways(const ReducedNormalEquations& told) {
   const Eigen::Index count = told.directions().rows() - 6;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_parameters(
       unknown_directions(told).bottomRightCorner(count, count));
@@ -79,20 +80,20 @@ std::vector<Eigen::VectorXd> unknown_ways(const Compressed& told) {
 
 }  // namespace
 
-Compressed information(const Estimate& e, const Positions& points, const Eigen::VectorXd& units,
-                       double size) {
+ReducedNormalEquations information(const Estimate& e, const Positions& points, const Eigen::VectorXd& units,
+                                   double size) {
   const DistanceRow row_of(e.shape, Eigen::VectorXd::Zero(units.size()), units, size);
-  const Feeler feeler(e.shape);
+  const FootFinder finder(e.shape);
   Normal normal(units.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     if (const double w = e.weighted.weight[i]; w > 0)
-      if (const Row row = row_of(feeler.follow(points[i], e.feet.uv[i]), points[i]); row.allFinite())
+      if (const Row row = row_of(finder.follow(points[i], e.feet.uv[i]), points[i]); row.allFinite())
         normal.add(row, w, 0);
-  return normal.compressed();
+  return normal.reduced();
 }
 
-std::string add_covariance(const Estimate& e, const Compressed& told, const Eigen::VectorXd& units,
-                           double noise, PointFit& fit) {
+std::string add_covariance(const Estimate& e, const ReducedNormalEquations& told,
+                           const Eigen::VectorXd& units, double noise, PointFit& fit) {
   const Eigen::Index n = units.size();
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index k = 0; k < n; ++k)
@@ -131,7 +132,7 @@ std::string add_covariance(const Estimate& e, const Compressed& told, const Eige
 
 // Parameters are multiplied, by exp(t d) along the unknown direction d of their logarithms, unless that moves
 // the surface.
-bool enclose(Estimate& e, const Compressed& told, const Positions& inliers,
+bool enclose(Estimate& e, const ReducedNormalEquations& told, const Positions& inliers,
              const std::vector<Vec2<double>>& feet, double size) {
   const SurfaceInfo& info = e.shape.surface.info();
   std::vector<double Vec2<double>::*> ending;
@@ -156,8 +157,8 @@ bool enclose(Estimate& e, const Compressed& told, const Positions& inliers,
     const auto feet_along = [&](double t) {
       std::vector<Projection> result;
       if (const std::optional<Shape> shape = along(t)) {
-        const Feeler feeler(*shape);
-        for (const Eigen::Vector3d& x : farthest) result.push_back(feeler.search(x));
+        const FootFinder finder(*shape);
+        for (const Eigen::Vector3d& x : farthest) result.push_back(finder.search(x));
       }
       return result;
     };
@@ -195,7 +196,7 @@ bool enclose(Estimate& e, const Compressed& told, const Positions& inliers,
   return changed;
 }
 
-std::string against(const Estimate& e, const PointFit& fit, const Compressed& told,
+std::string against(const Estimate& e, const PointFit& fit, const ReducedNormalEquations& told,
                     const Eigen::VectorXd& units, const std::vector<bool>& lengths, double size) {
   const AnySurface& surface = e.shape.surface;
   const std::vector<ParameterValue> parameters = surface.parameters();
@@ -218,4 +219,4 @@ bool plane_is_as_good(const Positions& inliers, double rms, double unknowns, dou
   return 2 * n * std::log(gained) < (unknowns - 3) * std::log(n) + margin;
 }
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

@@ -9,28 +9,29 @@
 
 #include "estimate.h"
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 
 // What the points tell of the unknowns at the estimate.
-Compressed information(const Estimate& e, const Positions& points, const Eigen::VectorXd& units, double size);
+ReducedNormalEquations information(const Estimate& e, const Positions& points, const Eigen::VectorXd& units,
+                                   double size);
 
 // Gives the fit the covariance at this noise over the size, and standard errors. Returns what was held, ";
 // ..." each.
-std::string add_covariance(const Estimate& e, const Compressed& told, const Eigen::VectorXd& units,
-                           double noise, PointFit& fit);
+std::string add_covariance(const Estimate& e, const ReducedNormalEquations& told,
+                           const Eigen::VectorXd& units, double noise, PointFit& fit);
 
 // The patch's lengths that the points do not tell, and those that may grow together without changing the
 // surface, made such that the patch just encloses the inliers in the coordinates that end. Whether anything
 // changed.
-bool enclose(Estimate& e, const Compressed& told, const Positions& inliers,
+bool enclose(Estimate& e, const ReducedNormalEquations& told, const Positions& inliers,
              const std::vector<Vec2<double>>& feet, double size);
 
 // Why the surface that was found is not told by the points, going on after "the best ... found"; empty where
 // it is.
-std::string against(const Estimate& e, const PointFit& fit, const Compressed& told,
+std::string against(const Estimate& e, const PointFit& fit, const ReducedNormalEquations& told,
                     const Eigen::VectorXd& units, const std::vector<bool>& lengths, double size);
 
 // Whether a plane explains the inliers as well, by the criterion that decides between kinds.
 bool plane_is_as_good(const Positions& inliers, double rms, double unknowns, double size);
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

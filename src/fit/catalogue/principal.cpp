@@ -4,7 +4,7 @@
 
 #include <Eigen/Dense>
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 
 Principal principal(const std::vector<Eigen::Vector3d>& points) {
   Principal result{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(), 0, 0, {}};
@@ -29,4 +29,4 @@ Principal principal(const std::vector<Eigen::Vector3d>& points) {
   return result;
 }
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

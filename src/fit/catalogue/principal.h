@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 
 struct Principal {
   Eigen::Vector3d centre;
@@ -18,4 +18,4 @@ struct Principal {
 
 Principal principal(const std::vector<Eigen::Vector3d>& points);
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

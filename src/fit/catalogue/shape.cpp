@@ -5,9 +5,9 @@
 #include <darboux/error.h>
 #include <darboux/forms.h>
 
-#include "fit/common/manifolds.h"
+#include "fit/common/rotation_manifold.h"
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 namespace {
 
 // The derivative of exp(ω) is exp(ω) turned by this.
@@ -84,11 +84,11 @@ std::optional<Shape> moved(const Shape& shape, const Eigen::VectorXd& delta) {
   return Shape{*surface, motion * shape.placement};
 }
 
-Feet feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts) {
-  const Feeler feeler(shape);
-  Feet result;
+FootPoints feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts) {
+  const FootFinder finder(shape);
+  FootPoints result;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Projection f = starts.empty() ? feeler.search(points[i]) : feeler.follow(points[i], starts[i]);
+    const Projection f = starts.empty() ? finder.search(points[i]) : finder.follow(points[i], starts[i]);
     const Sample<double> s = shape.surface.sample(f.uv.x, f.uv.y);
     const ShapeOperator<double> form = shape_operator(s.jet, s.frame);
     result.uv.push_back(f.uv);
@@ -121,4 +121,4 @@ Row DistanceRow::operator()(const Projection& foot, const Eigen::Vector3d& x) co
   return row.cwiseProduct(units_);
 }
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

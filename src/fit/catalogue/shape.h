@@ -11,10 +11,10 @@
 #include <darboux/any_surface.h>
 #include <darboux/project.h>
 
-#include "fit/common/compressed.h"
 #include "fit/common/parameter_jet.h"
+#include "fit/common/reduced_normal_equations.h"
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -44,9 +44,9 @@ Eigen::VectorXd units_of(const Shape& shape, const std::vector<double>& typical,
 std::optional<Shape> moved(const Shape& shape, const Eigen::VectorXd& delta);
 
 // Where points have their feet.
-class Feeler {
+class FootFinder {
  public:
-  explicit Feeler(const Shape& shape) : projector_(shape.surface), inverse_(shape.placement.inverse()) {}
+  explicit FootFinder(const Shape& shape) : projector_(shape.surface), inverse_(shape.placement.inverse()) {}
   Projection search(const Eigen::Vector3d& x) const { return projector_(from_eigen(inverse_ * x)); }
   Projection follow(const Eigen::Vector3d& x, const Vec2<double>& start) const {
     return projector_(from_eigen(inverse_ * x), start);
@@ -57,13 +57,13 @@ class Feeler {
   Eigen::Isometry3d inverse_;
 };
 
-struct Feet {
+struct FootPoints {
   std::vector<Vec2<double>> uv;
   std::vector<double> distance, curvature;  // signed; k1 + k2, positive where convex towards the surface's n
 };
 
 // The feet of all points, from those of a shape nearby, or searched for where there are none.
-Feet feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts);
+FootPoints feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts);
 
 // In units of the unknowns, of the distance over the size.
 using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6 + most_parameters, 1>;
@@ -87,8 +87,7 @@ class DistanceRow {
 // What the points do not tell: directions along which no weighted distance changes. Their squared share of
 // the best known direction is below this; rounding leaves some 1e-30, and a ratio of 1e-6 of standard
 // deviations is still told.
-inline constexpr double unknown_below = 1e-12;
-using Compressed = fit::Compressed<Eigen::Dynamic>;
+inline constexpr double unidentifiable_below = 1e-12;
 
 // Normal equations.
 struct Normal {
@@ -100,7 +99,7 @@ struct Normal {
     h.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
     g += weight * r * row;
   }
-  Compressed compressed() const { return Compressed(h, unknown_below); }
+  ReducedNormalEquations reduced() const { return ReducedNormalEquations(h, unidentifiable_below); }
 };
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

@@ -10,7 +10,7 @@
 #include "base/quantile.h"
 #include "principal.h"
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 namespace {
 
 // A point of the surface; the normal is zero where there is none.
@@ -130,4 +130,4 @@ std::vector<Start> starts_of(const AnySurface& standard, const std::vector<bool>
   return result;
 }
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

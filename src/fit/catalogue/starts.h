@@ -6,7 +6,7 @@
 
 #include "shape.h"
 
-namespace darboux::fit::any {
+namespace darboux::fit::catalogue {
 
 struct Start {
   Shape shape;
@@ -18,4 +18,4 @@ struct Start {
 std::vector<Start> starts_of(const AnySurface& standard, const std::vector<bool>& lengths,
                              const Positions& points);
 
-}  // namespace darboux::fit::any
+}  // namespace darboux::fit::catalogue

@@ -1,12 +1,13 @@
-// Finds a surface of one of found_kinds() in points, by orthogonal distances, each kind with formulas of its
-// own.
+// Finds primitives in points, by orthogonal distances.
 #pragma once
 
 #include <darboux/fit_points.h>
 
-namespace darboux {
+#include "primitive.h"
 
-// fit_points() without uvs where options.surface is auto or one of found_kinds().
-PointFit fit_by_kind(const PointCloud& points, const PointFitOptions& options);
+namespace darboux::fit {
 
-}  // namespace darboux
+// fit_points() without uvs. \param only null for `auto`: whichever explains the points best
+PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options, const Primitive* only);
+
+}  // namespace darboux::fit

@@ -8,8 +8,8 @@
 #include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 
-#include "fit/common/compressed.h"
-#include "fit/common/manifolds.h"
+#include "fit/common/reduced_normal_equations.h"
+#include "fit/common/rotation_manifold.h"
 
 namespace darboux {
 namespace {
@@ -45,7 +45,7 @@ class SummedCost final : public ceres::CostFunction {
     // Ceres asks for the cost of a step first and for its Jacobian after: one pass serves both.
     if (x != at_) {
       at_ = x;
-      compress(state_of(model_, state_, x));
+      reduce(state_of(model_, state_, x));
     }
     if (!residuals_.allFinite() || !root_.allFinite()) return false;
     Eigen::Map<Eigen::VectorXd>(residuals, columns_ + 1) = residuals_;
@@ -70,14 +70,14 @@ class SummedCost final : public ceres::CostFunction {
   }
 
  private:
-  void compress(const UvState& state) const {
+  void reduce(const UvState& state) const {
     const UvSums sums = model_.sums(state, mixture_);
-    const fit::Compressed<Eigen::Dynamic> compressed(sums.hessian);
+    const fit::ReducedNormalEquations reduced(sums.hessian);
     residuals_ = Eigen::VectorXd(columns_ + 1);
-    residuals_.head(columns_) = compressed(sums.gradient);
-    residuals_[columns_] = fit::rest(2 * sums.cost, residuals_.head(columns_));
+    residuals_.head(columns_) = reduced(sums.gradient);
+    residuals_[columns_] = fit::remaining_residual(2 * sums.cost, residuals_.head(columns_));
     root_ = Eigen::MatrixXd::Zero(columns_ + 1, columns_);
-    root_.topRows(columns_) = compressed.jacobian();
+    root_.topRows(columns_) = reduced.jacobian();
   }
 
   template <class Matrix>

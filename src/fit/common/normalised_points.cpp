@@ -1,34 +1,17 @@
-// Points as the fits see them: about the origin, of size 1.
-#pragma once
+#include "normalised_points.h"
 
 #include <bit>
 #include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
+#include <cstdint>
 
-#include <Eigen/Core>
-
-#include <darboux/point_cloud.h>
 #include <darboux/vector.h>
 
 #include "base/quantile.h"
 #include "base/text.h"
+#include "kinds.h"
 
 namespace darboux::fit {
-
-// The points centred by their medians and scaled by a power of two to a median distance of about 1: no
-// outlier, however far, decides what the digits are spent on. A column for each place: points at one place
-// tell no more than one of them. Not those that are not finite, nor those beyond a million median distances,
-// which are on no surface that could be told.
-struct Scaled {
-  Eigen::Matrix3Xd cloud, normals{};
-  std::vector<std::size_t> index{};                           // of a point there, in the input
-  std::vector<std::pair<std::size_t, std::size_t>> others{};  // there, each with its column
-  std::size_t finite = 0;                                     // points of the input that are
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double scale = 0;  // 0 where all points are at one place
-};
+namespace {
 
 // The first of the points that lies where this one does, for each.
 class Places {
@@ -55,18 +38,28 @@ class Places {
   std::vector<std::size_t> table_;  // at a point's hash or after
 };
 
-inline Scaled scaled(const PointCloud& points) {
-  Scaled result;
+// By medians: no outlier moves it.
+Eigen::Vector3d middle_of(const PointCloud& points, const std::vector<std::size_t>& finite) {
+  Eigen::Vector3d middle;
+  std::vector<double> values(finite.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < finite.size(); ++i) values[i] = to_eigen(points.positions[finite[i]])[axis];
+    middle[axis] = median(values);
+  }
+  return middle;
+}
+
+}  // namespace
+
+NormalisedPoints normalised(const PointCloud& points) {
+  NormalisedPoints result;
   std::vector<std::size_t> finite;
   for (std::size_t i = 0; i < points.positions.size(); ++i)
     if (detail::finite(points.positions[i])) finite.push_back(i);
   const std::size_t n = result.finite = finite.size();
   if (n == 0) return result;
+  result.centre = middle_of(points, finite);
   std::vector<double> values(n);
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < n; ++i) values[i] = to_eigen(points.positions[finite[i]])[axis];
-    result.centre[axis] = median(values);
-  }
   for (std::size_t i = 0; i < n; ++i)
     values[i] = (to_eigen(points.positions[finite[i]]) - result.centre).stableNorm();
   std::vector<double> distances = values;
@@ -82,7 +75,7 @@ inline Scaled scaled(const PointCloud& points) {
       column[first] = result.index.size();
       result.index.push_back(first);
     } else {
-      result.others.emplace_back(finite[i], column[first]);
+      result.repeated.emplace_back(finite[i], column[first]);
     }
   }
   const auto columns = static_cast<Eigen::Index>(result.index.size());
@@ -97,15 +90,26 @@ inline Scaled scaled(const PointCloud& points) {
   return result;
 }
 
-// Why points of this size are not fitted; nothing where they are.
-inline std::string unusual_size(double scale) {
-  if (scale >= 1e-152 && scale <= 1e152) return {};
-  return "the points are of size " + rounded(scale, 3) +
-         ", permitted are 1e-152 to 1e152, whose squares are numbers; other units help";
+void NormalisedPoints::spread(const std::vector<bool>& columns, std::vector<bool>& input) const {
+  for (std::size_t i = 0; i < columns.size(); ++i) input[index[i]] = columns[i];
+  for (const auto& [i, column] : repeated) input[i] = columns[column];
 }
 
-// All of them, which are not all one point.
-inline bool on_a_line(const Eigen::Matrix3Xd& cloud) {
+std::string against_points(const NormalisedPoints& points, std::size_t fewest, std::string_view kind) {
+  const std::size_t count = points.index.size();
+  if (points.finite == 0) return "no point is finite";
+  if (count == 1 && count < fewest) return "all points are at one place";
+  if (count < fewest)
+    return "underdetermined: " + std::to_string(count) + (count < points.finite ? " different" : "") +
+           " points, " + with_article(kind) + " needs at least " + std::to_string(fewest);
+  if (!(points.scale >= 1e-152 && points.scale <= 1e152))
+    return "the points are of size " + rounded(points.scale, 3) +
+           ", expected 1e-152 to 1e152, whose squares are numbers; other units help";
+  if (on_a_line(points.cloud)) return "all points lie on one line; points beside it help";
+  return {};
+}
+
+bool on_a_line(const Eigen::Matrix3Xd& cloud) {
   const Eigen::Matrix3Xd from_first = cloud.colwise() - cloud.col(0).eval();
   Eigen::Index farthest;
   const double length = from_first.colwise().norm().maxCoeff(&farthest);

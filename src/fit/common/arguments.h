@@ -1,0 +1,13 @@
+// The arguments of every fit of points.
+#pragma once
+
+#include <darboux/fit_points.h>
+
+namespace darboux::fit {
+
+// \throws MeshError for normals or uvs of another number than positions, or none where uvs are needed;
+// ParameterError for a noise that is not positive and finite, a guess that is not finite or of another kind
+// than the one that is named.
+void check_arguments(const PointCloud& points, const PointFitOptions& options);
+
+}  // namespace darboux::fit

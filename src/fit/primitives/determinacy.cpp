@@ -1,0 +1,153 @@
+#include "determinacy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+
+#include "base/text.h"
+#include "fit/common/kinds.h"
+#include "geometry.h"
+
+namespace darboux::fit {
+namespace {
+
+double inliers_of(const PrimitiveFit& f) {
+  double inliers = 0;
+  for (std::size_t i = 0; i < f.error.size(); ++i)
+    if (f.in_support[i]) inliers += inlier_probability(f.error[i], {f.sigma, f.outliers});
+  return inliers;
+}
+
+std::string direction_text(const Vector3d& a) {
+  Vector3d unit = positive_side(a.normalized());
+  for (double& x : unit)
+    if (std::fabs(x) < 5e-4) x = 0;
+  return "(" + rounded(unit.x(), 3) + ", " + rounded(unit.y(), 3) + ", " + rounded(unit.z(), 3) + ")";
+}
+
+double deviation(const PrimitiveFit& f, std::size_t k) {
+  const auto at = 6 + static_cast<Eigen::Index>(k);
+  return std::sqrt(std::fmax(f.covariance(at, at), 0));
+}
+
+// The covariance without the turns of a whole frame: where two lengths are equal they change nothing.
+Covariance of_the_surface(const PrimitiveFit& f) {
+  Covariance c = f.covariance;
+  if (f.primitive->orientation == Orientation::frame) c.topRows<3>().setZero(), c.leftCols<3>().setZero();
+  return c;
+}
+
+// The movement that the points tell the least about.
+std::string least_identifiable(const PrimitiveFit& f) {
+  Covariance c = of_the_surface(f);
+  c /= c.cwiseAbs().maxCoeff();
+  if (!c.allFinite()) return "its size and place";
+  const Eigen::Matrix<double, 9, 1> v = Eigen::SelfAdjointEigenSolver<Covariance>(c).eigenvectors().col(8);
+  const Vector3d turn = v.head<3>(), shift = v.segment<3>(3), lengths = v.tail<3>();
+  const double half_of_most = 0.5 * std::max({turn.norm(), shift.norm(), lengths.norm()});
+  if (shift.norm() > half_of_most) return "the centre along " + direction_text(shift);
+  if (lengths.norm() > half_of_most) {
+    Eigen::Index k;
+    lengths.cwiseAbs().maxCoeff(&k);
+    return "the " + std::string(f.primitive->length_names[static_cast<std::size_t>(k)]);
+  }
+  return "a turn about " + direction_text(turn);
+}
+
+// The radius of the surface's tightest curve, about.
+double least_radius(const PrimitiveFit& f) {
+  double least = std::numeric_limits<double>::infinity();
+  if (f.primitive->radius_about_axis)
+    least = (f.reference - f.surface.centre).cross(f.surface.axes.col(2)).norm();
+  for (std::size_t k = 0; k < static_cast<std::size_t>(f.primitive->lengths); ++k)
+    least = std::fmin(least, f.surface.lengths[k]);
+  return least;
+}
+
+Determinacy unsure(std::string why) {
+  return {Determinacy::Kind::unsure, std::move(why)};
+}
+Determinacy none(std::string why) {
+  return {Determinacy::Kind::none, std::move(why)};
+}
+
+// Whether the points determine a surface that explains them. k: inliers.
+Determinacy identifiability(const PrimitiveFit& f, double k) {
+  const Primitive& primitive = *f.primitive;
+  const std::string help = "; points over a larger part of it help";
+  // Movement of the surface at the points, root mean square, by a unit of the direction that they tell the
+  // least about. The normal equations know its square but for their rounding. The points' own noise along the
+  // surface looks as much like it.
+  const Covariance c = of_the_surface(f);
+  const double movement =
+      primitive.orientation == Orientation::frame
+          ? f.sigma /
+                std::sqrt(
+                    k * Eigen::SelfAdjointEigenSolver<Covariance>(c, Eigen::EigenvaluesOnly).eigenvalues()[8])
+          : 1 / (f.largest_deviation * std::sqrt(k));
+  if (!f.covariance.allFinite() || !(movement > 1e-7) ||
+      (primitive.flat_limit != FlatLimit::none && movement < 1.3 * f.sigma))
+    return unsure("is not determined: " + least_identifiable(f) + " is not observable" + help);
+  for (std::size_t j = 0; j < static_cast<std::size_t>(f.primitive->lengths); ++j) {
+    const double length = f.surface.lengths[j];
+    if (length > 1e3 || deviation(f, j) > 0.5 * length)
+      return unsure("has a " + std::string(f.primitive->length_names[j]) + " that is not told from infinity" +
+                    help);
+    if (length < 1e-3) return none("shrinks to a point or a line: no fit");
+  }
+  if (primitive.at_limit)
+    if (const std::string_view why = primitive.at_limit(f.surface, deviation(f, 0)); !why.empty())
+      return unsure("is " + std::string(why) + help);
+  if (primitive.orientation != Orientation::frame &&
+      std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()) > 0.5)
+    return unsure("has an axis that is not observable" + help);
+  // Noise about a circle lies near many surfaces: such points are one sigma from it, those of a surface that
+  // is determined three at least.
+  if (primitive.flat_limit != FlatLimit::is_plane && f.circle_deviation < 2 * f.sigma)
+    return unsure("is not determined: the points are no further than their noise from a circle" + help);
+  if (!f.converged) return unsure("did not converge");
+  return {};
+}
+
+}  // namespace
+
+double least_length(const PrimitiveFit& f, std::size_t k) {
+  // Of 1 / length the standard deviation is deviation / length^2.
+  const double length = f.surface.lengths[k];
+  return length / (1 + 3 * deviation(f, k) / length);
+}
+
+double log_likelihood_ratio(const PrimitiveFit& f) {
+  constexpr double band =
+      4.132731354122493;  // sqrt(2 pi e): a Gaussian's entropy is that of a band so many sigma wide
+  const auto x_log_x = [](double x) { return x > 0 ? x * std::log(x) : 0; };
+  const double k = inliers_of(f), n = static_cast<double>(f.error.size());
+  // `unknowns` of the inliers lie on the surface because it was laid through them.
+  return std::max(0.0, k - f.primitive->unknowns) * std::log(2 / (band * std::max(f.sigma, exact))) +
+         x_log_x(k) + x_log_x(std::max(0.0, n - k)) - x_log_x(n);
+}
+
+Determinacy determinacy(const PrimitiveFit& f) {
+  const double k = inliers_of(f), n = static_cast<double>(f.error.size());
+  if (f.given_up) return none("explains far fewer of the points than another kind");
+  if (k < f.primitive->unknowns + 0.5)
+    return none("has only " + std::to_string(std::lround(k)) +
+                " of the points, as many lie on one by chance; more points help");
+  if (f.sigma > 0.2)
+    return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
+  // Curvature and noise are of one size: the model, of first order in their product, and the distances mean
+  // nothing.
+  if (const double radius = least_radius(f); radius < 5 * f.sigma)
+    return none("has a radius of only " + rounded(radius / f.sigma, 3) +
+                " times the noise: no fit; less noise helps");
+  if (log_likelihood_ratio(f) < 0.5 * f.primitive->unknowns * std::log(n) + margin)
+    return none(
+        "is no more than points of constant density show by chance: no fit; fewer outliers or less noise "
+        "help");
+  if (f.outliers > 0.5)
+    return none("does not stand out from the outliers: no fit; fewer outliers or less noise help");
+  return identifiability(f, k);
+}
+
+}  // namespace darboux::fit

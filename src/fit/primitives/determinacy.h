@@ -1,0 +1,32 @@
+// Whether the points determine a primitive that was fitted to them.
+#pragma once
+
+#include <string>
+
+#include "refine.h"
+
+namespace darboux::fit {
+
+struct Determinacy {
+  enum class Kind {
+    good,
+    unsure,  // of this kind the points may still be: not converged, or some of it is not identifiable
+    none     // what was found explains nothing
+  };
+  Kind kind = Kind::good;
+  std::string why{};  // goes on after the name of the kind: "an ellipsoid " + why
+};
+
+Determinacy determinacy(const PrimitiveFit& fit);
+
+// Roundings are not compared: what fits to this much, of the points' size, fits exactly.
+inline constexpr double exact = 1e-12;
+
+// Log likelihood of k inliers in a Gaussian band of distances, the others spread evenly over distances up to
+// the points' size, over that of all spread evenly.
+double log_likelihood_ratio(const PrimitiveFit& fit);
+
+// The least length k of the surface that the points allow: its curvature, three standard errors more.
+double least_length(const PrimitiveFit& fit, std::size_t k);
+
+}  // namespace darboux::fit

@@ -1,0 +1,143 @@
+#include "geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace darboux::fit {
+namespace {
+
+template <int Dimension>
+std::optional<std::pair<Eigen::Matrix<double, Dimension, 1>, double>> linear_round(
+    const Eigen::Matrix<double, Dimension, Eigen::Dynamic>& points) {
+  using Vector = Eigen::Matrix<double, Dimension, 1>;
+  const Vector mean = points.rowwise().mean();
+  Eigen::Matrix<double, Dimension + 1, Dimension + 1> normal;
+  Eigen::Matrix<double, Dimension + 1, 1> right, row;
+  normal.setZero(), right.setZero();
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const Vector q = points.col(i) - mean;
+    row << 2 * q, 1;
+    normal += row * row.transpose();
+    right += q.squaredNorm() * row;
+  }
+  const Eigen::Matrix<double, Dimension + 1, 1> x = normal.ldlt().solve(right);
+  const Vector c = x.template head<Dimension>();
+  const double square = x[Dimension] + c.squaredNorm();
+  if (!(square > 0)) return std::nullopt;
+  return std::pair<Vector, double>{c + mean, std::sqrt(square)};
+}
+
+GeometricParameters with_frame(GeometricParameters n, const Vector3d& x, const Vector3d& z) {
+  n.axes.col(2) = z;
+  n.axes.col(0) = x.norm() > 0 ? Vector3d(x.normalized()) : z.unitOrthogonal();
+  n.axes.col(1) = z.cross(n.axes.col(0));
+  return n;
+}
+
+}  // namespace
+
+Matrix3d axes_with_z(const Vector3d& z) {
+  Matrix3d axes;
+  axes.col(2) = z.normalized();
+  axes.col(0) = axes.col(2).unitOrthogonal();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  return axes;
+}
+
+Matrix3d conventional_frame(const Vector3d& z) {
+  Eigen::Index least;
+  z.cwiseAbs().minCoeff(&least);
+  Matrix3d r;
+  r.col(2) = z;
+  r.col(0) = (Vector3d::Unit(least) - z[least] * z).normalized();
+  r.col(1) = z.cross(r.col(0));
+  return r;
+}
+
+Vector3d positive_side(const Vector3d& a) {
+  Eigen::Index largest;
+  a.cwiseAbs().maxCoeff(&largest);
+  return a[largest] < 0 ? Vector3d(-a) : a;
+}
+
+Vector3d radial(const GeometricParameters& n, const Vector3d& at) {
+  const Vector3d a = n.axes.col(2), q = at - n.centre;
+  const Vector3d r = q - q.dot(a) * a;
+  return r.norm() > 1e-12 * q.norm() ? r.normalized() : Vector3d(n.axes.col(0));
+}
+
+LocalModel local_frame(const Vector3d& origin, const Vector3d& x, const Vector3d& z) {
+  LocalModel m;
+  Matrix3d r;
+  r.col(0) = x;
+  r.col(1) = z.cross(x);
+  r.col(2) = z;
+  m.rotation = Eigen::Quaterniond(r).normalized();
+  m.origin = origin;
+  return m;
+}
+
+Vector3d least_direction(const Matrix3d& symmetric) {
+  return Eigen::SelfAdjointEigenSolver<Matrix3d>().computeDirect(symmetric).eigenvectors().col(0);
+}
+
+std::optional<Sphere3> linear_sphere(const Eigen::Matrix3Xd& points) {
+  const auto found = linear_round<3>(points);
+  return found ? std::optional(Sphere3{found->first, found->second}) : std::nullopt;
+}
+
+std::optional<Circle2> linear_circle(const Eigen::Matrix2Xd& points) {
+  const auto found = linear_round<2>(points);
+  return found ? std::optional(Circle2{found->first, found->second}) : std::nullopt;
+}
+
+AxisOfRevolution linear_axis(const OrientedPoints& sample) {
+  Matrix3d mm = Matrix3d::Zero(), ma = mm, aa = mm;
+  const Vector3d mean = sample.points.rowwise().mean();
+  for (Eigen::Index i = 0; i < sample.points.cols(); ++i) {
+    const Vector3d n = sample.normals.col(i), c = (sample.points.col(i) - mean).cross(n);
+    mm += n * n.transpose();
+    ma += n * c.transpose();
+    aa += c * c.transpose();
+  }
+  const Eigen::LDLT<Matrix3d> solver(mm);
+  const Matrix3d reduced = aa - ma.transpose() * solver.solve(ma);
+  const Vector3d a = least_direction(0.5 * (reduced + reduced.transpose()));
+  const Vector3d moment = -solver.solve(ma * a);
+  return {mean + a.cross(moment), a};
+}
+
+Eigen::Matrix2Xd half_plane(const OrientedPoints& sample, const AxisOfRevolution& axis) {
+  Eigen::Matrix2Xd result(2, sample.points.cols());
+  for (Eigen::Index i = 0; i < sample.points.cols(); ++i) {
+    const Vector3d q = sample.points.col(i) - axis.point;
+    result.col(i) << q.cross(axis.direction).norm(), q.dot(axis.direction);
+  }
+  return result;
+}
+
+std::optional<GeometricParameters> checked_start(const GeometricParameters& n) {
+  const bool usable =
+      n.centre.allFinite() && n.axes.allFinite() &&
+      std::all_of(n.lengths.begin(), n.lengths.end(), [](double x) { return std::isfinite(x) && x < 1e6; });
+  return usable ? std::optional(n) : std::nullopt;
+}
+
+GeometricParameters axis_frame(const GeometricParameters& n, const Vector3d& mean) {
+  const Vector3d q = mean - n.centre, z = n.axes.col(2), x = q - q.dot(z) * z;
+  return with_frame(n, x, z);
+}
+
+GeometricParameters scatter_frame(const GeometricParameters& n, const Vector3d& z, const Matrix3d& scatter) {
+  const Matrix3d across = Matrix3d::Identity() - z * z.transpose();
+  const Vector3d x = Eigen::SelfAdjointEigenSolver<Matrix3d>(across * scatter * across).eigenvectors().col(2);
+  return with_frame(n, x, z);
+}
+
+double turns(double y, double x) {
+  const double turn = std::atan2(y, x) / (2 * std::numbers::pi);
+  return turn < 0 ? turn + 1 : turn;
+}
+
+}  // namespace darboux::fit

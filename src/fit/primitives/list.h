@@ -1,0 +1,27 @@
+// The primitives.
+#pragma once
+
+#include <span>
+
+#include "primitive.h"
+
+namespace darboux::fit {
+
+// In the order of preference. Each is defined in the file of its name.
+#define DARBOUX_PRIMITIVES(each) \
+  each(plane) each(sphere) each(cylinder) each(cone) each(torus) each(ellipsoid)
+
+#define DARBOUX_DECLARE_PRIMITIVE(name) extern const Primitive name##_primitive;
+DARBOUX_PRIMITIVES(DARBOUX_DECLARE_PRIMITIVE)
+#undef DARBOUX_DECLARE_PRIMITIVE
+
+std::span<const Primitive* const> primitives();
+
+// The primitive of that name in the catalogue; null where there is none.
+const Primitive* primitive_named(std::string_view name);
+
+// The (u, v) of the point nearest to p on a primitive; nothing for other surfaces. Primitives do not end, but
+// for a cone at its apex.
+std::optional<Vec2<double>> closed_form_foot(const AnySurface& surface, const Vec3<double>& p);
+
+}  // namespace darboux::fit

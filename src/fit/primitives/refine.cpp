@@ -1,0 +1,223 @@
+#include "refine.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Dense>
+
+#include "cost.h"
+#include "support.h"
+
+namespace darboux::fit {
+namespace {
+
+using Eigen::Matrix3Xd;
+
+// The rotation vector of one degree of freedom from both sides of it, as far as the primitive has a
+// direction.
+Vector3d turn_between(Orientation orientation, const Vector3d& axis, const Matrix3d& before,
+                      const Matrix3d& after) {
+  switch (orientation) {
+    case Orientation::none:
+      return Vector3d::Zero();
+    case Orientation::axis:
+      return axis.cross(after.col(2) - before.col(2));  // a turn about it means nothing
+    case Orientation::frame:
+      break;
+  }
+  const Eigen::AngleAxisd rotation(Matrix3d(after * before.transpose()));
+  return rotation.angle() * rotation.axis();
+}
+
+// Numerical derivatives of the geometric parameters by the local tangent, and so their covariance.
+Covariance geometric_covariance(const Primitive& primitive, const LocalModel& model,
+                                const Eigen::MatrixXd& covariance, const Vector3d& reference) {
+  const int n = 3 + primitive.distance.parameters;
+  Eigen::Matrix<double, 9, Eigen::Dynamic> by(9, n);
+  const GeometricParameters centre = primitive.geometric(model);
+  for (int k = 0; k < n; ++k) {
+    double size = 1e-5;
+    // A curvature is stepped by a part of itself: radii may be large.
+    if (k == 4 && primitive.second_parameter_is_curvature) size *= std::min(1.0, std::fabs(model.s[1]));
+    std::array<GeometricParameters, 2> moved;
+    for (int side = 0; side < 2; ++side) {
+      LocalModel m = model;
+      const double step = (side == 0 ? -1 : 1) * size;
+      if (k < 3)
+        m.rotation = m.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(step, Vector3d::Unit(k)));
+      else
+        m.s[static_cast<std::size_t>(k - 3)] += step;
+      moved[static_cast<std::size_t>(side)] = primitive.geometric(m);
+    }
+    const Vector3d turn =
+        turn_between(primitive.orientation, centre.axes.col(2), moved[0].axes, moved[1].axes) / (2 * size);
+    const Vector3d shift = (moved[1].centre - moved[0].centre) / (2 * size);
+    by.col(k).head<3>() = turn;
+    by.col(k).segment<3>(3) = shift - turn.cross(centre.centre - reference);
+    for (std::size_t l = 0; l < 3; ++l)
+      by(6 + static_cast<Eigen::Index>(l), k) = (moved[1].lengths[l] - moved[0].lengths[l]) / (2 * size);
+  }
+  return by * covariance * by.transpose();
+}
+
+// How far weighted points are from one circle, root mean square, of each of the two directions across it. The
+// circle lies in the plane of the points' largest moments and is the algebraic one there, x^2 + y^2 = 2 a x +
+// 2 b y + c.
+double circle_deviation_of(const Matrix3Xd& cloud, const Eigen::VectorXd& weights) {
+  const double sum = weights.sum();
+  const Vector3d mean = cloud * weights / sum;
+  const Matrix3Xd centred = cloud.colwise() - mean;
+  const Matrix3d axes =
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(centred * weights.asDiagonal() * centred.transpose())
+          .eigenvectors();
+  const Matrix3Xd p = axes.transpose() * centred;  // the plane's normal first
+  const Eigen::Matrix3Xd rows =
+      (Matrix3Xd(3, p.cols()) << 2 * p.bottomRows<2>(), Eigen::RowVectorXd::Ones(p.cols())).finished();
+  const Eigen::VectorXd squares = p.bottomRows<2>().colwise().squaredNorm();
+  const Matrix3d normal_matrix = rows * weights.asDiagonal() * rows.transpose();
+  const Vector3d circle = normal_matrix.ldlt().solve(rows * weights.cwiseProduct(squares));
+  const double radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
+  const Eigen::ArrayXd radial =
+      (p.bottomRows<2>().colwise() - circle.head<2>()).colwise().norm().transpose().array() - radius;
+  return std::sqrt(((radial.square() + p.row(0).transpose().array().square()) * weights.array()).sum() /
+                   (2 * sum));
+}
+
+// All points: mixture, bias and support by what the last estimate says, then a step or two, until nothing
+// moves. The robust phase first, then the root of the likelihood's gradient.
+class Refinement {
+ public:
+  Refinement(const SearchProblem& problem, const Hypothesis& hypothesis)
+      : problem_(problem),
+        primitive_(*hypothesis.primitive),
+        states_(static_cast<std::size_t>(problem.cloud.cols())),
+        mixture_(hypothesis.mixture),
+        model_(primitive_.localise(hypothesis.surface, hypothesis.at)),
+        hessian_(
+            Eigen::MatrixXd::Zero(3 + primitive_.distance.parameters, 3 + primitive_.distance.parameters)) {
+    if (problem.sigma) mixture_ = {*problem.sigma, mixture_.outliers, true};
+    primitive_.distance.measure(problem.cloud, model_, states_);
+  }
+
+  void run() {
+    double share = 0;
+    for (int round = 0; round < 100; ++round) {
+      problem_.progress(share += 0.1 * (1 - share));
+      if (!step()) return;
+    }
+  }
+
+  PrimitiveFit result() {
+    PrimitiveFit fit;
+    fit.primitive = &primitive_;
+    fit.converged = converged_;
+    fit.iterations = iterations_;
+    fit.surface = primitive_.geometric(model_);
+    fit.sigma = mixture_.sigma;
+    fit.outliers = mixture_.outliers;
+    const std::vector<double> weights = inlier_probabilities(states_, mixture_);
+    fit.circle_deviation = circle_deviation_of(
+        problem_.cloud, Eigen::Map<const Eigen::VectorXd>(weights.data(), problem_.cloud.cols()));
+    fit.error.resize(states_.d.size());
+    for (std::size_t i = 0; i < fit.error.size(); ++i) fit.error[i] = states_.error(i);
+    fit.in_support = std::move(states_.in_support);
+    fit.reference = model_.origin;
+    return fit;
+  }
+
+  // Of a fit that was refined.
+  void add_covariance(PrimitiveFit& fit) const {
+    // Without the turn about the normal where that changes nothing.
+    const int all = 3 + primitive_.distance.parameters;
+    std::vector<int> free;
+    for (int k = 0; k < all; ++k)
+      if (primitive_.unknowns == all || k != 2) free.push_back(k);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian_(free, free));
+    // Below that is rounding: the turn of an ellipsoid of revolution would spoil what else is known.
+    const double rounding = std::max(0x1p-52 * eigen.eigenvalues().maxCoeff(), 1e-300);
+    const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(rounding).cwiseInverse();
+    fit.largest_deviation = std::sqrt(inverse[0]);
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(all, all);
+    covariance(free, free) = mixture_.sigma * mixture_.sigma * eigen.eigenvectors() * inverse.asDiagonal() *
+                             eigen.eigenvectors().transpose();
+    fit.covariance = geometric_covariance(primitive_, model_, covariance, fit.reference);
+  }
+
+ private:
+  // False where it ended.
+  bool step() {
+    if (supports_ == 0) states_.in_support = states_.regular;
+    update_bias(mixture_, states_);
+    update(mixture_, states_, phase_ == Phase::robust);
+    // The biases are those of the sigma before; they go with it, and the distances by as much.
+    if (!mixture_.sigma_known) mixture_.sigma = std::max(mixture_.sigma, root_mean_square_of_bias(states_));
+    if (phase_ == Phase::robust) weights_ = inlier_probabilities(states_, mixture_);
+    BatchedCost cost(primitive_, phase_, problem_.cloud, model_.origin, mixture_, states_, weights_);
+    const LocalModel before = model_;
+    const Solved solved = solve(cost, model_, phase_ == Phase::score ? 1 : 12, 1e-15,
+                                phase_ == Phase::robust && near_ == 1 ? 1e-7 : 1e-20);
+    iterations_ += solved.iterations;
+    if (!solved.usable) return false;
+    hessian_ = cost.hessian();
+    return decide(cost.first_step() / std::sqrt(mixture_.inliers), solved.moved, before);
+  }
+
+  // What to do after a step whose first movement was this. False where it converged.
+  bool decide(double movement, bool moved, const LocalModel& before) {
+    // Rounding of the distances moves the surface by 1e-14 at most.
+    const double standard_error = mixture_.sigma * std::sqrt(primitive_.unknowns / mixture_.inliers);
+    const bool small = movement <= 3 * standard_error + 1e-14;
+    since_support_ += movement / (standard_error + 1e-14);
+    if (phase_ == Phase::score && !small) {  // too far for a root to be trusted
+      model_ = before;
+      primitive_.distance.measure(problem_.cloud, model_, states_);
+      phase_ = Phase::robust;
+      near_ *= 0.1;
+    } else if (small && since_support_ > 0.1 && supports_ < 8) {
+      find_support(primitive_, problem_.cloud, primitive_.geometric(model_), mixture_, states_);
+      ++supports_;
+      since_support_ = 0;
+    } else if (movement <= 1e-15 + (phase_ == Phase::score ? 1e-9 : 1e-6) * standard_error) {
+      converged_ = true;
+      return false;
+    } else if (phase_ == Phase::score && !moved) {
+      phase_ = Phase::robust;
+      near_ *= 1e-3;
+    }
+    if (phase_ == Phase::robust && movement <= near_ * standard_error + 1e-14) phase_ = Phase::score;
+    return true;
+  }
+
+  const SearchProblem& problem_;
+  const Primitive& primitive_;
+  PointStates states_;
+  Mixture mixture_;
+  LocalModel model_;
+  Eigen::MatrixXd hessian_;
+  Phase phase_ = Phase::robust;
+  std::vector<double> weights_;
+  int supports_ = 0, iterations_ = 0;
+  // Movements since the support was last found, in standard errors.
+  double since_support_ = std::numeric_limits<double>::infinity();
+  // How near the root is sought, in standard errors. A root that cannot be stepped to is left to the robust
+  // phase.
+  double near_ = 1;
+  bool converged_ = false;
+};
+
+}  // namespace
+
+PrimitiveFit refine(const SearchProblem& problem, const Hypothesis& hypothesis, bool give_up) {
+  Refinement refinement(problem, hypothesis);
+  if (!give_up) refinement.run();
+  PrimitiveFit fit = refinement.result();
+  fit.iterations += hypothesis.iterations;
+  fit.given_up = give_up;
+  if (!give_up) refinement.add_covariance(fit);
+  return fit;
+}
+
+}  // namespace darboux::fit

@@ -1,0 +1,34 @@
+// From a hypothesis to the maximum of the likelihood over all points, with its uncertainty.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "search.h"
+
+namespace darboux::fit {
+
+using Covariance = Eigen::Matrix<double, 9, 9>;
+
+// A surface with its uncertainty and what it says of every point.
+struct PrimitiveFit {
+  const Primitive* primitive;
+  bool given_up = false;  // as another kind explains far more; then only measured
+  bool converged = false;
+  GeometricParameters surface;
+  double sigma = 0, outliers = 0;              // see mixture.h
+  Covariance covariance = Covariance::Zero();  // of (rotation vector, movement of `reference`, lengths)
+  Vector3d reference;
+  double largest_deviation = 0;  // standard deviation in the least identifiable direction, at unit noise
+  // Distance of the inliers from one circle, root mean square, of each of its two directions.
+  double circle_deviation = 0;
+  std::vector<double> error;  // signed distance less its bias
+  std::vector<unsigned char> in_support;
+  int iterations = 0;
+};
+
+// \param give_up only measures the surface
+PrimitiveFit refine(const SearchProblem& problem, const Hypothesis& hypothesis, bool give_up);
+
+}  // namespace darboux::fit

@@ -1,0 +1,149 @@
+#include <numbers>
+
+#include <darboux/torus.h>
+
+#include "distance_model.h"
+#include "geometry.h"
+#include "list.h"
+
+namespace darboux::fit {
+namespace {
+
+// rho, kappa = 1/r, R, alpha: the tube's centre C = (0, 0, rho + 1/kappa), the axis passes through C + R e, e
+// = (-sin alpha, 0, cos alpha), in direction a = (cos alpha, 0, sin alpha). For R < r the inner side (the
+// lemon) belongs to the surface too.
+class TorusModel {
+ public:
+  static constexpr int parameters = 4;
+  static bool in_range(const double* s) { return s[1] > 1e-9 && s[2] >= 0; }
+  explicit TorusModel(const double* s)
+      : centre_(s[0] + 1 / s[1]),
+        kappa_(s[1]),
+        major_(s[2]),
+        sine_(std::sin(s[3])),
+        cosine_(std::cos(s[3])) {}
+  double distance(const Vector3d& p) const { return parts(p).tube - 1 / kappa_; }
+  void at(const Vector3d& p, LocalDistance<parameters>& out) const {
+    const Parts r = parts(p);
+    const double radial = r.to_circle / r.tube, axial = r.h / r.tube;  // of the normal
+    const double along_u = radial * r.u / r.from_axis;
+    out.d = r.tube - 1 / kappa_;
+    out.gradient = {axial * cosine_ - along_u * sine_, radial * p.y() / r.from_axis,
+                    axial * sine_ + along_u * cosine_};
+    out.by = {-out.gradient.z(), (1 + out.gradient.z()) / (kappa_ * kappa_),
+              radial * (-r.u / r.from_axis - r.side), axial * (r.u + major_) - along_u * r.h};
+    const double foot = r.from_axis - out.d * radial;
+    out.curvature = kappa_ + radial / std::copysign(std::max(std::fabs(foot), 1e-6), foot);
+    out.metric_ratio = std::min(r.tube * kappa_, foot > 0 ? r.from_axis / foot : r.side < 0 ? 1 : -1);
+  }
+
+ private:
+  struct Parts {
+    double h, u, from_axis, to_circle, tube;  // tube: distance from the circle of the tube's centres
+    double side;                              // 1; -1 where the far side of the circle is nearer
+  };
+  Parts parts(const Vector3d& p) const {
+    Parts r;
+    const double z = p.z() - centre_;
+    r.h = p.x() * cosine_ + z * sine_;
+    r.u = z * cosine_ - p.x() * sine_ - major_;
+    r.from_axis = std::max(std::sqrt(r.u * r.u + p.y() * p.y()), 1e-150);
+    r.side = 1;
+    r.to_circle = r.from_axis - major_;
+    r.tube = std::sqrt(r.to_circle * r.to_circle + r.h * r.h);
+    if (major_ * kappa_ < 1) {
+      const double far_to_circle = r.from_axis + major_;
+      const double far_tube = std::sqrt(far_to_circle * far_to_circle + r.h * r.h);
+      if (std::fabs(far_tube * kappa_ - 1) < std::fabs(r.tube * kappa_ - 1))
+        r.side = -1, r.to_circle = far_to_circle, r.tube = far_tube;
+    }
+    r.tube = std::max(r.tube, 1e-150);
+    return r;
+  }
+  double centre_, kappa_, major_, sine_, cosine_;
+};
+
+// lengths: major and minor radius. The axis, then a circle in the half-plane.
+std::optional<GeometricParameters> start(const OrientedPoints& sample) {
+  const AxisOfRevolution axis = linear_axis(sample);
+  const auto circle = linear_circle(half_plane(sample, axis));
+  if (!circle) return std::nullopt;
+  return checked_start({axis.point + circle->centre.y() * axis.direction,
+                        axes_with_z(axis.direction),
+                        {std::fmax(circle->centre.x(), 0), circle->radius}});
+}
+
+LocalModel localise(const GeometricParameters& n, const Vector3d& at) {
+  const Vector3d a = n.axes.col(2), q = at - n.centre;
+  Vector3d e = radial(n, at);
+  const auto tube_distance = [&](const Vector3d& side) {
+    return std::fabs((q - n.lengths[0] * side).norm() - n.lengths[1]);
+  };
+  if (n.lengths[0] < n.lengths[1] && tube_distance(-e) < tube_distance(e)) e = -e;
+  const Vector3d from_circle = q - n.lengths[0] * e;
+  const Vector3d outward = from_circle.norm() > 0 ? Vector3d(from_circle.normalized()) : e;
+  const double radial_part = outward.dot(e), axial = outward.dot(a);
+  LocalModel m = local_frame(n.centre + n.lengths[0] * e + n.lengths[1] * outward,
+                             radial_part * a - axial * e, -outward);
+  m.s = {0, 1 / n.lengths[1], n.lengths[0], std::atan2(-axial, radial_part)};
+  return m;
+}
+
+GeometricParameters geometric(const LocalModel& m) {
+  const double sine = std::sin(m.s[3]), cosine = std::cos(m.s[3]);
+  const Vector3d centre = Vector3d(0, 0, m.s[0] + 1 / m.s[1]) + m.s[2] * Vector3d(-sine, 0, cosine);
+  return {m.origin + m.rotation * centre,
+          axes_with_z(m.rotation * Vector3d(cosine, 0, sine)),
+          {m.s[2], 1 / m.s[1]}};
+}
+
+GeometricParameters support_frame(const GeometricParameters& n, const Vector3d& mean, const Matrix3d&) {
+  return axis_frame(n, mean);
+}
+
+SupportCoordinates coordinates(const GeometricParameters& n, const Vector3d& p) {
+  const double tube = std::atan2(p.z(), std::hypot(p.x(), p.y()) - n.lengths[0]);
+  return {std::atan2(p.y(), p.x()), tube, std::fabs(n.lengths[0] + n.lengths[1] * std::cos(tube))};
+}
+
+CatalogueSurface to_catalogue(const GeometricParameters& n, double scale, const ExtentAlong&) {
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(2, 3);
+  by(0, 0) = by(1, 1) = scale;
+  return {Torus{scale * n.lengths[0], scale * n.lengths[1]}, conventional_frame(positive_side(n.axes.col(2))),
+          n.centre, by};
+}
+
+std::optional<Vec2<double>> foot(const AnySurface& surface, const Vec3<double>& p) {
+  const auto* s = surface.get<Torus<>>();
+  if (!s) return std::nullopt;
+  const double rho = std::hypot(p.x, p.y);
+  const double near = std::hypot(rho - s->major_radius, p.z) - s->minor_radius,
+               far = std::hypot(rho + s->major_radius, p.z) - s->minor_radius;
+  // The inner part of a spindle torus, of the tube's far side.
+  if (std::fabs(far) < std::fabs(near))
+    return Vec2<double>{turns(-p.y, -p.x), turns(p.z, -rho - s->major_radius)};
+  return Vec2<double>{turns(p.y, p.x), turns(p.z, rho - s->major_radius)};
+}
+
+}  // namespace
+
+constinit const Primitive torus_primitive{
+    .name = Torus<>::info.name,
+    .unknowns = 7,
+    .sample_size = 5,
+    .distance = distance_functions<TorusModel>,
+    .second_parameter_is_curvature = true,
+    .radius_about_axis = true,
+    .lengths = 2,
+    .length_names = {"major radius", "minor radius"},
+    .start = start,
+    .localise = localise,
+    .geometric = geometric,
+    .support = {support_frame, coordinates, 2 * std::numbers::pi, 2 * std::numbers::pi},
+    .to_catalogue = to_catalogue,
+    .from_catalogue = [](const GeometricParameters& n) { return n; },
+    .foot = foot,
+    .crosses_itself = [](const GeometricParameters& n) { return n.lengths[0] < n.lengths[1]; },
+};
+
+}  // namespace darboux::fit
