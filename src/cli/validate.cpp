@@ -28,9 +28,8 @@ Eigen::Isometry3d parse_placement(const std::string& text) {
   if (text == "identity") return placement;
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != 16)
-    throw ParameterError(
-        "--placement",
-        "'" + text + "' is no placement, permitted are fit, identity or 16 numbers, column by column");
+    throw ParameterError("--placement",
+                         expected_got("fit, identity or 16 numbers, column by column", "'" + text + "'"));
   for (std::size_t k = 0; k < 16; ++k)
     placement.matrix()(static_cast<Eigen::Index>(k % 4), static_cast<Eigen::Index>(k / 4)) =
         parse_finite("--placement", parts[k]);
@@ -38,9 +37,8 @@ Eigen::Isometry3d parse_placement(const std::string& text) {
   const bool rigid = (m.transpose() * m - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
                      m.determinant() > 0 && placement.matrix().row(3) == Eigen::RowVector4d(0, 0, 0, 1);
   if (!rigid)
-    throw ParameterError(
-        "--placement",
-        "the matrix is not rigid with determinant +1, permitted are rotations with a translation");
+    throw ParameterError("--placement", expected_got("a rotation with a translation",
+                                                     "a matrix that is not rigid with determinant +1"));
   return placement;
 }
 
@@ -122,7 +120,7 @@ void check_outputs(const Arguments& arguments, const std::vector<JudgedFile>& fi
       std::error_code none;
       if (fs::path(output).lexically_normal() == fs::path(other).lexically_normal() ||
           fs::equivalent(output, other, none))
-        throw ParameterError(option, "'" + output + "' is " + what + ", permitted is a file of its own");
+        throw ParameterError(option, expected_got("a file of its own", "'" + output + "', which is " + what));
     }
     taken.emplace_back(output, "what " + option + " writes");
   }
@@ -137,12 +135,11 @@ void run(const Arguments& arguments, Common& common) {
     throw ParameterError("--github", "expected text on standard output, got --json, which takes it");
   for (const auto& [option, file] : {std::pair{"--sarif", &arguments.sarif}, {"--junit", &arguments.junit}})
     if (*file == "-")
-      throw ParameterError(option, "standard output is taken, permitted is the name of a file");
+      throw ParameterError(option, expected_got("the name of a file", "-: standard output is taken"));
   AssessOptions options;
   options.max_angle_deg = arguments.max_angle;
   if (!(arguments.max_angle > 0) || arguments.max_angle > 180)
-    throw ParameterError("--max-angle",
-                         shortest(arguments.max_angle) + " is out of range, permitted is 0 < degrees <= 180");
+    throw ParameterError("--max-angle", expected_got("0 < degrees <= 180", shortest(arguments.max_angle)));
   if (arguments.surface != "auto") {
     // Refuses values out of range before any file is read.
     const AnySurface surface = surface_argument(arguments.surface);
@@ -159,8 +156,9 @@ void run(const Arguments& arguments, Common& common) {
   options.budget = arguments.budget;
   if (!options.references.analytic && (options.declares_surface() || arguments.placement != "fit"))
     throw ParameterError("--reference",
-                         "without analytic no surface is fitted, permitted with --surface and --placement "
-                         "are lists with analytic");
+                         expected_got("a list with analytic, as --surface or --placement is given",
+                                      "one without: no surface "
+                                      "would be fitted"));
   if (arguments.placement != "fit") options.placement = parse_placement(arguments.placement);
 
   // What cannot be read or written is said before the work, not after it.
@@ -207,26 +205,27 @@ void run(const Arguments& arguments, Common& common) {
 
 // Options from a file, TOML's NAME = VALUE; what the command line says goes before.
 void read_configuration(CLI::App& sub, const std::string& path) {
-  std::vector<std::string> permitted;
+  std::vector<std::string> known;
   for (const CLI::Option* option : sub.get_options())
     for (const std::string& name : option->get_lnames())
       if (name != "help" && name != "version" && name != "config" && name != "findings")
-        permitted.push_back(name);
-  permitted.push_back("files");
+        known.push_back(name);
+  known.push_back("files");
   try {
     for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_file(path)) {
       if (!item.parents.empty())
-        throw FileError(path, "has a section [" + item.parents.front() + "], permitted are options alone");
+        throw FileError(path, expected_got("options alone", "a section [" + item.parents.front() + "]"));
       const std::string& name = item.name;
-      if (std::find(permitted.begin(), permitted.end(), name) == permitted.end())
-        throw FileError(path, "'" + name + "' is no option of validate, permitted are " + joined(permitted));
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        throw FileError(path,
+                        expected_got("an option of validate (" + joined(known) + ")", "'" + name + "'"));
       CLI::Option& option = *sub.get_option_no_throw(name == "files" ? "FILES" : "--" + name);
       if (option.count() > 0) continue;  // a name that is given twice comes once, with two values
       option.add_result(item.inputs);
       option.run_callback();
     }
   } catch (const CLI::FileError&) {
-    throw FileError(path, "cannot be read, permitted is a file of options like max-angle = 2");
+    throw FileError(path, "cannot be read, expected a file of options like max-angle = 2");
   } catch (const CLI::ParseError& e) {
     throw FileError(path, e.what());
   }

@@ -74,8 +74,7 @@ bool list_folder(const fs::path& folder, const fs::path& root, Excluded& exclude
   }
   if (error)
     found.push_back({.path = folder.string(),
-                     .error = folder.string() + ": cannot be listed (" + error.message() +
-                              "), permitted are folders that can be read"});
+                     .error = folder.string() + ": expected a folder that can be read: " + error.message()});
   return left_out;
 }
 
@@ -88,7 +87,7 @@ void list_folder(const std::string& folder, Excluded& excluded, std::vector<Judg
         {.path = folder,
          .error = folder +
                   (left_out ? ": expected mesh files that --exclude leaves, got none (of " + extensions + ")"
-                            : ": holds no mesh file, permitted are folders with " + extensions)});
+                            : ": expected mesh files (" + extensions + "), got none")});
   std::sort(found.begin(), found.end(),
             [](const JudgedFile& a, const JudgedFile& b) { return a.path < b.path; });
   files.insert(files.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
@@ -273,7 +272,7 @@ void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& po
     } catch (const Error& e) {
       file.error = file.path + ": " + e.what();
     } catch (const std::bad_alloc&) {
-      file.error = file.path + ": needs more memory than there is, permitted is what fits";
+      file.error = file.path + ": needs more memory than there is";
     }
   if (!file.error.empty()) {
     file.primitives.clear();
@@ -284,12 +283,12 @@ void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& po
 
 Json read_baseline(const std::string& path) {
   std::ifstream stream(path);
-  if (!stream) throw FileError(path, "cannot be read, permitted is a report of darboux validate --json");
+  if (!stream) throw FileError(path, "cannot be read, expected a report of darboux validate --json");
   try {
     return Json::parse(stream);
   } catch (const Json::exception& e) {
-    throw FileError(
-        path, "is not JSON, permitted is a report of darboux validate --json: " + std::string(e.what()));
+    throw FileError(path,
+                    "is not JSON, expected a report of darboux validate --json: " + std::string(e.what()));
   }
 }
 
@@ -319,8 +318,7 @@ void add_known(JudgedPrimitive& p, const Json& mesh, const std::string& path) {
   bool says_undetermined = false;
   for (const Json& finding : mesh.at("findings")) {
     if (!finding.at("count").is_number_unsigned())
-      throw FileError(path,
-                      "has a count " + finding.at("count").dump() + ", permitted are whole numbers from 0");
+      throw FileError(path, expected_got("counts that are whole numbers from 0", finding.at("count").dump()));
     const std::string code = finding.at("code");
     const Severity own =
         severity_of(finding.at(finding.contains("own_severity") ? "own_severity" : "severity"), path);

@@ -533,7 +533,7 @@ std::string validate_page(const std::vector<JudgedFile>& files, double max_angle
       "</h1>\n<p>The normals and tangents stored in a mesh, compared with what they should be. Angles are in "
       "degrees; inside a mesh up to " +
       rounded(max_angle_deg, 4) +
-      "° are permitted, three times that at seams, pole rings, creases and "
+      "° are allowed, three times that at seams, pole rings, creases and "
       "borders.</p>\n<noscript><p class=card>The mesh and its uvs are drawn by JavaScript, which is off. All "
       "else is here.</p></noscript>\n";
   if (entries.size() + unread > 1)

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <limits>
 
+#include "base/text.h"
 #include "report/colour_map.h"
 #include "validate_page.h"
 
@@ -80,14 +81,12 @@ void add_pictures(CLI::App& sub, Pictures& pictures) {
 
 void check_pictures(const Pictures& pictures, std::size_t files) {
   if (pictures.paint == "-" || pictures.page == "-")
-    throw ParameterError("-", "standard output has the verdict, permitted is the name of a file");
+    throw ParameterError("-", expected_got("the name of a file", "-: standard output has the verdict"));
   if (!pictures.page.empty()) OutputFile{pictures.page};
   if (pictures.paint.empty()) return;
   OutputFile{pictures.paint};
   check_glb_name(pictures.paint);
-  if (files != 1)
-    throw ParameterError("--paint",
-                         "colours one file, " + std::to_string(files) + " are given, permitted is one");
+  if (files != 1) throw ParameterError("--paint", expected_got("one file to colour", std::to_string(files)));
 }
 
 void write_pictures(const Pictures& pictures, const std::vector<JudgedFile>& files, double max_angle_deg) {

@@ -75,7 +75,7 @@ constexpr std::array kinds{
         "nothing, where baker and renderer both take w cross(n, t)"},
     FindingKind{
         "POLE_TANGENT", info,
-        "tangents at a pole are farther than permitted from the limit for their own u; no direction is "
+        "tangents at a pole are farther than allowed from the limit for their own u; no direction is "
         "right there for every texture",
         "nothing; a vertex of its own for each column is best"},
     FindingKind{"NORMALS_INWARD", info,

@@ -223,9 +223,10 @@ TEST_F(Cli, PaintColoursAreInOrderOfLightness) {
 
 TEST_F(Cli, PaintRefusals) {
   const std::string one = "darboux validate data/torus_016.three.glb ";
-  refused(one + "data/sphere_016.three.glb --paint out.glb", {"--paint", "2 are given", "permitted is one"});
+  refused(one + "data/sphere_016.three.glb --paint out.glb",
+          {"--paint", "expected one file to colour, got 2"});
   refused(one + "--paint out.gltf", {"out.gltf", "expected"});
-  refused(one + "--paint -", {"standard output", "permitted"});
+  refused(one + "--paint -", {"standard output", "expected the name of a file"});
   refused(one + "--paint nowhere/out.glb", {"nowhere/out.glb", "expected"});
   refused("darboux validate nowhere.glb --paint out.glb", {"nowhere.glb"});
   EXPECT_FALSE(fs::exists(path("out.glb")));
@@ -315,7 +316,7 @@ TEST_F(Cli, ReportOfMeshesThatCannotBeDrawn) {
 
 TEST_F(Cli, ReportRefusals) {
   const std::string one = "darboux validate data/torus_016.three.glb ";
-  refused(one + "--report -", {"standard output", "permitted"});
+  refused(one + "--report -", {"standard output", "expected the name of a file"});
   refused(one + "--report nowhere/out.html", {"nowhere/out.html", "expected"});
   refused(one + "--report .", {"folder", "expected"});
 }

@@ -47,7 +47,7 @@ TEST_F(CliMany, BrokenFilesArePassedOver) {
   fs::create_directory(path("empty"));
   const Result empty = sh("darboux validate empty assets/good.glb");
   EXPECT_EQ(empty.status, 2);
-  EXPECT_NE(empty.err.find("empty: holds no mesh file"), std::string::npos) << empty.err;
+  EXPECT_NE(empty.err.find("empty: expected mesh files"), std::string::npos) << empty.err;
   EXPECT_NE(empty.out.find("assets/good.glb: pass"), std::string::npos);
 }
 
