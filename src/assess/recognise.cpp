@@ -47,6 +47,20 @@ bool may_be(std::string_view kind, Quadric quadric) {
          (quadric == Quadric::indefinite && !closed);
 }
 
+// A disk without a hole is fitted with one as small as rounding: its middle is a pole all the same.
+void mark_middle(const MeshFit& fit, const Mesh& mesh, std::vector<Truth>& truth) {
+  if (fit.surface.surface.info().name != "disk") return;
+  double inner = 0, outer = 0;
+  for (const ParameterValue& p : fit.surface.surface.parameters()) {
+    if (p.name == "inner_radius") inner = p.value;
+    if (p.name == "outer_radius") outer = p.value;
+  }
+  if (!(inner <= fits_below * outer)) return;
+  const Eigen::Vector3d middle = fit.surface.placement.translation();
+  for (std::size_t v = 0; v < truth.size(); ++v)
+    if ((to_eigen(mesh.positions[v]) - middle).norm() <= 2 * fits_below * outer) truth[v].pole = true;
+}
+
 // One mesh that is looked at.
 class Search {
  public:
@@ -107,6 +121,7 @@ class Search {
 
   void take(MeshFit fit, Evidence evidence) {
     result_.truth = truths(mesh_, fit, signs_);
+    mark_middle(fit, mesh_, result_.truth);
     result_.fit = std::move(fit);
     result_.evidence = std::move(evidence);
   }

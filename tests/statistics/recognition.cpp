@@ -51,15 +51,20 @@ bool wanted(const Arguments& arguments, std::string_view name) {
 void replay(const Arguments& arguments) {
   for (const test::NegativeFamily& family : test::negative_families())
     if (wanted(arguments, family.name))
-      for (const Assessment& j : assess_parts(test::negative(family, arguments.seed)))
+      for (const Assessment& j : assess_parts(test::negative(family, arguments.seed))) {
         std::printf("%s, seed %llu: %zu corners, %s\n", std::string(family.name).c_str(),
                     static_cast<unsigned long long>(arguments.seed), j.report.corners,
                     j.fit && j.fit->fits ? j.fit->surface.surface.specification(6).c_str() : "none");
+        for (const Finding& f : j.report.findings)
+          if (f.severity != Severity::info)
+            std::printf("  %s (%zu): %s\n", std::string(f.code).c_str(), f.count, f.message.c_str());
+      }
 }
 
 void negatives(const Arguments& arguments) {
   std::printf(
-      "\n### Meshes that are no surface\n\n| family | meshes | false claims | kinds and first seeds | ms per "
+      "\n### Meshes that are no surface\n\n| family | meshes | false claims and failures | kinds, or fail, "
+      "and first seeds | ms per "
       "mesh |\n|---|---|---|---|---|\n");
   std::size_t all = 0, wrong = 0;
   for (const test::NegativeFamily& family : test::negative_families()) {

@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
+
 #include <darboux/any_surface.h>
 #include <darboux/assess.h>
 #include <darboux/mesh_frames.h>
@@ -453,8 +455,41 @@ inline void round_to_floats(Mesh& mesh) {
 struct NegativeFamily {
   std::string_view name;
   std::function<Polyhedron(Random&)> make;
-  std::string_view allowed;  // kinds beside planes that a part of it may really be
+  std::string_view allowed;                     // kinds beside planes that a part of it may really be
+  std::function<Mesh(Random&)> make_mesh = {};  // or the whole mesh, with its normals and uvs
 };
+
+// A solid of patches, shaded smooth, as vertices split by uvs, welded, or one per corner; every other time
+// with MikkTSpace's tangents.
+inline Mesh smooth_solid(Mesh patches, Random& random) {
+  Mesh mesh = with_averaged_normals(std::move(patches));
+  const int stored = integer(random, 0, 2);
+  if (stored == 1) return welded(mesh);
+  if (integer(random, 0, 1) == 1) bake(mesh);
+  return stored == 2 ? one_vertex_per_corner(mesh) : mesh;
+}
+
+inline Mesh smooth_box(Random& random) {
+  const Vec3<double> size{uniform(random, 0.2, 2), uniform(random, 0.2, 2), uniform(random, 0.02, 2)};
+  return smooth_solid(box_of_patches(size, integer(random, 1, 24)), random);
+}
+inline Mesh smooth_coin(Random& random) {
+  return smooth_solid(capped_cylinder(integer(random, 24, 48), integer(random, 1, 3), integer(random, 1, 6),
+                                      uniform(random, 0.03, 0.3)),
+                      random);
+}
+inline Mesh smooth_cylinder(Random& random) {
+  return smooth_solid(capped_cylinder(integer(random, 8, 32), integer(random, 1, 12), integer(random, 1, 4),
+                                      uniform(random, 0.5, 4)),
+                      random);
+}
+inline Mesh smooth_hemisphere(Random& random) {
+  Mesh mesh;
+  const int sides = integer(random, 12, 32);
+  add_dome(mesh, sides, integer(random, 4, 12));
+  add_disk(mesh, 1, 0, sides, integer(random, 1, 4), false);
+  return smooth_solid(std::move(mesh), random);
+}
 
 inline const std::vector<NegativeFamily>& negative_families() {
   static const std::vector<NegativeFamily> list{
@@ -469,6 +504,10 @@ inline const std::vector<NegativeFamily>& negative_families() {
       {"heightfields", heightfield, ""},
       {"low-poly blobs", blob, ""},
       {"triangle soups and strips", soup, ""},
+      {"smooth boxes", {}, "", smooth_box},
+      {"smooth coins", {}, "cylinder", smooth_coin},
+      {"smooth capped cylinders", {}, "cylinder", smooth_cylinder},
+      {"smooth hemispheres", {}, "sphere ellipsoid", smooth_hemisphere},
   };
   return list;
 }
@@ -476,9 +515,14 @@ inline const std::vector<NegativeFamily>& negative_families() {
 // One of the family, by its seed.
 inline Mesh negative(const NegativeFamily& family, std::uint64_t seed) {
   Random random(seed);
-  const Polyhedron polyhedron = family.make(random);
-  Mesh mesh = mesh_of(polyhedron, static_cast<Normals>(integer(random, 0, 2)),
-                      static_cast<Unwrap>(integer(random, 0, 3)), random);
+  Mesh mesh;
+  if (family.make_mesh) {
+    mesh = family.make_mesh(random);
+  } else {
+    const Polyhedron polyhedron = family.make(random);
+    const auto normals = static_cast<Normals>(integer(random, 0, 2));
+    mesh = mesh_of(polyhedron, normals, static_cast<Unwrap>(integer(random, 0, 3)), random);
+  }
   const double size = std::pow(10, uniform(random, -3, 3));
   for (auto& p : mesh.positions) p = size * p;
   darboux::place(mesh, random_pose(random, size * uniform(random, 0, 3)));
@@ -486,12 +530,41 @@ inline Mesh negative(const NegativeFamily& family, std::uint64_t seed) {
   return mesh;
 }
 
-// The first kind that is claimed and wrong; empty where none is.
+// Whether all vertices of the assessment's triangles lie in one plane, within a thousandth of their extent.
+inline bool is_flat(const Mesh& mesh, const Assessment& assessment) {
+  std::vector<Vec3<double>> points;
+  const auto take = [&](const Triangle& t) {
+    for (const std::uint32_t v : t) points.push_back(mesh.positions[v]);
+  };
+  if (assessment.triangles.empty())
+    for (const Triangle& t : mesh.triangles) take(t);
+  for (const std::uint32_t t : assessment.triangles) take(mesh.triangles[t]);
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Vec3<double>& p : points) middle += to_eigen(p) / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  double size = 0;
+  for (const Vec3<double>& p : points) {
+    const Eigen::Vector3d d = to_eigen(p) - middle;
+    spread += d * d.transpose();
+    size = std::fmax(size, d.norm());
+  }
+  const Eigen::Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+  return std::ranges::all_of(points, [&](const Vec3<double>& p) {
+    return std::fabs((to_eigen(p) - middle).dot(normal)) <= 1e-3 * size;
+  });
+}
+
+// The first kind that is claimed and wrong, a plane where the part is not flat; "fail" where the mesh, which
+// is correct, is called wrong; empty where nothing is.
 inline std::string false_claim(const NegativeFamily& family, const Mesh& mesh) {
   for (const Assessment& j : assess_parts(mesh)) {
+    if (family.make_mesh && j.report.verdict == Verdict::fail) return "fail";
     if (!j.fit || !j.fit->fits) continue;
     const std::string kind(j.fit->surface.surface.info().name);
-    if (kind != "plane" && kind != "disk" && family.allowed.find(kind) == std::string_view::npos) return kind;
+    const bool right = kind == "plane" || kind == "disk"
+                           ? is_flat(mesh, j)
+                           : family.allowed.find(kind) != std::string_view::npos;
+    if (!right) return kind;
   }
   return "";
 }
