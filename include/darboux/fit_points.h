@@ -69,7 +69,7 @@ struct PointFit : SurfaceUncertainty {
   double rms = 0;  ///< of the inliers' distances
   std::size_t inliers = 0, outliers = 0;
   std::size_t ignored = 0;      ///< points that are not finite, counted in neither
-  std::vector<bool> is_inlier;  ///< one entry a point
+  std::vector<bool> is_inlier;  ///< one entry per point
   bool mirrored = false;        ///< with uvs: they follow the mirror image of the surface; not usable then
   std::vector<StandardError> standard_errors;
   std::vector<FitCandidate> candidates;  ///< the chosen one first, then best first
@@ -77,7 +77,8 @@ struct PointFit : SurfaceUncertainty {
   double seconds = 0;
 };
 
-/// The kinds that are found without a guess and without uvs: plane, sphere, cylinder, cone, torus, ellipsoid.
+/// The kinds that are found without a guess and without uvs: plane, sphere, cylinder, cone,
+/// elliptic-paraboloid (with equal semi-axes: a paraboloid of revolution), torus, ellipsoid.
 const std::vector<std::string_view>& found_kinds();
 
 /// Fits a surface to points, most of which lie on it up to isotropic Gaussian noise of unknown size; the
@@ -91,22 +92,30 @@ const std::vector<std::string_view>& found_kinds();
 ///
 /// auto takes the kind with the smallest Bayesian information criterion [Schwarz1978], all on the footing of
 /// the likeliest one's noise, outliers and inliers, and must have two fifths of the points. It must beat each
-/// kind of fewer parameters by 10, odds of exp(5); else, and where a kind that did not converge or is not
-/// determined does better by 10, or where the distances of neighbouring points are alike (another surface),
-/// the fit is not usable: "undetermined: ...". A torus that crosses itself is not among the choices. A named
-/// kind may be any of the catalogue but those without parameters, with more than 12, and the superellipsoid;
-/// those beside found_kinds() are fitted from their default proportions.
+/// kind of as many or fewer parameters by 10, odds of exp(5). Otherwise the fit is not usable, "undetermined:
+/// ..."; so it is where a kind that did not converge or is not determined does better by 10, and where the
+/// distances of neighbouring points are alike (another surface). A torus that crosses itself is not among the
+/// choices. A named kind may be any of the catalogue but those without parameters, with more than 12, and the
+/// superellipsoid. Those beside found_kinds(), and elliptic-paraboloid, whose semi-axes may differ then, are
+/// fitted from their default proportions.
 ///
-/// Not usable, with the reason: fewer different points than one more than a surface has unknowns (plane 3,
-/// sphere 4, cylinder 5, cone 6, torus 7, ellipsoid 9; that many are always fitted exactly), points on a
-/// line, a radius below 5 sigma, no more inliers than chance has, a movement of the surface that the points
-/// do not tell, a length with a standard error above its half or beyond 1e-3 to 1e3 of the points' size
-/// (their median distance from their median), points of a size beyond 1e-152 to 1e152. And where it has not
-/// converged: that is when the next step of Ceres on the equations of the maximum moves the surface by 1e-9
-/// of its standard error at most (1e-6 where only weighted least squares settle), or by its rounding. \throws
-/// ParameterError for an unknown kind, a noise that is not positive, a guess of another kind or not finite;
-/// MeshError for attributes of another length than positions, or with_uv without uvs. Points that do not
-/// determine a surface give a fit that is not usable, and say why.
+/// The fit has converged when the next step of Ceres towards the root of the likelihood's gradient moves the
+/// surface by at most 1e-9 of its standard error, or by less than rounding does. Where there is no such root
+/// nearby, weighted least squares must move it by at most 1e-6 of its standard error.
+///
+/// A fit is not usable, with the reason, where it has not converged or where there are
+/// - fewer different points than one more than a surface has unknowns (plane 3, sphere 4, cylinder 5, cone
+/// and
+///   elliptic-paraboloid 6, torus 7, ellipsoid 9; that many are always fitted exactly), or points on a line
+/// - a radius below 5 sigma, or no more inliers than chance has
+/// - a movement of the surface that the points do not identify, or a length with a standard error above its
+/// half
+///   or beyond 1e-3 to 1e3 of the points' size (their median distance from their median)
+/// - points of a size beyond 1e-152 to 1e152
+///
+/// \throws ParameterError for an unknown kind, a noise that is not positive, a guess of another kind or not
+/// finite; MeshError for attributes of another length than positions, or with_uv without uvs. Points that do
+/// not determine a surface give a fit that is not usable, and say why.
 PointFit fit_points(const PointCloud& points, const PointFitOptions& options = {});
 
 /// A frame of a fitted surface with its uncertainty.

@@ -62,9 +62,9 @@ std::optional<Eigen::Matrix3d> projection_of(const Mesh& mesh, const std::vector
   return result;
 }
 
-// Parameters that are given, in place of those found: what else was found moves to where it is likeliest
-// then, as a Gaussian with the fit's covariance does, and is known as much better. A placement that is given
-// is taken as it is. False where what comes out is not permitted.
+// Replaces the parameters and the placement that are given. The parameters that are not given move to where
+// they are likeliest under that condition, by the fit's covariance as a Gaussian's, which shrinks
+// accordingly. False where the result is no surface.
 bool hold(const std::optional<SurfaceSpecification>& kind, const std::optional<Eigen::Isometry3d>& placement,
           PointFit& found) {
   Eigen::MatrixXd& c = found.covariance;

@@ -9,10 +9,10 @@
 #include <darboux/error.h>
 
 #include "base/text.h"
+#include "determinacy.h"
 #include "fit/common/arguments.h"
 #include "fit/common/kinds.h"
 #include "fit/common/normalised_points.h"
-#include "judgement.h"
 #include "principal.h"
 #include "starts.h"
 
@@ -211,14 +211,14 @@ class CatalogueFit {
   std::string report_surface(Estimate& best, const Positions& inliers, const std::vector<Vec2<double>>& feet,
                              const std::string& found) {
     Eigen::VectorXd units = units_of(best.shape, typical_, size_);
-    ReducedNormalEquations told = information(best, points_, units, size_);
-    if (enclose(best, told, inliers, feet, size_)) {
+    ReducedNormalEquations known = information(best, points_, units, size_);
+    if (enclose(best, known, inliers, feet, size_)) {
       best.feet = feet_of(best.shape, points_, {});
       units = units_of(best.shape, typical_, size_);
-      told = information(best, points_, units, size_);
+      known = information(best, points_, units, size_);
     }
     double numbers = 0;
-    for (Eigen::Index k = 0; k < units.size(); ++k) numbers += told.is_identifiable(k);
+    for (Eigen::Index k = 0; k < units.size(); ++k) numbers += known.is_identifiable(k);
     // The inliers' residuals are smaller by what the unknowns took up.
     const auto n = static_cast<double>(inliers.size());
     fit_.sigma =
@@ -227,8 +227,8 @@ class CatalogueFit {
                                -2 * best.log_likelihood + (numbers + (options_.noise ? 1 : 2)) *
                                                               std::log(static_cast<double>(points_.size())),
                                fit_.rms});
-    const std::string held = add_covariance(best, told, units, fit_.sigma / size_, fit_);
-    if (const std::string why = against(best, fit_, told, units, lengths_, size_); !why.empty())
+    const std::string held = add_covariance(best, known, units, fit_.sigma / size_, fit_);
+    if (const std::string why = against(best, fit_, known, units, lengths_, size_); !why.empty())
       return found + why;
     fit_.surface = PlacedSurface{best.shape.surface, best.shape.placement};
     fit_.surface->placement.pretranslate(fit_.centre);

@@ -8,8 +8,16 @@
 namespace darboux::fit {
 
 // In the order of preference. Each is defined in the file of its name.
+// clang-format off
 #define DARBOUX_PRIMITIVES(each) \
-  each(plane) each(sphere) each(cylinder) each(cone) each(torus) each(ellipsoid)
+  each(plane) \
+  each(sphere) \
+  each(cylinder) \
+  each(cone) \
+  each(paraboloid) \
+  each(torus) \
+  each(ellipsoid)
+// clang-format on
 
 #define DARBOUX_DECLARE_PRIMITIVE(name) extern const Primitive name##_primitive;
 DARBOUX_PRIMITIVES(DARBOUX_DECLARE_PRIMITIVE)

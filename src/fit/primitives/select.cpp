@@ -79,7 +79,8 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     if (bic[i] < bic[best] - margin)
       return undetermined(": the points speak for " + with_article(tried[i].primitive->name) + ", which " +
                           determinacies[i].why);
-    if (tried[i].primitive->unknowns < tried[best].primitive->unknowns && bic[i] < bic[best] + margin)
+    // As many unknowns are no simpler, and no less likely beforehand.
+    if (tried[i].primitive->unknowns <= tried[best].primitive->unknowns && bic[i] < bic[best] + margin)
       return undetermined("; points over a larger part of it or less noise help");
     if (is_plane(tried[best]) && tried[i].primitive->flat_limit == FlatLimit::first_length_remarked &&
         tried[i].converged && bic[i] < bic[best] + 4 * margin)

@@ -10,6 +10,7 @@
 
 #include "base/quantile.h"
 #include "base/text.h"
+#include "fit/common/arguments.h"
 #include "fit/common/kinds.h"
 #include "starts.h"
 
@@ -49,25 +50,15 @@ struct Trial {
 };
 
 void check(const PointCloud& cloud, const PointFitOptions& options) {
-  if (cloud.uvs.empty()) throw MeshError("points", "have no uvs, a fit with uvs needs one a point");
-  if (cloud.uvs.size() != cloud.positions.size())
-    throw MeshError("points", std::to_string(cloud.uvs.size()) + " uvs for " +
-                                  std::to_string(cloud.positions.size()) +
-                                  " positions, one a point is permitted");
+  PointFitOptions with_uv = options;
+  with_uv.with_uv = true;
   if (options.surface != "auto" && !find_uv_kind(options.surface))
     throw ParameterError(options.surface,
-                         "cannot be fitted with uvs, permitted are auto, " + uv_kind_names());
-  if (options.noise && !(*options.noise > 0 && std::isfinite(*options.noise)))
-    throw ParameterError("noise",
-                         shortest(*options.noise) + " is not permitted, it must be positive and finite");
-  if (options.guess) {
-    const std::string_view kind = options.guess->surface.info().name;
-    if (!find_uv_kind(kind) || (options.surface != "auto" && options.surface != kind))
-      throw ParameterError("guess", "is " + fit::with_article(kind) + ", permitted is " +
-                                        (options.surface == "auto" ? uv_kind_names() : options.surface));
-    if (!options.guess->placement.matrix().allFinite())
-      throw ParameterError("guess", "its placement is not finite");
-  }
+                         "cannot be fitted with uvs, expected one of auto, " + uv_kind_names());
+  fit::check_arguments(cloud, with_uv);
+  if (options.guess && !find_uv_kind(options.guess->surface.info().name))
+    throw ParameterError("guess", "expected one of " + uv_kind_names() + ", got " +
+                                      fit::with_article(options.guess->surface.info().name));
 }
 
 // Which uvs are not far from the middle of all.
@@ -335,139 +326,166 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   return "";
 }
 
+// One fit.
+class UvFit {
+ public:
+  UvFit(const PointCloud& cloud, const PointFitOptions& options) : cloud_(cloud), options_(options) {
+    fit_.is_inlier.assign(cloud.positions.size(), false);
+    for (const UvKind& kind : uv_kinds())
+      if (automatic() || options.surface == kind.name) kinds_.push_back(&kind);
+  }
+
+  PointFit run() && {
+    fit_.reason = reason();
+    if (!fit_.usable) fit_.surface.reset();
+    if (!fit_.inliers) fit_.outliers = cloud_.positions.size() - fit_.ignored;
+    if (options_.progress) options_.progress(1);
+    fit_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    return std::move(fit_);
+  }
+
+ private:
+  bool automatic() const { return options_.surface == "auto"; }
+
+  void progress(double share) {
+    done_ += share;
+    if (options_.progress) options_.progress(done_);
+  }
+
+  std::string reason() {
+    const std::string against = prepare(cloud_, options_, data_);
+    fit_.ignored = cloud_.positions.size() - data_.index.size();
+    if (!against.empty()) return against;
+    count_ = static_cast<double>(data_.all.count());
+    if (kinds_.size() == 1 && 3 * count_ <= 6 + kinds_.front()->parameter_count())
+      return std::to_string(data_.all.count()) + " finite points, " + fit::with_article(options_.surface) +
+             " needs at least " + std::to_string((6 + kinds_.front()->parameter_count()) / 3 + 1);
+    search();
+    if (mirrored_ &&
+        (trials_.empty() || mirrored_->log_likelihood > trials_.front().log_likelihood + 2 * decisive)) {
+      fit_.mirrored = true;
+      return "the uvs follow the mirror image of " + fit::with_article(mirrored_->model.kind->name);
+    }
+    if (trials_.empty() || wants_affine(data_, trials_.front())) search_affine();
+    if (trials_.empty())
+      return "the points do not follow the uvs on " + (automatic()
+                                                           ? "any surface that is fitted: " + uv_kind_names()
+                                                           : fit::with_article(options_.surface));
+    refine();
+    return select();
+  }
+
+  void sort_by_bic() {
+    std::sort(trials_.begin(), trials_.end(),
+              [&](const Trial& a, const Trial& b) { return a.bic(count_) < b.bic(count_); });
+  }
+
+  // Every kind under the conventions, on the trial points.
+  void search() {
+    UvPoints image = data_.trial;
+    for (auto& p : image.positions) p = -p;
+    const double share = 0.2 / static_cast<double>(kinds_.size());
+    std::vector<ConventionStarts> starts;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const UvKind* kind : kinds_) {
+      starts.push_back(convention_starts(*kind, data_.few, {}, true));
+      if (options_.guess && options_.guess->surface.info().name == kind->name)
+        starts.back().proper.push_back(guessed(data_, *kind, *options_.guess));
+      nearest = std::min({nearest, least_median(starts.back().proper), least_median(starts.back().mirrored)});
+      progress(share);
+    }
+    for (ConventionStarts& of_kind : starts) {
+      KindTrials found = try_conventions(data_, image, std::move(of_kind), nearest);
+      fit_.iterations += found.iterations;
+      if (found.proper) trials_.push_back(std::move(*found.proper));
+      if (found.mirrored && (!mirrored_ || found.mirrored->bic(1e3) < mirrored_->bic(1e3)))
+        mirrored_ = std::move(found.mirrored);
+      progress(share);
+    }
+    sort_by_bic();
+  }
+
+  // Every kind under affine maps.
+  void search_affine() {
+    for (const UvKind* kind : kinds_) {
+      std::optional<Trial> affine = try_affine(data_, *kind, fit_.iterations);
+      progress(0.2 / static_cast<double>(kinds_.size()));
+      if (!affine) continue;
+      const auto same =
+          std::find_if(trials_.begin(), trials_.end(), [&](const Trial& t) { return t.model.kind == kind; });
+      if (same == trials_.end())
+        trials_.push_back(*affine);
+      else if (affine->bic(count_) < same->bic(count_) - 2 * decisive)
+        *same = *affine;
+    }
+    sort_by_bic();
+  }
+
+  // Those that the trial points leave open, and the best of the others, from all points.
+  void refine() {
+    const double best = trials_.front().bic(static_cast<double>(data_.trial.count()));
+    for (Trial& t : trials_) {
+      if (&t != &trials_.front() && t.bic(static_cast<double>(data_.trial.count())) > best + 30) continue;
+      t.model.points = &data_.all;
+      update(t.mixture, t.model.squares(t.state), data_.all, data_.noise);
+      const Solved solved = t.model.solve(t.state, t.mixture, 1e-6);
+      fit_.iterations += solved.iterations;
+      t.converged = solved.converged;
+      if (solved.converged) t.model.polish(t.state, t.mixture, data_.noise, 20);
+      t.log_likelihood = log_likelihood(t.mixture, t.model.squares(t.state));
+    }
+    sort_by_bic();
+    for (const Trial& t : trials_)
+      fit_.candidates.push_back({std::string(t.model.kind->name), t.bic(count_),
+                                 data_.all.size * inliers_rms(t.mixture, t.model.squares(t.state))});
+  }
+
+  // The best of which everything is determined; a cone without height is a disk.
+  std::string select() {
+    std::optional<PointFit> chosen;
+    std::string against_first, described_as;
+    double best_bic = 0;
+    for (std::size_t i = 0; i < trials_.size(); ++i) {
+      const Trial& t = trials_[i];
+      if (chosen && t.bic(count_) > best_bic + least_bic_margin) break;
+      PointFit attempt = fit_;
+      std::string why = !t.converged ? "Ceres did not converge on " + fit::with_article(described(t))
+                        : !sound(t)
+                            ? "the points do not follow the uvs on " + fit::with_article(t.model.kind->name)
+                            : report(t, data_, attempt);
+      if (i == 0) against_first = why;
+      if (!why.empty()) continue;
+      if (chosen)
+        return "undetermined: " + described_as + " and " + described(t) + " explain the points alike";
+      chosen = std::move(attempt);
+      described_as = described(t);
+      best_bic = t.bic(count_);
+      chosen->candidates.erase(chosen->candidates.begin(),
+                               chosen->candidates.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    if (!chosen) return against_first;
+    fit_ = std::move(*chosen);
+    fit_.usable = true;
+    return described_as + ", " + std::to_string(fit_.inliers) + " of " + std::to_string(data_.all.count()) +
+           " points";
+  }
+
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  const PointCloud& cloud_;
+  const PointFitOptions& options_;
+  std::vector<const UvKind*> kinds_;
+  Data data_;
+  double count_ = 0, done_ = 0;  // points; the share of the work that is done
+  std::vector<Trial> trials_;
+  std::optional<Trial> mirrored_;
+  PointFit fit_;
+};
+
 }  // namespace
 
 PointFit fit_points_with_uv(const PointCloud& cloud, const PointFitOptions& options) {
-  const auto begun = std::chrono::steady_clock::now();
   check(cloud, options);
-  PointFit fit;
-  fit.is_inlier.assign(cloud.positions.size(), false);
-  const auto finished = [&](std::string reason, bool usable = false) {
-    fit.reason = std::move(reason);
-    fit.usable = usable;
-    if (!usable) fit.surface.reset();
-    if (!fit.inliers) fit.outliers = cloud.positions.size() - fit.ignored;
-    if (options.progress) options.progress(1);
-    fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    return fit;
-  };
-  Data data;
-  const std::string against = prepare(cloud, options, data);
-  fit.ignored = cloud.positions.size() - data.index.size();
-  if (!against.empty()) return finished(against);
-
-  std::vector<const UvKind*> kinds;
-  for (const UvKind& kind : uv_kinds())
-    if (options.surface == "auto" || options.surface == kind.name) kinds.push_back(&kind);
-  const auto n = static_cast<double>(data.all.count());
-  if (kinds.size() == 1 && 3 * n <= 6 + kinds.front()->parameter_count())
-    return finished(std::to_string(data.all.count()) + " finite points, " +
-                    fit::with_article(options.surface) + " needs at least " +
-                    std::to_string((6 + kinds.front()->parameter_count()) / 3 + 1));
-
-  UvPoints image = data.trial;
-  for (auto& p : image.positions) p = -p;
-  std::vector<Trial> trials;
-  std::optional<Trial> mirrored;
-  const auto before = [](const Trial& a, const Trial& b) { return a.bic(1e3) < b.bic(1e3); };
-  const auto more = [&](std::optional<Trial> trial, std::vector<Trial>& list) {
-    if (trial) list.push_back(std::move(*trial));
-  };
-  double done = 0;
-  const auto progress = [&](double share) {
-    done += share;
-    if (options.progress) options.progress(done);
-  };
-  const double share = 0.2 / static_cast<double>(kinds.size());
-  std::vector<ConventionStarts> starts;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const UvKind* kind : kinds) {
-    starts.push_back(convention_starts(*kind, data.few, {}, true));
-    if (options.guess && options.guess->surface.info().name == kind->name)
-      starts.back().proper.push_back(guessed(data, *kind, *options.guess));
-    nearest = std::min({nearest, least_median(starts.back().proper), least_median(starts.back().mirrored)});
-    progress(share);
-  }
-  for (ConventionStarts& of_kind : starts) {
-    KindTrials found = try_conventions(data, image, std::move(of_kind), nearest);
-    fit.iterations += found.iterations;
-    more(std::move(found.proper), trials);
-    if (found.mirrored && (!mirrored || before(*found.mirrored, *mirrored)))
-      mirrored = std::move(found.mirrored);
-    progress(share);
-  }
-  const auto by_bic = [&] {
-    std::sort(trials.begin(), trials.end(),
-              [&](const Trial& a, const Trial& b) { return a.bic(n) < b.bic(n); });
-  };
-  by_bic();
-  if (mirrored &&
-      (trials.empty() || mirrored->log_likelihood > trials.front().log_likelihood + 2 * decisive)) {
-    fit.mirrored = true;
-    return finished("the uvs follow the mirror image of " + fit::with_article(mirrored->model.kind->name));
-  }
-  if (trials.empty() || wants_affine(data, trials.front())) {
-    for (const UvKind* kind : kinds) {
-      std::optional<Trial> affine = try_affine(data, *kind, fit.iterations);
-      progress(share);
-      if (!affine) continue;
-      const auto same =
-          std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.model.kind == kind; });
-      if (same == trials.end())
-        trials.push_back(*affine);
-      else if (affine->bic(n) < same->bic(n) - 2 * decisive)
-        *same = *affine;
-    }
-    by_bic();
-  }
-  if (trials.empty())
-    return finished("the points do not follow the uvs on " +
-                    (options.surface == "auto" ? "any surface that is fitted: " + uv_kind_names()
-                                               : fit::with_article(options.surface)));
-
-  // Those that the trial points leave open, and the best of the others, are fitted to all points.
-  const double best = trials.front().bic(static_cast<double>(data.trial.count()));
-  for (Trial& t : trials) {
-    if (&t != &trials.front() && t.bic(static_cast<double>(data.trial.count())) > best + 30) continue;
-    t.model.points = &data.all;
-    update(t.mixture, t.model.squares(t.state), data.all, data.noise);
-    const Solved solved = t.model.solve(t.state, t.mixture, 1e-6);
-    fit.iterations += solved.iterations;
-    t.converged = solved.converged;
-    if (solved.converged) t.model.polish(t.state, t.mixture, data.noise, 20);
-    t.log_likelihood = log_likelihood(t.mixture, t.model.squares(t.state));
-  }
-  by_bic();
-  for (const Trial& t : trials)
-    fit.candidates.push_back({std::string(t.model.kind->name), t.bic(n),
-                              data.all.size * inliers_rms(t.mixture, t.model.squares(t.state))});
-  // The best of which everything is determined; a cone without height is a disk.
-  std::optional<PointFit> chosen;
-  std::string against_first, described_as;
-  double best_bic = 0;
-  for (std::size_t i = 0; i < trials.size(); ++i) {
-    const Trial& t = trials[i];
-    if (chosen && t.bic(n) > best_bic + least_bic_margin) break;
-    PointFit attempt = fit;
-    std::string why = !t.converged ? "Ceres did not converge on " + fit::with_article(described(t))
-                      : !sound(t)
-                          ? "the points do not follow the uvs on " + fit::with_article(t.model.kind->name)
-                          : report(t, data, attempt);
-    if (i == 0) against_first = why;
-    if (!why.empty()) continue;
-    if (chosen)
-      return finished("undetermined: " + described_as + " and " + described(t) + " explain the points alike");
-    chosen = std::move(attempt);
-    described_as = described(t);
-    best_bic = t.bic(n);
-    chosen->candidates.erase(chosen->candidates.begin(),
-                             chosen->candidates.begin() + static_cast<std::ptrdiff_t>(i));
-  }
-  if (!chosen) return finished(against_first);
-  fit = std::move(*chosen);
-  return finished(described_as + ", " + std::to_string(fit.inliers) + " of " +
-                      std::to_string(data.all.count()) + " points",
-                  true);
+  return UvFit(cloud, options).run();
 }
 
 }  // namespace darboux

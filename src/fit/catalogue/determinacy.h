@@ -17,18 +17,18 @@ ReducedNormalEquations information(const Estimate& e, const Positions& points, c
 
 // Gives the fit the covariance at this noise over the size, and standard errors. Returns what was held, ";
 // ..." each.
-std::string add_covariance(const Estimate& e, const ReducedNormalEquations& told,
+std::string add_covariance(const Estimate& e, const ReducedNormalEquations& known,
                            const Eigen::VectorXd& units, double noise, PointFit& fit);
 
 // The patch's lengths that the points do not tell, and those that may grow together without changing the
 // surface, made such that the patch just encloses the inliers in the coordinates that end. Whether anything
 // changed.
-bool enclose(Estimate& e, const ReducedNormalEquations& told, const Positions& inliers,
+bool enclose(Estimate& e, const ReducedNormalEquations& known, const Positions& inliers,
              const std::vector<Vec2<double>>& feet, double size);
 
-// Why the surface that was found is not told by the points, going on after "the best ... found"; empty where
-// it is.
-std::string against(const Estimate& e, const PointFit& fit, const ReducedNormalEquations& told,
+// Why the points do not determine the surface that was found, going on after "the best ... found"; empty
+// where it is.
+std::string against(const Estimate& e, const PointFit& fit, const ReducedNormalEquations& known,
                     const Eigen::VectorXd& units, const std::vector<bool>& lengths, double size);
 
 // Whether a plane explains the inliers as well, by the criterion that decides between kinds.

@@ -1,4 +1,4 @@
-#include "judgement.h"
+#include "determinacy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +15,8 @@ namespace {
 
 // What more the whole patch would tell than the points do, its name; empty where it is nothing: symmetries,
 // and lengths that only bound the patch.
-std::string not_told(const Shape& shape, const ReducedNormalEquations& told, const Eigen::VectorXd& units,
-                     double size) {
+std::string unidentifiable_parameter(const Shape& shape, const ReducedNormalEquations& known,
+                                     const Eigen::VectorXd& units, double size) {
   constexpr int grid = 17;
   constexpr double clearly = 1e-8;  // of the best known direction; far above unidentifiable_below
   const Eigen::Index n = units.size();
@@ -32,8 +32,8 @@ std::string not_told(const Shape& shape, const ReducedNormalEquations& told, con
     }
   const double most =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whole.h, Eigen::EigenvaluesOnly).eigenvalues()[n - 1];
-  for (Eigen::Index k = 0; k < n && !told.is_identifiable(k); ++k) {
-    const Eigen::VectorXd direction = told.directions().col(k);
+  for (Eigen::Index k = 0; k < n && !known.is_identifiable(k); ++k) {
+    const Eigen::VectorXd direction = known.directions().col(k);
     if (!(direction.dot(whole.h.selfadjointView<Eigen::Lower>() * direction) > clearly * most)) continue;
     Eigen::Index largest;
     direction.cwiseAbs().maxCoeff(&largest);
@@ -45,21 +45,21 @@ std::string not_told(const Shape& shape, const ReducedNormalEquations& told, con
   return "";
 }
 
-// The sum of the directions that are not told, v v^T each.
-Eigen::MatrixXd unknown_directions(const ReducedNormalEquations& told) {
-  const Eigen::Index n = told.directions().rows();
+// The sum of the directions that are not identifiable, v v^T each.
+Eigen::MatrixXd unidentifiable_directions(const ReducedNormalEquations& known) {
+  const Eigen::Index n = known.directions().rows();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index k = 0; k < n && !told.is_identifiable(k); ++k)
-    result += told.directions().col(k) * told.directions().col(k).transpose();
+  for (Eigen::Index k = 0; k < n && !known.is_identifiable(k); ++k)
+    result += known.directions().col(k) * known.directions().col(k).transpose();
   return result;
 }
 
-// Directions in which the parameters are not told, whatever the motion: each parameter alone, then what is
-// left if it is only one direction.
-std::vector<Eigen::VectorXd> unknown_ways(const ReducedNormalEquations& told) {
-  const Eigen::Index count = told.directions().rows() - 6;
+// Directions in which the parameters are not identifiable, whatever the motion: each parameter alone, then
+// what is left if it is only one direction.
+std::vector<Eigen::VectorXd> unidentifiable_parameters(const ReducedNormalEquations& known) {
+  const Eigen::Index count = known.directions().rows() - 6;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_parameters(
-      unknown_directions(told).bottomRightCorner(count, count));
+      unidentifiable_directions(known).bottomRightCorner(count, count));
   Eigen::MatrixXd unknown = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index k = 0; k < count; ++k)
     if (const Eigen::VectorXd v = of_parameters.eigenvectors().col(k);
@@ -92,20 +92,20 @@ ReducedNormalEquations information(const Estimate& e, const Positions& points, c
   return normal.reduced();
 }
 
-std::string add_covariance(const Estimate& e, const ReducedNormalEquations& told,
+std::string add_covariance(const Estimate& e, const ReducedNormalEquations& known,
                            const Eigen::VectorXd& units, double noise, PointFit& fit) {
   const Eigen::Index n = units.size();
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index k = 0; k < n; ++k)
     covariance +=
-        noise * noise * told.variance(k) * told.directions().col(k) * told.directions().col(k).transpose();
-  const Eigen::MatrixXd unknown = unknown_directions(told);
+        noise * noise * known.variance(k) * known.directions().col(k) * known.directions().col(k).transpose();
+  const Eigen::MatrixXd unknown = unidentifiable_directions(known);
   fit.covariance = units.asDiagonal() * covariance * units.asDiagonal();
   const std::vector<ParameterValue> parameters = e.shape.surface.parameters();
   std::vector<std::string> alone, combined;
   for (Eigen::Index k = 6; k < n; ++k) {
     const std::string name(parameters[static_cast<std::size_t>(k - 6)].name);
-    // The share of the parameter in directions that are not told.
+    // The share of the parameter in directions that are not identifiable.
     if (unknown(k, k) > 1 - 1e-6) {
       alone.push_back(name);
       fit.covariance.row(k).setZero();
@@ -132,7 +132,7 @@ std::string add_covariance(const Estimate& e, const ReducedNormalEquations& told
 
 // Parameters are multiplied, by exp(t d) along the unknown direction d of their logarithms, unless that moves
 // the surface.
-bool enclose(Estimate& e, const ReducedNormalEquations& told, const Positions& inliers,
+bool enclose(Estimate& e, const ReducedNormalEquations& known, const Positions& inliers,
              const std::vector<Vec2<double>>& feet, double size) {
   const SurfaceInfo& info = e.shape.surface.info();
   std::vector<double Vec2<double>::*> ending;
@@ -146,7 +146,7 @@ bool enclose(Estimate& e, const ReducedNormalEquations& told, const Positions& i
     farthest.push_back(inliers[static_cast<std::size_t>(high - feet.begin())]);
   }
   bool changed = false;
-  for (const Eigen::VectorXd& way : unknown_ways(told)) {
+  for (const Eigen::VectorXd& way : unidentifiable_parameters(known)) {
     const auto along = [&](double t) -> std::optional<Shape> {
       std::vector<double> p = values_of(e.shape.surface);
       for (std::size_t k = 0; k < p.size(); ++k) p[k] *= std::exp(t * way[static_cast<Eigen::Index>(k)]);
@@ -196,7 +196,7 @@ bool enclose(Estimate& e, const ReducedNormalEquations& told, const Positions& i
   return changed;
 }
 
-std::string against(const Estimate& e, const PointFit& fit, const ReducedNormalEquations& told,
+std::string against(const Estimate& e, const PointFit& fit, const ReducedNormalEquations& known,
                     const Eigen::VectorXd& units, const std::vector<bool>& lengths, double size) {
   const AnySurface& surface = e.shape.surface;
   const std::vector<ParameterValue> parameters = surface.parameters();
@@ -208,7 +208,7 @@ std::string against(const Estimate& e, const PointFit& fit, const ReducedNormalE
     if (length > 1e3 * size || deviation > 0.5 * length)
       return "has a " + name + " that the points do not tell; points over a larger part of it help";
   }
-  if (const std::string what = not_told(e.shape, told, units, size); !what.empty())
+  if (const std::string what = unidentifiable_parameter(e.shape, known, units, size); !what.empty())
     return "is not determined: the points do not tell its " + what + "; points over a larger part of it help";
   return "";
 }
