@@ -157,7 +157,7 @@ double amplification() {
   return std::sqrt(squares + centre * centre);
 }
 
-// The rms error of f's values where nobody measured it: one or two roundings of the size that f has within a
+// The rms error of f's values where it was not measured: one or two roundings of the size that f has within a
 // length, which its derivatives reveal where f itself happens to be small, and one of its argument.
 template <class V>
 double usual_rounding(double largest, double x, const V& d1, const V& d2, const V& d3, double omega) {

@@ -16,7 +16,7 @@ namespace darboux {
 /// covers 99 % of vertices, and their median is 1 to 2.5 times that of the errors. Vertices are joined where
 /// they agree in position, uv and normal, so that the other side of a seam or of a crease does not count;
 /// triangles whose uvs wind differently are kept apart, and so are those on the two sides of an edge where
-/// faces meet at more than 50 degrees, though its vertices agree; at such an edge nothing is told. n is on
+/// faces meet at more than 50 degrees, though its vertices agree; at such an edge there is no truth. n is on
 /// the side from which triangles wind counter-clockwise. A deviation whose triple is a radian is infinite.
 /// NaN, with no_frame and infinite deviations, where the neighbours do not tell. Poles of the chart are not
 /// known here. Cost: linear, about 1 us per vertex, 3 to 7 where degree 4 is needed. \throws MeshError when

@@ -1,5 +1,5 @@
 /// \file child.h
-/// Work that may crash, hang or ask for any amount of memory, done where it harms nobody.
+/// Work that may crash, hang or use up the memory, done in a process of its own.
 #pragma once
 
 #include <cstdint>

@@ -166,7 +166,7 @@ S apply(Function f, const S& x) {
   }
 }
 
-/// The value of an expression. The stack is only lent, so that many expressions need one.
+/// The value of an expression. The stack is the caller's, so that its memory is used again.
 template <class S>
 S execute(const std::vector<Instruction>& code, const std::vector<S>& variables, std::vector<S>& stack) {
   const S zero = lift<S>(0.0), one = lift<S>(1.0);

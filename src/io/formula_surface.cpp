@@ -65,7 +65,7 @@ class FormulaSurface {
     std::vector<ParameterValue> result;
     for (std::size_t k = 0; k < values_.size(); ++k) {
       const Definition& d = program_->definitions[static_cast<std::size_t>(program_->parameters[k])];
-      // What the formula bears nobody has said: random parameters stay within a factor of two.
+      // The range in which the formula holds is unknown: random parameters stay within a factor of two.
       const double standard = program_->standard[k], size = standard == 0 ? 1 : std::fabs(standard);
       result.push_back(
           {d.name, static_cast<double>(values_[k]), standard, Range{}, d.meaning, {size / 2, size * 2}});

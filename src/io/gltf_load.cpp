@@ -33,7 +33,7 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
                     expected_got("the header of a GLB, of at least 20 bytes", std::to_string(bytes.size())));
   if (const std::uint32_t version = read_u32(bytes, 4); version != 2)
     throw FileError(path, expected_got("GLB version 2", "version " + std::to_string(version)));
-  // Bytes after the stated length are nobody's.
+  // Bytes after the stated length are ignored.
   if (const std::uint32_t length = read_u32(bytes, 8);
       length > bytes.size() || length < header_bytes + chunk_header_bytes)
     throw FileError(path, expected_got("a stated length of at most the " + std::to_string(bytes.size()) +

@@ -190,9 +190,9 @@ class HighPrecision {
       return surface.sample(uv.x, uv.y);
   }
 
-  // A partial that vanishes in 40 digits is told to vanish, partials that are parallel there to be parallel;
-  // none that is so by more than its rounding. A limit, or no frame at all, is claimed only where one of
-  // these holds to rounding; and where there is no frame its vectors are NaN, nowhere else.
+  // A partial that vanishes in 40 digits must be reported as zero, and partials that are parallel there as
+  // parallel; nothing else, unless it is so to within rounding. A limit, or no frame at all, is claimed only
+  // where one of these holds to rounding; and where there is no frame its vectors are NaN, nowhere else.
   void compare_status(const Vec2<double>& uv, const Sample<S>& sample, const Jet2<Multiprecision>& exact,
                       const std::array<double, 6>& scale, const std::array<double, 6>& condition,
                       const std::string& of) {
@@ -201,7 +201,7 @@ class HighPrecision {
     const bool none = std::isnan(f.t.x) && std::isnan(f.b.x) && std::isnan(f.n.x);
     compare(none != has(f.status, Status::no_frame | Status::non_finite_input));
     if (has(f.status, Status::overflow | Status::non_finite_input)) {
-      // Beyond the range is told only where a square or a quotient of sizes may be.
+      // Overflow may be reported only where a square or a quotient of sizes may overflow.
       const double range = std::sqrt(std::numeric_limits<S>::max());
       bool ordinary = true;
       for (int k = 0; k < 6; ++k)

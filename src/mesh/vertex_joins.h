@@ -16,8 +16,8 @@ struct VertexJoins {
   std::vector<std::uint32_t> position_and_normal;
 };
 
-// The public one, with the signs at hand. \param signs triangle_signs() \param joins what it joins on the way
-// is put there
+// The public classify(), with signs that are known already. \param signs triangle_signs() \param joins what
+// it joins on the way is put there
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> signs,
                      VertexJoins& joins);
 

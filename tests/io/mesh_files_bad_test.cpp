@@ -166,17 +166,17 @@ TEST(BadMeshFiles, Ply) {
   refused("ply\nformat ascii 1.0\n" + faces,
           "expected a PLY file with vertices, got one without the element vertex");
   refused("ply\nformat ascii 1.0\nelement vertex 4294967296\nproperty float x\n" + faces,
-          "4294967296 vertices");
+          "expected at most 4294967295 vertices, got 4294967296");
   refused(
       "ply\nformat binary_little_endian 1.0\nelement vertex 4294967295\nproperty float x\nproperty float "
       "y\nproperty float z\n" +
           faces + "123456789012",
-      "ends at vertex 1");
+      "got an end at vertex 1");
   refused(head +
               "element face 1\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n"
               "end_header\n" +
               rows + "3 0 1 2 4 0 0 0 0\n",
-          "face 0 has a texcoord of 4 numbers");
+          "face 0: expected a texcoord of two numbers for each of its 3 corners, got 4");
   // 255 corners, and none.
   std::string fan = "255";
   for (int k = 0; k < 255; ++k) fan += " " + std::to_string(k % 3);
@@ -196,10 +196,10 @@ TEST(BadMeshFiles, Stl) {
   };
   refused("solidity\nvertex 0 0 0\nendsolid\n", "got a line before the first solid");
   refused("solid a\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendsolid\n",
-          ":5: a triangle of 2 vertices");
-  refused("solid a\nvertex 0 0 0\nvertex 1 0 0\nendsolid\n", ":4: a triangle of 2 vertices");
-  refused("solid a\nvertex 0 0 0 0\nendsolid\n", ":2: a vertex of 4 numbers");
-  refused("solid a\nvertex 0 zero 0\nendsolid\n", ":2: \"zero\"");
+          "got a triangle of 2 vertices");
+  refused("solid a\nvertex 0 0 0\nvertex 1 0 0\nendsolid\n", "got a triangle of 2 vertices");
+  refused("solid a\nvertex 0 0 0 0\nendsolid\n", "got a vertex of 4 numbers");
+  refused("solid a\nvertex 0 zero 0\nendsolid\n", "got \"zero\", which is no number");
   std::string lie = test::stl_binary(small());
   std::fill_n(lie.begin() + 80, 4, '\xFF');
   lie[0] = 'x';
@@ -227,13 +227,13 @@ TEST(BadMeshFiles, Collada) {
   refused(with("array\" count=\"36", "array\" count=\"36000000000"),
           "expected a count of its 36 numbers, got 36000000000");
   refused(with("-array\" count=\"12\" stride=\"3\"", "-array\" count=\"13\" stride=\"3\""),
-          "asks for 13 vectors");
+          "got 13 vectors of 3 numbers, 3 apart");
   refused(with("count=\"12\" stride=\"3\"", "count=\"12\" stride=\"18446744073709551615\""),
           "got 12 vectors of");
   refused(with("count=\"12\" stride=\"3\"", "count=\"12\" stride=\"0\""), "got 12 vectors of");
   refused(with("count=\"12\" stride=\"3\"", "count=\"12\" offset=\"1\" stride=\"3\""), "got 12 vectors of");
   refused(with("count=\"12\" stride=\"3\"", "count=\"18446744073709551615\" stride=\"3\""),
-          "asks for 18446744073709551615");
+          "got 18446744073709551615 vectors of");
   refused(with("<param name=\"X\"", "<param"), "expected at least 3 components, got 2");
   refused(with("source=\"#mesh-position-array\"", "source=\"#nowhere\""),
           "expected the #ID of a <float_array> of the file as its source, got \"#nowhere\"");

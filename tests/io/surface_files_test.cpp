@@ -306,7 +306,7 @@ TEST_F(SurfaceFiles, RefusesBadFormulasInOneLine) {
   refused("x = u\ny = v\nz = 0\nunused = 2*(u\n", {":4:", "Missing parenthesis"});
   refused("a = 1/0\nx = u\ny = v\nz = a\n",
           {":1:", "parameter a: expected a finite number, got inf", "finite"});
-  refused(std::string(2000000, 'x'), {"2000000 bytes", "1048576"});
+  refused(std::string(2000000, 'x'), {"at most 1048576 bytes", "got 2000000"});
   EXPECT_NE(message<FileError>([&] {
               read_formula_surface(folder_ / "none");
             }).find("none: expected a readable file"),
