@@ -65,42 +65,60 @@ std::vector<std::uint32_t> looked_at_triangles(const Mesh& mesh, const std::vect
 
 }  // namespace
 
-Shape shape_of(const Mesh& mesh) {
-  Shape shape;
-  std::vector<bool> used(mesh.positions.size(), false);
+namespace {
+
+// What is looked at of a mesh: some triangles, and their vertices, welded by position.
+struct Sampled {
+  const Mesh& mesh;
+  std::vector<bool> used;                // vertices of triangles whose position is finite
+  std::vector<std::uint32_t> triangles;  // of the mesh
+  std::vector<std::uint32_t> vertices;   // of these triangles
+  std::vector<std::uint32_t> index;      // of a vertex of the mesh among them
+  std::vector<std::uint32_t> place;      // of a vertex of these the first at its position
+
+  std::uint32_t place_of(std::uint32_t v) const { return place[index[v]]; }
+};
+
+// Sets the shape's size, centre and places too.
+Sampled sampled(const Mesh& mesh, Shape& shape) {
+  Sampled s{mesh, std::vector<bool>(mesh.positions.size(), false), {}, {}, {}, {}};
   for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) used[v] = detail::finite(mesh.positions[v]);
+    for (const std::uint32_t v : t) s.used[v] = detail::finite(mesh.positions[v]);
   std::vector<std::uint32_t> vertices;
   Eigen::AlignedBox3d box;
-  for (std::uint32_t v = 0; v < used.size(); ++v)
-    if (used[v]) box.extend(to_eigen(mesh.positions[v])), vertices.push_back(v);
-  if (box.isEmpty()) return shape;
+  for (std::uint32_t v = 0; v < s.used.size(); ++v)
+    if (s.used[v]) box.extend(to_eigen(mesh.positions[v])), vertices.push_back(v);
+  if (box.isEmpty()) return s;
   shape.size = box.diagonal().stableNorm();
   shape.centre = box.center();
-  if (!(shape.size > 0) || !std::isfinite(shape.size)) return shape;
-
-  const std::vector<std::uint32_t> triangles = looked_at_triangles(mesh, vertices);
+  if (!(shape.size > 0) || !std::isfinite(shape.size)) return s;
+  s.triangles = looked_at_triangles(mesh, vertices);
   constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> index(mesh.positions.size(), none);  // of a vertex among those of the triangles
-  vertices.clear();
+  s.index.assign(mesh.positions.size(), none);
   std::vector<Vec3<double>> points;
-  for (const std::uint32_t t : triangles)
+  for (const std::uint32_t t : s.triangles)
     for (const std::uint32_t v : mesh.triangles[t])
-      if (index[v] == none) {
-        index[v] = static_cast<std::uint32_t>(vertices.size());
-        vertices.push_back(v);
-        points.push_back(used[v] ? mesh.positions[v] : detail::nan_vector<double>());
+      if (s.index[v] == none) {
+        s.index[v] = static_cast<std::uint32_t>(s.vertices.size());
+        s.vertices.push_back(v);
+        points.push_back(s.used[v] ? mesh.positions[v] : detail::nan_vector<double>());
       }
-  const std::vector<std::uint32_t> place = weld(points, same * shape.size);
+  s.place = weld(points, same * shape.size);
   for (std::uint32_t i = 0; i < points.size(); ++i)
-    if (used[vertices[i]] && place[i] == i) shape.places.push_back(vertices[i]);
+    if (s.used[s.vertices[i]] && s.place[i] == i) shape.places.push_back(s.vertices[i]);
+  return s;
+}
 
+Eigen::Vector3d in_units_of(const Shape& shape, const Vec3<double>& p) {
+  return (to_eigen(p) - shape.centre) / shape.size;
+}
+
+// The principal axes of the places, and their distance from a plane.
+void measure_spread(const Mesh& mesh, Shape& shape) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   const auto n = static_cast<double>(shape.places.size());
-  const auto local = [&](std::uint32_t v) {
-    return Eigen::Vector3d((to_eigen(mesh.positions[v]) - shape.centre) / shape.size);
-  };
+  const auto local = [&](std::uint32_t v) { return in_units_of(shape, mesh.positions[v]); };
   for (const std::uint32_t v : shape.places) mean += local(v) / n;
   for (const std::uint32_t v : shape.places) {
     const Eigen::Vector3d d = local(v) - mean;
@@ -116,47 +134,61 @@ Shape shape_of(const Mesh& mesh) {
     squares += d * d / n;
   }
   shape.thickness = std::sqrt(squares);
+}
 
-  std::vector<Eigen::Vector3d> faces;  // unit normals, zero without area
+// The unit normals of the triangles, zero without area; and how many of them are shaded flat.
+std::vector<Eigen::Vector3d> faces_of(const Sampled& s, Shape& shape) {
+  std::vector<Eigen::Vector3d> faces;
   std::size_t with_area = 0, faceted = 0;
   const double own_cosine = std::cos(facet_deg * M_PI / 180);
-  for (const std::uint32_t t : triangles) {
-    const auto& [v, w, x] = mesh.triangles[t];
+  const auto local = [&](std::uint32_t v) { return in_units_of(shape, s.mesh.positions[v]); };
+  for (const std::uint32_t t : s.triangles) {
+    const auto& [v, w, x] = s.mesh.triangles[t];
     const Eigen::Vector3d face = (local(w) - local(v)).cross(local(x) - local(v));
     const double area = face.norm();
     faces.push_back(area > 1e-12 ? Eigen::Vector3d(face / area) : Eigen::Vector3d::Zero());
     if (!(area > 1e-12)) continue;
     ++with_area;
-    faceted += !mesh.normals.empty() &&
-               std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::uint32_t corner) {
-                 const Eigen::Vector3d n = to_eigen(mesh.normals[corner]);
+    faceted += !s.mesh.normals.empty() &&
+               std::all_of(s.mesh.triangles[t].begin(), s.mesh.triangles[t].end(), [&](std::uint32_t corner) {
+                 const Eigen::Vector3d n = to_eigen(s.mesh.normals[corner]);
                  return n.dot(faces.back()) >= own_cosine * n.norm();
                });
   }
   shape.faceted = with_area == 0 ? 0 : static_cast<double>(faceted) / static_cast<double>(with_area);
-  for (const std::uint32_t t : triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = mesh.triangles[t][k], w = mesh.triangles[t][(k + 1) % 3];
-      const std::uint32_t a = place[index[v]], b = place[index[w]];
-      if (used[v] && used[w] && a != b)
-        shape.edges.push_back({std::min(vertices[a], vertices[b]), std::max(vertices[a], vertices[b])});
-    }
-  std::sort(shape.edges.begin(), shape.edges.end());
-  shape.edges.erase(std::unique(shape.edges.begin(), shape.edges.end()), shape.edges.end());
+  return faces;
+}
 
+std::vector<std::array<std::uint32_t, 2>> edges_of(const Sampled& s) {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  for (const std::uint32_t t : s.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = s.mesh.triangles[t][k], w = s.mesh.triangles[t][(k + 1) % 3];
+      const std::uint32_t a = s.place_of(v), b = s.place_of(w);
+      if (s.used[v] && s.used[w] && a != b)
+        edges.push_back({std::min(s.vertices[a], s.vertices[b]), std::max(s.vertices[a], s.vertices[b])});
+    }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+// How neighbouring triangles turn, and how uvs jump between them.
+void measure_turning(const Sampled& s, const std::vector<Eigen::Vector3d>& faces, Shape& shape) {
+  const Mesh& mesh = s.mesh;
   std::vector<double> turns, jumps_u, jumps_v;
   std::size_t moderate = 0;
   const auto node = [&](std::uint32_t t, std::uint32_t k) {
-    return place[index[mesh.triangles[triangles[t]][k]]];
+    return s.place_of(mesh.triangles[s.triangles[t]][k]);
   };
-  for_each_shared_edge(triangles.size(), points.size(), node, [&](const SharedEdge& e) {
+  for_each_shared_edge(s.triangles.size(), s.vertices.size(), node, [&](const SharedEdge& e) {
     if (!mesh.uvs.empty())
       for (const std::uint32_t end : e.node) {
         Vec2<double> uv[2];
         for (std::size_t side = 0; side < 2; ++side)
           for (std::uint32_t k = 0; k < 3; ++k)
             if (node(e.triangle[side], k) == end)
-              uv[side] = mesh.uvs[mesh.triangles[triangles[e.triangle[side]]][k]];
+              uv[side] = mesh.uvs[mesh.triangles[s.triangles[e.triangle[side]]][k]];
         const double u = std::fabs(uv[0].x - uv[1].x), v = std::fabs(uv[0].y - uv[1].y);
         if (std::isfinite(u + v) && (u > 1e-6 || v > 1e-6)) jumps_u.push_back(u), jumps_v.push_back(v);
       }
@@ -169,11 +201,23 @@ Shape shape_of(const Mesh& mesh) {
   });
   shape.one_chart = jumps_u.size() < fewest_jumps || two_values(jumps_u) || two_values(jumps_v);
   shape.turning = turns.size();
-  if (turns.empty()) return shape;
+  if (turns.empty()) return;
   shape.moderate = static_cast<double>(moderate) / static_cast<double>(turns.size());
   const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
   std::nth_element(turns.begin(), middle, turns.end());
   shape.turn_deg = *middle;
+}
+
+}  // namespace
+
+Shape shape_of(const Mesh& mesh) {
+  Shape shape;
+  const Sampled s = sampled(mesh, shape);
+  if (s.triangles.empty()) return shape;
+  measure_spread(mesh, shape);
+  const std::vector<Eigen::Vector3d> faces = faces_of(s, shape);
+  shape.edges = edges_of(s);
+  measure_turning(s, faces, shape);
   return shape;
 }
 

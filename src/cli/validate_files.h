@@ -95,7 +95,7 @@ Json report_json(const std::vector<JudgedFile>& files, bool with_baseline);
 
 /// A short table a mesh and part; where there are many of them or many files and no details are asked for,
 /// only what was found.
-void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool details);
+void print_text(const std::vector<JudgedFile>& files, bool with_baseline, bool details);
 
 /// Static Analysis Results Interchange Format 2.1.0, with what GitHub's code scanning asks for.
 /// \param with_baseline whether to say what is new, unchanged or updated

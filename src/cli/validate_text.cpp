@@ -301,7 +301,7 @@ void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable,
 
 }  // namespace
 
-void print_people(const std::vector<JudgedFile>& files, bool with_baseline, bool details) {
+void print_text(const std::vector<JudgedFile>& files, bool with_baseline, bool details) {
   std::size_t assessments = 0, unreadable = 0;
   for (const JudgedFile& file : files)
     for (const JudgedPrimitive& p : file.primitives) assessments += p.assessments.size();

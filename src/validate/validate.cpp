@@ -143,7 +143,18 @@ class Judge {
 
   void compare();
   void look_for_explanations();
+  // Corners by what is found of them.
+  struct Counts {
+    std::array<std::size_t, corner_errors> of_error{};
+    Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
+        local_tangents, local_normals, poles;
+    std::size_t leaning = 0;
+  };
   void judge_corners();
+  void count_errors(const CornerGroup& group, Code error, Counts& counts);
+  void count_warnings(const CornerGroup& group, Code error, Counts& counts);
+  void add_errors(const Counts& counts);
+  void add_warnings(const Counts& counts);
   enum class Decider { nobody, surface, triangles };
   Decider tangent_error(const CornerGroup& group) const;
   bool normal_error(std::uint32_t v) const;
@@ -285,61 +296,75 @@ void Judge::count_vertex(std::uint32_t v) {
 }
 
 void Judge::judge_corners() {
-  std::array<std::size_t, corner_errors> count{};
-  Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
-      local_tangents, local_normals, poles;
-  std::size_t leaning = 0;
-  const auto warn = [](Beyond& where, std::size_t corners, double angle) {
-    where.by_surface += corners;
-    where.worst = std::fmax(where.worst, angle);
-  };
+  Counts counts;
   for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
     if (corners_of_[v] > 0) count_vertex(v);
   if (!subject_.cones.empty()) report_.triangles.emplace();
   for_each_corner_group([&](const CornerGroup& group) {
-    const std::uint32_t v = group.vertex;
-    const std::size_t corners = group.corners;
     const Code error = error_of(group);
-    if (error != no_code) count[static_cast<std::size_t>(error)] += corners;
-    const double outside = report_.triangles ? subject_.cones.outside_deg(v, group.sign) : 0;
-    if (report_.triangles && subject_.cones.claim(v, group.sign) != Claim::none) {
-      report_.triangles->judged += corners;
-      if (outside > 0) report_.triangles->outside += corners;
-      report_.triangles->worst_deg = std::fmax(report_.triangles->worst_deg, outside);
-    }
-    const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
-    const Decider decider = mesh_.tangents.empty() ? Decider::nobody : tangent_error(group);
-    if (decider != Decider::nobody) tangents.in_all += corners;
-    if (error == Code::tangent_angle) {
-      (decider == Decider::surface ? tangents.by_surface : tangents.by_triangles) += corners;
-      tangents.worst =
-          std::fmax(tangents.worst, decider == Decider::surface ? surface.projected_tangent : outside);
-    }
-    if (normal_error(v)) normals.in_all += corners;
-    if (error == Code::normal_angle) {
-      const bool by_triangles = subject_.normals.unsupported[v];
-      (by_triangles ? normals.by_triangles : normals.by_surface) += corners;
-      normals.worst = std::fmax(normals.worst, surface.normal);
-    }
-    if (is_pole(v) && surface.tangent > limit_of(v)) warn(poles, corners, surface.tangent);
-    if (checks_[v].leans) leaning += corners;
-    if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
-      warn(accurate_.decides(accurate_.tangents_agree(), tangents_explained_) ? authored_tangents
-                                                                              : surface_tangents,
-           corners, surface.projected_tangent);
-    if (!normal_error(v) && accurate_.known() && accurate_.normal(v) == Claim::beyond)
-      warn(accurate_.decides(accurate_.normals_agree(), normals_explained_) ? authored_normals
-                                                                            : surface_normals,
-           corners, surface.normal);
-    if (subject_.local.empty() || is_pole(v)) return;
-    if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
-        (!accurate_.known() || accurate_.tangent(v) == Claim::none))
-      warn(local_tangents, corners, local_angles(subject_, v, checks_[v], signs_.raw()).projected_tangent);
-    if (!normal_error(v) && smooth_.normals[v] == Claim::beyond &&
-        (!accurate_.known() || accurate_.normal(v) == Claim::none))
-      warn(local_normals, corners, local_angles(subject_, v, checks_[v], signs_.raw()).normal);
+    count_errors(group, error, counts);
+    count_warnings(group, error, counts);
   });
-  // Who says so, and where the rest of what is beyond the limit is counted.
+  add_errors(counts);
+  add_warnings(counts);
+}
+
+void Judge::count_errors(const CornerGroup& group, Code error, Counts& counts) {
+  const std::uint32_t v = group.vertex;
+  const std::size_t corners = group.corners;
+  if (error != no_code) counts.of_error[static_cast<std::size_t>(error)] += corners;
+  const double outside = report_.triangles ? subject_.cones.outside_deg(v, group.sign) : 0;
+  if (report_.triangles && subject_.cones.claim(v, group.sign) != Claim::none) {
+    report_.triangles->judged += corners;
+    if (outside > 0) report_.triangles->outside += corners;
+    report_.triangles->worst_deg = std::fmax(report_.triangles->worst_deg, outside);
+  }
+  const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
+  const Decider decider = mesh_.tangents.empty() ? Decider::nobody : tangent_error(group);
+  if (decider != Decider::nobody) counts.tangents.in_all += corners;
+  if (error == Code::tangent_angle) {
+    const bool by_surface = decider == Decider::surface;
+    (by_surface ? counts.tangents.by_surface : counts.tangents.by_triangles) += corners;
+    counts.tangents.worst =
+        std::fmax(counts.tangents.worst, by_surface ? surface.projected_tangent : outside);
+  }
+  if (normal_error(v)) counts.normals.in_all += corners;
+  if (error == Code::normal_angle) {
+    const bool by_triangles = subject_.normals.unsupported[v];
+    (by_triangles ? counts.normals.by_triangles : counts.normals.by_surface) += corners;
+    counts.normals.worst = std::fmax(counts.normals.worst, surface.normal);
+  }
+}
+
+void Judge::count_warnings(const CornerGroup& group, Code error, Counts& counts) {
+  const std::uint32_t v = group.vertex;
+  const auto warn = [&](Beyond& where, double angle) {
+    where.by_surface += group.corners;
+    where.worst = std::fmax(where.worst, angle);
+  };
+  const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
+  if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
+  if (checks_[v].leans) counts.leaning += group.corners;
+  if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
+    warn(accurate_.decides(accurate_.tangents_agree(), tangents_explained_) ? counts.authored_tangents
+                                                                            : counts.surface_tangents,
+         surface.projected_tangent);
+  if (!normal_error(v) && accurate_.known() && accurate_.normal(v) == Claim::beyond)
+    warn(accurate_.decides(accurate_.normals_agree(), normals_explained_) ? counts.authored_normals
+                                                                          : counts.surface_normals,
+         surface.normal);
+  if (subject_.local.empty() || is_pole(v)) return;
+  const auto local = [&] { return local_angles(subject_, v, checks_[v], signs_.raw()); };
+  if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
+      (!accurate_.known() || accurate_.tangent(v) == Claim::none))
+    warn(counts.local_tangents, local().projected_tangent);
+  if (!normal_error(v) && smooth_.normals[v] == Claim::beyond &&
+      (!accurate_.known() || accurate_.normal(v) == Claim::none))
+    warn(counts.local_normals, local().normal);
+}
+
+// Who says so, and where the rest of what is beyond the limit is counted.
+void Judge::add_errors(const Counts& counts) {
   const auto text = [&](const Beyond& b, const char* by_triangles) {
     std::string more;
     if (b.by_surface > 0) more += "; " + std::to_string(b.by_surface) + " by the surface";
@@ -349,32 +374,37 @@ void Judge::judge_corners() {
               std::to_string(b.in_all - b.counted()) +
               " have an error that comes before this one and count there";
     // The limits have no part in what the triangles' planes alone decide.
-    return &b == &normals && b.by_surface == 0 && !more.empty() ? " (" + more.substr(2) + ")"
-                                                                : worst_text(b.worst, more);
+    return &b == &counts.normals && b.by_surface == 0 && !more.empty() ? " (" + more.substr(2) + ")"
+                                                                       : worst_text(b.worst, more);
   };
   for (std::size_t k = 0; k < corner_errors; ++k) {
     const auto code = static_cast<Code>(k);
-    add(report_,
-        finding(code, count[k],
-                code == Code::tangent_angle  ? text(tangents, " outside the cone of their own triangles")
-                : code == Code::normal_angle ? text(normals, " more than 80 deg from their own triangles")
-                                             : ""));
+    add(report_, finding(code, counts.of_error[k],
+                         code == Code::tangent_angle
+                             ? text(counts.tangents, " outside the cone of their own triangles")
+                         : code == Code::normal_angle
+                             ? text(counts.normals, " more than 80 deg from their own triangles")
+                             : ""));
   }
+}
+
+void Judge::add_warnings(const Counts& counts) {
   const std::string_view
       unsure = "; by the recognised surface, with which too few corners agree to call that an error",
       edge =
           "; at borders, seams and creases of the recognised surface, where they may be authored: the "
           "corners' own triangles do not speak against them",
       nearby = "; more than three times that from what neighbouring vertices tell";
-  for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, surface_tangents, unsure},
-                                     {Code::normal_angle, surface_normals, unsure},
-                                     {Code::tangent_angle, authored_tangents, edge},
-                                     {Code::normal_angle, authored_normals, edge},
-                                     {Code::tangent_angle, local_tangents, nearby},
-                                     {Code::normal_angle, local_normals, nearby}})
+  for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, counts.surface_tangents, unsure},
+                                     {Code::normal_angle, counts.surface_normals, unsure},
+                                     {Code::tangent_angle, counts.authored_tangents, edge},
+                                     {Code::normal_angle, counts.authored_normals, edge},
+                                     {Code::tangent_angle, counts.local_tangents, nearby},
+                                     {Code::normal_angle, counts.local_normals, nearby}})
     add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
-  add(report_, warning(Code::tangent_not_orthogonal, leaning));
-  add(report_, finding(Code::pole_tangent, poles.counted(), " (worst " + rounded(poles.worst, 4) + " deg)"));
+  add(report_, warning(Code::tangent_not_orthogonal, counts.leaning));
+  add(report_, finding(Code::pole_tangent, counts.poles.counted(),
+                       " (worst " + rounded(counts.poles.worst, 4) + " deg)"));
 }
 
 // Where there is nothing that statistics are of.
