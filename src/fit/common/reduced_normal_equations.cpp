@@ -14,6 +14,10 @@ ReducedNormalEquations::ReducedNormalEquations(const Eigen::MatrixXd& h, double 
   inverses_ = roots_.unaryExpr([](double root) { return root > 0 ? 1 / root : 0.0; });
 }
 
+Eigen::VectorXd ReducedNormalEquations::operator()(const Eigen::VectorXd& x) const {
+  return inverses_.asDiagonal() * (vectors_.transpose() * x);
+}
+
 Eigen::MatrixXd ReducedNormalEquations::operator()(const Eigen::MatrixXd& x) const {
   return inverses_.asDiagonal() * (vectors_.transpose() * x);
 }

@@ -17,6 +17,7 @@ class ReducedNormalEquations {
 
   // D^(-1/2) V^T x: of g the residuals, whose length is that of the Newton step as the weighted points feel
   // it; of the matrix of other normal equations, with these V and D kept, their Jacobian.
+  Eigen::VectorXd operator()(const Eigen::VectorXd& x) const;
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& x) const;
 
   // D^(1/2) V^T
