@@ -45,7 +45,7 @@ const std::vector<std::string> ranks{"base",
 // The folder of a public header without a .cpp of its name.
 const std::map<std::string, std::string> folder_of_header{{"attributes", "base"},
                                                           {"binary", "base"},
-                                                          {"ceres_jet", "fit"},
+                                                          {"ceres_jet", "fit/common"},
                                                           {"elementary", "base"},
                                                           {"error", "base"},
                                                           {"scalar", "base"},
@@ -65,6 +65,8 @@ const std::map<std::string, std::string> folder_of_header{{"attributes", "base"}
                                                           {"blocks", "evaluate"},
                                                           {"mesh_frames", "mesh/frames"},
                                                           {"point_cloud", "base"},
+                                                          {"fit_points", "fit/common"},
+                                                          {"fit_mesh", "fit/common"},
                                                           {"io", "io"}};
 
 // The folder of a file, empty where it is in none. `tree` tells which .cpp serves a public header.
@@ -79,9 +81,16 @@ std::string folder_of(const std::string& path, const Includes& tree) {
   const std::string stem = path.substr(prefix.size(), path.size() - prefix.size() - 2);
   if (const auto listed = folder_of_header.find(stem); listed != folder_of_header.end())
     return listed->second;
-  for (const auto& [other, names] : tree)
-    if (other.starts_with("src/") && other.ends_with("/" + stem + ".cpp")) return folder_of(other, tree);
-  return "";
+  // A subcommand may bear the same name: the lowest serves the header.
+  std::string lowest;
+  for (const auto& [other, names] : tree) {
+    if (!other.starts_with("src/") || !other.ends_with("/" + stem + ".cpp")) continue;
+    const std::string folder = folder_of(other, tree);
+    if (lowest.empty() ||
+        std::find(ranks.begin(), ranks.end(), folder) < std::find(ranks.begin(), ranks.end(), lowest))
+      lowest = folder;
+  }
+  return lowest;
 }
 
 std::optional<std::size_t> rank_of(const std::string& path, const Includes& tree) {
