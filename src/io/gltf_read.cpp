@@ -9,7 +9,7 @@
 #include <darboux/error.h>
 
 #include "accessor.h"
-#include "assets/tangent_space.h"
+#include "tangent_space.h"
 #include "mesh_files.h"
 
 namespace darboux::io {

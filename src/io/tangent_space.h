@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "io/gltf_file.h"
+#include "gltf_file.h"
 
 namespace darboux::io {
 
