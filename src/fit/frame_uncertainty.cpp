@@ -11,8 +11,8 @@
 #include <darboux/forms.h>
 #include <darboux/project.h>
 
-#include "fit/primitives/list.h"
 #include "fit/common/parameter_jet.h"
+#include "fit/primitives/list.h"
 
 namespace darboux {
 namespace {
@@ -62,9 +62,9 @@ Fitted<any> fitted(const PlacedSurface& placed, const SurfaceUncertainty& uncert
   const Eigen::MatrixXd& c = uncertainty.covariance;
   const Eigen::Index of_surface = 6 + result.surface.parameters();
   if ((c.rows() != of_surface && c.rows() != of_surface + 6) || c.cols() != c.rows())
-    throw ParameterError("fit", "covariance has " + std::to_string(c.rows()) + " rows, permitted are " +
-                                    std::to_string(of_surface) + ", or 6 more, for a " +
-                                    std::string(placed.surface.info().name));
+    throw ParameterError("fit", "expected a covariance of " + std::to_string(of_surface) +
+                                    " rows, or 6 more, for a " + std::string(placed.surface.info().name) +
+                                    ", got " + std::to_string(c.rows()));
   if (with_translation) {
     result.covariance = c;
     return result;
@@ -262,11 +262,11 @@ UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncerta
 }
 
 const PlacedSurface& surface_of(const PointFit& fit) {
-  if (!fit.surface) throw ParameterError("fit", "has no surface, permitted is a usable fit");
+  if (!fit.surface) throw ParameterError("fit", "expected a usable fit, got one without a surface");
   if (!address(fit.surface->surface))
     throw ParameterError(
         std::string(fit.surface->surface.info().name),
-        "has no frames with uncertainty, permitted are the kinds that can be fitted to points");
+        "expected a kind that can be fitted to points, got one whose frames have no uncertainty");
   return *fit.surface;
 }
 

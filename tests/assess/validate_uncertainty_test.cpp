@@ -208,9 +208,10 @@ TEST(ValidateUncertainty, CovariancesOfAnotherSizeAreRefused) {
   MeshFit fit{{}, {make_surface("torus")}};
   for (const Eigen::Index n : {0, 7, 13, 20}) {
     fit.covariance = Eigen::MatrixXd::Zero(n, n);
-    EXPECT_REFUSED(truths_at(fit, {}), "fit: covariance has " + std::to_string(n) + " rows, permitted are 8");
+    EXPECT_REFUSED(truths_at(fit, {}),
+                   "fit: expected a covariance of 8 rows, or 6 more, for a torus, got " + std::to_string(n));
     EXPECT_REFUSED(truth_at(fit, {0.3, 0.2}),
-                   "fit: covariance has " + std::to_string(n) + " rows, permitted are 8");
+                   "fit: expected a covariance of 8 rows, or 6 more, for a torus, got " + std::to_string(n));
   }
 }
 

@@ -494,7 +494,7 @@ int run(const std::vector<std::string>& arguments) {
       return 0;
     } else {
       throw std::runtime_error("unknown argument " + *a +
-                               "; permitted: --quick, --row NAME, --sets N, --replay ROW SEED");
+                               ", expected --quick, --row NAME, --sets N, --replay ROW SEED");
     }
   }
   std::vector<Target> targets;
