@@ -226,7 +226,7 @@ std::string convergence_picture(const ConvergeOptions& options, const std::vecto
                     ".l{stroke-width:2.2;fill:none}.m path{stroke:#fff;stroke-width:.25}</style>\n"
                     "<path fill=\"#fff\" d=\"M0 0h1000v420h-1000z\"/>\n<g class=\"m\">\n";
   out += mesh_panel(coloured_mesh(options, shown_rows),
-                    "Tangent error on a " + std::string(options.surfaces.front().info().name),
+                    "Tangent error: " + std::string(options.surfaces.front().info().name),
                     std::string(options.methods.front()->name) + " against the exact tangents, " +
                         std::to_string(2 * shown_rows) + " × " + std::to_string(shown_rows) + " cells, " +
                         std::string(options.families.front()->name));
