@@ -428,7 +428,7 @@ TEST(ReferenceMeshes, RefuseWhatDoesNotGoTogether) {
   refused(Sphere{}, {.scale = {1, 1, -2e30}}, {"scale", "2e+30", "1e30"});
   refused(Sphere{}, {.scale = {1e-6, 1, 2e6}}, {"scale", "2e+06", "1e-06", "1e12"});
   refused(Sphere{}, {.shear = -1001}, {"shear", "-1001", "1000"});
-  refused(Torus{}, {.columns = 1, .rows = 1}, {"grid", "1x1", "torus", "finer"});
+  refused(Torus{}, {.columns = 1, .rows = 1}, {"grid", "1x1", "torus", "fine enough"});
   refused(Torus{}, {.columns = 100000, .rows = 501}, {"grid", "100000x501", "5e7"});
   refused(Sphere{}, {.degenerate = -1}, {"degenerate", "-1"});
   refused(Sphere{}, {.columns = 4, .rows = 4, .degenerate = 25}, {"degenerate", "25", "24"});
