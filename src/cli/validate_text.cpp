@@ -136,7 +136,7 @@ std::vector<CodeTotal> totals_of(std::span<const JudgedFile> files) {
         auto at = std::find_if(gathered.begin(), gathered.end(), [&](const Gathered& g) {
           return g.total.first->code == f.code && g.total.first->severity == f.severity;
         });
-        if (at == gathered.end()) at = gathered.insert(at, {{&f}});
+        if (at == gathered.end()) at = gathered.insert(at, Gathered{.total = {.first = &f}});
         at->total.count += f.count, ++at->total.places;
         at->total.files += std::exchange(at->last, &file) != &file;
         at->own.insert(own);

@@ -523,8 +523,10 @@ TEST(SetTangents, DeltasThatDoNotFitAreRefused) {
       small(2, std::vector<Vec3<float>>(8)), good(2, std::vector<Vec3<float>>(9));
   EXPECT_MESH_REFUSED(document.set_tangents(0, 0, tangents, one),
                       "expected one list of deltas per morph target, 2, got 1");
-  EXPECT_MESH_REFUSED(document.set_tangents(0, 0, tangents, small), "8 deltas");
-  EXPECT_MESH_REFUSED(document.set_tangents(1, 0, tangents, one), "0 morph targets");
+  EXPECT_MESH_REFUSED(document.set_tangents(0, 0, tangents, small),
+                      "expected one delta per vertex, 9, got 8");
+  EXPECT_MESH_REFUSED(document.set_tangents(1, 0, tangents, one),
+                      "expected one list of deltas per morph target, 0, got 1");
   document.set_tangents(0, 0, tangents, good);
 }
 

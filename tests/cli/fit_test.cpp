@@ -375,8 +375,11 @@ TEST_F(Cli, FitRefusesWrongUsage) {
   refused("darboux fit " + torus + " --surface torus:major_radius=2",
           {"--surface", "without parameters", "torus"});
   refused("darboux fit " + torus + " --surface potato", {"potato", "auto", "cylinder"});
-  for (const std::string noise : {"0", "-1", "nan", "inf", "x"})
-    refused("darboux fit " + torus + " --noise=" + noise, {"--noise", "expected 0 < SIGMA"});
+  for (const std::string noise : {"0", "-1"})
+    refused("darboux fit " + torus + " --noise=" + noise, {"--noise", "expected 0 < SIGMA, got " + noise});
+  for (const std::string noise : {"nan", "inf", "x"})
+    refused("darboux fit " + torus + " --noise=" + noise,
+            {"--noise", "expected a finite number", "got '" + noise + "'"});
   refused("darboux fit " + torus + " --seed -1", {"--seed"});
   refused("darboux fit " + torus + " --with-uv", {torus, "uvs"});
   refused("darboux fit " + torus + " --frames -", {"--frames"});

@@ -19,8 +19,8 @@ libraries=$(dirname "$(find "$work/root/usr" -name 'libdarboux.*' | head -1)")
 export LD_LIBRARY_PATH=$libraries
 "$work/root/usr/bin/darboux" --version
 "$work/root/usr/bin/darboux" eval torus --at 0.3,0.7 >/dev/null
-dpkg-deb -f "$work"/darboux_*.deb Depends | grep -q libceres
-dpkg-deb -f "$work"/libdarboux-dev_*.deb Depends | grep -q libeigen3-dev
+[[ $(dpkg-deb -f "$work"/darboux_*.deb Depends) == *libassimp* ]]
+[[ $(dpkg-deb -f "$work"/libdarboux-dev_*.deb Depends) == *libeigen3-dev* ]]
 "$compiler" -std=c++20 -ffp-contract=off "$source" -I"$work/root/usr/include" -isystem /usr/include/eigen3 -L"$libraries" \
   -ldarboux -ltbb -o "$work/program"
 "$work/program" | grep -q "handedness +1"
