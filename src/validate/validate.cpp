@@ -228,9 +228,9 @@ Judge::Decider Judge::tangent_error(const CornerGroup& group) const {
     if (claim == Claim::within) return Decider::nobody;
     // Of a vertex of triangles without area alone nothing is seen.
     if (!accurate_.declared() && !mesh_.normals.empty() && !subject_.normals.drawn[v]) return Decider::nobody;
-    // Where the normal is the surface's, there is nothing that the tangent follows.
-    const bool authored = may_be_authored(v) && !tangents_explained_ &&
-                          accurate_.normal(v) != Claim::within && !subject_.cones.empty() &&
+    // At a seam every tool sees triangles on one side only: with few columns its tangents are far from the
+    // surface's.
+    const bool authored = may_be_authored(v) && !tangents_explained_ && !subject_.cones.empty() &&
                           subject_.cones.claim(v, group.sign) == Claim::within;
     if (claim == Claim::beyond && accurate_.decides(accurate_.tangents_agree(), tangents_explained_))
       return authored ? Decider::nobody : Decider::surface;
