@@ -10,7 +10,7 @@
 namespace darboux {
 namespace {
 
-struct Arguments {
+struct CheckArguments {
   std::vector<std::string> surfaces;
   CheckOptions options;
   bool markdown = false;
@@ -76,7 +76,7 @@ void print_markdown(const std::vector<Check>& checks) {
   }
 }
 
-void run(const Arguments& arguments, Common& common) {
+void run_check(const CheckArguments& arguments, Common& common) {
   std::vector<AnySurface> surfaces;
   for (const std::string& text : arguments.surfaces) surfaces.push_back(surface_argument(text));
   if (surfaces.empty()) surfaces = all_surfaces();
@@ -117,7 +117,7 @@ void add_check(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand(
       "check",
       "Prove the closed forms: against dual numbers, central differences and the surface's own facts");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CheckArguments>();
   sub.add_option("SURFACE", arguments->surfaces, std::string(surface_help) + "; all when none is given");
   sub.add_option("--points", arguments->options.points, "random points per surface")
       ->capture_default_str()
@@ -137,7 +137,7 @@ void add_check(CLI::App& app, Common& common) {
   sub.add_flag("--markdown", arguments->markdown,
                "print tables of the worst error / its bound in roundings, surfaces by quantities");
   add_common(sub, common, "darboux check torus:minor_radius=0.4 --points 10000");
-  sub.callback([arguments, &common] { run(*arguments, common); });
+  sub.callback([arguments, &common] { run_check(*arguments, common); });
 }
 
 }  // namespace darboux

@@ -10,7 +10,7 @@
 namespace darboux {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::string a, b;
   double max_angle = 0;
 };
@@ -224,7 +224,7 @@ void print_skipped(const char* file, const Asset& asset) {
 
 // -------------------------------------------------------------------------------------------------------------------
 
-void run(const Arguments& arguments, Common& common) {
+void run_compare(const CompareArguments& arguments, Common& common) {
   if (!(arguments.max_angle >= 0 && arguments.max_angle <= 180))
     throw ParameterError("--max-angle", expected_got("0 <= degrees <= 180", shortest(arguments.max_angle)));
   const Asset a = read_asset(arguments.a), b = read_asset(arguments.b);
@@ -267,7 +267,7 @@ void run(const Arguments& arguments, Common& common) {
 
 void add_compare(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("compare", "Compare the tangents of two mesh files, corner by corner");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CompareArguments>();
   sub.add_option("A", arguments->a,
                  "a mesh: " + joined({asset_extensions().begin(), asset_extensions().end()}))
       ->required();
@@ -278,7 +278,7 @@ void add_compare(CLI::App& app, Common& common) {
                  "same bits")
       ->capture_default_str();
   add_common(sub, common, "darboux compare a.glb b.glb");
-  sub.callback([arguments, &common] { run(*arguments, common); });
+  sub.callback([arguments, &common] { run_compare(*arguments, common); });
 }
 
 }  // namespace darboux

@@ -16,7 +16,7 @@
 namespace darboux {
 namespace {
 
-struct Arguments {
+struct ConvergeArguments {
   std::vector<std::string> surfaces{"torus:major_radius=1,minor_radius=0.4", "sphere", "cylinder"};
   std::vector<std::string> methods, meshes{"regular", "sheared", "jittered"};
   std::string resolutions = "8..128", v_range = "0,1", report, csv, picture;
@@ -67,7 +67,7 @@ std::vector<int> parse_resolutions(const std::string& text) {
   return result;
 }
 
-ConvergeOptions parse(const Arguments& arguments) {
+ConvergeOptions parse(const ConvergeArguments& arguments) {
   ConvergeOptions options;
   for (const std::string& text : arguments.surfaces)
     for (const std::string& piece : split_surfaces(text)) options.surfaces.push_back(surface_argument(piece));
@@ -89,7 +89,7 @@ ConvergeOptions parse(const Arguments& arguments) {
 }
 
 // The line that runs the same again, every choice spelt out.
-std::string command_line(const ConvergeOptions& options, const Arguments& arguments) {
+std::string command_line(const ConvergeOptions& options, const ConvergeArguments& arguments) {
   const auto list = [](const auto& items, auto text) {
     std::string result;
     for (const auto& item : items) result += (result.empty() ? "" : ",") + std::string(text(item));
@@ -161,7 +161,7 @@ void print_summary(const std::vector<Study>& studies) {
                   s.order_low, s.order_high, s.expected_order);
 }
 
-void run(const Arguments& arguments, Common& common) {
+void run_converge(const ConvergeArguments& arguments, Common& common) {
   if ((arguments.report == "-") + (arguments.csv == "-") + (arguments.picture == "-") + common.json > 1)
     throw ParameterError(
         "-", expected_got("one of -o -, --csv -, --picture - and --json for standard output", "more"));
@@ -208,7 +208,7 @@ void add_converge(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand(
       "converge",
       "Measure how fast mesh frames approach the truth: orders of convergence, error against run time");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvergeArguments>();
   std::string methods, meshes;
   for (const FrameMethod& method : frame_methods())
     methods += (methods.empty() ? "" : ", ") + std::string(method.name);
@@ -235,7 +235,7 @@ void add_converge(CLI::App& app, Common& common) {
       "write the first surface's mesh, coloured by the first method's tangent error, beside the convergence "
       "of all methods to this file, SVG");
   add_common(sub, common, "darboux converge --surfaces torus,sphere --resolutions 8..64 -o report.html");
-  sub.callback([arguments, &common] { run(*arguments, common); });
+  sub.callback([arguments, &common] { run_converge(*arguments, common); });
 }
 
 }  // namespace darboux

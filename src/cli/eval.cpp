@@ -20,7 +20,7 @@ constexpr std::size_t points_per_thread = 4096, most_points = 65536;
 constexpr Choice<FrameFormat, frame_format_names.size()> frame_formats{frame_format_names};
 constexpr Choice<PointFormat, point_format_names.size()> point_formats{point_format_names};
 
-struct Arguments {
+struct EvalArguments {
   std::string surface;
   std::vector<std::string> at;
   std::string grid, input, input_format, attributes, format = "table", output;
@@ -88,7 +88,7 @@ void write_grid(FrameWriter& writer, std::size_t columns, std::size_t rows, std:
   blocks.pass_on();
 }
 
-void run(const Arguments& arguments, const Common& common) {
+void run_eval(const EvalArguments& arguments, const Common& common) {
   const AnySurface surface = surface_argument(arguments.surface);
   FrameWriterOptions options;
   options.format = common.json ? FrameFormat::json : frame_formats.of(arguments.format);
@@ -144,7 +144,7 @@ void run(const Arguments& arguments, const Common& common) {
 void add_eval(CLI::App& app, Common& common) {
   CLI::App& sub =
       *app.add_subcommand("eval", "Evaluate positions, partials, frames and curvatures at (u, v)");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<EvalArguments>();
   sub.add_option("SURFACE", arguments->surface, surface_help)->required();
   sub.add_option("--at", arguments->at, "U,V: a point; may be repeated")
       ->type_size(1)
@@ -163,7 +163,7 @@ void add_eval(CLI::App& app, Common& common) {
       ->check(frame_formats.check());
   sub.add_option("-o,--output", arguments->output, "file to write, whole or not at all");
   add_common(sub, common, "darboux eval sphere --grid 4x2 --attributes position,tangent4 --format csv");
-  sub.callback([arguments, &common] { run(*arguments, common); });
+  sub.callback([arguments, &common] { run_eval(*arguments, common); });
 }
 
 }  // namespace darboux

@@ -23,7 +23,7 @@ bool finite_uv(const Vec2<double>& uv) {
   return std::isfinite(uv.x) && std::isfinite(uv.y);
 }
 
-struct Arguments {
+struct FitArguments {
   std::string file, surface = "auto", noise, frames;
   bool with_uv = false;
   std::uint64_t seed = PointFitOptions{}.seed;
@@ -46,7 +46,7 @@ std::vector<std::string> kinds_to_fit(bool with_uv) {
   return kinds;
 }
 
-PointFitOptions parse_options(const Arguments& arguments) {
+PointFitOptions parse_options(const FitArguments& arguments) {
   const std::vector<std::string> kinds = kinds_to_fit(arguments.with_uv);
   if (arguments.surface.find(':') != std::string::npos)
     throw ParameterError("--surface",
@@ -177,7 +177,7 @@ FrameSpread frames_of(const PointCloud& cloud, const PointFit& fit, const std::v
   return spread;
 }
 
-Json fit_json(const Arguments& arguments, const PointFit& fit, const Membership& members,
+Json fit_json(const FitArguments& arguments, const PointFit& fit, const Membership& members,
               const std::optional<FrameSpread>& spread) {
   const bool fitted = fit.inliers > 0;
   Json json{{"file", arguments.file}, {"surface", nullptr}};
@@ -241,7 +241,7 @@ std::string spread_text(const Deviations& s, const char* why_unknown) {
   return text;
 }
 
-void print_text(const Arguments& arguments, const PointFit& fit, const Membership& members,
+void print_text(const FitArguments& arguments, const PointFit& fit, const Membership& members,
                 const std::optional<FrameSpread>& spread) {
   const auto error_of = [&](std::string_view name) -> std::optional<double> {
     for (const StandardError& e : fit.standard_errors)
@@ -285,7 +285,7 @@ void print_text(const Arguments& arguments, const PointFit& fit, const Membershi
                    rounded(c.bic, 6) + ", rms " + rounded(c.rms, 3));
 }
 
-void run(const Arguments& arguments, Common& common) {
+void run_fit(const FitArguments& arguments, Common& common) {
   PointFitOptions options = parse_options(arguments);
   if (arguments.frames == "-")
     throw ParameterError("--frames",
@@ -339,7 +339,7 @@ void run(const Arguments& arguments, Common& common) {
 void add_fit(CLI::App& app, Common& common) {
   CLI::App& sub =
       *app.add_subcommand("fit", "Find the surface that sampled points lie on, and frames at the points");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<FitArguments>();
   sub.add_option("FILE", arguments->file,
                  "points: .xyz, .txt, .csv, .tsv, .ply, .pcd, .obj, .stl, .glb or .gltf")
       ->required();
@@ -359,7 +359,7 @@ void add_fit(CLI::App& app, Common& common) {
   sub.add_option("--frames", arguments->frames,
                  "CSV file to write: the frame at each point and its uncertainty");
   add_common(sub, common, "darboux fit points.xyz --frames frames.csv");
-  sub.callback([arguments, &common] { run(*arguments, common); });
+  sub.callback([arguments, &common] { run_fit(*arguments, common); });
 }
 
 }  // namespace darboux

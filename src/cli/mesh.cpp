@@ -15,7 +15,7 @@ constexpr Choice<MeshTopology, 4> topologies{{"grid", "icosphere", "cube-sphere"
 constexpr Choice<PolePlacement, 3> poles{{"per-column", "half-cell", "shared"}};
 constexpr Choice<SignConvention, 2> signs{{"gltf", "raw"}};
 
-struct Arguments {
+struct MeshArguments {
   std::string surface, topology = "grid", grid, pole = "per-column", scale = "1,1,1", output, seam = "split",
                        diagonal = "regular", sign = "gltf";
   int subdivisions = 0;  // 0: not given
@@ -32,7 +32,7 @@ Vec3<double> parse_scale(const std::string& text) {
 }
 
 // What the strings mean.
-SampleMeshOptions parse(const Arguments& arguments) {
+SampleMeshOptions parse(const MeshArguments& arguments) {
   SampleMeshOptions o = arguments.options;
   o.topology = topologies.of(arguments.topology);
   const bool sphere = o.topology == MeshTopology::icosphere || o.topology == MeshTopology::cube_sphere;
@@ -70,7 +70,7 @@ Mesh make(const AnySurface& surface, const SampleMeshOptions& o) try {
   throw std::invalid_argument(std::string("--") + error.what());
 }
 
-void run(const Arguments& arguments, const Common& common) {
+void run_mesh(const MeshArguments& arguments, const Common& common) {
   if (arguments.output == "-" && common.json)
     throw ParameterError("-", expected_got("one of -o - and --json for standard output", "both"));
   check_glb_name(arguments.output);
@@ -110,7 +110,7 @@ void run(const Arguments& arguments, const Common& common) {
 
 void add_mesh(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("mesh", "Write a reference mesh with exact normals, uvs and tangents");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<MeshArguments>();
   SampleMeshOptions& o = arguments->options;
   const CLI::Validator triangle_count = whole_number_up_to(std::numeric_limits<int>::max());
   sub.add_option("SURFACE", arguments->surface, surface_help)->required();
@@ -169,7 +169,7 @@ void add_mesh(CLI::App& app, Common& common) {
       ->capture_default_str()
       ->check(signs.check());
   add_common(sub, common, "darboux mesh sphere --grid 64x32 -o sphere.glb");
-  sub.callback([arguments, &common] { run(*arguments, common); });
+  sub.callback([arguments, &common] { run_mesh(*arguments, common); });
 }
 
 }  // namespace darboux

@@ -26,7 +26,7 @@ bool periodic(Coordinate kind) {
   return kind == Coordinate::turn || kind == Coordinate::twisted_turn;
 }
 
-void list(const Common& common) {
+void list_surfaces(const Common& common) {
   Json all = Json::array();
   for (const AnySurface& surface : all_surfaces()) {
     const SurfaceInfo& info = surface.info();
@@ -89,7 +89,7 @@ void add_surfaces(CLI::App& app, Common& common) {
       ->check([](const std::string& text) {
         return text.empty() ? std::string("needs the name of a folder") : "";
       });
-  sub.callback([pages, &common] { pages->empty() ? list(common) : write_pages(*pages, common); });
+  sub.callback([pages, &common] { pages->empty() ? list_surfaces(common) : write_pages(*pages, common); });
 }
 
 }  // namespace darboux

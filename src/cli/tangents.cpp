@@ -10,7 +10,7 @@
 namespace darboux {
 namespace {
 
-struct Arguments {
+struct TangentsArguments {
   std::string input, output, method = FileTangentOptions{}.method, sign = "gltf", only;
   bool list = false;
 };
@@ -56,7 +56,7 @@ void print_paragraph(const std::string& label, std::string_view text) {
   std::cout << line.substr(0, line.find_last_not_of(' ') + 1) << '\n';
 }
 
-void list(const Common& common) {
+void list_methods(const Common& common) {
   if (common.json) {
     Json all = Json::array();
     for (const FrameMethod& m : frame_methods())
@@ -123,8 +123,8 @@ void print_text(const FileTangents& result, std::ostream& out) {
     out << "mesh " << s.mesh << " primitive " << s.primitive << " left alone: " << s.reason << '\n';
 }
 
-void run(const Arguments& arguments, Common& common) {
-  if (arguments.list) return list(common);
+void run_tangents(const TangentsArguments& arguments, Common& common) {
+  if (arguments.list) return list_methods(common);
   if (arguments.input.empty())
     throw ParameterError("tangents", expected_got("a .glb or .gltf to read, or --list", "neither"));
   if (arguments.output.empty()) throw ParameterError("tangents", expected_got("-o OUT.glb", "none"));
@@ -167,7 +167,7 @@ void run(const Arguments& arguments, Common& common) {
 
 void add_tangents(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("tangents", "Give a glTF file tangents by a named method");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TangentsArguments>();
   sub.add_option("INPUT", arguments->input, "the .glb or .gltf to read");
   sub.add_option("-o,--output", arguments->output, "the .glb to write");
   sub.add_option("--method", arguments->method, "see --list")->capture_default_str();
@@ -180,7 +180,7 @@ void add_tangents(CLI::App& app, Common& common) {
       ->check(CLI::IsMember({"needed"}));
   sub.add_flag("--list", arguments->list, "name and explain the methods");
   add_common(sub, common, "darboux tangents in.glb -o out.glb");
-  sub.callback([arguments, &common] { run(*arguments, common); });
+  sub.callback([arguments, &common] { run_tangents(*arguments, common); });
 }
 
 }  // namespace darboux

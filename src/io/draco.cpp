@@ -15,7 +15,7 @@
 namespace darboux::io {
 namespace {
 
-constexpr const char* extension = "KHR_draco_mesh_compression";
+constexpr const char* draco_extension = "KHR_draco_mesh_compression";
 
 /// Bytes that may still be decoded. A stream's size bounds nothing: a plane grid of two million triangles
 /// takes 2330 bytes.
@@ -109,7 +109,7 @@ void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute
                  Accessor& values) {
   if (attribute.num_components() != values.components)
     index.fail("an accessor of the " + std::to_string(attribute.num_components()) + " components of its " +
-                   extension,
+                   draco_extension,
                values.type);
   values.bytes.resize(values.count * values.element_bytes);
   with_component(values.component_type, [&](auto zero) {
@@ -119,7 +119,7 @@ void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute
       const draco::AttributeValueIndex at = attribute.mapped_index(draco::PointIndex(i));
       if (at.value() >= attribute.size() ||
           !attribute.ConvertValue(at, static_cast<std::int8_t>(values.components), element.data()))
-        index.fail(std::string("values in its ") + extension + " within the accessor's componentType",
+        index.fail(std::string("values in its ") + draco_extension + " within the accessor's componentType",
                    "one of vertex " + std::to_string(i) + " that is missing or beyond it");
       std::memcpy(values.bytes.data() + i * values.element_bytes, element.data(),
                   values.components * sizeof(T));
@@ -178,7 +178,7 @@ std::vector<std::uint32_t> corners_of(const draco::Mesh& mesh, const JsonCursor&
 
 void expect_count(const JsonCursor& index, std::uint64_t stated, std::uint64_t decoded) {
   if (stated != decoded)
-    index.fail("an accessor of the " + std::to_string(decoded) + " elements of its " + extension,
+    index.fail("an accessor of the " + std::to_string(decoded) + " elements of its " + draco_extension,
                std::to_string(stated));
 }
 
@@ -192,11 +192,11 @@ void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_in
   std::vector<std::uint32_t> corners;
   {  // places refer to the document, and end before it is changed
     const JsonCursor primitive = file.root().at("meshes").at(mesh_index).at("primitives").at(primitive_index);
-    const auto found = primitive.extension(extension);
+    const auto found = primitive.extension(draco_extension);
     if (!found) return;
     const std::uint64_t mode = primitive.has("mode") ? primitive.at("mode").integer() : triangles;
     if (mode != triangles && mode != triangle_strip)
-      primitive.at("mode").fail(std::string("4 or 5 with ") + extension);
+      primitive.at("mode").fail(std::string("4 or 5 with ") + draco_extension);
 
     draco::Mesh mesh;
     decode(file.view_bytes(file.element("bufferViews", found->at("bufferView"))), *found, budget, mesh);
@@ -234,7 +234,7 @@ void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_in
   }
   primitive["indices"] = file.append_indices(corners);
   if (primitive.contains("mode")) primitive["mode"] = triangles;
-  remove_extension(primitive, extension);
+  remove_extension(primitive, draco_extension);
 }
 
 }  // namespace
@@ -247,7 +247,7 @@ void decompress_draco(GltfFile& file) {
     const std::size_t primitives = mesh.has("primitives") ? mesh.at("primitives").size() : 0;
     for (std::size_t p = 0; p < primitives; ++p) decompress(file, m, p, budget);
   }
-  retire_extension(file, extension);
+  retire_extension(file, draco_extension);
 }
 
 }  // namespace darboux::io

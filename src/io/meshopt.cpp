@@ -11,7 +11,7 @@
 namespace darboux::io {
 namespace {
 
-constexpr const char* extension = "EXT_meshopt_compression";
+constexpr const char* meshopt_extension = "EXT_meshopt_compression";
 
 // Bytes that one byte of a stream stands for at most. Attributes keep 2 bits of header for 16 bytes;
 // triangles one byte for three indices, 12 bytes; other indices one byte each, 4 bytes. (Appendix A of the
@@ -70,7 +70,7 @@ std::string decode(const GltfFile& file, const JsonCursor& view, const JsonCurso
   if (strides[0] != 0 && std::find(strides.begin(), strides.end(), stride) == strides.end())
     stride_place.fail(std::string(strides[0] == strides[1] ? "8" : "4 or 8") + " with filter " + filter.name);
   if (view.has("byteStride") && view.at("byteStride").integer() != stride)
-    view.at("byteStride").fail(std::to_string(stride) + ", that of its " + extension);
+    view.at("byteStride").fail(std::to_string(stride) + ", that of its " + meshopt_extension);
 
   const std::string_view stream = file.view_bytes(compressed);
   const JsonCursor count_place = compressed.at("count");
@@ -86,7 +86,7 @@ std::string decode(const GltfFile& file, const JsonCursor& view, const JsonCurso
   if (view.at("byteLength").integer() != count * stride)
     view.at("byteLength")
         .fail("the bytes of the " + std::to_string(count) + " elements of " + std::to_string(stride) +
-              " bytes of its " + extension);
+              " bytes of its " + meshopt_extension);
 
   std::string bytes(count * stride, '\0');
   if (mode.decode(bytes.data(), count, stride, data(stream), stream.size()) != 0)
@@ -103,12 +103,12 @@ void remove_placeholders(GltfFile& file) {
   std::vector<Json*> numbers;
   const JsonCursor views = file.root().at("bufferViews");
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const auto compressed = views.at(i).extension(extension);
+    const auto compressed = views.at(i).extension(meshopt_extension);
     const JsonCursor buffer = (compressed ? *compressed : views.at(i)).at("buffer");
     file.element("buffers", buffer);
     read[buffer.integer()] = true;
     Json& view = file.json["bufferViews"][i];
-    numbers.push_back(&(compressed ? view["extensions"][extension] : view)["buffer"]);
+    numbers.push_back(&(compressed ? view["extensions"][meshopt_extension] : view)["buffer"]);
   }
   std::vector<std::size_t> renumbered;
   std::size_t kept = 0;
@@ -133,22 +133,22 @@ void decompress_meshopt(GltfFile& file) {
   const std::size_t count = file.json.contains("bufferViews") ? file.json["bufferViews"].size() : 0;
   std::vector<std::size_t> compressed;
   for (std::size_t i = 0; i < count; ++i)
-    if (file.root().at("bufferViews").at(i).extension(extension)) compressed.push_back(i);
+    if (file.root().at("bufferViews").at(i).extension(meshopt_extension)) compressed.push_back(i);
   if (!compressed.empty()) remove_placeholders(file);
 
   std::uint64_t left = 0;
   for (const auto& buffer : file.buffers) left += buffer ? most_expansion * buffer->size() : 0;
   for (const std::size_t i : compressed) {
     const JsonCursor view = file.root().at("bufferViews").at(i);
-    const std::size_t offset = file.append_bytes(decode(file, view, *view.extension(extension), left));
+    const std::size_t offset = file.append_bytes(decode(file, view, *view.extension(meshopt_extension), left));
     Json& json = file.json["bufferViews"][i];
     json["buffer"] = 0u;
     json["byteOffset"] = offset;
-    remove_extension(json, extension);
+    remove_extension(json, meshopt_extension);
   }
   if (file.json.contains("buffers"))
-    for (Json& buffer : file.json["buffers"]) remove_extension(buffer, extension);
-  retire_extension(file, extension);
+    for (Json& buffer : file.json["buffers"]) remove_extension(buffer, meshopt_extension);
+  retire_extension(file, meshopt_extension);
 }
 
 }  // namespace darboux::io

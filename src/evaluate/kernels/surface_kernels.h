@@ -1,5 +1,7 @@
-// The kernels of one surface on one instruction set. CMake writes a source file for each header of surfaces/
-// that defines DARBOUX_SURFACE as the header's name and includes this; DARBOUX_ISA names the instruction set.
+// The kernels of one surface on one instruction set. CMake writes a source file for each header of surfaces/ that includes
+// this and expands DARBOUX_SURFACE_KERNELS for the header's name; DARBOUX_ISA names the instruction set.
+#pragma once
+
 #include <tuple>
 #include <utility>
 
@@ -18,23 +20,29 @@ using OverT = decltype(darboux::rebind<T>(std::declval<const X&>()));
 template <class... X>
 std::tuple<X...> tuple_of(SurfaceList<X...>);
 
-using Surface = std::tuple_element_t<index_in_catalogue(DARBOUX_STRING(DARBOUX_SURFACE)),
-                                     decltype(tuple_of(Catalogue{}))>;
+template <std::size_t index>
+using SurfaceAt = std::tuple_element_t<index, decltype(tuple_of(Catalogue{}))>;
 
-template <class T>
+template <class T, class Surface>
 constexpr std::array<Kernel<T>, 3> kernels_over() {
   using X = OverT<T, Surface>;
   if constexpr (detail::in_lanes<X>)
-    return {&kernel<X, T, Variant::frames>, &kernel<X, T, Variant::first>,
-            &kernel<X, T, Variant::everything>};
+    return {&kernel<X, T, Variant::frames>, &kernel<X, T, Variant::first>, &kernel<X, T, Variant::everything>};
   else
     return {};
 }
 
+template <class Surface>
+constexpr SurfaceKernels kernels_of() {
+  return {kernels_over<double, Surface>(), kernels_over<float, Surface>()};
+}
+
 }  // namespace
-
-extern const SurfaceKernels DARBOUX_OF_SURFACE(DARBOUX_SURFACE);
-constinit const SurfaceKernels DARBOUX_OF_SURFACE(DARBOUX_SURFACE){kernels_over<double>(),
-                                                                   kernels_over<float>()};
-
 }  // namespace darboux::kernels
+
+#define DARBOUX_SURFACE_KERNELS(header)                                                       \
+  namespace darboux::kernels {                                                                \
+  extern const SurfaceKernels DARBOUX_OF_SURFACE(header);                                     \
+  constinit const SurfaceKernels DARBOUX_OF_SURFACE(header) =                                 \
+      kernels_of<SurfaceAt<index_in_catalogue(DARBOUX_STRING(header))>>();                    \
+  }

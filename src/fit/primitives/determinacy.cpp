@@ -50,7 +50,7 @@ std::string least_identifiable(const PrimitiveFit& f) {
   if (lengths.norm() > half_of_most) {
     Eigen::Index k;
     lengths.cwiseAbs().maxCoeff(&k);
-    return "the " + std::string(f.primitive->length_names[static_cast<std::size_t>(k)]);
+    return std::string("the ").append(f.primitive->length_names[static_cast<std::size_t>(k)]);
   }
   return "a turn about " + direction_text(turn);
 }
