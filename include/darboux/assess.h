@@ -55,7 +55,7 @@ struct Assessment {
   std::vector<std::uint32_t> triangles{};
 };
 
-/// Judges the mesh as one surface: fit_surface() or fit_any_surface(), else fit_positions(), else the other
+/// Assesses the mesh as one surface: fit_surface() or fit_any_surface(), else fit_positions(), else the other
 /// references. Adds to validate()'s findings: SURFACE_MISMATCH (error) where a declared surface is farther
 /// off than fits_below, SURFACE_UNKNOWN (info) where none of the catalogue is recognised, UV_MISSING (info)
 /// without uvs. \throws ParameterError for an unknown surface or parameter, MeshError for an inconsistent

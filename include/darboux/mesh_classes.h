@@ -1,5 +1,5 @@
 /// \file mesh_classes.h
-/// Which part of a mesh a vertex belongs to: errors at poles, seams and in the interior are judged apart.
+/// Which part of a mesh a vertex belongs to: errors at poles, seams and in the interior are assessed apart.
 #pragma once
 
 #include <array>

@@ -17,7 +17,7 @@
 
 namespace darboux {
 
-/// In the order of how bad they are. nothing: there is nothing to judge, neither triangles nor normals nor
+/// In the order of how bad they are. nothing: there is nothing to assess, neither triangles nor normals nor
 /// tangents.
 enum class Verdict { nothing, pass, undetermined, fail };
 enum class Severity { info, warning, error };
@@ -72,9 +72,9 @@ struct LocalReport {
 /// The tangents against those of the mesh's own triangles: each corner's triangles span a cone of directions
 /// in the plane of its normal, and any positive average of them lies inside.
 struct TrianglesReport {
-  std::size_t judged = 0;   ///< corners whose triangles span a cone of less than 180 degrees
-  std::size_t outside = 0;  ///< of these, corners whose tangent is farther from the cone than permitted
-  double worst_deg = 0;     ///< the farthest of those outside
+  std::size_t compared = 0;  ///< corners whose triangles span a cone of less than 180 degrees
+  std::size_t outside = 0;   ///< of these, corners whose tangent is farther from the cone than permitted
+  double worst_deg = 0;      ///< the farthest of those outside
 };
 
 /// The mesh against MikkTSpace's tangents of its own positions, normals and uvs, mikktspace.h.
@@ -100,8 +100,8 @@ struct Handedness {
 
 struct MeshReport {
   std::size_t corners = 0;
-  /// The first of "analytic", "triangles" and "local" that judged any corner; "mikktspace" where nothing else
-  /// was asked for; else "none".
+  /// The first of "analytic", "triangles" and "local" that assessed any corner; "mikktspace" where nothing
+  /// else was asked for; else "none".
   std::string_view reference = "none";
   std::size_t inward =
       0;  ///< corners whose normal and triangles face against the surface's n, compared with -n
@@ -148,7 +148,7 @@ struct ValidateOptions {
   bool keep_errors = false;  ///< whether the report has errors_deg, 12 bytes a triangle
 };
 
-/// Judges a mesh in its own space.
+/// Assesses a mesh in its own space.
 /// Angles are atan2 angles of normalised vectors, tangents not projected. The bitangent is w·cross(n, t), n
 /// as stored, w corrected for the one sign convention found, against the derivative by the stored v.
 /// The truth has standard deviations s. An angle is beyond its limit where it is by more than 3 s: the true

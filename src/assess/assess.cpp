@@ -77,16 +77,16 @@ bool is_planar(const AnySurface& surface) {
   return surface.info().name == "plane" || surface.info().name == "disk";
 }
 
-Assessment assessment_of(const Subject& subject, Recognised recognised, const AssessOptions& options,
+Assessment assessment_of(const MeshUnderTest& under_test, Recognised recognised, const AssessOptions& options,
                          bool declared) {
   const bool fits = recognised.fits();
   const bool planar = fits && is_planar(recognised.fit->surface.surface);
   const Basis basis = declared || recognised.declared ? Basis::declared
                       : planar                        ? Basis::recognised_unsided
                                                       : Basis::recognised;
-  Assessment result{std::move(recognised.fit), judge_subject(subject, recognised.truth, basis, options)};
+  Assessment result{std::move(recognised.fit), validate(under_test, recognised.truth, basis, options)};
   result.evidence = std::move(recognised.evidence);
-  const Mesh& mesh = subject.mesh;
+  const Mesh& mesh = under_test.mesh;
   MeshReport& report = result.report;
   if (mesh.uvs.empty()) add(report, finding(Code::uv_missing, std::max<std::size_t>(mesh.corners(), 1)));
   if (fits || !options.references.analytic || (mesh.uvs.empty() && !declared)) return result;
@@ -113,9 +113,9 @@ std::vector<bool> poles(const std::vector<Truth>& truth) {
   return result;
 }
 
-Assessment judge_whole(Subject subject, Recognised recognised, const AssessOptions& options) {
-  classify_subject(subject, poles(recognised.truth), options);
-  return assessment_of(subject, std::move(recognised), options, options.declares_surface());
+Assessment assess_whole(MeshUnderTest under_test, Recognised recognised, const AssessOptions& options) {
+  classify_vertices(under_test, poles(recognised.truth), options);
+  return assessment_of(under_test, std::move(recognised), options, options.declares_surface());
 }
 
 void check(const Mesh& mesh, const AssessOptions& options) {
@@ -232,14 +232,14 @@ std::vector<bool> between_parts(const Mesh& mesh, const VertexJoins& joins,
   return result;
 }
 
-std::vector<Assessment> judge_each(Subject whole, std::vector<RecognisedPart> parts,
-                                   const AssessOptions& options) {
+std::vector<Assessment> assess_each(MeshUnderTest whole, std::vector<RecognisedPart> parts,
+                                    const AssessOptions& options) {
   const Mesh& mesh = whole.mesh;
   std::vector<bool> is_pole(mesh.positions.size(), false);
   for (const RecognisedPart& p : parts)
     for (std::size_t v = 0; v < p.recognised.truth.size(); ++v)
       if (p.recognised.truth[v].pole) is_pole[p.part.vertices[v]] = true;
-  classify_subject(whole, is_pole, options);
+  classify_vertices(whole, is_pole, options);
   const std::vector<bool> between = between_parts(mesh, whole.joins, parts, options.max_angle_deg);
   whole.between_parts = between;
   for (std::uint32_t v = 0; v < between.size(); ++v)
@@ -267,10 +267,11 @@ std::vector<Assessment> judge_each(Subject whole, std::vector<RecognisedPart> pa
   return result;
 }
 
-Recognised look_at_whole(const Subject& subject, const AssessOptions& options, Effort& effort) {
+Recognised look_at_whole(const MeshUnderTest& under_test, const AssessOptions& options, Effort& effort) {
   if (!options.references.analytic) return {};
-  return options.declares_surface() ? find_declared(subject.mesh, options, false)
-                                    : recognise(subject.mesh, subject.raw_sign, options.placement, effort);
+  return options.declares_surface()
+             ? find_declared(under_test.mesh, options, false)
+             : recognise(under_test.mesh, under_test.raw_sign, options.placement, effort);
 }
 
 void note_effort(MeshReport& report, const Effort& effort) {
@@ -280,9 +281,9 @@ void note_effort(MeshReport& report, const Effort& effort) {
 
 // Calls judge_as(mesh, options) with the uvs that the tangents follow, and says which they are. Nothing where
 // they are the mesh's.
-template <class JudgeAs>
-std::optional<std::vector<Assessment>> judge_by_other_uvs(const Mesh& mesh, const AssessOptions& options,
-                                                          const JudgeAs& judge_as) {
+template <class AssessMesh>
+std::optional<std::vector<Assessment>> assess_by_other_uvs(const Mesh& mesh, const AssessOptions& options,
+                                                           const AssessMesh& assess_mesh) {
   std::optional<UvChoice> choice = choose_uvs(mesh, options);
   if (!choice) return std::nullopt;
   Mesh other = mesh;
@@ -290,7 +291,7 @@ std::optional<std::vector<Assessment>> judge_by_other_uvs(const Mesh& mesh, cons
   AssessOptions others = options;
   others.texture_transform.reset();
   others.names_uv_set = true;
-  std::vector<Assessment> assessments = judge_as(other, others);
+  std::vector<Assessment> assessments = assess_mesh(other, others);
   const std::size_t corners = std::max<std::size_t>(mesh.corners(), 1);
   if (choice->transformed) add(assessments.front().report, finding(Code::tangent_texture_transform, corners));
   if (choice->set) {
@@ -305,35 +306,35 @@ std::optional<std::vector<Assessment>> judge_by_other_uvs(const Mesh& mesh, cons
 
 Assessment assess(const Mesh& mesh, const AssessOptions& options) {
   check(mesh, options);
-  if (auto other = judge_by_other_uvs(
+  if (auto other = assess_by_other_uvs(
           mesh, options, [](const Mesh& m, const AssessOptions& o) { return std::vector{assess(m, o)}; }))
     return std::move(other->front());
-  Subject subject = prepare(mesh, options);
+  MeshUnderTest under_test = prepare(mesh, options);
   Effort effort(options.budget);
-  Recognised recognised = look_at_whole(subject, options, effort);
-  Assessment result = judge_whole(std::move(subject), std::move(recognised), options);
+  Recognised recognised = look_at_whole(under_test, options, effort);
+  Assessment result = assess_whole(std::move(under_test), std::move(recognised), options);
   note_effort(result.report, effort);
   return result;
 }
 
 std::vector<Assessment> assess_parts(const Mesh& mesh, const AssessOptions& options) {
   check(mesh, options);
-  if (auto other = judge_by_other_uvs(mesh, options, assess_parts)) return std::move(*other);
-  Subject subject = prepare(mesh, options);
+  if (auto other = assess_by_other_uvs(mesh, options, assess_parts)) return std::move(*other);
+  MeshUnderTest under_test = prepare(mesh, options);
   Effort effort(options.budget);
-  Recognised whole = look_at_whole(subject, options, effort);
+  Recognised whole = look_at_whole(under_test, options, effort);
   // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves
   // of a mirrored one, go before a whole whose uvs say nothing.
   const bool uncharted = whole.fits() && !options.declares_surface() &&
                          whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
   if (!options.references.analytic || (whole.fits() && !uncharted))
-    return {judge_whole(std::move(subject), std::move(whole), options)};
+    return {assess_whole(std::move(under_test), std::move(whole), options)};
 
   Parts parts(mesh, options, effort, uncharted ? whole.fit->surface.surface.info().name : std::string_view());
   if (uncharted && !parts.rest.empty()) parts.recognised.clear();
   if (options.declares_surface() && !parts.declared) parts.recognised.clear();
   if (parts.recognised.empty()) {
-    Assessment result = judge_whole(std::move(subject), std::move(whole), options);
+    Assessment result = assess_whole(std::move(under_test), std::move(whole), options);
     add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
     note_effort(result.report, effort);
     return {std::move(result)};
@@ -344,13 +345,13 @@ std::vector<Assessment> assess_parts(const Mesh& mesh, const AssessOptions& opti
     unknown.evidence = whole.evidence;
     parts.recognised.push_back({part_of(mesh, std::move(parts.rest)), std::move(unknown)});
   }
-  std::vector<Assessment> result = judge_each(std::move(subject), std::move(parts.recognised), options);
-  // What is left of a mesh of which something was judged leaves nothing open.
-  const bool judged = std::any_of(result.begin(), result.end(), [](const Assessment& j) {
+  std::vector<Assessment> result = assess_each(std::move(under_test), std::move(parts.recognised), options);
+  // What is left of a mesh of which something was assessed leaves nothing open.
+  const bool assessed = std::any_of(result.begin(), result.end(), [](const Assessment& j) {
     return j.report.without_errors == Verdict::pass;
   });
   for (Assessment& j : result)
-    if (judged && j.report.without_errors == Verdict::undetermined) {
+    if (assessed && j.report.without_errors == Verdict::undetermined) {
       j.report.without_errors = Verdict::pass;
       if (j.report.verdict == Verdict::undetermined) j.report.verdict = Verdict::pass;
     }

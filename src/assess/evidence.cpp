@@ -235,7 +235,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
     normals = -4;
   }
   // A ring of eight sides or more with smooth normals is meant round.
-  // Without normals and uvs of its own a surface says nothing that is judged, and positions alone must say
+  // Without normals and uvs of its own a surface says nothing that is assessed, and positions alone must say
   // more.
   const double mute = !own && mesh.normals.empty() ? -2 : 0;
   const double round = orbits.sides >= 8 && (normals > 0 || (own && mesh.normals.empty())) ? 2 : 0;

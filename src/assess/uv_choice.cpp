@@ -1,28 +1,28 @@
 #include "uv_choice.h"
 
 #include "mesh/triangle_signs.h"
-#include "validate/subject.h"
+#include "validate/mesh_under_test.h"
 
 namespace darboux {
 namespace {
 
 constexpr double follows = 0.8;
 
-// The share of corners within the cone, of those that it judges.
+// The share of corners within the cone, of those that it assesses.
 double share_within(const Mesh& mesh, const AssessOptions& options) {
   const std::vector<signed char> sign = triangle_signs(mesh);
   VertexJoins joins;
   classify(mesh, {}, sign, joins);
   const Cones cones(mesh, sign, joins, std::vector<double>(mesh.positions.size(), options.max_angle_deg),
                     options.max_angle_deg);
-  std::size_t within = 0, judged = 0;
+  std::size_t within = 0, assessed = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) {
       const Claim claim = cones.claim(v, sign[t]);
-      judged += claim != Claim::none;
+      assessed += claim != Claim::none;
       within += claim == Claim::within;
     }
-  return judged == 0 ? 0 : static_cast<double>(within) / static_cast<double>(judged);
+  return assessed == 0 ? 0 : static_cast<double>(within) / static_cast<double>(assessed);
 }
 
 }  // namespace

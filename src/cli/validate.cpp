@@ -105,11 +105,11 @@ Policy policy_of(const Arguments& arguments) {
   return policy;
 }
 
-// No output may replace a file that is judged, or another output.
-void check_outputs(const Arguments& arguments, const std::vector<JudgedFile>& files) {
+// No output may replace a file that is assessed, or another output.
+void check_outputs(const Arguments& arguments, const std::vector<AssessedFile>& files) {
   namespace fs = std::filesystem;
   std::vector<std::pair<std::string, std::string>> taken;
-  for (const JudgedFile& file : files) taken.emplace_back(file.path, "a file that is judged");
+  for (const AssessedFile& file : files) taken.emplace_back(file.path, "a file that is judged");
   if (!arguments.baseline.empty()) taken.emplace_back(arguments.baseline, "the baseline");
   for (const auto& [option, output] : {std::pair<std::string, std::string>{"--sarif", arguments.sarif},
                                        {"--junit", arguments.junit},
@@ -169,7 +169,7 @@ void run(const Arguments& arguments, Common& common) {
   if (!arguments.junit.empty()) junit_file.emplace(arguments.junit);
 
   std::vector<std::string> unused;
-  std::vector<JudgedFile> files = files_of(arguments.files, arguments.exclude, unused);
+  std::vector<AssessedFile> files = files_of(arguments.files, arguments.exclude, unused);
   for (const std::string& pattern : unused)
     print_error("--exclude '" + pattern + "' matches no mesh file and no folder of those given");
   check_outputs(arguments, files);
@@ -178,12 +178,12 @@ void run(const Arguments& arguments, Common& common) {
   {
     Progress progress("validate", common);
     parallel_for(
-        files.size(), common.threads, [&](std::size_t i) { judge_file(files[i], options, policy); },
+        files.size(), common.threads, [&](std::size_t i) { assess_file(files[i], options, policy); },
         [&](double share) { progress.update(share); });
   }
   if (with_baseline) compare_with_baseline(files, arguments.baseline, baseline);
 
-  for (const JudgedFile& file : files) {
+  for (const AssessedFile& file : files) {
     if (!file.error.empty()) print_error(file.error);
     if (file.worse) common.exit_status = std::max(common.exit_status, file.error.empty() ? 1 : 2);
   }

@@ -79,7 +79,7 @@ Json result_json(const std::string& path, std::string_view code, Severity severi
 }
 
 // Of a file as a whole: that it cannot be read, or holds nothing any more.
-Json result_json(const JudgedFile& file, const FindingKind& kind, const std::string& message) {
+Json result_json(const AssessedFile& file, const FindingKind& kind, const std::string& message) {
   return result_json(file.path, kind.code, kind.severity, kind.severity, message, "");
 }
 
@@ -107,18 +107,18 @@ std::string junit_text(const Finding& f) {
 
 }  // namespace
 
-Json sarif(const std::vector<JudgedFile>& files, bool with_baseline) {
+Json sarif(const std::vector<AssessedFile>& files, bool with_baseline) {
   Json rules = Json::array(), results = Json::array();
   for (const FindingKind& kind : finding_kinds()) rules.push_back(rule_json(kind));
   for (const FindingKind& kind : {unreadable, lost}) rules.push_back(rule_json(kind));
-  for (const JudgedFile& file : files) {
+  for (const AssessedFile& file : files) {
     const auto add_of_file = [&](const FindingKind& kind, const std::string& message) {
       results.push_back(result_json(file, kind, message));
       if (with_baseline) results.back()["baselineState"] = file.worse ? "new" : "unchanged";
     };
     if (!file.error.empty()) add_of_file(unreadable, file.error);
     if (file.lost) add_of_file(lost, with_to_do(std::string(lost.message), lost.to_do));
-    for (const JudgedPrimitive& p : file.primitives)
+    for (const AssessedPrimitive& p : file.primitives)
       p.each_finding([&](const Assessment& j, const Finding& f, Severity own) {
         if (f.severity == Severity::info) return;
         results.push_back(result_json(file.path, f.code, f.severity, own, sentence(p.primitive, j, f),
@@ -138,7 +138,7 @@ Json sarif(const std::vector<JudgedFile>& files, bool with_baseline) {
           {"runs", Json::array({std::move(run)})}};
 }
 
-void print_github(const std::vector<JudgedFile>& files, bool with_baseline) {
+void print_github(const std::vector<AssessedFile>& files, bool with_baseline) {
   constexpr std::size_t most = 50;  // GitHub shows no more
   const auto escaped = [](const std::string& text, bool property) {
     std::string result;
@@ -169,14 +169,14 @@ void print_github(const std::vector<JudgedFile>& files, bool with_baseline) {
               << " file=" << escaped(path, true) << ",title=" << title << "::" << escaped(message, false)
               << '\n';
   };
-  const auto is_known = [&](const JudgedPrimitive& p, const Finding& f, Severity own) {
+  const auto is_known = [&](const AssessedPrimitive& p, const Finding& f, Severity own) {
     if (!with_baseline) return false;
     if (f.severity == Severity::error || f.code == finding(Code::undetermined, 0).code)
       return !p.worse(f, own);
     return p.count(f.code, own) <= p.known_count(f.code, own);
   };
   for (const Severity severity : {Severity::error, Severity::warning})
-    for (const JudgedFile& file : files) {
+    for (const AssessedFile& file : files) {
       if (severity == Severity::error && !file.error.empty()) {
         if (file.worse)
           print(severity, file.path, unreadable.code, file.error);
@@ -185,7 +185,7 @@ void print_github(const std::vector<JudgedFile>& files, bool with_baseline) {
       }
       if (severity == Severity::error && file.lost)
         print(severity, file.path, lost.code, with_to_do(std::string(lost.message), lost.to_do));
-      for (const JudgedPrimitive& p : file.primitives)
+      for (const AssessedPrimitive& p : file.primitives)
         p.each_finding([&](const Assessment& j, const Finding& f, Severity own) {
           if (f.severity != severity) return;
           if (is_known(p, f, own))
@@ -199,11 +199,11 @@ void print_github(const std::vector<JudgedFile>& files, bool with_baseline) {
     std::cout << "::notice title=darboux::" << known << " findings are as in the baseline, and in the log\n";
 }
 
-std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {
+std::string junit(const std::vector<AssessedFile>& files, bool with_baseline) {
   pugi::xml_document document;
   pugi::xml_node suites = document.append_child("testsuites");
   suites.append_attribute("name") = "darboux validate";
-  for (const JudgedFile& file : files) {
+  for (const AssessedFile& file : files) {
     std::size_t tests = 0, failures = 0, errors = 0, skipped = 0;
     pugi::xml_node suite = suites.append_child("testsuite");
     const std::string path = xml_text(file.path);
@@ -228,7 +228,7 @@ std::string junit(const std::vector<JudgedFile>& files, bool with_baseline) {
       else
         append(test, "skipped", "baseline", "as in the baseline"), ++skipped;
     }
-    for (const JudgedPrimitive& p : file.primitives)
+    for (const AssessedPrimitive& p : file.primitives)
       for (std::size_t a = 0; a < p.assessments.size(); ++a) {
         const Assessment& j = p.assessments[a];
         pugi::xml_node test = add_case(place_of(p.primitive, j));

@@ -58,7 +58,7 @@ class Excluded {
 // The mesh files in a folder and in its folders; of a folder that cannot be listed the error. Returns whether
 // something was left out.
 bool list_folder(const fs::path& folder, const fs::path& root, Excluded& excluded,
-                 std::vector<JudgedFile>& found) {
+                 std::vector<AssessedFile>& found) {
   bool left_out = false;
   std::error_code error;
   for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
@@ -78,8 +78,8 @@ bool list_folder(const fs::path& folder, const fs::path& root, Excluded& exclude
   return left_out;
 }
 
-void list_folder(const std::string& folder, Excluded& excluded, std::vector<JudgedFile>& files) {
-  std::vector<JudgedFile> found;
+void list_folder(const std::string& folder, Excluded& excluded, std::vector<AssessedFile>& files) {
+  std::vector<AssessedFile> found;
   const bool left_out = list_folder(fs::path(folder), fs::path(folder), excluded, found);
   const std::string extensions = joined({asset_extensions().begin(), asset_extensions().end()});
   if (found.empty())
@@ -89,7 +89,7 @@ void list_folder(const std::string& folder, Excluded& excluded, std::vector<Judg
                   (left_out ? ": expected mesh files that --exclude leaves, got none (of " + extensions + ")"
                             : ": expected mesh files (" + extensions + "), got none")});
   std::sort(found.begin(), found.end(),
-            [](const JudgedFile& a, const JudgedFile& b) { return a.path < b.path; });
+            [](const AssessedFile& a, const AssessedFile& b) { return a.path < b.path; });
   files.insert(files.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
 }
 
@@ -126,7 +126,7 @@ std::vector<Severity> apply(const Policy& policy, MeshReport& report,
     graded.push_back({std::move(f), own});
   };
   for (Finding& f : report.findings) grade(std::move(f));
-  // Errors that only a policy makes do not hide that nothing was judged.
+  // Errors that only a policy makes do not hide that nothing was assessed.
   const auto is_own_error = [](const Graded& g) {
     return g.own == Severity::error && g.finding.severity == Severity::error;
   };
@@ -164,7 +164,7 @@ std::size_t known(const FindingCounts& counts, std::string_view code, Severity o
 
 }  // namespace
 
-std::size_t JudgedPrimitive::count(std::string_view code, Severity own) const {
+std::size_t AssessedPrimitive::count(std::string_view code, Severity own) const {
   std::size_t sum = 0;
   each_finding([&](const Assessment&, const Finding& f, Severity of_library) {
     sum += f.code == code && of_library == own ? f.count : 0;
@@ -172,11 +172,11 @@ std::size_t JudgedPrimitive::count(std::string_view code, Severity own) const {
   return sum;
 }
 
-std::size_t JudgedPrimitive::known_count(std::string_view code, Severity own) const {
+std::size_t AssessedPrimitive::known_count(std::string_view code, Severity own) const {
   return darboux::known(known, code, own);
 }
 
-bool JudgedPrimitive::worse(const Finding& finding, Severity own) const {
+bool AssessedPrimitive::worse(const Finding& finding, Severity own) const {
   if (finding.code == undetermined_code) return less_determined();
   if (own == Severity::error) return count(finding.code, own) > known_count(finding.code, own);
   std::size_t now = 0, then = 0;
@@ -187,15 +187,16 @@ bool JudgedPrimitive::worse(const Finding& finding, Severity own) const {
   return now > then;
 }
 
-bool JudgedPrimitive::less_determined() const {
+bool AssessedPrimitive::less_determined() const {
   return static_cast<std::size_t>(std::count_if(assessments.begin(), assessments.end(), is_undetermined)) >
          known_not_pass;
 }
 
-std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
-                                 const std::vector<std::string>& exclude, std::vector<std::string>& unused) {
+std::vector<AssessedFile> files_of(const std::vector<std::string>& arguments,
+                                   const std::vector<std::string>& exclude,
+                                   std::vector<std::string>& unused) {
   Excluded excluded(exclude);
-  std::vector<JudgedFile> files;
+  std::vector<AssessedFile> files;
   for (const std::string& argument : arguments) {
     std::error_code error;
     if (fs::is_directory(argument, error))
@@ -231,8 +232,8 @@ std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives) {
 }
 
 // \param begun when the file was, whose primitives share the budget
-std::vector<Assessment> judge_primitive(const Primitive& primitive, const AssessOptions& options,
-                                        std::chrono::steady_clock::time_point begun) {
+std::vector<Assessment> assess_primitive(const Primitive& primitive, const AssessOptions& options,
+                                         std::chrono::steady_clock::time_point begun) {
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
   AssessOptions with_uvs = options;
   if (options.budget) with_uvs.budget = std::fmax(*options.budget - spent.count(), 0);
@@ -244,7 +245,7 @@ std::vector<Assessment> judge_primitive(const Primitive& primitive, const Assess
 
 }  // namespace
 
-void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& policy) {
+void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy) {
   if (file.error.empty()) try {
       Asset asset = read_asset(file.path);
       file.skipped = asset.skipped;
@@ -254,7 +255,7 @@ void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& po
       for (std::size_t i = 0; i < first.size(); ++i) {
         Primitive& primitive = asset.primitives[i];
         std::vector<Assessment> assessments =
-            first[i] < i ? repeated[first[i]] : judge_primitive(primitive, options, begun);
+            first[i] < i ? repeated[first[i]] : assess_primitive(primitive, options, begun);
         if (first[i] == i && std::count(first.begin(), first.end(), i) > 1) repeated[i] = assessments;
         add_node_findings(primitive, assessments.front().report);
         add(assessments.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
@@ -312,7 +313,7 @@ Severity severity_of(const Json& name, const std::string& path) {
 }
 
 // What the baseline says of a mesh or part.
-void add_known(JudgedPrimitive& p, const Json& mesh, const std::string& path) {
+void add_known(AssessedPrimitive& p, const Json& mesh, const std::string& path) {
   const Verdict verdict = verdict_of(mesh, path);
   p.known_not_pass += verdict > Verdict::pass;
   bool says_undetermined = false;
@@ -330,12 +331,12 @@ void add_known(JudgedPrimitive& p, const Json& mesh, const std::string& path) {
     ++p.known[{std::string(undetermined_code), Severity::warning}];
 }
 
-void compare(JudgedFile& file, const Json& entry, const std::string& path) {
+void compare(AssessedFile& file, const Json& entry, const std::string& path) {
   const bool was_unreadable = entry.contains("error");
   if (!file.error.empty() || was_unreadable) {
     file.worse = file.worse && !was_unreadable;
     if (was_unreadable)  // whatever it is now was no better then
-      for (JudgedPrimitive& p : file.primitives) {
+      for (AssessedPrimitive& p : file.primitives) {
         p.known_not_pass = p.assessments.size();
         p.each_finding([&](const Assessment&, const Finding& f, Severity own) {
           p.known[{std::string(f.code), own}] += f.count;
@@ -343,8 +344,8 @@ void compare(JudgedFile& file, const Json& entry, const std::string& path) {
       }
     return;
   }
-  std::map<std::pair<std::size_t, std::size_t>, JudgedPrimitive*> by_number;
-  for (JudgedPrimitive& p : file.primitives) by_number[{p.primitive.mesh, p.primitive.primitive}] = &p;
+  std::map<std::pair<std::size_t, std::size_t>, AssessedPrimitive*> by_number;
+  for (AssessedPrimitive& p : file.primitives) by_number[{p.primitive.mesh, p.primitive.primitive}] = &p;
   for (const Json& mesh : entry.at("meshes")) {
     const auto p =
         by_number.find({mesh.at("mesh").get<std::size_t>(), mesh.at("primitive").get<std::size_t>()});
@@ -353,7 +354,7 @@ void compare(JudgedFile& file, const Json& entry, const std::string& path) {
   // What fails has an error, which counts; what is undetermined has none.
   file.lost = verdict_of(entry, path) == Verdict::pass && file.verdict == Verdict::nothing;
   file.worse = file.lost;
-  for (const JudgedPrimitive& p : file.primitives) {
+  for (const AssessedPrimitive& p : file.primitives) {
     file.worse |= p.less_determined();
     p.each_finding([&](const Assessment&, const Finding& f, Severity own) {
       file.worse |= f.severity == Severity::error && p.worse(f, own);
@@ -363,11 +364,11 @@ void compare(JudgedFile& file, const Json& entry, const std::string& path) {
 
 }  // namespace
 
-void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& path, const Json& baseline) {
+void compare_with_baseline(std::vector<AssessedFile>& files, const std::string& path, const Json& baseline) {
   try {
     std::map<std::string, const Json*> then;
     for (const Json& entry : baseline.at("files")) then[entry.at("file").get<std::string>()] = &entry;
-    for (JudgedFile& file : files)
+    for (AssessedFile& file : files)
       if (const auto old = then.find(utf8(file.path)); old != then.end()) compare(file, *old->second, path);
   } catch (const Json::exception& e) {
     throw FileError(path, "is no report of darboux validate --json: " + std::string(e.what()));

@@ -1,5 +1,5 @@
 /// \file validate_files.h
-/// The files that validate is given, judged; what it says of them goes out as text, JSON, SARIF and JUnit.
+/// The files that validate is given, assessed; what it says of them goes out as text, JSON, SARIF and JUnit.
 #pragma once
 
 #include <map>
@@ -19,7 +19,7 @@ namespace darboux {
 /// Numbers of findings by code and severity, the library's, whatever an option made of it.
 using FindingCounts = std::map<std::pair<std::string, Severity>, std::size_t, std::less<>>;
 
-struct JudgedPrimitive {
+struct AssessedPrimitive {
   Primitive primitive;  ///< without its data, unless errors are kept
   std::vector<Assessment> assessments;
   /// The library's severity of each finding of each assessment.
@@ -46,14 +46,14 @@ struct JudgedPrimitive {
   }
 };
 
-struct JudgedFile {
+struct AssessedFile {
   std::string path;
   std::string error{};  ///< empty where the file could be read
-  std::vector<JudgedPrimitive> primitives{};
+  std::vector<AssessedPrimitive> primitives{};
   std::vector<SkippedPrimitive> skipped{};
   std::map<std::string, std::size_t> ignored{};  ///< counts of findings that were dropped, by code
   Verdict verdict = Verdict::nothing;            ///< the worst of its meshes and parts
-  bool lost = false;  ///< it passed in the baseline, and there is nothing to judge now
+  bool lost = false;  ///< it passed in the baseline, and there is nothing to assess now
   /// Whether it counts against the run: it is neither pass nor nothing or could not be read and, where there
   /// is a baseline, was better there.
   bool worse = false;
@@ -63,8 +63,8 @@ struct JudgedFile {
 /// of their names. What cannot be listed has an error. \param exclude patterns as of fnmatch(3), of paths
 /// relative to the folder; * crosses folders, and what matches a folder matches all that is in it
 /// \param unused becomes those patterns that matched nothing
-std::vector<JudgedFile> files_of(const std::vector<std::string>& arguments,
-                                 const std::vector<std::string>& exclude, std::vector<std::string>& unused);
+std::vector<AssessedFile> files_of(const std::vector<std::string>& arguments,
+                                   const std::vector<std::string>& exclude, std::vector<std::string>& unused);
 
 /// How findings count, whatever the library says.
 struct Policy {
@@ -73,17 +73,17 @@ struct Policy {
   bool strict = false;                ///< warnings are errors, UNDETERMINED too
 };
 
-/// Reads and judges one file. What is undetermined has the finding UNDETERMINED.
-void judge_file(JudgedFile& file, const AssessOptions& options, const Policy& policy);
+/// Reads and assesses one file. What is undetermined has the finding UNDETERMINED.
+void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy);
 
 /// An earlier report, `darboux validate --json`. \throws FileError
 Json read_baseline(const std::string& path);
 
 /// Lets only that count against the run what is worse than in the baseline: an error that is new or more
-/// frequent in a primitive (JudgedPrimitive::worse()), a primitive of which more parts are undetermined than
-/// did not pass then, a file that passed then and has nothing to judge now, one that could be read then.
-/// \param path where it was read from, for messages \throws FileError where it is no such report
-void compare_with_baseline(std::vector<JudgedFile>& files, const std::string& path, const Json& baseline);
+/// frequent in a primitive (AssessedPrimitive::worse()), a primitive of which more parts are undetermined
+/// than did not pass then, a file that passed then and has nothing to assess now, one that could be read
+/// then. \param path where it was read from, for messages \throws FileError where it is no such report
+void compare_with_baseline(std::vector<AssessedFile>& files, const std::string& path, const Json& baseline);
 
 /// "mesh 0 primitive 1 part 2 (name)"
 std::string place_of(const Primitive& primitive, const Assessment& assessment);
@@ -91,21 +91,21 @@ std::string place_of(const Primitive& primitive, const Assessment& assessment);
 /// What stored uvs mean on the surface: "flip v", "projected".
 std::string uv_convention(const MeshFit& fit);
 
-Json report_json(const std::vector<JudgedFile>& files, bool with_baseline);
+Json report_json(const std::vector<AssessedFile>& files, bool with_baseline);
 
 /// A short table a mesh and part; where there are many of them or many files and no details are asked for,
 /// only what was found.
-void print_text(const std::vector<JudgedFile>& files, bool with_baseline, bool details);
+void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool details);
 
 /// Static Analysis Results Interchange Format 2.1.0, with what GitHub's code scanning asks for.
 /// \param with_baseline whether to say what is new, unchanged or updated
-Json sarif(const std::vector<JudgedFile>& files, bool with_baseline);
+Json sarif(const std::vector<AssessedFile>& files, bool with_baseline);
 
 /// Annotations of GitHub's workflows, a line per error and warning, at most some dozens. With a baseline only
 /// what there is more of than then.
-void print_github(const std::vector<JudgedFile>& files, bool with_baseline);
+void print_github(const std::vector<AssessedFile>& files, bool with_baseline);
 
 /// JUnit's XML, a test case each mesh or part; what counts against the run is a failure.
-std::string junit(const std::vector<JudgedFile>& files, bool with_baseline);
+std::string junit(const std::vector<AssessedFile>& files, bool with_baseline);
 
 }  // namespace darboux

@@ -33,10 +33,10 @@ std::string_view name_of(Severity severity) {
   return severity_names[static_cast<std::size_t>(severity)];
 }
 
-Json assessment_json(const JudgedPrimitive& judged, std::size_t which, bool with_baseline) {
-  const Assessment& assessment = judged.assessments[which];
-  const std::vector<Severity>& own_severities = judged.own_severities[which];
-  const Primitive& primitive = judged.primitive;
+Json assessment_json(const AssessedPrimitive& assessed, std::size_t which, bool with_baseline) {
+  const Assessment& assessment = assessed.assessments[which];
+  const std::vector<Severity>& own_severities = assessed.own_severities[which];
+  const Primitive& primitive = assessed.primitive;
   const MeshReport& report = assessment.report;
   Json json{{"mesh", primitive.mesh},
             {"primitive", primitive.primitive},
@@ -87,7 +87,7 @@ Json assessment_json(const JudgedPrimitive& judged, std::size_t which, bool with
     json["references"]["local"] = local;
   }
   if (report.triangles)
-    json["references"]["triangles"] = {{"judged", report.triangles->judged},
+    json["references"]["triangles"] = {{"judged", report.triangles->compared},
                                        {"outside", report.triangles->outside},
                                        {"worst_deg", number(report.triangles->worst_deg)}};
   if (report.mikktspace)
@@ -118,7 +118,7 @@ Json assessment_json(const JudgedPrimitive& judged, std::size_t which, bool with
     entry["count"] = f.count;
     entry["message"] = f.message;
     entry["to_do"] = f.to_do;
-    if (with_baseline) entry["baseline"] = judged.known_count(f.code, own);
+    if (with_baseline) entry["baseline"] = assessed.known_count(f.code, own);
     json["findings"].push_back(std::move(entry));
   }
   return json;
@@ -126,18 +126,18 @@ Json assessment_json(const JudgedPrimitive& judged, std::size_t which, bool with
 
 }  // namespace
 
-Json report_json(const std::vector<JudgedFile>& files, bool with_baseline) {
+Json report_json(const std::vector<AssessedFile>& files, bool with_baseline) {
   Json list = Json::array();
   Verdict verdict = Verdict::nothing;
   bool worse = false;
-  for (const JudgedFile& file : files) {
+  for (const AssessedFile& file : files) {
     verdict = std::max(verdict, file.verdict);
     worse |= file.worse;
     Json entry{{"file", file.path}, {"verdict", verdict_names[static_cast<std::size_t>(file.verdict)]}};
     if (with_baseline) entry["worse"] = file.worse;
     if (!file.error.empty()) entry["error"] = file.error;
     entry["meshes"] = Json::array();
-    for (const JudgedPrimitive& p : file.primitives)
+    for (const AssessedPrimitive& p : file.primitives)
       for (std::size_t a = 0; a < p.assessments.size(); ++a)
         entry["meshes"].push_back(assessment_json(p, a, with_baseline));
     entry["skipped"] = Json::array();
@@ -152,9 +152,9 @@ Json report_json(const std::vector<JudgedFile>& files, bool with_baseline) {
     count = (count.is_null() ? std::size_t{0} : count.get<std::size_t>()) + n;
   };
   for (const std::string_view name : verdict_names) verdicts[std::string(name)] = 0;
-  for (const JudgedFile& file : files) {
+  for (const AssessedFile& file : files) {
     add(verdicts, verdict_names[static_cast<std::size_t>(file.verdict)], 1);
-    for (const JudgedPrimitive& p : file.primitives)
+    for (const AssessedPrimitive& p : file.primitives)
       p.each_finding([&](const Assessment&, const Finding& f, Severity) {
         add(codes, f.code, f.count);
         add(by_severity[std::string(f.code)], name_of(f.severity), f.count);

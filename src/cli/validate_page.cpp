@@ -131,8 +131,8 @@ std::string path_text(const std::string& path) {
 
 // A primitive and its assessments: the whole, or its parts.
 struct Entry {
-  const JudgedFile& file;
-  const JudgedPrimitive& judged;
+  const AssessedFile& file;
+  const AssessedPrimitive& assessed;
   std::size_t number;  // of its first assessment, as in the JSON
   bool alone;          // in its file
   double limit;
@@ -143,17 +143,17 @@ struct Entry {
   std::vector<float> errors{};  // of their corners
   float worst = std::numeric_limits<float>::quiet_NaN();
 
-  std::string quantity() const { return judged.primitive.data.tangents.empty() ? "normal" : "tangent"; }
+  std::string quantity() const { return assessed.primitive.data.tangents.empty() ? "normal" : "tangent"; }
 };
 
-std::vector<Entry> entries_of(const std::vector<JudgedFile>& files, double max_angle_deg) {
+std::vector<Entry> entries_of(const std::vector<AssessedFile>& files, double max_angle_deg) {
   std::vector<Entry> entries;
   std::size_t number = 0;
-  for (const JudgedFile& file : files)
-    for (const JudgedPrimitive& judged : file.primitives) {
-      Entry e{file, judged, number, file.primitives.size() == 1, max_angle_deg};
-      number += judged.assessments.size();
-      for (const Assessment& j : judged.assessments) {
+  for (const AssessedFile& file : files)
+    for (const AssessedPrimitive& assessed : file.primitives) {
+      Entry e{file, assessed, number, file.primitives.size() == 1, max_angle_deg};
+      number += assessed.assessments.size();
+      for (const Assessment& j : assessed.assessments) {
         e.verdict = std::max(e.verdict, j.report.verdict);
         e.corners += j.report.corners;
         const std::size_t count = j.report.errors_deg.size() / 3;
@@ -196,9 +196,9 @@ std::string reference_text(const Assessment& assessment) {
     words += " It is uncertain by " +
              escape(deviation_text(report.normal_uncertainty_deg.rms(), 2, "° rms")) + " (normals) and " +
              escape(deviation_text(report.tangent_uncertainty_deg.rms(), 2, "° rms")) + " (tangents).";
-  if (report.triangles && report.triangles->judged > 0) {
+  if (report.triangles && report.triangles->compared > 0) {
     const TrianglesReport& t = *report.triangles;
-    words += " At " + std::to_string(t.judged - t.outside) + " of " + plural(t.judged, "corner") +
+    words += " At " + std::to_string(t.compared - t.outside) + " of " + plural(t.compared, "corner") +
              " the tangent lies within the cone of its own triangles";
     if (t.outside > 0) words += ", at the others up to " + rounded(t.worst_deg, 3) + "° outside";
     words += '.';
@@ -261,7 +261,7 @@ std::string legend(double limit_deg) {
 std::string pictures(const Entry& e) {
   if (e.triangles.empty()) return {};
   const Json data =
-      mesh_picture(e.judged.primitive.data,
+      mesh_picture(e.assessed.primitive.data,
                    {.triangles = e.triangles, .errors_deg = e.errors, .limit_deg = e.limit, .step = e.step});
   std::string html =
       legend(e.limit) +
@@ -305,7 +305,7 @@ struct CodeCount {
 std::vector<CodeCount> codes_of(const Entry& e) {
   std::vector<CodeCount> codes;
   for (const Severity severity : {Severity::error, Severity::warning})
-    for (const Assessment& j : e.judged.assessments)
+    for (const Assessment& j : e.assessed.assessments)
       for (const Finding& f : j.report.findings) {
         if (f.severity != severity) continue;
         const auto at = std::find_if(codes.begin(), codes.end(), [&](const CodeCount& c) {
@@ -344,7 +344,7 @@ std::string histogram(const Entry& e) {
   if (beyond > 0 && !warnings.empty())
     words += " Warnings, of which a corner may have several: " + warnings + '.';
   double uncertain = 0;
-  for (const Assessment& j : e.judged.assessments)
+  for (const Assessment& j : e.assessed.assessments)
     uncertain = std::fmax(uncertain, (e.quantity() == "normal" ? j.report.normal_uncertainty_deg
                                                                : j.report.tangent_uncertainty_deg)
                                          .rms());
@@ -364,7 +364,7 @@ std::string assessment_body(const Assessment& j, std::size_t number) {
 
 // The parts of a mesh, failures first, those of many that pass folded into one.
 std::string parts(const Entry& e) {
-  const std::vector<Assessment>& all = e.judged.assessments;
+  const std::vector<Assessment>& all = e.assessed.assessments;
   std::vector<std::size_t> order(all.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -402,9 +402,9 @@ std::string entry(const Entry& e, bool one_file, bool open) {
   std::string code_names;
   for (const std::string& name : names) code_names += (code_names.empty() ? "" : " ") + name;
   const std::string place =
-      "mesh " + std::to_string(e.judged.primitive.mesh) + " primitive " +
-      std::to_string(e.judged.primitive.primitive) +
-      (e.judged.primitive.name.empty() ? "" : " (" + one_line(e.judged.primitive.name) + ")");
+      "mesh " + std::to_string(e.assessed.primitive.mesh) + " primitive " +
+      std::to_string(e.assessed.primitive.primitive) +
+      (e.assessed.primitive.name.empty() ? "" : " (" + one_line(e.assessed.primitive.name) + ")");
   const std::string name = one_file ? text(place)
                            : e.alone
                                ? path_text(e.file.path)
@@ -416,14 +416,14 @@ std::string entry(const Entry& e, bool one_file, bool open) {
                      ">\n<summary><span>" + badge(e.verdict) + "</span><span class=name>" + name +
                      "</span><span class=n>" + std::to_string(e.corners) + "</span><span class=n>" +
                      (std::isnan(e.worst) ? "–" : rounded(e.worst, 3) + "°") + "</span>";
-  const std::size_t count = e.judged.assessments.size();
+  const std::size_t count = e.assessed.assessments.size();
   if (count > 1 || !codes.empty())
     html += "<span class=codes>" + (count > 1 ? plural(count, "part") : "") +
             (count > 1 && !codes.empty() ? " · " : "") + codes + "</span>";
   html += "</summary>\n<div class=body>\n";
   if (!one_file) html += "<p class=soft>" + text(e.file.path) + ", " + text(place) + "</p>\n";
   html += pictures(e);
-  if (count == 1) html += assessment_body(e.judged.assessments.front(), e.number);
+  if (count == 1) html += assessment_body(e.assessed.assessments.front(), e.number);
   html += histogram(e);
   if (count > 1) html += parts(e);
   return html + "</div></details>\n";
@@ -464,10 +464,10 @@ std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
          "<span class=\"soft shown\" aria-live=polite></span></div>\n";
 }
 
-// What has no picture: files that were not read, and what was not judged, a line for each reason.
-std::string unread_rows(const std::vector<JudgedFile>& files) {
+// What has no picture: files that were not read, and what was not assessed, a line for each reason.
+std::string unread_rows(const std::vector<AssessedFile>& files) {
   std::string html;
-  for (const JudgedFile& file : files)
+  for (const AssessedFile& file : files)
     if (!file.error.empty())
       html +=
           "<div class=\"card mesh row\" data-verdict=fail data-codes=\"\" data-corners=0 "
@@ -478,9 +478,9 @@ std::string unread_rows(const std::vector<JudgedFile>& files) {
   return html;
 }
 
-std::string not_judged(const std::vector<JudgedFile>& files) {
+std::string not_assessed(const std::vector<AssessedFile>& files) {
   std::map<std::string, std::vector<std::string>> by_reason;
-  for (const JudgedFile& file : files) {
+  for (const AssessedFile& file : files) {
     if (!file.error.empty()) continue;
     for (const SkippedPrimitive& s : file.skipped)
       by_reason[s.reason].push_back((files.size() > 1 ? file.path + ", " : std::string()) + "mesh " +
@@ -508,14 +508,14 @@ std::string digest(std::string_view hex) {
 
 }  // namespace
 
-std::string validate_page(const std::vector<JudgedFile>& files, double max_angle_deg) {
+std::string validate_page(const std::vector<AssessedFile>& files, double max_angle_deg) {
   Verdict verdict = Verdict::nothing;
-  for (const JudgedFile& file : files)
+  for (const AssessedFile& file : files)
     verdict = std::max(verdict, file.error.empty() ? file.verdict : Verdict::fail);
   const std::string what = files.size() == 1 ? one_line(files.front().path) : plural(files.size(), "file");
   const std::vector<Entry> entries = entries_of(files, max_angle_deg);
   const auto unread = static_cast<std::size_t>(
-      std::count_if(files.begin(), files.end(), [](const JudgedFile& f) { return !f.error.empty(); }));
+      std::count_if(files.begin(), files.end(), [](const AssessedFile& f) { return !f.error.empty(); }));
 
   // Nothing but the one script runs, whatever a file or a name holds.
   std::string page =
@@ -549,7 +549,7 @@ std::string validate_page(const std::vector<JudgedFile>& files, double max_angle
     page += entry(entries[k], files.size() == 1, k < (failed > 0 ? failed : entries.size()) && k < most_open);
   }
   if (!unread_done) page += unread_rows(files);
-  page += "</div>\n" + not_judged(files);
+  page += "</div>\n" + not_assessed(files);
   Json scale{{"colours", Json::array()}, {"not_compared", {not_compared.x, not_compared.y, not_compared.z}}};
   for (const Vec3<float>& c : viridis()) scale["colours"].push_back({c.x, c.y, c.z});
   page += "<p class=soft>Made by darboux validate " DARBOUX_VERSION

@@ -14,6 +14,6 @@ namespace darboux {
 /// filtered by verdict and code, and sorted. It needs no network; without scripts the pictures and controls
 /// are missing. Of meshes with more than 300 000 triangles in all every n-th is drawn, and the page says so.
 /// \param files whose assessments keep errors and whose primitives have their data
-std::string validate_page(const std::vector<JudgedFile>& files, double max_angle_deg);
+std::string validate_page(const std::vector<AssessedFile>& files, double max_angle_deg);
 
 }  // namespace darboux

@@ -21,9 +21,9 @@ bool is_gltf(const std::string& path) {
 }
 
 // What the colours of a mesh mean, for its extras.
-std::string legend(const JudgedFile& file, std::size_t mesh, double max_angle_deg) {
+std::string legend(const AssessedFile& file, std::size_t mesh, double max_angle_deg) {
   bool tangents = false, normals = false;
-  for (const JudgedPrimitive& p : file.primitives)
+  for (const AssessedPrimitive& p : file.primitives)
     if (p.primitive.mesh == mesh) (p.primitive.data.tangents.empty() ? normals : tangents) = true;
   const auto rgb = [](const Vec3<float>& c) { return Json{c.x, c.y, c.z}; };
   Json colours = Json::array();
@@ -40,31 +40,31 @@ std::string legend(const JudgedFile& file, std::size_t mesh, double max_angle_de
       .dump();
 }
 
-void paint(const JudgedFile& file, double max_angle_deg, const std::string& path) {
+void paint(const AssessedFile& file, double max_angle_deg, const std::string& path) {
   GltfDocument document = [&] {
     if (is_gltf(file.path)) return GltfDocument::load(file.path);
     Asset asset;
-    for (const JudgedPrimitive& p : file.primitives) asset.primitives.push_back(p.primitive);
+    for (const AssessedPrimitive& p : file.primitives) asset.primitives.push_back(p.primitive);
     return GltfDocument::of(asset, file.path);
   }();
-  // As judged: the document has the same primitives in the same order.
+  // As assessed: the document has the same primitives in the same order.
   const Asset asset = document.asset();
   for (std::size_t k = 0; k < file.primitives.size(); ++k) {
-    const JudgedPrimitive& judged = file.primitives[k];
+    const AssessedPrimitive& assessed = file.primitives[k];
     std::vector<Vec3<float>> colours;
-    for (const float error : vertex_errors(judged)) colours.push_back(colour_of(error, max_angle_deg));
+    for (const float error : vertex_errors(assessed)) colours.push_back(colour_of(error, max_angle_deg));
     document.set_colours(asset.primitives.at(k).mesh, asset.primitives.at(k).primitive, colours,
-                         legend(file, judged.primitive.mesh, max_angle_deg));
+                         legend(file, assessed.primitive.mesh, max_angle_deg));
   }
   document.save_glb(path);
 }
 
 }  // namespace
 
-std::vector<float> vertex_errors(const JudgedPrimitive& judged) {
-  const Mesh& mesh = judged.primitive.data;
+std::vector<float> vertex_errors(const AssessedPrimitive& assessed) {
+  const Mesh& mesh = assessed.primitive.data;
   std::vector<float> errors(mesh.positions.size(), std::numeric_limits<float>::quiet_NaN());
-  for (const Assessment& j : judged.assessments)
+  for (const Assessment& j : assessed.assessments)
     for (std::size_t c = 0; c < j.report.errors_deg.size(); ++c) {
       const std::size_t triangle = j.triangles.empty() ? c / 3 : j.triangles[c / 3];
       float& error = errors[mesh.triangles[triangle][c % 3]];
@@ -89,7 +89,7 @@ void check_pictures(const Pictures& pictures, std::size_t files) {
   if (files != 1) throw ParameterError("--paint", expected_got("one file to colour", std::to_string(files)));
 }
 
-void write_pictures(const Pictures& pictures, const std::vector<JudgedFile>& files, double max_angle_deg) {
+void write_pictures(const Pictures& pictures, const std::vector<AssessedFile>& files, double max_angle_deg) {
   if (!pictures.paint.empty() && files.front().error.empty())
     paint(files.front(), max_angle_deg, pictures.paint);
   if (!pictures.page.empty()) write_file(pictures.page, validate_page(files, max_angle_deg));

@@ -60,10 +60,10 @@ void print_mikktspace(const MikkReport& mikktspace) {
   std::cout << '\n';
 }
 
-void print_assessment(const JudgedPrimitive& judged, std::size_t number, bool with_baseline) {
-  const Assessment& assessment = judged.assessments[number];
+void print_assessment(const AssessedPrimitive& assessed, std::size_t number, bool with_baseline) {
+  const Assessment& assessment = assessed.assessments[number];
   const MeshReport& report = assessment.report;
-  std::cout << "  " << place_of(judged.primitive, assessment) << ": " << report.corners << " corners";
+  std::cout << "  " << place_of(assessed.primitive, assessment) << ": " << report.corners << " corners";
   if (assessment.fit && assessment.fit->fits)
     std::cout << ", " << assessment.fit->surface.surface.specification(6) << ", uvs "
               << uv_convention(*assessment.fit);
@@ -89,9 +89,9 @@ void print_assessment(const JudgedPrimitive& judged, std::size_t number, bool wi
               << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals), "
               << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms") << " (tangents)\n";
   if (report.local && report.reference != "local") print_local(*report.local);
-  if (report.triangles && report.triangles->judged > 0) {
+  if (report.triangles && report.triangles->compared > 0) {
     const TrianglesReport& t = *report.triangles;
-    std::cout << "    triangles: " << t.judged - t.outside << " of " << t.judged
+    std::cout << "    triangles: " << t.compared - t.outside << " of " << t.compared
               << " corners lie within the cone of their own triangles";
     if (t.outside > 0) std::cout << ", the others up to " << rounded(t.worst_deg, 3) << " deg outside";
     std::cout << '\n';
@@ -101,7 +101,7 @@ void print_assessment(const JudgedPrimitive& judged, std::size_t number, bool wi
     const Finding& f = report.findings[k];
     std::string count = std::to_string(f.count);
     if (with_baseline)
-      count += ", " + std::to_string(judged.known_count(f.code, judged.own_severities[number][k])) +
+      count += ", " + std::to_string(assessed.known_count(f.code, assessed.own_severities[number][k])) +
                " in the baseline";
     print_finding(f.severity, f.code, count, f.message);
   }
@@ -122,15 +122,15 @@ struct CodeTotal {
 };
 
 // Errors and warnings of the files, errors first. known counts the baseline's in primitives without any now.
-std::vector<CodeTotal> totals_of(std::span<const JudgedFile> files) {
+std::vector<CodeTotal> totals_of(std::span<const AssessedFile> files) {
   struct Gathered {
     CodeTotal total;
     std::set<Severity> own{};
-    const JudgedFile* last = nullptr;
+    const AssessedFile* last = nullptr;
   };
   std::vector<Gathered> gathered;
-  for (const JudgedFile& file : files)
-    for (const JudgedPrimitive& p : file.primitives)
+  for (const AssessedFile& file : files)
+    for (const AssessedPrimitive& p : file.primitives)
       p.each_finding([&](const Assessment&, const Finding& f, Severity own) {
         if (f.severity == Severity::info) return;
         auto at = std::find_if(gathered.begin(), gathered.end(), [&](const Gathered& g) {
@@ -146,8 +146,8 @@ std::vector<CodeTotal> totals_of(std::span<const JudgedFile> files) {
   });
   std::vector<CodeTotal> totals;
   for (Gathered& g : gathered) {
-    for (const JudgedFile& file : files)
-      for (const JudgedPrimitive& p : file.primitives)
+    for (const AssessedFile& file : files)
+      for (const AssessedPrimitive& p : file.primitives)
         for (const Severity own : g.own) g.total.known += p.known_count(g.total.first->code, own);
     totals.push_back(g.total);
   }
@@ -155,11 +155,11 @@ std::vector<CodeTotal> totals_of(std::span<const JudgedFile> files) {
 }
 
 // "6 parts: 6 fail", of a file with several.
-std::string overview(const JudgedFile& file) {
+std::string overview(const AssessedFile& file) {
   std::array<std::size_t, verdict_names.size()> verdicts{};
   std::size_t count = 0;
   bool with_parts = false;
-  for (const JudgedPrimitive& p : file.primitives) {
+  for (const AssessedPrimitive& p : file.primitives) {
     with_parts |= p.assessments.size() > 1;
     for (const Assessment& j : p.assessments) ++count, ++verdicts[static_cast<std::size_t>(j.report.verdict)];
   }
@@ -168,7 +168,7 @@ std::string overview(const JudgedFile& file) {
 }
 
 // The same with all codes: "6 parts: 6 fail; TANGENT_ANGLE 720; warnings: NORMAL_ANGLE 12".
-std::string overview_with_codes(const JudgedFile& file) {
+std::string overview_with_codes(const AssessedFile& file) {
   std::string text = overview(file);
   if (text.empty()) return text;
   std::string errors, warnings;
@@ -182,7 +182,7 @@ std::string overview_with_codes(const JudgedFile& file) {
 }
 
 // What was found in a file, without tables and notes.
-void print_summary(const JudgedFile& file, bool with_baseline) {
+void print_summary(const AssessedFile& file, bool with_baseline) {
   const std::string first = overview(file);
   if (!first.empty()) std::cout << "  " << first << '\n';
   for (const CodeTotal& t : totals_of(std::span(&file, 1))) {
@@ -193,8 +193,8 @@ void print_summary(const JudgedFile& file, bool with_baseline) {
   }
 }
 
-// Why there is nothing to judge in a file.
-std::string nothing_because(const JudgedFile& file) {
+// Why there is nothing to assess in a file.
+std::string nothing_because(const AssessedFile& file) {
   const bool triangles = std::any_of(file.primitives.begin(), file.primitives.end(), [](const auto& p) {
     return std::any_of(p.assessments.begin(), p.assessments.end(),
                        [](const Assessment& j) { return j.report.corners > 0; });
@@ -203,12 +203,12 @@ std::string nothing_because(const JudgedFile& file) {
 }
 
 // Whether something in it has to be looked at.
-bool has_something(const JudgedFile& file) {
+bool has_something(const AssessedFile& file) {
   return file.verdict > Verdict::pass || file.lost || !totals_of(std::span(&file, 1)).empty();
 }
 
 // "is not JSON, expected ...": of the reason why a file cannot be read the first sentence, without its path.
-std::string first_sentence(const JudgedFile& file) {
+std::string first_sentence(const AssessedFile& file) {
   std::string text = one_line(file.error);
   const std::string path = one_line(file.path) + ": ";
   if (text.starts_with(path)) text.erase(0, path.size());
@@ -220,10 +220,10 @@ std::string files_text(std::size_t count) {
 }
 
 // Files that fail, are undetermined or cannot be read, a line each.
-void print_bad(const std::vector<JudgedFile>& files, bool with_baseline) {
+void print_bad(const std::vector<AssessedFile>& files, bool with_baseline) {
   const auto print = [&](const char* title, auto&& is_wanted, auto&& text) {
     bool first = true;
-    for (const JudgedFile& file : files) {
+    for (const AssessedFile& file : files) {
       if (!is_wanted(file)) continue;
       if (first) std::cout << title << ":\n";
       first = false;
@@ -231,7 +231,7 @@ void print_bad(const std::vector<JudgedFile>& files, bool with_baseline) {
                 << (with_baseline && !file.worse ? " (no worse than in the baseline)" : "") << '\n';
     }
   };
-  const auto first_code = [](const JudgedFile& file) {
+  const auto first_code = [](const AssessedFile& file) {
     std::vector<CodeTotal> totals = totals_of(std::span(&file, 1));
     const auto is_reason = [&](const CodeTotal& t) {
       return file.verdict == Verdict::fail ? t.first->severity == Severity::error
@@ -245,22 +245,22 @@ void print_bad(const std::vector<JudgedFile>& files, bool with_baseline) {
                               : std::string());
   };
   const auto is = [](Verdict verdict) {
-    return [verdict](const JudgedFile& file) { return file.error.empty() && file.verdict == verdict; };
+    return [verdict](const AssessedFile& file) { return file.error.empty() && file.verdict == verdict; };
   };
   print("failed", is(Verdict::fail), first_code);
   print("undetermined", is(Verdict::undetermined), first_code);
   print(
-      "nothing to judge now, and passed in the baseline", [](const JudgedFile& file) { return file.lost; },
-      [](const JudgedFile& file) { return "holds " + nothing_because(file); });
+      "nothing to judge now, and passed in the baseline", [](const AssessedFile& file) { return file.lost; },
+      [](const AssessedFile& file) { return "holds " + nothing_because(file); });
   print(
-      "cannot be read", [](const JudgedFile& file) { return !file.error.empty(); }, first_sentence);
+      "cannot be read", [](const AssessedFile& file) { return !file.error.empty(); }, first_sentence);
 }
 
 // What neither failed nor has to be looked at, a line for each reason.
-void print_rest(const std::vector<JudgedFile>& files) {
+void print_rest(const std::vector<AssessedFile>& files) {
   std::size_t plain = 0, with_warnings = 0;
   std::map<std::string, std::size_t> nothing, skipped;
-  for (const JudgedFile& file : files) {
+  for (const AssessedFile& file : files) {
     for (const SkippedPrimitive& s : file.skipped) ++skipped[s.reason];
     if (!file.error.empty() || file.verdict > Verdict::pass) continue;
     if (file.verdict == Verdict::nothing)
@@ -280,9 +280,9 @@ void print_rest(const std::vector<JudgedFile>& files) {
 
 // The end of a report of several files, that reads alone: what was found and what to do, which files failed
 // or cannot be read, of the others how many.
-void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable, bool with_baseline) {
+void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadable, bool with_baseline) {
   std::array<std::size_t, verdict_names.size()> verdicts{};
-  for (const JudgedFile& file : files)
+  for (const AssessedFile& file : files)
     if (file.error.empty()) ++verdicts[static_cast<std::size_t>(file.verdict)];
   const std::vector<CodeTotal> totals = totals_of(files);
   if (!totals.empty()) std::cout << "found:\n";
@@ -301,12 +301,12 @@ void print_closing(const std::vector<JudgedFile>& files, std::size_t unreadable,
 
 }  // namespace
 
-void print_text(const std::vector<JudgedFile>& files, bool with_baseline, bool details) {
+void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool details) {
   std::size_t assessments = 0, unreadable = 0;
-  for (const JudgedFile& file : files)
-    for (const JudgedPrimitive& p : file.primitives) assessments += p.assessments.size();
+  for (const AssessedFile& file : files)
+    for (const AssessedPrimitive& p : file.primitives) assessments += p.assessments.size();
   const bool tables = details || (assessments <= most_tables && files.size() <= most_tables);
-  for (const JudgedFile& file : files) {
+  for (const AssessedFile& file : files) {
     if (!file.error.empty()) {
       ++unreadable;
       continue;
@@ -321,7 +321,7 @@ void print_text(const std::vector<JudgedFile>& files, bool with_baseline, bool d
       continue;
     }
     if (const std::string line = overview_with_codes(file); !line.empty()) std::cout << "  " << line << '\n';
-    for (const JudgedPrimitive& p : file.primitives)
+    for (const AssessedPrimitive& p : file.primitives)
       for (std::size_t a = 0; a < p.assessments.size(); ++a) print_assessment(p, a, with_baseline);
     for (const SkippedPrimitive& s : file.skipped)
       std::cout << "  mesh " << s.mesh << " primitive " << s.primitive << " not judged: " << s.reason << '\n';
@@ -331,11 +331,12 @@ void print_text(const std::vector<JudgedFile>& files, bool with_baseline, bool d
               << " meshes and parts, and of files that are not listed here\n";
   if (files.size() > 1) print_closing(files, unreadable, with_baseline);
   std::map<std::string, std::size_t> ignored;
-  for (const JudgedFile& file : files)
+  for (const AssessedFile& file : files)
     for (const auto& [code, count] : file.ignored) ignored[code] += count;
   for (const auto& [code, count] : ignored) std::cout << "ignored: " << code << " (" << count << ")\n";
   if (with_baseline) {
-    const auto worse = std::count_if(files.begin(), files.end(), [](const JudgedFile& f) { return f.worse; });
+    const auto worse =
+        std::count_if(files.begin(), files.end(), [](const AssessedFile& f) { return f.worse; });
     std::cout << (worse == 0 ? "nothing is"
                              : std::to_string(worse) + (files.size() == 1 ? " file " : " files ") +
                                    (worse == 1 ? "is" : "are"))

@@ -12,11 +12,11 @@ double limit_of(VertexClass vertex_class, double max_angle_deg) {
   return (vertex_class == VertexClass::interior ? 1 : 3) * max_angle_deg;
 }
 
-Accurate::Accurate(const Subject& subject, std::span<const VertexChecks> checks,
+Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks> checks,
                    std::span<const std::uint32_t> corners_of, std::span<const Truth> truth, Basis basis,
                    bool raw, double max_angle_deg)
     : truth_(truth), basis_(basis) {
-  const Mesh& mesh = subject.mesh;
+  const Mesh& mesh = under_test.mesh;
   const std::size_t n = mesh.positions.size();
   if (truth.empty()) return;
   inward_ = basis == Basis::recognised_unsided ? opposed_vertices(mesh, truth) : inward_vertices(mesh, truth);
@@ -33,12 +33,12 @@ Accurate::Accurate(const Subject& subject, std::span<const VertexChecks> checks,
     }
   } all_normals, all_tangents;
   // Flat shading is deliberate; on a plane it is no other than smooth shading.
-  const std::vector<bool>& faceted = subject.normals.faceted_vertices;
+  const std::vector<bool>& faceted = under_test.normals.faceted_vertices;
   const bool leave_out_faceted = basis == Basis::recognised && !faceted.empty();
   for (std::uint32_t v = 0; v < n; ++v) {
     if (corners_of[v] == 0 || (leave_out_faceted && faceted[v])) continue;
     const Angles& a = angles_[v] = darboux::angles(mesh, v, checks[v], truth[v], inward_[v], raw);
-    const VertexClass vertex_class = subject.classes.of_vertex[v];
+    const VertexClass vertex_class = under_test.classes.of_vertex[v];
     if (vertex_class == VertexClass::pole) continue;
     const double limit = limit_of(vertex_class, max_angle_deg);
     normals_[v] = claim_of(a.normal, truth[v].normal_deg, limit);

@@ -13,7 +13,7 @@
 
 #include "angles.h"
 #include "claim.h"
-#include "subject.h"
+#include "mesh_under_test.h"
 
 namespace darboux {
 
@@ -26,7 +26,7 @@ class Accurate {
  public:
   Accurate() = default;
   // \param truth of the surface at each vertex; empty: none is known, and nothing is claimed
-  Accurate(const Subject& subject, std::span<const VertexChecks> checks,
+  Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks> checks,
            std::span<const std::uint32_t> corners_of, std::span<const Truth> truth, Basis basis, bool raw,
            double max_angle_deg);
 
@@ -43,8 +43,8 @@ class Accurate {
   // The share of corners that agree, of those compared; 1 where none is.
   double normals_agree() const { return normals_agree_; }
   double tangents_agree() const { return tangents_agree_; }
-  // Whether what is beyond is an error. \param explained by a named mistake
-  bool decides(double agree, bool explained) const { return declared() || explained || agree >= enough; }
+  // Whether what is beyond is an error. \param diagnosed as one named mistake
+  bool decides(double agree, bool diagnosed) const { return declared() || diagnosed || agree >= enough; }
   static constexpr double enough = 0.8;
 
  private:

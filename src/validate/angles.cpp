@@ -70,8 +70,8 @@ void ClassSums::add(VertexClass vertex_class, std::uint32_t vertex, std::uint32_
     if (truth) s.tangent_uncertainty.add(truth->tangent_deg, corners);
   }
   if (angles.bitangent >= 0) store(s.bitangent, angles.bitangent);
-  if (const double judged = mesh_.tangents.empty() ? angles.normal : angles.tangent; judged > s.worst) {
-    s.worst = judged;
+  if (const double assessed = mesh_.tangents.empty() ? angles.normal : angles.tangent; assessed > s.worst) {
+    s.worst = assessed;
     s.worst_vertex = vertex;
   }
 }

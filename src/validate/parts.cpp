@@ -70,40 +70,40 @@ Part part_of(const Mesh& whole, std::vector<std::uint32_t> triangles) {
   return part;
 }
 
-Subject restrict_to(const Subject& whole, const Part& part) {
-  Subject subject{.mesh = part.mesh};
-  subject.normals.all_oppose = whole.normals.all_oppose;
-  subject.cones = whole.cones.restricted_to(part.vertices);
+MeshUnderTest restrict_to(const MeshUnderTest& whole, const Part& part) {
+  MeshUnderTest under_test{.mesh = part.mesh};
+  under_test.normals.all_oppose = whole.normals.all_oppose;
+  under_test.cones = whole.cones.restricted_to(part.vertices);
   const bool normals = !whole.mesh.normals.empty();
   for (const std::uint32_t v : part.vertices) {
-    subject.classes.of_vertex.push_back(whole.classes.of_vertex[v]);
-    subject.across_mirror.push_back(whole.across_mirror[v]);
-    subject.has_uv_area.push_back(whole.has_uv_area[v]);
+    under_test.classes.of_vertex.push_back(whole.classes.of_vertex[v]);
+    under_test.across_mirror.push_back(whole.across_mirror[v]);
+    under_test.has_uv_area.push_back(whole.has_uv_area[v]);
     if (normals) {
-      subject.normals.unsupported.push_back(whole.normals.unsupported[v]);
-      subject.normals.drawn.push_back(whole.normals.drawn[v]);
-      subject.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);
+      under_test.normals.unsupported.push_back(whole.normals.unsupported[v]);
+      under_test.normals.drawn.push_back(whole.normals.drawn[v]);
+      under_test.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);
     }
-    if (!whole.local.empty()) subject.local.push_back(whole.local[v]);
-    if (!whole.between_parts.empty()) subject.between_parts.push_back(whole.between_parts[v]);
+    if (!whole.local.empty()) under_test.local.push_back(whole.local[v]);
+    if (!whole.between_parts.empty()) under_test.between_parts.push_back(whole.between_parts[v]);
   }
   std::unordered_map<std::int32_t, std::int32_t> island;
   for (const std::uint32_t t : part.triangles) {
-    subject.raw_sign.push_back(whole.raw_sign[t]);
+    under_test.raw_sign.push_back(whole.raw_sign[t]);
     if (normals) {
-      subject.normals.faceted.push_back(whole.normals.faceted[t]);
-      subject.normals.opposing += whole.normals.opposes[t] ? 3 : 0;
-      subject.normals.opposes.push_back(whole.normals.opposes[t]);
+      under_test.normals.faceted.push_back(whole.normals.faceted[t]);
+      under_test.normals.opposing += whole.normals.opposes[t] ? 3 : 0;
+      under_test.normals.opposes.push_back(whole.normals.opposes[t]);
     }
     const std::int32_t of_whole = whole.classes.island_of_triangle[t];
     const auto next = static_cast<std::int32_t>(island.size());
-    subject.classes.island_of_triangle.push_back(
+    under_test.classes.island_of_triangle.push_back(
         of_whole < 0 ? -1 : island.try_emplace(of_whole, next).first->second);
     if (!whole.mikktspace.empty())
-      for (std::size_t k = 0; k < 3; ++k) subject.mikktspace.push_back(whole.mikktspace[3 * t + k]);
+      for (std::size_t k = 0; k < 3; ++k) under_test.mikktspace.push_back(whole.mikktspace[3 * t + k]);
   }
-  subject.classes.islands = static_cast<std::int32_t>(island.size());
-  return subject;
+  under_test.classes.islands = static_cast<std::int32_t>(island.size());
+  return under_test;
 }
 
 UvSets restrict_to(std::span<const UvSets::value_type> whole, const Part& part) {

@@ -1,7 +1,7 @@
 // The parts of a mesh: what a crease or a border of the chart cuts off.
 #pragma once
 
-#include "subject.h"
+#include "mesh_under_test.h"
 
 namespace darboux {
 
@@ -20,7 +20,7 @@ struct Part {
 Part part_of(const Mesh& whole, std::vector<std::uint32_t> triangles);
 
 // What is known of the whole, for the part.
-Subject restrict_to(const Subject& whole, const Part& part);
+MeshUnderTest restrict_to(const MeshUnderTest& whole, const Part& part);
 
 // The uv sets of the whole, at the part's vertices.
 UvSets restrict_to(std::span<const UvSets::value_type> whole, const Part& part);

@@ -6,16 +6,18 @@
 
 namespace darboux {
 
-Signs::Signs(const Subject& subject, std::span<const VertexChecks> checks)
-    : subject_(subject), checks_(checks), islands_(static_cast<std::size_t>(subject.classes.islands)) {
-  const Mesh& mesh = subject.mesh;
+Signs::Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks)
+    : under_test_(under_test),
+      checks_(checks),
+      islands_(static_cast<std::size_t>(under_test.classes.islands)) {
+  const Mesh& mesh = under_test.mesh;
   if (mesh.tangents.empty()) return;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!counts(t)) continue;
-    SignCount& island = islands_[static_cast<std::size_t>(subject.classes.island_of_triangle[t])];
+    SignCount& island = islands_[static_cast<std::size_t>(under_test.classes.island_of_triangle[t])];
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (!checks[v].sign_valid || !checks[v].has_tangent) continue;
-      const bool raw = mesh.tangents[v].w * subject.raw_sign[t] > 0;
+      const bool raw = mesh.tangents[v].w * under_test.raw_sign[t] > 0;
       ++(raw ? all_.raw : all_.gltf);
       ++(raw ? island.raw : island.gltf);
     }
@@ -23,16 +25,17 @@ Signs::Signs(const Subject& subject, std::span<const VertexChecks> checks)
 }
 
 bool Signs::counts(std::uint32_t t) const {
-  const Mesh& mesh = subject_.mesh;
+  const Mesh& mesh = under_test_.mesh;
   const auto& [a, b, c] = mesh.triangles[t];
-  return subject_.raw_sign[t] != 0 && !is_degenerate(mesh.positions[a], mesh.positions[b], mesh.positions[c]);
+  return under_test_.raw_sign[t] != 0 &&
+         !is_degenerate(mesh.positions[a], mesh.positions[b], mesh.positions[c]);
 }
 
 bool Signs::wrong(std::uint32_t t, std::uint32_t v) const {
   if (all_.raw == 0 || all_.gltf == 0 || !counts(t)) return false;
   if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
-  const SignCount& island = islands_[static_cast<std::size_t>(subject_.classes.island_of_triangle[t])];
-  return (subject_.mesh.tangents[v].w * subject_.raw_sign[t] > 0) != raw_in(island);
+  const SignCount& island = islands_[static_cast<std::size_t>(under_test_.classes.island_of_triangle[t])];
+  return (under_test_.mesh.tangents[v].w * under_test_.raw_sign[t] > 0) != raw_in(island);
 }
 
 Handedness Signs::handedness() const {

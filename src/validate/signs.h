@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "subject.h"
+#include "mesh_under_test.h"
 
 namespace darboux {
 
@@ -17,7 +17,7 @@ struct SignCount {
 // Of the whole mesh and of each island, over the corners of triangles with uv area.
 class Signs {
  public:
-  Signs(const Subject& subject, std::span<const VertexChecks> checks);
+  Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
 
   const SignCount& all() const { return all_; }
   std::span<const SignCount> islands() const { return islands_; }
@@ -34,7 +34,7 @@ class Signs {
     return island.raw == island.gltf ? raw() : island.raw > island.gltf;
   }
 
-  const Subject& subject_;
+  const MeshUnderTest& under_test_;
   std::span<const VertexChecks> checks_;
   SignCount all_;
   std::vector<SignCount> islands_;

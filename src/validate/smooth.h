@@ -18,11 +18,11 @@ namespace darboux {
 struct Smooth {
   std::vector<Claim> normals, tangents;
 };
-Smooth check_smooth(const Subject& subject, const Accurate& accurate, std::span<const VertexChecks> checks,
-                    bool raw, double max_angle_deg);
+Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
+                    std::span<const VertexChecks> checks, bool raw, double max_angle_deg);
 
 // Angles to the local truth. Where all normals oppose their winding, that is a finding of its own, and the
 // others' side is taken.
-Angles local_angles(const Subject& subject, std::uint32_t v, const VertexChecks& checks, bool raw);
+Angles local_angles(const MeshUnderTest& under_test, std::uint32_t v, const VertexChecks& checks, bool raw);
 
 }  // namespace darboux

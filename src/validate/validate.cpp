@@ -13,11 +13,11 @@
 
 #include "accurate.h"
 #include "base/text.h"
-#include "explain.h"
+#include "diagnose.h"
 #include "findings.h"
+#include "mesh_under_test.h"
 #include "signs.h"
 #include "smooth.h"
-#include "subject.h"
 
 namespace darboux {
 namespace {
@@ -47,7 +47,7 @@ bool known(const Truth& t) {
          std::isfinite(t.tangent_deg);
 }
 
-// Corners of one vertex that are judged alike.
+// Corners of one vertex that are assessed alike.
 struct CornerGroup {
   std::uint32_t vertex;
   std::int8_t sign;  // of their triangles, 0 without uv area
@@ -62,30 +62,31 @@ struct Beyond {
   std::size_t counted() const { return by_surface + by_triangles; }
 };
 
-// One mesh being judged: its data, and what is found along the way.
-class Judge {
+// The validation of one mesh: its data, and what is found along the way.
+class MeshValidation {
  public:
-  Judge(const Subject& subject, std::span<const Truth> truth, Basis basis, const ValidateOptions& options)
-      : subject_(subject),
-        mesh_(subject.mesh),
-        classes_(subject.classes),
+  MeshValidation(const MeshUnderTest& under_test, std::span<const Truth> truth, Basis basis,
+                 const ValidateOptions& options)
+      : under_test_(under_test),
+        mesh_(under_test.mesh),
+        classes_(under_test.classes),
         options_(options),
         checks_(checks_of(mesh_)),
         corners_of_(mesh_.positions.size(), 0),
-        signs_(subject, checks_) {
+        signs_(under_test, checks_) {
     for (const Triangle& triangle : mesh_.triangles)
       for (const std::uint32_t v : triangle) ++corners_of_[v];
-    accurate_ = Accurate(subject, checks_, corners_of_, truth, basis, signs_.raw(), options.max_angle_deg);
-    if (!subject.local.empty())
-      smooth_ = check_smooth(subject, accurate_, checks_, signs_.raw(), options.max_angle_deg);
+    accurate_ = Accurate(under_test, checks_, corners_of_, truth, basis, signs_.raw(), options.max_angle_deg);
+    if (!under_test.local.empty())
+      smooth_ = check_smooth(under_test, accurate_, checks_, signs_.raw(), options.max_angle_deg);
     report_.corners = mesh_.corners();
     report_.handedness = signs_.handedness();
   }
 
   MeshReport report() && {
     compare();
-    look_for_explanations();
-    judge_corners();
+    diagnose();
+    check_corners();
     keep_errors_by_triangles();
     compare_with_neighbours();
     compare_with_mikktspace();
@@ -121,14 +122,14 @@ class Judge {
            rounded(3 * options_.max_angle_deg, 4) + " elsewhere" + more + ")";
   }
   std::span<const Truth> statistics_truth() const {
-    return accurate_.known() ? accurate_.truths() : std::span<const Truth>(subject_.local);
+    return accurate_.known() ? accurate_.truths() : std::span<const Truth>(under_test_.local);
   }
   // What the statistics are of: angles to the surface, else to the neighbours, else how far outside its cone
   // a tangent lies.
   Angles statistics_angles(std::uint32_t v) const {
     if (corners_of_[v] == 0) return {};
     if (accurate_.known()) return accurate_.angles(v);
-    return subject_.local.empty() ? Angles{} : local_angles(subject_, v, checks_[v], signs_.raw());
+    return under_test_.local.empty() ? Angles{} : local_angles(under_test_, v, checks_[v], signs_.raw());
   }
   // \param angles_at of a vertex
   template <class AnglesAt>
@@ -142,7 +143,7 @@ class Judge {
   void for_each_corner_group(F f) const;
 
   void compare();
-  void look_for_explanations();
+  void diagnose();
   // Corners by what is found of them.
   struct Counts {
     std::array<std::size_t, corner_errors> of_error{};
@@ -150,7 +151,7 @@ class Judge {
         local_tangents, local_normals, poles;
     std::size_t leaning = 0;
   };
-  void judge_corners();
+  void check_corners();
   void count_errors(const CornerGroup& group, Code error, Counts& counts);
   void count_warnings(const CornerGroup& group, Code error, Counts& counts);
   void add_errors(const Counts& counts);
@@ -168,7 +169,7 @@ class Judge {
   void add_notes();
   void decide();
 
-  const Subject& subject_;
+  const MeshUnderTest& under_test_;
   const Mesh& mesh_;
   const MeshClasses& classes_;
   const ValidateOptions& options_;
@@ -177,13 +178,13 @@ class Judge {
   Signs signs_;
   Accurate accurate_;
   Smooth smooth_;
-  bool tangents_explained_ = false, normals_explained_ = false;
-  // Corners: judged by the surface; compared with it and open; judged by the neighbours.
-  std::size_t judged_ = 0, undecided_ = 0, locally_ = 0;
+  bool tangents_diagnosed_ = false, normals_diagnosed_ = false;
+  // Corners: decided by the surface; compared with it and open; decided by the neighbours.
+  std::size_t decided_ = 0, undecided_ = 0, locally_ = 0;
   MeshReport report_;
 };
 
-void Judge::compare() {
+void MeshValidation::compare() {
   report_.classes =
       class_reports(statistics_truth(), [this](std::uint32_t v) { return statistics_angles(v); });
   if (!options_.keep_errors) return;
@@ -199,13 +200,13 @@ void Judge::compare() {
 
 // Nearly all corners of a vertex are alike: the others are listed.
 template <class F>
-void Judge::for_each_corner_group(F f) const {
+void MeshValidation::for_each_corner_group(F f) const {
   std::vector<CornerGroup> others;
   std::vector<std::int8_t> first(mesh_.positions.size(), -1);  // what a corner is, as a number
   std::vector<std::uint32_t> alike = corners_of_;
   for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
     for (const std::uint32_t v : mesh_.triangles[t]) {
-      const auto sign = static_cast<std::int8_t>(subject_.raw_sign[t]);
+      const auto sign = static_cast<std::int8_t>(under_test_.raw_sign[t]);
       const bool wrong = !mesh_.tangents.empty() && signs_.wrong(t, v);
       const auto key = static_cast<std::int8_t>(2 * (sign + 1) + (wrong ? 1 : 0));
       if (first[v] < 0) first[v] = key;
@@ -220,43 +221,44 @@ void Judge::for_each_corner_group(F f) const {
 }
 
 // Who says that the tangent is an error.
-Judge::Decider Judge::tangent_error(const CornerGroup& group) const {
+MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) const {
   const std::uint32_t v = group.vertex;
   if (is_pole(v) || !checks_[v].uv_finite) return Decider::nobody;
   if (accurate_.known()) {
     const Claim claim = accurate_.tangent(v);
     if (claim == Claim::within) return Decider::nobody;
     // Of a vertex of triangles without area alone nothing is seen.
-    if (!accurate_.declared() && !mesh_.normals.empty() && !subject_.normals.drawn[v]) return Decider::nobody;
+    if (!accurate_.declared() && !mesh_.normals.empty() && !under_test_.normals.drawn[v])
+      return Decider::nobody;
     // At a seam every tool sees triangles on one side only: with few columns its tangents are far from the
     // surface's.
-    const bool authored = may_be_authored(v) && !tangents_explained_ && !subject_.cones.empty() &&
-                          subject_.cones.claim(v, group.sign) == Claim::within;
-    if (claim == Claim::beyond && accurate_.decides(accurate_.tangents_agree(), tangents_explained_))
+    const bool authored = may_be_authored(v) && !tangents_diagnosed_ && !under_test_.cones.empty() &&
+                          under_test_.cones.claim(v, group.sign) == Claim::within;
+    if (claim == Claim::beyond && accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_))
       return authored ? Decider::nobody : Decider::surface;
   }
-  const bool outside = !subject_.cones.empty() && subject_.cones.claim(v, group.sign) == Claim::beyond;
+  const bool outside = !under_test_.cones.empty() && under_test_.cones.claim(v, group.sign) == Claim::beyond;
   return outside ? Decider::triangles : Decider::nobody;
 }
 
-bool Judge::normal_error(std::uint32_t v) const {
-  const bool unsupported = !mesh_.normals.empty() && subject_.normals.unsupported[v];
+bool MeshValidation::normal_error(std::uint32_t v) const {
+  const bool unsupported = !mesh_.normals.empty() && under_test_.normals.unsupported[v];
   // Of a plane either side may be out, so that it has nothing to say for a normal against its own triangles.
   const bool within = accurate_.known() && accurate_.has_sides() && accurate_.normal(v) == Claim::within;
   if (unsupported && !within) return true;
   return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
-         accurate_.decides(accurate_.normals_agree(), normals_explained_) &&
-         !(may_be_authored(v) && !normals_explained_ && !unsupported);
+         accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) &&
+         !(may_be_authored(v) && !normals_diagnosed_ && !unsupported);
 }
 
 // The first error that fits.
-Code Judge::error_of(const CornerGroup& group) const {
+Code MeshValidation::error_of(const CornerGroup& group) const {
   using enum Code;
   const std::uint32_t v = group.vertex;
   const VertexChecks& c = checks_[v];
   if (!mesh_.tangents.empty()) {
     if (!c.tangent_finite) return tangent_not_finite;
-    if (c.tangent_zero && subject_.has_uv_area[v]) return tangent_zero;
+    if (c.tangent_zero && under_test_.has_uv_area[v]) return tangent_zero;
     if (!c.tangent_zero && !c.tangent_unit) return tangent_not_unit;
     if (!c.tangent_zero && !c.sign_valid) return tangent_invalid_sign;
     if (c.along_normal) return tangent_not_orthogonal;
@@ -264,7 +266,7 @@ Code Judge::error_of(const CornerGroup& group) const {
     if (tangent_error(group) != Decider::nobody) return tangent_angle;
   }
   if (!c.normal_finite) return normal_not_finite;
-  if (!c.normal_unit && (c.has_normal || subject_.normals.drawn[v])) return normal_not_unit;
+  if (!c.normal_unit && (c.has_normal || under_test_.normals.drawn[v])) return normal_not_unit;
   if (normal_error(v)) return normal_angle;
   if (!c.position_finite) return position_not_finite;
   if (!c.uv_finite) return uv_not_finite;
@@ -272,7 +274,7 @@ Code Judge::error_of(const CornerGroup& group) const {
 }
 
 // What counts whatever the verdict.
-void Judge::count_vertex(std::uint32_t v) {
+void MeshValidation::count_vertex(std::uint32_t v) {
   const std::uint32_t corners = corners_of_[v];
   const VertexChecks& c = checks_[v];
   if (!mesh_.tangents.empty() && c.tangent_zero) report_.zero_tangents += corners;
@@ -287,21 +289,21 @@ void Judge::count_vertex(std::uint32_t v) {
   if (accurate_.known()) {
     const Angles& a = accurate_.angles(v);
     const Claim normal = accurate_.normal(v), tangent = accurate_.tangent(v);
-    if (normal != Claim::none || tangent != Claim::none) judged_ += corners;
+    if (normal != Claim::none || tangent != Claim::none) decided_ += corners;
     if (!is_pole(v) &&
         ((a.normal >= 0 && normal == Claim::none) || (a.tangent >= 0 && tangent == Claim::none)))
       undecided_ += corners;
     if (accurate_.inward(v)) report_.inward += corners;
   }
-  if (!subject_.local.empty() && (smooth_.normals[v] != Claim::none || smooth_.tangents[v] != Claim::none))
+  if (!under_test_.local.empty() && (smooth_.normals[v] != Claim::none || smooth_.tangents[v] != Claim::none))
     locally_ += corners;
 }
 
-void Judge::judge_corners() {
+void MeshValidation::check_corners() {
   Counts counts;
   for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
     if (corners_of_[v] > 0) count_vertex(v);
-  if (!subject_.cones.empty()) report_.triangles.emplace();
+  if (!under_test_.cones.empty()) report_.triangles.emplace();
   for_each_corner_group([&](const CornerGroup& group) {
     const Code error = error_of(group);
     count_errors(group, error, counts);
@@ -311,13 +313,13 @@ void Judge::judge_corners() {
   add_warnings(counts);
 }
 
-void Judge::count_errors(const CornerGroup& group, Code error, Counts& counts) {
+void MeshValidation::count_errors(const CornerGroup& group, Code error, Counts& counts) {
   const std::uint32_t v = group.vertex;
   const std::size_t corners = group.corners;
   if (error != no_code) counts.of_error[static_cast<std::size_t>(error)] += corners;
-  const double outside = report_.triangles ? subject_.cones.outside_deg(v, group.sign) : 0;
-  if (report_.triangles && subject_.cones.claim(v, group.sign) != Claim::none) {
-    report_.triangles->judged += corners;
+  const double outside = report_.triangles ? under_test_.cones.outside_deg(v, group.sign) : 0;
+  if (report_.triangles && under_test_.cones.claim(v, group.sign) != Claim::none) {
+    report_.triangles->compared += corners;
     if (outside > 0) report_.triangles->outside += corners;
     report_.triangles->worst_deg = std::fmax(report_.triangles->worst_deg, outside);
   }
@@ -332,13 +334,13 @@ void Judge::count_errors(const CornerGroup& group, Code error, Counts& counts) {
   }
   if (normal_error(v)) counts.normals.in_all += corners;
   if (error == Code::normal_angle) {
-    const bool by_triangles = subject_.normals.unsupported[v];
+    const bool by_triangles = under_test_.normals.unsupported[v];
     (by_triangles ? counts.normals.by_triangles : counts.normals.by_surface) += corners;
     counts.normals.worst = std::fmax(counts.normals.worst, surface.normal);
   }
 }
 
-void Judge::count_warnings(const CornerGroup& group, Code error, Counts& counts) {
+void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts& counts) {
   const std::uint32_t v = group.vertex;
   const auto warn = [&](Beyond& where, double angle) {
     where.by_surface += group.corners;
@@ -348,15 +350,15 @@ void Judge::count_warnings(const CornerGroup& group, Code error, Counts& counts)
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
   if (checks_[v].leans) counts.leaning += group.corners;
   if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
-    warn(accurate_.decides(accurate_.tangents_agree(), tangents_explained_) ? counts.authored_tangents
+    warn(accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_) ? counts.authored_tangents
                                                                             : counts.surface_tangents,
          surface.projected_tangent);
   if (!normal_error(v) && accurate_.known() && accurate_.normal(v) == Claim::beyond)
-    warn(accurate_.decides(accurate_.normals_agree(), normals_explained_) ? counts.authored_normals
+    warn(accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) ? counts.authored_normals
                                                                           : counts.surface_normals,
          surface.normal);
-  if (subject_.local.empty() || is_pole(v)) return;
-  const auto local = [&] { return local_angles(subject_, v, checks_[v], signs_.raw()); };
+  if (under_test_.local.empty() || is_pole(v)) return;
+  const auto local = [&] { return local_angles(under_test_, v, checks_[v], signs_.raw()); };
   if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
       (!accurate_.known() || accurate_.tangent(v) == Claim::none))
     warn(counts.local_tangents, local().projected_tangent);
@@ -366,7 +368,7 @@ void Judge::count_warnings(const CornerGroup& group, Code error, Counts& counts)
 }
 
 // Who says so, and where the rest of what is beyond the limit is counted.
-void Judge::add_errors(const Counts& counts) {
+void MeshValidation::add_errors(const Counts& counts) {
   const auto text = [&](const Beyond& b, const char* by_triangles) {
     std::string more;
     if (b.by_surface > 0) more += "; " + std::to_string(b.by_surface) + " by the surface";
@@ -390,7 +392,7 @@ void Judge::add_errors(const Counts& counts) {
   }
 }
 
-void Judge::add_warnings(const Counts& counts) {
+void MeshValidation::add_warnings(const Counts& counts) {
   const std::string_view
       unsure = "; by the recognised surface, with which too few corners agree to call that an error",
       edge =
@@ -410,30 +412,30 @@ void Judge::add_warnings(const Counts& counts) {
 }
 
 // Where there is nothing that statistics are of.
-void Judge::keep_errors_by_triangles() {
+void MeshValidation::keep_errors_by_triangles() {
   for (std::size_t c = 0; c < report_.errors_deg.size(); ++c) {
     if (!std::isnan(report_.errors_deg[c])) continue;
     const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
-    const auto sign = static_cast<std::int8_t>(subject_.raw_sign[c / 3]);
+    const auto sign = static_cast<std::int8_t>(under_test_.raw_sign[c / 3]);
     if (mesh_.tangents.empty() ? normal_error(v) : tangent_error({v, sign, false, 1}) == Decider::triangles)
       report_.errors_deg[c] =
-          kept(mesh_.tangents.empty() ? supported_deg : subject_.cones.outside_deg(v, sign));
+          kept(mesh_.tangents.empty() ? supported_deg : under_test_.cones.outside_deg(v, sign));
   }
 }
 
-void Judge::compare_with_neighbours() {
-  if (subject_.local.empty()) return;
+void MeshValidation::compare_with_neighbours() {
+  if (under_test_.local.empty()) return;
   LocalReport& report = report_.local.emplace();
   if (!accurate_.known()) {
     report.classes = report_.classes;
     return;
   }
-  report.classes = class_reports(subject_.local, [this](std::uint32_t v) {
-    return corners_of_[v] == 0 ? Angles{} : local_angles(subject_, v, checks_[v], signs_.raw());
+  report.classes = class_reports(under_test_.local, [this](std::uint32_t v) {
+    return corners_of_[v] == 0 ? Angles{} : local_angles(under_test_, v, checks_[v], signs_.raw());
   });
   std::size_t agreeing = 0;
   for (std::uint32_t v = 0; v < accurate_.truths().size(); ++v) {
-    const Truth &a = accurate_.truth(v), &b = subject_.local[v];
+    const Truth &a = accurate_.truth(v), &b = under_test_.local[v];
     if (classes_.of_vertex[v] != VertexClass::interior || !known(a) || !known(b)) continue;
     report.compared += corners_of_[v];
     if (agree(a, b, agree_within * options_.max_angle_deg)) agreeing += corners_of_[v];
@@ -448,7 +450,7 @@ void Judge::compare_with_neighbours() {
 }
 
 // Which MikkTSpace: that whose edges are all sorted is made only where the original is nearly what is stored.
-std::string_view Judge::variant(std::size_t equal, std::size_t near) const {
+std::string_view MeshValidation::variant(std::size_t equal, std::size_t near) const {
   const std::size_t corners = mesh_.corners();
   const auto nearly_all = [&](std::size_t n) {
     return corners > 0 && static_cast<double>(n) >= 0.99 * static_cast<double>(corners);
@@ -469,8 +471,8 @@ std::string_view Judge::variant(std::size_t equal, std::size_t near) const {
   return nearly_all(equal) ? "original" : nearly_all(near) ? "reordered sums" : "none";
 }
 
-void Judge::compare_with_mikktspace() {
-  if (subject_.mikktspace.empty()) return;
+void MeshValidation::compare_with_mikktspace() {
+  if (under_test_.mikktspace.empty()) return;
   MikkReport& report = report_.mikktspace.emplace();
   ClassSums sums(mesh_, classes_.of_vertex);
   std::size_t equal_raw = 0, equal_gltf = 0, near = 0, beyond = 0;
@@ -488,12 +490,12 @@ void Judge::compare_with_mikktspace() {
   for (std::size_t c = 0; c < mesh_.corners(); ++c) {
     const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
     if (first[v] == none) first[v] = c;
-    alike[v] += same(subject_.mikktspace[c], subject_.mikktspace[first[v]]);
+    alike[v] += same(under_test_.mikktspace[c], under_test_.mikktspace[first[v]]);
   }
   for (std::size_t c = 0; c < mesh_.corners(); ++c) {
     const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
-    const Vec4<float>& m = subject_.mikktspace[c];
-    if (c != first[v] && same(m, subject_.mikktspace[first[v]])) {
+    const Vec4<float>& m = under_test_.mikktspace[c];
+    if (c != first[v] && same(m, under_test_.mikktspace[first[v]])) {
       if (keep) report_.errors_deg[c] = report_.errors_deg[first[v]];
       continue;
     }
@@ -533,7 +535,7 @@ void Judge::compare_with_mikktspace() {
   add(report_, finding(Code::tangent_not_mikktspace, beyond, worst_text(worst)));
 }
 
-void Judge::look_at_signs() {
+void MeshValidation::look_at_signs() {
   if (mesh_.tangents.empty()) return;
   const std::string_view convention = report_.handedness.convention;
   if (convention == "raw")
@@ -549,13 +551,13 @@ void Judge::look_at_signs() {
   }
   std::size_t across = 0;
   for (std::uint32_t v = 0; v < corners_of_.size(); ++v)
-    across += subject_.across_mirror[v] ? corners_of_[v] : 0;
+    across += under_test_.across_mirror[v] ? corners_of_[v] : 0;
   add(report_, finding(Code::vertex_across_mirror, across));
 }
 
-void Judge::look_for_explanations() {
+void MeshValidation::diagnose() {
   if (accurate_.known() && accurate_.normals_agree() < Accurate::enough)
-    normals_explained_ = explain_normals(subject_, accurate_, options_, report_);
+    normals_diagnosed_ = diagnose_normals(under_test_, accurate_, options_, report_);
   if (mesh_.tangents.empty()) return;
   const std::span<const Truth> truth = statistics_truth();
   std::size_t oblique = 0;
@@ -572,26 +574,26 @@ void Judge::look_for_explanations() {
     most = std::fmax(most, off);
   }
   add(report_, finding(Code::bitangent_not_orthogonal, oblique, " (by up to " + rounded(most, 3) + " deg)"));
-  // Without a surface the mesh's own triangles say whether there is anything to explain.
-  if (!accurate_.known() && !subject_.cones.empty()) {
+  // Without a surface the mesh's own triangles say whether there is anything to diagnose.
+  if (!accurate_.known() && !under_test_.cones.empty()) {
     bool any = false;
     for (std::uint32_t v = 0; v < mesh_.positions.size() && !any; ++v)
-      any = subject_.cones.claim(v, 0) == Claim::beyond;
+      any = under_test_.cones.claim(v, 0) == Claim::beyond;
     if (!any) return;
   }
   if (!truth.empty())
-    tangents_explained_ = explain_tangents(
-        subject_,
+    tangents_diagnosed_ = diagnose_tangents(
+        under_test_,
         [&](std::size_t c) {
           const Truth& t = truth[mesh_.triangles[c / 3][c % 3]];
           return Directions{t.tangent, t.bitangent};
         },
         options_, report_);
-  else if (!subject_.mikktspace.empty())
-    tangents_explained_ = explain_tangents(
-        subject_,
+  else if (!under_test_.mikktspace.empty())
+    tangents_diagnosed_ = diagnose_tangents(
+        under_test_,
         [&](std::size_t c) {
-          const Vec4<float>& m = subject_.mikktspace[c];
+          const Vec4<float>& m = under_test_.mikktspace[c];
           const Vec3<double> n = mesh_.normals[mesh_.triangles[c / 3][c % 3]];
           if (m.w == 0 || !detail::finite(n))
             return Directions{detail::nan_vector<double>(), detail::nan_vector<double>()};
@@ -601,17 +603,17 @@ void Judge::look_for_explanations() {
         options_, report_);
 }
 
-void Judge::add_notes() {
+void MeshValidation::add_notes() {
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
     const auto& [a, b, c] = mesh_.triangles[t];
     if (is_degenerate(mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]))
       ++report_.degenerate_triangles;
-    else if (!mesh_.uvs.empty() && subject_.raw_sign[t] == 0)
+    else if (!mesh_.uvs.empty() && under_test_.raw_sign[t] == 0)
       ++report_.degenerate_uv_triangles;
   }
-  report_.faceted = 3 * static_cast<std::size_t>(std::count(subject_.normals.faceted.begin(),
-                                                            subject_.normals.faceted.end(), true));
-  add(report_, finding(Code::normals_oppose_winding, subject_.normals.opposing));
+  report_.faceted = 3 * static_cast<std::size_t>(std::count(under_test_.normals.faceted.begin(),
+                                                            under_test_.normals.faceted.end(), true));
+  add(report_, finding(Code::normals_oppose_winding, under_test_.normals.opposing));
   add(report_,
       finding(Code::reference_uncertain, undecided_,
               ": normals are known to " +
@@ -630,26 +632,26 @@ void Judge::add_notes() {
                        static_cast<std::size_t>(std::count(corners_of_.begin(), corners_of_.end(), 0U))));
 }
 
-void Judge::decide() {
-  const bool by_triangles = report_.triangles && report_.triangles->judged > 0;
-  report_.reference = judged_ > 0                               ? "analytic"
+void MeshValidation::decide() {
+  const bool by_triangles = report_.triangles && report_.triangles->compared > 0;
+  report_.reference = decided_ > 0                              ? "analytic"
                       : by_triangles                            ? "triangles"
                       : locally_ > 0                            ? "local"
                       : report_.mikktspace && only_mikktspace() ? "mikktspace"
                                                                 : "none";
   const bool tangents = !mesh_.tangents.empty();
   report_.without_errors = mesh_.triangles.empty() || (!tangents && mesh_.normals.empty()) ? Verdict::nothing
-                           : !tangents || judged_ > 0 || by_triangles                      ? Verdict::pass
-                                                                      : Verdict::undetermined;
+                           : !tangents || decided_ > 0 || by_triangles                     ? Verdict::pass
+                                                                       : Verdict::undetermined;
   const bool any_error = !report_.findings.empty() && report_.findings.front().severity == Severity::error;
   report_.verdict = any_error ? Verdict::fail : report_.without_errors;
 }
 
 }  // namespace
 
-MeshReport judge_subject(const Subject& subject, std::span<const Truth> truth, Basis basis,
-                         const ValidateOptions& options) {
-  return Judge(subject, truth, basis, options).report();
+MeshReport validate(const MeshUnderTest& under_test, std::span<const Truth> truth, Basis basis,
+                    const ValidateOptions& options) {
+  return MeshValidation(under_test, truth, basis, options).report();
 }
 
 MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed,
@@ -670,9 +672,9 @@ MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const Valida
                                 " vertices, expected one per vertex or none");
   std::vector<bool> is_pole;
   for (const Truth& t : truth) is_pole.push_back(t.pole);
-  Subject subject = prepare(mesh, options);
-  classify_subject(subject, is_pole, options);
-  return judge_subject(subject, truth, Basis::declared, options);
+  MeshUnderTest under_test = prepare(mesh, options);
+  classify_vertices(under_test, is_pole, options);
+  return validate(under_test, truth, Basis::declared, options);
 }
 
 }  // namespace darboux

@@ -35,7 +35,7 @@ void spoil(Mesh& mesh, std::mt19937_64& random) {
   }
 }
 
-const std::optional<Statistics>& judged(const ClassReport& c, const Mesh& mesh) {
+const std::optional<Statistics>& assessed(const ClassReport& c, const Mesh& mesh) {
   return mesh.tangents.empty() ? c.normal_deg : c.tangent_deg;
 }
 
@@ -56,11 +56,11 @@ void expect_same_statistics(const Mesh& mesh, const std::vector<VertexClass>& cl
         EXPECT_TRUE(e > 0 && e <= static_cast<float>(report.triangles->worst_deg));
       continue;
     }
-    ASSERT_EQ(of_class.empty(), !judged(c, mesh).has_value());
+    ASSERT_EQ(of_class.empty(), !assessed(c, mesh).has_value());
     if (of_class.empty()) continue;
     double squares = 0;
     for (const float e : of_class) squares += static_cast<double>(e) * e;
-    const Statistics& s = *judged(c, mesh);
+    const Statistics& s = *assessed(c, mesh);
     EXPECT_EQ(*std::max_element(of_class.begin(), of_class.end()), static_cast<float>(s.max));
     // Each error is rounded by 2^-24 at most.
     EXPECT_NEAR(std::sqrt(squares / static_cast<double>(of_class.size())), s.rms, 1e-7 * s.rms);

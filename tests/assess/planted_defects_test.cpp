@@ -58,7 +58,7 @@ void retangent(Mesh& mesh, std::size_t v, const Vec3<double>& t) {
   mesh.tangents[v] = {t.x, t.y, t.z, mesh.tangents[v].w};
 }
 
-// A bent ellipsoid: no surface of the catalogue, so that MikkTSpace and local jets judge it.
+// A bent ellipsoid: no surface of the catalogue, so that MikkTSpace and local jets assess it.
 Mesh unknown_surface(const SampleMeshOptions& options) {
   Mesh mesh = sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.4"), options);
   for (auto& p : mesh.positions) {
@@ -268,7 +268,7 @@ TEST(PlantedDefects, VerticesAcrossAMirror) {
   EXPECT_EQ(count_of(assessments, "VERTEX_ACROSS_MIRROR"), 15u * 6 + 2 * 3);
 }
 
-// Islands under different conventions: the smaller half is told.
+// Islands under different conventions: the smaller half is named.
 TEST(PlantedDefects, SignsThatDifferBetweenIslands) {
   Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 32, .rows = 16, .mirror = true});
   EXPECT_EQ(joined(codes({Assessment{{}, validate(mesh, std::nullopt)}})), "");

@@ -117,7 +117,7 @@ TEST(SmoothShaded, SolidsPassHoweverTheyAreStored) {
       }
 }
 
-// Errors, warnings, and what is not judged.
+// Errors, warnings, and what is not assessed.
 std::vector<Finding> grave(const MeshReport& report) {
   std::vector<Finding> result;
   for (const Finding& f : report.findings)
@@ -242,7 +242,7 @@ TEST(OneSided, WhatTheTrianglesCannotTellIsNotWithin) {
   test::bake(mesh);
   AssessOptions options;
   options.references.analytic = false;
-  const auto judged = [&](double turn) {
+  const auto assessed = [&](double turn) {
     Mesh turned = mesh;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       const Vec3<double> t = mesh.tangents[v].xyz(),
@@ -251,14 +251,14 @@ TEST(OneSided, WhatTheTrianglesCannotTellIsNotWithin) {
     }
     return assess(turned, options).report;
   };
-  EXPECT_EQ(judged(0).verdict, Verdict::pass);
-  EXPECT_EQ(judged(0).triangles->judged, mesh.corners());
+  EXPECT_EQ(assessed(0).verdict, Verdict::pass);
+  EXPECT_EQ(assessed(0).triangles->compared, mesh.corners());
   for (const double deg : {20., 40., 70.}) {
-    const MeshReport report = judged(deg * pi / 180);
+    const MeshReport report = assessed(deg * pi / 180);
     EXPECT_EQ(report.verdict, Verdict::undetermined) << deg;
-    EXPECT_EQ(report.triangles->judged, 0u) << deg;
+    EXPECT_EQ(report.triangles->compared, 0u) << deg;
   }
-  EXPECT_EQ(judged(85 * pi / 180).verdict, Verdict::fail);
+  EXPECT_EQ(assessed(85 * pi / 180).verdict, Verdict::fail);
 }
 
 TEST(Budget, IsSpentOnlyWhereSomethingIsLeftOut) {

@@ -1,5 +1,5 @@
-// The uv sets of a primitive: which are read, and that tangents which follow another than the one judged by
-// are told so.
+// The uv sets of a primitive: which are read, and that tangents which follow another than the one assessed by
+// are named.
 #include <gtest/gtest.h>
 
 #include <darboux/assess.h>
@@ -68,20 +68,20 @@ Primitive read(const std::string& name, const std::string& bytes) {
   return read_asset(test::write_bytes(folder / name, bytes)).primitives.at(0);
 }
 
-std::vector<Assessment> judge_with(const Mesh& mesh, const std::vector<std::pair<int, Uvs>>& sets) {
+std::vector<Assessment> assess_with(const Mesh& mesh, const std::vector<std::pair<int, Uvs>>& sets) {
   AssessOptions options;
   options.other_uvs = sets;
   return assess_parts(mesh, options);
 }
 
 // The message of the finding, empty where there is none.
-std::string told(const Assessment& assessment) {
+std::string uv_set_finding(const Assessment& assessment) {
   for (const Finding& f : assessment.report.findings)
     if (f.code == "TANGENT_UV_SET") return f.message;
   return "";
 }
 
-TEST(UvSets, TangentsThatFollowAnotherAreToldSo) {
+TEST(UvSets, TangentsThatFollowAnotherAreNamed) {
   for (const bool other : {false, true}) {
     const Mesh mesh = torus_along(other);
     const Uvs second = turned(mesh.uvs);
@@ -94,11 +94,12 @@ TEST(UvSets, TangentsThatFollowAnotherAreToldSo) {
       ASSERT_EQ(primitive.other_uvs.size(), 1u);
       EXPECT_EQ(primitive.other_uvs[0].first, 1);
       EXPECT_EQ(primitive.other_uvs[0].second.size(), primitive.data.positions.size());
-      const std::vector<Assessment> assessments = judge_with(primitive.data, primitive.other_uvs);
+      const std::vector<Assessment> assessments = assess_with(primitive.data, primitive.other_uvs);
       ASSERT_EQ(assessments.size(), 1u);
       EXPECT_EQ(assessments[0].report.verdict, other ? Verdict::fail : Verdict::pass);
-      EXPECT_EQ(told(assessments[0]).find("TEXCOORD_1") != std::string::npos, other) << told(assessments[0]);
-      EXPECT_EQ(told(assessments[0]).empty(), !other);
+      EXPECT_EQ(uv_set_finding(assessments[0]).find("TEXCOORD_1") != std::string::npos, other)
+          << uv_set_finding(assessments[0]);
+      EXPECT_EQ(uv_set_finding(assessments[0]).empty(), !other);
     }
   }
 }
@@ -118,7 +119,7 @@ TEST(UvSets, OthersAreReadOnlyWhereTangentsMayFollowThem) {
   EXPECT_TRUE(read("a.fbx", test::fbx_text(mesh, {second})).other_uvs.empty());
 }
 
-// Of several surfaces in one mesh, each part is judged with its own share of the other set, whatever the
+// Of several surfaces in one mesh, each part is assessed with its own share of the other set, whatever the
 // order of vertices.
 TEST(UvSets, PartsHaveTheirShare) {
   Mesh both = torus_along(true);
@@ -126,11 +127,11 @@ TEST(UvSets, PartsHaveTheirShare) {
   bake(sphere, turned(sphere.uvs));
   append(both, sphere);
   std::reverse(both.triangles.begin(), both.triangles.end());
-  const std::vector<Assessment> assessments = judge_with(both, {{2, turned(both.uvs)}});
+  const std::vector<Assessment> assessments = assess_with(both, {{2, turned(both.uvs)}});
   ASSERT_EQ(assessments.size(), 2u);
   for (const Assessment& j : assessments) {
     EXPECT_TRUE(j.part);
-    EXPECT_NE(told(j).find("TEXCOORD_2"), std::string::npos);
+    EXPECT_NE(uv_set_finding(j).find("TEXCOORD_2"), std::string::npos);
   }
 }
 
@@ -138,7 +139,7 @@ TEST(UvSets, AnotherNumberOfUvsIsRefused) {
   const Mesh mesh = torus_along(false);
   Uvs few = mesh.uvs;
   few.pop_back();
-  const std::string refusal = test::refusal_of<MeshError>([&] { judge_with(mesh, {{1, few}}); });
+  const std::string refusal = test::refusal_of<MeshError>([&] { assess_with(mesh, {{1, few}}); });
   EXPECT_NE(refusal.find("uv set 1 has " + std::to_string(few.size())), std::string::npos) << refusal;
 }
 

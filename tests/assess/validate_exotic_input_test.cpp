@@ -319,7 +319,7 @@ TEST(ValidateExoticInput, NothingElseIsTakenForTheDeclaredSurface) {
   }
 }
 
-// Of a small cap the radius is hardly told: where it is given, the rest moves with it.
+// Of a small cap the radius is hardly identifiable: where it is given, the rest moves with it.
 TEST(ValidateExoticInput, WhatIsNotGivenFollowsWhatIs) {
   Mesh mesh =
       sample_mesh(make_surface("sphere:radius=2"), {.columns = 32, .rows = 16, .v_first = 0.97, .v_last = 1});

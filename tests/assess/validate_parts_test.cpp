@@ -54,8 +54,8 @@ Mesh cap(double radius, double half, double turn) {
   return mesh;
 }
 
-// The sphere is told by the positions, its tangents by the projection.
-TEST(ValidateParts, ACapIsJudgedThroughItsProjection) {
+// The sphere is found by the positions, its tangents by the projection.
+TEST(ValidateParts, ACapIsAssessedThroughItsProjection) {
   std::mt19937_64 random(61);
   for (const double turn : {0.0, 0.7, 3.0}) {
     Mesh mesh = cap(0.1, 0.06, turn);
@@ -161,7 +161,7 @@ TEST(ValidateParts, EachSurfaceOfAMeshIsItself) {
 }
 
 // A box whose corners share vertices between faces: sharp edges cut it, and the shared vertices are not
-// judged.
+// assessed.
 TEST(ValidateParts, SharpEdgesWithSharedVertices) {
   Mesh mesh = sample_mesh(make_surface("plane"), {.columns = 8, .rows = 8});
   // The right half folded down along x = 0; its vertices stay shared.
@@ -201,7 +201,7 @@ class OtherPeople : public testing::Test {
     if (!std::filesystem::exists(folder))
       GTEST_SKIP() << "SKIPPED: " << folder << " is absent, its meshes are not judged";
   }
-  static std::vector<Assessment> judged(const std::string& file) {
+  static std::vector<Assessment> assessed(const std::string& file) {
     return assess_parts(read_asset(folder + file).primitives.at(0).data);
   }
   static inline const std::string folder = std::string(DARBOUX_SHARED) + "/meshes/";
@@ -210,7 +210,7 @@ class OtherPeople : public testing::Test {
 TEST_F(OtherPeople, MirrorTestFollowsMikkTSpaceAndItsCapsAreSpheres) {
   std::map<std::string, int> kinds;
   double equal = 0, corners = 0;
-  for (const Assessment& j : judged("khronos/NormalTangentMirrorTest.glb")) {
+  for (const Assessment& j : assessed("khronos/NormalTangentMirrorTest.glb")) {
     EXPECT_EQ(j.report.verdict, Verdict::pass);
     EXPECT_EQ(j.report.handedness.convention, "gltf");
     ASSERT_TRUE(j.report.mikktspace.has_value());
@@ -236,11 +236,11 @@ TEST_F(OtherPeople, MirrorTestFollowsMikkTSpaceAndItsCapsAreSpheres) {
 }
 
 TEST_F(OtherPeople, DefectsOfSampleModels) {
-  for (const Assessment& j : judged("khronos/AnimatedMorphSphere.glb")) {
+  for (const Assessment& j : assessed("khronos/AnimatedMorphSphere.glb")) {
     EXPECT_EQ(j.report.verdict, Verdict::fail);
     EXPECT_TRUE(has(j.report, "TANGENT_NOT_ORTHOGONAL"));
   }
-  const std::vector<Assessment> suzanne = judged("khronos/Suzanne_geometry.glb");
+  const std::vector<Assessment> suzanne = assessed("khronos/Suzanne_geometry.glb");
   ASSERT_EQ(suzanne.size(), 1u);
   EXPECT_TRUE(has(suzanne[0].report, "TANGENT_HANDEDNESS_CONVENTION"));
   EXPECT_TRUE(has(suzanne[0].report, "TANGENT_NOT_MIKKTSPACE"));
@@ -251,7 +251,7 @@ TEST_F(OtherPeople, DefectsOfSampleModels) {
 
 TEST_F(OtherPeople, ACappedCylinderIsOneAndTwoDisks) {
   std::map<std::string, int> kinds;
-  for (const Assessment& j : judged("three/capped_016.three.glb")) {
+  for (const Assessment& j : assessed("three/capped_016.three.glb")) {
     ASSERT_TRUE(j.fit && j.fit->fits);
     ++kinds[std::string(j.fit->surface.surface.info().name)];
     EXPECT_EQ(j.report.verdict, Verdict::pass);

@@ -210,7 +210,7 @@ TEST(Validate, WithoutTruthTheVerdictIsUndetermined) {
   EXPECT_EQ(assess(Mesh{}).report.verdict, Verdict::nothing);
 }
 
-TEST(Validate, WithoutTangentsTheNormalsAreJudged) {
+TEST(Validate, WithoutTangentsTheNormalsAreAssessed) {
   Mesh mesh = sample_mesh(Sphere{1.0}, {.columns = 16, .rows = 9});
   mesh.tangents.clear();
   EXPECT_EQ(assess(mesh).report.verdict, Verdict::pass);
@@ -251,7 +251,7 @@ TEST(Validate, InvertedNormalsAreFound) {
   EXPECT_EQ(assess(mesh).report.verdict, Verdict::pass);
 }
 
-// A triangle wound against its normals is told, be it one or all.
+// A triangle wound against its normals is found, be it one or all.
 TEST(Validate, CountsTrianglesWoundAgainstTheirNormals) {
   Mesh mesh = sample_mesh(Torus{1.0, 0.4}, {.columns = 16, .rows = 9});
   std::swap(mesh.triangles[7][1], mesh.triangles[7][2]);

@@ -370,7 +370,7 @@ TEST(ValidateUncertainty, LocalTruthOfEachSideOfACrease) {
     EXPECT_LT(angle_deg(local[v].normal, mesh.normals[v]), 1e-9) << v;
     EXPECT_LT(angle_deg(local[v].tangent, mesh.tangents[v].xyz()), 1e-9) << v;
   }
-  // With one normal the vertices of the crease are joined: nothing is told there, and beside it each side is
+  // With one normal the vertices of the crease are joined: nothing is known there, and beside it each side is
   // as it was.
   mesh.normals.clear();
   local = local_truth(mesh);

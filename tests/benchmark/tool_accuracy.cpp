@@ -106,7 +106,7 @@ std::vector<float> tangents_by(std::string_view tool, const std::filesystem::pat
   return assimp.tangents();
 }
 
-std::vector<ToolReport> judge_tools(const std::filesystem::path& folder, int n) {
+std::vector<ToolReport> assess_tools(const std::filesystem::path& folder, int n) {
   std::vector<ToolReport> reports;
   for (const std::string_view shape : all_shapes) {
     Mesh mesh = mesh_of(unindexed(read_mesh_arrays(folder / shape / "mesh")));

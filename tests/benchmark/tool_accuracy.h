@@ -28,7 +28,7 @@ std::size_t without_direction(const ClassReport& report);
 
 /// All tools on all shapes of one resolution, from the folder that tools/make.mjs wrote; runs assimp's.
 /// \throws std::runtime_error
-std::vector<ToolReport> judge_tools(const std::filesystem::path& folder, int n);
+std::vector<ToolReport> assess_tools(const std::filesystem::path& folder, int n);
 
 /// x, y, z, w of each corner by one tool, from that folder. \throws std::runtime_error
 std::vector<float> tangents_by(std::string_view tool, const std::filesystem::path& folder,

@@ -252,7 +252,7 @@ void run(const std::filesystem::path& work, const std::string& make, const std::
     std::cerr << "n = " << n << " ...\n";
     const std::string command = make + " " + work.string() + " " + std::to_string(n);
     if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
-    reports.add(judge_tools(work, n));
+    reports.add(assess_tools(work, n));
     beside_kept(work, n, kept, kept_rows);
   }
   std::map<std::string, Tally> tallies;

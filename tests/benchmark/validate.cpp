@@ -65,15 +65,15 @@ Result in_a_process(const std::function<Result()>& f) {
   return result;
 }
 
-using Judged = std::function<void(const Mesh&)>;
+using Assessed = std::function<void(const Mesh&)>;
 
-Cost cost_of(const std::string& file, const Judged& judged) {
+Cost cost_of(const std::string& file, const Assessed& assessed) {
   return in_a_process<Cost>([&] {
     Cost cost;
     const double start = processor_seconds();
     const Asset asset = read_asset(file);
     cost.reading = processor_seconds() - start;
-    for (const Primitive& primitive : asset.primitives) judged(primitive.data);
+    for (const Primitive& primitive : asset.primitives) assessed(primitive.data);
     cost.rest = processor_seconds() - start - cost.reading;
     rusage use;
     getrusage(RUSAGE_SELF, &use);
@@ -84,7 +84,7 @@ Cost cost_of(const std::string& file, const Judged& judged) {
 
 struct Measured {
   std::string file;
-  Judged judged;
+  Assessed assessed;
 };
 // The medians of several processes each, every number by itself. All take turns, as a machine can be slow for
 // a while.
@@ -92,7 +92,7 @@ std::vector<Cost> typical(const std::vector<Measured>& measured, int rounds) {
   std::vector<std::array<std::vector<double>, 3>> costs(measured.size());
   for (int i = 0; i < rounds; ++i)
     for (std::size_t k = 0; k < measured.size(); ++k) {
-      const Cost cost = cost_of(measured[k].file, measured[k].judged);
+      const Cost cost = cost_of(measured[k].file, measured[k].assessed);
       costs[k][0].push_back(cost.reading), costs[k][1].push_back(cost.rest), costs[k][2].push_back(cost.peak);
     }
   std::vector<Cost> result;
@@ -127,7 +127,7 @@ void mikktspace_of(const Mesh& mesh) {
   mikktspace(MikkMesh{positions, normals, uvs, corners, {}}, tangents);
 }
 
-// Seconds until two processes have read and judged the files, each every other.
+// Seconds until two processes have read and assessed the files, each every other.
 double seconds_for(const std::vector<std::string>& files) {
   const auto start = std::chrono::steady_clock::now();
   pid_t children[2];
@@ -163,14 +163,14 @@ void run(const std::string& work, bool quick) {
   analytic.surface = parse_specification("torus");
   analytic.references = {.analytic = true, .mikktspace = false, .local = false, .triangles = false};
   unknown.references = analytic.references;
-  const auto judged = [](const AssessOptions& options) {
+  const auto assessed = [](const AssessOptions& options) {
     return [&options](const Mesh& mesh) { assess_parts(mesh, options); };
   };
   const std::vector<Cost> costs = typical({{torus, [](const Mesh&) {}},
                                            {torus, mikktspace_of},
-                                           {torus, judged(analytic)},
-                                           {torus, judged(all)},
-                                           {bent, judged(unknown)}},
+                                           {torus, assessed(analytic)},
+                                           {torus, assessed(all)},
+                                           {bent, assessed(unknown)}},
                                           rounds);
   const Cost &reading = costs[0], &mikk = costs[1], &declared = costs[2], &every = costs[3], &none = costs[4];
 

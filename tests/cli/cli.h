@@ -143,7 +143,7 @@ inline double to_double(const std::string& text) {
   return value;
 }
 
-// The one judged primitive of a file.
+// The one assessed primitive of a file.
 inline Json only_mesh(const Json& document) {
   EXPECT_EQ(document["files"].size(), 1u);
   EXPECT_EQ(document["files"][0]["meshes"].size(), 1u) << document;

@@ -238,7 +238,7 @@ void write_in_every_format(Mesh& mesh, const std::function<std::string(const cha
 }
 
 // One torus in every format: 25 x 13 vertices at 24 x 12 places, and one that no face uses.
-TEST_F(Cli, FitJudgesEveryVertexOfEveryFormat) {
+TEST_F(Cli, FitAssessesEveryVertexOfEveryFormat) {
   constexpr std::size_t vertices = torus_vertices, places = torus_columns * torus_rows;
   constexpr double sigma = torus_noise;
   constexpr std::uint64_t seed = 61;

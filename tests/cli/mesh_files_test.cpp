@@ -18,20 +18,20 @@ class MeshFiles : public Cli {
   void write(const std::string& name, const std::string& bytes) const { write_bytes(path(name), bytes); }
 };
 
-TEST_F(MeshFiles, ValidateJudgesEachFormat) {
+TEST_F(MeshFiles, ValidateAssessesEachFormat) {
   const Mesh mesh = torus();
   write("torus.fbx", FbxBinary::of(fbx_text(mesh), 7400));
   write("torus.dae", dae_text(mesh));
   write("torus.ply", ply_binary(mesh, true));
   for (const std::string name : {"torus.fbx", "torus.dae", "torus.ply"}) {
     SCOPED_TRACE(name);
-    const Json judged = only_mesh(json("darboux validate " + name + " --surface torus --json"));
-    EXPECT_EQ(judged["verdict"], "pass");
-    EXPECT_EQ(judged["corners"], mesh.corners());
-    EXPECT_EQ(judged["uv"]["convention"], "as stored");
-    EXPECT_EQ(has_finding(judged, "TANGENT_MISSING"), name == "torus.ply");
-    EXPECT_EQ(judged["handedness"]["convention"], name == "torus.ply" ? "none" : "gltf");
-    EXPECT_LT(judged["classes"]["interior"]["normal_deg"]["max"].get<double>(), 1e-4);
+    const Json assessed = only_mesh(json("darboux validate " + name + " --surface torus --json"));
+    EXPECT_EQ(assessed["verdict"], "pass");
+    EXPECT_EQ(assessed["corners"], mesh.corners());
+    EXPECT_EQ(assessed["uv"]["convention"], "as stored");
+    EXPECT_EQ(has_finding(assessed, "TANGENT_MISSING"), name == "torus.ply");
+    EXPECT_EQ(assessed["handedness"]["convention"], name == "torus.ply" ? "none" : "gltf");
+    EXPECT_LT(assessed["classes"]["interior"]["normal_deg"]["max"].get<double>(), 1e-4);
   }
   write("torus.stl", stl_binary(mesh));
   const Json stl = only_mesh(json("darboux validate torus.stl --json"));
@@ -54,9 +54,9 @@ TEST_F(MeshFiles, NodesAndMissingFacesAreTold) {
   write("mirrored.dae", collada(collada_geometry(torus(), "torus"),
                                 "<node><scale>1 1 -1</scale><instance_geometry url=\"#torus\"/></node>"));
   for (const std::string name : {"mirrored.fbx", "mirrored.dae"}) {
-    const Json judged = only_mesh(json("darboux validate " + name + " --json"));
-    EXPECT_TRUE(has_finding(judged, "NODE_MIRRORED")) << name;
-    EXPECT_FALSE(has_finding(judged, "NODE_SCALE_NOT_UNIFORM")) << name;
+    const Json assessed = only_mesh(json("darboux validate " + name + " --json"));
+    EXPECT_TRUE(has_finding(assessed, "NODE_MIRRORED")) << name;
+    EXPECT_FALSE(has_finding(assessed, "NODE_SCALE_NOT_UNIFORM")) << name;
   }
   Mesh points = torus();
   points.triangles.clear();
@@ -124,9 +124,9 @@ TEST_F(MeshFiles, TangentsOfAnotherUvSetAreToldSo) {
   glb.json["materials"] = {{{"normalTexture", {{"index", 0}}}}};
   glb.json["meshes"][0]["primitives"][0]["material"] = 0;
   write("a.glb", make_glb(glb.json.dump(), glb.bin));
-  const Json judged = only_mesh(json("darboux validate a.glb --json", 1));
-  EXPECT_EQ(judged["verdict"], "fail");
-  EXPECT_TRUE(has_finding(judged, "TANGENT_UV_SET"));
+  const Json assessed = only_mesh(json("darboux validate a.glb --json", 1));
+  EXPECT_EQ(assessed["verdict"], "fail");
+  EXPECT_TRUE(has_finding(assessed, "TANGENT_UV_SET"));
   EXPECT_NE(good("darboux validate a.glb", 1).find("MikkTSpace's of TEXCOORD_1"), std::string::npos);
 }
 

@@ -69,7 +69,7 @@ Vec3<float> shown(const Json& legend, float error) {
   return (1 - t) * rgb(colours[below]) + t * rgb(colours[below + 1]);
 }
 
-// Judged and painted, vertex by vertex; returns how many different colours there are.
+// Assessed and painted, vertex by vertex; returns how many different colours there are.
 std::size_t expect_painted(const std::string& input, const std::string& painted) {
   const auto errors = errors_of(input);
   const tinygltf::Model model = load(painted);

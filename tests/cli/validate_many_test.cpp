@@ -97,7 +97,7 @@ TEST_F(CliMany, OnlyWhatGotWorseThanTheBaselineCounts) {
   EXPECT_EQ(more["files"][1]["worse"], false);
   // A warning that is raised to an error was known.
   good("darboux validate assets --baseline old.json --fail-on TANGENT_HANDEDNESS_CONVENTION");
-  // Tangents that nothing could judge then may stay so; those of a mesh that passed may not.
+  // Tangents that nothing could assess then may stay so; those of a mesh that passed may not.
   good("darboux mesh torus --grid 16x8 -o assets/bare.glb");
   const std::string bare_only = "darboux validate assets/bare.glb --reference mikktspace --json";
   Json bare = json(bare_only, 1);
@@ -259,7 +259,7 @@ TEST_F(CliMany, JUnitHasATestCaseForEveryMesh) {
   EXPECT_EQ(suite.attribute("errors").as_int(), 0);
 }
 
-// Refused before anything is judged, and nothing is left behind.
+// Refused before anything is assessed, and nothing is left behind.
 TEST_F(CliMany, RefusesFilesThatCannotBeWritten) {
   for (const std::string option : {"--sarif", "--junit", "--report"}) {
     refused("darboux validate assets " + option + " gone/out", {"gone"});

@@ -1,5 +1,5 @@
-// How findings count: --severity, --ignore, --strict, --exclude, --github, and what there is nothing to judge
-// of.
+// How findings count: --severity, --ignore, --strict, --exclude, --github, and what there is nothing to
+// assess of.
 #include <cstring>
 
 #include <pugixml.hpp>
@@ -57,7 +57,7 @@ TEST_F(Policy, ExcludedFilesAreNotRead) {
     EXPECT_EQ(files(std::string("--exclude '") + pattern + "'"), 2) << pattern;
   EXPECT_EQ(files("--exclude '*/deep'"), 3);
 
-  // A pattern that matches nothing is named; the rest is judged.
+  // A pattern that matches nothing is named; the rest is assessed.
   const Result unused = sh("darboux validate assets --exclude od --exclude old");
   EXPECT_EQ(unused.status, 0);
   expect_one_line(unused.err);
@@ -332,7 +332,7 @@ TEST_F(Policy, SarifLinksToPagesOfTheWebOnly) {
   }
 }
 
-TEST_F(Policy, WhereThereIsNothingToJudge) {
+TEST_F(Policy, WhereThereIsNothingToAssess) {
   write_bytes(path("empty.gltf"), R"({"asset": {"version": "2.0"}})");
   EXPECT_EQ(json("darboux validate empty.gltf --json")["verdict"], "nothing");
   const Json both = json("darboux validate empty.gltf data/torus_032.mikk.glb --json");

@@ -78,7 +78,7 @@ TEST_F(Cli, ValidateReportsItsUncertainty) {
   const std::string few = good("darboux validate few.glb --reference analytic,local");
   EXPECT_NE(few.find("local: nothing is known"), std::string::npos) << few;
   EXPECT_EQ(few.find("nan"), std::string::npos) << few;
-  // A mesh of no known surface is judged by the local reference.
+  // A mesh of no known surface is assessed by the local reference.
   const Json folded = only_mesh(
       json("darboux validate data/jittertorus_016.mikk.glb --reference local,mikktspace --json", 1));
   EXPECT_EQ(folded["reference"], "local");
@@ -128,7 +128,7 @@ TEST_F(Cli, ValidateSaysWhatIsExactlyMikkTSpace) {
 }
 
 // Surfaces in one primitive: each is recognised, through its uvs or from its positions.
-TEST_F(Cli, ValidateJudgesParts) {
+TEST_F(Cli, ValidateAssessesParts) {
   const Json halves = json("darboux validate data/mirrortorus_016.mikk.glb --json");
   EXPECT_EQ(halves["files"][0]["meshes"].size(), 2u);
   std::size_t part = 0, corners = 0;
@@ -229,7 +229,7 @@ TEST_F(Cli, ValidateTellsTheVerdictsApart) {
   expect_one_line(missing.err);
 }
 
-// Meshes that lack what a verdict is made of are judged by what they have.
+// Meshes that lack what a verdict is made of are assessed by what they have.
 TEST_F(Cli, ValidateCopesWithMissingAttributes) {
   for (const std::string file :
        {"torus_016.none.glb", "sphere_016.none.glb", "torus_016.obj", "sphere_016.obj"}) {
@@ -264,7 +264,7 @@ TEST_F(Cli, ValidateCopesWithMissingAttributes) {
   without({"TANGENT"});
   EXPECT_TRUE(has_finding(only_mesh(json("darboux validate without.glb --json")), "TANGENT_MISSING"));
 
-  // A valid file with nothing to judge.
+  // A valid file with nothing to assess.
   write_bytes(path("nothing.gltf"), R"({"asset": {"version": "2.0"}})");
   const Json nothing = json("darboux validate nothing.gltf --json");
   EXPECT_EQ(nothing["verdict"], "nothing");
@@ -279,10 +279,10 @@ TEST_F(Cli, ThreadsDoNotChangeTheReport) {
 // ---- surroundings -----------------------------------------------------------------------------------------
 
 // Every file other tools made gets a verdict, and one JSON document.
-TEST_F(Cli, JudgesEveryMeshOfTheEvidence) {
+TEST_F(Cli, AssessesEveryMeshOfTheEvidence) {
   const fs::path three = fs::path(DARBOUX_SHARED) / "meshes/three";
   if (!fs::is_directory(three)) GTEST_SKIP() << three << " is not there";
-  std::size_t judged = 0;
+  std::size_t assessed = 0;
   fs::create_directory_symlink(three, path("three"));
   for (const auto& entry : fs::directory_iterator(three)) {
     const std::string name = entry.path().filename().string();
@@ -306,9 +306,9 @@ TEST_F(Cli, JudgesEveryMeshOfTheEvidence) {
         EXPECT_EQ(verdict, "pass");
       }
     }
-    ++judged;
+    ++assessed;
   }
-  EXPECT_GT(judged, 30u);
+  EXPECT_GT(assessed, 30u);
 }
 
 }  // namespace

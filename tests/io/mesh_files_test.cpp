@@ -1,4 +1,4 @@
-// PLY, STL, COLLADA and FBX: every corner as the file has it, and what a mesh in them is judged to be.
+// PLY, STL, COLLADA and FBX: every corner as the file has it, and what a mesh in them is assessed to be.
 #include <cctype>
 #include <cmath>
 #include <functional>

@@ -141,18 +141,18 @@ Mesh unindexed(const Mesh& mesh) {
   return soup;
 }
 
-TrianglesReport judged(const Mesh& mesh) {
+TrianglesReport assessed(const Mesh& mesh) {
   ValidateOptions options;
   options.references = {.analytic = false, .mikktspace = false, .local = false, .triangles = true};
   return validate(mesh, std::nullopt, options).triangles.value_or(TrianglesReport{});
 }
 
 // Measured with the seed below, less a few hundredths.
-constexpr double least_judged = 0.95;
+constexpr double least_compared = 0.95;
 constexpr std::array<double, 3> least_found{0.97, 0.92, 0.85};
 
 std::size_t outside(const Mesh& mesh) {
-  return judged(mesh).outside;
+  return assessed(mesh).outside;
 }
 
 // Tangents turned by an angle from the stored ones, and those of uvs that were swapped since.
@@ -174,9 +174,9 @@ TEST(Cones, HoldEveryAverage) {
   constexpr std::uint64_t seed = 97;
   constexpr int meshes = 100000;
   int collapsed = 0;
-  // Of MikkTSpace's: all corners, those judged; of wrong ones, each of three kinds, those outside and those
-  // not told from right ones.
-  std::size_t corners = 0, told = 0;
+  // Of MikkTSpace's: all corners, those assessed; of wrong ones, each of three kinds, those outside and those
+  // not distinguished from right ones.
+  std::size_t corners = 0, decided = 0;
   std::array<std::size_t, 3> found{}, missed{};
   std::cout << "seed " << seed << '\n';
   Random random(seed);
@@ -192,15 +192,15 @@ TEST(Cones, HoldEveryAverage) {
         soup.tangents.push_back(f.fallback ? Vec4<double>{0, 0, 0, 1}
                                            : Vec4<double>{f.t.x, f.t.y, f.t.z, -f.sign});
       }
-      const TrianglesReport report = judged(soup);
+      const TrianglesReport report = assessed(soup);
       ASSERT_EQ(report.outside, 0u) << "mesh " << i << " by " << method;
       if (std::string_view(method) != "mikktspace") continue;
-      corners += c.mesh.corners(), told += report.judged;
+      corners += c.mesh.corners(), decided += report.compared;
       if (i % 10 != 0) continue;
       for (const Wrong how : {Wrong::negated, Wrong::swapped, Wrong::turned}) {
-        const TrianglesReport wrong = judged(wronged(soup, how));
+        const TrianglesReport wrong = assessed(wronged(soup, how));
         found[static_cast<std::size_t>(how)] += wrong.outside;
-        missed[static_cast<std::size_t>(how)] += wrong.judged - wrong.outside;
+        missed[static_cast<std::size_t>(how)] += wrong.compared - wrong.outside;
       }
     }
     if (c.folded) continue;  // MikkTSpace gives both halves of a quad one sign
@@ -236,8 +236,8 @@ TEST(Cones, HoldEveryAverage) {
   const auto share = [](std::size_t part, std::size_t all) {
     return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(all, 1));
   };
-  std::cout << "judged " << share(told, corners) << " of " << corners << " corners\n";
-  EXPECT_GT(share(told, corners), least_judged);
+  std::cout << "judged " << share(decided, corners) << " of " << corners << " corners\n";
+  EXPECT_GT(share(decided, corners), least_compared);
   for (const Wrong how : {Wrong::negated, Wrong::swapped, Wrong::turned}) {
     const auto k = static_cast<std::size_t>(how);
     std::cout << "wrong in way " << k << ": outside " << share(found[k], found[k] + missed[k]) << " of "
@@ -269,7 +269,7 @@ TEST(Cones, LeaveOutWhatIsNoAverageAtBorders) {
     const CornerFrame& f = frames.corner(k);
     soup.tangents.push_back({f.t.x, f.t.y, f.t.z, -f.sign});
   }
-  EXPECT_EQ(judged(soup).judged, soup.corners());
+  EXPECT_EQ(assessed(soup).compared, soup.corners());
   EXPECT_EQ(outside(soup), 0u);
   for (const Wrong how : {Wrong::negated, Wrong::swapped, Wrong::turned})
     EXPECT_EQ(outside(wronged(soup, how)), soup.corners()) << static_cast<int>(how);

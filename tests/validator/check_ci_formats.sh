@@ -13,7 +13,7 @@ need_npm "$work" ajv@6.12.6 @microsoft/jest-sarif@1.0.0-beta.0 xmllint-wasm@5.3.
 rm -rf "$work/run"
 mkdir -p "$work/run/out"
 cd "$work/run"
-judge() {  # judge NAME WANTED_STATUS ARGUMENT...
+check() {  # check NAME WANTED_STATUS ARGUMENT...
   local name=$1 wanted=$2 status=0
   shift 2
   "$tool" validate "$@" --sarif "out/$name.sarif" --junit "out/$name.xml" >/dev/null 2>&1 || status=$?
@@ -29,31 +29,31 @@ judge() {  # judge NAME WANTED_STATUS ARGUMENT...
 mkdir -p assets/deep empty
 cp "$data/torus_016.three.glb" assets/good.glb
 cp "$data/plainsphere_016.three.glb" assets/deep/bad.glb
-judge passing 0 assets/good.glb
-judge failing 1 assets
-judge absolute 1 "$PWD/assets" --fail-on TANGENT_NOT_MIKKTSPACE
-judge all 1 "$data"
-judge strict 1 "$data" --strict --ignore TANGENT_HANDEDNESS_CONVENTION
-judge local 1 "$data" --reference local,mikktspace
+check passing 0 assets/good.glb
+check failing 1 assets
+check absolute 1 "$PWD/assets" --fail-on TANGENT_NOT_MIKKTSPACE
+check all 1 "$data"
+check strict 1 "$data" --strict --ignore TANGENT_HANDEDNESS_CONVENTION
+check local 1 "$data" --reference local,mikktspace
 
 # Nothing but undetermined: with and without --strict, also where the baseline passed or was undetermined.
 cp "$data/torus_032.mikk.glb" bare.glb
 "$tool" validate bare.glb --json >passed.json
-judge undetermined 1 bare.glb --reference mikktspace
+check undetermined 1 bare.glb --reference mikktspace
 "$tool" validate bare.glb --reference mikktspace --json >undetermined.json || true
 for strict in "" --strict; do
-  judge "undetermined_now$strict" 1 bare.glb --reference mikktspace --baseline passed.json $strict
-  judge "undetermined_still$strict" 0 bare.glb --reference mikktspace --baseline undetermined.json $strict
+  check "undetermined_now$strict" 1 bare.glb --reference mikktspace --baseline passed.json $strict
+  check "undetermined_still$strict" 0 bare.glb --reference mikktspace --baseline undetermined.json $strict
 done
-judge undetermined_strict 1 bare.glb --reference mikktspace --strict
+check undetermined_strict 1 bare.glb --reference mikktspace --strict
 grep -q '"ruleId": "UNDETERMINED"' out/undetermined_now--strict.sarif || { echo "FAILED: no reason in SARIF"; exit 1; }
 
 # A file that passed and holds nothing any more.
 cp bare.glb emptied.gltf
 "$tool" validate emptied.gltf --json >full.json
 printf '{"asset": {"version": "2.0"}}' >emptied.gltf
-judge emptied 1 emptied.gltf --baseline full.json
-judge empty_at_first 0 emptied.gltf
+check emptied 1 emptied.gltf --baseline full.json
+check empty_at_first 0 emptied.gltf
 
 # A control character, a byte that is no UTF-8, one of the two characters that XML lacks, and what has a meaning in XML and URIs.
 awkward=$'\x01\xff\xef\xbf\xbf<&">\'%# é:.'
@@ -63,16 +63,16 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >assets/bare.obj
 printf '{"asset": {"version": "2.0"}}' >assets/nothing.gltf
 "$tool" validate assets --json >readable.json || true
 printf 'glTF no more' >"assets/broken${awkward}glb"
-judge unreadable 2 assets empty gone.glb
+check unreadable 2 assets empty gone.glb
 "$tool" validate assets empty --json >known.json 2>/dev/null || true
-judge known 0 assets empty --baseline known.json
-judge became_unreadable 2 assets empty --baseline readable.json
+check known 0 assets empty --baseline known.json
+check became_unreadable 2 assets empty --baseline readable.json
 # Fewer were known; of one file nothing.
 node -e 'const report = JSON.parse(fs.readFileSync("known.json"));
   for (const mesh of report.files.flatMap(f => f.meshes)) for (const finding of mesh.findings) finding.count >>= 1;
   report.files = report.files.filter(f => f.file !== "assets/good.glb");
   fs.writeFileSync("less.json", JSON.stringify(report));'
-judge worse 1 assets --baseline less.json
+check worse 1 assets --baseline less.json
 for state in new unchanged updated; do
   grep -q "\"baselineState\": \"$state\"" out/*.sarif || { echo "FAILED: nothing is $state"; exit 1; }
 done

@@ -1,4 +1,4 @@
-// What is judged, with what is known of it before any surface is.
+// A mesh with what is computed from it, once, before any surface is known.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace darboux {
 
-struct Subject {
+struct MeshUnderTest {
   const Mesh& mesh;
   MeshClasses classes{};
   VertexJoins joins{};                  // of its vertices; empty in a part
@@ -30,18 +30,19 @@ struct Subject {
 };
 
 // All but what needs the classes, which need to know the poles.
-Subject prepare(const Mesh& mesh, const ValidateOptions& options);
+MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options);
 
 // The classes, and what needs them. \param is_pole of each vertex, or empty
-void classify_subject(Subject& subject, const std::vector<bool>& is_pole, const ValidateOptions& options);
+void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,
+                       const ValidateOptions& options);
 
-// MikkTSpace's tangents under some uvs, as Subject has them. Triangles with numbers that are not finite are
-// left out.
+// MikkTSpace's tangents under some uvs, as MeshUnderTest has them. Triangles with numbers that are not finite
+// are left out.
 std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
                                        bool sort_all_edges = false);
 
 // validate() of what is prepared. \param truth at each vertex, or none \param basis of the truth
-MeshReport judge_subject(const Subject& subject, std::span<const Truth> truth, Basis basis,
-                         const ValidateOptions& options);
+MeshReport validate(const MeshUnderTest& under_test, std::span<const Truth> truth, Basis basis,
+                    const ValidateOptions& options);
 
 }  // namespace darboux

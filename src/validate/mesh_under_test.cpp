@@ -1,4 +1,4 @@
-#include "subject.h"
+#include "mesh_under_test.h"
 
 #include <algorithm>
 #include <cmath>
@@ -57,40 +57,41 @@ std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<do
   return result;
 }
 
-Subject prepare(const Mesh& mesh, const ValidateOptions& options) {
+MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options) {
   for (const auto& [set, uvs] : options.other_uvs)
     if (uvs.size() != mesh.positions.size())
       throw MeshError("mesh", "uv set " + std::to_string(set) + " has " + std::to_string(uvs.size()) +
                                   " uvs for " + std::to_string(mesh.positions.size()) +
                                   " vertices, expected one per vertex");
-  Subject subject{.mesh = mesh, .raw_sign = triangle_signs(mesh)};
-  subject.across_mirror.assign(mesh.positions.size(), false);
-  subject.has_uv_area.assign(mesh.positions.size(), false);
+  MeshUnderTest under_test{.mesh = mesh, .raw_sign = triangle_signs(mesh)};
+  under_test.across_mirror.assign(mesh.positions.size(), false);
+  under_test.has_uv_area.assign(mesh.positions.size(), false);
   std::vector<signed char> winds(mesh.positions.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) {
-      if (subject.raw_sign[t] * winds[v] < 0) subject.across_mirror[v] = true;
-      if (subject.raw_sign[t] == 0) continue;
-      winds[v] = subject.raw_sign[t];
-      subject.has_uv_area[v] = true;
+      if (under_test.raw_sign[t] * winds[v] < 0) under_test.across_mirror[v] = true;
+      if (under_test.raw_sign[t] == 0) continue;
+      winds[v] = under_test.raw_sign[t];
+      under_test.has_uv_area[v] = true;
     }
   if (options.references.mikktspace && !mesh.tangents.empty() && !mesh.normals.empty() && !mesh.uvs.empty())
-    subject.mikktspace = mikktspace_of(mesh, mesh.uvs, options.threads);
-  if (options.references.local && !mesh.uvs.empty()) subject.local = local_truth(mesh);
-  return subject;
+    under_test.mikktspace = mikktspace_of(mesh, mesh.uvs, options.threads);
+  if (options.references.local && !mesh.uvs.empty()) under_test.local = local_truth(mesh);
+  return under_test;
 }
 
-void classify_subject(Subject& subject, const std::vector<bool>& is_pole, const ValidateOptions& options) {
-  const Mesh& mesh = subject.mesh;
-  VertexJoins& joins = subject.joins;
-  subject.classes = classify(mesh, is_pole, subject.raw_sign, joins);
-  subject.normals = check_normals(mesh, joins);
+void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,
+                       const ValidateOptions& options) {
+  const Mesh& mesh = under_test.mesh;
+  VertexJoins& joins = under_test.joins;
+  under_test.classes = classify(mesh, is_pole, under_test.raw_sign, joins);
+  under_test.normals = check_normals(mesh, joins);
   if (!options.references.triangles || mesh.tangents.empty() || mesh.normals.empty() || mesh.uvs.empty())
     return;
   std::vector<double> limit_deg(mesh.positions.size(), options.max_angle_deg);
   for (std::size_t v = 0; v < limit_deg.size(); ++v)
-    if (subject.classes.of_vertex[v] == VertexClass::border) limit_deg[v] *= 3;
-  subject.cones = Cones(mesh, subject.raw_sign, joins, limit_deg, options.max_angle_deg);
+    if (under_test.classes.of_vertex[v] == VertexClass::border) limit_deg[v] *= 3;
+  under_test.cones = Cones(mesh, under_test.raw_sign, joins, limit_deg, options.max_angle_deg);
 }
 
 }  // namespace darboux

@@ -1,10 +1,10 @@
-// What would explain normals and tangents of which most are off.
+// Diagnosis of normals and tangents of which most are off: which one mistake makes all of them.
 #pragma once
 
 #include <functional>
 
 #include "accurate.h"
-#include "subject.h"
+#include "mesh_under_test.h"
 
 namespace darboux {
 
@@ -16,13 +16,14 @@ struct Directions {
 // Compares the stored tangents with the reference's at some thousand corners, spread evenly over the mesh.
 // Where more than a fifth of them is off by more than the limit, and no more than a tenth is under one of
 // these, adds TANGENT_UV_SET: MikkTSpace's under another uv set; TANGENT_AXES: swapped or negated;
-// TANGENT_STALE: after a linear map. \returns whether one of them explains it
-bool explain_tangents(const Subject& subject, const std::function<Directions(std::size_t corner)>& reference,
-                      const ValidateOptions& options, MeshReport& report);
+// TANGENT_STALE: after a linear map. \returns whether it is one of these mistakes
+bool diagnose_tangents(const MeshUnderTest& under_test,
+                       const std::function<Directions(std::size_t corner)>& reference,
+                       const ValidateOptions& options, MeshReport& report);
 
 // The same of normals that are off the surface: they all oppose it, while the winding does not; or
 // NORMAL_STALE, after a linear map.
-bool explain_normals(const Subject& subject, const Accurate& accurate, const ValidateOptions& options,
-                     MeshReport& report);
+bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
+                      const ValidateOptions& options, MeshReport& report);
 
 }  // namespace darboux

@@ -1,4 +1,4 @@
-#include "explain.h"
+#include "diagnose.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t most_samples = 4096, least_samples = 10;
 // Normals of a map have no error of discretisation; eight unknowns fit a few of them whatever they are.
 constexpr std::size_t least_normals = 50;
-constexpr double most = 0.9, explained_below = 0.8;
+constexpr double most = 0.9, diagnosed_below = 0.8;
 
 struct Pair {
   std::size_t corner;
@@ -31,9 +31,9 @@ double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
   return 180 / std::numbers::pi * angle_between(a, b);
 }
 
-std::vector<Pair> samples_of(const Subject& subject,
+std::vector<Pair> samples_of(const MeshUnderTest& under_test,
                              const std::function<Directions(std::size_t)>& reference) {
-  const Mesh& mesh = subject.mesh;
+  const Mesh& mesh = under_test.mesh;
   const std::size_t step = (mesh.corners() + most_samples - 1) / most_samples;
   std::vector<Pair> samples;
   for (std::size_t c = 0; c < mesh.corners(); c += step) {
@@ -41,10 +41,11 @@ std::vector<Pair> samples_of(const Subject& subject,
     const Vec4<double>& t = mesh.tangents[v];
     const Directions d = reference(c);
     if (!detail::finite(t.xyz()) || t.xyz() == Vec3<double>{} || !detail::finite(d.t) ||
-        !detail::finite(d.b) || subject.classes.of_vertex[v] == VertexClass::pole)
+        !detail::finite(d.b) || under_test.classes.of_vertex[v] == VertexClass::pole)
       continue;
     const Vec3<double> along = unit(d.t), across = unit(d.b - dot(d.b, along) * along);
-    samples.push_back({c, unit(t.xyz()), along, across, t.w, static_cast<double>(subject.raw_sign[c / 3])});
+    samples.push_back(
+        {c, unit(t.xyz()), along, across, t.w, static_cast<double>(under_test.raw_sign[c / 3])});
   }
   return samples;
 }
@@ -68,7 +69,7 @@ constexpr Axes other_axes[] = {{"-t", -1, 0, "flip both", "flip u"},
                                {"b", 0, 1, "swap flip u", "swap"},
                                {"-b", 0, -1, "swap flip v", "swap flip both"}};
 
-bool explained_by_axes(const std::vector<Pair>& samples, double limit, std::size_t corners,
+bool follow_other_axes(const std::vector<Pair>& samples, double limit, std::size_t corners,
                        MeshReport& report) {
   for (const Axes& axes : other_axes) {
     const double share =
@@ -87,17 +88,17 @@ bool explained_by_axes(const std::vector<Pair>& samples, double limit, std::size
   return false;
 }
 
-bool explained_by_uv_set(const Subject& subject, const std::vector<Pair>& samples,
+bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair>& samples,
                          const ValidateOptions& options, MeshReport& report) {
-  if (subject.mesh.normals.empty()) return false;
+  if (under_test.mesh.normals.empty()) return false;
   for (const auto& [set, uvs] : options.other_uvs) {
-    const std::vector<Vec4<float>> mikktspace = mikktspace_of(subject.mesh, uvs, options.threads);
+    const std::vector<Vec4<float>> mikktspace = mikktspace_of(under_test.mesh, uvs, options.threads);
     const double share = share_within(samples, options.max_angle_deg, [&](const Pair& s) {
       const Vec4<float>& t = mikktspace[s.corner];
       return Vec3<double>{t.x, t.y, t.z};
     });
     if (share < most) continue;
-    add(report, finding(Code::tangent_uv_set, subject.mesh.corners(),
+    add(report, finding(Code::tangent_uv_set, under_test.mesh.corners(),
                         ": MikkTSpace's of TEXCOORD_" + std::to_string(set)));
     return true;
   }
@@ -106,7 +107,7 @@ bool explained_by_uv_set(const Subject& subject, const std::vector<Pair>& sample
 
 // The linear map M that takes the stored vectors to the reference's t, up to their length: the least of sum
 // |T x M t|² at |M| = 1. \returns what it does, where it explains nearly all
-std::optional<std::string> explaining_map(const std::vector<Pair>& samples, double limit) {
+std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, double limit) {
   Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
   for (const Pair& s : samples) {
     const Eigen::Vector3d t = to_eigen(s.stored), to = to_eigen(s.t);
@@ -118,8 +119,8 @@ std::optional<std::string> explaining_map(const std::vector<Pair>& samples, doub
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(sum);
   // Vectors in one plane leave M open.
-  constexpr double told = 1e-3;
-  if (!(solver.eigenvalues()[1] > told)) return std::nullopt;
+  constexpr double identifiable = 1e-3;
+  if (!(solver.eigenvalues()[1] > identifiable)) return std::nullopt;
   const Eigen::Matrix<double, 9, 1> column = solver.eigenvectors().col(0);
   Eigen::Matrix3d m = Eigen::Map<const Eigen::Matrix3d>(column.data());
   double along = 0;
@@ -141,23 +142,24 @@ std::optional<std::string> explaining_map(const std::vector<Pair>& samples, doub
 
 }  // namespace
 
-bool explain_tangents(const Subject& subject, const std::function<Directions(std::size_t)>& reference,
-                      const ValidateOptions& options, MeshReport& report) {
+bool diagnose_tangents(const MeshUnderTest& under_test,
+                       const std::function<Directions(std::size_t)>& reference,
+                       const ValidateOptions& options, MeshReport& report) {
   const double limit = options.max_angle_deg;
-  const std::size_t corners = subject.mesh.corners();
-  const std::vector<Pair> samples = samples_of(subject, reference);
+  const std::size_t corners = under_test.mesh.corners();
+  const std::vector<Pair> samples = samples_of(under_test, reference);
   if (samples.size() < least_samples) return false;
-  if (share_within(samples, limit, [](const Pair& s) { return s.t; }) >= explained_below) return false;
-  if (explained_by_uv_set(subject, samples, options, report)) return true;
-  if (explained_by_axes(samples, limit, corners, report)) return true;
-  const std::optional<std::string> map = explaining_map(samples, limit);
+  if (share_within(samples, limit, [](const Pair& s) { return s.t; }) >= diagnosed_below) return false;
+  if (follow_other_uv_set(under_test, samples, options, report)) return true;
+  if (follow_other_axes(samples, limit, corners, report)) return true;
+  const std::optional<std::string> map = linear_map_of(samples, limit);
   if (map) add(report, finding(Code::tangent_stale, corners, *map));
   return map.has_value();
 }
 
-bool explain_normals(const Subject& subject, const Accurate& accurate, const ValidateOptions& options,
-                     MeshReport& report) {
-  const Mesh& mesh = subject.mesh;
+bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
+                      const ValidateOptions& options, MeshReport& report) {
+  const Mesh& mesh = under_test.mesh;
   const double limit = options.max_angle_deg;
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
   std::vector<Pair> samples;
@@ -170,7 +172,7 @@ bool explain_normals(const Subject& subject, const Accurate& accurate, const Val
   if (samples.size() < least_samples) return false;
   if (share_within(samples, limit, [](const Pair& s) { return -s.t; }) >= most) return true;
   if (samples.size() < least_normals) return false;
-  const std::optional<std::string> map = explaining_map(samples, limit / 5);
+  const std::optional<std::string> map = linear_map_of(samples, limit / 5);
   if (map) add(report, finding(Code::normal_stale, mesh.corners(), *map));
   return map.has_value();
 }
