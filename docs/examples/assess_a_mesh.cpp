@@ -1,4 +1,4 @@
-// Judges every primitive of a file, as `darboux validate` does. Exit status: 0 pass, 1 not, 2 unreadable.
+// Assesses every primitive of a file, as `darboux validate` does. Exit status: 0 pass, 1 not, 2 unreadable.
 #include <cstdio>
 
 #include <darboux/assess.h>
@@ -14,8 +14,10 @@ int main(int argc, char** argv) try {
   for (const darboux::Primitive& primitive : darboux::read_asset(argv[1]).primitives)
     for (const darboux::Assessment& assessment : darboux::assess_parts(primitive.data, options)) {
       const darboux::MeshReport& report = assessment.report;
+      const auto convention = static_cast<std::size_t>(report.handedness.convention);
       if (assessment.fit && assessment.fit->fits)
-        std::printf("%zu corners, w %s\n", report.corners, std::string(report.handedness.convention).c_str());
+        std::printf("%zu corners, w %s\n", report.corners,
+                    std::string(darboux::handedness_convention_names[convention]).c_str());
       for (const darboux::ClassReport& c : report.classes)
         if (c.tangent_deg)
           std::printf(

@@ -24,6 +24,11 @@ enum class Severity { info, warning, error };
 inline constexpr std::array<std::string_view, 4> verdict_names{"nothing", "pass", "undetermined", "fail"};
 inline constexpr std::array<std::string_view, 3> severity_names{"info", "warning", "error"};
 
+/// What a mesh is compared with, and which of them decided: ReferenceKind::none where none did.
+enum class ReferenceKind { none, analytic, triangles, local, mikktspace };
+inline constexpr std::array<std::string_view, 5> reference_names{"none", "analytic", "triangles", "local",
+                                                                 "mikktspace"};
+
 /// A kind of finding: its code, which stays, and what it means. The whole list: finding_kinds().
 struct FindingKind {
   std::string_view code;
@@ -77,32 +82,43 @@ struct TrianglesReport {
   double worst_deg = 0;      ///< the farthest of those outside
 };
 
+/// Which MikkTSpace tangents are of, at 99 % of the corners or more.
+enum class MikkVariant {
+  none,
+  original,        ///< to the bit
+  sorted_edges,    ///< to the bit that of ports that sort all edges, where the original leaves the last run
+                   ///< unsorted
+  reordered_sums,  ///< the original within 2e-5 degrees, a few units in the last place, as ports that add in
+                   ///< another order have them
+};
+inline constexpr std::array<std::string_view, 4> mikk_variant_names{"none", "original", "sorted edges",
+                                                                    "reordered sums"};
+
 /// The mesh against MikkTSpace's tangents of its own positions, normals and uvs, mikktspace.h.
 struct MikkReport {
   /// The share of corners whose stored tangent has MikkTSpace's bits in single precision, w under the one of
   /// both sign conventions that holds at more of them.
   double equal_bits = 0;
-  /// Which MikkTSpace the tangents are of, at 99 % of the corners or more: "original", to the bit; "sorted
-  /// edges", to the bit that of ports that sort all edges, where the original leaves the last run unsorted;
-  /// "reordered sums", the original within 2e-5 degrees, a few units in the last place, as ports that add in
-  /// another order have them; else "none".
-  std::string_view variant = "none";
+  MikkVariant variant = MikkVariant::none;
   std::vector<ClassReport> classes;  ///< as MeshReport has them, without normals and deviations
 };
 
-/// Which sign convention the stored w follow, over the corners of triangles with uv area and w = ±1.
+/// Which sign convention the stored w follow, as SignConvention has them; mixed: neither at 99 % of corners.
+enum class HandednessConvention { none, raw, gltf, mixed };
+inline constexpr std::array<std::string_view, 4> handedness_convention_names{"none", "raw", "gltf", "mixed"};
+
+/// The same with its counts, over the corners of triangles with uv area and w = ±1; none without tangents.
 struct Handedness {
-  std::string_view convention =
-      "none";             ///< "raw", "gltf", "mixed" (neither has 99 %), "none" without tangents
+  HandednessConvention convention = HandednessConvention::none;
   double consistent = 0;  ///< the share of corners that agree with the named one (mixed: the larger)
   std::size_t wrong = 0;  ///< the others
 };
 
 struct MeshReport {
   std::size_t corners = 0;
-  /// The first of "analytic", "triangles" and "local" that assessed any corner; "mikktspace" where nothing
-  /// else was asked for; else "none".
-  std::string_view reference = "none";
+  /// The first of analytic, triangles and local that decided any corner; mikktspace where nothing else was
+  /// asked for.
+  ReferenceKind reference = ReferenceKind::none;
   std::size_t inward =
       0;  ///< corners whose normal and triangles face against the surface's n, compared with -n
   std::size_t faceted = 0;  ///< corners whose normal is their triangle's, where neighbours turn by more

@@ -99,7 +99,7 @@ Assessment assessment_of(const MeshUnderTest& under_test, Recognised recognised,
   } else {
     add(report, finding(Code::surface_unknown, corners, recognised.reason));
     // What was declared could not be compared, nor anything else.
-    if (declared && (recognised.too_little || report.reference == "none")) {
+    if (declared && (recognised.too_little || report.reference == ReferenceKind::none)) {
       report.without_errors = std::max(report.without_errors, Verdict::undetermined);
       report.verdict = std::max(report.verdict, Verdict::undetermined);
     }

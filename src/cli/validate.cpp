@@ -66,7 +66,7 @@ References parse_references(const std::string& text) {
 void list_findings(const Common& common) {
   Json list = Json::array();
   for (const FindingKind& kind : finding_kinds()) {
-    const std::string_view severity = severity_names[static_cast<std::size_t>(kind.severity)];
+    const std::string_view severity = name_of(kind.severity);
     if (common.json)
       list.push_back(
           {{"code", kind.code}, {"severity", severity}, {"message", kind.message}, {"to_do", kind.to_do}});

@@ -88,6 +88,30 @@ void compare_with_baseline(std::vector<AssessedFile>& files, const std::string& 
 /// "mesh 0 primitive 1 part 2 (name)"
 std::string place_of(const Primitive& primitive, const Assessment& assessment);
 
+inline std::string_view name_of(Verdict verdict) {
+  return verdict_names[static_cast<std::size_t>(verdict)];
+}
+inline std::string_view name_of(Severity severity) {
+  return severity_names[static_cast<std::size_t>(severity)];
+}
+inline std::string_view name_of(ReferenceKind reference) {
+  return reference_names[static_cast<std::size_t>(reference)];
+}
+inline std::string_view name_of(HandednessConvention convention) {
+  return handedness_convention_names[static_cast<std::size_t>(convention)];
+}
+inline std::string_view name_of(MikkVariant variant) {
+  return mikk_variant_names[static_cast<std::size_t>(variant)];
+}
+inline std::string_view name_of(VertexClass vertex_class) {
+  return vertex_class_names[static_cast<std::size_t>(vertex_class)];
+}
+
+/// Whether a truth with an uncertainty decided: that of a surface, or of the neighbours.
+inline bool has_uncertainty(const MeshReport& report) {
+  return report.reference == ReferenceKind::analytic || report.reference == ReferenceKind::local;
+}
+
 /// What stored uvs mean on the surface: "flip v", "projected".
 std::string uv_convention(const MeshFit& fit);
 

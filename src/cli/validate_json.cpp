@@ -24,81 +24,104 @@ Json classes_json(const std::vector<ClassReport>& classes) {
     if (c.worst)
       entry["worst"] = {
           {"vertex", c.worst->vertex}, {"u", number(c.worst->uv.x)}, {"v", number(c.worst->uv.y)}};
-    json[std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)])] = entry;
+    json[std::string(name_of(c.vertex_class))] = entry;
   }
   return json;
 }
 
-std::string_view name_of(Severity severity) {
-  return severity_names[static_cast<std::size_t>(severity)];
+Json evidence_json(const std::optional<Evidence>& evidence) {
+  if (!evidence) return nullptr;
+  return {{"log10_odds", number(evidence->log10_odds)}, {"rival", evidence->rival}, {"text", evidence->text}};
+}
+
+// The surface with its place and how well both are known.
+Json placed_surface_json(const MeshFit& fit) {
+  Json surface = surface_json(fit.surface.surface);
+  surface["placement"] = Json::array();
+  for (Eigen::Index k = 0; k < 16; ++k)
+    surface["placement"].push_back(number(fit.surface.placement.matrix()(k % 4, k / 4)));
+  surface["fit_rms"] = number(fit.rms);
+  surface["fit_rms_relative"] = number(fit.rms_relative);
+  surface["sigma"] = number(fit.sigma);
+  surface["covariance"] = Json::array();
+  for (const auto& row : fit.covariance.rowwise()) {
+    surface["covariance"].push_back(Json::array());
+    for (const double x : row) surface["covariance"].back().push_back(number(x));
+  }
+  surface["centre"] = {number(fit.centre.x()), number(fit.centre.y()), number(fit.centre.z())};
+  return surface;
+}
+
+Json uv_json(const MeshFit& fit, int texcoord) {
+  Json uv{{"convention", uv_convention(fit)}, {"texcoord", texcoord}};
+  if (fit.chart == UvChart::own) {
+    uv["affine"] = Json::array();
+    for (const double x : fit.surface.uv.affine) uv["affine"].push_back(number(x));
+    uv["equivalent"] = fit.equivalent;
+  } else if (fit.chart == UvChart::projected) {
+    uv["projection"] = Json::array();
+    for (Eigen::Index k = 0; k < 9; ++k) uv["projection"].push_back(number(fit.projection(k % 3, k / 3)));
+  }
+  return uv;
+}
+
+// The references beside the surface.
+Json references_json(const MeshReport& report) {
+  Json references = Json::object();
+  if (report.local) {
+    Json& local = references["local"];
+    local = {{"classes", classes_json(report.local->classes)}, {"compared", report.local->compared}};
+    if (report.local->compared > 0) local["agreement"] = number(report.local->agreement);
+  }
+  if (report.triangles)
+    references["triangles"] = {{"judged", report.triangles->compared},
+                               {"outside", report.triangles->outside},
+                               {"worst_deg", number(report.triangles->worst_deg)}};
+  if (report.mikktspace)
+    references["mikktspace"] = {{"equal_bits", number(report.mikktspace->equal_bits)},
+                                {"variant", name_of(report.mikktspace->variant)},
+                                {"classes", classes_json(report.mikktspace->classes)}};
+  return references;
+}
+
+Json findings_json(const AssessedPrimitive& assessed, std::size_t which, bool with_baseline) {
+  Json findings = Json::array();
+  const std::vector<Finding>& list = assessed.assessments[which].report.findings;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const Finding& f = list[k];
+    const Severity own = assessed.own_severities[which][k];
+    Json entry{{"code", f.code}, {"severity", name_of(f.severity)}};
+    if (own != f.severity) entry["own_severity"] = name_of(own);
+    entry["count"] = f.count;
+    entry["message"] = f.message;
+    entry["to_do"] = f.to_do;
+    if (with_baseline) entry["baseline"] = assessed.known_count(f.code, own);
+    findings.push_back(std::move(entry));
+  }
+  return findings;
 }
 
 Json assessment_json(const AssessedPrimitive& assessed, std::size_t which, bool with_baseline) {
   const Assessment& assessment = assessed.assessments[which];
-  const std::vector<Severity>& own_severities = assessed.own_severities[which];
   const Primitive& primitive = assessed.primitive;
   const MeshReport& report = assessment.report;
   Json json{{"mesh", primitive.mesh},
             {"primitive", primitive.primitive},
             {"name", primitive.name},
             {"corners", report.corners},
-            {"verdict", verdict_names[static_cast<std::size_t>(report.verdict)]}};
+            {"verdict", name_of(report.verdict)}};
   if (assessment.part) json["part"] = *assessment.part;
-  json["surface"] = nullptr;
-  json["evidence"] = nullptr;
-  if (assessment.evidence)
-    json["evidence"] = {{"log10_odds", number(assessment.evidence->log10_odds)},
-                        {"rival", assessment.evidence->rival},
-                        {"text", assessment.evidence->text}};
-  json["uv"] = nullptr;
-  if (assessment.fit && assessment.fit->fits) {
-    const MeshFit& fit = *assessment.fit;
-    Json surface = surface_json(fit.surface.surface);
-    Json placement = Json::array(), affine = Json::array();
-    for (Eigen::Index k = 0; k < 16; ++k)
-      placement.push_back(number(fit.surface.placement.matrix()(k % 4, k / 4)));
-    surface["placement"] = placement;
-    surface["fit_rms"] = number(fit.rms);
-    surface["fit_rms_relative"] = number(fit.rms_relative);
-    surface["sigma"] = number(fit.sigma);
-    surface["covariance"] = Json::array();
-    for (const auto& row : fit.covariance.rowwise()) {
-      surface["covariance"].push_back(Json::array());
-      for (const double x : row) surface["covariance"].back().push_back(number(x));
-    }
-    surface["centre"] = {number(fit.centre.x()), number(fit.centre.y()), number(fit.centre.z())};
-    json["surface"] = surface;
-    json["uv"] = {{"convention", uv_convention(fit)},
-                  {"texcoord", assessment.uv_set.value_or(primitive.texcoord)}};
-    if (fit.chart == UvChart::own) {
-      for (const double x : fit.surface.uv.affine) affine.push_back(number(x));
-      json["uv"]["affine"] = affine;
-      json["uv"]["equivalent"] = fit.equivalent;
-    } else if (fit.chart == UvChart::projected) {
-      for (Eigen::Index k = 0; k < 9; ++k) affine.push_back(number(fit.projection(k % 3, k / 3)));
-      json["uv"]["projection"] = affine;
-    }
-  }
-  json["reference"] = report.reference;
-  json["references"] = Json::object();
-  if (report.local) {
-    Json local{{"classes", classes_json(report.local->classes)}, {"compared", report.local->compared}};
-    if (report.local->compared > 0) local["agreement"] = number(report.local->agreement);
-    json["references"]["local"] = local;
-  }
-  if (report.triangles)
-    json["references"]["triangles"] = {{"judged", report.triangles->compared},
-                                       {"outside", report.triangles->outside},
-                                       {"worst_deg", number(report.triangles->worst_deg)}};
-  if (report.mikktspace)
-    json["references"]["mikktspace"] = {{"equal_bits", number(report.mikktspace->equal_bits)},
-                                        {"variant", report.mikktspace->variant},
-                                        {"classes", classes_json(report.mikktspace->classes)}};
+  const bool fits = assessment.fit && assessment.fit->fits;
+  json["surface"] = fits ? placed_surface_json(*assessment.fit) : Json();
+  json["evidence"] = evidence_json(assessment.evidence);
+  json["uv"] = fits ? uv_json(*assessment.fit, assessment.uv_set.value_or(primitive.texcoord)) : Json();
+  json["reference"] = name_of(report.reference);
+  json["references"] = references_json(report);
   json["frame_uncertainty_deg"] = nullptr;
-  if (report.reference == "analytic" || report.reference == "local")
+  if (has_uncertainty(report))
     json["frame_uncertainty_deg"] = {{"normal", spread_json(report.normal_uncertainty_deg)},
                                      {"tangent", spread_json(report.tangent_uncertainty_deg)}};
-  json["handedness"] = {{"convention", report.handedness.convention},
+  json["handedness"] = {{"convention", name_of(report.handedness.convention)},
                         {"consistent", number(report.handedness.consistent)},
                         {"wrong", report.handedness.wrong}};
   json["zero_tangents"] = report.zero_tangents;
@@ -109,18 +132,21 @@ Json assessment_json(const AssessedPrimitive& assessed, std::size_t which, bool 
   json["degenerate_triangles"] = report.degenerate_triangles;
   json["degenerate_uv_triangles"] = report.degenerate_uv_triangles;
   json["classes"] = classes_json(report.classes);
-  json["findings"] = Json::array();
-  for (std::size_t k = 0; k < report.findings.size(); ++k) {
-    const Finding& f = report.findings[k];
-    const Severity own = own_severities[k];
-    Json entry{{"code", f.code}, {"severity", name_of(f.severity)}};
-    if (own != f.severity) entry["own_severity"] = name_of(own);
-    entry["count"] = f.count;
-    entry["message"] = f.message;
-    entry["to_do"] = f.to_do;
-    if (with_baseline) entry["baseline"] = assessed.known_count(f.code, own);
-    json["findings"].push_back(std::move(entry));
-  }
+  json["findings"] = findings_json(assessed, which, with_baseline);
+  return json;
+}
+
+Json file_json(const AssessedFile& file, bool with_baseline) {
+  Json json{{"file", file.path}, {"verdict", name_of(file.verdict)}};
+  if (with_baseline) json["worse"] = file.worse;
+  if (!file.error.empty()) json["error"] = file.error;
+  json["meshes"] = Json::array();
+  for (const AssessedPrimitive& p : file.primitives)
+    for (std::size_t a = 0; a < p.assessments.size(); ++a)
+      json["meshes"].push_back(assessment_json(p, a, with_baseline));
+  json["skipped"] = Json::array();
+  for (const SkippedPrimitive& s : file.skipped)
+    json["skipped"].push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
   return json;
 }
 
@@ -133,17 +159,7 @@ Json report_json(const std::vector<AssessedFile>& files, bool with_baseline) {
   for (const AssessedFile& file : files) {
     verdict = std::max(verdict, file.verdict);
     worse |= file.worse;
-    Json entry{{"file", file.path}, {"verdict", verdict_names[static_cast<std::size_t>(file.verdict)]}};
-    if (with_baseline) entry["worse"] = file.worse;
-    if (!file.error.empty()) entry["error"] = file.error;
-    entry["meshes"] = Json::array();
-    for (const AssessedPrimitive& p : file.primitives)
-      for (std::size_t a = 0; a < p.assessments.size(); ++a)
-        entry["meshes"].push_back(assessment_json(p, a, with_baseline));
-    entry["skipped"] = Json::array();
-    for (const SkippedPrimitive& s : file.skipped)
-      entry["skipped"].push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
-    list.push_back(std::move(entry));
+    list.push_back(file_json(file, with_baseline));
   }
   Json verdicts = Json::object(), codes = Json::object(), by_severity = Json::object(),
        ignored = Json::object();
@@ -153,7 +169,7 @@ Json report_json(const std::vector<AssessedFile>& files, bool with_baseline) {
   };
   for (const std::string_view name : verdict_names) verdicts[std::string(name)] = 0;
   for (const AssessedFile& file : files) {
-    add(verdicts, verdict_names[static_cast<std::size_t>(file.verdict)], 1);
+    add(verdicts, name_of(file.verdict), 1);
     for (const AssessedPrimitive& p : file.primitives)
       p.each_finding([&](const Assessment&, const Finding& f, Severity) {
         add(codes, f.code, f.count);
@@ -169,7 +185,7 @@ Json report_json(const std::vector<AssessedFile>& files, bool with_baseline) {
               {"codes", std::move(codes)},
               {"codes_by_severity", std::move(by_severity)}}},
             {"ignored", std::move(ignored)},
-            {"verdict", verdict_names[static_cast<std::size_t>(verdict)]}};
+            {"verdict", name_of(verdict)}};
   if (with_baseline) json["worse"] = worse;
   return json;
 }

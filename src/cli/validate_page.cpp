@@ -175,6 +175,24 @@ std::vector<Entry> entries_of(const std::vector<AssessedFile>& files, double max
   return sorted;
 }
 
+// The sentence on what decided.
+std::string_view decided_by(const MeshReport& report) {
+  switch (report.reference) {
+    case ReferenceKind::analytic:
+      return "Judged by that surface.";
+    case ReferenceKind::triangles:
+      return "Judged by the mesh's own triangles: what directions their uvs permit.";
+    case ReferenceKind::local:
+      return "Compared with polynomials through the mesh's own positions and uvs.";
+    case ReferenceKind::mikktspace:
+      return "Judged by MikkTSpace's tangents of the mesh's own data.";
+    case ReferenceKind::none:
+      break;
+  }
+  return report.corners == 0 ? ""
+                             : "No surface is known here; normals were held against their own triangles.";
+}
+
 std::string reference_text(const Assessment& assessment) {
   const MeshReport& report = assessment.report;
   std::string words;
@@ -183,16 +201,8 @@ std::string reference_text(const Assessment& assessment) {
             text(uv_convention(*assessment.fit)) + ". ";
   if (assessment.fit && assessment.fit->fits && assessment.evidence && !assessment.evidence->text.empty())
     words += "What speaks for it: " + text(assessment.evidence->text) + ". ";
-  words += report.reference == "analytic" ? "Judged by that surface."
-           : report.reference == "triangles"
-               ? "Judged by the mesh's own triangles: what directions their uvs permit."
-           : report.reference == "local"
-               ? "Compared with polynomials through the mesh's own positions and uvs."
-           : report.reference == "mikktspace" ? "Judged by MikkTSpace's tangents of the mesh's own data."
-           : assessment.report.corners == 0
-               ? ""
-               : "No surface is known here; normals were held against their own triangles.";
-  if (report.reference == "analytic" || report.reference == "local")
+  words += decided_by(report);
+  if (has_uncertainty(report))
     words += " It is uncertain by " +
              escape(deviation_text(report.normal_uncertainty_deg.rms(), 2, "° rms")) + " (normals) and " +
              escape(deviation_text(report.tangent_uncertainty_deg.rms(), 2, "° rms")) + " (tangents).";
@@ -205,8 +215,8 @@ std::string reference_text(const Assessment& assessment) {
   }
   if (report.faceted > 0)
     words += " Faceted: at " + plural(report.faceted, "corner") + " the normal is the triangle's own.";
-  if (report.handedness.convention != "none")
-    words += " The sign w follows the convention " + text(report.handedness.convention) + '.';
+  if (report.handedness.convention != HandednessConvention::none)
+    words += " The sign w follows the convention " + text(name_of(report.handedness.convention)) + '.';
   if (report.mikktspace)
     words += " MikkTSpace's tangents are met to the bit at " +
              rounded(100 * report.mikktspace->equal_bits, 4) + " % of corners.";
@@ -231,8 +241,7 @@ std::string class_table(const MeshReport& report) {
   std::string rows;
   for (const ClassReport& c : report.classes) {
     if (!c.normal_deg && !c.tangent_deg && !c.bitangent_deg) continue;
-    rows += "<tr class=vertex-class><th scope=row>" +
-            text(vertex_class_names[static_cast<std::size_t>(c.vertex_class)]) + "<td class=n>" +
+    rows += "<tr class=vertex-class><th scope=row>" + text(name_of(c.vertex_class)) + "<td class=n>" +
             std::to_string(c.corners);
     for (const auto& s : {c.normal_deg, c.tangent_deg, c.bitangent_deg})
       for (const auto member : {&Statistics::max, &Statistics::rms, &Statistics::p95})
@@ -357,7 +366,7 @@ std::string histogram(const Entry& e) {
 
 std::string assessment_body(const Assessment& j, std::size_t number) {
   return "<div class=assessment data-number=" + std::to_string(number) +
-         " data-verdict=" + std::string(verdict_names[static_cast<std::size_t>(j.report.verdict)]) +
+         " data-verdict=" + std::string(name_of(j.report.verdict)) +
          " data-corners=" + std::to_string(j.report.corners) + ">\n" + findings_list(j.report) +
          reference_text(j) + class_table(j.report) + "</div>\n";
 }
@@ -410,8 +419,8 @@ std::string entry(const Entry& e, bool one_file, bool open) {
                                ? path_text(e.file.path)
                                : path_text(e.file.path) + " <span class=soft>" + text(place) + "</span>";
   std::string html = "<details class=\"card mesh\" id=m" + std::to_string(e.number) + (open ? " open" : "") +
-                     " data-verdict=" + std::string(verdict_names[static_cast<std::size_t>(e.verdict)]) +
-                     " data-codes=\"" + escape(code_names) + "\" data-corners=" + std::to_string(e.corners) +
+                     " data-verdict=" + std::string(name_of(e.verdict)) + " data-codes=\"" +
+                     escape(code_names) + "\" data-corners=" + std::to_string(e.corners) +
                      " data-worst=" + (std::isnan(e.worst) ? "-1" : rounded(e.worst, 6)) +
                      ">\n<summary><span>" + badge(e.verdict) + "</span><span class=name>" + name +
                      "</span><span class=n>" + std::to_string(e.corners) + "</span><span class=n>" +
@@ -524,7 +533,7 @@ std::string validate_page(const std::vector<AssessedFile>& files, double max_ang
       "'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; script-src " +
       digest(validate_page_js_sha256) +
       "\">\n<meta name=viewport content=\"width=device-width, initial-scale=1\">\n<title>" +
-      escape(std::string(verdict_names[static_cast<std::size_t>(verdict)]) + ": " + what) +
+      escape(std::string(name_of(verdict)) + ": " + what) +
       " – Darboux</title>\n<link rel=icon href=\"data:,\">\n<style>";
   page += page_style;
   page += style;

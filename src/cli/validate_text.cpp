@@ -17,8 +17,7 @@ constexpr std::size_t most_tables = 12;
 
 void print_finding(Severity severity, std::string_view code, const std::string& count,
                    std::string_view message) {
-  std::cout << "    " << severity_names[static_cast<std::size_t>(severity)] << ' ' << code << " (" << count
-            << "): " << message << '\n';
+  std::cout << "    " << name_of(severity) << ' ' << code << " (" << count << "): " << message << '\n';
 }
 
 void print_local(const LocalReport& local) {
@@ -53,7 +52,7 @@ void print_mikktspace(const MikkReport& mikktspace) {
       corners += n;
     }
   std::cout << "    mikktspace: " << rounded(100 * mikktspace.equal_bits, 4) << " % of corners to the bit";
-  if (mikktspace.variant == "reordered sums") std::cout << " (the rest by rounding)";
+  if (mikktspace.variant == MikkVariant::reordered_sums) std::cout << " (the rest by rounding)";
   if (corners > 0)
     std::cout << ", tangents differ by " << rounded(std::sqrt(squares / corners), 2) << " deg rms, "
               << rounded(max, 3) << " at most";
@@ -67,7 +66,8 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
   if (assessment.fit && assessment.fit->fits)
     std::cout << ", " << assessment.fit->surface.surface.specification(6) << ", uvs "
               << uv_convention(*assessment.fit);
-  std::cout << ", w " << report.handedness.convention << ", judged by " << report.reference << '\n';
+  std::cout << ", w " << name_of(report.handedness.convention) << ", judged by " << name_of(report.reference)
+            << '\n';
   if (!report.classes.empty())
     std::printf("    %-10s %9s  %-23s  %-23s  %-23s\n", "class", "corners", "normal max/rms (deg)",
                 "tangent max/rms (deg)", "bitangent max/rms (deg)");
@@ -79,16 +79,16 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
       std::snprintf(text, sizeof text, "%.3g / %.3g", s->max, s->rms);
       return std::string(text);
     };
-    std::printf("    %-10s %9zu  %-23s  %-23s  %-23s\n",
-                std::string(vertex_class_names[static_cast<std::size_t>(c.vertex_class)]).c_str(), c.corners,
-                cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(), cell(c.bitangent_deg).c_str());
+    std::printf("    %-10s %9zu  %-23s  %-23s  %-23s\n", std::string(name_of(c.vertex_class)).c_str(),
+                c.corners, cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(),
+                cell(c.bitangent_deg).c_str());
   }
   std::fflush(stdout);
-  if ((report.reference == "analytic" || report.reference == "local") && report.corners > 0)
+  if (has_uncertainty(report) && report.corners > 0)
     std::cout << "    truth uncertain by "
               << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals), "
               << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms") << " (tangents)\n";
-  if (report.local && report.reference != "local") print_local(*report.local);
+  if (report.local && report.reference != ReferenceKind::local) print_local(*report.local);
   if (report.triangles && report.triangles->compared > 0) {
     const TrianglesReport& t = *report.triangles;
     std::cout << "    triangles: " << t.compared - t.outside << " of " << t.compared
@@ -287,8 +287,8 @@ void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadabl
   const std::vector<CodeTotal> totals = totals_of(files);
   if (!totals.empty()) std::cout << "found:\n";
   for (const CodeTotal& t : totals) {
-    std::cout << "  " << severity_names[static_cast<std::size_t>(t.first->severity)] << ' ' << t.first->code
-              << ": " << t.count << " in " << files_text(t.files);
+    std::cout << "  " << name_of(t.first->severity) << ' ' << t.first->code << ": " << t.count << " in "
+              << files_text(t.files);
     if (t.first->severity == Severity::error) std::cout << ". To do: " << t.first->to_do;
     std::cout << '\n';
   }
@@ -312,7 +312,7 @@ void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool
       continue;
     }
     if (!tables && !has_something(file)) continue;
-    std::cout << one_line(file.path) << ": " << verdict_names[static_cast<std::size_t>(file.verdict)] << '\n';
+    std::cout << one_line(file.path) << ": " << name_of(file.verdict) << '\n';
     if (file.verdict == Verdict::nothing)
       std::cout << "  holds " << nothing_because(file) << (file.lost ? "; it passed in the baseline" : "")
                 << '\n';

@@ -44,7 +44,9 @@ Handedness Signs::handedness() const {
   if (total == 0) return result;
   result.consistent = static_cast<double>(larger) / static_cast<double>(total);
   result.wrong = total - larger;
-  result.convention = result.consistent < 0.99 ? "mixed" : raw() ? "raw" : "gltf";
+  result.convention = result.consistent < 0.99 ? HandednessConvention::mixed
+                      : raw()                  ? HandednessConvention::raw
+                                               : HandednessConvention::gltf;
   return result;
 }
 

@@ -163,7 +163,7 @@ class MeshValidation {
   void count_vertex(std::uint32_t v);
   void keep_errors_by_triangles();
   void compare_with_neighbours();
-  std::string_view variant(std::size_t equal, std::size_t near) const;
+  MikkVariant variant(std::size_t equal, std::size_t near) const;
   void compare_with_mikktspace();
   void look_at_signs();
   void add_notes();
@@ -450,12 +450,12 @@ void MeshValidation::compare_with_neighbours() {
 }
 
 // Which MikkTSpace: that whose edges are all sorted is made only where the original is nearly what is stored.
-std::string_view MeshValidation::variant(std::size_t equal, std::size_t near) const {
+MikkVariant MeshValidation::variant(std::size_t equal, std::size_t near) const {
   const std::size_t corners = mesh_.corners();
   const auto nearly_all = [&](std::size_t n) {
     return corners > 0 && static_cast<double>(n) >= 0.99 * static_cast<double>(corners);
   };
-  if (equal == corners && corners > 0) return "original";
+  if (equal == corners && corners > 0) return MikkVariant::original;
   if (static_cast<double>(equal) >= 0.9 * static_cast<double>(corners)) {
     const std::vector<Vec4<float>> sorted = mikktspace_of(mesh_, mesh_.uvs, options_.threads, true);
     const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
@@ -466,9 +466,11 @@ std::string_view MeshValidation::variant(std::size_t equal, std::size_t near) co
       if (m.w == 0 || bits(t.x) != bits(m.x) || bits(t.y) != bits(m.y) || bits(t.z) != bits(m.z)) continue;
       raw += t.w == m.w, gltf += t.w == -m.w;
     }
-    if (std::max(raw, gltf) > equal && nearly_all(std::max(raw, gltf))) return "sorted edges";
+    if (std::max(raw, gltf) > equal && nearly_all(std::max(raw, gltf))) return MikkVariant::sorted_edges;
   }
-  return nearly_all(equal) ? "original" : nearly_all(near) ? "reordered sums" : "none";
+  return nearly_all(equal)  ? MikkVariant::original
+         : nearly_all(near) ? MikkVariant::reordered_sums
+                            : MikkVariant::none;
 }
 
 void MeshValidation::compare_with_mikktspace() {
@@ -537,11 +539,11 @@ void MeshValidation::compare_with_mikktspace() {
 
 void MeshValidation::look_at_signs() {
   if (mesh_.tangents.empty()) return;
-  const std::string_view convention = report_.handedness.convention;
-  if (convention == "raw")
+  const HandednessConvention convention = report_.handedness.convention;
+  if (convention == HandednessConvention::raw)
     add(report_, finding(Code::handedness_convention, signs_.all().raw,
                          " (glTF's of uvs whose v was flipped is the same)"));
-  if (convention == "mixed") {
+  if (convention == HandednessConvention::mixed) {
     std::size_t raw = 0, gltf = 0, both = 0;
     for (const SignCount& island : signs_.islands())
       ++(island.gltf == 0 ? raw : island.raw == 0 ? gltf : both);
@@ -634,11 +636,12 @@ void MeshValidation::add_notes() {
 
 void MeshValidation::decide() {
   const bool by_triangles = report_.triangles && report_.triangles->compared > 0;
-  report_.reference = decided_ > 0                              ? "analytic"
-                      : by_triangles                            ? "triangles"
-                      : locally_ > 0                            ? "local"
-                      : report_.mikktspace && only_mikktspace() ? "mikktspace"
-                                                                : "none";
+  using enum ReferenceKind;
+  report_.reference = decided_ > 0                              ? analytic
+                      : by_triangles                            ? triangles
+                      : locally_ > 0                            ? local
+                      : report_.mikktspace && only_mikktspace() ? mikktspace
+                                                                : none;
   const bool tangents = !mesh_.tangents.empty();
   report_.without_errors = mesh_.triangles.empty() || (!tangents && mesh_.normals.empty()) ? Verdict::nothing
                            : !tangents || decided_ > 0 || by_triangles                     ? Verdict::pass

@@ -51,7 +51,7 @@ void expect_same_statistics(const Mesh& mesh, const std::vector<VertexClass>& cl
   for (const ClassReport& c : report.classes) {
     const auto& of_class = errors[static_cast<std::size_t>(c.vertex_class)];
     seen += of_class.size();
-    if (report.reference == "triangles") {  // only what lies outside their cones
+    if (report.reference == ReferenceKind::triangles) {  // only what lies outside their cones
       for (const float e : of_class)
         EXPECT_TRUE(e > 0 && e <= static_cast<float>(report.triangles->worst_deg));
       continue;
@@ -87,13 +87,14 @@ TEST(KeptErrors, StatisticsAreOfThem) {
         mesh.tangents[41].x = std::numeric_limits<double>::quiet_NaN();
         if (!tangents) mesh.tangents.clear();
         const Assessment assessment = assess(mesh, keeping(references));
-        SCOPED_TRACE(std::string(kind) + " by " + std::string(assessment.report.reference));
+        SCOPED_TRACE(std::string(kind) + " by " +
+                     std::string(reference_names[static_cast<std::size_t>(assessment.report.reference)]));
         std::vector<bool> is_pole;
-        if (assessment.report.reference == "analytic")
+        if (assessment.report.reference == ReferenceKind::analytic)
           for (const Truth& t : truths(mesh, *assessment.fit)) is_pole.push_back(t.pole);
-        references_seen += assessment.report.reference != "none";
+        references_seen += assessment.report.reference != ReferenceKind::none;
         expect_same_statistics(mesh, classify(mesh, is_pole).of_vertex, assessment.report);
-        if (assessment.report.reference == "triangles") {
+        if (assessment.report.reference == ReferenceKind::triangles) {
           EXPECT_EQ(static_cast<std::size_t>(std::count_if(assessment.report.errors_deg.begin(),
                                                            assessment.report.errors_deg.end(),
                                                            [](float e) { return !std::isnan(e); })),

@@ -164,13 +164,16 @@ void expect_no_finding(std::size_t part, std::size_t parts) {
                              std::string(charts()[chart].name) + ", x " + std::to_string(scales[scale]) +
                              ", " + storages[storage] + ", w " + (sign == 0 ? "gltf" : "raw") + ", " +
                              windings[winding] + ", jitter " + std::to_string(jitters[jitter]) +
-                             (declared ? ", declared" : "") + ", by " + std::string(report.reference);
+                             (declared ? ", declared" : "") + ", by " +
+                             std::string(reference_names[static_cast<std::size_t>(report.reference)]);
     EXPECT_EQ(report.verdict, Verdict::pass) << what << "\n" << findings(report);
     for (const Finding& f : report.findings)
       EXPECT_NE(f.severity, Severity::error) << what << "\n" << f.message;
     EXPECT_EQ(report.handedness.consistent, 1) << what;
     // Reversed winding turns the sign of the uv area over, and with it the convention.
-    EXPECT_EQ(report.handedness.convention, (sign == 1) == (winding == 0) ? "raw" : "gltf") << what;
+    EXPECT_EQ(report.handedness.convention,
+              (sign == 1) == (winding == 0) ? HandednessConvention::raw : HandednessConvention::gltf)
+        << what;
   }
 }
 

@@ -275,7 +275,7 @@ TEST(PlantedDefects, SignsThatDifferBetweenIslands) {
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     if (mesh.tangents[i].w > 0) mesh.tangents[i].w = -1;
   const MeshReport report = validate(mesh, std::nullopt);
-  EXPECT_EQ(report.handedness.convention, "mixed");
+  EXPECT_EQ(report.handedness.convention, HandednessConvention::mixed);
   EXPECT_EQ(joined(codes({Assessment{{}, report}})), "HANDEDNESS_MIXED ");
 }
 

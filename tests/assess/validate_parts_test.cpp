@@ -89,7 +89,7 @@ TEST(ValidateParts, UnknownUvsOnAKnownSurface) {
   const Assessment assessment = assess(mesh);
   ASSERT_TRUE(assessment.fit && assessment.fit->fits);
   EXPECT_EQ(assessment.fit->chart, UvChart::unknown);
-  EXPECT_EQ(assessment.report.reference, "analytic");
+  EXPECT_EQ(assessment.report.reference, ReferenceKind::analytic);
   EXPECT_LT(interior_of(assessment.report).normal_deg->max, 1e-9);
   EXPECT_EQ(assessment.report.verdict, Verdict::pass);
   EXPECT_EQ(assessment.report.tangent_uncertainty_deg.finite(), 0u);
@@ -212,7 +212,7 @@ TEST_F(OtherPeople, MirrorTestFollowsMikkTSpaceAndItsCapsAreSpheres) {
   double equal = 0, corners = 0;
   for (const Assessment& j : assessed("khronos/NormalTangentMirrorTest.glb")) {
     EXPECT_EQ(j.report.verdict, Verdict::pass);
-    EXPECT_EQ(j.report.handedness.convention, "gltf");
+    EXPECT_EQ(j.report.handedness.convention, HandednessConvention::gltf);
     ASSERT_TRUE(j.report.mikktspace.has_value());
     for (const ClassReport& c : j.report.mikktspace->classes) {
       ASSERT_TRUE(c.tangent_deg.has_value());

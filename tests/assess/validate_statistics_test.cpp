@@ -26,7 +26,7 @@ using namespace test;
 // tangent's is infinite, as first order tells nothing.
 void expect_equal(const MeshReport& report, const std::map<VertexClass, OfClass>& expected, bool fitted,
                   const std::string& what) {
-  EXPECT_EQ(report.reference, "analytic") << what;
+  EXPECT_EQ(report.reference, ReferenceKind::analytic) << what;
   ASSERT_EQ(report.classes.size(), expected.size()) << what;
   for (const ClassReport& c : report.classes) {
     const std::string name =

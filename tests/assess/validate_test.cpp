@@ -50,8 +50,9 @@ TEST(Validate, ExactTangentsPass) {
         const MeshReport report = assess(mesh).report;
         EXPECT_EQ(report.verdict, Verdict::pass) << surface.info().name << " x " << scale;
         EXPECT_TRUE(errors(report).empty()) << errors(report).front();
-        EXPECT_EQ(report.reference, "analytic");
-        EXPECT_EQ(report.handedness.convention, sign == SignConvention::raw ? "raw" : "gltf");
+        EXPECT_EQ(report.reference, ReferenceKind::analytic);
+        EXPECT_EQ(report.handedness.convention,
+                  sign == SignConvention::raw ? HandednessConvention::raw : HandednessConvention::gltf);
         EXPECT_EQ(report.handedness.consistent, 1);
         std::size_t corners = 0;
         for (const ClassReport& c : report.classes) {
@@ -168,17 +169,17 @@ TEST(Validate, CountsWhatItCounts) {
 
 TEST(Validate, HandednessConventions) {
   Mesh mesh = sample_mesh(Torus{1.0, 0.4}, {.columns = 32, .rows = 16});
-  EXPECT_EQ(assess(mesh).report.handedness.convention, "gltf");
+  EXPECT_EQ(assess(mesh).report.handedness.convention, HandednessConvention::gltf);
   // Half of the vertices flipped: mixed, and an error within the one island.
   for (std::size_t v = 0; v < mesh.tangents.size(); v += 2) mesh.tangents[v].w *= -1;
   const MeshReport mixed = assess(mesh).report;
-  EXPECT_EQ(mixed.handedness.convention, "mixed");
+  EXPECT_EQ(mixed.handedness.convention, HandednessConvention::mixed);
   EXPECT_EQ(errors(mixed).size(), 1u);
   EXPECT_EQ(errors(mixed).front().substr(0, 18), "TANGENT_HANDEDNESS");
   // A mirrored mesh has two islands of opposite w, which is right.
   const Mesh mirrored = sample_mesh(Torus{1.0, 0.4}, {.columns = 32, .rows = 16, .mirror = true});
   const MeshReport report = validate(mirrored, std::nullopt);
-  EXPECT_EQ(report.handedness.convention, "gltf");
+  EXPECT_EQ(report.handedness.convention, HandednessConvention::gltf);
   EXPECT_EQ(report.handedness.consistent, 1);
   EXPECT_TRUE(errors(report).empty());
 }
@@ -189,14 +190,14 @@ TEST(Validate, WithoutTruthTheVerdictIsUndetermined) {
   AssessOptions analytic;
   analytic.references = {.analytic = true, .mikktspace = false, .local = false, .triangles = false};
   EXPECT_EQ(assess(mesh, analytic).report.verdict, Verdict::undetermined);
-  EXPECT_EQ(assess(mesh, analytic).report.reference, "none");
+  EXPECT_EQ(assess(mesh, analytic).report.reference, ReferenceKind::none);
   // Its neighbours tell that the normals are not those of the bent surface: they may be meant so, a warning.
   AssessOptions local;
   local.references = {.analytic = false, .mikktspace = false, .local = true, .triangles = false};
-  EXPECT_EQ(assess(mesh, local).report.reference, "local");
+  EXPECT_EQ(assess(mesh, local).report.reference, ReferenceKind::local);
   EXPECT_EQ(assess(mesh, local).report.verdict, Verdict::undetermined);
   EXPECT_TRUE(errors(assess(mesh, local).report).empty());
-  EXPECT_EQ(assess(mesh).report.reference, "triangles");
+  EXPECT_EQ(assess(mesh).report.reference, ReferenceKind::triangles);
   mesh.uvs.clear();
   EXPECT_EQ(assess(mesh).report.verdict, Verdict::undetermined);
   // A declared surface that does not fit is an error, and an error fails in any case.
@@ -214,7 +215,7 @@ TEST(Validate, WithoutTangentsTheNormalsAreAssessed) {
   Mesh mesh = sample_mesh(Sphere{1.0}, {.columns = 16, .rows = 9});
   mesh.tangents.clear();
   EXPECT_EQ(assess(mesh).report.verdict, Verdict::pass);
-  EXPECT_EQ(assess(mesh).report.handedness.convention, "none");
+  EXPECT_EQ(assess(mesh).report.handedness.convention, HandednessConvention::none);
   mesh.normals[40] = unit(mesh.normals[40] + Vec3<double>{0.3, -0.2, 0.4});
   EXPECT_EQ(assess(mesh).report.verdict, Verdict::fail);
   mesh.normals.clear();
@@ -349,9 +350,10 @@ TEST_F(OtherTools, SurfaceAndConventionAreRecognised) {
         for (std::size_t k = 0; k < c.parameters.size(); ++k)
           EXPECT_NEAR(parameters[k].value, c.parameters[k], 1e-6) << file;
         EXPECT_EQ(fit.surface.uv.name, "as stored") << file;
-        const std::string_view w = std::string_view(tool) == ".three.glb"  ? "raw"
-                                   : std::string_view(tool) == ".none.glb" ? "none"
-                                                                           : "gltf";
+        using enum HandednessConvention;
+        const HandednessConvention w = std::string_view(tool) == ".three.glb"  ? raw
+                                       : std::string_view(tool) == ".none.glb" ? none
+                                                                               : gltf;
         EXPECT_EQ(r.handedness.convention, w) << file;
         EXPECT_EQ(r.verdict, Verdict::pass) << file;
       }

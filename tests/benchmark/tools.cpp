@@ -241,7 +241,8 @@ std::string interior_bitangent(const MeshReport& report) {
 }
 std::string sign_convention(const MeshReport& report) {
   const Handedness& h = report.handedness;
-  return std::string(h.convention) + (h.wrong > 0 ? ", " + std::to_string(h.wrong) + " not" : "");
+  return std::string(handedness_convention_names[static_cast<std::size_t>(h.convention)]) +
+         (h.wrong > 0 ? ", " + std::to_string(h.wrong) + " not" : "");
 }
 
 void run(const std::filesystem::path& work, const std::string& make, const std::filesystem::path& models,

@@ -92,7 +92,7 @@ TEST_F(OneAmongAMillion, FlippedSign) {
     const MeshReport report = report_of(mesh);
     EXPECT_EQ(found(report), "TANGENT_HANDEDNESS " + std::to_string(corners) + " ");
     EXPECT_EQ(report.verdict, Verdict::fail);
-    EXPECT_EQ(report.handedness.convention, "gltf");
+    EXPECT_EQ(report.handedness.convention, HandednessConvention::gltf);
     EXPECT_EQ(report.handedness.wrong, corners);
     const auto all = static_cast<double>(mesh.corners());
     EXPECT_DOUBLE_EQ(report.handedness.consistent, (all - static_cast<double>(corners)) / all);
