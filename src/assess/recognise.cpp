@@ -73,9 +73,9 @@ class Search {
         charted_(charted),
         shape_(shape_of(mesh)) {}
 
-  Recognised result() && {
+  Recognition result() && {
     if (shape_.places.size() < 3 || !(shape_.size > 0)) {
-      result_.too_little = true;
+      result_.identifiable = false;
       result_.reason =
           ": " + std::to_string(shape_.places.size()) + " different places, a surface needs more";
       return std::move(result_);
@@ -224,7 +224,7 @@ class Search {
   Effort& effort_;
   std::string_view charted_;
   Shape shape_;
-  Recognised result_;
+  Recognition result_;
 };
 
 }  // namespace
@@ -278,9 +278,9 @@ bool Effort::may_search_affine(const Shape& shape) {
   return *one_chart_ && shape.one_chart && affine_ > 0 && !spent() && affine_-- > 0;
 }
 
-Recognised recognise(const Mesh& mesh, std::span<const signed char> signs,
-                     const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
-                     std::string_view charted) {
+Recognition recognise(const Mesh& mesh, std::span<const signed char> signs,
+                      const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+                      std::string_view charted) {
   return Search(mesh, signs, placement, effort, charted).result();
 }
 

@@ -12,19 +12,9 @@
 #include <darboux/assess.h>
 
 #include "shape.h"
+#include "stages.h"
 
 namespace darboux {
-
-// What a mesh was taken for, and the truth at its vertices where it fits.
-struct Recognised {
-  std::optional<MeshFit> fit;
-  std::vector<Truth> truth;
-  std::string reason;       // of what does not fit, for SURFACE_UNKNOWN
-  bool too_little = false;  // to tell any surface
-  bool declared = false;    // it is the declared surface
-  std::optional<Evidence> evidence{};
-  bool fits() const { return fit && fit->fits; }
-};
 
 // Of a fit that does not fit: what it came to, and why that is not enough. An affine map is so free that it
 // must fit better.
@@ -62,8 +52,8 @@ class Effort {
 // \param signs of its triangles, in the sense of triangle_signs()
 // \param charted nothing but this kind, through uvs that are its own; empty: any, by uvs, normals and
 // positions
-Recognised recognise(const Mesh& mesh, std::span<const signed char> signs,
-                     const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
-                     std::string_view charted = {});
+Recognition recognise(const Mesh& mesh, std::span<const signed char> signs,
+                      const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+                      std::string_view charted = {});
 
 }  // namespace darboux

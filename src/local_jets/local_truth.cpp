@@ -1,3 +1,5 @@
+#include "local_truth.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,7 +13,6 @@
 #include <darboux/local_truth.h>
 
 #include "batch.h"
-#include "mesh/frames/rings.h"
 
 namespace darboux {
 namespace {
@@ -141,8 +142,12 @@ class LocalTruth {
 
 std::vector<Truth> local_truth(const Mesh& mesh) {
   check_consistent(mesh, "mesh");
+  return local_truth(mesh, join_equal_vertices(mesh));
+}
+
+std::vector<Truth> local_truth(const Mesh& mesh, std::span<const Index> joined) {
   if (mesh.uvs.empty()) throw MeshError("mesh", "has no uvs, frames need one uv set");
-  Rings rings(mesh);
+  Rings rings(mesh, joined);
   rings.stop_at_creases();
   constexpr Index none = std::numeric_limits<Index>::max();
   std::vector<Index> node_of(mesh.positions.size(), none);  // of a vertex of two, that of its last corner

@@ -29,21 +29,33 @@ struct Range {
   double size() const { return std::max(high - low, 0.0); }
 };
 
-struct Tolerances {
-  double position, uv;
-};
+std::vector<bool> vertices_in_use(const Mesh& mesh) {
+  std::vector<bool> in_use(mesh.positions.size(), false);
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) in_use[v] = true;
+  return in_use;
+}
 
-// Shares of the range over vertices that triangles use and whose data are finite.
-Tolerances tolerances(const Mesh& mesh, const std::vector<bool>& in_use) {
-  Range x, y, z, u, v;
+// A share of the range over vertices that triangles use and whose data are finite.
+double position_tolerance(const Mesh& mesh, const std::vector<bool>& in_use) {
+  Range x, y, z;
   for (std::size_t i = 0; i < in_use.size(); ++i) {
     const Vec3<double>& p = mesh.positions[i];
-    if (!in_use[i] || !detail::finite(p)) continue;
-    x.extend(p.x), y.extend(p.y), z.extend(p.z);
-    if (mesh.uvs.empty() || !std::isfinite(mesh.uvs[i].x) || !std::isfinite(mesh.uvs[i].y)) continue;
-    u.extend(mesh.uvs[i].x), v.extend(mesh.uvs[i].y);
+    if (in_use[i] && detail::finite(p)) x.extend(p.x), y.extend(p.y), z.extend(p.z);
   }
-  return {same * norm(Vec3<double>{x.size(), y.size(), z.size()}), same * std::max(u.size(), v.size())};
+  return same * norm(Vec3<double>{x.size(), y.size(), z.size()});
+}
+
+double uv_tolerance(const Mesh& mesh) {
+  if (mesh.uvs.empty()) return 0;
+  Range u, v;
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t i : triangle) {
+      const Vec2<double>& uv = mesh.uvs[i];
+      if (!detail::finite(mesh.positions[i]) || !std::isfinite(uv.x) || !std::isfinite(uv.y)) continue;
+      u.extend(uv.x), v.extend(uv.y);
+    }
+  return same * std::max(u.size(), v.size());
 }
 
 // By position. Vertices that no triangle uses stand alone: weld leaves NaN by itself.
@@ -170,30 +182,31 @@ void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
 }  // namespace
 
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
+  return classify(mesh, is_pole, triangle_signs(mesh), join_vertices(mesh));
+}
+
+VertexJoins join_vertices(const Mesh& mesh) {
+  const std::vector<bool> in_use = vertices_in_use(mesh);
   VertexJoins joins;
-  return classify(mesh, is_pole, triangle_signs(mesh), joins);
+  joins.position = places(mesh, in_use, position_tolerance(mesh, in_use));
+  joins.position_and_normal = normals(mesh, joins.position);
+  return joins;
 }
 
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> sign,
-                     VertexJoins& joins) {
+                     const VertexJoins& joins) {
   const std::size_t n = mesh.positions.size();
-  std::vector<bool> in_use(n, false);
-  for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle) in_use[v] = true;
-  const Tolerances tolerance = tolerances(mesh, in_use);
-  joins.position = places(mesh, in_use, tolerance.position);
-  joins.position_and_normal = normals(mesh, joins.position);
+  const double tolerance = uv_tolerance(mesh);
   const First& place = joins.position;
-
   MeshClasses classes;
-  classes.of_vertex = seams_and_creases(mesh, place, joins.position_and_normal, sign, tolerance.uv);
+  classes.of_vertex = seams_and_creases(mesh, place, joins.position_and_normal, sign, tolerance);
   std::vector<bool> ring(n, false), border(n, false);
   const auto pole = [&](std::uint32_t v) { return !is_pole.empty() && is_pole[v]; };
   for (const Triangle& triangle : mesh.triangles)
     if (pole(triangle[0]) || pole(triangle[1]) || pole(triangle[2]))
       for (const std::uint32_t v : triangle) ring[place[v]] = true;
   DisjointSets islands(mesh.triangles.size());
-  walk_edges(mesh, place, uv_places(mesh, place, tolerance.uv), sign, border, islands);
+  walk_edges(mesh, place, uv_places(mesh, place, tolerance), sign, border, islands);
   for (std::uint32_t v = 0; v < n; ++v) {
     VertexClass& of_vertex = classes.of_vertex[v];
     of_vertex = pole(v)                              ? VertexClass::pole

@@ -16,9 +16,11 @@ struct VertexJoins {
   std::vector<std::uint32_t> position_and_normal;
 };
 
-// The public classify(), with signs that are known already. \param signs triangle_signs() \param joins what
-// it joins on the way is put there
+VertexJoins join_vertices(const Mesh& mesh);
+
+// The public classify(), with what is known already. \param signs triangle_signs() \param joins
+// join_vertices()
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> signs,
-                     VertexJoins& joins);
+                     const VertexJoins& joins);
 
 }  // namespace darboux

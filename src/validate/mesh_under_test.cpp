@@ -5,9 +5,9 @@
 #include <limits>
 
 #include <darboux/error.h>
-#include <darboux/local_truth.h>
 #include <darboux/mikktspace.h>
 
+#include "local_jets/local_truth.h"
 #include "mesh/triangle_signs.h"
 
 namespace darboux {
@@ -63,7 +63,11 @@ MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options) {
       throw MeshError("mesh", "uv set " + std::to_string(set) + " has " + std::to_string(uvs.size()) +
                                   " uvs for " + std::to_string(mesh.positions.size()) +
                                   " vertices, expected one per vertex");
-  MeshUnderTest under_test{.mesh = mesh, .raw_sign = triangle_signs(mesh)};
+  return prepare_with_joins(mesh, join_vertices(mesh));
+}
+
+MeshUnderTest prepare_with_joins(const Mesh& mesh, VertexJoins joins) {
+  MeshUnderTest under_test{.mesh = mesh, .raw_sign = triangle_signs(mesh), .joins = std::move(joins)};
   under_test.across_mirror.assign(mesh.positions.size(), false);
   under_test.has_uv_area.assign(mesh.positions.size(), false);
   std::vector<signed char> winds(mesh.positions.size(), 0);
@@ -74,16 +78,22 @@ MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options) {
       winds[v] = under_test.raw_sign[t];
       under_test.has_uv_area[v] = true;
     }
+  return under_test;
+}
+
+void add_references(MeshUnderTest& under_test, const ValidateOptions& options) {
+  const Mesh& mesh = under_test.mesh;
   if (options.references.mikktspace && !mesh.tangents.empty() && !mesh.normals.empty() && !mesh.uvs.empty())
     under_test.mikktspace = mikktspace_of(mesh, mesh.uvs, options.threads);
-  if (options.references.local && !mesh.uvs.empty()) under_test.local = local_truth(mesh);
-  return under_test;
+  if (!options.references.local || mesh.uvs.empty()) return;
+  under_test.equal = join_equal_vertices(mesh);
+  under_test.local = local_truth(mesh, under_test.equal);
 }
 
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,
                        const ValidateOptions& options) {
   const Mesh& mesh = under_test.mesh;
-  VertexJoins& joins = under_test.joins;
+  const VertexJoins& joins = under_test.joins;
   under_test.classes = classify(mesh, is_pole, under_test.raw_sign, joins);
   under_test.normals = check_normals(mesh, joins);
   if (!options.references.triangles || mesh.tangents.empty() || mesh.normals.empty() || mesh.uvs.empty())

@@ -15,22 +15,30 @@ namespace darboux {
 
 struct MeshUnderTest {
   const Mesh& mesh;
-  MeshClasses classes{};
-  VertexJoins joins{};                  // of its vertices; empty in a part
   std::vector<signed char> raw_sign{};  // of each triangle, 0 without uv area
+  VertexJoins joins{};                  // of its vertices; empty in a part
+  std::vector<std::uint32_t> equal{};   // of each vertex the first that is equal to the bit; empty in a part
+  std::vector<bool> across_mirror{};    // vertices that triangles share whose uvs wind differently
+  std::vector<bool> has_uv_area{};      // vertices of a triangle with uv area
   // MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it; empty where it is not
   // asked for or the mesh lacks tangents, normals or uvs.
   std::vector<Vec4<float>> mikktspace{};
-  std::vector<bool> across_mirror{};  // vertices that triangles share whose uvs wind differently
-  std::vector<bool> has_uv_area{};    // vertices of a triangle with uv area
-  std::vector<Truth> local{};         // at each vertex; empty where it is not asked for or there are no uvs
+  std::vector<Truth> local{};  // at each vertex; empty where it is not asked for or there are no uvs
+  MeshClasses classes{};
   std::vector<bool> between_parts{};  // vertices that no one frame is right for; empty: none
   NormalChecks normals{};
   Cones cones{};  // empty where they are not asked for or the mesh lacks tangents, normals or uvs
 };
 
-// All but what needs the classes, which need to know the poles.
+// The signs of its triangles and which of its vertices are the same. \param mesh consistent
+// \throws MeshError where a uv set of the options has another number of uvs than the mesh vertices
 MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options);
+
+// The same of a mesh that differs from another in its uvs alone.
+MeshUnderTest prepare_with_joins(const Mesh& mesh, VertexJoins joins);
+
+// The references that need no surface: MikkTSpace's tangents and local truth.
+void add_references(MeshUnderTest& under_test, const ValidateOptions& options);
 
 // The classes, and what needs them. \param is_pole of each vertex, or empty
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,

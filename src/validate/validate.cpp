@@ -676,6 +676,7 @@ MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const Valida
   std::vector<bool> is_pole;
   for (const Truth& t : truth) is_pole.push_back(t.pole);
   MeshUnderTest under_test = prepare(mesh, options);
+  add_references(under_test, options);
   classify_vertices(under_test, is_pole, options);
   return validate(under_test, truth, Basis::declared, options);
 }

@@ -46,8 +46,7 @@ std::vector<Index> join_equal_vertices(const Mesh& mesh) {
   return joined;
 }
 
-Rings::Rings(const Mesh& mesh) : mesh_(mesh) {
-  const std::vector<Index> joined = join_equal_vertices(mesh);
+Rings::Rings(const Mesh& mesh, std::span<const Index> joined) : mesh_(mesh) {
   begin_.assign(size() + 1, 0);
   nodes_.reserve(mesh.triangles.size());
   frames.of_corner.reserve(mesh.corners());

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <darboux/mesh_frames.h>
@@ -18,7 +19,9 @@ std::vector<Index> join_equal_vertices(const Mesh& mesh);
 // differently.
 class Rings {
  public:
-  explicit Rings(const Mesh& mesh);
+  explicit Rings(const Mesh& mesh) : Rings(mesh, join_equal_vertices(mesh)) {}
+  // \param joined join_equal_vertices()
+  Rings(const Mesh& mesh, std::span<const Index> joined);
 
   std::size_t size() const { return 2 * mesh_.positions.size(); }
   bool used(Index node) const { return begin_[node] != begin_[node + 1]; }
