@@ -2,14 +2,14 @@
 
 namespace darboux {
 
-Angles local_angles(const MeshUnderTest& under_test, std::uint32_t v, const VertexChecks& checks, bool raw) {
-  return angles(under_test.mesh, v, checks, under_test.local[v], under_test.normals.all_oppose, raw);
-}
-
 Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
                     std::span<const VertexChecks> checks, bool raw, double max_angle_deg) {
   Smooth result;
   const std::size_t n = under_test.local.size();
+  result.angles.reserve(n);
+  for (std::uint32_t v = 0; v < n; ++v)
+    result.angles.push_back(
+        angles(under_test.mesh, v, checks[v], under_test.local[v], under_test.normals.all_oppose, raw));
   result.normals.assign(n, Claim::none), result.tangents.assign(n, Claim::none);
   const std::vector<bool>& faceted = under_test.normals.faceted_vertices;
   for (std::uint32_t v = 0; v < n; ++v) {
@@ -19,7 +19,7 @@ Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
     if (accurate.known() && accurate.normal(v) != Claim::none &&
         (under_test.mesh.tangents.empty() || accurate.tangent(v) != Claim::none))
       continue;
-    const Angles a = local_angles(under_test, v, checks[v], raw);
+    const Angles& a = result.angles[v];
     const double limit = 3 * limit_of(vertex_class, max_angle_deg);
     result.normals[v] = claim_of(a.normal, under_test.local[v].normal_deg, limit);
     result.tangents[v] = claim_of(a.projected_tangent, under_test.local[v].tangent_deg, limit);

@@ -13,16 +13,15 @@
 
 namespace darboux {
 
-// What it claims of each vertex; empty without local truth. Vertices that `accurate` knows all of are left
-// out.
+// What it claims of each vertex, and its angles to the local truth; empty without that. Vertices that
+// `accurate` knows all of have angles alone. Where all normals oppose their winding, that is a finding of its
+// own, and the others' side is taken.
 struct Smooth {
-  std::vector<Claim> normals, tangents;
+  std::vector<Angles> angles{};
+  std::vector<Claim> normals{}, tangents{};
+  bool known() const { return !angles.empty(); }
 };
 Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
                     std::span<const VertexChecks> checks, bool raw, double max_angle_deg);
-
-// Angles to the local truth. Where all normals oppose their winding, that is a finding of its own, and the
-// others' side is taken.
-Angles local_angles(const MeshUnderTest& under_test, std::uint32_t v, const VertexChecks& checks, bool raw);
 
 }  // namespace darboux

@@ -129,7 +129,7 @@ class MeshValidation {
   Angles statistics_angles(std::uint32_t v) const {
     if (corners_of_[v] == 0) return {};
     if (accurate_.known()) return accurate_.angles(v);
-    return under_test_.local.empty() ? Angles{} : local_angles(under_test_, v, checks_[v], signs_.raw());
+    return smooth_.known() ? smooth_.angles[v] : Angles{};
   }
   // \param angles_at of a vertex
   template <class AnglesAt>
@@ -295,7 +295,7 @@ void MeshValidation::count_vertex(std::uint32_t v) {
       undecided_ += corners;
     if (accurate_.inward(v)) report_.inward += corners;
   }
-  if (!under_test_.local.empty() && (smooth_.normals[v] != Claim::none || smooth_.tangents[v] != Claim::none))
+  if (smooth_.known() && (smooth_.normals[v] != Claim::none || smooth_.tangents[v] != Claim::none))
     locally_ += corners;
 }
 
@@ -357,14 +357,13 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
     warn(accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) ? counts.authored_normals
                                                                           : counts.surface_normals,
          surface.normal);
-  if (under_test_.local.empty() || is_pole(v)) return;
-  const auto local = [&] { return local_angles(under_test_, v, checks_[v], signs_.raw()); };
+  if (!smooth_.known() || is_pole(v)) return;
   if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
       (!accurate_.known() || accurate_.tangent(v) == Claim::none))
-    warn(counts.local_tangents, local().projected_tangent);
+    warn(counts.local_tangents, smooth_.angles[v].projected_tangent);
   if (!normal_error(v) && smooth_.normals[v] == Claim::beyond &&
       (!accurate_.known() || accurate_.normal(v) == Claim::none))
-    warn(counts.local_normals, local().normal);
+    warn(counts.local_normals, smooth_.angles[v].normal);
 }
 
 // Who says so, and where the rest of what is beyond the limit is counted.
@@ -424,14 +423,14 @@ void MeshValidation::keep_errors_by_triangles() {
 }
 
 void MeshValidation::compare_with_neighbours() {
-  if (under_test_.local.empty()) return;
+  if (!smooth_.known()) return;
   LocalReport& report = report_.local.emplace();
   if (!accurate_.known()) {
     report.classes = report_.classes;
     return;
   }
   report.classes = class_reports(under_test_.local, [this](std::uint32_t v) {
-    return corners_of_[v] == 0 ? Angles{} : local_angles(under_test_, v, checks_[v], signs_.raw());
+    return corners_of_[v] == 0 ? Angles{} : smooth_.angles[v];
   });
   std::size_t agreeing = 0;
   for (std::uint32_t v = 0; v < accurate_.truths().size(); ++v) {
