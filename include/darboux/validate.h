@@ -46,6 +46,7 @@ struct Finding {
   std::size_t count;
   std::string message;  ///< that of its kind, and more about this case
   std::string_view to_do;
+  std::size_t kind = 0;  ///< its place in finding_kinds()
 };
 
 /// The errors of one class of vertices, in degrees, over its triangle corners. A corner whose tangent is zero

@@ -45,20 +45,27 @@ Eigen::Isometry3d parse_placement(const std::string& text) {
 References parse_references(const std::string& text) {
   References result{false, false, false, false};
   for (const std::string& name : split(text, ',')) {
-    if (name == "analytic")
-      result.analytic = true;
-    else if (name == "triangles")
-      result.triangles = true;
-    else if (name == "mikktspace")
-      result.mikktspace = true;
-    else if (name == "local")
-      result.local = true;
-    else
-      throw ParameterError(
-          "--reference",
-          "'" + name +
-              "' is no reference, expected analytic, triangles, local and mikktspace, with commas "
-              "between");
+    const auto found = std::find(reference_names.begin(), reference_names.end(), name);
+    switch (static_cast<ReferenceKind>(found - reference_names.begin())) {
+      case ReferenceKind::analytic:
+        result.analytic = true;
+        continue;
+      case ReferenceKind::triangles:
+        result.triangles = true;
+        continue;
+      case ReferenceKind::local:
+        result.local = true;
+        continue;
+      case ReferenceKind::mikktspace:
+        result.mikktspace = true;
+        continue;
+      case ReferenceKind::none:
+        break;
+    }
+    throw ParameterError(
+        "--reference",
+        "'" + name +
+            "' is no reference, expected analytic, triangles, local and mikktspace, with commas between");
   }
   return result;
 }
@@ -78,28 +85,24 @@ void list_findings(const Common& common) {
 }
 
 // Refuses codes that there are not.
-void check_code(const std::string& option, const std::string& code) {
-  if (std::none_of(finding_kinds().begin(), finding_kinds().end(),
-                   [&](const FindingKind& kind) { return kind.code == code; }))
-    throw ParameterError(option, "expected a code that --findings lists, got '" + code + "'");
+Code parse_code(const std::string& option, const std::string& name) {
+  if (const std::optional<Code> code = code_named(name)) return *code;
+  throw ParameterError(option, "expected a code that --findings lists, got '" + name + "'");
 }
 
 Policy policy_of(const Arguments& arguments) {
   Policy policy;
   policy.strict = arguments.strict;
-  policy.ignore = arguments.ignore;
-  for (const std::string& code : arguments.ignore) check_code("--ignore", code);
-  for (const std::string& code : arguments.fail_on) {
-    check_code("--fail-on", code);
-    policy.severity[code] = Severity::error;
-  }
+  for (const std::string& code : arguments.ignore) policy.ignore.insert(parse_code("--ignore", code));
+  for (const std::string& code : arguments.fail_on)
+    policy.severity[parse_code("--fail-on", code)] = Severity::error;
   for (const std::string& text : arguments.severity) {
     const std::size_t at = std::min(text.find('='), text.size());
-    const std::string code = text.substr(0, at), name = text.substr(std::min(at + 1, text.size()));
-    check_code("--severity", code);
-    const auto found = std::find(severity_names.begin(), severity_names.end(), name);
+    const std::string name = text.substr(0, at), severity = text.substr(std::min(at + 1, text.size()));
+    const Code code = parse_code("--severity", name);
+    const auto found = std::find(severity_names.begin(), severity_names.end(), severity);
     if (found == severity_names.end())
-      throw ParameterError("--severity", "expected " + code + "=error, warning or info, got '" + text + "'");
+      throw ParameterError("--severity", "expected " + name + "=error, warning or info, got '" + text + "'");
     policy.severity[code] = static_cast<Severity>(found - severity_names.begin());
   }
   return policy;

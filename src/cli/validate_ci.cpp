@@ -124,10 +124,10 @@ Json sarif(const std::vector<AssessedFile>& files, bool with_baseline) {
         results.push_back(result_json(file.path, f.code, f.severity, own, sentence(p.primitive, j, f),
                                       place_of(p.primitive, j)));
         if (!with_baseline) return;
-        const std::size_t known = p.known_count(f.code, own);
-        results.back()["baselineState"] = known == 0                      ? "new"
-                                          : known == p.count(f.code, own) ? "unchanged"
-                                                                          : "updated";
+        const std::size_t known = p.known_count(code_of(f), own);
+        results.back()["baselineState"] = known == 0                          ? "new"
+                                          : known == p.count(code_of(f), own) ? "unchanged"
+                                                                              : "updated";
       });
   }
   Json driver{{"name", "darboux"}, {"version", DARBOUX_VERSION}, {"rules", std::move(rules)}};
@@ -171,9 +171,8 @@ void print_github(const std::vector<AssessedFile>& files, bool with_baseline) {
   };
   const auto is_known = [&](const AssessedPrimitive& p, const Finding& f, Severity own) {
     if (!with_baseline) return false;
-    if (f.severity == Severity::error || f.code == finding(Code::undetermined, 0).code)
-      return !p.worse(f, own);
-    return p.count(f.code, own) <= p.known_count(f.code, own);
+    if (f.severity == Severity::error || code_of(f) == Code::undetermined) return !p.worse(f, own);
+    return p.count(code_of(f), own) <= p.known_count(code_of(f), own);
   };
   for (const Severity severity : {Severity::error, Severity::warning})
     for (const AssessedFile& file : files) {

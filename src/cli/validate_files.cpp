@@ -116,12 +116,12 @@ std::vector<Severity> apply(const Policy& policy, MeshReport& report,
   };
   std::vector<Graded> graded;
   const auto grade = [&](Finding f) {
-    if (std::find(policy.ignore.begin(), policy.ignore.end(), f.code) != policy.ignore.end()) {
+    if (policy.ignore.contains(code_of(f))) {
       ignored[std::string(f.code)] += f.count;
       return;
     }
     const Severity own = f.severity;
-    if (const auto asked = policy.severity.find(f.code); asked != policy.severity.end())
+    if (const auto asked = policy.severity.find(code_of(f)); asked != policy.severity.end())
       f.severity = asked->second;
     graded.push_back({std::move(f), own});
   };
@@ -148,41 +148,36 @@ std::vector<Severity> apply(const Policy& policy, MeshReport& report,
   return own;
 }
 
-const std::string_view undetermined_code = finding(Code::undetermined, 0).code;
-
 bool is_undetermined(const Assessment& assessment) {
   const auto& findings = assessment.report.findings;
   return assessment.report.verdict == Verdict::undetermined ||
          std::any_of(findings.begin(), findings.end(),
-                     [](const Finding& f) { return f.code == undetermined_code; });
-}
-
-std::size_t known(const FindingCounts& counts, std::string_view code, Severity own) {
-  const auto at = counts.find(std::pair(std::string(code), own));
-  return at == counts.end() ? 0 : at->second;
+                     [](const Finding& f) { return code_of(f) == Code::undetermined; });
 }
 
 }  // namespace
 
-std::size_t AssessedPrimitive::count(std::string_view code, Severity own) const {
+std::size_t AssessedPrimitive::count(Code code, Severity own) const {
   std::size_t sum = 0;
   each_finding([&](const Assessment&, const Finding& f, Severity of_library) {
-    sum += f.code == code && of_library == own ? f.count : 0;
+    sum += code_of(f) == code && of_library == own ? f.count : 0;
   });
   return sum;
 }
 
-std::size_t AssessedPrimitive::known_count(std::string_view code, Severity own) const {
-  return darboux::known(known, code, own);
+std::size_t AssessedPrimitive::known_count(Code code, Severity own) const {
+  const auto at = known.find({code, own});
+  return at == known.end() ? 0 : at->second;
 }
 
 bool AssessedPrimitive::worse(const Finding& finding, Severity own) const {
-  if (finding.code == undetermined_code) return less_determined();
-  if (own == Severity::error) return count(finding.code, own) > known_count(finding.code, own);
+  const Code code = code_of(finding);
+  if (code == Code::undetermined) return less_determined();
+  if (own == Severity::error) return count(code, own) > known_count(code, own);
   std::size_t now = 0, then = 0;
   for (const Severity s : {Severity::info, Severity::warning, Severity::error}) {
-    now += count(finding.code, s);
-    then += known_count(finding.code, s);
+    now += count(code, s);
+    then += known_count(code, s);
   }
   return now > then;
 }
@@ -320,15 +315,16 @@ void add_known(AssessedPrimitive& p, const Json& mesh, const std::string& path) 
   for (const Json& finding : mesh.at("findings")) {
     if (!finding.at("count").is_number_unsigned())
       throw FileError(path, expected_got("counts that are whole numbers from 0", finding.at("count").dump()));
-    const std::string code = finding.at("code");
+    const std::optional<Code> code = code_named(finding.at("code").get<std::string>());
     const Severity own =
         severity_of(finding.at(finding.contains("own_severity") ? "own_severity" : "severity"), path);
-    p.known[{code, own}] += finding.at("count").get<std::size_t>();
-    says_undetermined |= code == undetermined_code;
+    if (!code) continue;  // of another version
+    p.known[{*code, own}] += finding.at("count").get<std::size_t>();
+    says_undetermined |= *code == Code::undetermined;
   }
   // Reports of earlier versions say it by the verdict alone.
   if (verdict == Verdict::undetermined && !says_undetermined)
-    ++p.known[{std::string(undetermined_code), Severity::warning}];
+    ++p.known[{Code::undetermined, Severity::warning}];
 }
 
 void compare(AssessedFile& file, const Json& entry, const std::string& path) {
@@ -339,7 +335,7 @@ void compare(AssessedFile& file, const Json& entry, const std::string& path) {
       for (AssessedPrimitive& p : file.primitives) {
         p.known_not_pass = p.assessments.size();
         p.each_finding([&](const Assessment&, const Finding& f, Severity own) {
-          p.known[{std::string(f.code), own}] += f.count;
+          p.known[{code_of(f), own}] += f.count;
         });
       }
     return;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,7 +18,7 @@
 namespace darboux {
 
 /// Numbers of findings by code and severity, the library's, whatever an option made of it.
-using FindingCounts = std::map<std::pair<std::string, Severity>, std::size_t, std::less<>>;
+using FindingCounts = std::map<std::pair<Code, Severity>, std::size_t>;
 
 struct AssessedPrimitive {
   Primitive primitive;  ///< without its data, unless errors are kept
@@ -28,8 +29,8 @@ struct AssessedPrimitive {
   std::size_t known_not_pass = 0;  ///< meshes and parts that did not pass in the baseline
 
   /// Over all parts.
-  std::size_t count(std::string_view code, Severity own) const;
-  std::size_t known_count(std::string_view code, Severity own) const;
+  std::size_t count(Code code, Severity own) const;
+  std::size_t known_count(Code code, Severity own) const;
   /// Whether an error counts against a run with a baseline. The library's own errors are compared with its
   /// own errors; what an option made an error, with all findings of the code. UNDETERMINED goes by
   /// less_determined().
@@ -68,9 +69,9 @@ std::vector<AssessedFile> files_of(const std::vector<std::string>& arguments,
 
 /// How findings count, whatever the library says.
 struct Policy {
-  std::map<std::string, Severity, std::less<>> severity{};
-  std::vector<std::string> ignore{};  ///< codes that are dropped but for their counts
-  bool strict = false;                ///< warnings are errors, UNDETERMINED too
+  std::map<Code, Severity> severity{};
+  std::set<Code> ignore{};  ///< codes that are dropped but for their counts
+  bool strict = false;      ///< warnings are errors, UNDETERMINED too
 };
 
 /// Reads and assesses one file. What is undetermined has the finding UNDETERMINED.

@@ -95,7 +95,7 @@ Json findings_json(const AssessedPrimitive& assessed, std::size_t which, bool wi
     entry["count"] = f.count;
     entry["message"] = f.message;
     entry["to_do"] = f.to_do;
-    if (with_baseline) entry["baseline"] = assessed.known_count(f.code, own);
+    if (with_baseline) entry["baseline"] = assessed.known_count(code_of(f), own);
     findings.push_back(std::move(entry));
   }
   return findings;

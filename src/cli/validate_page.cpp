@@ -143,7 +143,8 @@ struct Entry {
   std::vector<float> errors{};  // of their corners
   float worst = std::numeric_limits<float>::quiet_NaN();
 
-  std::string quantity() const { return assessed.primitive.data.tangents.empty() ? "normal" : "tangent"; }
+  bool has_tangents() const { return !assessed.primitive.data.tangents.empty(); }
+  std::string quantity() const { return has_tangents() ? "tangent" : "normal"; }  // that the errors are of
 };
 
 std::vector<Entry> entries_of(const std::vector<AssessedFile>& files, double max_angle_deg) {
@@ -305,7 +306,7 @@ std::string pictures(const Entry& e) {
 
 // How often a code was found with one severity.
 struct CodeCount {
-  std::string code;
+  const FindingKind* kind;
   Severity severity;
   std::size_t count;
 };
@@ -318,10 +319,10 @@ std::vector<CodeCount> codes_of(const Entry& e) {
       for (const Finding& f : j.report.findings) {
         if (f.severity != severity) continue;
         const auto at = std::find_if(codes.begin(), codes.end(), [&](const CodeCount& c) {
-          return c.code == f.code && c.severity == severity;
+          return c.kind == &finding_kinds()[f.kind] && c.severity == severity;
         });
         if (at == codes.end())
-          codes.push_back({std::string(f.code), severity, f.count});
+          codes.push_back({&finding_kinds()[f.kind], severity, f.count});
         else
           at->count += f.count;
       }
@@ -333,7 +334,7 @@ std::string codes_text(const std::vector<CodeCount>& codes, Severity severity, c
   std::string words;
   for (const CodeCount& c : codes)
     if (c.severity == severity)
-      words += (words.empty() ? "" : between) + text(c.code) + ' ' + std::to_string(c.count);
+      words += (words.empty() ? "" : between) + text(c.kind->code) + ' ' + std::to_string(c.count);
   return words;
 }
 
@@ -354,9 +355,9 @@ std::string histogram(const Entry& e) {
     words += " Warnings, of which a corner may have several: " + warnings + '.';
   double uncertain = 0;
   for (const Assessment& j : e.assessed.assessments)
-    uncertain = std::fmax(uncertain, (e.quantity() == "normal" ? j.report.normal_uncertainty_deg
-                                                               : j.report.tangent_uncertainty_deg)
-                                         .rms());
+    uncertain = std::fmax(
+        uncertain,
+        (e.has_tangents() ? j.report.tangent_uncertainty_deg : j.report.normal_uncertainty_deg).rms());
   if (beyond > 0 && uncertain > e.limit / 10)
     words += " The reference itself is uncertain by up to " + escape(deviation_text(uncertain, 2, "° rms")) +
              "; what that may explain is not counted.";
@@ -407,7 +408,7 @@ std::string entry(const Entry& e, bool one_file, bool open) {
   if (const std::string warnings = codes_text(found, Severity::warning, " · "); !warnings.empty())
     codes += (codes.empty() ? "warnings: " : " · warnings: ") + warnings;
   std::set<std::string> names;
-  for (const CodeCount& c : found) names.insert(c.code);
+  for (const CodeCount& c : found) names.emplace(c.kind->code);
   std::string code_names;
   for (const std::string& name : names) code_names += (code_names.empty() ? "" : " ") + name;
   const std::string place =
@@ -456,7 +457,7 @@ std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
   std::map<std::string, std::size_t> codes;  // and of how many meshes
   for (const Entry& e : entries) {
     std::set<std::string> names;
-    for (const CodeCount& c : codes_of(e)) names.insert(c.code);
+    for (const CodeCount& c : codes_of(e)) names.emplace(c.kind->code);
     for (const std::string& name : names) ++codes[name];
   }
   if (!codes.empty()) {

@@ -101,7 +101,7 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
     const Finding& f = report.findings[k];
     std::string count = std::to_string(f.count);
     if (with_baseline)
-      count += ", " + std::to_string(assessed.known_count(f.code, assessed.own_severities[number][k])) +
+      count += ", " + std::to_string(assessed.known_count(code_of(f), assessed.own_severities[number][k])) +
                " in the baseline";
     print_finding(f.severity, f.code, count, f.message);
   }
@@ -134,7 +134,7 @@ std::vector<CodeTotal> totals_of(std::span<const AssessedFile> files) {
       p.each_finding([&](const Assessment&, const Finding& f, Severity own) {
         if (f.severity == Severity::info) return;
         auto at = std::find_if(gathered.begin(), gathered.end(), [&](const Gathered& g) {
-          return g.total.first->code == f.code && g.total.first->severity == f.severity;
+          return g.total.first->kind == f.kind && g.total.first->severity == f.severity;
         });
         if (at == gathered.end()) at = gathered.insert(at, Gathered{.total = {.first = &f}});
         at->total.count += f.count, ++at->total.places;
@@ -148,7 +148,7 @@ std::vector<CodeTotal> totals_of(std::span<const AssessedFile> files) {
   for (Gathered& g : gathered) {
     for (const AssessedFile& file : files)
       for (const AssessedPrimitive& p : file.primitives)
-        for (const Severity own : g.own) g.total.known += p.known_count(g.total.first->code, own);
+        for (const Severity own : g.own) g.total.known += p.known_count(code_of(*g.total.first), own);
     totals.push_back(g.total);
   }
   return totals;
@@ -235,7 +235,7 @@ void print_bad(const std::vector<AssessedFile>& files, bool with_baseline) {
     std::vector<CodeTotal> totals = totals_of(std::span(&file, 1));
     const auto is_reason = [&](const CodeTotal& t) {
       return file.verdict == Verdict::fail ? t.first->severity == Severity::error
-                                           : t.first->code == finding(Code::undetermined, 1).code;
+                                           : code_of(*t.first) == Code::undetermined;
     };
     std::erase_if(totals, [&](const CodeTotal& t) { return !is_reason(t); });
     if (totals.empty()) return finding(Code::undetermined, 1).message;  // the finding is ignored

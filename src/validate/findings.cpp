@@ -139,8 +139,16 @@ std::span<const FindingKind> finding_kinds() {
 }
 
 Finding finding(Code code, std::size_t count, const std::string& more) {
-  const FindingKind& kind = kinds[static_cast<std::size_t>(code)];
-  return {kind.code, kind.severity, count, std::string(kind.message) + more, kind.to_do};
+  const auto place = static_cast<std::size_t>(code);
+  const FindingKind& kind = kinds[place];
+  return {kind.code, kind.severity, count, std::string(kind.message) + more, kind.to_do, place};
+}
+
+std::optional<Code> code_named(std::string_view name) {
+  const auto kind =
+      std::find_if(kinds.begin(), kinds.end(), [&](const FindingKind& k) { return k.code == name; });
+  if (kind == kinds.end()) return std::nullopt;
+  return static_cast<Code>(kind - kinds.begin());
 }
 
 Finding warning(Code code, std::size_t count, const std::string& more) {

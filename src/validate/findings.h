@@ -1,7 +1,9 @@
 // All findings in one list: code, how severe, what it means and what to do.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include <darboux/validate.h>
 
@@ -61,6 +63,12 @@ inline constexpr std::size_t corner_errors = 12;
 Finding finding(Code code, std::size_t count, const std::string& more = {});
 // The same where the evidence is too weak for an error.
 Finding warning(Code code, std::size_t count, const std::string& more = {});
+
+inline Code code_of(const Finding& finding) {
+  return static_cast<Code>(finding.kind);
+}
+// The code of a name like "TANGENT_ZERO", where there is one.
+std::optional<Code> code_named(std::string_view name);
 
 // Adds it behind all that are as severe; nothing where count is 0.
 void add(MeshReport& report, Finding finding);
