@@ -10,6 +10,7 @@
 #include "fit/fit_kinds.h"
 #include "parts.h"
 #include "recognise.h"
+#include "surface_kind.h"
 #include "uv_choice.h"
 #include "validate/findings.h"
 
@@ -59,15 +60,10 @@ Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs, 
   return result;
 }
 
-// Whose n may be on either side.
-bool is_planar(const AnySurface& surface) {
-  return surface.info().name == "plane" || surface.info().name == "disk";
-}
-
 Assessment assessment_of(const MeshUnderTest& under_test, Recognition recognition,
                          const AssessOptions& options, bool declared) {
   const bool fits = recognition.fits();
-  const bool planar = fits && is_planar(recognition.fit->surface.surface);
+  const bool planar = fits && is_planar(kind_of(*recognition.fit));
   const Basis basis = declared || recognition.declared ? Basis::declared
                       : planar                         ? Basis::recognised_unsided
                                                        : Basis::recognised;
@@ -128,7 +124,7 @@ class PartSearch {
 
   // \param charted what recognise() is asked for
   PartSearch(const MeshUnderTest& whole, const AssessOptions& options, Effort& effort,
-             std::string_view charted)
+             std::optional<std::string_view> charted)
       : options_(options), effort_(effort), charted_(charted), cutter_(whole) {
     Triangles all(whole.mesh.triangles.size());
     std::iota(all.begin(), all.end(), 0);
@@ -167,7 +163,7 @@ class PartSearch {
       }
       // One piece was looked at before: as the whole mesh, or before it was to be cut at creases.
       if (!one && is_recognised(pieces[i])) continue;
-      if (!at_creases && charted_.empty())
+      if (!at_creases && !charted_)
         look_at(pieces[i], true);
       else
         leave(pieces[i]);
@@ -196,7 +192,7 @@ class PartSearch {
 
   const AssessOptions& options_;
   Effort& effort_;
-  std::string_view charted_;
+  std::optional<std::string_view> charted_;
   Cutter cutter_;
 };
 
@@ -289,8 +285,9 @@ std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const As
   if (!options.references.analytic || (whole.fits() && !uncharted))
     return {assess_whole(std::move(under_test), std::move(whole), options)};
 
-  PartSearch parts(under_test, options, effort,
-                   uncharted ? whole.fit->surface.surface.info().name : std::string_view());
+  std::optional<std::string_view> charted;
+  if (uncharted) charted = whole.fit->surface.surface.info().name;
+  PartSearch parts(under_test, options, effort, charted);
   if (uncharted && !parts.rest.empty()) parts.recognised.clear();
   if (options.declares_surface() && !parts.declared) parts.recognised.clear();
   if (parts.recognised.empty()) {

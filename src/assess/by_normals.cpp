@@ -150,14 +150,14 @@ std::optional<Axis> torus(const std::vector<Oriented>& list) {
 
 }  // namespace
 
-std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, std::string_view kind) {
+std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, SurfaceKind kind) {
   if (mesh.normals.empty() || shape.faceted > 0.5) return std::nullopt;
   const std::vector<Oriented> list = oriented_of(mesh, shape);
   if (list.size() < fewest) return std::nullopt;
   std::optional<Axis> axis;
-  if (kind == "cylinder") axis = cylinder(list);
-  if (kind == "cone") axis = cone(list);
-  if (kind == "torus") axis = torus(list);
+  if (kind == SurfaceKind::cylinder) axis = cylinder(list);
+  if (kind == SurfaceKind::cone) axis = cone(list);
+  if (kind == SurfaceKind::torus) axis = torus(list);
   if (!axis || !axis->point.allFinite()) return std::nullopt;
   // The surface's own (u, v) of each place, through which it is fitted.
   Mesh charted;
@@ -179,17 +179,18 @@ std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, std:
     lowest = std::fmin(lowest, local.back().z()), highest = std::fmax(highest, local.back().z());
     longest = std::fmax(longest, from_apex(local.back()));
   }
-  if (kind == "cone" && !(longest > 0)) return std::nullopt;
+  if (kind == SurfaceKind::cone && !(longest > 0)) return std::nullopt;
   for (const Vector3d& q : local) {
     const double r = std::hypot(q.x(), q.y()), u = std::atan2(q.y(), q.x()) / (2 * M_PI);
-    const double v = kind == "cylinder" ? (q.z() - lowest) / std::fmax(highest - lowest, 1e-12)
-                     : kind == "cone"   ? 1 - from_apex(q) / longest
-                                        : std::atan2(q.z(), r - axis->radius) / (2 * M_PI);
+    const double v = kind == SurfaceKind::cylinder ? (q.z() - lowest) / std::fmax(highest - lowest, 1e-12)
+                     : kind == SurfaceKind::cone   ? 1 - from_apex(q) / longest
+                                                   : std::atan2(q.z(), r - axis->radius) / (2 * M_PI);
     charted.uvs.push_back({u, v});
   }
   try {
     std::optional<MeshFit> fit =
-        fit_kinds(charted, std::nullopt, std::array{kind}, UvMaps::plain, triangle_signs(charted));
+        fit_kinds(charted, std::nullopt, std::array{surface_kind_names[static_cast<std::size_t>(kind)]},
+                  UvMaps::plain, triangle_signs(charted));
     if (!fit || !fit->fits) return std::nullopt;
     fit->chart = UvChart::unknown;
     fit->equivalent.clear();

@@ -9,6 +9,7 @@
 
 #include "base/evenly_chosen.h"
 #include "base/text.h"
+#include "surface_kind.h"
 
 namespace darboux {
 namespace {
@@ -16,20 +17,23 @@ namespace {
 enum class Symmetry { plane, sphere, axis, none };
 
 // What is known of a kind beforehand.
-struct Kind {
-  std::string_view name;
+struct Prior {
+  SurfaceKind kind;
   Symmetry symmetry;
   int unknowns;  // of a profile through rings about the axis; of lengths between points of a ball; else of
                  // the whole fit
-  double prior;  // log10 odds of a part of somebody's model being one, against all that it may be
+  double log10_odds;  // log10 odds of a part of somebody's model being one, against all that it may be
 };
-constexpr Kind known_kinds[] = {
-    {"sphere", Symmetry::sphere, 2, -2},    {"cylinder", Symmetry::axis, 1, -1},
-    {"cone", Symmetry::axis, 2, -1},        {"torus", Symmetry::axis, 3, -3},
-    {"ellipsoid", Symmetry::sphere, 3, -3}, {"elliptic-paraboloid", Symmetry::none, 10, -5},
-    {"catenoid", Symmetry::axis, 3, -5},
+constexpr Prior priors[] = {
+    {SurfaceKind::sphere, Symmetry::sphere, 2, -2},
+    {SurfaceKind::cylinder, Symmetry::axis, 1, -1},
+    {SurfaceKind::cone, Symmetry::axis, 2, -1},
+    {SurfaceKind::torus, Symmetry::axis, 3, -3},
+    {SurfaceKind::ellipsoid, Symmetry::sphere, 3, -3},
+    {SurfaceKind::elliptic_paraboloid, Symmetry::none, 10, -5},
+    {SurfaceKind::catenoid, Symmetry::axis, 3, -5},
 };
-constexpr Kind any_other{"", Symmetry::none, 10, -6};
+constexpr Prior any_other{SurfaceKind::other, Symmetry::none, 10, -6};
 
 constexpr double same = 1e-3;  // places of rings, of the size; lengths within ten times that, of their median
 constexpr std::size_t looked_at = 5000;  // places and vertices of large meshes, spread evenly
@@ -37,9 +41,9 @@ constexpr double agree_deg = 5, tight_deg = 1;
 constexpr double most_positions = 8, most_uvs = 4, most_normals = 4;
 constexpr double least_explained = 100;  // what the surface leaves, against what a plane leaves
 
-const Kind& kind_of(const MeshFit& fit) {
-  for (const Kind& kind : known_kinds)
-    if (kind.name == fit.surface.surface.info().name) return kind;
+const Prior& prior_of(SurfaceKind kind) {
+  for (const Prior& prior : priors)
+    if (prior.kind == kind) return prior;
   return any_other;
 }
 
@@ -180,9 +184,9 @@ Normals compare_normals(const Mesh& mesh, const MeshFit& fit, double on_axis) {
 }  // namespace
 
 Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
-  const Kind& kind = kind_of(fit);
+  const Prior& prior = prior_of(kind_of(fit));
   const std::string name(fit.surface.surface.info().name);
-  Evidence result{.log10_odds = kind.prior, .rival = "chance", .text = ""};
+  Evidence result{.log10_odds = prior.log10_odds, .rival = "chance", .text = ""};
   const double explained = shape.thickness * shape.size / std::fmax(fit.rms, 1e-12 * shape.size);
   if (!(explained >= least_explained)) {
     result.log10_odds = -10;
@@ -193,14 +197,14 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   // Positions: spare orbits.
   Orbits orbits;
   const Eigen::Isometry3d& placement = fit.surface.placement;
-  if (kind.symmetry == Symmetry::axis) {
+  if (prior.symmetry == Symmetry::axis) {
     orbits = rings(mesh, shape, placement);
   } else {
     orbits.count = lengths(mesh, shape, fit);
     // What a lathe or a mirror puts onto a ball together counts once, about whatever axis.
-    if (kind.symmetry == Symmetry::sphere)
+    if (prior.symmetry == Symmetry::sphere)
       orbits.count = std::min(orbits.count, folded(mesh, shape, placement));
-    if (kind.symmetry == Symmetry::sphere)
+    if (prior.symmetry == Symmetry::sphere)
       for (int axis = 0; axis < 3; ++axis) {
         for (const Eigen::Matrix3d& frame : {Eigen::Matrix3d(placement.linear()), shape.axes}) {
           Eigen::Isometry3d turned = placement;
@@ -209,10 +213,10 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
         }
       }
   }
-  const bool own = fit.chart == UvChart::own, affine = own && fit.surface.uv.name == "affine";
+  const bool own = fit.chart == UvChart::own, affine = has_affine_uvs(fit);
   const auto places = static_cast<double>(shape.places.size());
   const double unknowns = static_cast<double>(6 + fit.surface.surface.parameters().size()) + (affine ? 6 : 0);
-  const double by_orbits = static_cast<double>(orbits.count) - kind.unknowns,
+  const double by_orbits = static_cast<double>(orbits.count) - prior.unknowns,
                by_places = ((own ? 3 : 1) * places - unknowns) / (own ? 3 : 1);
   const double sharp = std::fmin(1, std::log10(explained) / 3);
   const double positions = std::fmin(std::fmin(by_orbits, by_places) * sharp, most_positions);
@@ -224,7 +228,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   Normals compared;
   const bool faceted = shape.faceted > 0.5;
   if (!mesh.normals.empty() && !faceted) {
-    compared = compare_normals(mesh, fit, kind.symmetry == Symmetry::axis ? same * shape.size : -1);
+    compared = compare_normals(mesh, fit, prior.symmetry == Symmetry::axis ? same * shape.size : -1);
     if (compared.compared > 0)
       normals =
           compared.agree >= 0.8
@@ -247,7 +251,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
                                  : "chance";
   result.text =
       name + ": " + std::to_string(orbits.count) +
-      (kind.symmetry == Symmetry::axis ? " different rings" : " different lengths of edges") + " of " +
+      (prior.symmetry == Symmetry::axis ? " different rings" : " different lengths of edges") + " of " +
       std::to_string(shape.places.size()) + " places, " + rounded(explained, 2) +
       " times as near as to a plane" + (own ? ", uvs are its own" : "") +
       (compared.compared > 0 ? ", normals agree at " + rounded(100 * compared.agree, 3) + " %" : "") +

@@ -11,6 +11,7 @@
 #include "evidence.h"
 #include "fit/fit_kinds.h"
 #include "shape.h"
+#include "surface_kind.h"
 
 namespace darboux {
 namespace {
@@ -25,7 +26,7 @@ constexpr double plane_normals = 0.8;  // share of normals that must be the plan
 }  // namespace
 
 std::string nearest_fit(const MeshFit& fit) {
-  const bool affine = fit.surface.uv.name == "affine";
+  const bool affine = has_affine_uvs(fit);
   const double limit = affine ? fits_below / 100 : fits_below;
   return ": nearest is " + fit.surface.surface.specification(6) + " with an rms distance of " +
          rounded(fit.rms_relative, 2) + " of the mesh's size, " +
@@ -36,20 +37,19 @@ std::string nearest_fit(const MeshFit& fit) {
 
 namespace {
 
-bool may_be(std::string_view kind, Quadric quadric) {
-  const auto among = [&](std::initializer_list<std::string_view> list) {
-    return std::find(list.begin(), list.end(), kind) != list.end();
-  };
-  if (among({"torus", "helicoid", "catenoid", "moebius-strip", "klein-bottle", "enneper"}))
+bool may_be(SurfaceKind kind, Quadric quadric) {
+  using enum SurfaceKind;
+  constexpr std::array no_quadrics{torus, helicoid, catenoid, moebius_strip, klein_bottle, enneper};
+  if (std::find(no_quadrics.begin(), no_quadrics.end(), kind) != no_quadrics.end())
     return quadric == Quadric::none;
-  const bool closed = among({"sphere", "ellipsoid"});
+  const bool closed = kind == sphere || kind == ellipsoid;
   return quadric == Quadric::any || (quadric == Quadric::definite && closed) ||
          (quadric == Quadric::indefinite && !closed);
 }
 
 // A disk without a hole is fitted with one as small as rounding: its middle is a pole all the same.
 void mark_middle(const MeshFit& fit, const Mesh& mesh, std::vector<Truth>& truth) {
-  if (fit.surface.surface.info().name != "disk") return;
+  if (kind_of(fit) != SurfaceKind::disk) return;
   double inner = 0, outer = 0;
   for (const ParameterValue& p : fit.surface.surface.parameters()) {
     if (p.name == "inner_radius") inner = p.value;
@@ -65,7 +65,8 @@ void mark_middle(const MeshFit& fit, const Mesh& mesh, std::vector<Truth>& truth
 class Search {
  public:
   Search(const Mesh& mesh, std::span<const signed char> signs,
-         const std::optional<Eigen::Isometry3d>& placement, Effort& effort, std::string_view charted)
+         const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+         std::optional<std::string_view> charted)
       : mesh_(mesh),
         signs_(signs),
         placement_(placement),
@@ -84,9 +85,8 @@ class Search {
       look_for_plane();
       return std::move(result_);
     }
-    if (const std::string against = against_any_surface(shape_); !against.empty()) {
-      result_.evidence = Evidence{-10, against.substr(0, against.find(':')), against};
-      result_.reason = ": " + against;
+    if (std::optional<Evidence> against = against_any_surface(shape_)) {
+      reject(std::move(*against));
       return std::move(result_);
     }
     if (!effort_.may_search(shape_)) {
@@ -95,7 +95,7 @@ class Search {
       return std::move(result_);
     }
     look_for_surface();
-    if (!result_.fits() && charted_.empty()) effort_.failed(shape_);
+    if (!result_.fits() && !charted_) effort_.failed(shape_);
     return std::move(result_);
   }
 
@@ -126,6 +126,11 @@ class Search {
     result_.evidence = std::move(evidence);
   }
 
+  void reject(Evidence evidence) {
+    result_.reason = ": " + evidence.text;
+    result_.evidence = std::move(evidence);
+  }
+
   // Takes a fit that the evidence is enough for.
   bool weigh(MeshFit fit) {
     Evidence evidence = evidence_for(mesh_, shape_, fit);
@@ -141,7 +146,6 @@ class Search {
   }
 
   void look_for_plane() {
-    Evidence evidence{-10, "polygon", ""};
     // Of corners, so that it is the same however many vertices they share.
     std::size_t agree = 0, compared = 0;
     std::vector<signed char> agrees(mesh_.normals.size(), -1);  // -1: there is none
@@ -156,31 +160,26 @@ class Search {
           compared += agrees[v] >= 0;
           agree += agrees[v] > 0;
         }
-    if (static_cast<double>(agree) < plane_normals * static_cast<double>(compared)) {
-      evidence.rival = "authored normals";
-      evidence.text = "the places lie in a plane, the normals are others";
-    } else if (mesh_.triangles.size() < fewest_in_a_plane) {
-      evidence.text =
-          "a polygon of " + std::to_string(mesh_.triangles.size()) + " triangles: a plane says no more";
-    } else {
-      std::optional<MeshFit> fit = by_uvs(planar_, UvMaps::any);
-      if (!fit) fit = fit_positions(mesh_, SurfaceSpecification{"plane", {}}, placement_);
-      if (fit) {
-        take(std::move(*fit),
-             {evidence_needed + 4, "polygon", "all places lie in a plane, and the normals are its"});
-        return;
-      }
-    }
-    result_.reason =
-        ": " + (evidence.text.empty() ? std::string("the places lie in a plane") : evidence.text);
-    result_.evidence = std::move(evidence);
+    if (static_cast<double>(agree) < plane_normals * static_cast<double>(compared))
+      return reject({-10, "authored normals", "the places lie in a plane, the normals are others"});
+    if (mesh_.triangles.size() < fewest_in_a_plane)
+      return reject(
+          {-10, "polygon",
+           "a polygon of " + std::to_string(mesh_.triangles.size()) + " triangles: a plane says no more"});
+    std::optional<MeshFit> fit = by_uvs(planar_, UvMaps::any);
+    if (!fit) fit = fit_positions(mesh_, SurfaceSpecification{"plane", {}}, placement_);
+    if (fit)
+      return take(std::move(*fit),
+                  {evidence_needed + 4, "polygon", "all places lie in a plane, and the normals are its"});
+    result_.reason = ": the places lie in a plane";
+    result_.evidence = Evidence{-10, "polygon", ""};
   }
 
   // By positions and normals, and then through uvs. \param brief leaves out what is slow
   bool weigh_by_places(std::string_view kind, bool brief) {
     std::optional<MeshFit> fit;
-    if (!placement_) fit = fit_by_normals(mesh_, shape_, kind);
-    if (!fit && (!brief || kind == "sphere") &&
+    if (!placement_) fit = fit_by_normals(mesh_, shape_, kind_of(kind));
+    if (!fit && (!brief || kind_of(kind) == SurfaceKind::sphere) &&
         (mesh_.normals.empty() || shape_.places.size() >= fewest_by_positions))
       fit = fit_positions(mesh_, SurfaceSpecification{std::string(kind), {}}, placement_);
     if (!fit) return false;
@@ -190,14 +189,15 @@ class Search {
 
   // From the quick to the slow.
   void look_for_surface() {
-    if (!charted_.empty()) {
-      if (auto fit = by_uvs(std::array{charted_}, UvMaps::any)) weigh(std::move(*fit));
+    if (charted_) {
+      if (auto fit = by_uvs(std::array{*charted_}, UvMaps::any)) weigh(std::move(*fit));
       return;
     }
     const Quadric quadric = quadric_of(mesh_, shape_);
     const bool no_torus = quadric != Quadric::none || !may_be_cyclide(mesh_, shape_);
-    const auto ruled_out = [&](std::string_view kind) {
-      return !may_be(kind, quadric) || (kind == "torus" && no_torus);
+    const auto ruled_out = [&](std::string_view name) {
+      const SurfaceKind kind = kind_of(name);
+      return !may_be(kind, quadric) || (kind == SurfaceKind::torus && no_torus);
     };
     if (effort_.must_be_brief()) {
       for (const std::string_view kind : found_in_brief)
@@ -210,7 +210,7 @@ class Search {
     if (auto fit = by_uvs(kinds, UvMaps::plain))
       if (weigh(std::move(*fit))) return;
     for (const std::string_view kind : found_kinds()) {
-      if (kind == "plane" || ruled_out(kind) || effort_.spent()) continue;
+      if (kind_of(kind) == SurfaceKind::plane || ruled_out(kind) || effort_.spent()) continue;
       if (weigh_by_places(kind, false)) return;
     }
     if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine(shape_))
@@ -222,7 +222,7 @@ class Search {
   std::span<const signed char> signs_;
   const std::optional<Eigen::Isometry3d>& placement_;
   Effort& effort_;
-  std::string_view charted_;
+  std::optional<std::string_view> charted_;
   Shape shape_;
   Recognition result_;
 };
@@ -280,7 +280,7 @@ bool Effort::may_search_affine(const Shape& shape) {
 
 Recognition recognise(const Mesh& mesh, std::span<const signed char> signs,
                       const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
-                      std::string_view charted) {
+                      std::optional<std::string_view> charted) {
   return Search(mesh, signs, placement, effort, charted).result();
 }
 

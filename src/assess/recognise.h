@@ -50,10 +50,10 @@ class Effort {
 
 // Any surface of the catalogue, with evidence. \param placement held when given
 // \param signs of its triangles, in the sense of triangle_signs()
-// \param charted nothing but this kind, through uvs that are its own; empty: any, by uvs, normals and
+// \param charted nothing but this kind, through uvs that are its own; nothing: any, by uvs, normals and
 // positions
 Recognition recognise(const Mesh& mesh, std::span<const signed char> signs,
                       const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
-                      std::string_view charted = {});
+                      std::optional<std::string_view> charted = {});
 
 }  // namespace darboux

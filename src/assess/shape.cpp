@@ -294,16 +294,20 @@ bool may_be_cyclide(const Mesh& mesh, const Shape& shape) {
   return nearest.places < 14 || nearest.distances[0] <= near_algebraic;
 }
 
-std::string against_any_surface(const Shape& shape) {
+std::optional<Evidence> against_any_surface(const Shape& shape) {
+  const auto against = [](const std::string& rival, const std::string& why) {
+    return Evidence{-10, rival, rival + ": " + why};
+  };
   if (shape.places.size() < fewest)
-    return "polyhedron: " + std::to_string(shape.places.size()) + " places lie on many surfaces";
+    return against("polyhedron", std::to_string(shape.places.size()) + " places lie on many surfaces");
   if (shape.turning > 0 && shape.moderate < 1 - most_polyhedral && shape.places.size() < many_places)
-    return "polyhedron: " + rounded(100 * (1 - shape.moderate), 3) + " % of its edges turn by more than " +
-           rounded(crease_deg, 3) + " deg";
+    return against("polyhedron", rounded(100 * (1 - shape.moderate), 3) +
+                                     " % of its edges turn by more than " + rounded(crease_deg, 3) + " deg");
   if (shape.faceted > most_faceted &&
       !(shape.places.size() >= fine_places && shape.turn_deg <= fine_turn_deg))
-    return "faceted: " + rounded(100 * shape.faceted, 3) + " % of its triangles store their own normals";
-  return "";
+    return against("faceted",
+                   rounded(100 * shape.faceted, 3) + " % of its triangles store their own normals");
+  return std::nullopt;
 }
 
 }  // namespace darboux

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include <darboux/assess.h>
 #include <darboux/mesh.h>
 
 namespace darboux {
@@ -43,7 +44,7 @@ Quadric quadric_of(const Mesh& mesh, const Shape& shape);  // looks at some hund
 // quadratic, of which a torus is one.
 bool may_be_cyclide(const Mesh& mesh, const Shape& shape);  // looks at some hundreds of places
 
-// Why no curved surface need be looked for: "polyhedron: ...". Empty where one may be.
-std::string against_any_surface(const Shape& shape);
+// Why no curved surface need be looked for; nothing where one may be.
+std::optional<Evidence> against_any_surface(const Shape& shape);
 
 }  // namespace darboux

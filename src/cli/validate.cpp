@@ -187,8 +187,8 @@ void run(const Arguments& arguments, Common& common) {
   if (with_baseline) compare_with_baseline(files, arguments.baseline, baseline);
 
   for (const AssessedFile& file : files) {
-    if (!file.error.empty()) print_error(file.error);
-    if (file.worse) common.exit_status = std::max(common.exit_status, file.error.empty() ? 1 : 2);
+    if (!file.readable()) print_error(file.error);
+    if (file.worse) common.exit_status = std::max(common.exit_status, file.readable() ? 1 : 2);
   }
   if (common.json)
     print_json(report_json(files, with_baseline));

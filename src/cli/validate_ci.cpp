@@ -116,7 +116,7 @@ Json sarif(const std::vector<AssessedFile>& files, bool with_baseline) {
       results.push_back(result_json(file, kind, message));
       if (with_baseline) results.back()["baselineState"] = file.worse ? "new" : "unchanged";
     };
-    if (!file.error.empty()) add_of_file(unreadable, file.error);
+    if (!file.readable()) add_of_file(unreadable, file.error);
     if (file.lost) add_of_file(lost, with_to_do(std::string(lost.message), lost.to_do));
     for (const AssessedPrimitive& p : file.primitives)
       p.each_finding([&](const Assessment& j, const Finding& f, Severity own) {
@@ -176,7 +176,7 @@ void print_github(const std::vector<AssessedFile>& files, bool with_baseline) {
   };
   for (const Severity severity : {Severity::error, Severity::warning})
     for (const AssessedFile& file : files) {
-      if (severity == Severity::error && !file.error.empty()) {
+      if (severity == Severity::error && !file.readable()) {
         if (file.worse)
           print(severity, file.path, unreadable.code, file.error);
         else
@@ -215,12 +215,12 @@ std::string junit(const std::vector<AssessedFile>& files, bool with_baseline) {
       test.append_attribute("file") = path.c_str();
       return test;
     };
-    if (!file.error.empty() || file.primitives.empty() || file.lost) {
+    if (!file.readable() || file.primitives.empty() || file.lost) {
       pugi::xml_node test = add_case("file");
       if (file.lost)
         append(test, "failure", std::string(lost.code), with_to_do(std::string(lost.message), lost.to_do)),
             ++failures;
-      else if (file.error.empty())
+      else if (file.readable())
         append(test, "skipped", "nothing", "holds no triangles to judge"), ++skipped;
       else if (file.worse)
         append(test, "error", std::string(unreadable.code), file.error), ++errors;

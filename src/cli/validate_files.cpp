@@ -241,7 +241,7 @@ std::vector<Assessment> assess_primitive(const Primitive& primitive, const Asses
 }  // namespace
 
 void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy) {
-  if (file.error.empty()) try {
+  if (file.readable()) try {
       Asset asset = read_asset(file.path);
       file.skipped = asset.skipped;
       const std::vector<std::size_t> first = first_of(asset.primitives);
@@ -270,7 +270,7 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
     } catch (const std::bad_alloc&) {
       file.error = file.path + ": needs more memory than there is";
     }
-  if (!file.error.empty()) {
+  if (!file.readable()) {
     file.primitives.clear();
     file.verdict = Verdict::fail;
   }
@@ -329,7 +329,7 @@ void add_known(AssessedPrimitive& p, const Json& mesh, const std::string& path) 
 
 void compare(AssessedFile& file, const Json& entry, const std::string& path) {
   const bool was_unreadable = entry.contains("error");
-  if (!file.error.empty() || was_unreadable) {
+  if (!file.readable() || was_unreadable) {
     file.worse = file.worse && !was_unreadable;
     if (was_unreadable)  // whatever it is now was no better then
       for (AssessedPrimitive& p : file.primitives) {

@@ -58,6 +58,8 @@ struct AssessedFile {
   /// Whether it counts against the run: it is neither pass nor nothing or could not be read and, where there
   /// is a baseline, was better there.
   bool worse = false;
+
+  bool readable() const { return error.empty(); }
 };
 
 /// The files that arguments name, a folder standing for all mesh files in it and in its folders, in the order

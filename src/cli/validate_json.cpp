@@ -139,7 +139,7 @@ Json assessment_json(const AssessedPrimitive& assessed, std::size_t which, bool 
 Json file_json(const AssessedFile& file, bool with_baseline) {
   Json json{{"file", file.path}, {"verdict", name_of(file.verdict)}};
   if (with_baseline) json["worse"] = file.worse;
-  if (!file.error.empty()) json["error"] = file.error;
+  if (!file.readable()) json["error"] = file.error;
   json["meshes"] = Json::array();
   for (const AssessedPrimitive& p : file.primitives)
     for (std::size_t a = 0; a < p.assessments.size(); ++a)

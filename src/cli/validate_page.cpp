@@ -478,7 +478,7 @@ std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
 std::string unread_rows(const std::vector<AssessedFile>& files) {
   std::string html;
   for (const AssessedFile& file : files)
-    if (!file.error.empty())
+    if (!file.readable())
       html +=
           "<div class=\"card mesh row\" data-verdict=fail data-codes=\"\" data-corners=0 "
           "data-worst=-1><span>" +
@@ -491,7 +491,7 @@ std::string unread_rows(const std::vector<AssessedFile>& files) {
 std::string not_assessed(const std::vector<AssessedFile>& files) {
   std::map<std::string, std::vector<std::string>> by_reason;
   for (const AssessedFile& file : files) {
-    if (!file.error.empty()) continue;
+    if (!file.readable()) continue;
     for (const SkippedPrimitive& s : file.skipped)
       by_reason[s.reason].push_back((files.size() > 1 ? file.path + ", " : std::string()) + "mesh " +
                                     std::to_string(s.mesh) + " primitive " + std::to_string(s.primitive));
@@ -521,11 +521,11 @@ std::string digest(std::string_view hex) {
 std::string validate_page(const std::vector<AssessedFile>& files, double max_angle_deg) {
   Verdict verdict = Verdict::nothing;
   for (const AssessedFile& file : files)
-    verdict = std::max(verdict, file.error.empty() ? file.verdict : Verdict::fail);
+    verdict = std::max(verdict, file.readable() ? file.verdict : Verdict::fail);
   const std::string what = files.size() == 1 ? one_line(files.front().path) : plural(files.size(), "file");
   const std::vector<Entry> entries = entries_of(files, max_angle_deg);
   const auto unread = static_cast<std::size_t>(
-      std::count_if(files.begin(), files.end(), [](const AssessedFile& f) { return !f.error.empty(); }));
+      std::count_if(files.begin(), files.end(), [](const AssessedFile& f) { return !f.readable(); }));
 
   // Nothing but the one script runs, whatever a file or a name holds.
   std::string page =

@@ -90,7 +90,7 @@ void check_pictures(const Pictures& pictures, std::size_t files) {
 }
 
 void write_pictures(const Pictures& pictures, const std::vector<AssessedFile>& files, double max_angle_deg) {
-  if (!pictures.paint.empty() && files.front().error.empty())
+  if (!pictures.paint.empty() && files.front().readable())
     paint(files.front(), max_angle_deg, pictures.paint);
   if (!pictures.page.empty()) write_file(pictures.page, validate_page(files, max_angle_deg));
 }

@@ -245,7 +245,7 @@ void print_bad(const std::vector<AssessedFile>& files, bool with_baseline) {
                               : std::string());
   };
   const auto is = [](Verdict verdict) {
-    return [verdict](const AssessedFile& file) { return file.error.empty() && file.verdict == verdict; };
+    return [verdict](const AssessedFile& file) { return file.readable() && file.verdict == verdict; };
   };
   print("failed", is(Verdict::fail), first_code);
   print("undetermined", is(Verdict::undetermined), first_code);
@@ -253,7 +253,7 @@ void print_bad(const std::vector<AssessedFile>& files, bool with_baseline) {
       "nothing to judge now, and passed in the baseline", [](const AssessedFile& file) { return file.lost; },
       [](const AssessedFile& file) { return "holds " + nothing_because(file); });
   print(
-      "cannot be read", [](const AssessedFile& file) { return !file.error.empty(); }, first_sentence);
+      "cannot be read", [](const AssessedFile& file) { return !file.readable(); }, first_sentence);
 }
 
 // What neither failed nor has to be looked at, a line for each reason.
@@ -262,7 +262,7 @@ void print_rest(const std::vector<AssessedFile>& files) {
   std::map<std::string, std::size_t> nothing, skipped;
   for (const AssessedFile& file : files) {
     for (const SkippedPrimitive& s : file.skipped) ++skipped[s.reason];
-    if (!file.error.empty() || file.verdict > Verdict::pass) continue;
+    if (!file.readable() || file.verdict > Verdict::pass) continue;
     if (file.verdict == Verdict::nothing)
       ++nothing[nothing_because(file)];
     else
@@ -283,7 +283,7 @@ void print_rest(const std::vector<AssessedFile>& files) {
 void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadable, bool with_baseline) {
   std::array<std::size_t, verdict_names.size()> verdicts{};
   for (const AssessedFile& file : files)
-    if (file.error.empty()) ++verdicts[static_cast<std::size_t>(file.verdict)];
+    if (file.readable()) ++verdicts[static_cast<std::size_t>(file.verdict)];
   const std::vector<CodeTotal> totals = totals_of(files);
   if (!totals.empty()) std::cout << "found:\n";
   for (const CodeTotal& t : totals) {
@@ -307,7 +307,7 @@ void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool
     for (const AssessedPrimitive& p : file.primitives) assessments += p.assessments.size();
   const bool tables = details || (assessments <= most_tables && files.size() <= most_tables);
   for (const AssessedFile& file : files) {
-    if (!file.error.empty()) {
+    if (!file.readable()) {
       ++unreadable;
       continue;
     }
