@@ -1,16 +1,16 @@
 // From a file to its verdict, one record a stage:
 //
-//   read_asset()      Primitive          a piece of a file: its mesh, other uv sets, nodes          io.h
-//   prepare()         MeshUnderTest      the mesh, with what is computed from it once   mesh_under_test.h
-//   Cutter            MeshPart           some of its triangles, as a mesh of their own          this header
-//   recognise()       Recognition        the surface of mesh or part, the truth at its vertices   recognise.h
-//   validate()        MeshReport         what is stored, against that truth            mesh_under_test.h
-//   assess_parts()    Assessment         surface, evidence and report of mesh or part           assess.h
-//   assess_file()     AssessedPrimitive  assessments under the options' policy, without data    cli
-//   assess_file()     AssessedFile       all of a file; print_text(), report_json() and others write it
+//   read_asset()       Primitive          a piece of a file: its mesh, other uv sets, nodes io.h
+//   prepare()          MeshUnderTest      the mesh, with what is computed from it once  mesh_under_test.h
+//   Cutter             MeshPart           some of its triangles, as a mesh of their own parts.h
+//   recognise()        Recognition        the surface of mesh or part, and its truth    recognise.h
+//   validate()         MeshReport         what is stored, against that truth            mesh_under_test.h
+//   assess_parts()     Assessment         surface, evidence and report of mesh or part  assess.h
+//   assess_file()      AssessedPrimitive  its assessments, under the policy of the options validate_files.h
+//   print_text(), ...  AssessedFile       all of a file, as it is written               validate_files.h
 //
-// Only parts that are looked at become meshes: the whole is never copied to be cut. Of a part the records are
-// those of the whole, restricted (restrict_to()), so that nothing is computed twice.
+// Only parts that are looked at become meshes: the whole is not copied to be cut. A part's MeshUnderTest is
+// the whole's, restricted by restrict_to(), so that nothing is computed twice.
 #pragma once
 
 #include <cstdint>
