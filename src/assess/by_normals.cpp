@@ -4,9 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include "base/evenly_chosen.h"
+#include "base/linear_algebra.h"
 #include "fit/fit_kinds.h"
 #include "mesh/triangle_signs.h"
 
@@ -52,8 +53,7 @@ std::pair<Vector3d, double> constant_along(const std::vector<Vector3d>& normals,
     for (const Vector3d& n : normals) mean += n / count;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Vector3d& n : normals) spread += (n - mean) * (n - mean).transpose() / count;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  const Vector3d axis = solver.eigenvectors().col(0);
+  const Vector3d axis = symmetric_eigen(spread).vectors.col(0);
   return {axis, mean.dot(axis)};
 }
 
@@ -66,12 +66,11 @@ std::optional<Vector3d> circle(const std::vector<std::array<double, 2>>& points)
     normal += row * row.transpose();
     right += (x * x + y * y) * row;
   }
-  const Eigen::FullPivLU<Eigen::Matrix3d> lu(normal);
-  if (lu.rank() < 3) return std::nullopt;
-  const Vector3d s = lu.solve(right);
-  const double square = s.z() + s.x() * s.x() + s.y() * s.y();
+  const std::optional<Vector3d> s = solve_regular(normal, right);
+  if (!s) return std::nullopt;
+  const double square = s->z() + s->x() * s->x() + s->y() * s->y();
   if (!(square > 0)) return std::nullopt;
-  return Vector3d(s.x(), s.y(), std::sqrt(square));
+  return Vector3d(s->x(), s->y(), std::sqrt(square));
 }
 
 std::pair<Vector3d, Vector3d> across(const Vector3d& axis) {
@@ -117,9 +116,9 @@ std::optional<Axis> cone(std::vector<Oriented> list) {
   }
   if (!(std::sqrt(lean) <= near) || std::fabs(height) < near || std::fabs(height) > 0.999)
     return std::nullopt;
-  const Eigen::FullPivLU<Eigen::Matrix3d> lu(normal);
-  if (lu.rank() < 3) return std::nullopt;
-  return Axis{.point = lu.solve(right), .direction = axis, .along_axis = height};
+  const std::optional<Vector3d> apex = solve_regular(normal, right);
+  if (!apex) return std::nullopt;
+  return Axis{.point = *apex, .direction = axis, .along_axis = height};
 }
 
 // All normals meet the axis: (p × n)·a + n·m = 0 with a its direction and m the moment of a point on it.
@@ -130,9 +129,9 @@ std::optional<Axis> torus(const std::vector<Oriented>& list) {
     row << o.p.cross(o.n), o.n;
     sum += row * row.transpose() / static_cast<double>(list.size());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(sum);
-  if (!(std::sqrt(std::fmax(solver.eigenvalues()[0], 0)) <= near)) return std::nullopt;
-  const Eigen::Matrix<double, 6, 1> line = solver.eigenvectors().col(0);
+  const auto [squares, lines] = symmetric_eigen(Eigen::MatrixXd(sum));
+  if (!(std::sqrt(std::fmax(squares[0], 0)) <= near)) return std::nullopt;
+  const Eigen::Matrix<double, 6, 1> line = lines.col(0);
   const double length = line.head<3>().norm();
   if (!(length > 1e-3)) return std::nullopt;
   const Vector3d axis = line.head<3>() / length, moment = line.tail<3>() / length;

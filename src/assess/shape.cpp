@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <darboux/fit_mesh.h>
@@ -12,6 +11,7 @@
 #include <darboux/weld.h>
 
 #include "base/evenly_chosen.h"
+#include "base/linear_algebra.h"
 #include "base/text.h"
 #include "mesh/frames/creases.h"
 
@@ -124,8 +124,7 @@ void measure_spread(const Mesh& mesh, Shape& shape) {
     const Eigen::Vector3d d = local(v) - mean;
     spread += d * d.transpose() / n;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  shape.axes = axes.eigenvectors();
+  shape.axes = symmetric_eigen(spread).vectors;
   if (shape.axes.determinant() < 0) shape.axes.col(2) *= -1;
   shape.plane_normal = shape.axes.col(0);
   double squares = 0;  // by distances: the eigenvalue keeps half the digits only
@@ -246,9 +245,9 @@ struct Algebraic {
     }
     // The constant has no slope.
     slopes += 1e-9 * static_cast<double>(places) * Eigen::Matrix<double, N, N>::Identity();
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(values, slopes);
-    distances = solver.eigenvalues().cwiseMax(0).cwiseSqrt() / 2;
-    coefficients = solver.eigenvectors();
+    const auto [squares, vectors] = generalised_symmetric_eigen(values, slopes);
+    distances = squares.cwiseMax(0).cwiseSqrt() / 2;
+    coefficients = vectors;
   }
 };
 
@@ -273,8 +272,7 @@ Quadric quadric_of(const Mesh& mesh, const Shape& shape) {
   const Row q = nearest.coefficients.col(0);
   Eigen::Matrix3d form;
   form << q[0], q[3] / 2, q[5] / 2, q[3] / 2, q[1], q[4] / 2, q[5] / 2, q[4] / 2, q[2];
-  Eigen::Vector3d shares =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(form, Eigen::EigenvaluesOnly).eigenvalues();
+  Eigen::Vector3d shares = symmetric_eigenvalues(form);
   shares /= shares[0] + shares[2] < 0 ? shares[0] : shares[2];  // of the largest
   const double least = shares.minCoeff();
   return least > clear ? Quadric::definite : least < -clear ? Quadric::indefinite : Quadric::any;

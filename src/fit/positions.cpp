@@ -3,12 +3,13 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include <darboux/error.h>
 #include <darboux/fit_mesh.h>
 
 #include "base/evenly_chosen.h"
+#include "base/linear_algebra.h"
 #include "fit/primitives/fit_primitives.h"
 #include "fit/primitives/list.h"
 #include "fit_kinds.h"
@@ -46,15 +47,13 @@ std::optional<Eigen::Matrix3d> projection_of(const Mesh& mesh, const std::vector
     p.row(i) = (to_eigen(mesh.positions[v]) - centre).transpose() / size;
   }
   if (!uv1.allFinite()) return std::nullopt;
-  const Eigen::ColPivHouseholderQR<Eigen::Matrix<double, Eigen::Dynamic, 3>> qr(uv1);
-  if (qr.rank() < 3) return std::nullopt;
-  const Eigen::Matrix3d affine = qr.solve(p);
-  const Eigen::Matrix<double, Eigen::Dynamic, 3> rest = p - uv1 * affine;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(rest.transpose() * rest /
-                                                              static_cast<double>(n));
-  if (!(std::sqrt(std::fmax(spread.eigenvalues()[1], 0)) <= fits_below)) return std::nullopt;
+  const std::optional<Eigen::MatrixXd> affine = solve_least_squares(uv1, p);
+  if (!affine) return std::nullopt;
+  const Eigen::Matrix<double, Eigen::Dynamic, 3> rest = p - uv1 * *affine;
+  const auto spread = symmetric_eigen(Eigen::Matrix3d(rest.transpose() * rest / static_cast<double>(n)));
+  if (!(std::sqrt(std::fmax(spread.values[1], 0)) <= fits_below)) return std::nullopt;
   Eigen::Matrix3d result;
-  result << size * affine.row(0).transpose(), size * affine.row(1).transpose(), spread.eigenvectors().col(2);
+  result << size * affine->row(0).transpose(), size * affine->row(1).transpose(), spread.vectors.col(2);
   // Uvs along a line in the plane that is seen project onto nothing.
   const Eigen::Vector3d seen = result.col(0).cross(result.col(1));
   if (!(std::fabs(seen.dot(result.col(2))) > 1e-6 * result.col(0).norm() * result.col(1).norm()))
@@ -83,7 +82,7 @@ bool hold(const std::optional<SurfaceSpecification>& kind, const std::optional<E
   }
   if (!held.empty()) {
     const Eigen::MatrixXd gain =
-        c(held, held).completeOrthogonalDecomposition().solve(c(held, Eigen::all)).transpose();
+        solve_least_norm(c(held, held), Eigen::MatrixXd(c(held, Eigen::all))).transpose();
     const Eigen::VectorXd given = move(held);
     move = gain * given;
     c -= (gain * c(held, Eigen::all)).eval();

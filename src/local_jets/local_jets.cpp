@@ -4,11 +4,12 @@
 #include <optional>
 #include <string>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include <darboux/error.h>
 #include <darboux/local_jets.h>
 
+#include "base/linear_algebra.h"
 #include "base/neighbours.h"
 #include "base/parallel.h"
 #include "base/text.h"
@@ -81,9 +82,7 @@ class LocalFit {
         covariance(i, j) = covariance(j, i) =
             (weights_.array() * (points_.col(i).array() - mean(i)) * (points_.col(j).array() - mean(j)))
                 .sum();
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-    eigen.computeDirect(covariance);
-    const Eigen::Vector3d up = eigen.eigenvectors().col(0).normalized();
+    const Eigen::Vector3d up = closed_form_symmetric_eigen(covariance).vectors.col(0).normalized();
     Eigen::Index least = 0;
     up.cwiseAbs().minCoeff(&least);
     const Eigen::Vector3d e1 = up.cross(Eigen::Vector3d::Unit(least)).normalized(), e2 = up.cross(e1);

@@ -5,11 +5,11 @@
 #include <numbers>
 #include <optional>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
+#include <Eigen/LU>
 
 #include <darboux/frame.h>
 
+#include "base/linear_algebra.h"
 #include "base/text.h"
 #include "findings.h"
 
@@ -117,11 +117,11 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
     for (int k = 0; k < 3; ++k) by.middleCols<3>(3 * k) = t[k] * across;
     sum += by.transpose() * by / static_cast<double>(samples.size());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(sum);
+  const auto [least, maps] = symmetric_eigen(Eigen::MatrixXd(sum));
   // Vectors in one plane leave M open.
   constexpr double identifiable = 1e-3;
-  if (!(solver.eigenvalues()[1] > identifiable)) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> column = solver.eigenvectors().col(0);
+  if (!(least[1] > identifiable)) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> column = maps.col(0);
   Eigen::Matrix3d m = Eigen::Map<const Eigen::Matrix3d>(column.data());
   double along = 0;
   for (const Pair& s : samples) along += to_eigen(s.t).dot(m * to_eigen(s.stored));
@@ -130,8 +130,7 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
   for (const Pair& s : samples)
     within += angle_deg(s.t, from_eigen(Eigen::Vector3d(m * to_eigen(s.stored)))) <= limit;
   if (static_cast<double>(within) < most * static_cast<double>(samples.size())) return std::nullopt;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m);
-  const Eigen::Vector3d scale = svd.singularValues() / svd.singularValues()[2];
+  const Eigen::Vector3d singular = singular_value_decomposition(m).values, scale = singular / singular[2];
   if (!(scale[0] < 1e3)) return std::nullopt;
   const bool even = scale[0] < 1.01;
   return ": by a map that " +

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Dense>
-
+#include "base/linear_algebra.h"
 #include "base/text.h"
 #include "fit/common/kinds.h"
 #include "principal.h"
@@ -30,8 +29,7 @@ std::string unidentifiable_parameter(const Shape& shape, const ReducedNormalEqua
       f.normal = shape.surface.frame(f.uv.x, f.uv.y).n;
       if (const Row r = row_of(f, Eigen::Vector3d::Zero()); r.allFinite()) whole.add(r, 1, 0);
     }
-  const double most =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whole.h, Eigen::EigenvaluesOnly).eigenvalues()[n - 1];
+  const double most = symmetric_eigenvalues(whole.h)[n - 1];
   for (Eigen::Index k = 0; k < n && !known.is_identifiable(k); ++k) {
     const Eigen::VectorXd direction = known.directions().col(k);
     if (!(direction.dot(whole.h.selfadjointView<Eigen::Lower>() * direction) > clearly * most)) continue;
@@ -58,13 +56,11 @@ Eigen::MatrixXd unidentifiable_directions(const ReducedNormalEquations& known) {
 // what is left if it is only one direction.
 std::vector<Eigen::VectorXd> unidentifiable_parameters(const ReducedNormalEquations& known) {
   const Eigen::Index count = known.directions().rows() - 6;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_parameters(
-      unidentifiable_directions(known).bottomRightCorner(count, count));
+  const auto [shares, directions] =
+      symmetric_eigen(Eigen::MatrixXd(unidentifiable_directions(known).bottomRightCorner(count, count)));
   Eigen::MatrixXd unknown = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index k = 0; k < count; ++k)
-    if (const Eigen::VectorXd v = of_parameters.eigenvectors().col(k);
-        of_parameters.eigenvalues()[k] > 1 - 1e-6)
-      unknown += v * v.transpose();
+    if (shares[k] > 1 - 1e-6) unknown += directions.col(k) * directions.col(k).transpose();
   std::vector<Eigen::VectorXd> result;
   for (Eigen::Index k = 0; k < count; ++k)
     if (unknown(k, k) > 1 - 1e-6) {
@@ -72,9 +68,8 @@ std::vector<Eigen::VectorXd> unidentifiable_parameters(const ReducedNormalEquati
       unknown.row(k).setZero();
       unknown.col(k).setZero();
     }
-  if (const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> rest(unknown);
-      rest.eigenvalues().sum() > 0.5 && rest.eigenvalues().sum() < 1.5)
-    result.push_back(rest.eigenvectors().col(count - 1));
+  if (const auto rest = symmetric_eigen(unknown); rest.values.sum() > 0.5 && rest.values.sum() < 1.5)
+    result.push_back(rest.vectors.col(count - 1));
   return result;
 }
 

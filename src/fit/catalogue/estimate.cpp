@@ -5,7 +5,6 @@
 #include <numbers>
 #include <numeric>
 
-#include <Eigen/Dense>
 #include <ceres/ceres.h>
 
 #include "base/quantile.h"

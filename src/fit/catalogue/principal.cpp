@@ -2,7 +2,9 @@
 
 #include <cmath>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
+
+#include "base/linear_algebra.h"
 
 namespace darboux::fit::catalogue {
 
@@ -13,8 +15,8 @@ Principal principal(const std::vector<Eigen::Vector3d>& points) {
   for (const Eigen::Vector3d& x : points)
     spread += (x - result.centre) * (x - result.centre).transpose() / static_cast<double>(points.size());
   result.size = std::sqrt(spread.trace());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  result.axes = solver.eigenvectors();
+  const auto [values, vectors] = symmetric_eigen(spread);
+  result.axes = vectors;
   // Not the root of the eigenvalue, whose rounding is that of the largest.
   for (const Eigen::Vector3d& x : points) {
     const double off = result.axes.col(0).dot(x - result.centre);
@@ -22,8 +24,7 @@ Principal principal(const std::vector<Eigen::Vector3d>& points) {
   }
   result.thickness = std::sqrt(result.thickness);
   for (const int axis : {0, 2})
-    if (solver.eigenvalues()[2 - axis] > 0.7 * solver.eigenvalues()[1] &&
-        0.7 * solver.eigenvalues()[2 - axis] < solver.eigenvalues()[1])
+    if (values[2 - axis] > 0.7 * values[1] && 0.7 * values[2 - axis] < values[1])
       result.round.push_back(axis);
   if (result.axes.determinant() < 0) result.axes.col(0) *= -1;
   return result;

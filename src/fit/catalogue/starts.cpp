@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include "base/quantile.h"
 #include "principal.h"

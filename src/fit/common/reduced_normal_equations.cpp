@@ -1,16 +1,17 @@
 #include "reduced_normal_equations.h"
 
 #include <cmath>
+#include <utility>
 
-#include <Eigen/Eigenvalues>
+#include "base/linear_algebra.h"
 
 namespace darboux::fit {
 
 ReducedNormalEquations::ReducedNormalEquations(const Eigen::MatrixXd& h, double least) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
-  const double largest = eigen.eigenvalues()[h.rows() - 1];
-  vectors_ = eigen.eigenvectors();
-  roots_ = eigen.eigenvalues().unaryExpr([&](double d) { return d > least * largest ? std::sqrt(d) : 0.0; });
+  auto [values, vectors] = symmetric_eigen(h);
+  const double largest = values[h.rows() - 1];
+  vectors_ = std::move(vectors);
+  roots_ = values.unaryExpr([&](double d) { return d > least * largest ? std::sqrt(d) : 0.0; });
   inverses_ = roots_.unaryExpr([](double root) { return root > 0 ? 1 / root : 0.0; });
 }
 

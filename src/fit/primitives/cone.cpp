@@ -2,6 +2,7 @@
 
 #include <darboux/cone.h>
 
+#include "base/linear_algebra.h"
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
@@ -62,7 +63,7 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
     normal += n * n.transpose();
     right += n.dot(sample.points.col(i)) * n;
   }
-  const Vector3d apex = normal.ldlt().solve(right);
+  const Vector3d apex = solve_symmetric(normal, right);
   Eigen::Matrix3Xd directions = sample.points.colwise() - apex;
   directions.colwise().normalize();
   if (!directions.allFinite()) return std::nullopt;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include <Eigen/Eigenvalues>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "base/linear_algebra.h"
 #include "fit/common/rotation_manifold.h"
 
 namespace darboux::fit {
@@ -78,8 +78,7 @@ void BatchedCost::accumulate_at(const LocalModel& model) const {
   sum();
   // Far from the maximum the likelihood may curve the wrong way; the weighted squares never do.
   if (!convex_ && phase_ == Phase::score &&
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sums_.hessian, Eigen::EigenvaluesOnly).eigenvalues()[0] <
-          -1e-9 * sums_.hessian.trace()) {
+      symmetric_eigenvalues(sums_.hessian)[0] < -1e-9 * sums_.hessian.trace()) {
     convex_ = true;
     sum();
   }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "base/linear_algebra.h"
 #include "base/text.h"
 #include "fit/common/kinds.h"
 #include "geometry.h"
@@ -43,7 +44,7 @@ std::string least_identifiable(const PrimitiveFit& f) {
   Covariance c = of_the_surface(f);
   c /= c.cwiseAbs().maxCoeff();
   if (!c.allFinite()) return "its size and place";
-  const Eigen::Matrix<double, 9, 1> v = Eigen::SelfAdjointEigenSolver<Covariance>(c).eigenvectors().col(8);
+  const Eigen::Matrix<double, 9, 1> v = symmetric_eigen(Eigen::MatrixXd(c)).vectors.col(8);
   const Vector3d turn = v.head<3>(), shift = v.segment<3>(3), lengths = v.tail<3>();
   const double half_of_most = 0.5 * std::max({turn.norm(), shift.norm(), lengths.norm()});
   if (shift.norm() > half_of_most) return "the centre along " + direction_text(shift);
@@ -80,12 +81,9 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
   // least about. The normal equations know its square but for their rounding. The points' own noise along the
   // surface looks as much like it.
   const Covariance c = of_the_surface(f);
-  const double movement =
-      primitive.orientation == Orientation::frame
-          ? f.sigma /
-                std::sqrt(
-                    k * Eigen::SelfAdjointEigenSolver<Covariance>(c, Eigen::EigenvaluesOnly).eigenvalues()[8])
-          : 1 / (f.largest_deviation * std::sqrt(k));
+  const double movement = primitive.orientation == Orientation::frame
+                              ? f.sigma / std::sqrt(k * symmetric_eigenvalues(Eigen::MatrixXd(c))[8])
+                              : 1 / (f.largest_deviation * std::sqrt(k));
   if (!f.covariance.allFinite() || !(movement > 1e-7) ||
       (primitive.flat_limit != FlatLimit::none && movement < 1.3 * f.sigma))
     return unsure("is not determined: " + least_identifiable(f) + " is not observable" + help);

@@ -4,6 +4,7 @@
 
 #include <darboux/ellipsoid.h>
 
+#include "base/linear_algebra.h"
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
@@ -112,7 +113,7 @@ Eigen::Matrix<double, 10, 1> linear_quadric(const OrientedPoints& sample, const 
     normal += rows.transpose() * rows;
     right += rows.bottomRows<3>().transpose() * n;
   }
-  return normal.ldlt().solve(right);
+  return solve_symmetric(normal, right);
 }
 
 std::optional<GeometricParameters> start(const OrientedPoints& sample) {
@@ -122,13 +123,12 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
   const Eigen::Matrix<double, 10, 1> q = linear_quadric(sample, mean, *sphere);
   Matrix3d form;
   form << q[0], q[5], q[4], q[5], q[1], q[3], q[4], q[3], q[2];
-  Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
-  eigen.computeDirect(form);
-  const double largest = eigen.eigenvalues()[2];
+  const auto [values, vectors] = closed_form_symmetric_eigen(form);
+  const double largest = values[2];
   if (!(largest > 0)) return std::nullopt;
   // A direction in which the quadric opens becomes a long axis.
-  const Vector3d curvatures = eigen.eigenvalues().cwiseMax(0.04 * largest);
-  Matrix3d axes = eigen.eigenvectors();
+  const Vector3d curvatures = values.cwiseMax(0.04 * largest);
+  Matrix3d axes = vectors;
   if (axes.determinant() < 0) axes.col(0) *= -1;
   const Vector3d gradient = axes.transpose() * q.segment<3>(6);
   const Vector3d centre = -gradient.cwiseQuotient(curvatures);

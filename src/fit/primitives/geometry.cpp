@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/linear_algebra.h"
+
 namespace darboux::fit {
 namespace {
 
@@ -12,16 +14,17 @@ std::optional<std::pair<Eigen::Matrix<double, Dimension, 1>, double>> linear_rou
     const Eigen::Matrix<double, Dimension, Eigen::Dynamic>& points) {
   using Vector = Eigen::Matrix<double, Dimension, 1>;
   const Vector mean = points.rowwise().mean();
-  Eigen::Matrix<double, Dimension + 1, Dimension + 1> normal;
-  Eigen::Matrix<double, Dimension + 1, 1> right, row;
-  normal.setZero(), right.setZero();
+  using Row = Eigen::Matrix<double, Dimension + 1, 1>;
+  using Square = Eigen::Matrix<double, Dimension + 1, Dimension + 1>;
+  Square normal = Square::Zero();
+  Row right = Row::Zero(), row;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const Vector q = points.col(i) - mean;
     row << 2 * q, 1;
     normal += row * row.transpose();
     right += q.squaredNorm() * row;
   }
-  const Eigen::Matrix<double, Dimension + 1, 1> x = normal.ldlt().solve(right);
+  const Row x = solve_symmetric(normal, right);
   const Vector c = x.template head<Dimension>();
   const double square = x[Dimension] + c.squaredNorm();
   if (!(square > 0)) return std::nullopt;
@@ -79,7 +82,7 @@ LocalModel local_frame(const Vector3d& origin, const Vector3d& x, const Vector3d
 }
 
 Vector3d least_direction(const Matrix3d& symmetric) {
-  return Eigen::SelfAdjointEigenSolver<Matrix3d>().computeDirect(symmetric).eigenvectors().col(0);
+  return closed_form_symmetric_eigen(symmetric).vectors.col(0);
 }
 
 std::optional<Sphere3> linear_sphere(const Eigen::Matrix3Xd& points) {
@@ -101,10 +104,9 @@ AxisOfRevolution linear_axis(const OrientedPoints& sample) {
     ma += n * c.transpose();
     aa += c * c.transpose();
   }
-  const Eigen::LDLT<Matrix3d> solver(mm);
-  const Matrix3d reduced = aa - ma.transpose() * solver.solve(ma);
+  const Matrix3d reduced = aa - ma.transpose() * solve_symmetric(mm, ma);
   const Vector3d a = least_direction(0.5 * (reduced + reduced.transpose()));
-  const Vector3d moment = -solver.solve(ma * a);
+  const Vector3d moment = -solve_symmetric(mm, Vector3d(ma * a));
   return {mean + a.cross(moment), a};
 }
 
@@ -131,7 +133,7 @@ GeometricParameters axis_frame(const GeometricParameters& n, const Vector3d& mea
 
 GeometricParameters scatter_frame(const GeometricParameters& n, const Vector3d& z, const Matrix3d& scatter) {
   const Matrix3d across = Matrix3d::Identity() - z * z.transpose();
-  const Vector3d x = Eigen::SelfAdjointEigenSolver<Matrix3d>(across * scatter * across).eigenvectors().col(2);
+  const Vector3d x = symmetric_eigen(Matrix3d(across * scatter * across)).vectors.col(2);
   return with_frame(n, x, z);
 }
 

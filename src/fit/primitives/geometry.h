@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include "primitive.h"
 

@@ -4,11 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-
 #include <darboux/vector.h>
 
 #include "base/evenly_chosen.h"
+#include "base/linear_algebra.h"
 #include "base/neighbours.h"
 
 namespace darboux::fit {
@@ -58,12 +57,11 @@ OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, std::mt19937_64& r
       const Vector3d q = to_eigen(chosen[nearest[j]]) - mean;
       scatter += q * q.transpose();
     }
-    Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
-    eigen.computeDirect(scatter);
+    const auto [values, vectors] = closed_form_symmetric_eigen(scatter);
     // The mean has less noise; among few points it is off the surface.
     all.points.col(i) = nearest.size() > 6 ? mean : to_eigen(chosen[static_cast<std::size_t>(i * n / m)]);
-    all.normals.col(i) = eigen.eigenvectors().col(0);
-    flatness.emplace_back(eigen.eigenvalues()[0] / std::fmax(eigen.eigenvalues()[1], 1e-300), i);
+    all.normals.col(i) = vectors.col(0);
+    flatness.emplace_back(values[0] / std::fmax(values[1], 1e-300), i);
   }
   // Of few points none can be spared.
   const Eigen::Index kept = std::max<Eigen::Index>(2 * m / 3 + 1, 20);

@@ -6,8 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
+#include "base/linear_algebra.h"
 #include "cost.h"
 #include "support.h"
 
@@ -71,14 +72,13 @@ double circle_deviation_of(const Matrix3Xd& cloud, const Eigen::VectorXd& weight
   const Vector3d mean = cloud * weights / sum;
   const Matrix3Xd centred = cloud.colwise() - mean;
   const Matrix3d axes =
-      Eigen::SelfAdjointEigenSolver<Matrix3d>(centred * weights.asDiagonal() * centred.transpose())
-          .eigenvectors();
+      symmetric_eigen(Matrix3d(centred * weights.asDiagonal() * centred.transpose())).vectors;
   const Matrix3Xd p = axes.transpose() * centred;  // the plane's normal first
   const Eigen::Matrix3Xd rows =
       (Matrix3Xd(3, p.cols()) << 2 * p.bottomRows<2>(), Eigen::RowVectorXd::Ones(p.cols())).finished();
   const Eigen::VectorXd squares = p.bottomRows<2>().colwise().squaredNorm();
   const Matrix3d normal_matrix = rows * weights.asDiagonal() * rows.transpose();
-  const Vector3d circle = normal_matrix.ldlt().solve(rows * weights.cwiseProduct(squares));
+  const Vector3d circle = solve_symmetric(normal_matrix, Vector3d(rows * weights.cwiseProduct(squares)));
   const double radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
   const Eigen::ArrayXd radial =
       (p.bottomRows<2>().colwise() - circle.head<2>()).colwise().norm().transpose().array() - radius;
@@ -135,14 +135,14 @@ class Refinement {
     std::vector<int> free;
     for (int k = 0; k < all; ++k)
       if (primitive_.unknowns == all || k != 2) free.push_back(k);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian_(free, free));
+    const auto [values, vectors] = symmetric_eigen(Eigen::MatrixXd(hessian_(free, free)));
     // Below that is rounding: the turn of an ellipsoid of revolution would spoil what else is known.
-    const double rounding = std::max(0x1p-52 * eigen.eigenvalues().maxCoeff(), 1e-300);
-    const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(rounding).cwiseInverse();
+    const double rounding = std::max(0x1p-52 * values.maxCoeff(), 1e-300);
+    const Eigen::VectorXd inverse = values.cwiseMax(rounding).cwiseInverse();
     fit.largest_deviation = std::sqrt(inverse[0]);
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(all, all);
-    covariance(free, free) = mixture_.sigma * mixture_.sigma * eigen.eigenvectors() * inverse.asDiagonal() *
-                             eigen.eigenvectors().transpose();
+    covariance(free, free) =
+        mixture_.sigma * mixture_.sigma * vectors * inverse.asDiagonal() * vectors.transpose();
     fit.covariance = geometric_covariance(primitive_, model_, covariance, fit.reference);
   }
 

@@ -4,10 +4,9 @@
 #include <chrono>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include <darboux/error.h>
 
+#include "base/linear_algebra.h"
 #include "base/quantile.h"
 #include "base/text.h"
 #include "fit/common/arguments.h"
@@ -117,7 +116,7 @@ std::string prepare(const PointCloud& cloud, const PointFitOptions& options, Dat
   for (const auto& p : data.trial.positions) mean += to_eigen(p) / static_cast<double>(data.trial.count());
   for (const auto& p : data.trial.positions)
     spread += (to_eigen(p) - mean) * (to_eigen(p) - mean).transpose();
-  const Eigen::Vector3d along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues();
+  const Eigen::Vector3d along = symmetric_eigenvalues(spread);
   const double rounding = all.least_sigma();
   if (along[1] <= rounding * rounding * static_cast<double>(data.trial.count()) + 1e-30 * along[2])
     return "all points are on one line";

@@ -5,9 +5,9 @@
 #include <numeric>
 #include <random>
 
-#include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 
+#include "base/linear_algebra.h"
 #include "fit/common/reduced_normal_equations.h"
 #include "fit/common/rotation_manifold.h"
 
@@ -166,11 +166,11 @@ UvSpread UvModel::spread(const UvState& state, const UvSums& sums) const {
   const Eigen::MatrixXd information = sums.hessian(open, open);
   const Eigen::VectorXd scale =
       information.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information *
-                                                             scale.asDiagonal());
-  if (!(eigen.eigenvalues()[0] > 1e-13)) {
+  const auto [values, vectors] =
+      symmetric_eigen(Eigen::MatrixXd(scale.asDiagonal() * information * scale.asDiagonal()));
+  if (!(values[0] > 1e-13)) {
     Eigen::Index most = 0;
-    eigen.eigenvectors().col(0).cwiseAbs().maxCoeff(&most);
+    vectors.col(0).cwiseAbs().maxCoeff(&most);
     const Eigen::Index what = place[static_cast<std::size_t>(most)];
     result.undetermined = what < 3   ? "direction"
                           : what < 6 ? "place"
@@ -179,8 +179,7 @@ UvSpread UvModel::spread(const UvState& state, const UvSums& sums) const {
                               : "uv map";
     return result;
   }
-  const Eigen::MatrixXd root =
-      scale.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd root = scale.asDiagonal() * vectors * values.cwiseSqrt().cwiseInverse().asDiagonal();
   result.covariance(place, place) = root * root.transpose();
   return result;
 }
@@ -421,8 +420,7 @@ void UvModel::polish(UvState& state, Mixture& mixture, const std::optional<doubl
         sums.hessian.diagonal().unaryExpr([](double d) { return d > 0 ? 1 / std::sqrt(d) : 0.0; });
     const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.hessian * scale.asDiagonal();
     const Eigen::VectorXd step =
-        -(scale.asDiagonal() *
-          scaled.completeOrthogonalDecomposition().solve(scale.asDiagonal() * sums.gradient).eval());
+        -(scale.asDiagonal() * solve_least_norm(scaled, Eigen::VectorXd(scale.asDiagonal() * sums.gradient)));
     const double length = step.norm();
     if (!(length < last)) return;  // rounding is all that is left
     state = moved(state, step);

@@ -3,11 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
-
+#include "base/linear_algebra.h"
 #include "base/quantile.h"
 
 namespace darboux {
@@ -62,12 +58,12 @@ bool solve(Linear& linear, int rounds) {
     const Eigen::MatrixXd weighted = weights.asDiagonal() * linear.design;
     const Eigen::MatrixXd normal = weighted.transpose() * linear.design;
     if (!normal.allFinite()) return false;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal);
-    const double largest = eigen.eigenvalues().maxCoeff();
+    const auto [values, vectors] = symmetric_eigen(normal);
+    const double largest = values.maxCoeff();
     const Eigen::VectorXd inverse =
-        eigen.eigenvalues().unaryExpr([&](double d) { return d > 1e-12 * largest ? 1 / d : 0.0; });
-    linear.solution = eigen.eigenvectors() * inverse.asDiagonal() *
-                      (eigen.eigenvectors().transpose() * (weighted.transpose() * linear.targets)).eval();
+        values.unaryExpr([&](double d) { return d > 1e-12 * largest ? 1 / d : 0.0; });
+    linear.solution = vectors * inverse.asDiagonal() *
+                      (vectors.transpose() * (weighted.transpose() * linear.targets)).eval();
     const Eigen::VectorXd distances = (linear.design * linear.solution - linear.targets).rowwise().norm();
     Eigen::VectorXd::Map(linear.distances.data(), distances.size()) = distances;
     if (round + 1 < rounds) {
@@ -96,10 +92,9 @@ double residual(Linear linear) {
 }
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& a) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
-  return u * svd.matrixV().transpose();
+  auto [u, values, v] = singular_value_decomposition(a);
+  if ((u * v.transpose()).determinant() < 0) u.col(2) *= -1;
+  return u * v.transpose();
 }
 
 // Rotation and lengths with A_k = p_k Q on the span of the B_k; lengths that may be negative take both signs.
@@ -266,10 +261,7 @@ std::vector<int> observable_affine(UvModel model) {
     const auto others_absorb = [k](Eigen::MatrixXd j) {
       const Eigen::VectorXd column = j.col(k);
       j.col(k).setZero();
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> others(j.rows(), j.cols());
-      others.setThreshold(1e-10);
-      others.compute(j);
-      return (j * others.solve(column) - column).norm() < 1e-8;
+      return (j * solve_least_norm(j, column, 1e-10) - column).norm() < 1e-8;
     };
     if (!std::all_of(jacobians.begin(), jacobians.end(), others_absorb))
       observable.push_back(order[static_cast<std::size_t>(k - first)]);
