@@ -197,7 +197,7 @@ std::string against(const Estimate& e, const PointFit& fit, const ReducedNormalE
   const std::vector<ParameterValue> parameters = surface.parameters();
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const double length = std::fabs(parameters[k].value), deviation = fit.standard_errors[k].value;
-    if (lengths.empty() || !lengths[k] || may_be_zero(surface.info().name, parameters[k])) continue;
+    if (lengths.empty() || !lengths[k] || may_be_zero(surface, k)) continue;
     const std::string name(parameters[k].name);
     if (length < 1e-3 * size) return "has the " + name + " of a line or a point: no fit";
     if (length > 1e3 * size || deviation > 0.5 * length)

@@ -22,7 +22,7 @@ void check_arguments(const PointCloud& points, const PointFitOptions& options) {
     throw ParameterError("noise", "expected a positive, finite length, got " + shortest(*options.noise));
   if (!options.guess) return;
   const std::string_view kind = options.guess->surface.info().name;
-  if (kind != options.surface && !(options.with_uv && options.surface == "auto"))
+  if (kind != options.surface && !(options.with_uv && is_automatic(options)))
     throw ParameterError("guess", "expected a surface of the kind to be found, " + options.surface +
                                       ", got " + with_article(kind));
   if (!options.guess->placement.matrix().allFinite())

@@ -5,6 +5,11 @@
 
 namespace darboux::fit {
 
+// Whether the kind of surface is to be found out.
+inline bool is_automatic(const PointFitOptions& options) {
+  return options.surface == "auto";
+}
+
 // \throws MeshError for normals or uvs of another number than positions, or none where uvs are needed;
 // ParameterError for a noise that is not positive and finite, a guess that is not finite or of another kind
 // than the one that is named.

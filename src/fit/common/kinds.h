@@ -1,6 +1,7 @@
 // What every fit knows of kinds of surface.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -15,7 +16,7 @@ inline constexpr double margin = 10;
 // "a sphere", "an ellipsoid"
 std::string with_article(std::string_view kind);
 
-// Whether a surface of the kind may have 0 for this parameter: not where that makes it another kind.
-bool may_be_zero(std::string_view kind, const ParameterValue& parameter);
+// Whether a surface like this may have 0 for its k-th parameter: not where that makes it another kind.
+bool may_be_zero(const AnySurface& surface, std::size_t k);
 
 }  // namespace darboux::fit

@@ -51,7 +51,7 @@ struct Trial {
 void check(const PointCloud& cloud, const PointFitOptions& options) {
   PointFitOptions with_uv = options;
   with_uv.with_uv = true;
-  if (options.surface != "auto" && !find_uv_kind(options.surface))
+  if (!fit::is_automatic(options) && !find_uv_kind(options.surface))
     throw ParameterError(options.surface,
                          "cannot be fitted with uvs, expected one of auto, " + uv_kind_names());
   fit::check_arguments(cloud, with_uv);
@@ -309,7 +309,7 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
     const ParameterValue& p = kind.parameters[static_cast<std::size_t>(k)];
     const double value = trial.state.parameters[static_cast<std::size_t>(k)] *
                          (kind.length[static_cast<std::size_t>(k)] ? size : 1);
-    if (kind.may_be_zero(k)) continue;
+    if (kind.may_be_zero[static_cast<std::size_t>(k)]) continue;
     if (std::fabs(value) < 3 * deviation(k))
       return "the points do not tell the " + std::string(p.name) + " of the " + std::string(kind.name) +
              " from zero";
@@ -344,7 +344,7 @@ class UvFit {
   }
 
  private:
-  bool automatic() const { return options_.surface == "auto"; }
+  bool automatic() const { return fit::is_automatic(options_); }
 
   void progress(double share) {
     done_ += share;

@@ -66,6 +66,7 @@ UvKind kind(const std::vector<Shape>& shapes = {}) {
     const auto partner = std::find_if(result.parameters.begin(), result.parameters.end(),
                                       [&](const ParameterValue& other) { return other.name == tied_to; });
     result.tied_to.push_back(static_cast<int>(partner - result.parameters.begin()));
+    result.may_be_zero.push_back(fit::may_be_zero(surface, result.may_be_zero.size()));
     const std::vector<double> values = listed ? shape->starts : std::vector{p.default_value};
     std::vector<std::vector<double>> product;
     for (const auto& begun : result.starts)
@@ -80,10 +81,6 @@ UvKind kind(const std::vector<Shape>& shapes = {}) {
 
 }  // namespace
 
-bool UvKind::may_be_zero(int k) const {
-  return fit::may_be_zero(name, parameters[static_cast<std::size_t>(k)]);
-}
-
 bool UvKind::linear() const {
   for (int k = 0; k < parameter_count(); ++k)
     if (const auto i = static_cast<std::size_t>(k); !length[i] || tied_to[i] != k) return false;
@@ -91,7 +88,7 @@ bool UvKind::linear() const {
 }
 
 bool UvKind::vanishes(int k, double value) const {
-  return !may_be_zero(k) && std::fabs(value) < 1e-6;
+  return !may_be_zero[static_cast<std::size_t>(k)] && std::fabs(value) < 1e-6;
 }
 
 const std::vector<UvKind>& uv_kinds() {
@@ -125,6 +122,7 @@ std::string uv_kind_names() {
 UvKind rigid_kind(const AnySurface& surface) {
   UvKind result{surface.info().name, {{"size", 1, 1, Range::positive(), "", {}}}, {true}, {{1}}, {}};
   result.tied_to = {0};
+  result.may_be_zero = {false};
   result.coordinates = {surface.info().u, surface.info().v};
   result.evaluate = [surface](const double* parameters, std::span<const Vec2<double>> uvs, UvBlock& block) {
     for (std::size_t i = 0; i < uvs.size(); ++i) {

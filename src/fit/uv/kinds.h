@@ -37,12 +37,11 @@ struct UvKind {
   /// to none: lengths that are linear only together, as height and semi_axis_z of the one-sheet hyperboloid.
   std::vector<int> tied_to{};
   std::array<Coordinate, 2> coordinates{};  ///< what u and v are
+  std::vector<bool> may_be_zero{};          ///< whether the surface is of this kind with 0 for a parameter
 
   int parameter_count() const { return static_cast<int>(parameters.size()); }
   /// Whether positions are linear in the parameters: all are lengths, and none is tied.
   bool linear() const;
-  /// Whether the surface is of this kind with 0 for the k-th parameter.
-  bool may_be_zero(int k) const;
   /// Whether the k-th parameter, over the size of the points, has shrunk the surface to a line, a point or
   /// another kind.
   bool vanishes(int k, double value) const;
