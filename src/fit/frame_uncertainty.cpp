@@ -23,25 +23,26 @@ constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::para
 
 constexpr int most_columns = 6 + most_parameters + 6;
 constexpr int any = Eigen::Dynamic;
-// A column for each component of δ: the turns about t, b and n, and the share by which the partial along t
-// grows.
+// A column for each component of δ: by how much it turns the frame about t, b and n, and by which share it
+// lengthens the partial along t.
 template <int N>
 using Turns = Eigen::Matrix<double, 4, N, Eigen::RowMajor, 4, N == any ? most_columns : N>;
-using Ways = Eigen::Matrix<double, 2, any, 0, 2, most_columns>;  // of (u, v)
+// A column for each component of δ: by how much it moves a point along two directions, or its (u, v).
+using Motion = Eigen::Matrix<double, 2, any, 0, 2, most_columns>;
 
-// A fitted surface with the covariance of δ, N numbers, with or without the translation, which turns no frame
-// at a fixed (u, v).
+// A fitted surface with the covariance of δ: (rotation vector, translation, parameters, uv map), N numbers.
+// Without the translation where (u, v) is fixed, as it turns no frame there.
 template <int N>
 struct Fitted {
   const PlacedSurface& placed;
   SurfaceWithParameters surface;
   Eigen::Matrix3d rotation;
-  Eigen::Index parameters;  // the column of the surface's first; before are the rotation, and the translation
+  Eigen::Index parameters;  // the column of the first parameter
   Eigen::Matrix<double, N, N> covariance;
 
   Eigen::Vector3d placed_direction(const Vec3<double>& a) const { return rotation * to_eigen(a); }
 
-  // Of a row of Turns.
+  // The variance of one row.
   double variance(const Turns<N>& turns, int row) const {
     double result = 0;
     for (Eigen::Index k = 0; k < turns.cols(); ++k) {
@@ -77,8 +78,8 @@ Fitted<any> fitted(const PlacedSurface& placed, const SurfaceUncertainty& uncert
   return result;
 }
 
-// Whether the surface has a normal where its circles v = const shrink to a point near (u, v): the same from
-// all sides. The point is where dpdu vanishes when it goes on along v as it does here.
+// Whether the surface has a normal at the pole near (u, v), where its circles v = const shrink to a point:
+// the same normal from all sides. The pole is where dpdu would vanish, by its change along v here.
 bool pole_has_normal(const AnySurface& surface, const Vec2<double>& uv, const Jet2<double>& j) {
   if (surface.info().u != Coordinate::turn) return false;
   const double v = uv.y - dot(j.dpdu, j.d2pduv) / dot(j.d2pduv, j.d2pduv);
@@ -88,9 +89,9 @@ bool pole_has_normal(const AnySurface& surface, const Vec2<double>& uv, const Je
   return sides <= norm(normal(uv.x, uv.y) - normal(uv.x, v)) + 1e-9;
 }
 
-// Of a variance, which rounding may make negative; of one that is not known, infinite.
-double root(double x) {
-  return x > 0 ? std::sqrt(x) : std::isnan(x) ? infinity : 0;
+// 0 where rounding made the variance negative; infinite where it is not a number.
+double deviation(double variance) {
+  return variance > 0 ? std::sqrt(variance) : std::isnan(variance) ? infinity : 0;
 }
 
 // Two partials of a surface, or a change of them, in its axes.
@@ -98,7 +99,7 @@ struct Partials {
   Vec3<double> u, v;
 };
 
-// The frame along the first of two partials: u = e t, v = f t + g b.
+// Two partials in the frame along the first: u = e t, v = f t + g b.
 struct Chart {
   const Vec3<double>&t, &b, &n;
   double e, f, g;
@@ -127,22 +128,23 @@ struct Point {
   Chart chart() const { return {s.frame.t, s.frame.b, s.frame.n, {s.jet.dpdu, s.jet.dpdv}}; }
 };
 
-// Whether it has a frame to turn. At a pole it goes beside it.
+// Whether the point has a frame that turns in first order. A point at a pole is moved beside it, to where
+// dpdu tells directions apart: the covariance of n is the same there.
 bool has_first_order(const SurfaceWithParameters& surface, Point& at) {
   const Sample<double>& s = at.s;
   if (has(s.frame.status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero |
                               Status::parallel))
     return false;
-  // At a pole the covariance of n is that beside it, where dpdu tells directions apart.
-  // A foot may miss it by a rounding.
+  // A foot may miss the pole by rounding.
   at.at_pole = has(s.frame.status, Status::dpdu_zero) || norm(s.jet.dpdu) < 1e-9 * norm(s.jet.d2pduv);
   if (at.at_pole) at.s = surface.sample({s.u, s.v + (s.v < 0.5 ? 0x1p-20 : -0x1p-20)}, at.by);
   return !has(s.frame.status, Status::no_frame | singular);
 }
 
-// What δ does at a fixed (u, v) to the frame of a chart, of which the surface's partials are `seen`.
-template <int N, class Seen>
-Turns<N> turns_of(const Fitted<N>& fit, const Point& at, const Chart& chart, Seen seen) {
+// How δ turns the frame of a chart at a fixed (u, v). \param in_chart takes partials of the surface to those
+// of the chart
+template <int N, class InChart>
+Turns<N> turns_of(const Fitted<N>& fit, const Point& at, const Chart& chart, InChart in_chart) {
   Turns<N> result(4, fit.covariance.cols());
   result.row(0).template head<3>() = fit.placed_direction(chart.t);
   result.row(1).template head<3>() = fit.placed_direction(chart.b);
@@ -153,45 +155,45 @@ Turns<N> turns_of(const Fitted<N>& fit, const Point& at, const Chart& chart, See
                      first = N == any ? fit.parameters : 3;
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    result.col(first + k) = chart.turn(seen({at.by.dpdu[i], at.by.dpdv[i]}));
+    result.col(first + k) = chart.turn(in_chart({at.by.dpdu[i], at.by.dpdv[i]}));
   }
   return result;
 }
 
-// The point moves over the surface too.
-template <int N, class Seen>
-void go(Turns<N>& turns, const Point& at, const Chart& chart, Seen seen, const Ways& way) {
+// Adds how the frame turns as δ moves the point over the surface. \param by of (u, v)
+template <int N, class InChart>
+void add_motion(Turns<N>& turns, const Point& at, const Chart& chart, InChart in_chart, const Motion& by) {
   const Jet2<double>& j = at.s.jet;
-  turns += chart.turn(seen({j.d2pdu2, j.d2pduv})) * way.row(0) +
-           chart.turn(seen({j.d2pduv, j.d2pdv2})) * way.row(1);
+  turns += chart.turn(in_chart({j.d2pdu2, j.d2pduv})) * by.row(0) +
+           chart.turn(in_chart({j.d2pduv, j.d2pdv2})) * by.row(1);
 }
 
 Partials as_they_are(const Partials& p) {
   return p;
 }
 
-// Whether first order tells n and t at all: where three standard deviations change n by less than a radian,
-// and dpdu by less than its length.
-struct Known {
+// What first order is valid for: n where three standard deviations turn it by less than a radian, t where
+// they change dpdu by less than its length.
+struct Validity {
   double normal;  // standard deviation, radians
-  bool knows_normal, knows_tangent;
+  bool of_normal, of_tangent;
 };
 
-Known known(const PlacedSurface& placed, const Point& at, const Chart& chart,
-            const std::array<double, 4>& variances) {
+Validity validity(const PlacedSurface& placed, const Point& at, const Chart& chart,
+                  const std::array<double, 4>& variances) {
   const auto& [t, b, n, growth] = variances;
-  Known result;
-  result.knows_tangent = !at.at_pole && chart.e > 0 && 9 * (b + n + growth) < 1;
-  result.normal = root(t + b);
-  result.knows_normal = 3 * result.normal < 1 &&
-                        (result.knows_tangent || pole_has_normal(placed.surface, {at.s.u, at.s.v}, at.s.jet));
+  Validity result;
+  result.of_tangent = !at.at_pole && chart.e > 0 && 9 * (b + n + growth) < 1;
+  result.normal = deviation(t + b);
+  result.of_normal = 3 * result.normal < 1 &&
+                     (result.of_tangent || pole_has_normal(placed.surface, {at.s.u, at.s.v}, at.s.jet));
   return result;
 }
 
 // How δ moves the point at a fixed (u, v), along t and b.
-Ways velocity(const Fitted<any>& fit, const Point& at, const Chart& chart, const Eigen::Vector3d& centre) {
+Motion velocity(const Fitted<any>& fit, const Point& at, const Chart& chart, const Eigen::Vector3d& centre) {
   const Eigen::Vector3d arm = fit.placed.placement * to_eigen(at.s.jet.position) - centre;
-  Ways result = Ways::Zero(2, fit.covariance.cols());
+  Motion result = Motion::Zero(2, fit.covariance.cols());
   for (int row = 0; row < 2; ++row) {
     const Vec3<double>& along = row == 0 ? chart.t : chart.b;
     const Eigen::Vector3d placed = fit.placed_direction(along);
@@ -203,7 +205,7 @@ Ways velocity(const Fitted<any>& fit, const Point& at, const Chart& chart, const
   return result;
 }
 
-// Without its covariance.
+// The frame of the placed surface, without a covariance.
 UncertainFrame placed_frame(const PlacedSurface& placed, const Sample<double>& s) {
   const Eigen::Matrix3d rotation = placed.placement.linear();
   const auto turned = [&](const Vec3<double>& a) { return from_eigen(rotation * to_eigen(a)); };
@@ -217,8 +219,8 @@ UncertainFrame placed_frame(const PlacedSurface& placed, const Sample<double>& s
   return result;
 }
 
-// The frame at uv with its covariance; where the point p stays and its foot moves, p is given, in the
-// surface's axes.
+// The frame at uv with its covariance. \param p null: at a fixed uv; else at the foot of this point, in the
+// surface's axes, which is fixed while its foot moves
 UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
                                const Vec2<double>& uv, const Vec3<double>* p) {
   const Fitted<any> fit = fitted(placed, uncertainty, p != nullptr);
@@ -231,32 +233,32 @@ UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncerta
   const Chart chart = at.chart();
   Turns<any> turns = turns_of(fit, at, chart, as_they_are);
   if (p) {
-    // The foot x + d n = p stays a foot: (1 - d S) w = -(velocity + d (what turns n towards t, b)), w the
-    // foot's way along t and b over the moving surface. [doCarmo2016, sec. 3-3]
+    // x + d n = p holds on: (1 - d S) w = -(velocity + d (turn of n towards t, b)), with w the motion of the
+    // foot x along t and b over the moving surface. [doCarmo2016, sec. 3-3]
     const ShapeOperator<double> s = shape_operator(at.s.jet, at.s.frame);
     const double distance = dot(*p - at.s.jet.position, chart.n);
     Eigen::Matrix2d moving;
     moving << 1 - distance * s.a, -distance * s.m, -distance * s.m, 1 - distance * s.c;
     // Nearest points have both eigenvalues positive; at zero, a focal point, the foot is not unique.
     if (!(moving.determinant() > 1e-9 * moving.trace() * moving.trace())) return result;
-    Ways way = -velocity(fit, at, chart, uncertainty.centre);
-    way.row(0) -= distance * turns.row(1);
-    way.row(1) += distance * turns.row(0);
-    way = (moving.inverse() * way).eval();
-    way.row(1) /= s.g;                                   // now dv
-    way.row(0) = (way.row(0) - s.f * way.row(1)) / s.e;  // and du
-    go(turns, at, chart, as_they_are, way);
+    Motion w = -velocity(fit, at, chart, uncertainty.centre);
+    w.row(0) -= distance * turns.row(1);
+    w.row(1) += distance * turns.row(0);
+    w = (moving.inverse() * w).eval();
+    w.row(1) /= s.g;                               // now dv
+    w.row(0) = (w.row(0) - s.f * w.row(1)) / s.e;  // and du
+    add_motion(turns, at, chart, as_they_are, w);
   }
   const std::array<double, 4> variances = fit.variances(turns);
-  const Known knows = known(placed, at, chart, variances);
-  if (!knows.knows_normal) return result;
+  const Validity valid = validity(placed, at, chart, variances);
+  if (!valid.of_normal) return result;
   const auto turn = turns.topRows<3>();
   const Eigen::Matrix3d covariance = turn.lazyProduct(fit.covariance).eval().lazyProduct(turn.transpose());
-  result.normal_deg = knows.normal * degrees;
+  result.normal_deg = valid.normal * degrees;
   result.covariance.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>();
-  if (knows.knows_tangent) {
+  if (valid.of_tangent) {
     result.covariance = covariance;
-    result.tangent_deg = root(variances[1] + variances[2]) * degrees;
+    result.tangent_deg = deviation(variances[1] + variances[2]) * degrees;
   }
   return result;
 }
@@ -270,8 +272,8 @@ const PlacedSurface& surface_of(const PointFit& fit) {
   return *fit.surface;
 }
 
-// The foot on a surface that has no closed form for it. Each thread keeps the grid of the last surface it was
-// asked for, and that surface, so that no other has its address.
+// The foot on a surface that has no closed form for it. Each thread keeps the projector of the last surface
+// it was asked for, and a copy of that surface, so that no other can have its address.
 Vec2<double> searched_foot(const AnySurface& surface, const Vec3<double>& p) {
   struct Last {
     AnySurface surface;
@@ -291,22 +293,22 @@ Truth truth_at(const Fitted<N>& fit, const Vec2<double>& stored, ParameterJet& b
   if (!has_first_order(fit.surface, at)) return truth;
   const Chart chart = at.chart();
   const Eigen::Index n = fit.covariance.cols(), map = fit.parameters + fit.surface.parameters();
-  Ways way;
+  Motion motion;
   Turns<N> turns = turns_of(fit, at, chart, as_they_are);
   if (n > map) {  // the uv map is uncertain as well, and moves the point
-    way = Ways::Zero(2, n);
+    motion = Motion::Zero(2, n);
     for (int row = 0; row < 2; ++row) {
-      way(row, map + 2 * row) = stored.x;
-      way(row, map + 2 * row + 1) = stored.y;
-      way(row, map + 4 + row) = 1;
+      motion(row, map + 2 * row) = stored.x;
+      motion(row, map + 2 * row + 1) = stored.y;
+      motion(row, map + 4 + row) = 1;
     }
-    go(turns, at, chart, as_they_are, way);
+    add_motion(turns, at, chart, as_they_are, motion);
   }
   std::array<double, 4> variances = fit.variances(turns);
-  const Known knows = known(fit.placed, at, chart, variances);
-  if (!knows.knows_normal) return truth;
-  truth.normal_deg = knows.normal * degrees;
-  if (!knows.knows_tangent) return truth;
+  const Validity valid = validity(fit.placed, at, chart, variances);
+  if (!valid.of_normal) return truth;
+  truth.normal_deg = valid.normal * degrees;
+  if (!valid.of_tangent) return truth;
   const auto& m = convention.affine;
   if (n > map || m[0] == 0 || m[2] != 0) {
     // The chart of the stored uvs, whose partials are M00 dpdu + M10 dpdv and M01 dpdu + M11 dpdv.
@@ -318,14 +320,14 @@ Truth truth_at(const Fitted<N>& fit, const Vec2<double>& stored, ParameterJet& b
     const Chart own(t, b, chart.n, partials);
     turns = turns_of(fit, at, own, stored_partials);
     if (n > map) {
-      go(turns, at, own, stored_partials, way);
+      add_motion(turns, at, own, stored_partials, motion);
       turns.col(map) += own.turn({at.s.jet.dpdu, {}});
       turns.col(map + 2) += own.turn({at.s.jet.dpdv, {}});
     }
     variances = fit.variances(turns);
   }
   const auto& [of_t, of_b, of_n, growth] = variances;
-  if (9 * (of_b + of_n + growth) < 1) truth.tangent_deg = root(of_b + of_n) * degrees;
+  if (9 * (of_b + of_n + growth) < 1) truth.tangent_deg = deviation(of_b + of_n) * degrees;
   return truth;
 }
 
