@@ -20,23 +20,25 @@ constexpr std::size_t start_points = 80, trial_points = 2048;
 
 // A start this far off is another convention's mesh; refining it would only confirm that.
 constexpr double hopeless = 0.2;
-// Nor is one with a point this far off: it would take all the digits.
+// Nor is one refined whose rms distance is beyond this: rounding would hide all else.
 constexpr double too_far = 1e6;
 
-// What fits few points this many times worse than permitted is not refined on more.
+// A fit to the few points that leaves this many times what is permitted is not refined on more.
 constexpr double hopeless_share = 30;
 
-// An affine map is so free that it must fit better: this share of fits_below.
+// An affine map is so flexible that it must fit better: within this share of fits_below.
 constexpr double affine_share = 1e-2;
+
+// Vertices are no outliers.
+constexpr fit::Mixture least_squares;
 
 // Usable vertices, centred and scaled to a bounding box of diagonal 1.
 struct Data {
-  UvPoints all, trial, few;
+  fit::NormalisedPoints all, trial, few;
   std::vector<double> shears;  // that edges suggest
 };
 
-// Sheared columns of a grid are edges of one slope Δu/Δv, as are its diagonals: the slopes that most edges
-// have.
+// The slopes Δu/Δv that most edges have: of a sheared grid those of its columns and diagonals.
 std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed char> signs) {
   constexpr std::size_t looked_at = 2000, most = 3;
   std::vector<double> slopes;
@@ -49,7 +51,7 @@ std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed cha
     }
   }
   std::sort(slopes.begin(), slopes.end());
-  std::vector<std::pair<std::size_t, double>> groups;  // how many, and the one in their middle
+  std::vector<std::pair<std::size_t, double>> groups;  // the size, and the slope in the middle
   for (std::size_t first = 0, last = 0; first < slopes.size(); first = last) {
     const double end = slopes[first] + 1e-3 * (1 + std::fabs(slopes[first]));
     while (last < slopes.size() && slopes[last] <= end) ++last;
@@ -65,7 +67,7 @@ std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed cha
 
 Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   if (mesh.uvs.empty()) throw UndeterminedError("mesh", "has no uvs, a fit needs one uv set");
-  // Triangles without area place no vertex: uvs that collapsed do not name its place, nor do positions.
+  // Triangles without area do not count: their uvs or positions collapsed, and say nothing of their vertices.
   std::vector<bool> referenced(mesh.positions.size(), false);
   const bool any = std::any_of(signs.begin(), signs.end(), [](signed char s) { return s != 0; });
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -74,7 +76,7 @@ Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   std::vector<std::uint32_t> usable;
   Eigen::AlignedBox3d box;
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
-    if (!referenced[v] || !detail::finite(mesh.positions[v]) || !usable_uv(mesh.uvs[v])) continue;
+    if (!referenced[v] || !detail::finite(mesh.positions[v]) || !fit::usable_uv(mesh.uvs[v])) continue;
     usable.push_back(v);
     box.extend(to_eigen(mesh.positions[v]));
   }
@@ -83,13 +85,14 @@ Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
                             std::to_string(usable.size()) + " usable vertices, a fit needs at least 4");
   Data data;
   data.all.centre = box.center();
-  data.all.size = box.diagonal().stableNorm();
-  if (!(data.all.size > 0))
+  data.all.scale = box.diagonal().stableNorm();
+  if (!(data.all.scale > 0))
     throw UndeterminedError("mesh", "all vertices are at one point, a fit needs an extent");
-  data.all.positions.reserve(usable.size());
+  data.all.cloud.resize(3, static_cast<Eigen::Index>(usable.size()));
   data.all.uvs.reserve(usable.size());
   for (const std::uint32_t v : usable) {
-    data.all.positions.push_back(from_eigen((to_eigen(mesh.positions[v]) - data.all.centre) / data.all.size));
+    const auto column = static_cast<Eigen::Index>(data.all.uvs.size());
+    data.all.cloud.col(column) = (to_eigen(mesh.positions[v]) - data.all.centre) / data.all.scale;
     data.all.uvs.push_back(mesh.uvs[v]);
   }
   data.trial = data.all.chosen(trial_points, 1);
@@ -98,7 +101,7 @@ Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   return data;
 }
 
-// A surface that Ceres fitted to the trial points.
+// A fit to the trial points.
 struct Trial {
   UvModel model;
   UvState state;
@@ -117,11 +120,11 @@ double rms(const UvModel& model, const UvState& state) {
   return rms(model.squares(state));
 }
 
-// What is looked for.
+// What the caller asks for, and holds.
 struct Wanted {
   const UvKind& kind;
-  std::vector<std::pair<std::string, double>> parameters{};  // that are held
-  std::optional<AnySurface> exact{};                         // all of it but its place
+  std::vector<std::pair<std::string, double>> parameters{};  // held values
+  std::optional<AnySurface> exact{};                         // held but for its placement
   std::optional<Eigen::Isometry3d> placement{};
 
   UvHeld held(double size, const Eigen::Vector3d& centre) const {
@@ -140,16 +143,16 @@ struct Wanted {
 };
 
 std::optional<AnySurface> surface_of(const UvModel& model, const UvState& state, double size,
-                                     const Wanted& given) {
-  if (given.exact) return given.exact;
+                                     const Wanted& wanted) {
+  if (wanted.exact) return wanted.exact;
   const UvKind& kind = *model.kind;
   SurfaceSpecification result{std::string(kind.name), {}};
   for (std::size_t k = 0; k < state.parameters.size(); ++k) {
     const ParameterValue& p = kind.parameters[k];
     if (!model.held[k] && kind.vanishes(static_cast<int>(k), state.parameters[k])) return std::nullopt;
-    const auto held = std::find_if(given.parameters.begin(), given.parameters.end(),
+    const auto held = std::find_if(wanted.parameters.begin(), wanted.parameters.end(),
                                    [&](const auto& g) { return g.first == p.name; });
-    result.parameters.emplace_back(p.name, held != given.parameters.end()
+    result.parameters.emplace_back(p.name, held != wanted.parameters.end()
                                                ? held->second
                                                : state.parameters[k] * (kind.length[k] ? size : 1));
   }
@@ -160,36 +163,37 @@ std::optional<AnySurface> surface_of(const UvModel& model, const UvState& state,
   }
 }
 
-// Whether the points tell all that is estimated, and more: those on a line lie on a thin strip in any
-// position.
+// Whether the points identify all that is estimated, with coordinates to spare: points on a line lie on a
+// thin strip however it is placed.
 bool determined(const UvModel& model, const UvState& state) {
   return 3 * model.points->count() > model.unknowns() &&
-         model.spread(state, model.sums(state, Mixture{})).undetermined.empty();
+         model.spread(state, model.sums(state, least_squares)).undetermined.empty();
 }
 
-// From one start; nothing where the parameters that come out are not permitted.
-std::optional<Trial> tried(const Data& data, UvStart start, const Wanted& given) {
+// The fit from one start; nothing where it ends at parameters that are not permitted.
+std::optional<Trial> fit_from(const Data& data, UvStart start, const Wanted& wanted) {
   start.model.points = &data.trial;
   Solved solved;
   const double most = hopeless_share * fits_below;
   if (start.median < hopeless && start.least_rms <= most && rms(start.model, start.state) < too_far) {
     // Far from a few of the points it is far from all.
     start.model.points = &data.few;
-    solved = start.model.solve(start.state, Mixture{}, 1e-3);
+    solved = start.model.solve(start.state, least_squares, 1e-3);
     const bool far = rms(start.model, start.state) > most;
     start.model.points = &data.trial;
     if (far)
       solved.converged = false;
     else
-      solved = start.model.solve(start.state, Mixture{}, 1e-14);
+      solved = start.model.solve(start.state, least_squares, 1e-14);
   }
-  if (!surface_of(start.model, start.state, data.all.size, given)) return std::nullopt;
+  if (!surface_of(start.model, start.state, data.all.scale, wanted)) return std::nullopt;
   const double error = rms(start.model, start.state);
   if (!std::isfinite(error)) return std::nullopt;
   const double permitted = fits_below * (start.model.free_affine.empty() ? 1 : affine_share);
   bool fits = solved.converged && error <= permitted;
   if (fits && !determined(start.model, start.state)) {
-    // On a surface that came out as one of revolution the offset of u is a rotation, and may be held.
+    // Where it came out as a surface of revolution, the offset of u is a rotation about its axis, and is
+    // held.
     fits = std::erase(start.model.free_affine, 4) == 1 && determined(start.model, start.state);
   }
   return Trial{start.model, start.state, error, fits, solved.iterations};
@@ -202,11 +206,11 @@ void keep_better(std::optional<Trial>& best, std::optional<Trial> trial) {
 }
 
 // The first of uv_conventions() that fits, else the best.
-std::optional<Trial> try_conventions(const Data& data, const Wanted& given) {
+std::optional<Trial> try_conventions(const Data& data, const Wanted& wanted) {
   std::optional<Trial> best;
-  const UvHeld held = given.held(data.all.size, data.all.centre);
-  for (UvStart& start : convention_starts(given.kind, data.few, held, false).proper) {
-    std::optional<Trial> trial = tried(data, std::move(start), given);
+  const UvHeld held = wanted.held(data.all.scale, data.all.centre);
+  for (UvStart& start : convention_starts(wanted.kind, data.few, held, false).proper) {
+    std::optional<Trial> trial = fit_from(data, std::move(start), wanted);
     if (best && best->fits) {
       if (trial && trial->fits) best->equivalent.push_back(trial->model.convention.name);
     } else {
@@ -216,21 +220,21 @@ std::optional<Trial> try_conventions(const Data& data, const Wanted& given) {
   return best;
 }
 
-std::optional<Trial> try_affine(const Data& data, const Wanted& given) {
+std::optional<Trial> try_affine(const Data& data, const Wanted& wanted) {
   // Two points must follow beyond those that any such surface goes through: nearly every quad lies on a
   // Möbius strip.
-  if (3 * data.all.count() < 6 + given.kind.parameters.size() + 6 + 6) return std::nullopt;
+  if (3 * data.all.count() < 6 + wanted.kind.parameters.size() + 6 + 6) return std::nullopt;
   std::optional<Trial> best;
-  for (UvStart& start :
-       affine_starts(given.kind, data.few, given.held(data.all.size, data.all.centre), false, data.shears)) {
-    keep_better(best, tried(data, std::move(start), given));
+  for (UvStart& start : affine_starts(wanted.kind, data.few, wanted.held(data.all.scale, data.all.centre),
+                                      false, data.shears)) {
+    keep_better(best, fit_from(data, std::move(start), wanted));
     if (best && best->fits) break;
   }
   return best;
 }
 
-// The one length of a rigid_kind(), which is held, makes room for the surface's own parameters, which are
-// too.
+// The covariance of a rigid_kind(), whose one length is held, with the surface's own parameters in place of
+// that length: they are held too, and have no variance.
 Eigen::MatrixXd with_exact_parameters(const Eigen::MatrixXd& covariance, const AnySurface& surface) {
   const Eigen::Index own = SurfaceWithParameters(surface).parameters(), of_map = covariance.rows() - 7;
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(6 + own + of_map, 6 + own + of_map);
@@ -241,53 +245,53 @@ Eigen::MatrixXd with_exact_parameters(const Eigen::MatrixXd& covariance, const A
   return result;
 }
 
-// The answer from all vertices.
-MeshFit completed(const Data& data, Trial trial, const Wanted& given) {
+// The result, from all vertices.
+MeshFit completed(const Data& data, Trial trial, const Wanted& wanted) {
   trial.model.points = &data.all;
   if (trial.fits) {
-    Mixture squares;
+    fit::MixtureInVolume without_outliers;
     UvState state = trial.state;
-    trial.model.polish(state, squares, std::nullopt, 6);
-    if (surface_of(trial.model, state, data.all.size, given)) trial.state = state;
+    trial.model.polish(state, without_outliers, 6);
+    if (surface_of(trial.model, state, data.all.scale, wanted)) trial.state = state;
   }
   MeshFit fit{{},
-              {*surface_of(trial.model, trial.state, data.all.size, given), Eigen::Isometry3d::Identity(),
+              {*surface_of(trial.model, trial.state, data.all.scale, wanted), Eigen::Isometry3d::Identity(),
                trial.model.whole_convention(trial.state)}};
   fit.equivalent = trial.equivalent;
   std::vector<double> squares;
   UvSums sums;
   if (trial.fits)
-    sums = trial.model.sums(trial.state, Mixture{}, &squares);
+    sums = trial.model.sums(trial.state, least_squares, &squares);
   else
     squares = trial.model.squares(trial.state);
   fit.rms_relative = rms(squares);
-  fit.rms = fit.rms_relative * data.all.size;
+  fit.rms = fit.rms_relative * data.all.scale;
   fit.fits = trial.fits && fit.rms_relative <= fits_below;
   const auto n = static_cast<double>(data.all.count());
   if (fit.fits) {  // so there are more coordinates than unknowns
     const double sigma =
         fit.rms_relative * std::sqrt(n / (3 * n - static_cast<double>(trial.model.unknowns())));
-    fit.sigma = sigma * data.all.size;
+    fit.sigma = sigma * data.all.scale;
     const UvSpread spread = trial.model.spread(trial.state, sums);
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (const auto& p : data.all.positions) centre += to_eigen(p) / n;
+    for (const auto p : data.all.cloud.colwise()) centre += p / n;
     static_cast<SurfaceUncertainty&>(fit) =
         trial.model.uncertainty(trial.state, sigma * sigma * spread.covariance, centre);
-    if (given.exact) fit.covariance = with_exact_parameters(fit.covariance, *given.exact);
+    if (wanted.exact) fit.covariance = with_exact_parameters(fit.covariance, *wanted.exact);
   }
   fit.iterations = trial.iterations;
-  if (given.placement) {
-    fit.surface.placement = *given.placement;
+  if (wanted.placement) {
+    fit.surface.placement = *wanted.placement;
   } else {
     fit.surface.placement.linear() = trial.state.rotation.toRotationMatrix();
-    fit.surface.placement.translation() = trial.state.translation * data.all.size + data.all.centre;
+    fit.surface.placement.translation() = trial.state.translation * data.all.scale + data.all.centre;
   }
   return fit;
 }
 
 MeshError no_start(std::string_view name) {
-  return MeshError("mesh", "no uv convention lets " + fit::with_article(name) +
-                               " start, the positions do not follow the uvs");
+  return MeshError("mesh",
+                   "under no uv convention do the positions follow the uvs on " + fit::with_article(name));
 }
 
 }  // namespace

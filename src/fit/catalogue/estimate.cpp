@@ -101,41 +101,32 @@ class BatchedCost final : public ceres::CostFunction {
   mutable Eigen::VectorXd tried_at_;
 };
 
-double inlier_density(const Mixture& m, double error) {
-  const double r = error / m.sigma;
-  return (1 - m.outlier_share) * std::exp(-0.5 * r * r) / (m.sigma * std::sqrt(2 * std::numbers::pi));
-}
-
-double outlier_density(const Mixture& m) {
-  return m.outlier_share / m.window;
-}
-
 // Weights and noise from the distances, repeatedly; then the likelihood.
 void expect(Estimate& e, double size) {
   const std::size_t n = e.feet.distance.size();
   e.weighted.weight.assign(n, 0);
   e.weighted.bias.assign(n, 0);
-  Mixture& m = e.mixture;
+  MixtureInVolume& m = e.mixture;
+  const auto exponent = [&](std::size_t i) {
+    const double r = (e.feet.distance[i] - e.weighted.bias[i]) / m.sigma;
+    return std::isfinite(r) ? 0.5 * r * r : infinity;
+  };
   for (int step = 0; step < 10; ++step) {
-    double inliers = 0, squares = 0;
+    ExpectedInliers expected;
+    m.compare_densities();
     for (std::size_t i = 0; i < n; ++i) {
       e.weighted.bias[i] = bias(m.sigma, e.feet.curvature[i]);
-      const double r = e.feet.distance[i] - e.weighted.bias[i], p = inlier_density(m, r);
-      const double w = std::isfinite(r) ? p / (p + outlier_density(m)) : 0;
+      const double r = e.feet.distance[i] - e.weighted.bias[i], w = m.inlier_probability(exponent(i));
       e.weighted.weight[i] = w;
-      inliers += w;
-      squares += w > 0 ? w * r * r : 0;
+      if (w > 0) expected.add(w, w * r * r);
     }
-    if (!(inliers > 0)) break;
-    if (!m.sigma_known) m.sigma = std::fmax(std::sqrt(squares / inliers), 1e-15 * size);
-    m.outlier_share = std::clamp(1 - inliers / static_cast<double>(n), 1e-6, 0.9);
+    if (!(expected.count > 0)) break;
+    expected.estimate_sigma(m, 1, 1e-15 * size);
+    m.share = std::clamp(1 - expected.count / static_cast<double>(n), 1e-6, 0.9);
   }
+  m.compare_densities();
   e.log_likelihood = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double inlier =
-        std::isfinite(e.feet.distance[i]) ? inlier_density(m, e.feet.distance[i] - e.weighted.bias[i]) : 0;
-    e.log_likelihood += std::log(inlier + outlier_density(m));
-  }
+  for (std::size_t i = 0; i < n; ++i) e.log_likelihood += m.log_likelihood(exponent(i));
 }
 
 double median_size(const std::vector<double>& distance) {
@@ -150,8 +141,8 @@ void refine(Estimate& e, const Positions& points, const std::vector<double>& typ
             const Progress& progress) {
   e.feet = feet_of(e.shape, points, {});
   if (!e.mixture.sigma_known) e.mixture.sigma = std::fmax(1.5 * median_size(e.feet.distance), 1e-15 * size);
-  e.mixture.window = 2 * size;
-  e.mixture.outlier_share = 0.2;
+  e.mixture.volume = 2 * size;
+  e.mixture.share = 0.2;
   expect(e, size);
   bool searched = true;
   const int rounds = draft ? 3 : 20, steps = draft ? 8 : 30;

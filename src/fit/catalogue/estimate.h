@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "fit/common/mixture.h"
 #include "shape.h"
 
 namespace darboux::fit::catalogue {
@@ -12,17 +13,11 @@ struct Weighted {
   std::vector<double> weight, bias;  // 0 <= weight; the mean distance that noise makes of none
 };
 
-// The mixture of inliers and uniform outliers along the distance.
-struct Mixture {
-  double sigma = 0, outlier_share = 0, window = 0;  // outliers lie within ±window/2
-  bool sigma_known = false;
-};
-
 struct Estimate {
   Shape shape;
   FootPoints feet{};
   Weighted weighted{};
-  Mixture mixture{};
+  MixtureInVolume mixture{};  // of distances; the outliers lie within ± volume / 2
   double log_likelihood = -infinity;
   bool converged = false;
   int iterations = 0;

@@ -104,6 +104,7 @@ class CatalogueFit {
     order_.resize(normalised_.index.size());
     std::iota(order_.begin(), order_.end(), 0);
     std::shuffle(order_.begin(), order_.end(), random);
+    // In the input's units: some surfaces of the catalogue have a size of their own.
     for (const std::size_t i : order_) {
       const Eigen::Vector3d x = normalised_.cloud.col(static_cast<Eigen::Index>(i));
       points_.emplace_back(size_ * x);

@@ -1,8 +1,10 @@
 #include "normalised_points.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <random>
 
 #include <darboux/vector.h>
 
@@ -51,11 +53,11 @@ Eigen::Vector3d middle_of(const PointCloud& points, const std::vector<std::size_
 
 }  // namespace
 
-NormalisedPoints normalised(const PointCloud& points) {
+NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
   NormalisedPoints result;
   std::vector<std::size_t> finite;
   for (std::size_t i = 0; i < points.positions.size(); ++i)
-    if (detail::finite(points.positions[i])) finite.push_back(i);
+    if (detail::finite(points.positions[i]) && (!with_uv || usable_uv(points.uvs[i]))) finite.push_back(i);
   const std::size_t n = result.finite = finite.size();
   if (n == 0) return result;
   result.centre = middle_of(points, finite);
@@ -65,12 +67,12 @@ NormalisedPoints normalised(const PointCloud& points) {
   std::vector<double> distances = values;
   std::erase(distances, 0.0);  // more than half of the points may be one and the same
   const double size = distances.empty() ? 0 : median(std::move(distances));
-  result.scale = size > 0 ? std::exp2(std::rint(std::log2(size))) : 0;
+  result.scale = size == 0 ? 0 : with_uv ? 2 * size : std::exp2(std::rint(std::log2(size)));
   Places places(points.positions);
   std::vector<std::size_t> column(points.positions.size());
   for (std::size_t i = 0; i < n; ++i) {
     if (!(values[i] <= 1e6 * size)) continue;
-    const std::size_t first = places.first_at(finite[i]);
+    const std::size_t first = with_uv ? finite[i] : places.first_at(finite[i]);
     if (first == finite[i]) {
       column[first] = result.index.size();
       result.index.push_back(first);
@@ -85,9 +87,33 @@ NormalisedPoints normalised(const PointCloud& points) {
     const std::size_t i = result.index[static_cast<std::size_t>(c)];
     result.cloud.col(c) = to_eigen(points.positions[i]) - result.centre;
     if (!points.normals.empty()) result.normals.col(c) = to_eigen(points.normals[i]);
+    if (with_uv) result.uvs.push_back(points.uvs[i]);
   }
   if (result.scale > 0) result.cloud /= result.scale;
   return result;
+}
+
+NormalisedPoints NormalisedPoints::part(const std::vector<Eigen::Index>& columns) const {
+  NormalisedPoints result;
+  result.cloud = cloud(Eigen::all, columns);
+  for (const Eigen::Index c : columns)
+    if (!uvs.empty()) result.uvs.push_back(uvs[static_cast<std::size_t>(c)]);
+  result.centre = centre;
+  result.scale = scale;
+  return result;
+}
+
+NormalisedPoints NormalisedPoints::chosen(std::size_t most, std::uint64_t seed) const {
+  if (count() <= most) return *this;
+  std::vector<Eigen::Index> columns;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (std::size_t i = 0; i < most; ++i) {
+    const double share = (static_cast<double>(i) + uniform(random)) / static_cast<double>(most);
+    columns.push_back(
+        std::min(cloud.cols() - 1, static_cast<Eigen::Index>(share * static_cast<double>(count()))));
+  }
+  return part(columns);
 }
 
 void NormalisedPoints::spread(const std::vector<bool>& columns, std::vector<bool>& input) const {

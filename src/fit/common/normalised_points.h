@@ -1,6 +1,8 @@
 // Points as every fit sees them: about the origin, of size 1.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,8 +18,14 @@ namespace darboux::fit {
 // outlier, however far, decides what the digits are spent on. A column for each place: points at one place
 // tell no more than one of them. Not those that are not finite, nor those beyond a million median distances,
 // which are on no surface that could be told.
+//
+// With uvs each point has a column, as one place may have several uvs; the unit is just twice the median
+// distance, so that likelihoods, which are of positions in that unit, are the same in any unit of the input.
+// Vertices of a mesh, which has no outliers, are centred and scaled by its box, in whose size its tolerances
+// are (fit_mesh.cpp).
 struct NormalisedPoints {
   Eigen::Matrix3Xd cloud, normals{};
+  std::vector<Vec2<double>> uvs{};   // of the columns, where the fit is through them
   std::vector<std::size_t> index{};  // of a column in the input
   std::vector<std::pair<std::size_t, std::size_t>>
       repeated{};          // other points of the input, each with its column
@@ -25,11 +33,27 @@ struct NormalisedPoints {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double scale = 0;  // 0 where all points are at one place
 
+  std::size_t count() const { return static_cast<std::size_t>(cloud.cols()); }
+  // What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.
+  double least_sigma() const { return 1e-13 + 0x1p-52 * (centre / scale).stableNorm(); }
+
+  // These columns with their uvs alone, in the same units.
+  NormalisedPoints part(const std::vector<Eigen::Index>& columns) const;
+  // At most `most` of them, one at random of each stretch: a fixed stride could keep step with the rows of a
+  // grid.
+  NormalisedPoints chosen(std::size_t most, std::uint64_t seed) const;
+
   // From one value per column to one per point of the input, whose other points keep theirs.
   void spread(const std::vector<bool>& columns, std::vector<bool>& input) const;
 };
 
-NormalisedPoints normalised(const PointCloud& points);
+// Whether a stored uv says where a point lies: beyond, squares leave the range of numbers.
+inline bool usable_uv(const Vec2<double>& uv) {
+  return std::fabs(uv.x) <= 1e100 && std::fabs(uv.y) <= 1e100;
+}
+
+// \param with_uv a point whose uv is not usable is not finite either
+NormalisedPoints normalised(const PointCloud& points, bool with_uv = false);
 
 // Why so many points of this size are not fitted; empty where they are. \param fewest one more than the kind
 // would fit exactly

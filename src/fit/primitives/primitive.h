@@ -12,7 +12,7 @@
 
 #include <darboux/any_surface.h>
 
-#include "mixture.h"
+#include "point_states.h"
 #include "prepare.h"
 
 namespace darboux::fit {

@@ -17,7 +17,7 @@ struct PrimitiveFit {
   bool given_up = false;  // as another kind explains far more; then only measured
   bool converged = false;
   GeometricParameters surface;
-  double sigma = 0, outliers = 0;              // see mixture.h
+  double sigma = 0, outliers = 0;              // see fit/common/mixture.h
   Covariance covariance = Covariance::Zero();  // of (rotation vector, movement of `reference`, lengths)
   Vector3d reference;
   double largest_deviation = 0;  // standard deviation in the least identifiable direction, at unit noise

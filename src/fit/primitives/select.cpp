@@ -27,7 +27,7 @@ std::vector<double> criteria(const std::vector<PrimitiveFit>& candidates, std::s
     for (std::size_t i = 0; i < f.error.size(); ++i) {
       if (!common.in_support[i]) continue;
       const double r = f.error[i] / sigma;
-      likelihood += std::log((std::exp(-0.5 * r * r) + common.outliers) / (1 + common.outliers));
+      likelihood += Mixture{sigma, common.outliers}.log_likelihood_ratio(0.5 * r * r);
     }
     result.push_back(-2 * likelihood + f.primitive->unknowns * std::log(std::max(kept, 1.0)));
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include <darboux/error.h>
 
@@ -27,16 +28,15 @@ constexpr double far = 20;
 constexpr double decisive = 5, least_bic_margin = 2;
 
 struct Data {
-  UvPoints all, trial, few;
-  std::vector<std::size_t> index;  // of `all` in the cloud
-  std::optional<double> noise;     // in units of the size
+  fit::NormalisedPoints all, trial, few;
+  std::optional<double> noise;  // in units of the points
 };
 
 // One kind with the best of its conventions, fitted to the trial points, later to all.
 struct Trial {
   UvModel model;
   UvState state;
-  Mixture mixture;
+  fit::MixtureInVolume mixture;
   double log_likelihood;
   bool converged;
   int iterations;
@@ -72,68 +72,54 @@ std::vector<bool> near_the_middle(const std::vector<Vec2<double>>& uvs) {
   return result;
 }
 
-// What can be said of the points before any surface; empty when there is nothing against them.
-std::string prepare(const PointCloud& cloud, const PointFitOptions& options, Data& data) {
-  for (std::size_t i = 0; i < cloud.positions.size(); ++i)
-    if (detail::finite(cloud.positions[i]) && usable_uv(cloud.uvs[i])) data.index.push_back(i);
-  const std::size_t n = data.index.size();
-  if (n < 4) return std::to_string(n) + " finite points, a fit with uvs needs at least 4";
-  std::array<double, 3> middle{};
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> values;
-    for (const std::size_t i : data.index) values.push_back(to_eigen(cloud.positions[i])[axis]);
-    middle[static_cast<std::size_t>(axis)] = median(std::move(values));
-  }
-  UvPoints& all = data.all;
-  all.centre = {middle[0], middle[1], middle[2]};
-  std::vector<double> distances;
-  for (const std::size_t i : data.index)
-    distances.push_back((to_eigen(cloud.positions[i]) - all.centre).stableNorm());
-  all.size = 2 * median(distances);
-  if (!(all.size > 0)) all.size = *std::max_element(distances.begin(), distances.end());
-  if (!(all.size > 0)) return "all points are equal";
-  if (!std::isfinite(all.size)) return "the points are too far apart for double precision";
-  UvPoints near{{}, {}, all.centre, all.size};
-  bool uvs_differ = false;
-  for (const std::size_t i : data.index) {
-    all.positions.push_back(from_eigen((to_eigen(cloud.positions[i]) - all.centre) / all.size));
-    all.uvs.push_back(cloud.uvs[i]);
-    uvs_differ = uvs_differ || !(cloud.uvs[i] == all.uvs.front());
-  }
-  const std::vector<bool> near_by_uv = near_the_middle(all.uvs);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (to_eigen(all.positions[i]).norm() > far || !near_by_uv[i]) continue;
-    near.positions.push_back(all.positions[i]);
-    near.uvs.push_back(all.uvs[i]);
-  }
-  if (!uvs_differ) return "the uvs are all equal";
-  data.trial = near.chosen(trial_points, options.seed);
-  data.few = data.trial.chosen(start_points, options.seed);
-  if (options.noise) data.noise = *options.noise / all.size;
-
+// Whether all of them lie on one line, but for rounding.
+bool on_a_line(const fit::NormalisedPoints& points) {
+  const auto n = static_cast<double>(points.count());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& p : data.trial.positions) mean += to_eigen(p) / static_cast<double>(data.trial.count());
-  for (const auto& p : data.trial.positions)
-    spread += (to_eigen(p) - mean) * (to_eigen(p) - mean).transpose();
+  for (const auto p : points.cloud.colwise()) mean += p / n;
+  for (const auto p : points.cloud.colwise()) spread += (p - mean) * (p - mean).transpose();
   const Eigen::Vector3d along = symmetric_eigenvalues(spread);
-  const double rounding = all.least_sigma();
-  if (along[1] <= rounding * rounding * static_cast<double>(data.trial.count()) + 1e-30 * along[2])
-    return "all points are on one line";
-  return "";
+  const double rounding = points.least_sigma();
+  return along[1] <= rounding * rounding * n + 1e-30 * along[2];
 }
 
-Trial maximised(UvStart start, const Data& data, const UvPoints& points) {
+// What can be said of the points before any surface; empty when there is nothing against them.
+std::string prepare(const PointCloud& cloud, const PointFitOptions& options, Data& data) {
+  data.all = fit::normalised(cloud, true);
+  const fit::NormalisedPoints& all = data.all;
+  if (all.count() < 4) return std::to_string(all.count()) + " finite points, a fit with uvs needs at least 4";
+  if (all.scale == 0) return "all points are equal";
+  if (!std::isfinite(all.scale)) return "the points are too far apart for double precision";
+  const std::vector<bool> near_by_uv = near_the_middle(all.uvs);
+  std::vector<Eigen::Index> near;
+  bool uvs_differ = false;
+  for (std::size_t i = 0; i < all.count(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    uvs_differ = uvs_differ || !(all.uvs[i] == all.uvs.front());
+    if (all.cloud.col(column).norm() <= far && near_by_uv[i]) near.push_back(column);
+  }
+  if (!uvs_differ) return "the uvs are all equal";
+  data.trial = all.part(near).chosen(trial_points, options.seed);
+  data.few = data.trial.chosen(start_points, options.seed);
+  if (options.noise) data.noise = *options.noise / all.scale;
+  return on_a_line(data.trial) ? "all points are on one line" : "";
+}
+
+Trial maximised(UvStart start, const Data& data, const fit::NormalisedPoints& points) {
   start.model.points = &points;
-  Mixture mixture{.robust = true};
+  fit::MixtureInVolume mixture;
+  mixture.dimensions = 3;
   // The median of inliers' distances is 1.54 sigma.
   std::vector<double> squares = start.model.squares(start.state);
   mixture.sigma =
       data.noise ? *data.noise : std::fmax(std::sqrt(median(squares)) / 1.54, points.least_sigma());
-  mixture.outliers = 0.2;
-  if (!data.noise) update(mixture, squares, points, data.noise);
-  const Solved solved = start.model.maximise(start.state, mixture, data.noise);
-  if (solved.converged) start.model.polish(start.state, mixture, data.noise, 3);
+  mixture.sigma_known = data.noise.has_value();
+  mixture.share = 0.2;
+  mixture.compare_densities();
+  if (!data.noise) update(mixture, squares, points);
+  const Solved solved = start.model.maximise(start.state, mixture);
+  if (solved.converged) start.model.polish(start.state, mixture, 3);
   squares = start.model.squares(start.state);
   return {start.model,      start.state,      mixture, log_likelihood(mixture, squares),
           solved.converged, solved.iterations};
@@ -162,8 +148,8 @@ constexpr double most_noise = 0.2, much_noise = 0.06;
 
 // The points' extent explained.
 bool explains(const Trial& trial, double noise = most_noise) {
-  const double extent = 0.5 * std::cbrt(trial.mixture.volume / (4.0 / 3.0 * 3.141592653589793));
-  return trial.mixture.sigma < noise * extent && trial.mixture.outliers < 0.7;
+  const double extent = 0.5 * std::cbrt(trial.mixture.volume / (4.0 / 3 * std::numbers::pi));
+  return trial.mixture.sigma < noise * extent && trial.mixture.share < 0.7;
 }
 
 bool sound(const Trial& trial) {
@@ -193,10 +179,11 @@ double least_median(const std::vector<UvStart>& starts) {
 
 // A start several times worse than the best is another convention's, or another kind's; that of a kind with
 // shape parameters is only near.
-KindTrials try_conventions(const Data& data, const UvPoints& image, ConventionStarts starts, double best) {
+KindTrials try_conventions(const Data& data, const fit::NormalisedPoints& image, ConventionStarts starts,
+                           double best) {
   KindTrials result;
   const bool perhaps_mirrored = least_median(starts.mirrored) < 0.7 * least_median(starts.proper) - 1e-9;
-  const auto fitted = [&](std::vector<UvStart>& list, const UvPoints& points) {
+  const auto fitted = [&](std::vector<UvStart>& list, const fit::NormalisedPoints& points) {
     std::vector<Trial> trials;
     for (UvStart& s : list) {
       const bool near = s.model.kind->starts.size() > 1;
@@ -215,9 +202,9 @@ UvStart guessed(const Data& data, const UvKind& kind, const PlacedSurface& guess
   UvModel model(kind, data.trial, guess.uv);
   UvState state;
   state.rotation = Eigen::Quaterniond(guess.placement.linear()).normalized();
-  state.translation = (guess.placement.translation() - data.all.centre) / data.all.size;
+  state.translation = (guess.placement.translation() - data.all.centre) / data.all.scale;
   for (std::size_t k = 0; k < kind.parameters.size(); ++k)
-    state.parameters.push_back(guess.surface.parameters()[k].value / (kind.length[k] ? data.all.size : 1));
+    state.parameters.push_back(guess.surface.parameters()[k].value / (kind.length[k] ? data.all.scale : 1));
   return {model, state, std::sqrt(median(model.squares(state)))};
 }
 
@@ -245,10 +232,10 @@ std::string described(const Trial& trial) {
          std::string(trial.model.whole_convention(trial.state).name);
 }
 
-double inliers_rms(const Mixture& mixture, const std::vector<double>& squares) {
+double inliers_rms(const fit::Mixture& mixture, const std::vector<double>& squares) {
   double inliers = 0, sum = 0;
   for (const double s : squares)
-    if (inlier_weight(mixture, s) > 0.5) inliers += 1, sum += s;
+    if (inlier_probability(mixture, s) > 0.5) inliers += 1, sum += s;
   return std::sqrt(sum / std::fmax(inliers, 1));
 }
 
@@ -256,24 +243,24 @@ double inliers_rms(const Mixture& mixture, const std::vector<double>& squares) {
 // nothing.
 std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   const UvKind& kind = *trial.model.kind;
-  const double size = data.all.size;
+  const double size = data.all.scale;
   std::vector<double> squares;
   const UvSums sums = trial.model.sums(trial.state, trial.mixture, &squares);
   double weights = 0, weighted = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < squares.size(); ++i) {
-    const double w = inlier_weight(trial.mixture, squares[i]);
+    const double w = inlier_probability(trial.mixture, squares[i]);
     if (w > 0.5) {
-      fit.is_inlier[data.index[i]] = true;
+      fit.is_inlier[data.all.index[i]] = true;
       ++fit.inliers;
     }
     if (!(w > 1e-30)) continue;
     weights += w;
     weighted += w * squares[i];
-    centre += w * to_eigen(data.all.positions[i]);
+    centre += w * data.all.cloud.col(static_cast<Eigen::Index>(i));
   }
   centre /= weights;
-  fit.outliers = squares.size() - fit.inliers;
+  fit.outliers = data.all.finite - fit.inliers;
   const int m = trial.model.columns(), parameters = kind.parameter_count();
   if (!(3 * weights > m))
     return std::to_string(fit.inliers) + " points on the surface, " + fit::with_article(kind.name) + " has " +
@@ -302,7 +289,7 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   const Eigen::Matrix3d turning = fit.covariance.topLeftCorner<3, 3>();
   fit.standard_errors.push_back(
       {"axis_deg",
-       std::sqrt(std::fmax(turning.trace() - axis.dot(turning * axis), 0)) * 180 / 3.141592653589793});
+       std::sqrt(std::fmax(turning.trace() - axis.dot(turning * axis), 0)) * 180 / std::numbers::pi});
   fit.standard_errors.push_back(
       {"centre", size * std::sqrt(std::fmax(factor * spread.covariance.block<3, 3>(3, 3).trace(), 0))});
   for (int k = 0; k < parameters; ++k) {
@@ -353,11 +340,11 @@ class UvFit {
 
   std::string reason() {
     const std::string against = prepare(cloud_, options_, data_);
-    fit_.ignored = cloud_.positions.size() - data_.index.size();
+    fit_.ignored = cloud_.positions.size() - data_.all.finite;
     if (!against.empty()) return against;
     count_ = static_cast<double>(data_.all.count());
     if (kinds_.size() == 1 && 3 * count_ <= 6 + kinds_.front()->parameter_count())
-      return std::to_string(data_.all.count()) + " finite points, " + fit::with_article(options_.surface) +
+      return std::to_string(data_.all.finite) + " finite points, " + fit::with_article(options_.surface) +
              " needs at least " + std::to_string((6 + kinds_.front()->parameter_count()) / 3 + 1);
     search();
     if (mirrored_ &&
@@ -381,8 +368,8 @@ class UvFit {
 
   // Every kind under the conventions, on the trial points.
   void search() {
-    UvPoints image = data_.trial;
-    for (auto& p : image.positions) p = -p;
+    fit::NormalisedPoints image = data_.trial;
+    image.cloud = -image.cloud;
     const double share = 0.2 / static_cast<double>(kinds_.size());
     std::vector<ConventionStarts> starts;
     double nearest = std::numeric_limits<double>::infinity();
@@ -426,17 +413,17 @@ class UvFit {
     for (Trial& t : trials_) {
       if (&t != &trials_.front() && t.bic(static_cast<double>(data_.trial.count())) > best + 30) continue;
       t.model.points = &data_.all;
-      update(t.mixture, t.model.squares(t.state), data_.all, data_.noise);
+      update(t.mixture, t.model.squares(t.state), data_.all);
       const Solved solved = t.model.solve(t.state, t.mixture, 1e-6);
       fit_.iterations += solved.iterations;
       t.converged = solved.converged;
-      if (solved.converged) t.model.polish(t.state, t.mixture, data_.noise, 20);
+      if (solved.converged) t.model.polish(t.state, t.mixture, 20);
       t.log_likelihood = log_likelihood(t.mixture, t.model.squares(t.state));
     }
     sort_by_bic();
     for (const Trial& t : trials_)
       fit_.candidates.push_back({std::string(t.model.kind->name), t.bic(count_),
-                                 data_.all.size * inliers_rms(t.mixture, t.model.squares(t.state))});
+                                 data_.all.scale * inliers_rms(t.mixture, t.model.squares(t.state))});
   }
 
   // The best of which everything is determined; a cone without height is a disk.
@@ -465,7 +452,7 @@ class UvFit {
     if (!chosen) return against_first;
     fit_ = std::move(*chosen);
     fit_.usable = true;
-    return described_as + ", " + std::to_string(fit_.inliers) + " of " + std::to_string(data_.all.count()) +
+    return described_as + ", " + std::to_string(fit_.inliers) + " of " + std::to_string(data_.all.finite) +
            " points";
   }
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <numeric>
-#include <random>
 
 #include <ceres/ceres.h>
 
@@ -12,20 +13,16 @@
 #include "fit/common/rotation_manifold.h"
 
 namespace darboux {
+
+using namespace fit;
+
 namespace {
 
 constexpr std::size_t block_size = 64;
-constexpr double two_pi_ = 6.283185307179586;
 
-double log_ratio(const Mixture& m) {
-  return std::log(m.outliers / m.volume) - std::log1p(-m.outliers) +
-         1.5 * std::log(two_pi_ * m.sigma * m.sigma);
-}
-
-// log(e^a + e^b)
-double log_add(double a, double b) {
-  const double apart = std::fabs(a - b);
-  return std::fmax(a, b) + (apart < 40 ? std::log1p(std::exp(-apart)) : 0);
+// Of a squared distance, as the mixture has it.
+double exponent(const Mixture& mixture, double square) {
+  return 0.5 * square / (mixture.sigma * mixture.sigma);
 }
 
 // The sums of all points as one Ceres cost function whose size does not grow with them.
@@ -52,7 +49,7 @@ class SummedCost final : public ceres::CostFunction {
     if (!jacobians) return true;
     if (jacobians[0]) {
       Eigen::Matrix<double, 3, 4, Eigen::RowMajor> minus;
-      fit::RotationManifold().MinusJacobian(blocks[0], minus.data());
+      RotationManifold().MinusJacobian(blocks[0], minus.data());
       store(jacobians[0], root_.leftCols<3>() * minus);
     }
     if (jacobians[1]) store(jacobians[1], root_.middleCols<3>(3));
@@ -72,10 +69,10 @@ class SummedCost final : public ceres::CostFunction {
  private:
   void reduce(const UvState& state) const {
     const UvSums sums = model_.sums(state, mixture_);
-    const fit::ReducedNormalEquations reduced(sums.hessian);
+    const ReducedNormalEquations reduced(sums.hessian);
     residuals_ = Eigen::VectorXd(columns_ + 1);
     residuals_.head(columns_) = reduced(sums.gradient);
-    residuals_[columns_] = fit::remaining_residual(2 * sums.cost, residuals_.head(columns_));
+    residuals_[columns_] = remaining_residual(2 * sums.cost, residuals_.head(columns_));
     root_ = Eigen::MatrixXd::Zero(columns_ + 1, columns_);
     root_.topRows(columns_) = reduced.jacobian();
   }
@@ -107,24 +104,6 @@ double least(const Range& permitted) {
 }
 
 }  // namespace
-
-UvPoints UvPoints::chosen(std::size_t most, std::uint64_t seed) const {
-  if (count() <= most) return *this;
-  UvPoints result{{}, {}, centre, size};
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  for (std::size_t i = 0; i < most; ++i) {
-    const double share = (static_cast<double>(i) + uniform(random)) / static_cast<double>(most);
-    const auto k = std::min(count() - 1, static_cast<std::size_t>(share * static_cast<double>(count())));
-    result.positions.push_back(positions[k]);
-    result.uvs.push_back(uvs[k]);
-  }
-  return result;
-}
-
-double UvPoints::least_sigma() const {
-  return 1e-13 + 0x1p-52 * (centre / size).stableNorm();
-}
 
 std::vector<int> UvModel::free_parameters() const {
   std::vector<int> list;
@@ -192,10 +171,10 @@ SurfaceUncertainty UvModel::uncertainty(const UvState& state, const Eigen::Matri
   const Eigen::Vector3d arm = state.translation - about;
   Eigen::MatrixXd to = Eigen::MatrixXd::Identity(dimension, dimension);
   to.topLeftCorner<3, 3>() = rotation;
-  to.block<3, 3>(3, 0) = points->size * fit::cross_matrix(arm) * rotation;  // τ = δt - ω x arm
-  to.block<3, 3>(3, 3) *= points->size;
+  to.block<3, 3>(3, 0) = points->scale * cross_matrix(arm) * rotation;  // τ = δt - ω x arm
+  to.block<3, 3>(3, 3) *= points->scale;
   for (int k = 0; k < count; ++k)
-    if (kind->length[static_cast<std::size_t>(k)]) to(6 + k, 6 + k) = points->size;
+    if (kind->length[static_cast<std::size_t>(k)]) to(6 + k, 6 + k) = points->scale;
   if (!free_affine.empty()) {
     // From the affine map to the whole one, affine(convention(stored)), in which it is linear.
     const auto& c = convention.affine;
@@ -206,12 +185,12 @@ SurfaceUncertainty UvModel::uncertainty(const UvState& state, const Eigen::Matri
     }
   }
   return {to * covariance.topLeftCorner(dimension, dimension) * to.transpose(),
-          points->size * about + points->centre};
+          points->scale * about + points->centre};
 }
 
 UvState UvModel::moved(const UvState& state, const Eigen::VectorXd& step) const {
   UvState result = state;
-  fit::RotationManifold().Plus(state.rotation.coeffs().data(), step.data(), result.rotation.coeffs().data());
+  RotationManifold().Plus(state.rotation.coeffs().data(), step.data(), result.rotation.coeffs().data());
   result.rotation.normalize();
   result.translation += step.segment<3>(3);
   Eigen::Index next = 6;
@@ -253,7 +232,8 @@ void UvModel::fill(const UvState& state, std::size_t first, std::size_t count, b
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = static_cast<Eigen::Index>(3 * i);
     const Eigen::Vector3d p = to.block.position.segment<3>(row);
-    to.residual.segment<3>(row) = p + inverse * (state.translation - to_eigen(points->positions[first + i]));
+    to.residual.segment<3>(row) =
+        p + inverse * (state.translation - points->cloud.col(static_cast<Eigen::Index>(first + i)));
     if (!derivatives) continue;
     jacobian(row + 1, 0) = -p.z(), jacobian(row + 2, 0) = p.y();
     jacobian(row, 1) = p.z(), jacobian(row + 2, 1) = -p.x();
@@ -290,7 +270,6 @@ UvSums UvModel::sums(const UvState& state, const Mixture& mixture, std::vector<d
   UvSums result{0, Eigen::VectorXd::Zero(m), Eigen::MatrixXd::Zero(m, m)};
   if (squares) squares->resize(points->count());
   const double precision = 1 / (mixture.sigma * mixture.sigma);
-  const double ratio = mixture.robust ? log_ratio(mixture) : 0, top = mixture.robust ? log_add(0, ratio) : 0;
   for_each_block(state, true, [&](std::size_t first, std::size_t count, Rows& rows) {
     Eigen::MatrixXd& jacobian = rows.jacobian;
     Eigen::VectorXd& residual = rows.residual;
@@ -299,13 +278,9 @@ UvSums UvModel::sums(const UvState& state, const Mixture& mixture, std::vector<d
       const auto row = static_cast<Eigen::Index>(3 * i);
       const double square = square_of(residual.segment<3>(row)), half = 0.5 * precision * square;
       if (squares) (*squares)[first + i] = square;
-      if (!mixture.robust) {
-        cost += half;
-        continue;
-      }
-      // - log of the density over that at distance 0; its derivative by half is the posterior weight.
-      const double weight = 1 / (1 + std::exp(ratio + half));
-      cost += top - log_add(-half, ratio);
+      cost -= mixture.log_likelihood_ratio(half);
+      if (mixture.outliers == 0) continue;
+      const double weight = mixture.inlier_probability(half);  // the derivative of the cost by `half`
       if (weight > 1e-30) {
         const double root = std::sqrt(weight);
         residual.segment<3>(row) *= root;
@@ -365,7 +340,7 @@ Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance) 
   if (!rest.empty()) blocks.push_back(rest.data());
   const UvState start = state;
   problem.AddResidualBlock(new SummedCost(*this, mixture, start), nullptr, blocks);
-  problem.SetManifold(rotation, new fit::RotationManifold);
+  problem.SetManifold(rotation, new RotationManifold);
   if (placement_held) {
     problem.SetParameterBlockConstant(rotation);
     problem.SetParameterBlockConstant(translation);
@@ -395,7 +370,7 @@ Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance) 
           static_cast<int>(summary.iterations.size())};
 }
 
-void UvModel::polish(UvState& state, Mixture& mixture, const std::optional<double>& sigma, int most) const {
+void UvModel::polish(UvState& state, MixtureInVolume& mixture, int most) const {
   const std::vector<int> free = free_parameters();
   constexpr double last_digits = 1e-13;
   double last = std::numeric_limits<double>::infinity();
@@ -424,9 +399,9 @@ void UvModel::polish(UvState& state, Mixture& mixture, const std::optional<doubl
     const double length = step.norm();
     if (!(length < last)) return;  // rounding is all that is left
     state = moved(state, step);
-    if (mixture.robust) update(mixture, squares, *points, sigma);
+    if (mixture.outliers > 0) update(mixture, squares, *points);
     double next = length;
-    if (!mixture.robust) {  // about this step times it and the residuals
+    if (mixture.outliers == 0) {  // about this step times it and the residuals
       const double rms = std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0) /
                                    static_cast<double>(squares.size()));
       next = length * std::fmin(1, 10 * (length + rms));
@@ -436,58 +411,55 @@ void UvModel::polish(UvState& state, Mixture& mixture, const std::optional<doubl
   }
 }
 
-Solved UvModel::maximise(UvState& state, Mixture& mixture, const std::optional<double>& sigma) const {
+Solved UvModel::maximise(UvState& state, MixtureInVolume& mixture) const {
   Solved result;
   for (int round = 0; round < 20; ++round) {
-    const Mixture before = mixture;
+    const MixtureInVolume before = mixture;
     const Solved solved = solve(state, mixture, round == 0 ? 1e-6 : 1e-8);
     result = {solved.converged, result.iterations + solved.iterations};
-    update(mixture, squares(state), *points, sigma);
+    update(mixture, squares(state), *points);
     if (!solved.converged) break;
     if (std::fabs(mixture.sigma - before.sigma) < 1e-3 * mixture.sigma &&
-        std::fabs(mixture.outliers - before.outliers) < 1e-3)
+        std::fabs(mixture.share - before.share) < 1e-3)
       break;
   }
   return result;
 }
 
-double inlier_weight(const Mixture& mixture, double square) {
-  return 1 / (1 + std::exp(log_ratio(mixture) + 0.5 * square / (mixture.sigma * mixture.sigma)));
+double inlier_probability(const Mixture& mixture, double square) {
+  return mixture.inlier_probability(exponent(mixture, square));
 }
 
-double log_likelihood(const Mixture& mixture, const std::vector<double>& squares) {
-  const double inlier =
-      std::log1p(-mixture.outliers) - 1.5 * std::log(two_pi_ * mixture.sigma * mixture.sigma);
-  const double outlier = std::log(mixture.outliers / mixture.volume);
+double log_likelihood(const MixtureInVolume& mixture, const std::vector<double>& squares) {
   double sum = 0;
-  for (const double s : squares) sum += log_add(inlier - 0.5 * s / (mixture.sigma * mixture.sigma), outlier);
+  for (const double s : squares) sum += mixture.log_likelihood(exponent(mixture, s));
   return sum;
 }
 
-void update(Mixture& mixture, const std::vector<double>& squares, const UvPoints& points,
-            const std::optional<double>& sigma) {
+void update(MixtureInVolume& mixture, const std::vector<double>& squares, const NormalisedPoints& points) {
   const auto n = static_cast<double>(squares.size());
   for (int round = 0; round < 50; ++round) {
-    const Mixture before = mixture;
-    double weights = 0, weighted = 0, spread = 0;
+    const MixtureInVolume before = mixture;
+    ExpectedInliers expected;
+    double spread = 0;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < squares.size(); ++i) {
-      const double w = inlier_weight(mixture, squares[i]);
+      const double w = inlier_probability(mixture, squares[i]);
       if (!(w > 1e-30)) continue;
-      const Eigen::Vector3d p = to_eigen(points.positions[i]);
-      weights += w;
-      weighted += w * squares[i];
+      const auto p = points.cloud.col(static_cast<Eigen::Index>(i));
+      expected.add(w, w * squares[i]);
       mean += w * p;
       spread += w * p.squaredNorm();
     }
-    if (!(weights > 0)) return;  // none is near: left as it was
-    mean /= weights;
-    const double extent = std::sqrt(std::fmax(spread / weights - mean.squaredNorm(), 1e-20));
-    mixture.volume = two_pi_ * 2 / 3 * std::pow(2 * extent, 3);
-    mixture.outliers = (n - weights + 0.5) / (n + 1);
-    mixture.sigma = sigma ? *sigma : std::fmax(std::sqrt(weighted / (3 * weights)), points.least_sigma());
+    if (!(expected.count > 0)) return;  // none is near: left as it was
+    mean /= expected.count;
+    const double extent = std::sqrt(std::fmax(spread / expected.count - mean.squaredNorm(), 1e-20));
+    mixture.volume = 4.0 / 3 * std::numbers::pi * std::pow(2 * extent, 3);
+    mixture.share = (n - expected.count + 0.5) / (n + 1);
+    expected.estimate_sigma(mixture, 3, points.least_sigma());
+    mixture.compare_densities();
     if (std::fabs(mixture.sigma - before.sigma) < 1e-15 * mixture.sigma &&
-        std::fabs(mixture.outliers - before.outliers) < 1e-15)
+        std::fabs(mixture.share - before.share) < 1e-15)
       return;
     if (round >= 3 && std::fabs(mixture.sigma - before.sigma) < 1e-6 * mixture.sigma) return;
   }

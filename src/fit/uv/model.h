@@ -3,9 +3,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,29 +11,11 @@
 #include <darboux/fit_points.h>
 #include <darboux/placed_surface.h>
 
+#include "fit/common/mixture.h"
+#include "fit/common/normalised_points.h"
 #include "kinds.h"
 
 namespace darboux {
-
-/// Points with uvs, centred and scaled: every length below is in units of `size`, from `centre`.
-struct UvPoints {
-  std::vector<Vec3<double>> positions;
-  std::vector<Vec2<double>> uvs;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double size = 1;
-
-  std::size_t count() const { return positions.size(); }
-  /// At most `most` of them, one at random of each stretch: a fixed stride could keep step with the rows of a
-  /// grid.
-  UvPoints chosen(std::size_t most, std::uint64_t seed) const;
-  /// What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.
-  double least_sigma() const;
-};
-
-/// Whether a stored uv says where a point lies: beyond, squares leave the range of numbers.
-inline bool usable_uv(const Vec2<double>& uv) {
-  return std::fabs(uv.x) <= 1e100 && std::fabs(uv.y) <= 1e100;
-}
 
 /// The six numbers of an affine map of uv in the order in which UvConvention has them.
 using Affine = std::array<double, 6>;
@@ -48,15 +27,6 @@ struct UvState {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   std::vector<double> parameters;
   Affine affine = identity_map;
-};
-
-/// Inliers N(0, sigma² I) and outliers of constant density 1/volume around the surface, a share of all
-/// points.
-struct Mixture {
-  double sigma = 1;
-  double outliers = 0;
-  double volume = 1;
-  bool robust = false;  ///< false: least squares, every point counts as 1 / sigma²
 };
 
 /// Weighted normal equations: cost, its gradient and the Gauss-Newton matrix with respect to the rotation
@@ -84,11 +54,11 @@ struct Solved {
 /// One kind at the points' uvs.
 class UvModel {
  public:
-  UvModel(const UvKind& kind, const UvPoints& points, const UvConvention& convention)
+  UvModel(const UvKind& kind, const fit::NormalisedPoints& points, const UvConvention& convention)
       : kind(&kind), points(&points), convention(convention), held(kind.parameters.size(), false) {}
 
   const UvKind* kind;
-  const UvPoints* points;
+  const fit::NormalisedPoints* points;
   UvConvention convention;
   std::vector<bool> held;  ///< parameters that keep their value
   bool placement_held = false;
@@ -103,27 +73,27 @@ class UvModel {
 
   /// One pass over the points.
   /// \param squares when given: of each point's distance from the surface at its uv
-  UvSums sums(const UvState& state, const Mixture& mixture, std::vector<double>* squares = nullptr) const;
+  UvSums sums(const UvState& state, const fit::Mixture& mixture,
+              std::vector<double>* squares = nullptr) const;
   std::vector<double> squares(const UvState& state) const;
 
   /// Jacobian of the positions of some points, in the body's axes; for questions of rank.
   Eigen::MatrixXd jacobian(const UvState& state, std::size_t most) const;
 
   /// Ceres to its convergence on the mixture as it is.
-  Solved solve(UvState& state, const Mixture& mixture, double tolerance) const;
+  Solved solve(UvState& state, const fit::Mixture& mixture, double tolerance) const;
 
-  /// Newton steps on everything together to the last digits, from a converged state. `sigma` is held where
-  /// given.
-  void polish(UvState& state, Mixture& mixture, const std::optional<double>& sigma, int most) const;
+  /// Newton steps on everything together to the last digits, from a converged state.
+  void polish(UvState& state, fit::MixtureInVolume& mixture, int most) const;
 
   /// Solve and update the mixture in turn until it stays.
-  Solved maximise(UvState& state, Mixture& mixture, const std::optional<double>& sigma) const;
+  Solved maximise(UvState& state, fit::MixtureInVolume& mixture) const;
 
   UvConvention whole_convention(const UvState& state) const;
 
   UvSpread spread(const UvState& state, const UvSums& sums) const;
 
-  /// A covariance of spread()'s as the world has it, about `centre` (here still in units of `size`).
+  /// A covariance of spread()'s as the world has it, about `centre` (here still in the points' units).
   SurfaceUncertainty uncertainty(const UvState& state, const Eigen::MatrixXd& covariance,
                                  const Eigen::Vector3d& centre) const;
 
@@ -137,14 +107,14 @@ class UvModel {
 };
 
 /// Posterior probability that a point at this squared distance is an inlier.
-double inlier_weight(const Mixture& mixture, double square);
+double inlier_probability(const fit::Mixture& mixture, double square);
 
-/// Of the points under the mixture, in units of `size`.
-double log_likelihood(const Mixture& mixture, const std::vector<double>& squares);
+/// Of the points under the mixture, in their units.
+double log_likelihood(const fit::MixtureInVolume& mixture, const std::vector<double>& squares);
 
 /// The mixture of greatest likelihood for these squared distances (expectation-maximisation), its volume a
 /// ball of twice the inliers' own extent.
-void update(Mixture& mixture, const std::vector<double>& squares, const UvPoints& points,
-            const std::optional<double>& sigma);
+void update(fit::MixtureInVolume& mixture, const std::vector<double>& squares,
+            const fit::NormalisedPoints& points);
 
 }  // namespace darboux

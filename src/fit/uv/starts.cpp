@@ -44,7 +44,7 @@ Linear linear_problem(const UvModel& model, const Affine& affine, const std::vec
     for (std::size_t k = 0; k < linear.lengths.size(); ++k)
       linear.design.block<1, 3>(i, 1 + 3 * static_cast<Eigen::Index>(k)) =
           block.by_parameter.block<3, 1>(3 * i, linear.lengths[k]).transpose();
-    linear.targets.row(i) = to_eigen(model.points->positions[static_cast<std::size_t>(i)]).transpose();
+    linear.targets.row(i) = model.points->cloud.col(i).transpose();
   }
   return linear;
 }
@@ -165,7 +165,7 @@ double median_distance(const UvModel& model, const UvState& state) {
   return std::sqrt(median(model.squares(state)));
 }
 
-UvModel model_of(const UvKind& kind, const UvPoints& points, const UvConvention& convention,
+UvModel model_of(const UvKind& kind, const fit::NormalisedPoints& points, const UvConvention& convention,
                  const UvHeld& held) {
   UvModel model(kind, points, convention);
   for (std::size_t k = 0; k < held.parameters.size(); ++k) model.held[k] = held.parameters[k].has_value();
@@ -174,8 +174,8 @@ UvModel model_of(const UvKind& kind, const UvPoints& points, const UvConvention&
 }
 
 // The image of the points under x -> -x.
-UvPoints negated(UvPoints points) {
-  for (auto& p : points.positions) p = -p;
+fit::NormalisedPoints negated(fit::NormalisedPoints points) {
+  points.cloud = -points.cloud;
   return points;
 }
 
@@ -200,9 +200,9 @@ std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored
 
 }  // namespace
 
-ConventionStarts convention_starts(const UvKind& kind, const UvPoints& points, const UvHeld& held,
-                                   bool robust) {
-  const UvPoints image = robust ? negated(points) : UvPoints{};
+ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoints& points,
+                                   const UvHeld& held, bool robust) {
+  const fit::NormalisedPoints image = robust ? negated(points) : fit::NormalisedPoints{};
   ConventionStarts result;
   for (const UvConvention& convention : uv_conventions()) {
     const UvModel model = model_of(kind, points, convention, held);
@@ -235,7 +235,7 @@ ConventionStarts convention_starts(const UvKind& kind, const UvPoints& points, c
 }
 
 std::vector<int> observable_affine(UvModel model) {
-  const UvPoints few = model.points->chosen(64, 1);
+  const fit::NormalisedPoints few = model.points->chosen(64, 1);
   model.points = &few;
   // The offset first, as placements absorb it; then scales, which lengths absorb; shears last.
   constexpr std::array<int, 6> order{4, 5, 3, 0, 2, 1};
@@ -272,108 +272,151 @@ std::vector<int> observable_affine(UvModel model) {
   return observable;
 }
 
-std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& all, const UvHeld& held, bool robust,
-                                   std::span<const double> sheared) {
-  constexpr std::size_t enough = 64, few = 24, looked_at = 160, kept = 40, best = 10;
-  const UvPoints points = all.chosen(enough, 1), few_points = points.chosen(few, 1);
+namespace {
+
+// The search over affine maps after a convention: a quick look at many, least squares for the nearest of
+// them.
+class AffineSearch {
+ public:
+  AffineSearch(const UvKind& kind, const fit::NormalisedPoints& all, const UvHeld& held, bool robust)
+      : kind_(kind),
+        all_(all),
+        held_(held),
+        robust_(robust),
+        points_(all.chosen(64, 1)),
+        few_(points_.chosen(24, 1)),
+        model_(model_of(kind, points_, uv_conventions().front(), held)),
+        free_(observable_affine(model_)) {}
+
+  std::vector<UvStart> starts(std::span<const double> sheared) {
+    constexpr std::size_t looked_at = 160, kept = 40, best = 10;
+    if (!robust_) model_.points = &few_;  // where none strays, they tell most of what the points do
+    for (const UvConvention& convention : uv_conventions()) look_under(convention, sheared);
+    if (!robust_) {
+      keep_nearest(looked_at);
+      model_.points = &points_;
+      for (Candidate& c : candidates_) {
+        model_.convention = c.convention;
+        c.distance = distance(c);
+      }
+    }
+    keep_nearest(kept);
+    std::vector<UvStart> result;
+    for (const Candidate& c : candidates_)
+      for (const double turn : choices(4, {0, 0.125, 0.25, 0.375}))
+        if (std::optional<UvStart> start = start_of(c, turn)) result.push_back(std::move(*start));
+    std::stable_sort(result.begin(), result.end(),
+                     [](const UvStart& a, const UvStart& b) { return a.median < b.median; });
+    if (result.size() > best) result.erase(result.begin() + best, result.end());
+    return result;
+  }
+
+ private:
   struct Candidate {
     UvConvention convention;
     Affine affine;
     const std::vector<double>* at;
     double distance;
   };
-  std::vector<Candidate> candidates;
-  const auto keep_nearest = [&](std::size_t most) {
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
-    if (candidates.size() > most) candidates.resize(most);
-  };
-  // What least squares leave of the points, their median; infinite where there is no solution.
-  const auto distance = [&](const UvModel& m, const Candidate& c) {
-    Linear linear = linear_problem(m, c.affine, *c.at);
-    return solve(linear, robust ? few_rounds : 1) ? median(linear.distances)
-                                                  : std::numeric_limits<double>::infinity();
-  };
-  UvModel model = model_of(kind, points, uv_conventions().front(), held);
-  const std::vector<int> free = observable_affine(model);
-  if (!robust) model.points = &few_points;  // where none strays, they tell most of what the points do
-  const auto is_free = [&](int k) { return std::find(free.begin(), free.end(), k) != free.end(); };
-  const auto choices = [&](int k, std::vector<double> values) {
+
+  bool is_free(int k) const { return std::find(free_.begin(), free_.end(), k) != free_.end(); }
+  // Values of an entry of the map that are tried: that of the identity where it is not free.
+  std::vector<double> choices(int k, std::vector<double> values) const {
     return is_free(k) ? values : std::vector{identity_map[static_cast<std::size_t>(k)]};
-  };
-  const std::vector<double> scales{1, 0.5, 2, 0.25, 0.1, 0.75, 1.5, 3}, turns{0, 0.25, 0.5, 0.75},
-      shears{-2, -1, -0.5, 0.5, 1, 2};
-  for (const UvConvention& convention : uv_conventions()) {
-    model.convention = convention;
+  }
+
+  // What least squares leave of the model's points, their median; infinite where there is no solution.
+  double distance(const Candidate& c) const {
+    Linear linear = linear_problem(model_, c.affine, *c.at);
+    return solve(linear, robust_ ? few_rounds : 1) ? median(linear.distances)
+                                                   : std::numeric_limits<double>::infinity();
+  }
+
+  void keep_nearest(std::size_t most) {
+    std::stable_sort(candidates_.begin(), candidates_.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+    if (candidates_.size() > most) candidates_.resize(most);
+  }
+
+  // A candidate at each start of the kind. \param from_u, from_v offsets, where the map's are free
+  void add(double scale_u, double shear, double scale_v, double from_u, double from_v) {
+    const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, is_free(5) ? from_v : 0};
+    for (const auto& at : kind_.starts) {
+      Candidate c{model_.convention, affine, &at, 0};
+      c.distance = robust_ ? distance(c) : residual(linear_problem(model_, affine, at));
+      if (std::isfinite(c.distance)) candidates_.push_back(c);
+    }
+  }
+
+  // Scales, offsets and shears under one convention. A scale that lengths absorb is not searched; where the
+  // offset is, it may be any.
+  void look_under(const UvConvention& convention, std::span<const double> sheared) {
+    const std::vector<double> scales{1, 0.5, 2, 0.25, 0.1, 0.75, 1.5, 3}, turns{0, 0.25, 0.5, 0.75},
+        shears{-2, -1, -0.5, 0.5, 1, 2};
+    model_.convention = convention;
     std::vector<double> u, v;
-    for (const auto& stored : points.uvs) {
+    for (const auto& stored : points_.uvs) {
       const Vec2<double> uv = convention.surface_uv(stored);
       u.push_back(uv.x), v.push_back(uv.y);
     }
     const std::vector<Unit> plain{{}},
-        units_u = is_free(0) || is_free(4) ? units(kind.coordinates[0], u) : plain,
-        units_v = is_free(3) || is_free(5) ? units(kind.coordinates[1], v) : plain;
-    // A scale that lengths absorb is not searched; where the offset is, it may be any.
-    const auto add_one = [&](double scale_u, double shear, double scale_v, double from_u, double from_v) {
-      const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, is_free(5) ? from_v : 0};
-      for (const auto& at : kind.starts) {
-        Candidate c{convention, affine, &at, 0};
-        c.distance = robust ? distance(model, c) : residual(linear_problem(model, affine, at));
-        if (std::isfinite(c.distance)) candidates.push_back(c);
-      }
-    };
-    const auto add = [&](double su, double shear, double sv, double o) {
+        units_u = is_free(0) || is_free(4) ? units(kind_.coordinates[0], u) : plain,
+        units_v = is_free(3) || is_free(5) ? units(kind_.coordinates[1], v) : plain;
+    const auto add_in_units = [&](double su, double shear, double sv, double offset) {
       for (const Unit& for_u : units_u)
         for (const Unit& for_v : units_v) {
           const double scale_u = su * for_u.scale, scale_v = sv * for_v.scale;
-          add_one(scale_u, shear, scale_v, -scale_u * for_u.from, o - scale_v * for_v.from);
+          add(scale_u, shear, scale_v, -scale_u * for_u.from, offset - scale_v * for_v.from);
         }
     };
     for (const double su : choices(0, scales))
       for (const double sv : choices(3, scales))
-        for (const double o : choices(5, turns)) add(su, 0, sv, o);
-    if (is_free(1)) {
-      for (const double shear : shears) add(1, shear, 1, 0);
-      // Along stored (slope, 1) the surface's u stays; the convention maps both.
-      const auto& m = convention.affine;
-      for (const double slope : sheared) {
-        const double along_u = m[0] * slope + m[1], along_v = m[2] * slope + m[3];
-        if (along_v == 0) continue;
-        const double shear = -along_u / along_v;
-        std::vector<double> straight;
-        for (std::size_t i = 0; i < u.size(); ++i) straight.push_back(u[i] + shear * v[i]);
-        for (const Unit& unit : units(kind.coordinates[0], straight))
-          add_one(unit.scale, unit.scale * shear, 1, -unit.scale * unit.from, 0);
-      }
+        for (const double offset : choices(5, turns)) add_in_units(su, 0, sv, offset);
+    if (!is_free(1)) return;
+    for (const double shear : shears) add_in_units(1, shear, 1, 0);
+    // Along stored (slope, 1) the surface's u stays; the convention maps both.
+    const auto& m = convention.affine;
+    for (const double slope : sheared) {
+      const double along_u = m[0] * slope + m[1], along_v = m[2] * slope + m[3];
+      if (along_v == 0) continue;
+      const double shear = -along_u / along_v;
+      std::vector<double> straight;
+      for (std::size_t i = 0; i < u.size(); ++i) straight.push_back(u[i] + shear * v[i]);
+      for (const Unit& unit : units(kind_.coordinates[0], straight))
+        add(unit.scale, unit.scale * shear, 1, -unit.scale * unit.from, 0);
     }
   }
-  if (!robust) {
-    keep_nearest(looked_at);
-    model.points = &points;
-    for (Candidate& c : candidates) {
-      model.convention = c.convention;
-      c.distance = distance(model, c);
-    }
+
+  // The candidate with its u turned so far; nothing where the linear problem has no solution.
+  std::optional<UvStart> start_of(const Candidate& c, double turn) const {
+    UvModel m = model_of(kind_, points_, c.convention, held_);
+    m.free_affine = free_;
+    Affine affine = c.affine;
+    affine[4] += turn;
+    Linear linear = linear_problem(m, affine, *c.at);
+    if (!solve(linear, robust_ ? many_rounds : 1)) return std::nullopt;
+    const UvState state = rigid(m, linear, affine, *c.at, held_, false);
+    const double median = median_distance(m, state);
+    if (!std::isfinite(median)) return std::nullopt;
+    m.points = &all_;
+    return UvStart{m, state, median};
   }
-  keep_nearest(kept);
-  std::vector<UvStart> result;
-  for (const Candidate& c : candidates)
-    for (const double turn : choices(4, {0, 0.125, 0.25, 0.375})) {
-      UvModel m = model_of(kind, points, c.convention, held);
-      m.free_affine = free;
-      Affine affine = c.affine;
-      affine[4] += turn;
-      Linear linear = linear_problem(m, affine, *c.at);
-      if (!solve(linear, robust ? many_rounds : 1)) continue;
-      const UvState state = rigid(m, linear, affine, *c.at, held, false);
-      const double median = median_distance(m, state);
-      m.points = &all;
-      if (std::isfinite(median)) result.push_back({m, state, median});
-    }
-  std::stable_sort(result.begin(), result.end(),
-                   [](const UvStart& a, const UvStart& b) { return a.median < b.median; });
-  if (result.size() > best) result.erase(result.begin() + best, result.end());
-  return result;
+
+  const UvKind& kind_;
+  const fit::NormalisedPoints& all_;
+  const UvHeld& held_;
+  bool robust_;
+  fit::NormalisedPoints points_, few_;
+  UvModel model_;  // of the points that are looked at
+  std::vector<int> free_;
+  std::vector<Candidate> candidates_;
+};
+
+}  // namespace
+
+std::vector<UvStart> affine_starts(const UvKind& kind, const fit::NormalisedPoints& all, const UvHeld& held,
+                                   bool robust, std::span<const double> sheared) {
+  return AffineSearch(kind, all, held, robust).starts(sheared);
 }
 
 }  // namespace darboux

@@ -32,14 +32,14 @@ struct ConventionStarts {
 };
 
 /// \param robust reweighted so that less than half of the points may lie anywhere
-ConventionStarts convention_starts(const UvKind& kind, const UvPoints& points, const UvHeld& held,
-                                   bool robust);
+ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoints& points,
+                                   const UvHeld& held, bool robust);
 
 /// The best starts with an affine map after a convention, best first.
 /// \param sheared slopes Δu/Δv of stored uvs along which v of the surface may run, beside those that are
 /// tried anyway
-std::vector<UvStart> affine_starts(const UvKind& kind, const UvPoints& points, const UvHeld& held,
-                                   bool robust, std::span<const double> sheared = {});
+std::vector<UvStart> affine_starts(const UvKind& kind, const fit::NormalisedPoints& points,
+                                   const UvHeld& held, bool robust, std::span<const double> sheared = {});
 
 /// The entries of the affine map that the points can tell apart from placement and parameters; the others
 /// stay those of the identity, the offset first.

@@ -1,27 +1,20 @@
-// What the distances of points from a surface are like: inliers and outliers of constant density.
+// What is known of each point at the current estimate of a primitive, and the mixture by it.
 //
 // A point's distance d from the surface is N(sigma^2 H, sigma^2) for an inlier, H = (k1 + k2) / 2 at the foot
-// (isotropic noise moves the mean distance from a curved surface by that much), and of constant density for
-// an outlier. With e = d - sigma^2 H, E = exp(-e^2 / 2 sigma^2) and the density `outliers` of outliers
-// relative to the inliers' at e = 0, a point is an inlier with probability w = E / (E + outliers).
+// (isotropic noise moves the mean distance from a curved surface by that much): the residual of the mixture
+// is d - sigma^2 H.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <vector>
 
-namespace darboux::fit {
+#include "fit/common/mixture.h"
 
-struct Mixture {
-  double sigma, outliers;
-  bool sigma_known = false;
-  double inliers = 1;  // sum of the probabilities
-};
+namespace darboux::fit {
 
 // Rounding of points scaled to size 1.
 inline constexpr double least_sigma = 1e-15;
 
-// What is known of each point at the current estimate.
 struct PointStates {
   std::vector<double> d, curvature;    // signed distance, k1 + k2
   std::vector<double> bias;            // sigma^2 H: what the distance of an inlier is on average
@@ -35,8 +28,7 @@ struct PointStates {
 inline double inlier_probability(double error, const Mixture& mixture) {
   const double r = error / mixture.sigma;
   if (!(std::fabs(r) < 12)) return 0;  // less than 1e-20 of any density of outliers
-  const double likelihood = std::exp(-0.5 * r * r);
-  return likelihood / (likelihood + mixture.outliers);
+  return mixture.inlier_probability(0.5 * r * r);
 }
 
 // The mixture at fixed distances. In the robust phase the outliers' density is relative to all points nearby,

@@ -1,6 +1,7 @@
-#include "mixture.h"
+#include "point_states.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fit/common/noise_bias.h"
 
@@ -28,14 +29,12 @@ void update(Mixture& mixture, const PointStates& points, bool robust_phase) {
   };
   const auto step = [&](Mixture at) {
     count(at);
-    double squares = 0;
-    at.inliers = 0;
+    ExpectedInliers expected;
     for (const double e : near) {
       const double w = inlier_probability(e, at);
-      at.inliers += w;
-      squares += w * e * e;
+      expected.add(w, w * e * e);
     }
-    if (!at.sigma_known && at.inliers > 0) at.sigma = std::max(std::sqrt(squares / at.inliers), least_sigma);
+    expected.estimate_sigma(at, 1, least_sigma);
     at.inliers = std::max(at.inliers, 1.0);
     return at;
   };
