@@ -101,22 +101,29 @@ class BatchedCost final : public ceres::CostFunction {
   mutable Eigen::VectorXd tried_at_;
 };
 
+// The densities along the distance themselves, not their ratio: which of several equivalent poses is found
+// hangs on the last bits of their likelihoods.
+double inlier_density(const MixtureInVolume& m, double error) {
+  const double r = error / m.sigma;
+  return (1 - m.share) * std::exp(-0.5 * r * r) / (m.sigma * std::sqrt(2 * std::numbers::pi));
+}
+
+double outlier_density(const MixtureInVolume& m) {
+  return m.share / m.volume;
+}
+
 // Weights and noise from the distances, repeatedly; then the likelihood.
 void expect(Estimate& e, double size) {
   const std::size_t n = e.feet.distance.size();
   e.weighted.weight.assign(n, 0);
   e.weighted.bias.assign(n, 0);
   MixtureInVolume& m = e.mixture;
-  const auto exponent = [&](std::size_t i) {
-    const double r = (e.feet.distance[i] - e.weighted.bias[i]) / m.sigma;
-    return std::isfinite(r) ? 0.5 * r * r : infinity;
-  };
   for (int step = 0; step < 10; ++step) {
     ExpectedInliers expected;
-    m.compare_densities();
     for (std::size_t i = 0; i < n; ++i) {
       e.weighted.bias[i] = bias(m.sigma, e.feet.curvature[i]);
-      const double r = e.feet.distance[i] - e.weighted.bias[i], w = m.inlier_probability(exponent(i));
+      const double r = e.feet.distance[i] - e.weighted.bias[i], p = inlier_density(m, r);
+      const double w = std::isfinite(r) ? p / (p + outlier_density(m)) : 0;
       e.weighted.weight[i] = w;
       if (w > 0) expected.add(w, w * r * r);
     }
@@ -124,9 +131,12 @@ void expect(Estimate& e, double size) {
     expected.estimate_sigma(m, 1, 1e-15 * size);
     m.share = std::clamp(1 - expected.count / static_cast<double>(n), 1e-6, 0.9);
   }
-  m.compare_densities();
   e.log_likelihood = 0;
-  for (std::size_t i = 0; i < n; ++i) e.log_likelihood += m.log_likelihood(exponent(i));
+  for (std::size_t i = 0; i < n; ++i) {
+    const double inlier =
+        std::isfinite(e.feet.distance[i]) ? inlier_density(m, e.feet.distance[i] - e.weighted.bias[i]) : 0;
+    e.log_likelihood += std::log(inlier + outlier_density(m));
+  }
 }
 
 double median_size(const std::vector<double>& distance) {
