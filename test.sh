@@ -18,6 +18,6 @@ fi
 read_only=build/clang-syntax
 cmake --preset clang -B "$read_only" -DDARBOUX_BUILD_TESTS=OFF
 # A second time: CMake must find a compiler that works. Nothing is left to archive.
-cmake -B "$read_only" -DCMAKE_CXX_FLAGS=-fsyntax-only -DCMAKE_AR=true -DCMAKE_RANLIB=true
+cmake -B "$read_only" -DCMAKE_CXX_FLAGS=-fsyntax-only -DCMAKE_CXX_ARCHIVE_CREATE=true -DCMAKE_CXX_ARCHIVE_FINISH=true
 ninja -C "$read_only" -t targets all | sed -n 's/^\(.*\.o\): .*/\1/p' | xargs ninja -C "$read_only"
 check release
