@@ -120,7 +120,7 @@ Json page_data(const std::vector<Study>& studies) {
   return {{"studies", studies_json(studies)}, {"methods", methods}, {"families", families}};
 }
 
-constexpr std::string_view style = R"css(
+constexpr std::string_view report_style = R"css(
 .lead{font-size:1.05rem}
 .sum{font-weight:600}
 .controls{display:flex;flex-wrap:wrap;gap:.75rem 1.25rem;border:0;padding:0;margin:0 0 .9rem}
@@ -446,7 +446,7 @@ std::string converge_page(const std::vector<Study>& studies, const Provenance& p
 <link rel="icon" href="data:,">
 <style>)html";
   page += page_style;
-  page += style;
+  page += report_style;
   page += R"html(</style>
 </head>
 <body>

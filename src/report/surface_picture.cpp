@@ -16,7 +16,7 @@ namespace {
 
 using Point = PicturePoint;  // x and y in tenths of a pixel
 
-constexpr double width = 4000, height = 3000, margin = 420, arrow_length = 430, head_length = 75;
+constexpr double picture_width = 4000, picture_height = 3000, margin = 420, arrow_length = 430, head_length = 75;
 
 // Where the light comes from: above the viewer's left shoulder.
 const Vec3<double> to_light = unit(-0.35 * to_right + 0.65 * upward + 0.7 * to_viewer);
@@ -115,10 +115,10 @@ class Drawing {
         bottom = std::min(bottom, dot(p, upward)), top = std::max(top, dot(p, upward));
       }
     if (!(left <= right)) return;
-    view_.scale = std::min((width - 2 * margin) / std::max(right - left, 1e-300),
-                           (height - 2 * margin) / std::max(top - bottom, 1e-300));
-    view_.x = width / 2 - view_.scale * (left + right) / 2;
-    view_.y = height / 2 + view_.scale * (bottom + top) / 2;
+    view_.scale = std::min((picture_width - 2 * margin) / std::max(right - left, 1e-300),
+                           (picture_height - 2 * margin) / std::max(top - bottom, 1e-300));
+    view_.x = picture_width / 2 - view_.scale * (left + right) / 2;
+    view_.y = picture_height / 2 + view_.scale * (bottom + top) / 2;
   }
 
   void make_cells() {
@@ -248,7 +248,7 @@ class Drawing {
     return std::all_of(axes.begin(), axes.end(), [&](const Vec3<double>& a) {
       const double x = base.x + 1.2 * arrow_length * dot(a, to_right);
       const double y = base.y - 1.2 * arrow_length * dot(a, upward);
-      return x > 60 && x < width - 60 && y > 60 && y < height - 60;
+      return x > 60 && x < picture_width - 60 && y > 60 && y < picture_height - 60;
     });
   }
 
