@@ -8,6 +8,7 @@
 
 #include "base/evenly_chosen.h"
 #include "base/linear_algebra.h"
+#include "base/text.h"
 #include "fit/fit_kinds.h"
 #include "mesh/triangle_signs.h"
 
@@ -188,8 +189,8 @@ std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, Surf
   }
   try {
     std::optional<MeshFit> fit =
-        fit_kinds(charted, std::nullopt, std::array{surface_kind_names[static_cast<std::size_t>(kind)]},
-                  UvMaps::plain, triangle_signs(charted));
+        fit_kinds(charted, std::nullopt, std::array{name_in(surface_kind_names, kind)}, UvMaps::plain,
+                  triangle_signs(charted));
     if (!fit || !fit->fits) return std::nullopt;
     fit->chart = UvChart::unknown;
     fit->equivalent.clear();

@@ -1,6 +1,7 @@
 // Numbers as text, whatever the locale, and the other parts of messages.
 #pragma once
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -26,6 +27,12 @@ inline std::string rounded(double x, int digits) {
 /// A standard deviation for people; NaN means that nothing is known of it.
 inline std::string deviation_text(double x, int digits, const char* unit = "") {
   return std::isnan(x) ? "an unknown angle" : rounded(x, digits) + unit;
+}
+
+/// The name of an enumerator; the names in the order of the enumeration.
+template <class E, std::size_t N>
+constexpr std::string_view name_in(const std::array<std::string_view, N>& names, E e) {
+  return names[static_cast<std::size_t>(e)];
 }
 
 /// "a, b, c"

@@ -90,7 +90,7 @@ Json pair_json(const Pair& pair) {
     json["tangent_deg"] = {{"max", number(r.tangent_deg->max)},
                            {"rms", number(r.tangent_deg->rms)},
                            {"p95", number(r.tangent_deg->p95)}};
-  if (r.sign != SignAgreement::none) json["sign"] = sign_agreement_names[static_cast<std::size_t>(r.sign)];
+  if (r.sign != SignAgreement::none) json["sign"] = name_in(sign_agreement_names, r.sign);
   if (r.a_is_raw) json["conventions"] = {*r.a_is_raw ? "raw" : "gltf", *r.a_is_raw ? "gltf" : "raw"};
   if (r.worst) json["worst"] = worst_json(pair);
   return json;
@@ -222,7 +222,7 @@ void print_skipped(const char* file, const Asset& asset) {
               << " not compared: " << s.reason << '\n';
 }
 
-// -------------------------------------------------------------------------------------------------------------------
+// --------------------------------------------------------------------------------------------------
 
 void run_compare(const CompareArguments& arguments, Common& common) {
   if (!(arguments.max_angle >= 0 && arguments.max_angle <= 180))

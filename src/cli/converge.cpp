@@ -128,7 +128,7 @@ void print_orders(const std::vector<Study>& studies) {
     }
     std::printf("\n%s, %s\n  %-18s", begin->surface.c_str(), std::string(begin->mesh).c_str(), "");
     for (const auto& [vertex_class, column] : columns)
-      std::printf(" %-20s", std::string(vertex_class_names[static_cast<std::size_t>(vertex_class)]).c_str());
+      std::printf(" %-20s", std::string(name_in(vertex_class_names, vertex_class)).c_str());
     for (const std::string_view method : methods) {
       std::printf("\n  %-18s", std::string(method).c_str());
       for (const auto& [vertex_class, column] : columns) {
@@ -154,11 +154,10 @@ void print_summary(const std::vector<Study>& studies) {
   for (const Study& s : studies)
     if (!s.holds())
       std::printf("%s: %s, %s mesh, %s, %s of the %s: order %.2f [%.2f, %.2f], expected %g\n",
-                  std::string(order_verdict_names[static_cast<std::size_t>(s.verdict)]).c_str(),
-                  s.surface.c_str(), std::string(s.mesh).c_str(), std::string(s.method).c_str(),
-                  std::string(s.quantity).c_str(),
-                  std::string(vertex_class_names[static_cast<std::size_t>(s.vertex_class)]).c_str(), s.order,
-                  s.order_low, s.order_high, s.expected_order);
+                  std::string(name_in(order_verdict_names, s.verdict)).c_str(), s.surface.c_str(),
+                  std::string(s.mesh).c_str(), std::string(s.method).c_str(), std::string(s.quantity).c_str(),
+                  std::string(name_in(vertex_class_names, s.vertex_class)).c_str(), s.order, s.order_low,
+                  s.order_high, s.expected_order);
 }
 
 void run_converge(const ConvergeArguments& arguments, Common& common) {

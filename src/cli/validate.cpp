@@ -43,29 +43,18 @@ Eigen::Isometry3d parse_placement(const std::string& text) {
 }
 
 References parse_references(const std::string& text) {
+  // In the order of ReferenceKind, whose first is none.
+  constexpr std::array<bool References::*, 5> members{nullptr, &References::analytic, &References::triangles,
+                                                      &References::local, &References::mikktspace};
   References result{false, false, false, false};
   for (const std::string& name : split(text, ',')) {
-    const auto found = std::find(reference_names.begin(), reference_names.end(), name);
-    switch (static_cast<ReferenceKind>(found - reference_names.begin())) {
-      case ReferenceKind::analytic:
-        result.analytic = true;
-        continue;
-      case ReferenceKind::triangles:
-        result.triangles = true;
-        continue;
-      case ReferenceKind::local:
-        result.local = true;
-        continue;
-      case ReferenceKind::mikktspace:
-        result.mikktspace = true;
-        continue;
-      case ReferenceKind::none:
-        break;
-    }
-    throw ParameterError(
-        "--reference",
-        "'" + name +
-            "' is no reference, expected analytic, triangles, local and mikktspace, with commas between");
+    const auto found = std::find(reference_names.begin() + 1, reference_names.end(), name);
+    if (found == reference_names.end())
+      throw ParameterError(
+          "--reference",
+          "'" + name +
+              "' is no reference, expected analytic, triangles, local and mikktspace, with commas between");
+    result.*members[static_cast<std::size_t>(found - reference_names.begin())] = true;
   }
   return result;
 }

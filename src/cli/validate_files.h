@@ -92,22 +92,22 @@ void compare_with_baseline(std::vector<AssessedFile>& files, const std::string& 
 std::string place_of(const Primitive& primitive, const Assessment& assessment);
 
 inline std::string_view name_of(Verdict verdict) {
-  return verdict_names[static_cast<std::size_t>(verdict)];
+  return name_in(verdict_names, verdict);
 }
 inline std::string_view name_of(Severity severity) {
-  return severity_names[static_cast<std::size_t>(severity)];
+  return name_in(severity_names, severity);
 }
 inline std::string_view name_of(ReferenceKind reference) {
-  return reference_names[static_cast<std::size_t>(reference)];
+  return name_in(reference_names, reference);
 }
 inline std::string_view name_of(HandednessConvention convention) {
-  return handedness_convention_names[static_cast<std::size_t>(convention)];
+  return name_in(handedness_convention_names, convention);
 }
 inline std::string_view name_of(MikkVariant variant) {
-  return mikk_variant_names[static_cast<std::size_t>(variant)];
+  return name_in(mikk_variant_names, variant);
 }
 inline std::string_view name_of(VertexClass vertex_class) {
-  return vertex_class_names[static_cast<std::size_t>(vertex_class)];
+  return name_in(vertex_class_names, vertex_class);
 }
 
 /// Whether a truth with an uncertainty decided: that of a surface, or of the neighbours.

@@ -33,10 +33,12 @@ th[colspan]{text-align:center;border-bottom:1px solid var(--line)}
 figcaption{margin-top:.4rem}
 .controls{display:flex;flex-wrap:wrap;align-items:center;gap:.5rem 1rem;margin:1rem 0 .75rem;font-size:.9rem}
 .controls label{display:flex;align-items:center;gap:.35rem}
-select{font:inherit;color:inherit;background:var(--card);border:1px solid var(--line);border-radius:.35rem;padding:.15rem .35rem;
+select{font:inherit;color:inherit;background:var(--card);border:1px solid var(--line);border-radius:.35rem;
+  padding:.15rem .35rem;
   max-width:16rem}
 .card.mesh{padding:0;margin:0 0 .6rem}
-.mesh>summary,.row{display:grid;grid-template-columns:8.5rem minmax(0,1fr) 7rem 7rem;gap:.1rem 1rem;align-items:baseline;
+.mesh>summary,.row{display:grid;grid-template-columns:8.5rem minmax(0,1fr) 7rem 7rem;gap:.1rem 1rem;
+  align-items:baseline;
   padding:.6rem 1rem;list-style:none}
 .mesh>summary::-webkit-details-marker{display:none}
 .mesh[open]>summary{border-bottom:1px solid var(--faint)}
@@ -58,11 +60,13 @@ select{font:inherit;color:inherit;background:var(--card);border:1px solid var(--
 .grid{stroke:var(--faint)}
 .axis{stroke:var(--soft)}
 .limit{stroke:var(--ink);stroke-dasharray:5 4}
-canvas{display:block;width:100%;max-width:32rem;border:1px solid var(--line);border-radius:.35rem;color:var(--soft)}
+canvas{display:block;width:100%;max-width:32rem;border:1px solid var(--line);border-radius:.35rem;
+  color:var(--soft)}
 canvas.uv,canvas.view{aspect-ratio:1}
 canvas.view{cursor:grab;touch-action:none}
 canvas.view:active{cursor:grabbing}
-.legend{display:flex;flex-wrap:wrap;align-items:center;gap:.25rem .5rem;margin:0 0 .75rem;font-size:.9rem;color:var(--soft)}
+.legend{display:flex;flex-wrap:wrap;align-items:center;gap:.25rem .5rem;margin:0 0 .75rem;font-size:.9rem;
+  color:var(--soft)}
 .legend i{display:inline-block;height:1rem;width:min(16rem,40%);border-radius:.2rem}
 .legend i.none{width:1rem;margin-left:1rem}
 @media (max-width:40rem){

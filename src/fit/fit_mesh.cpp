@@ -23,7 +23,7 @@ constexpr double hopeless = 0.2;
 // Nor is one refined whose rms distance is beyond this: rounding would hide all else.
 constexpr double too_far = 1e6;
 
-// A fit to the few points that leaves this many times what is permitted is not refined on more.
+// A fit to the few points that leaves this many times the limit is not refined on more.
 constexpr double hopeless_share = 30;
 
 // An affine map is so flexible that it must fit better: within this share of fits_below.

@@ -140,7 +140,8 @@ void decompress_meshopt(GltfFile& file) {
   for (const auto& buffer : file.buffers) left += buffer ? most_expansion * buffer->size() : 0;
   for (const std::size_t i : compressed) {
     const JsonCursor view = file.root().at("bufferViews").at(i);
-    const std::size_t offset = file.append_bytes(decode(file, view, *view.extension(meshopt_extension), left));
+    const std::size_t offset =
+        file.append_bytes(decode(file, view, *view.extension(meshopt_extension), left));
     Json& json = file.json["bufferViews"][i];
     json["buffer"] = 0u;
     json["byteOffset"] = offset;

@@ -22,10 +22,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string_view class_name(const Study& study) {
-  return vertex_class_names[static_cast<std::size_t>(study.vertex_class)];
+  return name_in(vertex_class_names, study.vertex_class);
 }
 std::string_view verdict_name(const Study& study) {
-  return order_verdict_names[static_cast<std::size_t>(study.verdict)];
+  return name_in(order_verdict_names, study.verdict);
 }
 
 // ---- CSV --------------------------------------------------------------------------------------------------

@@ -16,7 +16,8 @@ namespace {
 
 using Point = PicturePoint;  // x and y in tenths of a pixel
 
-constexpr double picture_width = 4000, picture_height = 3000, margin = 420, arrow_length = 430, head_length = 75;
+constexpr double picture_width = 4000, picture_height = 3000, margin = 420, arrow_length = 430,
+                 head_length = 75;
 
 // Where the light comes from: above the viewer's left shoulder.
 const Vec3<double> to_light = unit(-0.35 * to_right + 0.65 * upward + 0.7 * to_viewer);

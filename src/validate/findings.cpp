@@ -73,11 +73,10 @@ constexpr std::array kinds{
         "the surface's directions of u and v are not at right angles: w cross(n, t) cannot follow v, a "
         "limit of the format",
         "nothing, where baker and renderer both take w cross(n, t)"},
-    FindingKind{
-        "POLE_TANGENT", info,
-        "tangents at a pole are farther than allowed from the limit for their own u; no direction is "
-        "right there for every texture",
-        "nothing; a vertex of its own for each column is best"},
+    FindingKind{"POLE_TANGENT", info,
+                "tangents at a pole are farther than allowed from the limit for their own u; no direction is "
+                "right there for every texture",
+                "nothing; a vertex of its own for each column is best"},
     FindingKind{"NORMALS_INWARD", info,
                 "normals and triangles face the inside of the surface; they were compared with its inward "
                 "normal",

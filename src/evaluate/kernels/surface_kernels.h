@@ -1,5 +1,6 @@
-// The kernels of one surface on one instruction set. CMake writes a source file for each header of surfaces/ that includes
-// this and expands DARBOUX_SURFACE_KERNELS for the header's name; DARBOUX_ISA names the instruction set.
+// The kernels of one surface on one instruction set. CMake writes a source file for each header of surfaces/
+// that includes this and expands DARBOUX_SURFACE_KERNELS for the header's name; DARBOUX_ISA names the
+// instruction set.
 #pragma once
 
 #include <tuple>
@@ -27,7 +28,8 @@ template <class T, class Surface>
 constexpr std::array<Kernel<T>, 3> kernels_over() {
   using X = OverT<T, Surface>;
   if constexpr (detail::in_lanes<X>)
-    return {&kernel<X, T, Variant::frames>, &kernel<X, T, Variant::first>, &kernel<X, T, Variant::everything>};
+    return {&kernel<X, T, Variant::frames>, &kernel<X, T, Variant::first>,
+            &kernel<X, T, Variant::everything>};
   else
     return {};
 }
@@ -40,9 +42,9 @@ constexpr SurfaceKernels kernels_of() {
 }  // namespace
 }  // namespace darboux::kernels
 
-#define DARBOUX_SURFACE_KERNELS(header)                                                       \
-  namespace darboux::kernels {                                                                \
-  extern const SurfaceKernels DARBOUX_OF_SURFACE(header);                                     \
-  constinit const SurfaceKernels DARBOUX_OF_SURFACE(header) =                                 \
-      kernels_of<SurfaceAt<index_in_catalogue(DARBOUX_STRING(header))>>();                    \
+#define DARBOUX_SURFACE_KERNELS(header)                                    \
+  namespace darboux::kernels {                                             \
+  extern const SurfaceKernels DARBOUX_OF_SURFACE(header);                  \
+  constinit const SurfaceKernels DARBOUX_OF_SURFACE(header) =              \
+      kernels_of<SurfaceAt<index_in_catalogue(DARBOUX_STRING(header))>>(); \
   }
