@@ -14,15 +14,15 @@
 
 namespace darboux {
 
-// What is the same for every corner of a vertex.
+// What is the same for every corner of a vertex; bits, as there are many.
 struct VertexChecks {
-  bool position_finite = true, uv_finite = true, normal_finite = true, normal_unit = true;
-  bool has_normal = false;   // finite and not zero
-  bool has_tangent = false;  // likewise
-  bool tangent_finite = true, tangent_zero = false, tangent_unit = true, sign_valid = true;
-  bool orthogonal = true;     // |t.n| <= 0.02
-  bool leans = false;         // beyond what rounding adds to that
-  bool along_normal = false;  // |t.n| > 0.26, likewise
+  bool position_finite : 1 = true, uv_finite : 1 = true, normal_finite : 1 = true, normal_unit : 1 = true;
+  bool has_normal : 1 = false;   // finite and not zero
+  bool has_tangent : 1 = false;  // likewise
+  bool tangent_finite : 1 = true, tangent_zero : 1 = false, tangent_unit : 1 = true, sign_valid : 1 = true;
+  bool orthogonal : 1 = true;     // |t.n| <= 0.02
+  bool leans : 1 = false;         // beyond what rounding adds to that
+  bool along_normal : 1 = false;  // |t.n| > 0.26, likewise
 };
 VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v);
 
