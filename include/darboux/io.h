@@ -171,6 +171,9 @@ class GltfDocument {
   /// \throws FileError
   void save_glb(const std::string& path) const;
 
+  /// What it holds, for darboux's own functions.
+  const GltfFile& file() const { return *file_; }
+
  private:
   explicit GltfDocument(std::unique_ptr<GltfFile> file);
   std::unique_ptr<GltfFile> file_;

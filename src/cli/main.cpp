@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   darboux::add_converge(app, common);
   darboux::add_fit(app, common);
   darboux::add_compare(app, common);
+  darboux::add_plan(app, common);
   const auto finish = [](int status) {
     std::cout.flush();
     return std::cout ? status

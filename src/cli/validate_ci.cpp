@@ -1,26 +1,19 @@
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <sstream>
 
 #include <pugixml.hpp>
 
+#include "sarif.h"
 #include "validate_files.h"
 
 namespace darboux {
 namespace {
 
-// Of a file, not of a mesh: no findings of the library.
-constexpr FindingKind unreadable{"FILE_UNREADABLE", Severity::error, "the file cannot be read",
-                                 "see what the message permits, and export the file anew"};
+// Of a file, not of a mesh: no finding of the library.
 constexpr FindingKind lost{"FILE_NOTHING_TO_JUDGE", Severity::error,
                            "the file passed in the baseline, and there is nothing to judge now",
                            "see what became of its triangles, normals and tangents; or renew the baseline"};
-
-// "the message. To do: what to do"
-std::string with_to_do(const std::string& message, std::string_view to_do) {
-  return message + ". To do: " + std::string(to_do);
-}
 
 // "mesh 0 primitive 0: the message (12). To do: what to do"
 std::string sentence(const Primitive& primitive, const Assessment& assessment, const Finding& f) {
@@ -28,59 +21,9 @@ std::string sentence(const Primitive& primitive, const Assessment& assessment, c
                     f.to_do);
 }
 
-std::string_view sarif_level(Severity severity) {
-  constexpr std::array<std::string_view, severity_names.size()> names{"note", "warning", "error"};
-  return names[static_cast<std::size_t>(severity)];
-}
-
-// A path as a URI reference, RFC 3986.
-std::string uri_of(const std::string& path) {
-  const std::filesystem::path normal = std::filesystem::path(path).lexically_normal();
-  std::string uri = normal.is_absolute() ? "file://" : "";
-  for (const char c : normal.generic_string()) {
-    constexpr std::string_view hexadecimal = "0123456789ABCDEF", plain = "-._~/";
-    const auto byte = static_cast<unsigned char>(c);
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    if (letter || plain.find(c) != std::string_view::npos)
-      uri += c;
-    else
-      uri.append({'%', hexadecimal[byte >> 4], hexadecimal[byte & 15]});
-  }
-  return uri;
-}
-
-Json rule_json(const FindingKind& kind) {
-  Json rule{{"id", kind.code},
-            {"shortDescription", {{"text", kind.message}}},
-            {"fullDescription", {{"text", with_to_do(std::string(kind.message), kind.to_do)}}},
-            {"help", {{"text", kind.to_do}}},
-            {"defaultConfiguration", {{"level", sarif_level(kind.severity)}}}};
-  // The path of an installed page says nothing where the report is read.
-  constexpr std::string_view docs = DARBOUX_DOCS_URL;
-  if (docs.starts_with("http://") || docs.starts_with("https://"))
-    rule["helpUri"] = std::string(docs) + "/findings.md#" + lower(std::string(kind.code));
-  return rule;
-}
-
-// \param place empty: the file as a whole \param own the severity that no option changes
-Json result_json(const std::string& path, std::string_view code, Severity severity, Severity own,
-                 const std::string& message, const std::string& place) {
-  // Code scanning shows nothing without a line; the files have none that mean anything.
-  Json location{
-      {"physicalLocation", {{"artifactLocation", {{"uri", uri_of(path)}}}, {"region", {{"startLine", 1}}}}}};
-  if (!place.empty()) location["logicalLocations"] = Json::array({{{"fullyQualifiedName", place}}});
-  // What stays the same when counts and options change.
-  const std::string fingerprint = std::string(code) + '/' + place + '/' + std::string(sarif_level(own));
-  return {{"ruleId", code},
-          {"level", sarif_level(severity)},
-          {"message", {{"text", message}}},
-          {"locations", Json::array({location})},
-          {"partialFingerprints", {{"primaryLocationLineHash", fingerprint}}}};
-}
-
 // Of a file as a whole: that it cannot be read, or holds nothing any more.
 Json result_json(const AssessedFile& file, const FindingKind& kind, const std::string& message) {
-  return result_json(file.path, kind.code, kind.severity, kind.severity, message, "");
+  return sarif_result(file.path, kind.code, kind.severity, kind.severity, message, "");
 }
 
 // Without what XML 1.0 does not have, whatever a file put into it: control characters become '?', U+FFFE and
@@ -109,20 +52,20 @@ std::string junit_text(const Finding& f) {
 
 Json sarif(const std::vector<AssessedFile>& files, bool with_baseline) {
   Json rules = Json::array(), results = Json::array();
-  for (const FindingKind& kind : finding_kinds()) rules.push_back(rule_json(kind));
-  for (const FindingKind& kind : {unreadable, lost}) rules.push_back(rule_json(kind));
+  for (const FindingKind& kind : finding_kinds()) rules.push_back(sarif_rule(kind));
+  for (const FindingKind& kind : {unreadable_file, lost}) rules.push_back(sarif_rule(kind));
   for (const AssessedFile& file : files) {
     const auto add_of_file = [&](const FindingKind& kind, const std::string& message) {
       results.push_back(result_json(file, kind, message));
       if (with_baseline) results.back()["baselineState"] = file.worse ? "new" : "unchanged";
     };
-    if (!file.readable()) add_of_file(unreadable, file.error);
+    if (!file.readable()) add_of_file(unreadable_file, file.error);
     if (file.lost) add_of_file(lost, with_to_do(std::string(lost.message), lost.to_do));
     for (const AssessedPrimitive& p : file.primitives)
       p.each_finding([&](const Assessment& j, const Finding& f, Severity own) {
         if (f.severity == Severity::info) return;
-        results.push_back(result_json(file.path, f.code, f.severity, own, sentence(p.primitive, j, f),
-                                      place_of(p.primitive, j)));
+        results.push_back(sarif_result(file.path, f.code, f.severity, own, sentence(p.primitive, j, f),
+                                       place_of(p.primitive, j)));
         if (!with_baseline) return;
         const std::size_t known = p.known_count(code_of(f), own);
         results.back()["baselineState"] = known == 0                          ? "new"
@@ -130,12 +73,7 @@ Json sarif(const std::vector<AssessedFile>& files, bool with_baseline) {
                                                                               : "updated";
       });
   }
-  Json driver{{"name", "darboux"}, {"version", DARBOUX_VERSION}, {"rules", std::move(rules)}};
-  Json run{{"tool", {{"driver", std::move(driver)}}}, {"results", std::move(results)}};
-  return {{"$schema",
-           "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"},
-          {"version", "2.1.0"},
-          {"runs", Json::array({std::move(run)})}};
+  return sarif_log(std::move(rules), std::move(results));
 }
 
 void print_github(const std::vector<AssessedFile>& files, bool with_baseline) {
@@ -178,7 +116,7 @@ void print_github(const std::vector<AssessedFile>& files, bool with_baseline) {
     for (const AssessedFile& file : files) {
       if (severity == Severity::error && !file.readable()) {
         if (file.worse)
-          print(severity, file.path, unreadable.code, file.error);
+          print(severity, file.path, unreadable_file.code, file.error);
         else
           ++known;
       }
@@ -223,7 +161,7 @@ std::string junit(const std::vector<AssessedFile>& files, bool with_baseline) {
       else if (file.readable())
         append(test, "skipped", "nothing", "holds no triangles to judge"), ++skipped;
       else if (file.worse)
-        append(test, "error", std::string(unreadable.code), file.error), ++errors;
+        append(test, "error", std::string(unreadable_file.code), file.error), ++errors;
       else
         append(test, "skipped", "baseline", "as in the baseline"), ++skipped;
     }

@@ -85,6 +85,10 @@ constexpr int vertex_target = 34962, index_target = 34963;
 /// KHR_draco_mesh_compression: what is left is a document without them. \throws FileError
 GltfFile load_gltf(const std::string& path, std::string bytes);
 
+/// The document alone: nothing of its buffers, images and compressed data is read, and none need be there.
+/// Reads as many bytes as the JSON has. \throws FileError
+GltfFile load_gltf_json(const std::string& path);
+
 /// Decodes the bufferViews that EXT_meshopt_compression compresses, appends them to buffer 0 and takes the
 /// extension off the document, with the buffers that only stood for decoded data. Nothing is allocated beyond
 /// 64 times the bytes of the buffers: a stream holds no more. \throws FileError

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 
 #include <darboux/error.h>
 
@@ -185,6 +187,27 @@ Json parse_json(const std::string& file, std::string_view text) {
   }
 }
 
+namespace {
+
+// The JSON of a document that is no GLB, or a refusal.
+std::string_view json_text(const std::string& path, std::string_view bytes) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  const std::size_t skip = bytes.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n", skip);
+  if (first == std::string_view::npos || bytes[first] != '{')
+    throw FileError(path, expected_got("a GLB, which begins \"glTF\", or a JSON object",
+                                       bytes.empty() ? "an empty file" : "neither"));
+  return bytes;
+}
+
+void check_document(const GltfFile& file) {
+  if (!file.json.is_object())
+    throw FileError(file.path, expected_got("glTF 2.0, a JSON object", "another JSON value"));
+  check_version(file.root());
+}
+
+}  // namespace
+
 GltfFile load_gltf(const std::string& path, std::string bytes) {
   GltfFile file;
   file.path = path;
@@ -199,22 +222,47 @@ GltfFile load_gltf(const std::string& path, std::string bytes) {
       chunk = std::move(bytes);
     }
   } else {
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-    const std::size_t skip = bytes.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
-    const std::size_t first = bytes.find_first_not_of(" \t\r\n", skip);
-    if (first == std::string::npos || bytes[first] != '{')
-      throw FileError(path, expected_got("a GLB, which begins \"glTF\", or a JSON object",
-                                         bytes.empty() ? "an empty file" : "neither"));
-    file.json = parse_json(path, bytes);
+    file.json = parse_json(path, json_text(path, bytes));
   }
-  if (!file.json.is_object())
-    throw FileError(path, expected_got("glTF 2.0, a JSON object", "another JSON value"));
-  check_version(file.root());
+  check_document(file);
   check_extensions(file.root());
   check_arrays(file.root());
   load_buffers(file, std::move(chunk));
   decompress_meshopt(file);
   decompress_draco(file);
+  return file;
+}
+
+GltfFile load_gltf_json(const std::string& path) {
+  expect_regular_file(path);
+  std::ifstream stream(path, std::ios::binary);
+  std::string bytes(header_bytes + chunk_header_bytes, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  GltfFile file;
+  file.path = path;
+  if (bytes.starts_with("glTF") && bytes.size() == header_bytes + chunk_header_bytes) {
+    const std::size_t length = read_u32(bytes, header_bytes);
+    const std::uintmax_t there = std::filesystem::file_size(path);
+    if (length > there - bytes.size())
+      throw FileError(path,
+                      expected_got("a JSON chunk of at most the " + std::to_string(there - bytes.size()) +
+                                       " bytes that follow its header",
+                                   std::to_string(length)));
+    std::string rest(length, '\0');
+    stream.read(rest.data(), static_cast<std::streamsize>(rest.size()));
+    // A GLB that ends with its document.
+    bytes += rest;
+    const auto total = static_cast<std::uint32_t>(bytes.size());
+    std::memcpy(bytes.data() + 8, &total, sizeof total);
+    file.json = parse_json(path, split_chunks(path, bytes).json);
+  } else if (bytes.starts_with("glTF")) {
+    split_chunks(path, bytes);  // refuses what is too short
+  } else {
+    file.json = parse_json(path, json_text(path, read_file(path)));
+  }
+  check_document(file);
+  check_arrays(file.root());
   return file;
 }
 

@@ -1,22 +1,29 @@
 #include "tangent_space.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace darboux::io {
 namespace {
 
-/// A property of a material that reads the tangent frame: the texture, in the extension or, where that is
-/// null, in the material itself.
-struct Reader {
+// A property of a material that reads the tangent frame: the texture, in the extension or, where that is
+// null, in the material itself.
+struct Rule {
+  std::string_view name;
   const char *extension, *texture;
-  bool without_texture;  ///< the extension reads it, with the texture or not
+  bool without_texture;  // the extension reads it, with the texture or not
+  bool is_normal_map;
+  const char* factor;  // of the extension, 0 by default: switches the property off
 };
-constexpr Reader readers[] = {
-    {nullptr, "normalTexture", false},
-    {"KHR_materials_clearcoat", "clearcoatNormalTexture", false},
-    {"KHR_materials_anisotropy", "anisotropyTexture", true},
-    {"MSFT_packing_normalRoughnessMetallic", "normalRoughnessMetallicTexture", false},
-    {"MSFT_packing_occlusionRoughnessMetallic", "normalTexture", false},
+constexpr Rule rules[] = {
+    {"normal_texture", nullptr, "normalTexture", false, true, nullptr},
+    {"clearcoat_normal_texture", "KHR_materials_clearcoat", "clearcoatNormalTexture", false, true,
+     "clearcoatFactor"},
+    {"anisotropy", "KHR_materials_anisotropy", "anisotropyTexture", true, false, "anisotropyStrength"},
+    {"packed_normal_texture", "MSFT_packing_normalRoughnessMetallic", "normalRoughnessMetallicTexture", false,
+     true, nullptr},
+    {"packed_normal_texture", "MSFT_packing_occlusionRoughnessMetallic", "normalTexture", false, true,
+     nullptr},
 };
 
 std::uint64_t texcoord(const JsonCursor& texture) {
@@ -45,35 +52,80 @@ std::optional<std::array<double, 6>> transform_of(const JsonCursor& texture) {
   return std::array<double, 6>{c * scale[0], s * scale[1], -s * scale[0], c * scale[1], offset[0], offset[1]};
 }
 
-TangentSpace of_material(const JsonCursor& material) {
-  TangentSpace result;
-  for (const Reader& reader : readers) {
-    const auto owner =
-        reader.extension == nullptr ? std::optional(material) : material.extension(reader.extension);
-    if (!owner) continue;
-    const bool has_texture = owner->has(reader.texture);
-    result.needed = result.needed || has_texture || reader.without_texture;
-    if (!has_texture || result.names) continue;
-    result.names = true;
-    result.texcoord = texcoord(owner->at(reader.texture));
-    result.transform = transform_of(owner->at(reader.texture));
-  }
-  return result;
+// Whether a number that scales a property is 0 and stays so.
+bool is_zero(const JsonCursor& owner, const char* key, double fallback, const std::string& pointer,
+             const SwitchedOff& off) {
+  const double value = owner.has(key) ? owner.at(key).number() : fallback;
+  return value == 0 && !off.animated.contains(pointer + "/" + key);
 }
 
 }  // namespace
 
-TangentSpace tangent_space(const GltfFile& file, const JsonCursor& primitive) {
-  TangentSpace result;
-  const auto look_at = [&](const JsonCursor& owner) {
-    if (!result.needed && owner.has("material"))
-      result = of_material(file.element("materials", owner.at("material")));
+std::set<std::string> animated_pointers(const GltfFile& file) {
+  std::set<std::string> result;
+  if (!file.root().has("animations")) return result;
+  const JsonCursor animations = file.root().at("animations");
+  for (std::size_t a = 0; a < animations.size(); ++a) {
+    const JsonCursor channels = animations.at(a).at("channels");
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      if (const auto target = channels.at(c).at("target").extension("KHR_animation_pointer"))
+        result.insert(target->at("pointer").text());
+  }
+  return result;
+}
+
+std::vector<FrameReader> frame_readers(const GltfFile& file, std::size_t index, const SwitchedOff& off) {
+  std::vector<FrameReader> result;
+  const JsonCursor material = file.root().at("materials").at(index);
+  if (material.extension("KHR_materials_unlit")) return result;
+  const std::string of_material = "/materials/" + std::to_string(index);
+  for (const Rule& rule : rules) {
+    const auto owner =
+        rule.extension == nullptr ? std::optional(material) : material.extension(rule.extension);
+    if (!owner) continue;
+    const std::string of_owner =
+        rule.extension == nullptr ? of_material : of_material + "/extensions/" + rule.extension;
+    FrameReader reader{rule.name, of_owner, owner->has(rule.texture), rule.is_normal_map};
+    if (!reader.has_texture && !rule.without_texture) continue;
+    if (off.by_factors && rule.factor != nullptr && is_zero(*owner, rule.factor, 0, of_owner, off)) continue;
+    if (reader.has_texture) {
+      const JsonCursor texture = owner->at(rule.texture);
+      reader.pointer += std::string("/") + rule.texture;
+      if (off.by_factors && rule.is_normal_map && is_zero(texture, "scale", 1, reader.pointer, off)) continue;
+      reader.texcoord = texcoord(texture);
+      reader.transform = transform_of(texture);
+    }
+    result.push_back(std::move(reader));
+  }
+  return result;
+}
+
+std::vector<std::size_t> materials_of(const GltfFile& file, const JsonCursor& primitive) {
+  std::vector<std::size_t> result;
+  const auto take = [&](const JsonCursor& owner) {
+    if (!owner.has("material")) return;
+    file.element("materials", owner.at("material"));
+    const std::size_t index = owner.at("material").integer();
+    if (std::find(result.begin(), result.end(), index) == result.end()) result.push_back(index);
   };
-  look_at(primitive);
+  take(primitive);
   if (const auto variants = primitive.extension("KHR_materials_variants")) {
     const JsonCursor mappings = variants->at("mappings");
-    for (std::size_t i = 0; i < mappings.size(); ++i) look_at(mappings.at(i));
+    for (std::size_t i = 0; i < mappings.size(); ++i) take(mappings.at(i));
   }
+  return result;
+}
+
+TangentSpace tangent_space(const GltfFile& file, const JsonCursor& primitive) {
+  TangentSpace result;
+  for (const std::size_t material : materials_of(file, primitive))
+    for (const FrameReader& reader : frame_readers(file, material)) {
+      result.needed = true;
+      if (!reader.has_texture || result.names) continue;
+      result.names = true;
+      result.texcoord = reader.texcoord;
+      result.transform = reader.transform;
+    }
   return result;
 }
 

@@ -5,10 +5,43 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "gltf_file.h"
 
 namespace darboux::io {
+
+/// A property of a material that reads the tangent frame.
+struct FrameReader {
+  std::string_view rule;       ///< "normal_texture"
+  std::string pointer;         ///< JSON pointer to the property, "/materials/0/normalTexture"
+  bool has_texture = false;    ///< it reads the frame through a texture
+  bool is_normal_map = false;  ///< that texture is a normal map: viewers derive the frame from its uvs
+  std::uint64_t texcoord = 0;  ///< TEXCOORD set of the texture, 0 when there is none
+  std::optional<std::array<double, 6>> transform{};  ///< its KHR_texture_transform, as Primitive has it
+};
+
+/// What switches a reader off.
+struct SwitchedOff {
+  bool by_factors = false;           ///< a factor of 0 does, unless it is animated
+  std::set<std::string> animated{};  ///< JSON pointers that animations write to
+};
+
+/// The pointers of KHR_animation_pointer. \throws FileError
+std::set<std::string> animated_pointers(const GltfFile& file);
+
+/// What of one material reads the frame: normalTexture, the clearcoatNormalTexture of
+/// KHR_materials_clearcoat, KHR_materials_anisotropy with or without a texture, the normal maps of
+/// MSFT_packing_normalRoughnessMetallic and MSFT_packing_occlusionRoughnessMetallic. Nothing of a material
+/// with KHR_materials_unlit. \param index a material of the document \throws FileError
+std::vector<FrameReader> frame_readers(const GltfFile& file, std::size_t index, const SwitchedOff& off = {});
+
+/// The materials of a primitive, its own first, then those of its KHR_materials_variants, each once.
+/// \throws FileError
+std::vector<std::size_t> materials_of(const GltfFile& file, const JsonCursor& primitive);
 
 /// What the materials of a primitive ask of its tangents.
 struct TangentSpace {
@@ -18,10 +51,7 @@ struct TangentSpace {
   std::optional<std::array<double, 6>> transform;  ///< its KHR_texture_transform, as Primitive has it
 };
 
-/// The primitive's material first, then those of its KHR_materials_variants. In each: normalTexture, the
-/// clearcoatNormalTexture of KHR_materials_clearcoat, KHR_materials_anisotropy with or without a texture (a
-/// strength of 0 may be animated), the normal maps of MSFT_packing_normalRoughnessMetallic and
-/// MSFT_packing_occlusionRoughnessMetallic. \throws FileError
+/// frame_readers() of materials_of(). \throws FileError
 TangentSpace tangent_space(const GltfFile& file, const JsonCursor& primitive);
 
 }  // namespace darboux::io

@@ -1,0 +1,90 @@
+/// \file tangent_need.h
+/// Which primitives of a glTF file need a tangent frame, and which carry one.
+///
+/// A frame is read through a normal texture, through the normal texture of a clearcoat, and by anisotropy,
+/// with a texture or without (KHR_materials_anisotropy asks for NORMAL and TANGENT, or a normal texture).
+/// Materials of KHR_materials_variants count like the primitive's own. Points and lines read none, nor do
+/// materials with KHR_materials_unlit. TANGENT without NORMAL is ignored by viewers (glTF 2.0, 3.7.2.1).
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <darboux/io.h>
+
+namespace darboux {
+
+enum class TangentNeed {
+  needed,   ///< read and carried
+  idle,     ///< carried, and nothing reads it
+  missing,  ///< read, and not carried
+  none      ///< neither
+};
+
+enum class NeedLevel {
+  spec,    ///< as the specifications have it
+  factors  ///< without what a factor of 0 switches off for good: one that an animation may change stays
+           ///< needed
+};
+
+/// What reads the frame.
+struct NeedReason {
+  std::string rule;        ///< normal_texture, clearcoat_normal_texture, anisotropy, packed_normal_texture
+  std::string pointer;     ///< JSON pointer to it, as "/materials/0/normalTexture"
+  int texcoord = -1;       ///< the uv set of its texture, -1 without a texture
+  bool transform = false;  ///< the texture has a KHR_texture_transform
+  bool derivable = false;  ///< a viewer can make the frame: NORMAL, a normal texture and its uv set are there
+};
+
+struct PrimitiveNeed {
+  std::size_t mesh = 0, primitive = 0;
+  std::string name;      ///< the mesh's
+  std::string material;  ///< the name of its own material
+  TangentNeed need = TangentNeed::none;
+  std::vector<NeedReason> reasons;
+  bool carried = false;               ///< it has TANGENT
+  bool has_normals = false;           ///< it has NORMAL
+  bool derivable = false;             ///< all reasons are; false without any
+  bool in_scene = false;              ///< a scene shows it
+  std::size_t triangles = 0;          ///< as its counts say, 0 for points and lines
+  std::size_t tangent_bytes = 0;      ///< of TANGENT and of the morph targets' TANGENT, uncompressed
+  std::optional<std::size_t> splits;  ///< vertices that count_splits() found
+};
+
+/// Bytes are of uncompressed elements; accessors that several primitives share count once.
+struct NeedTotals {
+  std::size_t needed = 0, carried = 0, missing = 0, idle = 0;  ///< primitives
+  std::size_t tangent_bytes = 0;
+  std::size_t idle_bytes = 0;      ///< of tangents that only idle primitives carry
+  std::size_t geometry_bytes = 0;  ///< of all attributes, morph targets and indices of triangles
+};
+
+struct TangentNeeds {
+  std::vector<PrimitiveNeed> primitives;  ///< in the order of the file
+  NeedTotals totals;
+};
+
+/// Reads the document alone. Cost: linear in meshes, nodes and materials, about a microsecond per primitive.
+/// \throws FileError for a document that contradicts itself
+TangentNeeds tangent_need(const GltfDocument& document, NeedLevel level = NeedLevel::spec);
+
+/// The same of a file: its JSON is read and nothing else. Buffers and images may be absent.
+TangentNeeds tangent_need(const std::string& path, NeedLevel level = NeedLevel::spec);
+
+/// How many vertices MikkTSpace's tangents would add to each primitive that needs them, as add_tangents()
+/// splits them. Reads the geometry of the file. \throws FileError, MeshError as add_tangents() does
+void count_splits(const std::string& path, TangentNeeds& needs, int threads = 1);
+
+/// A primitive whose frame was needed and carried, and is needed and not carried any more.
+struct DroppedTangents {
+  const PrimitiveNeed *before, *after;
+};
+
+/// What a tool dropped wrongly between two files. Primitives are the same where the names of mesh and
+/// material and the number of triangles agree; else the first two, else the last two, else their places in
+/// the file.
+std::vector<DroppedTangents> dropped_tangents(const TangentNeeds& before, const TangentNeeds& after);
+
+}  // namespace darboux

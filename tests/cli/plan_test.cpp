@@ -1,0 +1,83 @@
+// `plan` against its contract.
+#include "cli.h"
+#include "generated_gltf.h"
+
+namespace darboux::test {
+namespace {
+
+// Mesh 0 primitive 0 reads a frame through TEXCOORD_0, the others read none; no TANGENT.
+std::string made() {
+  return generated_gltf().glb();
+}
+
+TEST_F(Cli, PlanSaysWhatIsMissingAndWhatIsIdle) {
+  write_bytes(path("made.glb"), made());
+  const Json report = json("darboux plan made.glb --json");
+  expect_keys(report, {"files", "ok"});
+  EXPECT_EQ(report["ok"], true) << "viewers make what is missing";
+  const Json& file = report["files"][0];
+  EXPECT_EQ(file["file"], "made.glb");
+  expect_keys(file["totals"],
+              {"needed", "carried", "missing", "idle", "tangent_bytes", "idle_bytes", "geometry_bytes"});
+  const Json& p = file["primitives"][0];
+  expect_keys(p, {"mesh", "primitive", "name", "need", "reasons", "carried", "derivable", "in_scene",
+                  "triangles", "tangent_bytes", "splits"});
+  EXPECT_EQ(p["need"], "missing");
+  EXPECT_TRUE(p["splits"].is_null());
+  expect_keys(p["reasons"][0], {"rule", "pointer", "texcoord", "transform"});
+  EXPECT_EQ(p["reasons"][0]["pointer"], "/materials/0/normalTexture");
+  EXPECT_EQ(json("darboux plan made.glb --splits --json")["files"][0]["primitives"][0]["splits"], 3);
+  EXPECT_EQ(json("darboux plan made.glb --strict --json", 1)["ok"], false);
+
+  good("darboux tangents made.glb -o all.glb");
+  const Json all = json("darboux plan all.glb --strict --json")["files"][0];
+  EXPECT_EQ(all["totals"]["needed"], 1);
+  EXPECT_EQ(all["totals"]["idle"], all["totals"]["carried"].get<int>() - 1);
+  EXPECT_NE(good("darboux plan all.glb").find("of TANGENT that nothing reads"), std::string::npos);
+  good("darboux tangents made.glb -o needed.glb --only needed");
+  const Json needed = json("darboux plan needed.glb --strict --json")["files"][0]["totals"];
+  EXPECT_EQ(needed["needed"], 1);
+  EXPECT_EQ(needed["idle"], 0);
+}
+
+TEST_F(Cli, PlanFailsWhereViewersCannotMakeWhatIsMissing) {
+  Builder b = generated_gltf();
+  b.json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
+  write_bytes(path("no_uvs.glb"), b.glb());
+  EXPECT_NE(good("darboux plan no_uvs.glb", 1).find("viewers cannot make one"), std::string::npos);
+}
+
+TEST_F(Cli, PlanFindsWhatAToolBetweenDropped) {
+  write_bytes(path("made.glb"), made());
+  good("darboux tangents made.glb -o before.glb");
+  const Json report = json("darboux plan made.glb --against before.glb --sarif log.sarif --json", 1);
+  ASSERT_EQ(report["files"][0]["dropped"].size(), 1u);
+  EXPECT_EQ(report["files"][0]["dropped"][0]["mesh"], 0);
+  const Json log = Json::parse(read_bytes(path("log.sarif")));
+  EXPECT_EQ(log["version"], "2.1.0");
+  std::size_t dropped = 0;
+  for (const Json& result : log["runs"][0]["results"]) dropped += result["ruleId"] == "TANGENT_DROPPED";
+  EXPECT_EQ(dropped, 1u);
+  EXPECT_TRUE(json("darboux plan before.glb --against before.glb --json")["files"][0]["dropped"].empty());
+}
+
+TEST_F(Cli, PlanReadsFoldersAndKeepsItShort) {
+  const std::string text = good("darboux plan data");
+  EXPECT_NE(text.find("all "), std::string::npos);
+  EXPECT_EQ(text.find(".obj"), std::string::npos);
+}
+
+TEST_F(Cli, PlanRefuses) {
+  refused("darboux plan", {"plan", "FILES"});
+  refused("darboux plan data/torus_016.obj", {"torus_016.obj", "glTF"});
+  refused("darboux plan data/torus_016.none.glb --level all", {"--level", "spec", "factors"});
+  refused("darboux plan data --against data/torus_016.none.glb", {"--against", "one file"});
+  fs::create_directory(path("empty"));
+  EXPECT_EQ(sh("darboux plan empty").status, 2);
+  const Result r = sh("darboux plan none.glb");
+  EXPECT_EQ(r.status, 2);
+  expect_one_line(r.err);
+}
+
+}  // namespace
+}  // namespace darboux::test
