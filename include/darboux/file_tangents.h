@@ -41,10 +41,11 @@ struct FileTangents {
 };
 
 /// Gives the primitives of a document TANGENT by a method of mesh_frames.h, from positions, normals and the
-/// uvs that Primitive::texcoord names, after Primitive::texture_transform unless that maps them onto a line or
-/// a point (quantised data as the numbers they stand for; nothing is renormalised). Old tangents are replaced. Vertices are split where tangents differ (split_vertices.h);
-/// every other attribute, skins included, goes along bit for bit, and triangles keep their order. Every
-/// tangent in the file is finite and of unit length, w = ±1.
+/// uvs that Primitive::texcoord names, after Primitive::texture_transform unless that maps them onto a line
+/// or a point (quantised data as the numbers they stand for; nothing is renormalised). Old tangents are
+/// replaced. Vertices are split where tangents differ (split_vertices.h); every other attribute, skins
+/// included, goes along bit for bit, and triangles keep their order. Every tangent in the file is finite and
+/// of unit length, w = ±1.
 ///
 /// Morph targets: with t the method's tangents of the mesh and t_k those of the mesh with target k applied at
 /// weight 1 (to positions, normals and uvs; normals then made unit), target k gets the TANGENT t_k - t, and
@@ -58,5 +59,20 @@ struct FileTangents {
 /// for the first position, normal or uv that is not finite, a morph target's included \throws ParameterError
 /// for an unknown method
 FileTangents add_tangents(GltfDocument& document, const FileTangentOptions& options = {});
+
+/// What drop_idle_tangents() did.
+struct DroppedIdle {
+  std::vector<SkippedPrimitive> primitives;  ///< those that lost TANGENT, and why it was idle
+  std::size_t bytes = 0;                     ///< by which the buffers became smaller
+  std::string bytes_kept;                    ///< why no bytes were taken out; empty where they were
+};
+
+/// Takes TANGENT off the primitives where it is idle (tangent_need.h, TangentNeed::idle), and off their morph
+/// targets; accessors and bufferViews that nothing else uses leave the document, and their bytes the buffers,
+/// from between interleaved attributes too. Accessors that others share stay. All other elements keep their
+/// bits; buffers that others than a GLB's chunk hold become data URIs. Bytes stay where an extension that is
+/// not known may name accessors or bufferViews by number. Cost: linear in the bytes of the buffers.
+/// \throws FileError when the document contradicts itself; then it is as before
+DroppedIdle drop_idle_tangents(GltfDocument& document);
 
 }  // namespace darboux

@@ -173,6 +173,7 @@ class GltfDocument {
 
   /// What it holds, for darboux's own functions.
   const GltfFile& file() const { return *file_; }
+  GltfFile& file() { return *file_; }
 
  private:
   explicit GltfDocument(std::unique_ptr<GltfFile> file);

@@ -6,6 +6,7 @@
 #include <darboux/file_tangents.h>
 #include <darboux/tangent_need.h>
 
+#include "io/accessor.h"
 #include "io/gltf_file.h"
 #include "io/tangent_space.h"
 
@@ -53,23 +54,8 @@ std::size_t accessor_count(const JsonCursor& accessor) {
 }
 
 std::size_t accessor_bytes(const JsonCursor& accessor) {
-  static const std::map<std::string, std::size_t> components{
-      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
-  const auto found = components.find(accessor.at("type").text());
-  if (found == components.end()) accessor.at("type").fail("a type of glTF 2.0");
-  switch (accessor.at("componentType").integer()) {
-    case io::component_i8:
-    case io::component_u8:
-      return accessor_count(accessor) * found->second;
-    case io::component_i16:
-    case io::component_u16:
-      return accessor_count(accessor) * found->second * 2;
-    case io::component_u32:
-    case io::component_f32:
-      return accessor_count(accessor) * found->second * 4;
-    default:
-      accessor.at("componentType").fail("a component type of glTF 2.0");
-  }
+  const io::Accessor layout = io::accessor_layout(accessor);
+  return layout.count * layout.element_bytes;
 }
 
 std::size_t triangle_count(std::uint64_t mode, std::size_t corners) {

@@ -12,7 +12,7 @@ namespace {
 
 struct TangentsArguments {
   std::string input, output, method = FileTangentOptions{}.method, sign = "gltf", only;
-  bool list = false;
+  bool list = false, drop_idle = false;
 };
 
 const char* error_left(double order) {
@@ -108,6 +108,15 @@ Json primitive_json(const PrimitiveTangents& p) {
           {"fallback_corners", p.fallback_corners}};
 }
 
+void print_text(const DroppedIdle& dropped, std::ostream& out) {
+  for (const SkippedPrimitive& p : dropped.primitives)
+    out << "mesh " << p.mesh << " primitive " << p.primitive << ": TANGENT dropped: " << p.reason << '\n';
+  if (!dropped.bytes_kept.empty())
+    out << "the bytes of dropped tangents stay in the file: " << dropped.bytes_kept << '\n';
+  else if (dropped.bytes > 0)
+    out << "dropped tangents make the buffers smaller by " << dropped.bytes << " bytes\n";
+}
+
 void print_text(const FileTangents& result, std::ostream& out) {
   for (const PrimitiveTangents& p : result.primitives) {
     out << "mesh " << p.mesh << " primitive " << p.primitive << ": " << p.corners << " corners, "
@@ -137,11 +146,16 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
   options.sign = arguments.sign == "raw" ? SignConvention::raw : SignConvention::gltf;
   options.only_needed = !arguments.only.empty();
   options.threads = common.threads;
+  if (arguments.drop_idle && !options.only_needed)
+    throw ParameterError("--drop-idle",
+                         expected_got("--only needed beside it, as it drops what others get", "none"));
   FileTangents result;
+  DroppedIdle dropped;
   {
     Progress progress("tangents", common);
     options.progress = [&](double share) { progress.update(share); };
     GltfDocument document = GltfDocument::load(arguments.input);
+    if (arguments.drop_idle) dropped = drop_idle_tangents(document);
     result = add_tangents(document, options);
     document.save_glb(arguments.output);
   }
@@ -152,12 +166,22 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
     for (const PrimitiveTangents& p : result.primitives) primitives.push_back(primitive_json(p));
     for (const SkippedPrimitive& s : result.skipped)
       skipped.push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
-    print_json({{"file", arguments.output},
+    Json report{{"file", arguments.output},
                 {"method", options.method},
                 {"sign", arguments.sign},
                 {"primitives", primitives},
-                {"skipped", skipped}});
+                {"skipped", skipped}};
+    if (arguments.drop_idle) {
+      Json idle = Json::array();
+      for (const SkippedPrimitive& p : dropped.primitives)
+        idle.push_back({{"mesh", p.mesh}, {"primitive", p.primitive}, {"reason", p.reason}});
+      report["dropped"] = std::move(idle);
+      report["dropped_bytes"] = dropped.bytes;
+      report["bytes_kept"] = dropped.bytes_kept.empty() ? Json() : Json(dropped.bytes_kept);
+    }
+    print_json(report);
   } else if (!common.quiet) {
+    print_text(dropped, to_stdout ? std::cerr : std::cout);
     print_text(result, to_stdout ? std::cerr : std::cout);
     if (!to_stdout) std::cout << arguments.output << '\n';
   }
@@ -178,6 +202,8 @@ void add_tangents(CLI::App& app, Common& common) {
                  "needed: leave primitives alone whose materials read no tangents (no normal map, no "
                  "anisotropy)")
       ->check(CLI::IsMember({"needed"}));
+  sub.add_flag("--drop-idle", arguments->drop_idle,
+               "with --only needed: take away the tangents that nothing reads, and their bytes");
   sub.add_flag("--list", arguments->list, "name and explain the methods");
   add_common(sub, common, "darboux tangents in.glb -o out.glb");
   sub.callback([arguments, &common] { run_tangents(*arguments, common); });

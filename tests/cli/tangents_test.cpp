@@ -52,6 +52,22 @@ TEST_F(Cli, TangentsSaysWhatItLeavesAlone) {
   refused("darboux tangents made.glb -o x.gltf", {"x.gltf", "GLB"});
 }
 
+TEST_F(Cli, TangentsDropsWhatNothingReads) {
+  write_bytes(path("made.glb"), generated_gltf().glb());
+  good("darboux tangents made.glb -o all.glb");
+  const Json report = json("darboux tangents all.glb -o needed.glb --only needed --drop-idle --json");
+  EXPECT_EQ(report["dropped"].size(), 2u);
+  EXPECT_GT(report["dropped_bytes"], 0);
+  const Json totals = json("darboux plan needed.glb --strict --json")["files"][0]["totals"];
+  EXPECT_EQ(totals["needed"], 1);
+  EXPECT_EQ(totals["idle"], 0);
+  EXPECT_NE(good("darboux tangents all.glb -o needed.glb --only needed --drop-idle")
+                .find("mesh 0 primitive 1: TANGENT dropped: nothing reads its tangents\n"),
+            std::string::npos);
+  refused("darboux tangents all.glb -o x.glb --drop-idle", {"--drop-idle", "--only needed"});
+  EXPECT_FALSE(fs::exists(path("x.glb")));
+}
+
 TEST_F(Cli, TangentsOfAnimatedMorphSphereAreLeftAlone) {
   const std::string sphere = DARBOUX_SHARED "/meshes/khronos/AnimatedMorphSphere.glb";
   if (!fs::exists(sphere)) GTEST_SKIP() << sphere << " is not here";
