@@ -192,6 +192,7 @@ TEST(DropIdleTangents, LeavesBytesThatOthersLieOn) {
   b.primitive(a);
   const Dropped d = drop(b);
   EXPECT_EQ(d.report.bytes, 0u);
+  EXPECT_EQ(d.report.bytes_kept, "");
   expect_all_but_tangents(d, 1);
 }
 
