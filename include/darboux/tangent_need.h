@@ -35,7 +35,9 @@ struct NeedReason {
   std::string pointer;     ///< JSON pointer to it, as "/materials/0/normalTexture"
   int texcoord = -1;       ///< the uv set of its texture, -1 without a texture
   bool transform = false;  ///< the texture has a KHR_texture_transform
-  bool derivable = false;  ///< a viewer can make the frame: NORMAL, a normal texture and its uv set are there
+  /// A viewer can make the frame: NORMAL, a normal texture and its uv set are there. For anisotropy that is
+  /// the normalTexture of the material, as the extension has it.
+  bool derivable = false;
 };
 
 struct PrimitiveNeed {
@@ -77,14 +79,15 @@ TangentNeeds tangent_need(const std::string& path, NeedLevel level = NeedLevel::
 /// splits them. Reads the geometry of the file. \throws FileError, MeshError as add_tangents() does
 void count_splits(const std::string& path, TangentNeeds& needs, int threads = 1);
 
-/// A primitive whose frame was needed and carried, and is needed and not carried any more.
+/// A primitive that had the TANGENT it needs, and has it no more, or has lost NORMAL, without which viewers
+/// ignore it. The pointers are into what dropped_tangents() was given.
 struct DroppedTangents {
   const PrimitiveNeed *before, *after;
 };
 
-/// What a tool dropped wrongly between two files. Primitives are the same where the names of mesh and
-/// material and the number of triangles agree; else the first two, else the last two, else their places in
-/// the file.
+/// What a tool dropped wrongly between two files. Primitives are paired one to one: where the names of mesh
+/// and material and the number of triangles agree; of what is left where the first two do, then the last two,
+/// then the places in the file, then any. Of several that are alike, those with the same need. Cost: n log n.
 std::vector<DroppedTangents> dropped_tangents(const TangentNeeds& before, const TangentNeeds& after);
 
 }  // namespace darboux

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <map>
-#include <set>
+#include <optional>
+#include <tuple>
 #include <utility>
 
 #include <darboux/file_tangents.h>
@@ -131,11 +133,10 @@ class Planner {
       return attributes.has(("TEXCOORD_" + std::to_string(set)).c_str());
     };
     for (const std::size_t material : io::materials_of(file_, primitive)) {
-      const std::vector<io::FrameReader>& readers = readers_of(material);
-      const bool has_map = std::any_of(readers.begin(), readers.end(), [&](const io::FrameReader& r) {
-        return r.is_normal_map && has_set(r.texcoord);
-      });
-      for (const io::FrameReader& r : readers) {
+      const Readers& readers = readers_of(material);
+      // Anisotropy without TANGENT asks for the normal texture, whatever its scale.
+      const bool has_map = readers.normal_texcoord && has_set(*readers.normal_texcoord);
+      for (const io::FrameReader& r : readers.of_frame) {
         const bool derivable = r.is_normal_map ? has_set(r.texcoord) : has_map;
         result.reasons.push_back({std::string(r.rule), r.pointer,
                                   r.has_texture ? static_cast<int>(r.texcoord) : -1, r.transform.has_value(),
@@ -165,7 +166,7 @@ class Planner {
       uses.as_geometry = uses.as_geometry || drawn_as_triangles;
       if (!tangent) return;
       uses.as_tangent = true;
-      uses.as_tangent_read = uses.as_tangent_read || result.need != TangentNeed::idle;
+      uses.as_tangent_read = uses.as_tangent_read || result.need == TangentNeed::needed;
       if (std::find(tangents.begin(), tangents.end(), index) == tangents.end()) tangents.push_back(index);
     };
     const auto take_all = [&](const JsonCursor& list) {
@@ -180,9 +181,17 @@ class Planner {
     for (const std::size_t accessor : tangents) result.tangent_bytes += bytes_of(accessor);
   }
 
-  const std::vector<io::FrameReader>& readers_of(std::size_t material) {
+  // What of a material reads the frame, and the uv set of its normal texture.
+  struct Readers {
+    std::vector<io::FrameReader> of_frame;
+    std::optional<std::uint64_t> normal_texcoord;
+  };
+  const Readers& readers_of(std::size_t material) {
     auto& readers = readers_[material];
-    if (!readers) readers = io::frame_readers(file_, material, off_);
+    if (readers) return *readers;
+    readers.emplace(Readers{io::frame_readers(file_, material, off_), {}});
+    for (const io::FrameReader& r : io::frame_readers(file_, material))
+      if (r.rule == "normal_texture") readers->normal_texcoord = r.texcoord;
     return *readers;
   }
 
@@ -192,15 +201,14 @@ class Planner {
 
   struct Uses {
     bool as_geometry = false, as_tangent = false;
-    bool as_tangent_read = false;  // by a primitive that is not idle
+    bool as_tangent_read = false;  // by a primitive that needs it
   };
 
   const GltfFile& file_;
   io::SwitchedOff off_{};
   std::vector<bool> shown_;
-  std::vector<std::optional<std::vector<io::FrameReader>>>
-      readers_;             // of each material, once it is asked for
-  std::vector<Uses> uses_;  // of each accessor
+  std::vector<std::optional<Readers>> readers_;  // of each material, once it is asked for
+  std::vector<Uses> uses_;                       // of each accessor
   TangentNeeds result_;
 };
 
@@ -225,50 +233,82 @@ void count_splits(const std::string& path, TangentNeeds& needs, int threads) {
   for (const PrimitiveTangents& p : made.primitives)
     added[{p.mesh, p.primitive}] = p.vertices - std::min(p.vertices, p.old_vertices);
   for (PrimitiveNeed& need : needs.primitives)
-    if (const auto found = added.find({need.mesh, need.primitive}); found != added.end())
+    if (const auto found = added.find({need.mesh, need.primitive});
+        found != added.end() && !need.reasons.empty())
       need.splits = found->second;
 }
 
 std::vector<DroppedTangents> dropped_tangents(const TangentNeeds& before, const TangentNeeds& after) {
-  using Key = std::pair<std::string, std::pair<std::size_t, std::size_t>>;
-  // From the surest: what makes two primitives the same; nothing where it says nothing.
+  using Key = std::tuple<std::string, std::string, std::size_t, std::size_t>;
+  // What makes two primitives the same, the surest first; nothing where it does not tell.
   using MakeKey = std::optional<Key> (*)(const PrimitiveNeed&);
   constexpr MakeKey keys[] = {[](const PrimitiveNeed& p) -> std::optional<Key> {
                                 if (p.name.empty()) return std::nullopt;
-                                return Key{p.name + '\n' + p.material, {p.triangles, 0}};
+                                return Key{p.name, p.material, p.triangles, 0};
                               },
                               [](const PrimitiveNeed& p) -> std::optional<Key> {
                                 if (p.name.empty()) return std::nullopt;
-                                return Key{p.name + '\n' + p.material, {}};
+                                return Key{p.name, p.material, 0, 0};
                               },
                               [](const PrimitiveNeed& p) -> std::optional<Key> {
                                 if (p.material.empty()) return std::nullopt;
-                                return Key{p.material, {p.triangles, 0}};
+                                return Key{"", p.material, p.triangles, 0};
                               },
                               [](const PrimitiveNeed& p) -> std::optional<Key> {
-                                return Key{"", {p.mesh, p.primitive}};
-                              }};
+                                return Key{"", "", p.mesh, p.primitive};
+                              },
+                              [](const PrimitiveNeed&) -> std::optional<Key> { return Key{}; }};
+  // Of primitives that are alike those with the same need are the same one.
+  enum { as_needed, as_lost, as_other, kinds };
+  const auto kind = [](const PrimitiveNeed& p) {
+    if (p.need == TangentNeed::needed) return as_needed;
+    return p.reasons.empty() ? as_other
+                             : as_lost;  // without TANGENT, or without NORMAL, which makes it useless
+  };
+  using Primitives = std::vector<const PrimitiveNeed*>;
+  struct Group {
+    std::array<Primitives, kinds> before, after;
+  };
+  Primitives open_before, open_after;
+  for (const PrimitiveNeed& p : before.primitives) open_before.push_back(&p);
+  for (const PrimitiveNeed& p : after.primitives) open_after.push_back(&p);
   std::vector<DroppedTangents> result;
-  std::set<const PrimitiveNeed*> open, listed;
-  for (const PrimitiveNeed& p : before.primitives)
-    if (p.need == TangentNeed::needed) open.insert(&p);
   for (const MakeKey key : keys) {
-    std::multimap<Key, const PrimitiveNeed*> same;
-    for (const PrimitiveNeed& p : after.primitives)
-      if (const auto k = key(p)) same.emplace(*k, &p);
-    for (const PrimitiveNeed& p : before.primitives) {
-      const auto k = key(p);
-      if (!open.contains(&p) || !k) continue;
-      const auto [begin, end] = same.equal_range(*k);
-      if (begin == end) continue;
-      open.erase(&p);
-      for (auto it = begin; it != end; ++it)
-        if (it->second->need == TangentNeed::missing && listed.insert(it->second).second) {
-          result.push_back({&p, it->second});
-          break;
-        }
+    std::map<Key, Group> groups;
+    Primitives left_before, left_after;
+    for (const PrimitiveNeed* p : open_before)
+      if (const auto k = key(*p))
+        groups[*k].before[kind(*p)].push_back(p);
+      else
+        left_before.push_back(p);
+    for (const PrimitiveNeed* p : open_after)
+      if (const auto k = key(*p))
+        groups[*k].after[kind(*p)].push_back(p);
+      else
+        left_after.push_back(p);
+    for (auto& [unused, group] : groups) {
+      const auto pair_up = [&](int b, int a, bool dropped) {
+        Primitives &from = group.before[b], &to = group.after[a];
+        const std::size_t n = std::min(from.size(), to.size());
+        for (std::size_t i = 0; dropped && i < n; ++i) result.push_back({from[i], to[i]});
+        from.erase(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(n));
+        to.erase(to.begin(), to.begin() + static_cast<std::ptrdiff_t>(n));
+      };
+      for (int k = 0; k < kinds; ++k) pair_up(k, k, false);
+      pair_up(as_needed, as_lost, true);
+      for (int b = 0; b < kinds; ++b)
+        for (int a = 0; a < kinds; ++a) pair_up(b, a, false);
+      for (int k = 0; k < kinds; ++k) {
+        left_before.insert(left_before.end(), group.before[k].begin(), group.before[k].end());
+        left_after.insert(left_after.end(), group.after[k].begin(), group.after[k].end());
+      }
     }
+    open_before = std::move(left_before);
+    open_after = std::move(left_after);
   }
+  std::sort(result.begin(), result.end(), [](const DroppedTangents& a, const DroppedTangents& b) {
+    return std::pair(a.after->mesh, a.after->primitive) < std::pair(b.after->mesh, b.after->primitive);
+  });
   return result;
 }
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <optional>
 
 #include <darboux/tangent_need.h>
@@ -32,12 +31,13 @@ constexpr Choice<NeedLevel, 2> levels{{"spec", "factors"}};
 
 constexpr FindingKind missing{"TANGENT_NEEDED", Severity::warning,
                               "the material reads a tangent frame, and there is no TANGENT",
-                              "darboux tangents IN -o OUT --only needed makes it"};
+                              "export NORMAL and uvs where they lack, then darboux tangents IN -o OUT "
+                              "--only needed makes it"};
 constexpr FindingKind idle{"TANGENT_IDLE", Severity::info, "nothing reads the TANGENT that is there",
-                           "leave it out: the file becomes smaller"};
+                           "darboux tangents IN -o OUT --only needed --drop-idle leaves it out"};
 constexpr FindingKind dropped_kind{"TANGENT_DROPPED", Severity::error,
-                                   "the file before had the TANGENT that the material reads",
-                                   "keep tangents in the tool between"};
+                                   "the file before had the TANGENT, with NORMAL, that the material reads",
+                                   "have the tool between keep both"};
 
 constexpr std::size_t most_idle_lines = 4;  // per file: what can be left out is no error
 
@@ -69,7 +69,7 @@ std::string reasons_text(const PrimitiveNeed& p) {
 }
 
 std::string missing_text(const PrimitiveNeed& p) {
-  return "TANGENT is missing, and viewers " + std::string(p.derivable ? "make one" : "cannot make one") +
+  return "TANGENT is missing, and viewers " + std::string(p.derivable ? "can make one" : "cannot make one") +
          ": " + reasons_text(p) + (p.has_normals ? "" : "; there is no NORMAL");
 }
 
@@ -163,24 +163,24 @@ Json sarif_of(const std::vector<PlannedFile>& files) {
   return sarif_log(std::move(rules), std::move(results));
 }
 
-// "3 primitives read a tangent frame: 2 have TANGENT, 1 lacks it; 4 carry it for nothing (12 kB of 80 kB)"
+// "3 primitives need TANGENT: 2 have it, 1 without; 4 carry it for nothing (12 kB of 80 kB of geometry)"
 std::string summary(const NeedTotals& t) {
-  const std::size_t read = t.needed + t.missing;
-  std::string text = read == 0 ? "no primitive reads a tangent frame"
-                               : counted(read, "primitive reads", "primitives read") +
-                                     " a tangent frame: " + std::to_string(t.needed) + " with TANGENT, " +
-                                     std::to_string(t.missing) + " without";
+  const std::size_t all = t.needed + t.missing;
+  std::string text = all == 0 ? "no primitive needs TANGENT"
+                              : counted(all, "primitive needs", "primitives need") +
+                                    " TANGENT: " + std::to_string(t.needed) + " with it, " +
+                                    std::to_string(t.missing) + " without";
   if (t.idle > 0)
-    text += "; " + counted(t.idle, "carries", "carry") + " TANGENT for nothing (" + bytes_text(t.idle_bytes) +
+    text += "; " + counted(t.idle, "carries", "carry") + " it for nothing (" + bytes_text(t.idle_bytes) +
             " of " + bytes_text(t.geometry_bytes) + " of geometry)";
   return text;
 }
 
 void print_text(const std::vector<PlannedFile>& files) {
   NeedTotals all;
-  std::map<std::string, std::size_t> quiet;
+  std::size_t without_need = 0, complete = 0;
   for (const PlannedFile& file : files) {
-    if (!file.error.empty()) continue;
+    if (!file.error.empty() && file.needs.primitives.empty()) continue;
     const NeedTotals& t = file.needs.totals;
     for (const auto member :
          {&NeedTotals::needed, &NeedTotals::carried, &NeedTotals::missing, &NeedTotals::idle,
@@ -188,7 +188,7 @@ void print_text(const std::vector<PlannedFile>& files) {
       all.*member += t.*member;
     const bool nothing_to_say = t.missing == 0 && t.idle == 0 && file.dropped.empty();
     if (nothing_to_say && files.size() > 1) {
-      ++quiet[t.needed == 0 ? "read no tangent frame and carry none" : "carry all TANGENT that is read"];
+      ++(t.needed == 0 ? without_need : complete);
       continue;
     }
     std::cout << file.path << ": " << summary(t) << '\n';
@@ -208,8 +208,12 @@ void print_text(const std::vector<PlannedFile>& files) {
     if (idle_lines > most_idle_lines)
       std::cout << "  and " << idle_lines - most_idle_lines << " more with TANGENT that nothing reads\n";
   }
-  for (const auto& [what, count] : quiet)
-    std::cout << counted(count, "file", "files") << ": " << what << '\n';
+  if (complete > 0)
+    std::cout << counted(complete, "file has", "files have")
+              << " TANGENT where it is needed and nowhere else\n";
+  if (without_need > 0)
+    std::cout << counted(without_need, "file needs", "files need") << " no TANGENT and "
+              << (without_need == 1 ? "has" : "have") << " none\n";
   if (files.size() > 1) std::cout << "all " << files.size() << " files: " << summary(all) << '\n';
 }
 
@@ -218,7 +222,8 @@ std::vector<PlannedFile> files_to_plan(const std::vector<std::string>& arguments
   std::vector<PlannedFile> result;
   for (const AssessedFile& file : files_of(arguments, {}, unused)) {
     const bool named = std::find(arguments.begin(), arguments.end(), file.path) != arguments.end();
-    if (named && file.readable() && !is_gltf(file.path))
+    std::error_code none;
+    if (named && file.readable() && !is_gltf(file.path) && std::filesystem::exists(file.path, none))
       throw ParameterError(file.path, expected_got("a .glb or .gltf, as only glTF has materials that say "
                                                    "what reads a tangent frame",
                                                    "another format"));
@@ -236,9 +241,7 @@ void plan(PlannedFile& file, const PlanArguments& arguments, const std::optional
     if (before) file.dropped = dropped_tangents(*before, file.needs);
     if (arguments.splits) count_splits(file.path, file.needs);
   } catch (const std::exception& e) {
-    file.error = e.what();
-    file.needs = {};
-    file.dropped.clear();
+    file.error = e.what();  // what was planned before the geometry could not be read stays
   }
   file.ok = file.error.empty() && file.dropped.empty() &&
             std::none_of(file.needs.primitives.begin(), file.needs.primitives.end(), [&](const auto& p) {
@@ -257,13 +260,15 @@ void run(const PlanArguments& arguments, Common& common) {
       throw ParameterError("--against", expected_got("one file to plan", std::to_string(files.size())));
     before = tangent_need(arguments.against, levels.of(arguments.level));
   }
-  for (const PlannedFile& file : files) {
+  const auto check_sarif = [&](const std::string& read) {
     std::error_code none;
-    if (!arguments.sarif.empty() && std::filesystem::equivalent(file.path, arguments.sarif, none))
+    if (!arguments.sarif.empty() && std::filesystem::equivalent(read, arguments.sarif, none))
       throw ParameterError(
           "--sarif",
           expected_got("a file of its own", "'" + arguments.sarif + "', which is a file that is read"));
-  }
+  };
+  for (const PlannedFile& file : files) check_sarif(file.path);
+  if (before) check_sarif(arguments.against);
   std::optional<OutputFile> sarif;
   if (!arguments.sarif.empty()) sarif.emplace(arguments.sarif);
   {

@@ -63,7 +63,9 @@ TEST_F(Cli, PlanFindsWhatAToolBetweenDropped) {
 
 TEST_F(Cli, PlanReadsFoldersAndKeepsItShort) {
   const std::string text = good("darboux plan data");
-  EXPECT_NE(text.find("all "), std::string::npos);
+  EXPECT_NE(text.find("\nall 16 files: no primitive needs TANGENT; 14 carry it for nothing ("),
+            std::string::npos)
+      << text;
   EXPECT_EQ(text.find(".obj"), std::string::npos);
 }
 
@@ -72,6 +74,10 @@ TEST_F(Cli, PlanRefuses) {
   refused("darboux plan data/torus_016.obj", {"torus_016.obj", "glTF"});
   refused("darboux plan data/torus_016.none.glb --level all", {"--level", "spec", "factors"});
   refused("darboux plan data --against data/torus_016.none.glb", {"--against", "one file"});
+  // What is read is not written to.
+  good("cp data/torus_016.none.glb before.glb");
+  refused("darboux plan data/torus_016.none.glb --against before.glb --sarif before.glb", {"--sarif"});
+  EXPECT_EQ(read_bytes(path("before.glb")), read_bytes(path("data/torus_016.none.glb")));
   fs::create_directory(path("empty"));
   EXPECT_EQ(sh("darboux plan empty").status, 2);
   const Result r = sh("darboux plan none.glb");
