@@ -310,7 +310,7 @@ void add_plan(CLI::App& app, Common& common) {
                "count the vertices that MikkTSpace would split; reads the geometry too");
   sub.add_flag("--strict", arguments->strict,
                "fail where TANGENT is missing, even where viewers can make it");
-  add_common(sub, common, "darboux plan model.glb");
+  add_common(sub, common, "darboux plan in.glb");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }
 
