@@ -286,7 +286,8 @@ std::vector<DroppedTangents> dropped_tangents(const TangentNeeds& before, const 
         groups[*k].after[kind(*p)].push_back(p);
       else
         left_after.push_back(p);
-    for (auto& [unused, group] : groups) {
+    for (auto& entry : groups) {
+      Group& group = entry.second;
       const auto pair_up = [&](int b, int a, bool dropped) {
         Primitives &from = group.before[b], &to = group.after[a];
         const std::size_t n = std::min(from.size(), to.size());
