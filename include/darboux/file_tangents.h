@@ -70,7 +70,7 @@ struct DroppedIdle {
 /// Takes TANGENT off the primitives where it is idle (tangent_need.h, TangentNeed::idle), and off their morph
 /// targets; accessors and bufferViews that nothing else uses leave the document, and their bytes the buffers,
 /// from between interleaved attributes too. Accessors that others share stay. All other elements keep their
-/// bits; buffers that others than a GLB's chunk hold become data URIs. Bytes stay where an extension that is
+/// bits; other buffers than the GLB's own become data URIs. Bytes stay where an extension that is
 /// not known may name accessors or bufferViews by number. Cost: linear in the bytes of the buffers.
 /// \throws FileError when the document contradicts itself; then it is as before
 DroppedIdle drop_idle_tangents(GltfDocument& document);

@@ -75,16 +75,23 @@ void each_accessor(Json& json, F f) {
   });
 }
 
-// Calls f with each number of a bufferView in the document.
+// Calls f with the numbers of the bufferViews of an accessor's sparse part.
 template <class F>
-void each_view(Json& json, F f) {
-  each_of(json, "accessors", [&](Json& accessor) {
-    number_at(accessor, "bufferView", f);
-    if (!accessor.is_object() || !accessor.contains("sparse")) return;
-    Json& sparse = accessor["sparse"];
-    for (const char* part : {"indices", "values"})
-      if (sparse.is_object() && sparse.contains(part)) number_at(sparse[part], "bufferView", f);
-  });
+void each_view_of_sparse(Json& accessor, F& f) {
+  if (!accessor.is_object() || !accessor.contains("sparse")) return;
+  Json& sparse = accessor["sparse"];
+  for (const char* part : {"indices", "values"})
+    if (sparse.is_object() && sparse.contains(part)) number_at(sparse[part], "bufferView", f);
+}
+// The same of the whole accessor.
+template <class F>
+void each_view_of_accessor(Json& accessor, F& f) {
+  number_at(accessor, "bufferView", f);
+  each_view_of_sparse(accessor, f);
+}
+// The same of all images.
+template <class F>
+void each_view_of_images(Json& json, F& f) {
   each_of(json, "images", [&](Json& image) { number_at(image, "bufferView", f); });
 }
 
@@ -119,14 +126,14 @@ class Compaction {
     const std::size_t views = json_.contains("bufferViews") ? json_["bufferViews"].size() : 0;
     gone_views_.assign(views, false);
     std::vector<bool> kept(views, false);
-    for (std::size_t a = 0; a < gone_accessors_.size(); ++a)
-      views_of(json_["accessors"][a], [&](const Json& number) {
+    for (std::size_t a = 0; a < gone_accessors_.size(); ++a) {
+      auto take = [&](Json& number) {
         (gone_accessors_[a] ? gone_views_ : kept)[index_below(number, views)] = true;
-      });
-    each_of(json_, "images", [&](Json& image) {
-      auto keep = [&](Json& number) { kept[index_below(number, views)] = true; };
-      number_at(image, "bufferView", keep);
-    });
+      };
+      each_view_of_accessor(json_["accessors"][a], take);
+    }
+    auto keep = [&](Json& number) { kept[index_below(number, views)] = true; };
+    each_view_of_images(json_, keep);
     for (std::size_t v = 0; v < views; ++v) gone_views_[v] = gone_views_[v] && !kept[v];
   }
 
@@ -139,7 +146,9 @@ class Compaction {
     if (json_.contains("bufferViews")) take_out(json_["bufferViews"], gone_views_);
     const std::vector<std::size_t> accessor = renumbered(gone_accessors_), view = renumbered(gone_views_);
     each_accessor(json_, [&](Json& number) { number = accessor[index_below(number, accessor.size())]; });
-    each_view(json_, [&](Json& number) { number = view[index_below(number, view.size())]; });
+    auto renumber = [&](Json& number) { number = view[index_below(number, view.size())]; };
+    each_of(json_, "accessors", [&](Json& one) { each_view_of_accessor(one, renumber); });
+    each_view_of_images(json_, renumber);
     std::map<std::size_t, double> half_steps;
     for (const auto& [old, step] : file_.half_steps)
       if (!gone_accessors_[old]) half_steps[accessor[old]] = step;
@@ -151,12 +160,6 @@ class Compaction {
   struct View {
     std::size_t buffer, offset, length, stride;
   };
-
-  template <class F>
-  static void views_of(const Json& accessor, F f) {
-    Json one{{"accessors", Json::array({accessor})}};
-    each_view(one, f);
-  }
 
   View view(std::size_t index) const {
     const JsonCursor at = file_.root().at("bufferViews").at(index);
@@ -178,8 +181,9 @@ class Compaction {
     const Elements result{number, accessor.integer_or("byteOffset", 0),
                           in.stride != 0 ? in.stride : layout.element_bytes, layout.element_bytes,
                           layout.count};
-    if (layout.count > 0 && (result.offset > in.length ||
-                             (layout.count - 1) * result.stride + result.size > in.length - result.offset))
+    // No sum or product that could wrap.
+    if (result.size > in.length || result.offset > in.length - result.size ||
+        result.count - 1 > (in.length - result.size - result.offset) / result.stride)
       accessor.fail("elements within its bufferView of " + std::to_string(in.length) + " bytes", "others");
     return result;
   }
@@ -208,20 +212,15 @@ class Compaction {
       if (gone_views_[v]) mark_gone(view(v).buffer, view(v).offset, view(v).offset + view(v).length);
     // What stays has the last word: elements, and views that are used as a whole.
     std::vector<bool> whole(gone_views_.size(), true);
+    auto mark_whole = [&](Json& number) { whole[index_below(number, whole.size())] = true; };
     for (std::size_t a = 0; a < gone_accessors_.size(); ++a)
       if (const auto e = elements(a)) whole[e->view] = false;
     for (std::size_t a = 0; a < gone_accessors_.size(); ++a) {
       if (gone_accessors_[a]) continue;
       each_element(a, mark_kept);
-      Json& accessor = json_["accessors"][a];
-      if (!accessor.contains("sparse")) continue;
-      Json sparse{{"accessors", Json::array({{{"sparse", accessor["sparse"]}}})}};
-      each_view(sparse, [&](Json& number) { whole[index_below(number, whole.size())] = true; });
+      each_view_of_sparse(json_["accessors"][a], mark_whole);
     }
-    each_of(json_, "images", [&](Json& image) {
-      auto keep = [&](Json& number) { whole[index_below(number, whole.size())] = true; };
-      number_at(image, "bufferView", keep);
-    });
+    each_view_of_images(json_, mark_whole);
     for (std::size_t v = 0; v < whole.size(); ++v)
       if (whole[v] && !gone_views_[v])
         mark_kept(view(v).buffer, view(v).offset, view(v).offset + view(v).length);

@@ -52,12 +52,11 @@ std::string name_of(const JsonCursor& owner) {
 }
 
 std::size_t accessor_count(const JsonCursor& accessor) {
-  return accessor.at("count").integer(0, 0xffffffff);
+  return accessor.at("count").integer(1, 0xffffffff);
 }
 
 std::size_t accessor_bytes(const JsonCursor& accessor) {
-  const io::Accessor layout = io::accessor_layout(accessor);
-  return layout.count * layout.element_bytes;
+  return accessor_count(accessor) * io::accessor_layout(accessor).element_bytes;
 }
 
 std::size_t triangle_count(std::uint64_t mode, std::size_t corners) {

@@ -114,8 +114,8 @@ std::string css_gradient() {
          ")}\n.legend i.none{background:" + css_colour(not_compared) + "}\n";
 }
 
-// "shared/…/IridescenceSuzanne.glb": the beginning and the end, whole names where they fit. The whole path is
-// the title.
+// "shared/…/IridescenceSuzanne.glb": the beginning and the end, whole names where they fit. The whole path
+// is the title.
 std::string path_text(const std::string& path) {
   constexpr std::size_t most = 64;
   const std::string line = one_line(path);

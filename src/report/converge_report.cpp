@@ -125,7 +125,8 @@ constexpr std::string_view report_style = R"css(
 .sum{font-weight:600}
 .controls{display:flex;flex-wrap:wrap;gap:.75rem 1.25rem;border:0;padding:0;margin:0 0 .9rem}
 .controls label{display:flex;flex-direction:column;font-size:.85rem;color:var(--soft)}
-select{font:inherit;color:var(--ink);background:#fff;border:1px solid #9aa6b4;border-radius:.35rem;padding:.25rem .5rem;
+select{font:inherit;color:var(--ink);background:#fff;border:1px solid #9aa6b4;border-radius:.35rem;
+  padding:.25rem .5rem;
   max-width:24rem}
 .methods{display:flex;flex-wrap:wrap;gap:.3rem 1.1rem;border:0;padding:0;margin:0 0 .6rem;font-size:.95rem}
 .methods label{display:inline-flex;align-items:center;gap:.4rem;cursor:pointer}
@@ -141,7 +142,8 @@ constexpr std::string_view script = R"js(
 const data = JSON.parse(document.getElementById('data').textContent);
 const $ = id => document.getElementById(id);
 
-// Okabe and Ito's palette, which colour-blind readers can tell apart; a symbol of its own for every method as well.
+// Okabe and Ito's palette, which colour-blind readers can tell apart; a symbol of its own for
+// every method as well.
 const colours = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#b8860b', '#56b4e9', '#000000'];
 const symbols = ['circle', 'triangle', 'rect', 'rectRot', 'star', 'crossRot', 'cross'];
 const looks = new Map(data.methods.map((m, i) => [m.name, {
@@ -233,7 +235,8 @@ const make = (id, x, y, plugins) => new Chart($(id), {
             plugins: {legend: {display: false}, tooltip}}});
 
 let widths = [];
-const against_h = make('against-h', axis('mesh width h, finer to the left', h => '1/' + Math.round(1 / h), () => widths),
+const against_h = make('against-h', axis('mesh width h, finer to the left',
+  h => '1/' + Math.round(1 / h), () => widths),
                        axis('error in degrees', plain), [guides]);
 const against_time = make('against-time', axis('run time of the method on the whole mesh', time),
                           axis('error in degrees', plain), []);
@@ -251,10 +254,13 @@ function draw() {
   const same = (s, t) => s.resolutions.length === t.resolutions.length &&
     s[statistic].every((y, i) => Math.abs(y - t[statistic][i]) <= 0.03 * y);
   const lines = key => drawn.map((s, index) => {
-    const look = looks.get(s.method), beneath = key === 'h' ? drawn.slice(0, index).filter(t => same(s, t)).length : 0;
-    const points = levels(s).filter(l => l[statistic] > 0).map(level => ({x: level[key], y: level[statistic], level}));
+    const look = looks.get(s.method);
+    const beneath = key === 'h' ? drawn.slice(0, index).filter(t => same(s, t)).length : 0;
+    const points = levels(s).filter(l => l[statistic] > 0)
+      .map(level => ({x: level[key], y: level[statistic], level}));
     const cross = look.symbol === 'star' || look.symbol.startsWith('cross');
-    return {label: s.method, data: points, borderColor: look.colour, borderWidth: 2 + 3 * beneath, borderDash: look.dash,
+    return {label: s.method, data: points, borderColor: look.colour, borderWidth: 2 + 3 * beneath,
+      borderDash: look.dash,
             pointStyle: look.symbol, pointRadius: (cross ? 6 : 5) + 2.5 * beneath, pointHoverRadius: 9,
             pointBorderWidth: cross ? 2 : 1.5,
             pointBackgroundColor: points.map(p => p.level.used ? look.colour : '#fff')};
@@ -275,14 +281,17 @@ function draw() {
   }
   const what = $('quantity').value + ', ' + $('class').value + ' vertices, ' + $('surface').value + ', ' +
                $('mesh').value + ' mesh';
-  $('against-h').setAttribute('aria-label', 'Error against mesh width: ' + what + '. The numbers are in the table.');
+  $('against-h').setAttribute('aria-label',
+    'Error against mesh width: ' + what + '. The numbers are in the table.');
   $('against-time').setAttribute('aria-label', 'Error against run time: ' + what + '.');
   $('about-mesh').textContent = 'Mesh: ' + (data.families[$('mesh').value] || '') + '.';
   $('at-floor').textContent = floor.length
     ? 'Not drawn, because their error is nothing but rounding (about ' +
-      plain(Math.max(...floor.map(s => s.floor_deg))) + '° or less): ' + floor.map(s => s.method).join(', ') + '.' : '';
+      plain(Math.max(...floor.map(s => s.floor_deg))) + '° or less): ' + floor.map(s => s.method).join(', ') +
+      '.' : '';
   for (const label of document.querySelectorAll('.methods label'))
-    label.classList.toggle('absent', !chosen.some(s => s.method === label.dataset.method && !floor.includes(s)));
+    label.classList.toggle('absent',
+      !chosen.some(s => s.method === label.dataset.method && !floor.includes(s)));
   document.body.dataset.lines = drawn.length;
   filter();
 }
@@ -290,16 +299,19 @@ function draw() {
 function filter() {
   const only = $('only').checked;
   for (const body of document.querySelectorAll('#studies tbody'))
-    body.hidden = only && !(body.dataset.surface === $('surface').value && body.dataset.mesh === $('mesh').value);
+    body.hidden = only && !(body.dataset.surface === $('surface').value &&
+      body.dataset.mesh === $('mesh').value);
   for (const row of document.querySelectorAll('#studies tr.study'))
-    row.hidden = only && !(row.dataset.class === $('class').value && row.dataset.quantity === $('quantity').value);
+    row.hidden = only && !(row.dataset.class === $('class').value &&
+      row.dataset.quantity === $('quantity').value);
 }
 
 // A choice leaves those below it with what still exists.
 function choose() {
   fill($('mesh'), unique(data.studies.filter(is('surface')).map(s => s.mesh)));
   const classes = unique(data.studies.filter(is('surface', 'mesh')).map(s => s.class));
-  fill($('class'), classes.includes('interior') ? unique(['interior', ...classes]) : classes, v => v.replace('_', ' '));
+  fill($('class'), classes.includes('interior') ? unique(['interior', ...classes]) : classes,
+    v => v.replace('_', ' '));
   fill($('quantity'), unique(data.studies.filter(is('surface', 'mesh', 'class')).map(s => s.quantity))
                           .sort().reverse());
   draw();
@@ -311,21 +323,25 @@ const icon = {circle: '<circle cx="16" cy="7" r="4.5"/>', triangle: '<path d="M1
   star: '<path d="M16 1v12M10 7h12M12 3l8 8M20 3l-8 8"/>', crossRot: '<path d="M12 3l8 8M20 3l-8 8"/>',
   cross: '<path d="M16 1v12M10 7h12"/>'};
 for (const method of data.methods) {
-  const look = looks.get(method.name), label = document.createElement('label'), box = document.createElement('input');
+  const look = looks.get(method.name), label = document.createElement('label'),
+    box = document.createElement('input');
   box.type = 'checkbox';
   box.checked = true;
   box.addEventListener('change', () => { look.hidden = !box.checked; draw(); });
   label.dataset.method = method.name;
   label.title = method.summary;
-  label.innerHTML = `<svg width="32" height="14" stroke="${look.colour}" fill="${look.colour}" stroke-width="2"
-    aria-hidden="true"><path d="M0 7h32" stroke-dasharray="${look.dash.join(' ')}"/>${icon[look.symbol]}</svg>`;
+  label.innerHTML = `<svg width="32" height="14" stroke="${look.colour}" fill="${look.colour}"
+    stroke-width="2"
+    aria-hidden="true"><path d="M0 7h32"
+    stroke-dasharray="${look.dash.join(' ')}"/>${icon[look.symbol]}</svg>`;
   label.prepend(box);
   label.append(method.name);
   $('methods').append(label);
 }
 
 fill($('surface'), unique(data.studies.map(s => s.surface)));
-for (const id of ['surface', 'mesh', 'class', 'quantity', 'statistic']) $(id).addEventListener('change', choose);
+for (const id of ['surface', 'mesh', 'class', 'quantity', 'statistic'])
+  $(id).addEventListener('change', choose);
 $('only').addEventListener('change', filter);
 choose();
 $('interactive').hidden = false;
@@ -452,10 +468,12 @@ std::string converge_page(const std::vector<Study>& studies, const Provenance& p
 <body>
 <main>
 <h1>How wrong are the tangents of a mesh, and how fast do they get better?</h1>
-<p class=lead>A normal map needs a tangent and a bitangent at every vertex: the directions in which its texture runs over
-the surface. Software computes them from triangles, each in its own way. Here triangles are laid on surfaces whose true
-directions are known exactly, finer and finer, and every method's result is compared with the truth. The error is an
-angle. <b>Order 1</b> means that half the mesh width halves the error, <b>order 2</b> that it quarters it.</p>
+<p class=lead>A normal map needs a tangent and a bitangent at every vertex: the directions in which its
+texture runs over the surface. Software computes them from triangles, each in its own way. Here triangles
+are laid on surfaces whose true directions are known exactly, finer and finer, and every method's result is
+compared with the truth. The error is an angle. <b>Order 1</b> means that half the mesh width halves the
+error,
+<b>order 2</b> that it quarters it.</p>
 <p class=sum>)html" +
           escape(verdict_summary(studies)) + R"html(.</p>
 <noscript><p class=card>The pictures need JavaScript. All results are in the table below.</p></noscript>
@@ -473,24 +491,26 @@ angle. <b>Order 1</b> means that half the mesh width halves the error, <b>order 
 <fieldset class=methods id=methods aria-label="Methods that are drawn"></fieldset>
 <div class=pictures>
 <figure><div class=plot><canvas id=against-h role=img></canvas></div>
-<figcaption>Error against mesh width. Parallel to a dashed line means that order. Hollow points are not part of the
-fit.</figcaption></figure>
+<figcaption>Error against mesh width. Parallel to a dashed line means that order. Hollow points are not part
+of the fit.</figcaption></figure>
 <figure><div class=plot><canvas id=against-time role=img></canvas></div>
-<figcaption>Error against run time, one thread. Further left is faster, further down is more accurate.</figcaption>
+<figcaption>Error against run time, one thread. Further left is faster,
+further down is more accurate.</figcaption>
 </figure>
 </div>
 <p class=soft id=at-floor aria-live=polite></p>
 </section>
 <section class=card>
 <h2>All studies</h2>
-<p class=soft>The order is the slope of the logarithm of the root mean square error over that of the mesh width, with its
-95&nbsp;% confidence interval. The error is that of the finest mesh. The floor is what rounding alone may cause there; a
-study that reaches it has no order. Angles in degrees.</p>
+<p class=soft>The order is the slope of the logarithm of the root mean square error over that of the mesh
+width, with its 95&nbsp;% confidence interval. The error is that of the finest mesh. The floor is what
+rounding alone may cause there; a study that reaches it has no order. Angles in degrees.</p>
 <label class=soft hidden><input type=checkbox id=only checked> only what the pictures show</label>
 <div class=scroll>
 <table id=studies>
 <thead><tr><th scope=col>vertices<th scope=col>quantity<th scope=col>method<th scope=col class=n>error
-<th scope=col class=n>order<th scope=col class=n>95&nbsp;% interval<th scope=col class=n>expected<th scope=col class=n>floor
+<th scope=col class=n>order<th scope=col class=n>95&nbsp;% interval<th scope=col class=n>expected
+<th scope=col class=n>floor
 <th scope=col>verdict</tr></thead>
 )html";
   page += table(studies);

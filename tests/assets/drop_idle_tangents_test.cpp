@@ -205,6 +205,15 @@ TEST(DropIdleTangents, RefusesADocumentThatContradictsItself) {
   EXPECT_NE(test::refusal_of<FileError>([&] { drop_idle_tangents(document); }).find("in.glb"),
             std::string::npos);
   EXPECT_EQ(document.asset().primitives.at(0).data.tangents.size(), count) << "as it was";
+  // Counts whose bytes would wrap round 2^64.
+  for (const std::uint64_t elements : {std::uint64_t{1} << 60, std::uint64_t{100}}) {
+    b = Builder();
+    b.primitive(attributes(b, Layout::own));
+    b.json["accessors"][2]["count"] = elements;
+    document = GltfDocument::load(test::write_bytes(folder / "in.glb", b.glb()));
+    EXPECT_NE(test::refusal_of<FileError>([&] { drop_idle_tangents(document); }).find("accessors[2]"),
+              std::string::npos);
+  }
 }
 
 }  // namespace

@@ -344,6 +344,9 @@ TEST(TangentNeed, RefusesWhatContradictsItself) {
   json["accessors"][0]["type"] = "VEC9";
   EXPECT_NE(refusal(json).find("VEC9"), std::string::npos) << refusal(json);
   json = good;
+  json["accessors"][1]["count"] = std::uint64_t{1} << 60;  // whose bytes would wrap round 2^64
+  EXPECT_NE(refusal(json).find("accessors[1].count"), std::string::npos) << refusal(json);
+  json = good;
   attributes_of(json) = 3;
   EXPECT_NE(refusal(json).find("attributes"), std::string::npos) << refusal(json);
   const TempFolder folder;
