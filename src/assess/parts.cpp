@@ -102,6 +102,7 @@ MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part) {
   MeshUnderTest under_test{.mesh = part.mesh, .raw_sign = part.raw_sign};
   under_test.normals.all_oppose = whole.normals.all_oppose;
   under_test.cones = whole.cones.restricted_to(part.vertices);
+  under_test.mikktspace = whole.mikktspace.restricted_to(part.mesh, part.vertices, part.triangles);
   const bool normals = !whole.mesh.normals.empty();
   for (const std::uint32_t v : part.vertices) {
     under_test.classes.of_vertex.push_back(whole.classes.of_vertex[v]);
@@ -126,8 +127,6 @@ MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part) {
     const auto next = static_cast<std::int32_t>(island.size());
     under_test.classes.island_of_triangle.push_back(
         of_whole < 0 ? -1 : island.try_emplace(of_whole, next).first->second);
-    if (!whole.mikktspace.empty())
-      for (std::size_t k = 0; k < 3; ++k) under_test.mikktspace.push_back(whole.mikktspace[3 * t + k]);
   }
   under_test.classes.islands = static_cast<std::int32_t>(island.size());
   return under_test;

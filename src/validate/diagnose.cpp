@@ -92,9 +92,9 @@ bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair
                          const ValidateOptions& options, MeshReport& report) {
   if (under_test.mesh.normals.empty()) return false;
   for (const auto& [set, uvs] : options.other_uvs) {
-    const std::vector<Vec4<float>> mikktspace = mikktspace_of(under_test.mesh, uvs, options.threads);
+    const MikktspaceReference mikktspace = mikktspace_reference(under_test.mesh, uvs, options.threads);
     const double share = share_within(samples, options.max_angle_deg, [&](const Pair& s) {
-      const Vec4<float>& t = mikktspace[s.corner];
+      const Vec4<float>& t = mikktspace.at(s.corner, under_test.mesh.triangles[s.corner / 3][s.corner % 3]);
       return Vec3<double>{t.x, t.y, t.z};
     });
     if (share < most) continue;

@@ -9,6 +9,7 @@
 
 #include "consistent.h"
 #include "mesh/vertex_joins.h"
+#include "mikktspace_reference.h"
 #include "sound.h"
 
 namespace darboux {
@@ -20,9 +21,8 @@ struct MeshUnderTest {
   std::vector<std::uint32_t> equal{};   // of each vertex the first that is equal to the bit; empty in a part
   std::vector<bool> across_mirror{};    // vertices that triangles share whose uvs wind differently
   std::vector<bool> has_uv_area{};      // vertices of a triangle with uv area
-  // MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it; empty where it is not
-  // asked for or the mesh lacks tangents, normals or uvs.
-  std::vector<Vec4<float>> mikktspace{};
+  MikktspaceReference
+      mikktspace{};            // empty where it is not asked for or there are no tangents, normals or uvs
   std::vector<Truth> local{};  // at each vertex; empty where it is not asked for or there are no uvs
   MeshClasses classes{};
   std::vector<bool> between_parts{};  // vertices that no one frame is right for; empty: none
@@ -43,11 +43,6 @@ void add_references(MeshUnderTest& under_test, const ValidateOptions& options);
 // The classes, and what needs them. \param is_pole of each vertex, or empty
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,
                        const ValidateOptions& options);
-
-// MikkTSpace's tangents under some uvs, as MeshUnderTest has them. Triangles with numbers that are not finite
-// are left out.
-std::vector<Vec4<float>> mikktspace_of(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
-                                       bool sort_all_edges = false);
 
 // validate() of what is prepared. \param truth at each vertex, or none \param basis of the truth
 MeshReport validate(const MeshUnderTest& under_test, std::span<const Truth> truth, Basis basis,

@@ -47,6 +47,12 @@ bool known(const Truth& t) {
          std::isfinite(t.tangent_deg);
 }
 
+// Whether two tangents are the same to the bit, but for w.
+bool same_direction_bits(const Vec4<double>& stored, const Vec4<float>& m) {
+  const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
+  return bits(stored.x) == bits(m.x) && bits(stored.y) == bits(m.y) && bits(stored.z) == bits(m.z);
+}
+
 // Corners of one vertex that are assessed alike.
 struct CornerGroup {
   std::uint32_t vertex;
@@ -164,6 +170,9 @@ class MeshValidation {
   void keep_errors_by_triangles();
   void compare_with_neighbours();
   MikkVariant variant(std::size_t equal, std::size_t near) const;
+  template <class F>
+  void for_each_tangent(const MikktspaceReference& reference, F f) const;
+  Angles angles_to(const Vec4<float>& mikktspace, std::uint32_t v) const;
   void compare_with_mikktspace();
   void look_at_signs();
   void add_notes();
@@ -448,6 +457,17 @@ void MeshValidation::compare_with_neighbours() {
                              "waves, or the uvs are others"));
 }
 
+// Corners of a vertex to which MikkTSpace gives the same are compared once.
+// \param f (vertex, tangent, how many of its corners have that)
+template <class F>
+void MeshValidation::for_each_tangent(const MikktspaceReference& reference, F f) const {
+  std::vector<std::uint32_t> alike = corners_of_;
+  for (const auto& other : reference.others()) --alike[other.vertex];
+  for (std::uint32_t v = 0; v < alike.size(); ++v)
+    if (alike[v] > 0) f(v, reference.of_vertex(v), alike[v]);
+  for (const auto& other : reference.others()) f(other.vertex, other.tangent, 1U);
+}
+
 // Which MikkTSpace: that whose edges are all sorted is made only where the original is nearly what is stored.
 MikkVariant MeshValidation::variant(std::size_t equal, std::size_t near) const {
   const std::size_t corners = mesh_.corners();
@@ -456,20 +476,34 @@ MikkVariant MeshValidation::variant(std::size_t equal, std::size_t near) const {
   };
   if (equal == corners && corners > 0) return MikkVariant::original;
   if (static_cast<double>(equal) >= 0.9 * static_cast<double>(corners)) {
-    const std::vector<Vec4<float>> sorted = mikktspace_of(mesh_, mesh_.uvs, options_.threads, true);
-    const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
+    const MikktspaceReference sorted = mikktspace_reference(mesh_, mesh_.uvs, options_.threads, true);
     std::size_t raw = 0, gltf = 0;
-    for (std::size_t c = 0; c < corners; ++c) {
-      const Vec4<double>& t = mesh_.tangents[mesh_.triangles[c / 3][c % 3]];
-      const Vec4<float>& m = sorted[c];
-      if (m.w == 0 || bits(t.x) != bits(m.x) || bits(t.y) != bits(m.y) || bits(t.z) != bits(m.z)) continue;
-      raw += t.w == m.w, gltf += t.w == -m.w;
-    }
+    for_each_tangent(sorted, [&](std::uint32_t v, const Vec4<float>& m, std::uint32_t alike) {
+      const Vec4<double>& t = mesh_.tangents[v];
+      if (m.w == 0 || !same_direction_bits(t, m)) return;
+      raw += t.w == m.w ? alike : 0;
+      gltf += t.w == -m.w ? alike : 0;
+    });
     if (std::max(raw, gltf) > equal && nearly_all(std::max(raw, gltf))) return MikkVariant::sorted_edges;
   }
   return nearly_all(equal)  ? MikkVariant::original
          : nearly_all(near) ? MikkVariant::reordered_sums
                             : MikkVariant::none;
+}
+
+// Beside MikkTSpace's tangent, which there is.
+Angles MeshValidation::angles_to(const Vec4<float>& m, std::uint32_t v) const {
+  const Vec4<double>& t = mesh_.tangents[v];
+  const Vec3<double> direction{m.x, m.y, m.z};
+  Angles a;
+  a.tangent = a.projected_tangent = degrees_per_radian * angle_between(t.xyz(), direction);
+  if (checks_[v].has_normal && checks_[v].sign_valid)
+    a.bitangent =
+        degrees_per_radian * angle_between((signs_.raw() ? t.w : -t.w) * cross(mesh_.normals[v], t.xyz()),
+                                           m.w * cross(mesh_.normals[v], direction));
+  if (checks_[v].has_normal && !checks_[v].orthogonal)
+    a.projected_tangent = degrees_per_radian * angle_between(square_to(t.xyz(), mesh_.normals[v]), direction);
+  return a;
 }
 
 void MeshValidation::compare_with_mikktspace() {
@@ -478,62 +512,36 @@ void MeshValidation::compare_with_mikktspace() {
   ClassSums sums(mesh_, classes_.of_vertex);
   std::size_t equal_raw = 0, equal_gltf = 0, near = 0, beyond = 0;
   double worst = 0;
-  const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
-  const bool keep = options_.keep_errors && only_mikktspace();
-  const auto same = [](const Vec4<float>& a, const Vec4<float>& b) {  // to the bit
-    using Bits = std::array<std::uint32_t, 4>;
-    return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
-  };
-  // Corners of a vertex to which MikkTSpace gives the same are compared once.
-  constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> first(mesh_.positions.size(), none);
-  std::vector<std::uint32_t> alike(mesh_.positions.size(), 0);
-  for (std::size_t c = 0; c < mesh_.corners(); ++c) {
-    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
-    if (first[v] == none) first[v] = c;
-    alike[v] += same(under_test_.mikktspace[c], under_test_.mikktspace[first[v]]);
-  }
-  for (std::size_t c = 0; c < mesh_.corners(); ++c) {
-    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
-    const Vec4<float>& m = under_test_.mikktspace[c];
-    if (c != first[v] && same(m, under_test_.mikktspace[first[v]])) {
-      if (keep) report_.errors_deg[c] = report_.errors_deg[first[v]];
-      continue;
-    }
-    const std::uint32_t corners = c == first[v] ? alike[v] : 1;
+  for_each_tangent(under_test_.mikktspace, [&](std::uint32_t v, const Vec4<float>& m, std::uint32_t corners) {
     const Vec4<double>& t = mesh_.tangents[v];
     Angles a;
     if (m.w != 0 && checks_[v].has_tangent) {
-      const Vec3<double> direction{m.x, m.y, m.z};
-      a.tangent = degrees_per_radian * angle_between(t.xyz(), direction);
-      if (checks_[v].has_normal && checks_[v].sign_valid)
-        a.bitangent =
-            degrees_per_radian * angle_between((signs_.raw() ? t.w : -t.w) * cross(mesh_.normals[v], t.xyz()),
-                                               m.w * cross(mesh_.normals[v], direction));
-      if (bits(t.x) == bits(m.x) && bits(t.y) == bits(m.y) && bits(t.z) == bits(m.z)) {
+      a = angles_to(m, v);
+      if (same_direction_bits(t, m)) {
         equal_raw += t.w == m.w ? corners : 0;
         equal_gltf += t.w == -m.w ? corners : 0;
       }
-      const double off =
-          checks_[v].has_normal && !checks_[v].orthogonal
-              ? degrees_per_radian * angle_between(square_to(t.xyz(), mesh_.normals[v]), direction)
-              : a.tangent;
       if (a.tangent <= same_rounding_deg) near += corners;
-      if (!is_pole(v) && off > limit_of(v)) {
+      if (!is_pole(v) && a.projected_tangent > limit_of(v)) {
         beyond += corners;
-        worst = std::fmax(worst, off);
+        worst = std::fmax(worst, a.projected_tangent);
       }
     }
     sums.add(classes_.of_vertex[v], v, corners, a, nullptr);
-    if (keep) report_.errors_deg[c] = kept(a.tangent);
-  }
+  });
   report.classes = sums.reports();
   if (mesh_.corners() > 0)
     report.equal_bits =
         static_cast<double>(std::max(equal_raw, equal_gltf)) / static_cast<double>(mesh_.corners());
   report.variant = variant(std::max(equal_raw, equal_gltf), near);
-  if (only_mikktspace()) report_.classes = report.classes;
   add(report_, finding(Code::tangent_not_mikktspace, beyond, worst_text(worst)));
+  if (!only_mikktspace()) return;
+  report_.classes = report.classes;
+  for (std::size_t c = 0; c < report_.errors_deg.size(); ++c) {
+    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
+    const Vec4<float>& m = under_test_.mikktspace.at(c, v);
+    report_.errors_deg[c] = kept(m.w != 0 && checks_[v].has_tangent ? angles_to(m, v).tangent : -1);
+  }
 }
 
 void MeshValidation::look_at_signs() {
@@ -594,8 +602,9 @@ void MeshValidation::diagnose() {
     tangents_diagnosed_ = diagnose_tangents(
         under_test_,
         [&](std::size_t c) {
-          const Vec4<float>& m = under_test_.mikktspace[c];
-          const Vec3<double> n = mesh_.normals[mesh_.triangles[c / 3][c % 3]];
+          const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
+          const Vec4<float>& m = under_test_.mikktspace.at(c, v);
+          const Vec3<double> n = mesh_.normals[v];
           if (m.w == 0 || !detail::finite(n))
             return Directions{detail::nan_vector<double>(), detail::nan_vector<double>()};
           const Vec3<double> t{m.x, m.y, m.z};

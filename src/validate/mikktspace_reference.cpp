@@ -1,0 +1,108 @@
+#include "mikktspace_reference.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include <darboux/mikktspace.h>
+
+namespace darboux {
+namespace {
+
+bool same_bits(const Vec4<float>& a, const Vec4<float>& b) {
+  using Bits = std::array<std::uint32_t, 4>;
+  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+}
+
+}  // namespace
+
+MikktspaceReference::MikktspaceReference(const Mesh& mesh, std::span<const Vec4<float>> of_corner)
+    : of_vertex_(mesh.positions.size(), Vec4<float>{0, 0, 0, 0}), has_others_(mesh.positions.size(), false) {
+  std::vector<bool> seen(mesh.positions.size(), false);
+  for (std::size_t c = 0; c < of_corner.size(); ++c) {
+    const std::uint32_t v = mesh.triangles[c / 3][c % 3];
+    if (!seen[v]) {
+      seen[v] = true;
+      of_vertex_[v] = of_corner[c];
+    } else if (!same_bits(of_corner[c], of_vertex_[v])) {
+      has_others_[v] = true;
+      others_.push_back({c, v, of_corner[c]});
+    }
+  }
+}
+
+const Vec4<float>& MikktspaceReference::at(std::size_t corner, std::uint32_t vertex) const {
+  if (has_others_[vertex]) {
+    const auto found = std::lower_bound(others_.begin(), others_.end(), corner,
+                                        [](const Other& other, std::size_t c) { return other.corner < c; });
+    if (found != others_.end() && found->corner == corner) return found->tangent;
+  }
+  return of_vertex_[vertex];
+}
+
+MikktspaceReference MikktspaceReference::restricted_to(const Mesh& part,
+                                                       std::span<const std::uint32_t> vertices,
+                                                       std::span<const std::uint32_t> triangles) const {
+  MikktspaceReference result;
+  if (empty()) return result;
+  for (const std::uint32_t v : vertices) result.of_vertex_.push_back(of_vertex_[v]);
+  result.has_others_.assign(vertices.size(), false);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = part.triangles[t][k];
+      const Vec4<float>& tangent = at(3 * std::size_t{triangles[t]} + k, vertices[v]);
+      if (same_bits(tangent, of_vertex_[vertices[v]])) continue;
+      result.has_others_[v] = true;
+      result.others_.push_back({3 * t + k, v, tangent});
+    }
+  return result;
+}
+
+MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
+                                         bool sort_all_edges) {
+  const std::size_t n = mesh.positions.size();
+  std::vector<float> positions(3 * n), normals(3 * n), texcoords(2 * n);
+  std::vector<bool> finite(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    const Vec3<double>&p = mesh.positions[v], &m = mesh.normals[v];
+    bool good = true;
+    const auto store = [&good](double x, float& to, float largest) {
+      to = static_cast<float>(x);
+      good = good && std::fabs(to) <= largest;
+    };
+    constexpr float any = std::numeric_limits<float>::max(), largest_normal = 0x1p28f;
+    const double position[] = {p.x, p.y, p.z}, normal[] = {m.x, m.y, m.z}, uv[] = {uvs[v].x, uvs[v].y};
+    for (std::size_t k = 0; k < 3; ++k) {
+      store(position[k], positions[3 * v + k], any);
+      store(normal[k], normals[3 * v + k], largest_normal);
+    }
+    for (std::size_t k = 0; k < 2; ++k) store(uv[k], texcoords[2 * v + k], any);
+    finite[v] = good;
+    if (good) continue;
+    std::fill_n(&positions[3 * v], 3, 0.0f);
+    std::fill_n(&normals[3 * v], 3, 0.0f);
+    std::fill_n(&texcoords[2 * v], 2, 0.0f);
+  }
+  std::vector<std::uint32_t> corners;
+  corners.reserve(mesh.corners());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    if (finite[a] && finite[b] && finite[c]) corners.insert(corners.end(), {a, b, c});
+  }
+  std::vector<Vec4<float>> result(mesh.corners(), Vec4<float>{0, 0, 0, 0});
+  if (corners.empty()) return {mesh, result};
+  mikktspace(MikkMesh{positions, normals, texcoords, corners, {}},
+             std::span<float>(&result[0].x, 4 * corners.size()),
+             {.sort_all_edges = sort_all_edges, .unserved_sign = 0, .threads = threads});
+  // To their triangles, from the last on, behind those that are left out.
+  for (std::size_t t = mesh.triangles.size(), next = corners.size(); next < 3 * t;) {
+    const auto& [a, b, c] = mesh.triangles[--t];
+    const bool whole = finite[a] && finite[b] && finite[c];
+    for (std::size_t k = 3; k-- > 0;) result[3 * t + k] = whole ? result[--next] : Vec4<float>{0, 0, 0, 0};
+  }
+  return {mesh, result};
+}
+
+}  // namespace darboux

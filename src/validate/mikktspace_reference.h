@@ -1,0 +1,47 @@
+// MikkTSpace's tangents of a mesh, as a reference.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <darboux/mesh.h>
+
+namespace darboux {
+
+// MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it. Nearly all corners of a
+// vertex have the same: it is kept once, and the others are listed.
+class MikktspaceReference {
+ public:
+  struct Other {
+    std::size_t corner;
+    std::uint32_t vertex;
+    Vec4<float> tangent;
+  };
+
+  MikktspaceReference() = default;
+  // \param of_corner one per corner of the mesh
+  MikktspaceReference(const Mesh& mesh, std::span<const Vec4<float>> of_corner);
+
+  bool empty() const { return of_vertex_.empty(); }
+  // Of all corners of the vertex but the others, if any; w = 0 at vertices that no triangle uses.
+  const Vec4<float>& of_vertex(std::uint32_t vertex) const { return of_vertex_[vertex]; }
+  std::span<const Other> others() const { return others_; }  // corners in ascending order
+  // \param vertex that of the corner
+  const Vec4<float>& at(std::size_t corner, std::uint32_t vertex) const;
+  // \param part a mesh of some of the triangles \param vertices, triangles which they are in the whole
+  MikktspaceReference restricted_to(const Mesh& part, std::span<const std::uint32_t> vertices,
+                                    std::span<const std::uint32_t> triangles) const;
+
+ private:
+  std::vector<Vec4<float>> of_vertex_;
+  std::vector<bool> has_others_;
+  std::vector<Other> others_;
+};
+
+// MikkTSpace's under some uvs. Triangles with numbers that are not finite are left out.
+MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
+                                         bool sort_all_edges = false);
+
+}  // namespace darboux
