@@ -37,7 +37,8 @@ struct Primitive {
   /// Whether something in its material, or in one of its KHR_materials_variants, reads the tangent frame: a
   /// normalTexture, the clearcoatNormalTexture of KHR_materials_clearcoat, KHR_materials_anisotropy, the
   /// normal maps of MSFT_packing_normalRoughnessMetallic and MSFT_packing_occlusionRoughnessMetallic.
-  bool needs_tangents = false;
+  /// Nothing where the format does not say: it is not glTF.
+  std::optional<bool> needs_tangents{};
   /// In the mesh's own space; vertex i is a glTF's or PLY's vertex i. Normalised integers are read as the
   /// numbers they stand for, NaN and infinities as they are; strips and fans become triangles in glTF's
   /// winding.

@@ -138,7 +138,7 @@ FileTangents add_tangents(GltfDocument& document, const FileTangentOptions& opti
   std::size_t done = 0;
   for (const Primitive& p : asset.primitives) {
     const auto skip = [&](const char* reason) { result.skipped.push_back({p.mesh, p.primitive, reason}); };
-    if (options.only_needed && !p.needs_tangents) {
+    if (options.only_needed && !p.needs_tangents.value_or(true)) {
       skip("its material reads no tangents");
     } else if (p.data.uvs.empty() || p.data.normals.empty()) {
       skip(p.data.uvs.empty() ? "has no uvs" : "has no normals");

@@ -8,6 +8,7 @@
 #include <darboux/file_tangents.h>
 #include <darboux/tangent_need.h>
 
+#include "flat_normal_maps.h"
 #include "io/accessor.h"
 #include "io/gltf_file.h"
 #include "io/tangent_space.h"
@@ -67,7 +68,8 @@ std::size_t triangle_count(std::uint64_t mode, std::size_t corners) {
 class Planner {
  public:
   Planner(const GltfFile& file, NeedLevel level) : file_(file), shown_(meshes_in_scenes(file)) {
-    if (level == NeedLevel::factors) off_ = {true, io::animated_pointers(file)};
+    if (level != NeedLevel::spec) off_ = {true, io::animated_pointers(file)};
+    if (level == NeedLevel::pixels) flat_maps_.emplace(file);
     if (file.root().has("materials")) readers_.resize(file.root().at("materials").size());
     if (file.root().has("accessors")) uses_.resize(file.root().at("accessors").size());
   }
@@ -135,11 +137,11 @@ class Planner {
       const Readers& readers = readers_of(material);
       // Anisotropy without TANGENT asks for the normal texture, whatever its scale.
       const bool has_map = readers.normal_texcoord && has_set(*readers.normal_texcoord);
-      for (const io::FrameReader& r : readers.of_frame) {
+      for (const auto& [r, note] : readers.of_frame) {
         const bool derivable = r.is_normal_map ? has_set(r.texcoord) : has_map;
         result.reasons.push_back({std::string(r.rule), r.pointer,
                                   r.has_texture ? static_cast<int>(r.texcoord) : -1, r.transform.has_value(),
-                                  derivable && result.has_normals});
+                                  derivable && result.has_normals, note});
       }
     }
     result.derivable =
@@ -181,16 +183,26 @@ class Planner {
   }
 
   // What of a material reads the frame, and the uv set of its normal texture.
+  struct Reader {
+    io::FrameReader reader;
+    std::string note;
+  };
   struct Readers {
-    std::vector<io::FrameReader> of_frame;
+    std::vector<Reader> of_frame;
     std::optional<std::uint64_t> normal_texcoord;
   };
   const Readers& readers_of(std::size_t material) {
     auto& readers = readers_[material];
     if (readers) return *readers;
-    readers.emplace(Readers{io::frame_readers(file_, material, off_), {}});
+    readers.emplace();
     for (const io::FrameReader& r : io::frame_readers(file_, material))
       if (r.rule == "normal_texture") readers->normal_texcoord = r.texcoord;
+    for (io::FrameReader& r : io::frame_readers(file_, material, off_)) {
+      FlatNormalMaps::Answer map;
+      if (flat_maps_ && r.is_normal_map && r.texture)
+        map = flat_maps_->of_texture(*r.texture, r.two_channels);
+      if (!map.flat) readers->of_frame.push_back({std::move(r), std::move(map.note)});
+    }
     return *readers;
   }
 
@@ -205,6 +217,7 @@ class Planner {
 
   const GltfFile& file_;
   io::SwitchedOff off_{};
+  std::optional<FlatNormalMaps> flat_maps_{};
   std::vector<bool> shown_;
   std::vector<std::optional<Readers>> readers_;  // of each material, once it is asked for
   std::vector<Uses> uses_;                       // of each accessor

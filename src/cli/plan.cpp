@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <set>
 
 #include <darboux/tangent_need.h>
 
@@ -27,7 +28,7 @@ struct PlannedFile {
 };
 
 constexpr std::array<std::string_view, 4> need_names{"needed", "idle", "missing", "none"};
-constexpr Choice<NeedLevel, 2> levels{{"spec", "factors"}};
+constexpr Choice<NeedLevel, 3> levels{{"spec", "factors", "pixels"}};
 
 constexpr FindingKind missing{"TANGENT_NEEDED", Severity::warning,
                               "the material reads a tangent frame, and there is no TANGENT",
@@ -64,6 +65,7 @@ std::string reasons_text(const PrimitiveNeed& p) {
     text += (text.empty() ? "" : "; ") + r.rule + " at " + r.pointer;
     if (r.texcoord >= 0) text += ", TEXCOORD_" + std::to_string(r.texcoord);
     if (r.transform) text += " after its transform";
+    if (!r.note.empty()) text += " (" + one_line(r.note) + ")";
   }
   return text;
 }
@@ -89,7 +91,8 @@ Json primitive_json(const PrimitiveNeed& p) {
                        {"pointer", r.pointer},
                        {"texcoord", r.texcoord < 0 ? Json() : Json(r.texcoord)},
                        {"transform", r.transform},
-                       {"derivable", r.derivable}});
+                       {"derivable", r.derivable},
+                       {"note", r.note.empty() ? Json() : Json(utf8(r.note))}});
   return {{"mesh", p.mesh},
           {"primitive", p.primitive},
           {"name", utf8(p.name)},
@@ -179,9 +182,13 @@ std::string summary(const NeedTotals& t) {
 void print_text(const std::vector<PlannedFile>& files) {
   NeedTotals all;
   std::size_t without_need = 0, complete = 0;
+  std::set<std::pair<std::string, std::string>> not_looked_at;  // files and pointers
   for (const PlannedFile& file : files) {
     if (!file.error.empty() && file.needs.primitives.empty()) continue;
     const NeedTotals& t = file.needs.totals;
+    for (const PrimitiveNeed& p : file.needs.primitives)
+      for (const NeedReason& r : p.reasons)
+        if (!r.note.empty()) not_looked_at.emplace(file.path, r.pointer);
     for (const auto member :
          {&NeedTotals::needed, &NeedTotals::carried, &NeedTotals::missing, &NeedTotals::idle,
           &NeedTotals::tangent_bytes, &NeedTotals::idle_bytes, &NeedTotals::geometry_bytes})
@@ -214,6 +221,9 @@ void print_text(const std::vector<PlannedFile>& files) {
   if (without_need > 0)
     std::cout << counted(without_need, "file needs", "files need") << " no TANGENT and "
               << (without_need == 1 ? "has" : "have") << " none\n";
+  if (!not_looked_at.empty())
+    std::cout << counted(not_looked_at.size(), "normal map", "normal maps")
+              << " could not be looked at; --json says why\n";
   if (files.size() > 1) std::cout << "all " << files.size() << " files: " << summary(all) << '\n';
 }
 
@@ -300,7 +310,7 @@ void add_plan(CLI::App& app, Common& common) {
   sub.add_option(
          "--level", arguments->level,
          "spec: what the specifications say; factors: also drop what a factor of 0 switches off, unless "
-         "it is animated")
+         "it is animated; pixels: also drop normal maps that are flat, PNG alone")
       ->capture_default_str()
       ->check(levels.check());
   sub.add_option("--against", arguments->against,

@@ -18,6 +18,7 @@ struct Arguments {
   bool findings = false, details = false;
   std::vector<std::string> fail_on, ignore, severity, exclude;
   bool strict = false, github = false;
+  std::string only;
   std::optional<double> budget;
   std::string configuration, baseline, sarif, junit;
   Pictures pictures;
@@ -82,6 +83,7 @@ Code parse_code(const std::string& option, const std::string& name) {
 Policy policy_of(const Arguments& arguments) {
   Policy policy;
   policy.strict = arguments.strict;
+  policy.only_needed = !arguments.only.empty();
   for (const std::string& code : arguments.ignore) policy.ignore.insert(parse_code("--ignore", code));
   for (const std::string& code : arguments.fail_on)
     policy.severity[parse_code("--fail-on", code)] = Severity::error;
@@ -261,6 +263,10 @@ void add_validate(CLI::App& app, Common& common) {
                  "codes of findings to drop, with commas between; their counts are printed")
       ->delimiter(',');
   sub.add_flag("--strict", arguments->strict, "warnings are errors, undetermined is fail");
+  sub.add_option("--only", arguments->only,
+                 "needed: judge only primitives whose materials read tangents; of formats other than glTF, "
+                 "which do not say, all")
+      ->check(CLI::IsMember({"needed"}));
   sub.add_option(
       "--exclude", arguments->exclude,
       "what to leave out of the folders: a pattern of paths relative to the folder, like 'old', the "

@@ -240,10 +240,25 @@ std::vector<Assessment> assess_primitive(const Primitive& primitive, const Asses
 
 }  // namespace
 
+namespace {
+
+void skip_unneeded(Asset& asset, std::vector<SkippedPrimitive>& skipped) {
+  std::vector<Primitive> needed;
+  for (Primitive& p : asset.primitives)
+    if (p.needs_tangents.value_or(true))
+      needed.push_back(std::move(p));
+    else
+      skipped.push_back({p.mesh, p.primitive, std::string(unneeded_reason)});
+  asset.primitives = std::move(needed);
+}
+
+}  // namespace
+
 void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy) {
   if (file.readable()) try {
       Asset asset = read_asset(file.path);
       file.skipped = asset.skipped;
+      if (policy.only_needed) skip_unneeded(asset, file.skipped);
       const std::vector<std::size_t> first = first_of(asset.primitives);
       const auto begun = std::chrono::steady_clock::now();
       std::map<std::size_t, std::vector<Assessment>> repeated;  // assessments of those that come again

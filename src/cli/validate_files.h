@@ -72,9 +72,13 @@ std::vector<AssessedFile> files_of(const std::vector<std::string>& arguments,
 /// How findings count, whatever the library says.
 struct Policy {
   std::map<Code, Severity> severity{};
-  std::set<Code> ignore{};  ///< codes that are dropped but for their counts
-  bool strict = false;      ///< warnings are errors, UNDETERMINED too
+  std::set<Code> ignore{};   ///< codes that are dropped but for their counts
+  bool strict = false;       ///< warnings are errors, UNDETERMINED too
+  bool only_needed = false;  ///< primitives whose materials read no tangents are skipped
 };
+
+/// Why --only needed skips a primitive.
+inline constexpr std::string_view unneeded_reason = "its material reads no tangents (--only needed)";
 
 /// Reads and assesses one file. What is undetermined has the finding UNDETERMINED.
 void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy);

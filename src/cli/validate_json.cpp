@@ -109,7 +109,8 @@ Json assessment_json(const AssessedPrimitive& assessed, std::size_t which, bool 
             {"primitive", primitive.primitive},
             {"name", primitive.name},
             {"corners", report.corners},
-            {"verdict", name_of(report.verdict)}};
+            {"verdict", name_of(report.verdict)},
+            {"needs_tangents", primitive.needs_tangents ? Json(*primitive.needs_tangents) : Json()}};
   if (assessment.part) json["part"] = *assessment.part;
   const bool fits = assessment.fit && assessment.fit->fits;
   json["surface"] = fits ? placed_surface_json(*assessment.fit) : Json();

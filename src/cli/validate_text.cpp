@@ -66,8 +66,10 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
   if (assessment.fit && assessment.fit->fits)
     std::cout << ", " << assessment.fit->surface.surface.specification(6) << ", uvs "
               << uv_convention(*assessment.fit);
-  std::cout << ", w " << name_of(report.handedness.convention) << ", judged by " << name_of(report.reference)
-            << '\n';
+  std::cout << ", w " << name_of(report.handedness.convention) << ", judged by " << name_of(report.reference);
+  if (const auto& needs = assessed.primitive.needs_tangents)
+    std::cout << "; its material reads " << (*needs ? "" : "no ") << "tangents";
+  std::cout << '\n';
   if (!report.classes.empty())
     std::printf("    %-10s %9s  %-23s  %-23s  %-23s\n", "class", "corners", "normal max/rms (deg)",
                 "tangent max/rms (deg)", "bitangent max/rms (deg)");
@@ -195,6 +197,10 @@ void print_summary(const AssessedFile& file, bool with_baseline) {
 
 // Why there is nothing to assess in a file.
 std::string nothing_because(const AssessedFile& file) {
+  if (file.primitives.empty() &&
+      std::any_of(file.skipped.begin(), file.skipped.end(),
+                  [](const SkippedPrimitive& s) { return s.reason == unneeded_reason; }))
+    return "nothing that needs tangents (--only needed)";
   const bool triangles = std::any_of(file.primitives.begin(), file.primitives.end(), [](const auto& p) {
     return std::any_of(p.assessments.begin(), p.assessments.end(),
                        [](const Assessment& j) { return j.report.corners > 0; });

@@ -38,6 +38,8 @@ struct GltfFile {
   /// The bytes that the buffer, byteOffset and byteLength of a bufferView, or of what is written like one,
   /// name. They hold until something is appended. \throws FileError
   std::string_view view_bytes(const io::JsonCursor& view) const;
+  /// The same where the bytes of its buffer are at hand.
+  std::string_view view_bytes(const io::JsonCursor& view, const std::optional<std::string>& bytes) const;
 
   /// Appends bytes to buffer 0, at a multiple of 4; returns where they begin.
   std::size_t append_bytes(std::string_view bytes);
@@ -88,6 +90,10 @@ GltfFile load_gltf(const std::string& path, std::string bytes);
 /// The document alone: nothing of its buffers, images and compressed data is read, and none need be there.
 /// Reads as many bytes as the JSON has. \throws FileError
 GltfFile load_gltf_json(const std::string& path);
+
+/// The bytes of an entry of "images": of its uri, or of its bufferView, for which the buffer is read where it
+/// is not in memory. \throws FileError where they are not there
+std::string image_bytes(const GltfFile& file, const JsonCursor& image);
 
 /// Decodes the bufferViews that EXT_meshopt_compression compresses, appends them to buffer 0 and takes the
 /// extension off the document, with the buffers that only stood for decoded data. Nothing is allocated beyond

@@ -123,27 +123,32 @@ void check_arrays(const JsonCursor& document) {
     if (document.has(key)) document.at(key).size();
 }
 
+/// The bytes of one buffer, nothing where none are to be read. \param chunk the binary chunk where there is
+/// one
+std::optional<std::string> load_buffer(const GltfFile& file, const JsonCursor& buffer, bool is_first,
+                                       std::optional<std::string>&& chunk) {
+  const std::uint64_t length = buffer.at("byteLength").integer(1);
+  std::optional<std::string> bytes;
+  // A fallback is for readers that do not know the extension.
+  const auto meshopt = buffer.extension("EXT_meshopt_compression");
+  const bool fallback = meshopt && meshopt->has("fallback") && meshopt->at("fallback").boolean();
+  if (buffer.has("uri")) {
+    const JsonCursor uri = buffer.at("uri");
+    if (!fallback) bytes = load_uri(file.path, uri.name(), uri.text());
+  } else if (is_first) {
+    bytes = std::move(chunk);
+  }
+  if (bytes && bytes->size() < length)
+    buffer.at("byteLength").fail("at most the " + std::to_string(bytes->size()) + " bytes there are");
+  return bytes;
+}
+
 /// \param chunk the binary chunk where there is one
 void load_buffers(GltfFile& file, std::optional<std::string> chunk) {
   if (!file.root().has("buffers")) return;
   const JsonCursor buffers = file.root().at("buffers");
-  for (std::size_t i = 0; i < buffers.size(); ++i) {
-    const JsonCursor buffer = buffers.at(i);
-    const std::uint64_t length = buffer.at("byteLength").integer(1);
-    std::optional<std::string> bytes;
-    // A fallback is for readers that do not know the extension.
-    const auto meshopt = buffer.extension("EXT_meshopt_compression");
-    const bool fallback = meshopt && meshopt->has("fallback") && meshopt->at("fallback").boolean();
-    if (buffer.has("uri")) {
-      const JsonCursor uri = buffer.at("uri");
-      if (!fallback) bytes = load_uri(file.path, uri.name(), uri.text());
-    } else if (i == 0) {
-      bytes = std::move(chunk);
-    }
-    if (bytes && bytes->size() < length)
-      buffer.at("byteLength").fail("at most the " + std::to_string(bytes->size()) + " bytes there are");
-    file.buffers.push_back(std::move(bytes));
-  }
+  for (std::size_t i = 0; i < buffers.size(); ++i)
+    file.buffers.push_back(load_buffer(file, buffers.at(i), i == 0, std::move(chunk)));
 }
 
 /// Refuses what would take the parser's stack or its time: deep nesting, and objects of very many keys, each
@@ -266,6 +271,19 @@ GltfFile load_gltf_json(const std::string& path) {
   return file;
 }
 
+std::string image_bytes(const GltfFile& file, const JsonCursor& image) {
+  if (image.has("uri")) return load_uri(file.path, image.at("uri").name(), image.at("uri").text());
+  const JsonCursor view = file.element("bufferViews", image.at("bufferView"));
+  if (!file.buffers.empty()) return std::string(file.view_bytes(view));
+  const JsonCursor index = view.at("buffer"), buffer = file.element("buffers", index);
+  std::optional<std::string> chunk;
+  if (std::string bytes = buffer.has("uri") ? std::string() : read_file(file.path); bytes.starts_with("glTF"))
+    if (const Chunks chunks = split_chunks(file.path, bytes); chunks.has_bin)
+      chunk = bytes.substr(chunks.bin_begin, chunks.bin_size);
+  const auto bytes = load_buffer(file, buffer, index.integer() == 0, std::move(chunk));
+  return std::string(file.view_bytes(view, bytes));
+}
+
 void remove_extension(Json& owner, const char* name) {
   if (const auto extensions = owner.find("extensions"); extensions != owner.end()) {
     extensions->erase(name);
@@ -293,9 +311,13 @@ io::JsonCursor GltfFile::element(const char* array, const io::JsonCursor& index)
 }
 
 std::string_view GltfFile::view_bytes(const io::JsonCursor& view) const {
-  const io::JsonCursor buffer_index = view.at("buffer");
-  const io::JsonCursor buffer = element("buffers", buffer_index);
-  const auto& bytes = buffers[buffer_index.integer()];
+  element("buffers", view.at("buffer"));
+  return view_bytes(view, buffers[view.at("buffer").integer()]);
+}
+
+std::string_view GltfFile::view_bytes(const io::JsonCursor& view,
+                                      const std::optional<std::string>& bytes) const {
+  const io::JsonCursor buffer = element("buffers", view.at("buffer"));
   if (!bytes) buffer.fail("a uri or, for buffer 0, the binary chunk of a GLB", "no data");
   const std::uint64_t available = buffer.at("byteLength").integer();
   const std::uint64_t offset = view.integer_or("byteOffset", 0);

@@ -15,15 +15,14 @@ struct Rule {
   bool is_normal_map;
   const char* factor;  // of the extension, 0 by default: switches the property off
 };
+constexpr std::string_view packed = "packed_normal_texture";  // x and y in two channels
 constexpr Rule rules[] = {
     {"normal_texture", nullptr, "normalTexture", false, true, nullptr},
     {"clearcoat_normal_texture", "KHR_materials_clearcoat", "clearcoatNormalTexture", false, true,
      "clearcoatFactor"},
     {"anisotropy", "KHR_materials_anisotropy", "anisotropyTexture", true, false, "anisotropyStrength"},
-    {"packed_normal_texture", "MSFT_packing_normalRoughnessMetallic", "normalRoughnessMetallicTexture", false,
-     true, nullptr},
-    {"packed_normal_texture", "MSFT_packing_occlusionRoughnessMetallic", "normalTexture", false, true,
-     nullptr},
+    {packed, "MSFT_packing_normalRoughnessMetallic", "normalRoughnessMetallicTexture", false, true, nullptr},
+    {packed, "MSFT_packing_occlusionRoughnessMetallic", "normalTexture", false, true, nullptr},
 };
 
 std::uint64_t texcoord(const JsonCursor& texture) {
@@ -85,13 +84,18 @@ std::vector<FrameReader> frame_readers(const GltfFile& file, std::size_t index, 
     if (!owner) continue;
     const std::string of_owner =
         rule.extension == nullptr ? of_material : of_material + "/extensions/" + rule.extension;
-    FrameReader reader{rule.name, of_owner, owner->has(rule.texture), rule.is_normal_map};
+    FrameReader reader{.rule = rule.name,
+                       .pointer = of_owner,
+                       .has_texture = owner->has(rule.texture),
+                       .is_normal_map = rule.is_normal_map,
+                       .two_channels = rule.name == packed};
     if (!reader.has_texture && !rule.without_texture) continue;
     if (off.by_factors && rule.factor != nullptr && is_zero(*owner, rule.factor, 0, of_owner, off)) continue;
     if (reader.has_texture) {
       const JsonCursor texture = owner->at(rule.texture);
       reader.pointer += std::string("/") + rule.texture;
       if (off.by_factors && rule.is_normal_map && is_zero(texture, "scale", 1, reader.pointer, off)) continue;
+      if (texture.has("index")) reader.texture = texture.at("index").integer();
       reader.texcoord = texcoord(texture);
       reader.transform = transform_of(texture);
     }

@@ -20,7 +20,9 @@ struct FrameReader {
   std::string pointer;         ///< JSON pointer to the property, "/materials/0/normalTexture"
   bool has_texture = false;    ///< it reads the frame through a texture
   bool is_normal_map = false;  ///< that texture is a normal map: viewers derive the frame from its uvs
-  std::uint64_t texcoord = 0;  ///< TEXCOORD set of the texture, 0 when there is none
+  bool two_channels = false;   ///< a normal map of x and y alone
+  std::optional<std::uint64_t> texture{};            ///< its index, where it is given
+  std::uint64_t texcoord = 0;                        ///< TEXCOORD set of the texture, 0 when there is none
   std::optional<std::array<double, 6>> transform{};  ///< its KHR_texture_transform, as Primitive has it
 };
 

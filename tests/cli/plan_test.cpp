@@ -24,7 +24,7 @@ TEST_F(Cli, PlanSaysWhatIsMissingAndWhatIsIdle) {
                   "triangles", "tangent_bytes", "splits"});
   EXPECT_EQ(p["need"], "missing");
   EXPECT_TRUE(p["splits"].is_null());
-  expect_keys(p["reasons"][0], {"rule", "pointer", "texcoord", "transform"});
+  expect_keys(p["reasons"][0], {"rule", "pointer", "texcoord", "transform", "derivable", "note"});
   EXPECT_EQ(p["reasons"][0]["pointer"], "/materials/0/normalTexture");
   EXPECT_EQ(json("darboux plan made.glb --splits --json")["files"][0]["primitives"][0]["splits"], 3);
   EXPECT_EQ(json("darboux plan made.glb --strict --json", 1)["ok"], false);
@@ -38,6 +38,46 @@ TEST_F(Cli, PlanSaysWhatIsMissingAndWhatIsIdle) {
   const Json needed = json("darboux plan needed.glb --strict --json")["files"][0]["totals"];
   EXPECT_EQ(needed["needed"], 1);
   EXPECT_EQ(needed["idle"], 0);
+}
+
+TEST_F(Cli, PlanAtLevelPixelsSaysWhichImagesItCouldNotLookAt) {
+  Builder b = generated_gltf();
+  b.json["textures"] = Json::array({{{"source", 0}}});
+  b.json["images"] = Json::array({{{"uri", "map.jpg"}}});
+  write_bytes(path("made.glb"), b.glb());
+  write_bytes(path("map.jpg"), "\xff\xd8\xff");
+  const Json p = json("darboux plan made.glb --level pixels --json")["files"][0]["primitives"][0];
+  EXPECT_EQ(p["need"], "missing");
+  EXPECT_EQ(p["reasons"][0]["note"], "image 0 is not a PNG, so that its texels are not looked at");
+  EXPECT_NE(good("darboux plan made.glb --level pixels").find("image 0 is not a PNG"), std::string::npos);
+  EXPECT_NE(good("darboux plan made.glb --level pixels").find("1 normal map could not be looked at"),
+            std::string::npos);
+}
+
+// `validate` and `plan` say the same of each primitive.
+TEST_F(Cli, ValidateSaysWhetherTangentsAreNeededAndJudgesThoseAlone) {
+  write_bytes(path("made.glb"), made());
+  good("darboux tangents made.glb -o all.glb");
+  const Json planned = json("darboux plan all.glb --json")["files"][0]["primitives"];
+  std::map<std::pair<int, int>, bool> needed;
+  for (const Json& p : planned) needed[{p["mesh"], p["primitive"]}] = !p["reasons"].empty();
+  const Json all = Json::parse(sh("darboux validate all.glb --json").out)["files"][0];
+  std::size_t judged = 0;
+  for (const Json& m : all["meshes"]) {
+    EXPECT_EQ(m["needs_tangents"], (needed.at({m["mesh"], m["primitive"]})));
+    judged += m["needs_tangents"].get<bool>();
+  }
+  EXPECT_GT(judged, 0u);
+  EXPECT_LT(judged, all["meshes"].size());
+  const Json only = Json::parse(sh("darboux validate all.glb --only needed --json").out)["files"][0];
+  EXPECT_EQ(only["meshes"].size(), judged);
+  EXPECT_GT(only["skipped"].size(), all["skipped"].size());
+  EXPECT_NE(sh("darboux validate all.glb --only needed").out.find("its material reads no tangents"),
+            std::string::npos);
+  // Other formats do not say, and are judged whole.
+  const Json obj = json("darboux validate data/sphere_016.obj --only needed --json")["files"][0];
+  ASSERT_EQ(obj["meshes"].size(), 1u);
+  EXPECT_TRUE(obj["meshes"][0]["needs_tangents"].is_null());
 }
 
 TEST_F(Cli, PlanFailsWhereViewersCannotMakeWhatIsMissing) {
