@@ -5,7 +5,9 @@
 #include <cmath>
 #include <string_view>
 
+#include <darboux/ellipsoid.h>
 #include <darboux/frame.h>
+#include <darboux/sphere.h>
 
 #include "base/evenly_chosen.h"
 #include "base/text.h"
@@ -118,12 +120,9 @@ std::size_t folded(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d
 // Lengths of edges, on the unit ball that the surface is the image of.
 std::size_t lengths(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
   Eigen::Vector3d axes = Eigen::Vector3d::Ones();
-  for (const ParameterValue& p : fit.surface.surface.parameters()) {
-    if (p.name == "radius") axes.setConstant(p.value);
-    if (p.name == "semi_axis_x") axes.x() = p.value;
-    if (p.name == "semi_axis_y") axes.y() = p.value;
-    if (p.name == "semi_axis_z") axes.z() = p.value;
-  }
+  if (const auto* sphere = fit.surface.surface.get<Sphere<double>>()) axes.setConstant(sphere->radius);
+  if (const auto* e = fit.surface.surface.get<Ellipsoid<double>>())
+    axes = {e->semi_axis_x, e->semi_axis_y, e->semi_axis_z};
   const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
   std::vector<double> values;
   for (const auto& [v, w] : shape.edges) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include <darboux/disk.h>
 #include <darboux/error.h>
 
 #include "base/text.h"
@@ -49,16 +50,11 @@ bool may_be(SurfaceKind kind, Quadric quadric) {
 
 // A disk without a hole is fitted with one as small as rounding: its middle is a pole all the same.
 void mark_middle(const MeshFit& fit, const Mesh& mesh, std::vector<Truth>& truth) {
-  if (kind_of(fit) != SurfaceKind::disk) return;
-  double inner = 0, outer = 0;
-  for (const ParameterValue& p : fit.surface.surface.parameters()) {
-    if (p.name == "inner_radius") inner = p.value;
-    if (p.name == "outer_radius") outer = p.value;
-  }
-  if (!(inner <= fits_below * outer)) return;
+  const auto* disk = fit.surface.surface.get<Disk<double>>();
+  if (!disk || !(disk->inner_radius <= fits_below * disk->outer_radius)) return;
   const Eigen::Vector3d middle = fit.surface.placement.translation();
   for (std::size_t v = 0; v < truth.size(); ++v)
-    if ((to_eigen(mesh.positions[v]) - middle).norm() <= 2 * fits_below * outer) truth[v].pole = true;
+    if ((to_eigen(mesh.positions[v]) - middle).norm() <= 2 * fits_below * disk->outer_radius) truth[v].pole = true;
 }
 
 // One mesh that is looked at.

@@ -47,7 +47,10 @@ inline bool is_planar(SurfaceKind kind) {
 
 // Whether its uvs are the surface's own after an affine map that is none of uv_conventions().
 inline bool has_affine_uvs(const MeshFit& fit) {
-  return fit.chart == UvChart::own && fit.surface.uv.name == "affine";
+  const auto known = uv_conventions();
+  return fit.chart == UvChart::own && std::none_of(known.begin(), known.end(), [&](const UvConvention& c) {
+           return c.affine == fit.surface.uv.affine;
+         });
 }
 
 }  // namespace darboux
