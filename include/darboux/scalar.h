@@ -199,7 +199,8 @@ struct Dual {
 
   constexpr Dual() = default;
   /// A constant.
-  constexpr explicit(false) Dual(const T& constant) : value(constant), derivative{} {
+  constexpr explicit(false) Dual(const T& constant)  // NOLINT: clang-tidy 14 does not know explicit(false)
+      : value(constant), derivative{} {
     derivative.fill(lift<T>(0.0));
   }
   constexpr Dual(const T& v, const std::array<T, N>& d) : value(v), derivative(d) {}

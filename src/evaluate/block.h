@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "evaluate/kernels/kernels.h"
+#include "evaluate/kernels/work.h"
 
 namespace darboux::evaluation {
 

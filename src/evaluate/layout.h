@@ -8,7 +8,7 @@
 
 #include <darboux/evaluate.h>
 
-#include "evaluate/kernels/kernels.h"
+#include "evaluate/kernels/work.h"
 
 namespace darboux::evaluation {
 

@@ -5,7 +5,7 @@
 
 #include <darboux/instruction_set.h>
 
-#include "kernels.h"
+#include "work.h"
 
 namespace darboux::kernels {
 

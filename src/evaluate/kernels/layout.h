@@ -9,8 +9,8 @@
 #include <cstring>
 #include <utility>
 
-#include "kernels.h"
 #include "lanes.h"
+#include "work.h"
 
 namespace darboux::kernels {
 namespace {

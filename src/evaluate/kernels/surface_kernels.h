@@ -8,8 +8,8 @@
 
 #include <darboux/catalogue.h>
 
+#include "batch_loop.h"
 #include "index_in_catalogue.h"
-#include "kernel.h"
 
 namespace darboux::kernels {
 namespace {

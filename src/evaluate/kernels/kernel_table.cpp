@@ -1,12 +1,11 @@
 // The table of an instruction set; compiled once for each, DARBOUX_ISA names this one. Everything but the
 // table has internal linkage.
-#include "kernels.h"
-
-#include "batch.h"
+#include "batch_width.h"
 #include "index_in_catalogue.h"
 #include "kernel_list.h"
 #include "lanes.h"
 #include "layout.h"
+#include "work.h"
 
 namespace darboux::kernels {
 

@@ -1,6 +1,6 @@
-/// \file kernels.h
-/// Between evaluate.cpp, which knows requests, layouts and threads, and kernels.cpp, which is compiled once
-/// per instruction set and knows formulas. Plain data only: nothing here may be compiled differently in the
+/// \file work.h
+/// Between evaluate.cpp, which knows requests, layouts and threads, and the kernels, which are compiled once
+/// per instruction set and know formulas. Plain data only: nothing here may be compiled differently in the
 /// two.
 #pragma once
 

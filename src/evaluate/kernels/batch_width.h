@@ -1,8 +1,8 @@
 // How many points go through a formula at once.
 #pragma once
 
-#include "kernels.h"
 #include "lanes.h"
+#include "work.h"
 
 namespace darboux::kernels {
 namespace {

@@ -7,10 +7,10 @@
 
 #include <darboux/forms.h>
 
-#include "batch.h"
-#include "kernels.h"
+#include "batch_width.h"
 #include "lanes.h"
 #include "layout.h"
+#include "work.h"
 
 namespace darboux::kernels {
 namespace {
