@@ -14,6 +14,15 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
+
+// What lets the compiler reorder sums, or take NaN for impossible, makes wrong frames with a regular status.
+// Clang says the first of -ffast-math alone: see opaque().
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error \
+    "darboux: expected no -ffast-math, -fassociative-math, -funsafe-math-optimizations, -ffinite-math-only: they break exact range reduction"
+#endif
 
 namespace darboux {
 
@@ -65,6 +74,23 @@ constexpr S from_bits(const Bits& bits) {
     return std::bit_cast<S>(bits);
 }
 
+// x, of which the compiler does not know what it was made of: so that (x + magic) - magic stays what it is
+// where clang is told to reorder sums, which it says in no macro. Nothing elsewhere.
+template <class S>
+constexpr S opaque(S x) {
+#if defined(__clang__) && (defined(__x86_64__) || defined(__aarch64__))
+  if constexpr (std::same_as<S, float> || std::same_as<S, double>)
+    if (!std::is_constant_evaluated()) {
+#if defined(__x86_64__)
+      asm("" : "+x"(x));
+#else
+      asm("" : "+w"(x));
+#endif
+    }
+#endif
+  return x;
+}
+
 // x + magic rounds an |x| < half_range to an integer, which is left in the low bits; half_range / 4 turns
 // have fewer quarters than that.
 template <class T>
@@ -82,7 +108,7 @@ struct Format<float> {
 template <std::floating_point T>
 T nearest_integer(T x) {
   using F = Format<T>;
-  return std::abs(x) < F::half_range ? (x + F::magic) - F::magic : std::nearbyint(x);
+  return std::abs(x) < F::half_range ? opaque(x + F::magic) - F::magic : std::nearbyint(x);
 }
 
 template <class S, class T, std::size_t N>

@@ -157,16 +157,24 @@ double amplification() {
   return std::sqrt(squares + centre * centre);
 }
 
+// h to as few digits as make x ± k h exact for all k up to `reach`, unless a power of two lies between them:
+// a node that is rounded by a share e of h costs some e of the leading term, and no higher order takes that
+// away.
+inline double exact_step(double x, double h, int reach) {
+  const double farthest = std::fabs(x) + reach * std::fabs(h), exact = (farthest + h) - farthest;
+  return exact == 0 || !std::isfinite(exact) ? h : exact;
+}
+
 // The rms error of f's values where it was not measured: one or two roundings of the size that f has within a
 // length, which its derivatives reveal where f itself happens to be small, and one of its argument.
-template <class V>
-double usual_rounding(double largest, double x, const V& d1, const V& d2, const V& d3, double omega) {
-  const double slope = size(d1) / omega;
-  const double envelope =
-      std::hypot(largest, slope, std::hypot(size(d2) / omega / omega, size(d3) / omega / omega / omega));
+//   slope, bend, third  sizes of the first derivative, and of the second and third over omega², so that no
+//                       power of a length is taken; omega = 2π/L
+inline double usual_rounding(double largest, double x, double slope, double bend, double third,
+                             double omega) {
+  const double envelope = std::hypot(largest, slope / omega, std::hypot(bend, third / omega));
   if (envelope == 0) return 0;
-  if (!std::isfinite(envelope)) return infinity;  // a step whose square underflows
-  return std::fmax(unit_roundoff * std::hypot(0.6 * envelope, 0.45 * std::fabs(x) * omega * slope),
+  if (!std::isfinite(envelope)) return infinity;
+  return std::fmax(unit_roundoff * std::hypot(0.6 * envelope, 0.45 * std::fabs(x) * slope),
                    std::numeric_limits<double>::denorm_min());
 }
 
@@ -213,6 +221,7 @@ auto central(F& f, double x, double h, double rounding) {
   static_assert(Differentiable<V>, "f must return double or Vec3<double>");
   static_assert(order == 2 || order == 4 || order == 6 || order == 8);
   constexpr int n = order / 2;
+  h = exact_step(x, h, n + 1);
   std::array<V, n + 1> q, sum;
   double largest = 0;
   for (int k = 1; k <= n + 1; ++k) {
@@ -222,9 +231,11 @@ auto central(F& f, double x, double h, double rounding) {
     sum[k - 1] = above + below;
     largest = std::fmax(largest, std::fmax(size(above), size(below)));
   }
-  if (rounding == unknown)
-    rounding = usual_rounding<V>(largest, x, q[0], (sum[1] - sum[0]) / (3 * h * h),
-                                 2.0 * (q[1] - q[0]) / (h * h), tau * central_steps[order] / std::fabs(h));
+  if (rounding == unknown) {
+    constexpr double angle = tau * central_steps[order], square = angle * angle;
+    rounding = usual_rounding(largest, x, size(q[0]), size(sum[1] - sum[0]) / (3 * square),
+                              2 * size(q[1] - q[0]) / square, angle / std::fabs(h));
+  }
   return extrapolate<n, 2>(q, amplification<Quotient::central, n>() * rounding / std::fabs(h), 0);
 }
 
@@ -233,6 +244,7 @@ auto one_sided(F& f, double x, double h, double rounding, double length = 0) {
   using V = Value<F>;
   static_assert(Differentiable<V>, "f must return double or Vec3<double>");
   static_assert(1 <= order && order <= 8);
+  h = exact_step(x, h, order + 1);
   const double angle = tau * (length > 0 ? std::fabs(h) / length : one_sided_steps[order]);
   std::array<V, order + 1> q;
   const V here = f(x);
@@ -244,9 +256,10 @@ auto one_sided(F& f, double x, double h, double rounding, double length = 0) {
     largest = std::fmax(largest, size(there));
   }
   if (rounding == unknown) {
-    V third{};
-    if constexpr (order > 1) third = 3.0 * ((q[2] - q[1]) - (q[1] - q[0])) / (h * h);
-    rounding = usual_rounding<V>(largest, x, q[0], 2.0 * (q[1] - q[0]) / h, third, angle / std::fabs(h));
+    const double omega = angle / std::fabs(h);
+    double third = 0;
+    if constexpr (order > 1) third = 3 * size((q[2] - q[1]) - (q[1] - q[0])) / (angle * angle);
+    rounding = usual_rounding(largest, x, size(q[0]), 2 * size(q[1] - q[0]) / omega / angle, third, omega);
   }
   return extrapolate<order, 1>(q, amplification<Quotient::one_sided, order>() * rounding / std::fabs(h),
                                angle);
@@ -258,6 +271,7 @@ auto second(F& f, double x, double h, double rounding) {
   static_assert(Differentiable<V>, "f must return double or Vec3<double>");
   static_assert(order == 2 || order == 4 || order == 6 || order == 8);
   constexpr int n = order / 2;
+  h = exact_step(x, h, n + 1);
   std::array<V, n + 1> q, slope;
   const V here = f(x);
   double largest = size(here);
@@ -269,9 +283,12 @@ auto second(F& f, double x, double h, double rounding) {
     slope[k - 1] = (above - below) / (right - left);
     largest = std::fmax(largest, std::fmax(size(above), size(below)));
   }
-  if (rounding == unknown)
-    rounding = usual_rounding<V>(largest, x, slope[0], q[0], 2.0 * (slope[1] - slope[0]) / (h * h),
-                                 tau * second_steps[order] / std::fabs(h));
+  if (rounding == unknown) {
+    constexpr double angle = tau * second_steps[order];
+    const double omega = angle / std::fabs(h);
+    rounding = usual_rounding(largest, x, size(slope[0]), size(q[0]) / omega / omega,
+                              2 * size(slope[1] - slope[0]) / (angle * angle), omega);
+  }
   return extrapolate<n, 2>(q, amplification<Quotient::second, n>() * rounding / (h * h), 0);
 }
 
@@ -281,6 +298,7 @@ auto ridders(F& f, double x, double h, double rounding, int& evaluations) {
   using V = Value<F>;
   static_assert(Differentiable<V>, "f must return double or Vec3<double>");
   constexpr int rows = 10;
+  h = std::ldexp(exact_step(x, std::ldexp(h, 1 - rows), 1 << (rows - 1)), rows - 1);  // the shortest too
   struct Entry {
     V value;
     double rounding, correction;  // correction: of the entry before it

@@ -91,7 +91,7 @@ struct ExpTerms {
 
   explicit ExpTerms(const S& x, const S& x_low = S(0)) {
     const S magic(Format<Element<S>>::magic);
-    shifted = x * S(F::inverse_ln2) + magic;
+    shifted = opaque(S(x * S(F::inverse_ln2) + magic));
     n = shifted - magic;
     high = x - n * S(F::ln2_high);
     const S low = n * S(F::ln2_low) - x_low, r = high - low, z = r * r;

@@ -50,24 +50,28 @@ S mean_curvature(const FirstForm<S>& I, const SecondForm<S>& II) {
 
 /// The shape operator in the orthonormal basis (t, b): S t = a t + m b, S b = m t + c b. Units: 1/length.
 /// With n outward a sphere of radius r has a = c = -1/r, m = 0. Beside it the partials in that basis: dpdu =
-/// e t, dpdv = f t + g b.
+/// e t, dpdv = f t + g b; and m_size, the size of the terms whose sum is m: rounding leaves some m_size u.
 template <class S>
 struct ShapeOperator {
   S a, m, c;
   S e, f, g;
+  S m_size;
 };
 
 /// S = [[a, m], [m, c]] from a jet and its orthonormal frame: L = e² a, M = e (f a + g m), N = f² a + 2 f g m
 /// + g² c. NaN where dpdu and dpdv span no plane.
 template <class S>
 ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
+  using std::abs;
   ShapeOperator<S> s;
   s.e = dot(j.dpdu, frame.t);
   s.f = dot(j.dpdv, frame.t);
   s.g = dot(j.dpdv, frame.b);
   // Each second derivative is divided once before the dot product, which near a pole would underflow.
   s.a = dot(frame.n, j.d2pdu2 / s.e) / s.e;
-  s.m = (dot(frame.n, j.d2pduv / s.e) - s.f * s.a) / s.g;
+  const Vec3<S> mixed = j.d2pduv / s.e;
+  s.m = (dot(frame.n, mixed) - s.f * s.a) / s.g;
+  s.m_size = (abs(mixed.x) + abs(mixed.y) + abs(mixed.z) + abs(s.f * s.a)) / abs(s.g);
   s.c = (dot(frame.n, j.d2pdv2 / s.g) - s.f * (s.a * (s.f / s.g) + lift<S>(2.0) * s.m)) / s.g;
   return s;
 }
@@ -129,11 +133,13 @@ S hypotenuse(const S& x, const S& y) {
 /// = -1/r.
 template <class S>
 struct Curvature {
-  S gaussian;             ///< K = κ1 κ2, 1/length²
-  S mean;                 ///< H = (κ1 + κ2)/2, 1/length
-  S principal[2];         ///< κ1 >= κ2, 1/length
-  Vec3<S> directions[2];  ///< unit; directions[1] = n × directions[0], and directions[0]·t >= 0
-  Status status;          ///< the frame's, with `umbilic` where κ1 = κ2 (the directions are then t and b)
+  S gaussian;      ///< K = κ1 κ2, 1/length²
+  S mean;          ///< H = (κ1 + κ2)/2, 1/length
+  S principal[2];  ///< κ1 >= κ2, 1/length
+  /// Unit; directions[1] = n × directions[0]. directions[0]·t > 0, or directions[0] = b exactly where it lies
+  /// along b as far as rounding tells.
+  Vec3<S> directions[2];
+  Status status;  ///< the frame's, with `umbilic` where κ1 = κ2 (the directions are then t and b)
 };
 
 /// Curvatures from the shape operator in the basis (t, b) of an orthonormal frame:
@@ -162,6 +168,10 @@ Curvature<S> curvature(const ShapeOperator<S>& shape, const Frame<S>& frame) {
   if (equal && finite) result.status |= Status::umbilic;
   x = select(equal, finite ? one : radius, x);
   y = select(equal, zero, y);
+  // What rounding alone may have made of an m of 0 would give direction b a sign of its own at every point.
+  const auto along_b =
+      !leans_to_t && abs(m) <= S(16 * std::numeric_limits<detail::Element<S>>::epsilon()) * shape.m_size;
+  x = select(along_b, zero, x);
   const S length = detail::hypotenuse(x, y);
   x = x / length;
   y = y / length;
@@ -211,14 +221,16 @@ ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Je
   constexpr S nan = std::numeric_limits<S>::quiet_NaN();
   constexpr S rounding = S(32) * std::numeric_limits<S>::epsilon();
   const S e = dot(j.dpdu, frame.t), f = dot(j.dpdv, frame.t), g = dot(j.dpdv, frame.b);
-  ShapeOperator<S> result{nan, nan, nan, e, f, g};
-  // x = (x_u, x_v) is the direction in which the position does not move, y = (-x_v, x_u).
+  ShapeOperator<S> result{nan, nan, nan, e, f, g, nan};
+  // x = (x_u, x_v) is the direction in which the position does not move, y = (-x_v, x_u). Next to a collapse,
+  // where no status says so, it is that of the smaller partial.
   S x_u = 1, x_v = 0;
-  if (has(frame.status, Status::dpdv_zero)) {
+  const bool flagged = has(frame.status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel);
+  if (has(frame.status, Status::dpdv_zero) || (!flagged && norm(j.dpdv) < norm(j.dpdu))) {
     if (has(frame.status, Status::dpdu_zero)) return result;
     x_u = 0;
     x_v = 1;
-  } else if (!has(frame.status, Status::dpdu_zero)) {
+  } else if (has(frame.status, Status::parallel) && !has(frame.status, Status::dpdu_zero)) {
     const Vec3<S> d = unit(j.dpdv);
     const Vec2<S> x = unit(Vec2<S>{dot(j.dpdv, d), -dot(j.dpdu, d)});
     x_u = x.x;
@@ -253,6 +265,7 @@ ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Je
   result.a = cosine * cosine * tt + S(2) * cosine * sine * tb + sine * sine * bb;
   result.m = cosine * sine * (bb - tt) + (cosine * cosine - sine * sine) * tb;
   result.c = sine * sine * tt - S(2) * cosine * sine * tb + cosine * cosine * bb;
+  result.m_size = S(4) * (std::fabs(tt) + std::fabs(tb) + std::fabs(bb));
   return result;
 }
 
@@ -277,15 +290,21 @@ Frame<S> frame_of(const X& surface, S u, S v) {
 
 /// The shape operator of a surface at (u, v), from a jet and frame of it at hand. Where they carry
 /// limit_frame (poles, collapsed edges) it is the limit, of derivatives to fourth order by nested dual
-/// numbers, within a few dozen roundings of its terms; elsewhere that of the jet. NaN where there is none: at
+/// numbers, within a few dozen roundings of its terms; so it is where a regular point is so close to one that
+/// terms leave the range of the scalar. Elsewhere it is that of the jet. NaN where there is none: at
 /// the apex of a cone and wherever else the curvature grows without bound, where d2pduv vanishes with dpdu,
 /// or where those derivatives do not exist. \param surface a surface type, or AnySurface
 template <class X, std::floating_point S>
 ShapeOperator<S> shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
   if (!has(frame.status, Status::limit_frame) || !has(frame.status, singular) ||
-      has(frame.status, Status::no_frame))
-    return shape_operator(j, frame);
+      has(frame.status, Status::no_frame)) {
+    const ShapeOperator<S> regular = shape_operator(j, frame);
+    if (std::isfinite(regular.a) && std::isfinite(regular.m) && std::isfinite(regular.c)) return regular;
+    if (!detail::finite(frame.n) || !detail::finite(j.d2pdu2) || !detail::finite(j.d2pduv) ||
+        !detail::finite(j.d2pdv2))
+      return regular;
+  }
   const auto jets = [&](const auto& a, const auto& b) { return detail::jet_of(surface, a, b); };
   return detail::shape_operator_at_collapse(jets, u, v, j, frame);
 }

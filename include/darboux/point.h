@@ -194,6 +194,37 @@ Sample<S> sample(const X& surface, S u, S v) {
   return make_sample(u, v, jet(surface, u, v), frame(surface, u, v));
 }
 
+namespace detail {
+
+// Coordinates that are not two of one floating-point type: whole numbers, as in frame(torus, 0, 1), and mixed
+// ones. All are taken as double.
+template <class U, class V>
+concept MixedCoordinates =
+    std::is_arithmetic_v<U> && std::is_arithmetic_v<V> && !(std::floating_point<U> && std::same_as<U, V>);
+
+}  // namespace detail
+
+template <ParametricSurface X, class U, class V>
+requires detail::MixedCoordinates<U, V> Jet2<double> jet(const X& surface, U u, V v) {
+  return jet(surface, static_cast<double>(u), static_cast<double>(v));
+}
+template <ParametricSurface X, class U, class V>
+requires detail::MixedCoordinates<U, V> Frame<double> frame(const X& surface, U u, V v) {
+  return frame(surface, static_cast<double>(u), static_cast<double>(v));
+}
+template <ParametricSurface X, class U, class V>
+requires detail::MixedCoordinates<U, V> ParametricFrame<double> parametric_frame(const X& surface, U u, V v) {
+  return parametric_frame(surface, static_cast<double>(u), static_cast<double>(v));
+}
+template <ParametricSurface X, class U, class V>
+requires detail::MixedCoordinates<U, V> Sample<double> sample(const X& surface, U u, V v) {
+  return sample(surface, static_cast<double>(u), static_cast<double>(v));
+}
+template <ParametricSurface X, class U, class V>
+requires detail::MixedCoordinates<U, V> Status status(const X& surface, U u, V v) {
+  return status(surface, static_cast<double>(u), static_cast<double>(v));
+}
+
 // For what is no surface: one error that names the member it lacks.
 template <class X, class S>
 requires(std::is_class_v<X> && !ParametricSurface<X>) void jet(const X&, const S&, const S&) {

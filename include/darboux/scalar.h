@@ -17,10 +17,6 @@
 #include <darboux/binary.h>
 #include <darboux/elementary.h>
 
-#if defined(__FAST_MATH__)
-#error "darboux: -ffast-math breaks exact range reduction and the difference of products, compile without it"
-#endif
-
 namespace darboux {
 
 /// An angle handed to a formula as its sine and cosine.
@@ -104,7 +100,7 @@ template <Binary S>
 constexpr Turn<S> sincos_quarters(const S& x) {
   using Q = QuarterTurn<Element<S>>;
   using Bits = decltype(to_bits(x));
-  const S magic(Format<Element<S>>::magic), shifted = x + magic;
+  const S magic(Format<Element<S>>::magic), shifted = opaque(S(x + magic));
   const Bits quadrant = to_bits(shifted);
   const S r = x - (shifted - magic), z = r * r;
   const S s = r * S(Q::hi) + r * (horner(Q::sin, z) * z + S(Q::lo));

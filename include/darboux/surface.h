@@ -392,8 +392,11 @@ auto rebind(const X& surface) {
 /// Throws the ParameterError of a surface whose parameters do not go together.
 [[noreturn]] void throw_refused(std::string_view subject, std::string_view why);
 
-/// The surface itself, checked: the one place where a parameter out of range is refused.
-/// \throws ParameterError naming surface and parameter, its range and its value
+/// The surface itself, checked: the one place where a parameter out of range is refused, by AnySurface and
+/// the command line too. The types of surfaces are plain structs that take any numbers, and evaluation never
+/// throws: of parameters out of range it gives what the formula gives. Where they come from outside, say
+/// frame(checked(Torus{R, r}), u, v). \throws ParameterError naming surface and parameter, its range and its
+/// value
 template <class X>
 const X& checked(const X& surface) {
   for_each_parameter<X>([&](const auto& p) {

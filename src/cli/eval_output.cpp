@@ -25,6 +25,8 @@ std::size_t components(const std::vector<Attribute>& attributes) {
 
 // ---- bare numbers -----------------------------------------------------------------------------------------
 
+// Evaluated in double whatever they are stored as, so that what is written is the value at the u, v and
+// parameters that were given.
 template <class T>
 class BinaryWriter final : public FrameWriter {
  public:
@@ -34,34 +36,34 @@ class BinaryWriter final : public FrameWriter {
     evaluate_.stores = Stores::cached;  // they are read at once
     std::size_t at = 0;
     for (const Attribute a : options.attributes) {
-      outputs_.member(a, rows_.data() + at, options.room, static_cast<std::ptrdiff_t>(width_ * sizeof(T)));
+      outputs_.member(a, rows_.data() + at, options.room,
+                      static_cast<std::ptrdiff_t>(width_ * sizeof(double)));
       at += info_of(a).components;
-    }
-    if constexpr (std::same_as<T, float>) {
-      u_.resize(options.room);
-      v_.resize(options.room);
     }
     if (options.format == FrameFormat::npy) file_.write(npy_header(options.points, width_));
   }
 
   void write(std::span<const double> u, std::span<const double> v) override {
-    if constexpr (std::same_as<T, float>) {
-      const auto rounded = [](double x) { return static_cast<float>(x); };
-      std::transform(u.begin(), u.end(), u_.begin(), rounded);
-      std::transform(v.begin(), v.end(), v_.begin(), rounded);
-      write(Points<T>::arrays(std::span(u_).first(u.size()), std::span(v_).first(v.size())));
-    } else {
-      write(Points<T>::arrays(u, v));
-    }
+    write(Points<double>::arrays(u, v));
   }
   void write_grid(std::size_t columns, std::size_t rows, std::size_t first, std::size_t count) override {
-    write(Points<T>::grid(columns, rows, first, count));
+    write(Points<double>::grid(columns, rows, first, count));
   }
 
  private:
-  void write(const Points<T>& points) {
+  void write(const Points<double>& points) {
     surface_.evaluate(points, outputs_, evaluate_);
-    file_.write({reinterpret_cast<const char*>(rows_.data()), points.size() * width_ * sizeof(T)});
+    const std::span<const double> numbers(rows_.data(), points.size() * width_);
+    if constexpr (std::same_as<T, double>) {
+      write(numbers);
+    } else {
+      stored_.assign(numbers.begin(), numbers.end());
+      write(std::span<const T>(stored_));
+    }
+  }
+  template <class Number>
+  void write(std::span<const Number> numbers) {
+    file_.write({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});
   }
 
   static std::string npy_header(std::uint64_t points, std::size_t width) {
@@ -77,8 +79,9 @@ class BinaryWriter final : public FrameWriter {
   OutputFile& file_;
   const AnySurface& surface_;
   std::size_t width_;
-  std::vector<T> rows_, u_, v_;
-  Outputs<T> outputs_;
+  std::vector<double> rows_;
+  std::vector<T> stored_;
+  Outputs<double> outputs_;
   EvaluateOptions evaluate_;
 };
 

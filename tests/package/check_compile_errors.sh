@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
-# check_compile_errors.sh COMPILER SOURCE_ROOT: what a compiler says, in one line that names the mend, of an old standard and of a
-# surface that lacks a member.
+# check_compile_errors.sh COMPILER SOURCE_ROOT: what a compiler says, in one line that names the mend, of an old standard, of options
+# that break exact range reduction, and of a surface that lacks a member; and that frames are right under such options where
+# clang says nothing of them.
 set -euo pipefail
 compiler=$1 root=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failures=0
-# expect NAME STANDARD ERRORS PATTERN: of $work/NAME.cpp there are at most ERRORS errors, and one has the pattern.
+# expect NAME STANDARD ERRORS PATTERN OPTION...: of $work/NAME.cpp there are at most ERRORS errors, and one has the pattern.
 expect() {
-  if "$compiler" -std="$2" -fsyntax-only -I"$root/include" -I"$root/surfaces" -isystem /usr/include/eigen3 \
+  if "$compiler" -std="$2" "${@:5}" -fsyntax-only -I"$root/include" -I"$root/surfaces" -isystem /usr/include/eigen3 \
     "$work/$1.cpp" 2>"$work/out"; then
     echo "FAILED: $1 compiles" >&2
     failures=$((failures + 1))
@@ -20,6 +21,24 @@ expect() {
 }
 printf '#include <darboux/evaluate.h>\n#include <darboux/torus.h>\nint main() {}\n' >"$work/old_standard.cpp"
 expect old_standard c++17 2 "Darboux needs C++20"
+
+expect old_standard c++20 1 "expected no -ffast-math" -ffast-math
+expect old_standard c++20 1 "expected no -ffast-math" -ffinite-math-only
+reorder=(-fassociative-math -fno-signed-zeros -fno-trapping-math)
+if ! "$compiler" --version | grep -q clang; then
+  expect old_standard c++20 1 "expected no -ffast-math" -funsafe-math-optimizations
+  expect old_standard c++20 1 "expected no -ffast-math" "${reorder[@]}"
+fi
+if clang=$(command -v clang++); then
+  for options in -O1 "-O2 ${reorder[*]}" "-O3 -funsafe-math-optimizations"; do
+    # shellcheck disable=SC2086
+    "$clang" -std=c++20 $options -I"$root/include" -I"$root/surfaces" -isystem /usr/include/eigen3 \
+      "$root/tests/package/unsafe_math.cpp" -o "$work/unsafe_math"
+    "$work/unsafe_math" || { echo "FAILED: clang++ $options" >&2; failures=$((failures + 1)); }
+  done
+else
+  echo "clang++ is not there: what its -fassociative-math does is not checked"
+fi
 
 body='int main() { frame(Mine{}, 0.1, 0.2); }'
 cat >"$work/no_info.cpp" <<END

@@ -133,6 +133,34 @@ TEST_P(FormsAtEdges, CurvatureIsItsLimit) {
   EXPECT_GT(singular, 0);
 }
 
+// As close to a pole as numbers go, where products of partials underflow and quotients overflow, a point that
+// is regular has the curvature of the pole. Batches too.
+TEST_P(FormsAtEdges, CurvatureReachesItAtDenormalDistances) {
+  const auto expect_limit = [&](double u, double v, double u_edge, double v_edge) {
+    const Curvature<double> c = curvature(surface(), u, v), limit = curvature(surface(), u_edge, v_edge);
+    if (c.status != Status::regular && c.status != Status::umbilic) return;
+    SCOPED_TRACE(::testing::Message() << "u " << u << " v " << v);
+    if (std::isnan(limit.mean)) return;  // a cone, a superellipsoid
+    const double k = std::fabs(limit.principal[0]) + std::fabs(limit.principal[1]);
+    // Some hundred roundings of terms in which derivatives to fourth order take part.
+    EXPECT_NEAR(c.mean, limit.mean, 1e-12 * k);
+    EXPECT_NEAR(c.gaussian, limit.gaussian, 1e-12 * k * k);
+    std::array<double, 1> mean{}, gaussian{};
+    Outputs<double> out;
+    out.packed(Attribute::mean_curvature, std::span<double>(mean));
+    out.packed(Attribute::gaussian_curvature, std::span<double>(gaussian));
+    const std::array<double, 2> uv{u, v};
+    surface().evaluate(Points<double>::interleaved(uv), out);
+    EXPECT_EQ(mean[0], c.mean);
+    EXPECT_EQ(gaussian[0], c.gaussian);
+  };
+  for (const double distance : {5e-324, 1e-320, 1e-310, 1e-308, 1e-307, 1e-305, 1e-300, 1e-290})
+    for (const double at : {0.0, 0.1, 0.37, 0.9}) {
+      expect_limit(at, distance, at, 0);
+      expect_limit(distance, at, 0, at);
+    }
+}
+
 // The apex of a cone: the curvature across grows like 1 over the distance. Nothing is said.
 TEST(SingularPoints, OfAConeHasNoCurvature) {
   const Curvature<double> c = curvature(Cone{1.0, 2.0}, 0.3, 1.0);

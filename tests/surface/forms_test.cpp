@@ -217,6 +217,44 @@ TEST_P(Forms, PrincipalFrameIsOrdered) {
   });
 }
 
+// On a surface of revolution one principal direction is t and the other b. Where the first is b it is exactly
+// b, not -b by a rounding's sign.
+TEST(Forms, PrincipalDirectionsOfRevolutionHaveOneSign) {
+  const std::string_view names[] = {"sphere",
+                                    "torus",
+                                    "cylinder",
+                                    "cone",
+                                    "catenoid",
+                                    "pseudosphere",
+                                    "surface-of-revolution",
+                                    "ellipsoid:semi_axis_x=0.4,semi_axis_y=0.4,semi_axis_z=1",
+                                    "ellipsoid:semi_axis_x=2,semi_axis_y=2,semi_axis_z=0.3",
+                                    "elliptic-paraboloid:semi_axis_x=0.7,semi_axis_y=0.7,height=2",
+                                    "one-sheet-hyperboloid:waist_radius=0.7",
+                                    "two-sheet-hyperboloid:semi_axis_x=0.7,semi_axis_y=0.7"};
+  std::size_t along_b = 0;
+  for (const std::string_view name : names) {
+    const AnySurface surface = make_surface(std::string(name));
+    SCOPED_TRACE(name);
+    for (int i = 0; i < 61; ++i)
+      for (int k = 1; k < 40; ++k) {
+        const double u = i / 61.0, v = k / 40.0;
+        const Frame<double> f = surface.frame(u, v);
+        const Curvature<double> c = curvature(surface, u, v);
+        if (has(f.status, Status::no_frame) || std::isnan(c.mean)) continue;
+        const double t = dot(c.directions[0], f.t), b = dot(c.directions[0], f.b);
+        if (std::fabs(b) > 0.5) {
+          ++along_b;
+          EXPECT_EQ(c.directions[0], f.b) << u << ' ' << v;
+        } else {
+          EXPECT_GT(t, 0.5);
+          EXPECT_NEAR(b, 0, 1e-10);
+        }
+      }
+  }
+  EXPECT_GT(along_b, 5000u);
+}
+
 // Meusnier and Euler: a curve through the point bends in the direction of n by κ1 cos² + κ2 sin², whatever
 // the curve. Its second derivative comes from differences of the position: no partials.
 TEST_P(Forms, CurvesBendByEulersFormula) {

@@ -1,13 +1,16 @@
 // Evaluation is total: limits at the poles, statuses, and NaN where nothing can be said.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
+#include <type_traits>
 
 #include <gtest/gtest.h>
 
 #include <darboux/any_surface.h>
 #include <darboux/catalogue.h>
+#include <darboux/error.h>
 
 #include "every_surface.h"
 
@@ -277,6 +280,34 @@ TEST(WithoutClosedFrame, AnApexHasTheLimitOfItsLines) {
   const ParametricFrame<double> p = parametric_frame(BareCone{}, 0.3, 0.0);
   EXPECT_LE(norm(p.b - std::sqrt(0.5) * Vec3<double>{u.cos, u.sin, 1}), 4 * roundoff);
   EXPECT_EQ(frame(BareCone{}, 0.3, 1e-300).status, Status::regular);
+}
+
+// ---- coordinates and parameters as people write them ------------------------------------------------------
+
+TEST(Points, WholeNumbersAndMixedCoordinatesAreDoubles) {
+  const Torus torus{1.0, 0.4};
+  EXPECT_EQ(frame(torus, 0, 1).t, frame(torus, 0.0, 1.0).t);
+  EXPECT_EQ(frame(torus, 0, 0.3).n, frame(torus, 0.0, 0.3).n);
+  EXPECT_EQ(frame(torus, 0.25f, 0.5).n, frame(torus, 0.25, 0.5).n);
+  EXPECT_EQ(jet(torus, 1, 0).position, jet(torus, 1.0, 0.0).position);
+  EXPECT_EQ(parametric_frame(torus, 0, 1u).b, parametric_frame(torus, 0.0, 1.0).b);
+  EXPECT_EQ(sample(Sphere{2.0}, 0, 1).frame.status, sample(Sphere{2.0}, 0.0, 1.0).frame.status);
+  EXPECT_EQ(status(Sphere{2.0}, 0, 1), status(Sphere{2.0}, 0.0, 1.0));
+  static_assert(std::is_same_v<decltype(frame(torus, 0.25f, 0.5f)), Frame<float>>);
+}
+
+TEST(Points, CheckedRefusesWhatTheCommandLineRefuses) {
+  const Torus torus{1.0, 0.4};
+  EXPECT_EQ(frame(checked(torus), 0.1, 0.2).t, frame(torus, 0.1, 0.2).t);
+  for (const auto& refused :
+       {std::function<void()>([] {
+          checked(Torus{-2.0, 1.0});
+        }),
+        std::function<void()>([] { checked(Sphere{nan_value}); }), std::function<void()>([] {
+          checked(Disk{1.0, 2.0});
+        })})
+    EXPECT_THROW(refused(), ParameterError);
+  EXPECT_NO_THROW(checked(Torus{0.0, 1.0}));
 }
 
 }  // namespace

@@ -121,6 +121,8 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
       if (has(status, Status::limit_frame)) S::diverge();
       frame.status = status;
       const Curvature<S> c = curvature(j, frame);
+      // Next to a pole terms may leave the range: single points then take the limit.
+      if (!(c.gaussian - c.gaussian == S(0))) S::diverge();
       put(p, Attribute::gaussian_curvature, c.gaussian);
       put(p, Attribute::mean_curvature, c.mean);
       put(p, Attribute::principal_curvatures, c.principal[0], c.principal[1]);
