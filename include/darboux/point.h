@@ -9,9 +9,10 @@
 
 namespace darboux {
 
-/// Position and partials at (u, v), for any scalar the formula compiles with.
+/// Position and partials at (u, v), for any scalar the formula compiles with. Whole numbers are taken as
+/// double.
 template <ParametricSurface X, class S>
-Jet2<S> jet(const X& surface, const S& u, const S& v) {
+requires(!std::integral<S>) Jet2<S> jet(const X& surface, const S& u, const S& v) {
   return surface.jet(prepare<X::info.u>(u), prepare<X::info.v>(v));
 }
 
