@@ -37,6 +37,7 @@ const std::vector<std::string> ranks{"base",
                                      "fit",
                                      "assess",
                                      "converge",
+                                     "scene",
                                      "io",
                                      "assets",
                                      "report",
@@ -178,7 +179,7 @@ std::vector<Rule> rules(const Includes& tree) {
       {"the command line knows public headers, reports, base, and the faces that rooms show it", "src/cli/.*",
        "",
        "(?!report/|base/|io/input\\.h|validate/findings\\.h)"
-       "(surface|mesh|evaluate|any_surface|laws|local_jets|validate|fit|assess|converge|io|assets)/.*"},
+       "(surface|mesh|evaluate|any_surface|laws|local_jets|validate|fit|assess|converge|scene|io|assets)/.*"},
       // Other libraries, each behind one room.
       {"boost stays behind multiprecision", "(?!src/surface/multiprecision\\.cpp).*", "", "boost/.*"},
       {"xsimd stays in the kernels", "(?!src/evaluate/kernels/).*", "", "xsimd/.*"},

@@ -1,0 +1,84 @@
+/// \file tile_bounds.h
+/// What can be said of a whole tile of a surface without sampling it: how far it reaches, whether all of it
+/// faces away, how finely it must be sampled. Nothing that is seen is ever culled by these: every bound is on
+/// the safe side of the true one, rounding included.
+#pragma once
+
+#include <variant>
+
+#include <darboux/any_surface.h>
+
+namespace darboux {
+
+/// The part u0 <= u <= u1, v0 <= v <= v1 of a chart. A periodic u may have any u0, and u1 <= u0 + 1.
+struct Tile {
+  double u0 = 0, u1 = 1, v0 = 0, v1 = 1;
+};
+
+namespace tiles {
+
+// The range of angles x, with what sines of it are made of.
+struct Arc {
+  double from, to;  // radians
+  double sin_from, cos_from, sin_to, cos_to;
+
+  // An upper bound of a cos x + b sin x over the arc.
+  double most(double a, double b) const;
+};
+
+// ρ(x) (cos φ, sin φ), z(x) over x and φ: ρ = R + r cos x, z = r sin x. A sphere has R = 0.
+struct RoundProfile {
+  double major_radius, radius;
+  Arc round, profile;
+};
+// ρ and z linear between two ends, n = (n_rho cos φ, n_rho sin φ, n_z): cylinder, cone, disk.
+struct StraightProfile {
+  double rho[2], z[2], n_rho, n_z;
+  double height_over_normal;  // n·P, the same everywhere
+  Arc round;
+  double rate_v, rate_uv;  // |dP/dv|, |d²P/du dv|
+};
+struct Rectangle {
+  double x[2], y[2];
+};
+
+}  // namespace tiles
+
+/// The bounds of one tile, in the surface's own space: transform the eye into it, not the tile. Sphere, torus
+/// (a ring), cylinder, cone, disk and plane have closed forms, attained over the tile, so that nothing
+/// tighter is true [Filip1986 for the chord]. Others are not known, and must not be culled. Cost:
+/// construction 50 to 150 ns, each bound 10 to 100 ns.
+class TileBounds {
+ public:
+  /// \param tile within the domain of the surface; where it is not, or something is not finite, nothing is
+  /// known
+  TileBounds(const AnySurface& surface, const Tile& tile);
+
+  /// Whether there are bounds. Without, those below are infinite.
+  bool known() const { return !std::holds_alternative<std::monostate>(shape_); }
+
+  /// An upper bound of direction · P over the tile: the tile lies wholly where direction · P <= support. With
+  /// the outer normal of a plane of the frustum, a tile is outside where -support(-normal) exceeds its
+  /// offset; with the axes it is the tile's box. Exceeds the maximum by at most 32u |direction| size.
+  double support(const Vec3<double>& direction) const;
+
+  /// An upper bound of n · (eye - P), times no length: where it is negative, all of the tile faces away from
+  /// the eye. Of a surface that is open, or that is seen from inside, that side is seen all the same: cull
+  /// only what is single-sided and not displaced. Exceeds the maximum by at most 32u (|eye| + size).
+  double facing(const Vec3<double>& eye) const;
+  /// The same for parallel rays: of n · towards_eye.
+  double facing_along(const Vec3<double>& towards_eye) const;
+
+  /// An upper bound of the distance from the surface to the two triangles of any cell of size du × dv in the
+  /// tile: (M_uu du² + 2 M_uv du dv + M_vv dv²)/8, M the largest |d²P|. [Filip1986]
+  double chord(double du, double dv) const;
+  /// Upper bounds, in radians, of the angle between the normals, and of the rotation between the frames (t,
+  /// b, n), of the centre of a cell of size du × dv and of any of its points.
+  double normal_angle(double du, double dv) const;
+  double frame_angle(double du, double dv) const;
+
+ private:
+  std::variant<std::monostate, tiles::RoundProfile, tiles::StraightProfile, tiles::Rectangle> shape_;
+};
+
+}  // namespace darboux

@@ -1,0 +1,239 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <darboux/cone.h>
+#include <darboux/cylinder.h>
+#include <darboux/disk.h>
+#include <darboux/plane.h>
+#include <darboux/sphere.h>
+#include <darboux/tile_bounds.h>
+#include <darboux/torus.h>
+
+namespace darboux {
+namespace {
+
+using namespace tiles;
+
+constexpr double pi = std::numbers::pi, tau = 2 * pi;
+constexpr double rounding = 0x1p-49;  // 16u: of a bound, relative to the size of its terms
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Arc turns(double from, double to) {
+  const Turn<double> a = sincos_turns(from), b = sincos_turns(to);
+  return {tau * from, tau * to, a.sin, a.cos, b.sin, b.cos};
+}
+
+// v of a sphere as the latitude.
+Arc latitudes(double from, double to) {
+  const Turn<double> a = sincos_half_turns(from), b = sincos_half_turns(to);
+  return {pi * (from - 0.5), pi * (to - 0.5), -a.cos, a.sin, -b.cos, b.sin};
+}
+
+double most_absolute(double a, double b) {
+  return std::fmax(std::fabs(a), std::fabs(b));
+}
+
+// The largest |sin x| and |cos x| over an arc.
+double most_sine(const Arc& arc) {
+  return std::fmin(std::fmax(arc.most(0, 1), arc.most(0, -1)), 1);
+}
+double most_cosine(const Arc& arc) {
+  return std::fmin(std::fmax(arc.most(1, 0), arc.most(-1, 0)), 1);
+}
+
+double size_of(const RoundProfile& s) {
+  return s.major_radius + s.radius;
+}
+double size_of(const StraightProfile& s) {
+  return most_absolute(s.rho[0], s.rho[1]) + most_absolute(s.z[0], s.z[1]);
+}
+double size_of(const Rectangle& s) {
+  return most_absolute(s.x[0], s.x[1]) + most_absolute(s.y[0], s.y[1]);
+}
+
+// ---- support ----------------------------------------------------------------------------------------------
+
+double most_along(const RoundProfile& s, const Vec3<double>& d) {
+  const double m = s.round.most(d.x, d.y);  // ρ >= 0, so that the outermost φ is best everywhere
+  return m * s.major_radius + s.radius * s.profile.most(m, d.z);
+}
+double most_along(const StraightProfile& s, const Vec3<double>& d) {
+  const double m = s.round.most(d.x, d.y);
+  return std::fmax(m * s.rho[0] + d.z * s.z[0], m * s.rho[1] + d.z * s.z[1]);
+}
+double most_along(const Rectangle& s, const Vec3<double>& d) {
+  return std::fmax(d.x * s.x[0], d.x * s.x[1]) + std::fmax(d.y * s.y[0], d.y * s.y[1]);
+}
+
+// ---- facing -----------------------------------------------------------------------------------------------
+
+// Over the part of an arc where cos x >= 0 (outer), or where cos x <= 0, of a cos x + b sin x.
+double most_of_side(const Arc& arc, bool outer, double a, double b) {
+  double most = -infinity;
+  const double first = outer ? -0.25 : 0.25;  // a half turn from there, and those a turn further
+  for (double k = std::floor(arc.from / tau - 1); tau * (k + first) <= arc.to; ++k) {
+    const double from = std::fmax(arc.from, tau * (k + first)),
+                 to = std::fmin(arc.to, tau * (k + first + 0.5));
+    if (from > to) continue;
+    // The ends are the arc's own, or where cos x is 0.
+    const double sign = outer ? -1 : 1;
+    const bool own_from = from == arc.from, own_to = to == arc.to;
+    const Arc piece{from,
+                    to,
+                    own_from ? arc.sin_from : sign,
+                    own_from ? arc.cos_from : 0,
+                    own_to ? arc.sin_to : -sign,
+                    own_to ? arc.cos_to : 0};
+    most = std::fmax(most, piece.most(a, b));
+  }
+  return most;
+}
+
+// Of n·E - offset·(n·P), offset 1 for an eye, 0 for a direction.
+double most_facing(const RoundProfile& s, const Vec3<double>& e, double offset) {
+  const double R = offset * s.major_radius;
+  if (s.major_radius == 0)  // a sphere, on which cos x >= 0
+    return s.profile.most(s.round.most(e.x, e.y), e.z) - offset * s.radius;
+  const double outer = most_of_side(s.profile, true, s.round.most(e.x, e.y) - R, e.z),
+               inner = most_of_side(s.profile, false, -s.round.most(-e.x, -e.y) - R, e.z);
+  return std::fmax(outer, inner) - offset * s.radius;
+}
+double most_facing(const StraightProfile& s, const Vec3<double>& e, double offset) {
+  return s.n_rho * s.round.most(e.x, e.y) + s.n_z * e.z - offset * s.height_over_normal;
+}
+double most_facing(const Rectangle&, const Vec3<double>& e, double) {
+  return e.z;
+}
+
+// ---- resolution -------------------------------------------------------------------------------------------
+
+struct Rates {
+  double uu, uv, vv;          // the largest second partials
+  double normal_u, normal_v;  // |dn/du|, |dn/dv|
+  double frame_u, frame_v;    // angular velocity of the frame
+};
+
+Rates rates_of(const RoundProfile& s) {
+  const double per_v = s.major_radius == 0 ? pi : tau, rho = s.major_radius + s.radius * s.profile.most(1, 0);
+  return {tau * tau * rho,
+          tau * per_v * s.radius * most_sine(s.profile),
+          per_v * per_v * s.radius,
+          tau * most_cosine(s.profile),
+          per_v,
+          tau,
+          per_v};
+}
+Rates rates_of(const StraightProfile& s) {
+  return {tau * tau * most_absolute(s.rho[0], s.rho[1]), s.rate_uv, 0, tau * std::fabs(s.n_rho), 0, tau, 0};
+}
+Rates rates_of(const Rectangle&) {
+  return {};
+}
+
+constexpr double upward = 1 + 0x1p-48;  // what the products below may have lost
+
+template <class Shape, class F>
+double of_known(const Shape& shape, F f) {
+  return std::visit(
+      [&](const auto& s) {
+        if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, std::monostate>)
+          return infinity;
+        else {
+          const double bound = f(s);
+          return std::isnan(bound) ? infinity : bound;
+        }
+      },
+      shape);
+}
+
+bool is_within(const Tile& t, bool periodic_u, bool periodic_v) {
+  const auto within = [](double from, double to, bool periodic) {
+    return from <= to && (periodic ? to <= from + 1 && std::fabs(from) < 0x1p20 : from >= 0 && to <= 1);
+  };
+  return within(t.u0, t.u1, periodic_u) && within(t.v0, t.v1, periodic_v);
+}
+
+StraightProfile straight(double rho_from, double rho_to, double height, const Tile& t, double n_rho,
+                         double n_z, double n_dot_p) {
+  const auto at = [&](double v) { return rho_from + (rho_to - rho_from) * v; };
+  const double drop = std::fabs(rho_to - rho_from);
+  return {{at(t.v0), at(t.v1)}, {height * t.v0, height * t.v1}, n_rho,     n_z, n_dot_p,
+          turns(t.u0, t.u1),    std::hypot(drop, height),       tau * drop};
+}
+
+}  // namespace
+
+double tiles::Arc::most(double a, double b) const {
+  const double ends = std::fmax(a * cos_from + b * sin_from, a * cos_to + b * sin_to);
+  const double top = std::hypot(a, b);
+  if (to - from >= tau) return top;
+  // The top lies in the arc where it is the first from `from` on: widened by what angles may be rounded.
+  const double slack = rounding * (1 + std::fabs(from) + std::fabs(to));
+  const double beyond = std::remainder(std::atan2(b, a) - from, tau),
+               ahead = beyond < 0 ? beyond + tau : beyond;
+  return ahead <= to - from + slack || ahead >= tau - slack ? top : ends;
+}
+
+TileBounds::TileBounds(const AnySurface& surface, const Tile& t) {
+  if (!std::isfinite(t.u0 + t.u1 + t.v0 + t.v1)) return;
+  for (const ParameterValue& p : surface.parameters())
+    if (!(std::fabs(p.value) < 1e100)) return;
+  if (const auto* s = surface.get<Sphere<>>()) {
+    if (is_within(t, true, false))
+      shape_ = RoundProfile{0, s->radius, turns(t.u0, t.u1), latitudes(t.v0, t.v1)};
+  } else if (const auto* torus = surface.get<Torus<>>()) {
+    if (is_within(t, true, true) && torus->major_radius >= torus->minor_radius)
+      shape_ = RoundProfile{torus->major_radius, torus->minor_radius, turns(t.u0, t.u1), turns(t.v0, t.v1)};
+  } else if (!is_within(t, surface.info().u == Coordinate::turn, false)) {
+    return;
+  } else if (const auto* cylinder = surface.get<Cylinder<>>()) {
+    shape_ = straight(cylinder->radius, cylinder->radius, cylinder->height, t, 1, 0, cylinder->radius);
+  } else if (const auto* cone = surface.get<Cone<>>()) {
+    const double l = std::hypot(cone->radius, cone->height);
+    shape_ = straight(cone->radius, 0, cone->height, t, cone->height / l, cone->radius / l,
+                      cone->height / l * cone->radius);
+  } else if (const auto* disk = surface.get<Disk<>>()) {
+    shape_ = straight(disk->outer_radius, disk->inner_radius, 0, t, 0, 1, 0);
+  } else if (const auto* plane = surface.get<Plane<>>()) {
+    shape_ = Rectangle{{plane->width * (t.u0 - 0.5), plane->width * (t.u1 - 0.5)},
+                       {plane->depth * (t.v0 - 0.5), plane->depth * (t.v1 - 0.5)}};
+  }
+}
+
+double TileBounds::support(const Vec3<double>& d) const {
+  return of_known(shape_, [&](const auto& s) { return most_along(s, d) + rounding * norm(d) * size_of(s); });
+}
+
+double TileBounds::facing(const Vec3<double>& eye) const {
+  return of_known(
+      shape_, [&](const auto& s) { return most_facing(s, eye, 1) + rounding * (norm(eye) + size_of(s)); });
+}
+
+double TileBounds::facing_along(const Vec3<double>& d) const {
+  return of_known(shape_, [&](const auto& s) { return most_facing(s, d, 0) + rounding * norm(d); });
+}
+
+double TileBounds::chord(double du, double dv) const {
+  return of_known(shape_, [&](const auto& s) {
+    const Rates r = rates_of(s);
+    return upward * (r.uu * du * du + 2 * r.uv * du * dv + r.vv * dv * dv) / 8;
+  });
+}
+
+double TileBounds::normal_angle(double du, double dv) const {
+  return of_known(shape_, [&](const auto& s) {
+    const Rates r = rates_of(s);
+    return upward * (r.normal_u * du + r.normal_v * dv) / 2;
+  });
+}
+
+double TileBounds::frame_angle(double du, double dv) const {
+  return of_known(shape_, [&](const auto& s) {
+    const Rates r = rates_of(s);
+    return upward * (r.frame_u * du + r.frame_v * dv) / 2;
+  });
+}
+
+}  // namespace darboux

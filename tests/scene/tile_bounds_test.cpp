@@ -1,0 +1,249 @@
+// Bounds of tiles: nothing that is seen is ever beyond them, and they are no larger than what dense sampling
+// finds.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <darboux/frame.h>
+#include <darboux/offset.h>
+#include <darboux/tile_bounds.h>
+
+#include "every_surface.h"
+
+namespace darboux::test {
+namespace {
+
+constexpr int tiles_per_kind = 20000, samples = 12;
+constexpr double tau = 2 * std::numbers::pi;
+
+struct Kind {
+  const char* name;
+  std::function<AnySurface(Random&)> make;
+  bool periodic_v;
+};
+void PrintTo(const Kind& kind, std::ostream* out) {
+  *out << kind.name;
+}
+const Kind kinds[] = {{"sphere", [](Random& r) { return AnySurface(Sphere{r.log_uniform(0.1, 10)}); }, false},
+                      {"torus",
+                       [](Random& r) {
+                         const double tube = r.log_uniform(0.1, 10);
+                         return AnySurface(Torus{tube * r.uniform(1, 4), tube});
+                       },
+                       true},
+                      {"cylinder",
+                       [](Random& r) {
+                         return AnySurface(Cylinder{r.log_uniform(0.1, 10), r.log_uniform(0.1, 10)});
+                       },
+                       false},
+                      {"cone",
+                       [](Random& r) {
+                         return AnySurface(Cone{r.log_uniform(0.1, 10), r.log_uniform(0.1, 10)});
+                       },
+                       false},
+                      {"disk",
+                       [](Random& r) {
+                         const double outer = r.log_uniform(0.1, 10);
+                         return AnySurface(Disk{outer, outer * r.uniform(0, 0.9)});
+                       },
+                       false},
+                      {"plane",
+                       [](Random& r) {
+                         return AnySurface(Plane{r.log_uniform(0.1, 10), r.log_uniform(0.1, 10)});
+                       },
+                       false}};
+
+class Tiles : public ::testing::TestWithParam<Kind> {
+ protected:
+  Random random{19};
+
+  // From a hundredth of the chart to all of it; one in ten touches an edge of the domain or a quarter turn.
+  Tile random_tile(bool periodic_u) {
+    const auto along = [&](bool periodic, double& from, double& to) {
+      const double width = random.log_uniform(0.01, 1);
+      from = periodic ? random.uniform(-2, 2) : random.uniform(0, 1 - width);
+      if (random.uniform() < 0.1) from = periodic ? std::round(4 * from) / 4 : 0;
+      to = periodic ? from + width : std::fmin(from + width, 1);
+      if (random.uniform() < 0.05) periodic ? to = from + 1 : to = 1;
+    };
+    Tile t;
+    along(periodic_u, t.u0, t.u1);
+    along(GetParam().periodic_v, t.v0, t.v1);
+    return t;
+  }
+  Vec3<double> random_direction() {
+    for (;;) {
+      const Vec3<double> d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+      if (norm(d) > 0.1 && norm(d) <= 1) return d;
+    }
+  }
+  // f(position, frame) at the samples of a tile, corners and edges among them.
+  template <class F>
+  static void for_samples(const AnySurface& surface, const Tile& t, F f) {
+    for (int i = 0; i <= samples; ++i)
+      for (int k = 0; k <= samples; ++k) {
+        const double u = i == samples ? t.u1 : t.u0 + (t.u1 - t.u0) * i / samples,
+                     v = k == samples ? t.v1 : t.v0 + (t.v1 - t.v0) * k / samples;
+        f(surface.jet(u, v).position, surface.frame(u, v));
+      }
+  }
+};
+INSTANTIATE_TEST_SUITE_P(ClosedForms, Tiles, ::testing::ValuesIn(kinds),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+// The size of a surface about the origin.
+double size_of(const AnySurface& surface) {
+  double sum = 0;
+  for (const ParameterValue& p : surface.parameters()) sum += p.value;
+  return sum;
+}
+
+TEST_P(Tiles, SupportIsTheFarthestSample) {
+  for (int i = 0; i < tiles_per_kind; ++i) {
+    const AnySurface surface = GetParam().make(random);
+    const Tile t = random_tile(surface.info().u == Coordinate::turn);
+    const TileBounds bounds(surface, t);
+    ASSERT_TRUE(bounds.known());
+    const Vec3<double> d = random_direction();
+    const double support = bounds.support(d);
+    double farthest = -1e300;
+    for_samples(surface, t, [&](const Vec3<double>& p, const Frame<double>&) {
+      farthest = std::fmax(farthest, dot(d, p));
+    });
+    ASSERT_GE(support, farthest) << surface.specification() << ' ' << t.u0 << ' ' << t.u1 << ' ' << t.v0
+                                 << ' ' << t.v1;
+    // A maximum between samples is above the next of them by at most the chord bound of half a cell each way:
+    // second derivatives times (h/2)²/2, which is chord() of a cell.
+    const double cell_u = (t.u1 - t.u0) / samples, cell_v = (t.v1 - t.v0) / samples;
+    ASSERT_LE(support, farthest + norm(d) * bounds.chord(cell_u, cell_v) + 1e-13 * size_of(surface))
+        << surface.specification();
+  }
+}
+
+TEST_P(Tiles, FacingIsTheLargestSample) {
+  int culled = 0, back_facing = 0;
+  for (int i = 0; i < tiles_per_kind; ++i) {
+    const AnySurface surface = GetParam().make(random);
+    const Tile t = random_tile(surface.info().u == Coordinate::turn);
+    const TileBounds bounds(surface, t);
+    const double size = size_of(surface);
+    const Vec3<double> eye = size * random.log_uniform(0.3, 30) * random_direction(),
+                       along = random_direction();
+    const double facing = bounds.facing(eye), facing_along = bounds.facing_along(along);
+    double most = -1e300, most_along = -1e300;
+    for_samples(surface, t, [&](const Vec3<double>& p, const Frame<double>& f) {
+      most = std::fmax(most, dot(f.n, eye - p));
+      most_along = std::fmax(most_along, dot(f.n, along));
+    });
+    ASSERT_GE(facing, most) << surface.specification();
+    ASSERT_GE(facing_along, most_along) << surface.specification();
+    // n and P turn by at most 2π a unit of u and of v: second derivatives of n·(eye - P) up to (2π)² of
+    // |eye| + size, mixed ones twice, over (h/2)²/2.
+    const double turn = tau * ((t.u1 - t.u0) + (t.v1 - t.v0)) / samples, reach = norm(eye) + size;
+    ASSERT_LE(facing, most + turn * turn / 8 * reach + 1e-13 * reach) << surface.specification();
+    ASSERT_LE(facing_along, most_along + turn * turn / 8 * norm(along) + 1e-13) << surface.specification();
+    culled += facing < 0;
+    back_facing += most < 0;
+  }
+  // All that samples show to face away is culled, but for what hides between samples.
+  EXPECT_LE(culled, back_facing);
+  EXPECT_GE(culled, 0.98 * back_facing);
+  EXPECT_GT(back_facing, tiles_per_kind / 20);
+}
+
+// Triangles of cells through the surface's points: the distance of the surface, at the same barycentric
+// coordinates.
+TEST_P(Tiles, ChordBoundsTheTriangles) {
+  double closest = 0;
+  for (int i = 0; i < tiles_per_kind / 4; ++i) {
+    const AnySurface surface = GetParam().make(random);
+    const Tile t = random_tile(surface.info().u == Coordinate::turn);
+    const TileBounds bounds(surface, t);
+    const double du = (t.u1 - t.u0) * random.log_uniform(0.02, 1),
+                 dv = (t.v1 - t.v0) * random.log_uniform(0.02, 1);
+    const double u = random.uniform(t.u0, t.u1 - du), v = random.uniform(t.v0, t.v1 - dv);
+    const double chord = bounds.chord(du, dv);
+    const bool upper = random.uniform() < 0.5;
+    const double cu = upper ? u + du : u, cv = upper ? v + dv : v, su = upper ? -du : du,
+                 sv = upper ? -dv : dv;
+    const auto at = [&](double x, double y) { return surface.jet(cu + x * su, cv + y * sv).position; };
+    const Vec3<double> a = at(0, 0), b = at(1, 0), c = at(0, 1);
+    double worst = 0;
+    for (int j = 0; j <= 8; ++j)
+      for (int k = 0; j + k <= 8; ++k) {
+        const double x = j / 8.0, y = k / 8.0;
+        worst = std::fmax(worst, norm(at(x, y) - ((1 - x - y) * a + x * b + y * c)));
+      }
+    ASSERT_LE(worst, chord + 1e-13 * size_of(surface)) << surface.specification() << ' ' << du << ' ' << dv;
+    if (chord > 1e-9 * size_of(surface)) closest = std::fmax(closest, worst / chord);
+  }
+  EXPECT_GT(closest, std::string(GetParam().name) == "plane" ? -1 : 0.95) << "a bound that is met";
+}
+
+TEST_P(Tiles, AnglesBoundTheFrames) {
+  double closest_normal = 0, closest_frame = 0;
+  for (int i = 0; i < tiles_per_kind / 4; ++i) {
+    const AnySurface surface = GetParam().make(random);
+    Tile t = random_tile(surface.info().u == Coordinate::turn);
+    t.v0 = std::fmin(t.v0, 0.9), t.v1 = std::fmax(t.v1, t.v0 + 0.02);
+    const double du = (t.u1 - t.u0) * random.log_uniform(0.02, 0.4),
+                 dv = (t.v1 - t.v0) * random.log_uniform(0.02, 0.4);
+    const TileBounds bounds(surface, t);
+    if (!bounds.known()) continue;
+    const double u = random.uniform(t.u0, t.u1 - du), v = random.uniform(t.v0, t.v1 - dv);
+    const Frame<double> centre = surface.frame(u + du / 2, v + dv / 2);
+    const double normal = bounds.normal_angle(du, dv), frame = bounds.frame_angle(du, dv);
+    for (int k = 0; k < 20; ++k) {
+      const double x = k < 4 ? k % 2 : random.uniform(), y = k < 4 ? k / 2 : random.uniform();
+      const Frame<double> f = surface.frame(u + x * du, v + y * dv);
+      // From the quaternion's vector part, which does not cancel for small angles.
+      const double off = norm(cross(f.t, centre.t) + cross(f.b, centre.b) + cross(f.n, centre.n)),
+                   trace = dot(f.t, centre.t) + dot(f.b, centre.b) + dot(f.n, centre.n);
+      const double rotation = std::atan2(off, trace - 1);
+      ASSERT_LE(angle_between(f.n, centre.n), normal + 1e-14);
+      ASSERT_LE(rotation, frame + 1e-14);
+      if (normal > 1e-6 && normal < 1)
+        closest_normal = std::fmax(closest_normal, angle_between(f.n, centre.n) / normal);
+      if (frame > 1e-6 && frame < 1) closest_frame = std::fmax(closest_frame, rotation / frame);
+    }
+  }
+  const std::string name = GetParam().name;
+  EXPECT_GT(closest_normal, name == "plane" || name == "disk" ? -1 : 0.95);
+  EXPECT_GT(closest_frame, name == "plane" ? -1 : 0.95);
+}
+
+// Of what is not known nothing is culled.
+TEST(Tiles, OtherSurfacesHaveNoBounds) {
+  const auto expect_unknown = [](const AnySurface& surface, const Tile& t) {
+    const TileBounds bounds(surface, t);
+    EXPECT_FALSE(bounds.known()) << surface.specification();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(bounds.support({1, 0, 0}), infinity);
+    EXPECT_EQ(bounds.facing({1, 0, 0}), infinity);
+    EXPECT_EQ(bounds.facing_along({1, 0, 0}), infinity);
+    EXPECT_EQ(bounds.chord(0.1, 0.1), infinity);
+    EXPECT_EQ(bounds.normal_angle(0.1, 0.1), infinity);
+    EXPECT_EQ(bounds.frame_angle(0.1, 0.1), infinity);
+  };
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  expect_unknown(Catenoid{}, {});
+  expect_unknown(Offset{Sphere{1.0}, 0.1}, {});
+  expect_unknown(Torus{0.4, 1.0}, {});  // a spindle
+  expect_unknown(Sphere{1.0}, {0, 1, -0.1, 1});
+  expect_unknown(Sphere{1.0}, {0, 1, 0.5, 1.1});
+  expect_unknown(Sphere{1.0}, {0, 1.2, 0, 1});
+  expect_unknown(Sphere{1.0}, {0.5, 0.4, 0, 1});
+  expect_unknown(Sphere{1.0}, {nan, 1, 0, 1});
+  expect_unknown(Sphere{1e300}, {});
+  expect_unknown(Plane{1.0, 1.0}, {-0.5, 0.5, 0, 1});
+  const TileBounds sphere(Sphere{1.0}, {});
+  EXPECT_EQ(sphere.facing({nan, 0, 0}), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(sphere.support({nan, 0, 0}), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace darboux::test
