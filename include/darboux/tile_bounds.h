@@ -4,6 +4,7 @@
 /// the safe side of the true one, rounding included.
 #pragma once
 
+#include <array>
 #include <variant>
 
 #include <darboux/any_surface.h>
@@ -41,13 +42,25 @@ struct StraightProfile {
 struct Rectangle {
   double x[2], y[2];
 };
+// Boxes that hold position and partials, in the order of Jet2, over the tile and at its centre.
+struct Enclosed {
+  struct Box {
+    Vec3<double> lo, hi;
+  };
+  std::array<Box, 6> over_tile, at_centre;
+  double half_u, half_v;
+  bool oriented;  // n is dpdu × dpdv of unit length
+};
 
 }  // namespace tiles
 
 /// The bounds of one tile, in the surface's own space: transform the eye into it, not the tile. Sphere, torus
 /// (a ring), cylinder, cone, disk and plane have closed forms, attained over the tile, so that nothing
-/// tighter is true [Filip1986 for the chord]. Others are not known, and must not be culled. Cost:
-/// construction 50 to 150 ns, each bound 10 to 100 ns.
+/// tighter is true; construction takes 50 to 150 ns, each bound 10 to 150 ns. The other closed formulas of
+/// the catalogue run on intervals: bounds that the tile attains but for terms of second order in its size, so
+/// that small tiles have good ones, but where they touch a pole; construction takes some 2 us. Splines, what
+/// is made of them, the superellipsoid, surfaces from files and types of one's own are not known, and must
+/// not be culled.
 class TileBounds {
  public:
   /// \param tile within the domain of the surface; where it is not, or something is not finite, nothing is
@@ -59,12 +72,14 @@ class TileBounds {
 
   /// An upper bound of direction · P over the tile: the tile lies wholly where direction · P <= support. With
   /// the outer normal of a plane of the frustum, a tile is outside where -support(-normal) exceeds its
-  /// offset; with the axes it is the tile's box. Exceeds the maximum by at most 32u |direction| size.
+  /// offset; with the axes it is the tile's box. Of closed forms it exceeds the maximum by at most
+  /// 32u |direction| size.
   double support(const Vec3<double>& direction) const;
 
   /// An upper bound of n · (eye - P), times no length: where it is negative, all of the tile faces away from
   /// the eye. Of a surface that is open, or that is seen from inside, that side is seen all the same: cull
-  /// only what is single-sided and not displaced. Exceeds the maximum by at most 32u (|eye| + size).
+  /// only what is single-sided and not displaced. Of closed forms it exceeds the
+  /// maximum by at most 32u (|eye| + size).
   double facing(const Vec3<double>& eye) const;
   /// The same for parallel rays: of n · towards_eye.
   double facing_along(const Vec3<double>& towards_eye) const;
@@ -78,7 +93,8 @@ class TileBounds {
   double frame_angle(double du, double dv) const;
 
  private:
-  std::variant<std::monostate, tiles::RoundProfile, tiles::StraightProfile, tiles::Rectangle> shape_;
+  std::variant<std::monostate, tiles::RoundProfile, tiles::StraightProfile, tiles::Rectangle, tiles::Enclosed>
+      shape_;
 };
 
 }  // namespace darboux

@@ -11,6 +11,8 @@
 #include <darboux/tile_bounds.h>
 #include <darboux/torus.h>
 
+#include "enclosed.h"
+
 namespace darboux {
 namespace {
 
@@ -52,6 +54,9 @@ double size_of(const StraightProfile& s) {
 double size_of(const Rectangle& s) {
   return most_absolute(s.x[0], s.x[1]) + most_absolute(s.y[0], s.y[1]);
 }
+double size_of(const Enclosed&) {
+  return 0;  // intervals have their rounding in them
+}
 
 // ---- support ----------------------------------------------------------------------------------------------
 
@@ -65,6 +70,10 @@ double most_along(const StraightProfile& s, const Vec3<double>& d) {
 }
 double most_along(const Rectangle& s, const Vec3<double>& d) {
   return std::fmax(d.x * s.x[0], d.x * s.x[1]) + std::fmax(d.y * s.y[0], d.y * s.y[1]);
+}
+
+double most_along(const Enclosed& s, const Vec3<double>& d) {
+  return enclosed_support(s, d);
 }
 
 // ---- facing -----------------------------------------------------------------------------------------------
@@ -107,13 +116,11 @@ double most_facing(const Rectangle&, const Vec3<double>& e, double) {
   return e.z;
 }
 
-// ---- resolution -------------------------------------------------------------------------------------------
+double most_facing(const Enclosed& s, const Vec3<double>& e, double offset) {
+  return enclosed_facing(s, e, offset);
+}
 
-struct Rates {
-  double uu, uv, vv;          // the largest second partials
-  double normal_u, normal_v;  // |dn/du|, |dn/dv|
-  double frame_u, frame_v;    // angular velocity of the frame
-};
+// ---- resolution -------------------------------------------------------------------------------------------
 
 Rates rates_of(const RoundProfile& s) {
   const double per_v = s.major_radius == 0 ? pi : tau, rho = s.major_radius + s.radius * s.profile.most(1, 0);
@@ -130,6 +137,9 @@ Rates rates_of(const StraightProfile& s) {
 }
 Rates rates_of(const Rectangle&) {
   return {};
+}
+Rates rates_of(const Enclosed& s) {
+  return enclosed_rates(s);
 }
 
 constexpr double upward = 1 + 0x1p-48;  // what the products below may have lost
@@ -153,6 +163,10 @@ bool is_within(const Tile& t, bool periodic_u, bool periodic_v) {
     return from <= to && (periodic ? to <= from + 1 && std::fabs(from) < 0x1p20 : from >= 0 && to <= 1);
   };
   return within(t.u0, t.u1, periodic_u) && within(t.v0, t.v1, periodic_v);
+}
+
+bool is_periodic(Coordinate c) {
+  return c == Coordinate::turn || c == Coordinate::twisted_turn;
 }
 
 StraightProfile straight(double rho_from, double rho_to, double height, const Tile& t, double n_rho,
@@ -184,9 +198,12 @@ TileBounds::TileBounds(const AnySurface& surface, const Tile& t) {
     if (is_within(t, true, false))
       shape_ = RoundProfile{0, s->radius, turns(t.u0, t.u1), latitudes(t.v0, t.v1)};
   } else if (const auto* torus = surface.get<Torus<>>()) {
-    if (is_within(t, true, true) && torus->major_radius >= torus->minor_radius)
+    if (!is_within(t, true, true)) return;
+    if (torus->major_radius >= torus->minor_radius)
       shape_ = RoundProfile{torus->major_radius, torus->minor_radius, turns(t.u0, t.u1), turns(t.v0, t.v1)};
-  } else if (!is_within(t, surface.info().u == Coordinate::turn, false)) {
+    else if (const auto enclosed = enclose(surface, t))
+      shape_ = *enclosed;
+  } else if (!is_within(t, is_periodic(surface.info().u), is_periodic(surface.info().v))) {
     return;
   } else if (const auto* cylinder = surface.get<Cylinder<>>()) {
     shape_ = straight(cylinder->radius, cylinder->radius, cylinder->height, t, 1, 0, cylinder->radius);
@@ -199,6 +216,8 @@ TileBounds::TileBounds(const AnySurface& surface, const Tile& t) {
   } else if (const auto* plane = surface.get<Plane<>>()) {
     shape_ = Rectangle{{plane->width * (t.u0 - 0.5), plane->width * (t.u1 - 0.5)},
                        {plane->depth * (t.v0 - 0.5), plane->depth * (t.v1 - 0.5)}};
+  } else if (const auto enclosed = enclose(surface, t)) {
+    shape_ = *enclosed;
   }
 }
 
