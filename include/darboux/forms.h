@@ -162,16 +162,16 @@ Curvature<S> curvature(const ShapeOperator<S>& shape, const Frame<S>& frame) {
   const auto leans_to_t = half_difference >= zero;
   S x = select(leans_to_t, S(half_difference + radius), m);
   S y = select(leans_to_t, m, S(radius - half_difference));
+  // What rounding alone may have made of an m of 0 would give direction b a sign of its own at every point.
+  const auto along_b =
+      !leans_to_t && abs(m) <= S(16 * std::numeric_limits<detail::Element<S>>::epsilon()) * shape.m_size;
+  x = select(along_b, zero, x);
   const S rounding(8 * std::numeric_limits<detail::Element<S>>::epsilon());
   const auto equal = !(two * radius > rounding * (abs(a) + abs(c)));
   const bool finite = radius - radius == zero;
   if (equal && finite) result.status |= Status::umbilic;
   x = select(equal, finite ? one : radius, x);
   y = select(equal, zero, y);
-  // What rounding alone may have made of an m of 0 would give direction b a sign of its own at every point.
-  const auto along_b =
-      !leans_to_t && abs(m) <= S(16 * std::numeric_limits<detail::Element<S>>::epsilon()) * shape.m_size;
-  x = select(along_b, zero, x);
   const S length = detail::hypotenuse(x, y);
   x = x / length;
   y = y / length;
