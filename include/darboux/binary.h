@@ -17,11 +17,10 @@
 #include <type_traits>
 
 // What lets the compiler reorder sums, or take NaN for impossible, makes wrong frames with a regular status.
-// Clang says the first of -ffast-math alone: see opaque().
+// Of these macros clang defines __ASSOCIATIVE_MATH__ never: see opaque().
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
-#error \
-    "darboux: expected no -ffast-math, -fassociative-math, -funsafe-math-optimizations, -ffinite-math-only: they break exact range reduction"
+#error "darboux: expected no -ffast-math nor part of it, which breaks exact range reduction"
 #endif
 
 namespace darboux {

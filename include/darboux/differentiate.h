@@ -157,11 +157,14 @@ double amplification() {
   return std::sqrt(squares + centre * centre);
 }
 
-// h to as few digits as make x ± k h exact for all k up to `reach`, unless a power of two lies between them:
-// a node that is rounded by a share e of h costs some e of the leading term, and no higher order takes that
-// away.
+// h to as few digits as make x ± k h exact for all k up to `reach`, unless a power of two lies between them,
+// and no longer: a node that is rounded by a share e of h costs some e of the leading term, and no higher
+// order takes that away.
 inline double exact_step(double x, double h, int reach) {
-  const double farthest = std::fabs(x) + reach * std::fabs(h), exact = (farthest + h) - farthest;
+  const double farthest = std::fabs(x) + reach * std::fabs(h);
+  double exact = (farthest + h) - farthest;
+  if (std::fabs(exact) > std::fabs(h))
+    exact -= std::copysign(std::nextafter(farthest, infinity) - farthest, h);
   return exact == 0 || !std::isfinite(exact) ? h : exact;
 }
 

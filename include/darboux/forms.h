@@ -71,7 +71,9 @@ ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
   s.a = dot(frame.n, j.d2pdu2 / s.e) / s.e;
   const Vec3<S> mixed = j.d2pduv / s.e;
   s.m = (dot(frame.n, mixed) - s.f * s.a) / s.g;
-  s.m_size = (abs(mixed.x) + abs(mixed.y) + abs(mixed.z) + abs(s.f * s.a)) / abs(s.g);
+  s.m_size =
+      (abs(frame.n.x * mixed.x) + abs(frame.n.y * mixed.y) + abs(frame.n.z * mixed.z) + abs(s.f * s.a)) /
+      abs(s.g);
   s.c = (dot(frame.n, j.d2pdv2 / s.g) - s.f * (s.a * (s.f / s.g) + lift<S>(2.0) * s.m)) / s.g;
   return s;
 }
@@ -162,7 +164,8 @@ Curvature<S> curvature(const ShapeOperator<S>& shape, const Frame<S>& frame) {
   const auto leans_to_t = half_difference >= zero;
   S x = select(leans_to_t, S(half_difference + radius), m);
   S y = select(leans_to_t, m, S(radius - half_difference));
-  // What rounding alone may have made of an m of 0 would give direction b a sign of its own at every point.
+  // Where m is 0 but for rounding its sign is noise, and direction b would change its sign from point to
+  // point.
   const auto along_b =
       !leans_to_t && abs(m) <= S(16 * std::numeric_limits<detail::Element<S>>::epsilon()) * shape.m_size;
   x = select(along_b, zero, x);
@@ -317,6 +320,11 @@ Curvature<S> curvature(const X& surface, S u, S v, const Jet2<S>& j, const Frame
 template <class X, std::floating_point S>
 Curvature<S> curvature(const X& surface, S u, S v) {
   return curvature(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));
+}
+template <class X, class U, class V>
+requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>) Curvature<double> curvature(const X& surface,
+                                                                                          U u, V v) {
+  return curvature(surface, static_cast<double>(u), static_cast<double>(v));
 }
 
 /// A curve u(s), v(s) on a surface at one point, by its first and second derivatives with respect to its

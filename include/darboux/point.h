@@ -198,10 +198,11 @@ Sample<S> sample(const X& surface, S u, S v) {
 namespace detail {
 
 // Coordinates that are not two of one floating-point type: whole numbers, as in frame(torus, 0, 1), and mixed
-// ones. All are taken as double.
+// ones. All are taken as double, so that long double is none of them.
 template <class U, class V>
 concept MixedCoordinates =
-    std::is_arithmetic_v<U> && std::is_arithmetic_v<V> && !(std::floating_point<U> && std::same_as<U, V>);
+    std::is_arithmetic_v<U> && std::is_arithmetic_v<V> && !std::same_as<U, long double> &&
+    !std::same_as<V, long double> && !(std::floating_point<U> && std::same_as<U, V>);
 
 }  // namespace detail
 

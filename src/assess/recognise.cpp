@@ -54,7 +54,8 @@ void mark_middle(const MeshFit& fit, const Mesh& mesh, std::vector<Truth>& truth
   if (!disk || !(disk->inner_radius <= fits_below * disk->outer_radius)) return;
   const Eigen::Vector3d middle = fit.surface.placement.translation();
   for (std::size_t v = 0; v < truth.size(); ++v)
-    if ((to_eigen(mesh.positions[v]) - middle).norm() <= 2 * fits_below * disk->outer_radius) truth[v].pole = true;
+    if ((to_eigen(mesh.positions[v]) - middle).norm() <= 2 * fits_below * disk->outer_radius)
+      truth[v].pole = true;
 }
 
 // One mesh that is looked at.

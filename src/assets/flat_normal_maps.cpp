@@ -1,26 +1,41 @@
 #include "flat_normal_maps.h"
 
 #include <cmath>
+#include <cstdint>
+#include <span>
+#include <string_view>
 
 #include <darboux/error.h>
 
 #include "io/files.h"
-#include "io/png.h"
+#include "io/read_png.h"
 
 namespace darboux {
 namespace {
 
 using io::JsonCursor;
 
-bool is_flat(const io::Image& image, bool two_channels) {
-  const double most = (1 << image.bits) - 1, step = 1.0 / 255;
-  constexpr double rounding = 1e-12;
-  for (std::size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
-    const auto component = [&](std::size_t k) { return 2 * image.rgb[i + k] / most - 1; };
-    if (std::fabs(component(0)) > step + rounding || std::fabs(component(1)) > step + rounding) return false;
-    if (!two_channels && component(2) < 1 - 2 * step - rounding) return false;
-  }
-  return true;
+// Reads no further than the first texel that is not.
+bool is_flat(const std::string& file, const std::string& name, std::string_view bytes, bool two_channels,
+             double scale) {
+  bool flat = true;
+  io::read_png(file, name, bytes, [&](std::span<const std::uint16_t> rgb, int bits) {
+    const double most = (1 << bits) - 1, step = 1.0 / 255;
+    constexpr double rounding = 1e-12;
+    for (std::size_t i = 0; flat && i + 2 < rgb.size(); i += 3) {
+      const auto component = [&](std::size_t k) { return 2 * rgb[i + k] / most - 1; };
+      flat = scale * std::fmax(std::fabs(component(0)), std::fabs(component(1))) <= step + rounding &&
+             (two_channels || component(2) >= 1 - 2 * step - rounding);
+    }
+    return flat;
+  });
+  return flat;
+}
+
+// What names the bytes of an image: several may be the same.
+std::string bytes_name(const JsonCursor& image) {
+  return image.has("uri") ? image.at("uri").text()
+                          : "bufferView " + std::to_string(image.at("bufferView").integer());
 }
 
 // The extensions that name an image beside, or instead of, the texture's own.
@@ -29,15 +44,19 @@ constexpr const char* other_images[] = {"KHR_texture_basisu", "EXT_texture_webp"
 
 }  // namespace
 
-FlatNormalMaps::Answer FlatNormalMaps::of_texture(std::size_t index, bool two_channels) {
+FlatNormalMaps::Answer FlatNormalMaps::of(const io::FrameReader& reader) {
+  if (!reader.texture) return {false, "the texture has no index"};
+  if (reader.scale_animated) return {false, "its scale is animated"};
   const JsonCursor root = file_.root();
-  const std::string name = "texture " + std::to_string(index);
-  if (!root.has("textures") || index >= root.at("textures").size()) return {false, name + " is not there"};
-  const JsonCursor texture = root.at("textures").at(index);
+  const std::string name = "texture " + std::to_string(*reader.texture);
+  if (!root.has("textures") || *reader.texture >= root.at("textures").size())
+    return {false, name + " is not there"};
+  const JsonCursor texture = root.at("textures").at(*reader.texture);
+  const double scale = std::fmax(std::fabs(reader.scale), 1);
   bool any = false;
   const auto look_at = [&](const JsonCursor& owner) {
     any = true;
-    return of_image(owner.at("source"), two_channels);
+    return of_image(owner.at("source"), reader.two_channels, scale);
   };
   for (const char* extension : other_images)
     if (const auto other = texture.extension(extension); other && other->has("source"))
@@ -47,16 +66,17 @@ FlatNormalMaps::Answer FlatNormalMaps::of_texture(std::size_t index, bool two_ch
   return any ? Answer{true, {}} : Answer{false, name + " has no image"};
 }
 
-const FlatNormalMaps::Answer& FlatNormalMaps::of_image(const JsonCursor& index, bool two_channels) {
+const FlatNormalMaps::Answer& FlatNormalMaps::of_image(const JsonCursor& index, bool two_channels,
+                                                       double scale) {
   const JsonCursor image = file_.element("images", index);
-  const auto [place, is_new] = known_.try_emplace({index.integer(), two_channels});
+  const std::string name = "image " + std::to_string(index.integer());
+  const auto [place, is_new] = known_.try_emplace({bytes_name(image), two_channels, scale});
   Answer& answer = place->second;
   if (!is_new) return answer;
-  const std::string name = "image " + std::to_string(index.integer());
   try {
-    const std::string bytes = io::image_bytes(file_, image);
+    const std::string bytes = io::image_bytes(file_, image, buffers_);
     if (io::is_png(bytes))
-      answer.flat = is_flat(io::read_png(file_.path, name, bytes), two_channels);
+      answer.flat = is_flat(file_.path, name, bytes, two_channels, scale);
     else
       answer.note = name + " is not a PNG, so that its texels are not looked at";
   } catch (const FileError& e) {

@@ -3,16 +3,17 @@
 
 #include <cstddef>
 #include <map>
-#include <optional>
 #include <string>
-#include <utility>
+#include <tuple>
 
 #include "io/gltf_file.h"
+#include "io/tangent_space.h"
 
 namespace darboux {
 
-// Reads the images of a document once each. An image is flat where every texel is (0, 0, 1) as far as 8 bits
-// can tell: |x|, |y| <= 1/255 and z >= 1 - 2/255. Only what is stored without loss says so: PNG.
+// Looks at the images of a document, each once for a way to read it. A map is flat where every texel, its x
+// and y times the scale of the texture, is (0, 0, 1) as far as 8 bits can tell: |x|, |y| <= 1/255 and z >= 1
+// - 2/255. Only what is stored without loss says so: PNG.
 class FlatNormalMaps {
  public:
   explicit FlatNormalMaps(const GltfFile& file) : file_(file) {}
@@ -21,15 +22,16 @@ class FlatNormalMaps {
     bool flat = false;
     std::string note{};  // why it is not known
   };
-  // \param texture an entry of "textures"; all images it may be drawn with must be flat
-  // \param two_channels x and y alone are stored, in red and green
-  Answer of_texture(std::size_t texture, bool two_channels);
+  // \param reader a normal map; all images that it may be drawn with must be flat
+  Answer of(const io::FrameReader& reader);
 
  private:
-  const Answer& of_image(const io::JsonCursor& index, bool two_channels);
+  const Answer& of_image(const io::JsonCursor& index, bool two_channels, double scale);
 
   const GltfFile& file_;
-  std::map<std::pair<std::size_t, bool>, Answer> known_;  // by image
+  io::ReadBuffers buffers_;
+  // By what names the bytes, by whether there are two channels, and by scale.
+  std::map<std::tuple<std::string, bool, double>, Answer> known_;
 };
 
 }  // namespace darboux

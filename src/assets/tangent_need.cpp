@@ -199,8 +199,7 @@ class Planner {
       if (r.rule == "normal_texture") readers->normal_texcoord = r.texcoord;
     for (io::FrameReader& r : io::frame_readers(file_, material, off_)) {
       FlatNormalMaps::Answer map;
-      if (flat_maps_ && r.is_normal_map && r.texture)
-        map = flat_maps_->of_texture(*r.texture, r.two_channels);
+      if (flat_maps_ && r.is_normal_map) map = flat_maps_->of(r);
       if (!map.flat) readers->of_frame.push_back({std::move(r), std::move(map.note)});
     }
     return *readers;

@@ -238,10 +238,6 @@ std::vector<Assessment> assess_primitive(const Primitive& primitive, const Asses
   return assess_parts(primitive.data, with_uvs);
 }
 
-}  // namespace
-
-namespace {
-
 void skip_unneeded(Asset& asset, std::vector<SkippedPrimitive>& skipped) {
   std::vector<Primitive> needed;
   for (Primitive& p : asset.primitives)
@@ -363,7 +359,9 @@ void compare(AssessedFile& file, const Json& entry, const std::string& path) {
     if (p != by_number.end()) add_known(*p->second, mesh, path);
   }
   // What fails has an error, which counts; what is undetermined has none.
-  file.lost = verdict_of(entry, path) == Verdict::pass && file.verdict == Verdict::nothing;
+  const bool left_out = std::any_of(file.skipped.begin(), file.skipped.end(),
+                                    [](const SkippedPrimitive& s) { return s.reason == unneeded_reason; });
+  file.lost = verdict_of(entry, path) == Verdict::pass && file.verdict == Verdict::nothing && !left_out;
   file.worse = file.lost;
   for (const AssessedPrimitive& p : file.primitives) {
     file.worse |= p.less_determined();

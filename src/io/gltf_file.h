@@ -91,9 +91,12 @@ GltfFile load_gltf(const std::string& path, std::string bytes);
 /// Reads as many bytes as the JSON has. \throws FileError
 GltfFile load_gltf_json(const std::string& path);
 
+/// Buffers that are read one by one, of a document that was loaded without them.
+using ReadBuffers = std::map<std::size_t, std::optional<std::string>>;
+
 /// The bytes of an entry of "images": of its uri, or of its bufferView, for which the buffer is read where it
-/// is not in memory. \throws FileError where they are not there
-std::string image_bytes(const GltfFile& file, const JsonCursor& image);
+/// is not in memory. \param read buffers that were read so \throws FileError where they are not there
+std::string image_bytes(const GltfFile& file, const JsonCursor& image, ReadBuffers& read);
 
 /// Decodes the bufferViews that EXT_meshopt_compression compresses, appends them to buffer 0 and takes the
 /// extension off the document, with the buffers that only stood for decoded data. Nothing is allocated beyond

@@ -271,17 +271,21 @@ GltfFile load_gltf_json(const std::string& path) {
   return file;
 }
 
-std::string image_bytes(const GltfFile& file, const JsonCursor& image) {
+std::string image_bytes(const GltfFile& file, const JsonCursor& image, ReadBuffers& read) {
   if (image.has("uri")) return load_uri(file.path, image.at("uri").name(), image.at("uri").text());
   const JsonCursor view = file.element("bufferViews", image.at("bufferView"));
   if (!file.buffers.empty()) return std::string(file.view_bytes(view));
   const JsonCursor index = view.at("buffer"), buffer = file.element("buffers", index);
-  std::optional<std::string> chunk;
-  if (std::string bytes = buffer.has("uri") ? std::string() : read_file(file.path); bytes.starts_with("glTF"))
-    if (const Chunks chunks = split_chunks(file.path, bytes); chunks.has_bin)
-      chunk = bytes.substr(chunks.bin_begin, chunks.bin_size);
-  const auto bytes = load_buffer(file, buffer, index.integer() == 0, std::move(chunk));
-  return std::string(file.view_bytes(view, bytes));
+  const std::size_t number = index.integer();
+  if (!read.contains(number)) {
+    std::optional<std::string> chunk;
+    if (std::string bytes = buffer.has("uri") ? std::string() : read_file(file.path);
+        bytes.starts_with("glTF"))
+      if (const Chunks chunks = split_chunks(file.path, bytes); chunks.has_bin)
+        chunk = bytes.substr(chunks.bin_begin, chunks.bin_size);
+    read.emplace(number, load_buffer(file, buffer, number == 0, std::move(chunk)));
+  }
+  return std::string(file.view_bytes(view, read.at(number)));
 }
 
 void remove_extension(Json& owner, const char* name) {

@@ -95,6 +95,8 @@ std::vector<FrameReader> frame_readers(const GltfFile& file, std::size_t index, 
       const JsonCursor texture = owner->at(rule.texture);
       reader.pointer += std::string("/") + rule.texture;
       if (off.by_factors && rule.is_normal_map && is_zero(texture, "scale", 1, reader.pointer, off)) continue;
+      if (rule.is_normal_map && texture.has("scale")) reader.scale = texture.at("scale").number();
+      reader.scale_animated = off.animated.contains(reader.pointer + "/scale");
       if (texture.has("index")) reader.texture = texture.at("index").integer();
       reader.texcoord = texcoord(texture);
       reader.transform = transform_of(texture);

@@ -22,6 +22,8 @@ struct FrameReader {
   bool is_normal_map = false;  ///< that texture is a normal map: viewers derive the frame from its uvs
   bool two_channels = false;   ///< a normal map of x and y alone
   std::optional<std::uint64_t> texture{};            ///< its index, where it is given
+  double scale = 1;                                  ///< of a normal map: its x and y are multiplied by it
+  bool scale_animated = false;                       ///< as far as SwitchedOff::animated says
   std::uint64_t texcoord = 0;                        ///< TEXCOORD set of the texture, 0 when there is none
   std::optional<std::array<double, 6>> transform{};  ///< its KHR_texture_transform, as Primitive has it
 };

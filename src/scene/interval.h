@@ -34,9 +34,10 @@ struct Enclosure {
       : lo(x), hi(x) {}  // NOLINT: clang-tidy 14 does not know explicit(false)
   constexpr Enclosure(double from, double to) : lo(from), hi(to) {}
 
-  // [lo, hi] with the rounding of one operation, or of a function within some of them.
+  // [lo, hi] with the rounding of one operation, or of a function within some of them, twice as much:
+  // widening rounds too.
   static Enclosure rounded(double lo, double hi, double roundings = 1) {
-    const double share = roundings * 0x1p-52, least = 0x1p-1070;
+    const double share = roundings * 0x1p-51, least = 0x1p-1070;
     if (std::isnan(lo) || std::isnan(hi))
       return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     return {lo - (std::fabs(lo) * share + least), hi + (std::fabs(hi) * share + least)};

@@ -33,7 +33,8 @@ MeshUnderTest prepare_with_joins(const Mesh& mesh, VertexJoins joins) {
 
 void add_references(MeshUnderTest& under_test, const ValidateOptions& options) {
   const Mesh& mesh = under_test.mesh;
-  if (options.references.mikktspace && !mesh.tangents.empty() && !mesh.normals.empty() && !mesh.uvs.empty())
+  if (options.references.mikktspace && !mesh.triangles.empty() && !mesh.tangents.empty() &&
+      !mesh.normals.empty() && !mesh.uvs.empty())
     under_test.mikktspace = mikktspace_reference(mesh, mesh.uvs, options.threads);
   if (!options.references.local || mesh.uvs.empty()) return;
   under_test.equal = join_equal_vertices(mesh);

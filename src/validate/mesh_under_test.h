@@ -22,7 +22,7 @@ struct MeshUnderTest {
   std::vector<bool> across_mirror{};    // vertices that triangles share whose uvs wind differently
   std::vector<bool> has_uv_area{};      // vertices of a triangle with uv area
   MikktspaceReference
-      mikktspace{};            // empty where it is not asked for or there are no tangents, normals or uvs
+      mikktspace{};            // empty where it is not asked for, or tangents, normals, uvs or triangles lack
   std::vector<Truth> local{};  // at each vertex; empty where it is not asked for or there are no uvs
   MeshClasses classes{};
   std::vector<bool> between_parts{};  // vertices that no one frame is right for; empty: none

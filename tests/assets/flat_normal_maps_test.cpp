@@ -173,6 +173,25 @@ TEST(FlatNormalMaps, PackedOnesHaveXAndYAlone) {
   EXPECT_EQ(planned(json, png_bytes(2, 2, colour(4, {127, 130, 30}))).need, TangentNeed::needed);
 }
 
+// Viewers multiply x and y by the scale before they take the direction.
+TEST(FlatNormalMaps, AreScaled) {
+  const std::string nearly = png_bytes(4, 4, colour(16, {127, 127, 255})),
+                    exact = png_bytes(4, 4, colour(16, {32768, 32767, 65535}), {.bits = 16});
+  const auto scaled = [](double scale) {
+    return document({{"normalTexture", {{"index", 0}, {"scale", scale}}}});
+  };
+  EXPECT_EQ(planned(scaled(0.5), nearly).need, TangentNeed::idle);
+  EXPECT_EQ(planned(scaled(-1), nearly).need, TangentNeed::idle);
+  EXPECT_EQ(planned(scaled(4), nearly).need, TangentNeed::needed);
+  EXPECT_EQ(planned(scaled(-20), nearly).need, TangentNeed::needed);
+  EXPECT_EQ(planned(scaled(20), exact).need, TangentNeed::idle);
+  Json animated = scaled(1);
+  animated["animations"] =
+      Json::parse(R"([{"samplers": [], "channels": [{"sampler": 0, "target": {"path": "pointer",
+    "extensions": {"KHR_animation_pointer": {"pointer": "/materials/0/normalTexture/scale"}}}}]}])");
+  expect_kept(planned(animated, nearly), "its scale is animated");
+}
+
 TEST(FlatNormalMaps, LeaveAnisotropyItsFrame) {
   const PrimitiveNeed p =
       planned(document({{"normalTexture", {{"index", 0}}},

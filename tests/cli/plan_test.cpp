@@ -74,6 +74,10 @@ TEST_F(Cli, ValidateSaysWhetherTangentsAreNeededAndJudgesThoseAlone) {
   EXPECT_GT(only["skipped"].size(), all["skipped"].size());
   EXPECT_NE(sh("darboux validate all.glb --only needed").out.find("its material reads no tangents"),
             std::string::npos);
+  // What is left out is no worse than it was.
+  good("darboux tangents data/torus_032.mikk.glb -o idle.glb");
+  good("darboux validate idle.glb --json > base.json");
+  good("darboux validate idle.glb --only needed --baseline base.json");
   // Other formats do not say, and are judged whole.
   const Json obj = json("darboux validate data/sphere_016.obj --only needed --json")["files"][0];
   ASSERT_EQ(obj["meshes"].size(), 1u);

@@ -12,6 +12,15 @@ read -ra flags <<<"$(pkg-config --define-variable=libdir="$(dirname "$folder")" 
   --define-variable=includedir="$installed/include" --static --cflags --libs darboux)"
 "$compiler" -std=c++20 "$source" "${flags[@]}" -o "$work/program"
 LD_LIBRARY_PATH=$(dirname "$folder") "$work/program" | grep -q "handedness +1"
+if [ -e "$folder/darboux-io.pc" ]; then
+  printf '%s\n' '#include <darboux/io.h>' 'int main() { try { darboux::read_asset("nowhere.glb"); } catch (const darboux::FileError&) { return 0; } return 1; }' \
+    >"$work/io.cpp"
+  sed -i '1i #include <darboux/error.h>' "$work/io.cpp"
+  read -ra flags <<<"$(pkg-config --define-variable=libdir="$(dirname "$folder")" \
+    --define-variable=includedir="$installed/include" --static --cflags --libs darboux-io)"
+  "$compiler" -std=c++20 "$work/io.cpp" "${flags[@]}" -o "$work/io"
+  LD_LIBRARY_PATH=$(dirname "$folder") "$work/io"
+fi
 for name in darboux-fit darboux-io; do
   if [ -e "$folder/$name.pc" ]; then pkg-config --print-requires "$name" | grep -qx darboux; fi
 done

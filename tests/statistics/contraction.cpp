@@ -46,23 +46,28 @@ std::vector<Vec3<double>> read(const char* name) {
 void compare(const char* a, const char* b) {
   const std::vector<Vec3<double>> one = read(a), other = read(b);
   if (one.size() != other.size()) throw std::runtime_error("two files of the same size expected");
-  std::printf("| surface | position | first partials | second partials | t, b, n |\n|---|---:|---:|---:|---:|\n");
+  std::printf("| surface | position | first partials | second partials | t, b, n | only in one |\n");
+  std::printf("|---|---:|---:|---:|---:|---:|\n");
   std::size_t at = 0;
   Catalogue::for_each([&](const auto& surface) {
     double largest[vectors] = {}, apart[vectors] = {};
+    int lost = 0;  // vectors that only one of the two has
     for (int i = 0; i < points; ++i)
       for (std::size_t k = 0; k < vectors; ++k, ++at) {
-        if (!(norm(one[at]) < 1e300) || !(norm(other[at]) < 1e300)) continue;  // no frame
+        const bool a_frame = norm(one[at]) < 1e300, b_frame = norm(other[at]) < 1e300;
+        lost += a_frame != b_frame;
+        if (!a_frame || !b_frame) continue;
         largest[k] = std::fmax(largest[k], norm(one[at]));
         apart[k] = std::fmax(apart[k], norm(one[at] - other[at]));
       }
     const auto worst = [&](std::size_t from, std::size_t to) {
       double u = 0;
-      for (std::size_t k = from; k < to; ++k) u = std::fmax(u, apart[k] > 0 ? apart[k] / largest[k] / 0x1p-53 : 0);
+      for (std::size_t k = from; k < to; ++k)
+        u = std::fmax(u, apart[k] > 0 ? apart[k] / largest[k] / 0x1p-53 : 0);
       return u;
     };
-    std::printf("| %s | %.2g | %.2g | %.2g | %.2g |\n", std::string(surface.info.name).c_str(), worst(0, 1),
-                worst(1, 3), worst(3, 6), worst(6, 9));
+    std::printf("| %s | %.2g | %.2g | %.2g | %.2g | %d |\n", std::string(surface.info.name).c_str(),
+                worst(0, 1), worst(1, 3), worst(3, 6), worst(6, 9), lost);
   });
 }
 

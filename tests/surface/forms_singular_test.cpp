@@ -161,6 +161,22 @@ TEST_P(FormsAtEdges, CurvatureReachesItAtDenormalDistances) {
     }
 }
 
+// Close to the pole of an ellipsoid with three axes the first direction is that of the pole, x, whatever u:
+// the terms whose sum is m grow there, but not what rounding leaves of them.
+TEST(SingularPoints, AreApproachedByThePrincipalDirections) {
+  for (const double distance : {1e-10, 1e-12, 1e-13, 1e-14, 1e-16, 1e-100, 1e-200})
+    for (int i = 0; i < 500; ++i) {
+      const double u = (i + 0.37) / 500;
+      for (const AnySurface& surface :
+           {AnySurface(Ellipsoid{1.0, 0.9, 0.5}), AnySurface(EllipticParaboloid{1.0, 0.9, 1e-8})}) {
+        const Curvature<double> c = curvature(surface, u, distance);
+        // -1/a² is above -1/b² for a > b. The curvatures differ by a fifth of themselves.
+        EXPECT_LE(norm(cross(c.directions[0], Vec3<double>{1, 0, 0})), 1e-6)
+            << surface.specification() << ' ' << u << ' ' << distance;
+      }
+    }
+}
+
 // The apex of a cone: the curvature across grows like 1 over the distance. Nothing is said.
 TEST(SingularPoints, OfAConeHasNoCurvature) {
   const Curvature<double> c = curvature(Cone{1.0, 2.0}, 0.3, 1.0);

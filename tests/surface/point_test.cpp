@@ -11,6 +11,7 @@
 #include <darboux/any_surface.h>
 #include <darboux/catalogue.h>
 #include <darboux/error.h>
+#include <darboux/forms.h>
 
 #include "every_surface.h"
 
@@ -293,6 +294,7 @@ TEST(Points, WholeNumbersAndMixedCoordinatesAreDoubles) {
   EXPECT_EQ(parametric_frame(torus, 0, 1u).b, parametric_frame(torus, 0.0, 1.0).b);
   EXPECT_EQ(sample(Sphere{2.0}, 0, 1).frame.status, sample(Sphere{2.0}, 0.0, 1.0).frame.status);
   EXPECT_EQ(status(Sphere{2.0}, 0, 1), status(Sphere{2.0}, 0.0, 1.0));
+  EXPECT_EQ(curvature(torus, 0, 1).mean, curvature(torus, 0.0, 1.0).mean);
   static_assert(std::is_same_v<decltype(frame(torus, 0.25f, 0.5f)), Frame<float>>);
 }
 

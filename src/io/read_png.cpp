@@ -1,9 +1,10 @@
-#include "png.h"
+#include "read_png.h"
 
 #include <csetjmp>
 #include <cstddef>
 #include <cstring>
-#include <memory>
+#include <new>
+#include <vector>
 
 #include <png.h>
 
@@ -14,7 +15,7 @@
 namespace darboux::io {
 namespace {
 
-constexpr std::uint64_t most_texels = std::uint64_t{1} << 26;
+constexpr std::uint64_t most_texels = std::uint64_t{1} << 28, most_interlaced = std::uint64_t{1} << 24;
 
 // What libpng's callbacks see.
 struct Source {
@@ -44,7 +45,7 @@ void on_read(png_structp png, png_bytep to, std::size_t count) {
 
 struct Header {
   png_uint_32 width = 0, height = 0;
-  int bits = 0;
+  int bits = 0, passes = 1;
   std::size_t row_bytes = 0;
 };
 
@@ -57,16 +58,16 @@ bool read_header(png_structp png, png_infop info, Source& source, Header& header
   png_set_expand(png);
   png_set_strip_alpha(png);
   png_set_gray_to_rgb(png);
-  png_set_interlace_handling(png);
+  header.passes = png_set_interlace_handling(png);
   png_read_update_info(png, info);
   header.bits = png_get_bit_depth(png, info);
   header.row_bytes = png_get_rowbytes(png, info);
   return true;
 }
 
-bool read_rows(png_structp png, Source& source, png_bytepp rows) {
+bool read_row(png_structp png, Source& source, png_bytep row) {
   if (setjmp(source.failed) != 0) return false;
-  png_read_image(png, rows);
+  png_read_row(png, row, nullptr);
   return true;
 }
 
@@ -76,7 +77,7 @@ bool is_png(std::string_view bytes) {
   return bytes.starts_with("\x89PNG\r\n\x1a\n");
 }
 
-Image read_png(const std::string& file, const std::string& what, std::string_view bytes) {
+void read_png(const std::string& file, const std::string& what, std::string_view bytes, const TakeRow& take) {
   Source source{.bytes = bytes, .failed = {}};
   const auto fail = [&](const std::string& got) {
     throw FileError(file, what + ": " + expected_got("a PNG image", got));
@@ -95,21 +96,27 @@ Image read_png(const std::string& file, const std::string& what, std::string_vie
   png_set_read_fn(reader.png, &source, on_read);
   Header header;
   if (!read_header(reader.png, reader.info, source, header)) fail(source.message);
-  if (std::uint64_t{header.width} * header.height > most_texels)
+  const bool interlaced = header.passes > 1;
+  if (const std::uint64_t most = interlaced ? most_interlaced : most_texels;
+      std::uint64_t{header.width} * header.height > most)
     fail("one of " + std::to_string(header.width) + " x " + std::to_string(header.height) + ", more than " +
-         std::to_string(most_texels) + " texels");
-  std::vector<unsigned char> pixels(header.row_bytes * header.height);
-  std::vector<png_bytep> rows(header.height);
-  for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = pixels.data() + y * header.row_bytes;
-  if (!read_rows(reader.png, source, rows.data())) fail(source.message);
-  Image image{header.width, header.height, header.bits, {}};
-  image.rgb.reserve(std::size_t{3} * header.width * header.height);
-  if (header.bits == 16)
-    for (std::size_t i = 0; i + 1 < pixels.size(); i += 2)  // most significant byte first
-      image.rgb.push_back(static_cast<std::uint16_t>(pixels[i] << 8 | pixels[i + 1]));
-  else
-    image.rgb.assign(pixels.begin(), pixels.end());
-  return image;
+         std::to_string(most) + " texels");
+  // Of interlaced images each pass writes some texels of every row.
+  std::vector<unsigned char> pixels(header.row_bytes * (interlaced ? header.height : 1));
+  const auto row = [&](std::size_t y) { return pixels.data() + (interlaced ? y * header.row_bytes : 0); };
+  for (int pass = 0; interlaced && pass < header.passes; ++pass)
+    for (std::size_t y = 0; y < header.height; ++y)
+      if (!read_row(reader.png, source, row(y))) fail(source.message);
+  std::vector<std::uint16_t> rgb(std::size_t{3} * header.width);
+  for (std::size_t y = 0; y < header.height; ++y) {
+    if (!interlaced && !read_row(reader.png, source, row(y))) fail(source.message);
+    const unsigned char* bytes_of_row = row(y);
+    for (std::size_t i = 0; i < rgb.size(); ++i)  // most significant byte first
+      rgb[i] = header.bits == 16
+                   ? static_cast<std::uint16_t>(bytes_of_row[2 * i] << 8 | bytes_of_row[2 * i + 1])
+                   : bytes_of_row[i];
+    if (!take(rgb, header.bits)) return;
+  }
 }
 
 }  // namespace darboux::io

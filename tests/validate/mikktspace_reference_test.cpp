@@ -1,0 +1,65 @@
+// MikkTSpace's tangents kept once per vertex are those of every corner.
+#include "validate/mikktspace_reference.h"
+
+#include <bit>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include <darboux/mesh.h>
+
+namespace darboux {
+namespace {
+
+bool same_bits(const Vec4<float>& a, const Vec4<float>& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+// Four triangles over five vertices; corners of vertices 0 and 2 differ, one by the sign of a zero alone.
+struct Example {
+  Mesh mesh;
+  std::vector<Vec4<float>> of_corner;
+
+  Example() {
+    mesh.positions.resize(6);
+    mesh.triangles = {{0, 1, 2}, {2, 1, 3}, {0, 2, 4}, {4, 2, 0}};
+    for (int c = 0; c < 12; ++c) {
+      const std::uint32_t v = mesh.triangles[c / 3][c % 3];
+      of_corner.push_back({static_cast<float>(v), 0, 1, 1});
+    }
+    of_corner[3].y = -0.0f;  // vertex 2
+    of_corner[6].w = -1;     // vertex 0
+    of_corner[10].x = 7;     // vertex 2
+  }
+};
+
+TEST(MikktspaceReference, HasTheTangentOfEveryCorner) {
+  const Example e;
+  const MikktspaceReference reference(e.mesh, e.of_corner);
+  EXPECT_FALSE(reference.empty());
+  for (std::size_t c = 0; c < 12; ++c)
+    EXPECT_TRUE(same_bits(reference.at(c, e.mesh.triangles[c / 3][c % 3]), e.of_corner[c])) << c;
+  ASSERT_EQ(reference.others().size(), 3u);
+  for (const auto& [k, corner] : {std::pair{0, 3}, {1, 6}, {2, 10}})
+    EXPECT_EQ(reference.others()[k].corner, static_cast<std::size_t>(corner));
+  EXPECT_EQ(reference.of_vertex(5).w, 0) << "no triangle uses it";
+}
+
+TEST(MikktspaceReference, OfAPartIsThatOfItsCorners) {
+  const Example e;
+  const MikktspaceReference whole(e.mesh, e.of_corner);
+  // Triangles 1 and 3, with vertices in the order of their appearance: 2 1 3 4 0.
+  const std::vector<std::uint32_t> vertices{2, 1, 3, 4, 0}, triangles{1, 3};
+  Mesh part;
+  part.positions.resize(5);
+  part.triangles = {{0, 1, 2}, {3, 0, 4}};
+  const MikktspaceReference reference = whole.restricted_to(part, vertices, triangles);
+  for (std::size_t t = 0; t < 2; ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_TRUE(same_bits(reference.at(3 * t + k, part.triangles[t][k]), e.of_corner[3 * triangles[t] + k]))
+          << t << ' ' << k;
+  EXPECT_TRUE(MikktspaceReference().restricted_to(part, vertices, triangles).empty());
+}
+
+}  // namespace
+}  // namespace darboux
