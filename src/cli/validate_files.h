@@ -78,7 +78,7 @@ struct Policy {
 };
 
 /// Why --only needed skips a primitive.
-inline constexpr std::string_view unneeded_reason = "its material reads no tangents (--only needed)";
+inline constexpr std::string_view unneeded_reason = "the material reads no tangents (--only needed)";
 
 /// Reads and assesses one file. What is undetermined has the finding UNDETERMINED.
 void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy);

@@ -3,8 +3,24 @@
 #include <cmath>
 #include <limits>
 
-#include <darboux/catalogue.h>
+#include <darboux/bilinear_patch.h>
+#include <darboux/catenoid.h>
+#include <darboux/ellipsoid.h>
+#include <darboux/elliptic_paraboloid.h>
+#include <darboux/enneper.h>
+#include <darboux/graph.h>
+#include <darboux/helicoid.h>
+#include <darboux/hyperbolic_paraboloid.h>
+#include <darboux/klein_bottle.h>
+#include <darboux/moebius_strip.h>
+#include <darboux/monkey_saddle.h>
+#include <darboux/one_sheet_hyperboloid.h>
 #include <darboux/point.h>
+#include <darboux/pseudosphere.h>
+#include <darboux/ruled_surface.h>
+#include <darboux/torus.h>
+#include <darboux/tube.h>
+#include <darboux/two_sheet_hyperboloid.h>
 
 #include "interval.h"
 
@@ -12,12 +28,6 @@ namespace darboux::tiles {
 namespace {
 
 using E = Enclosure;
-
-// Those of the catalogue without a closed form, whose formulas run on intervals.
-using Formulas =
-    SurfaceList<Torus<>, Ellipsoid<>, EllipticParaboloid<>, HyperbolicParaboloid<>, OneSheetHyperboloid<>,
-                TwoSheetHyperboloid<>, Helicoid<>, Catenoid<>, MoebiusStrip<>, KleinBottle<>, Enneper<>,
-                MonkeySaddle<>, Pseudosphere<>, Tube<>, BilinearPatch<>, RuledSurface<>, Graph<>>;
 
 std::array<Enclosed::Box, 6> boxes(const Jet2<E>& j) {
   const auto box = [](const Vec3<E>& a) {
@@ -76,18 +86,28 @@ struct Normals {
             cross_product(enclosure(j[du]), enclosure(j[dvv]))) {}
 };
 
-}  // namespace
-
-std::optional<Enclosed> enclose(const AnySurface& surface, const Tile& tile) {
+// Of whichever type the surface is.
+template <class... X>
+std::optional<Enclosed> enclose_one_of(const AnySurface& surface, const Tile& tile) {
   std::optional<Enclosed> result;
-  Formulas::for_each([&]<class X>(const X&) {
-    if (result) return;
-    if (const X* s = surface.get<X>()) try {
+  const auto attempt = [&](const auto* s) {
+    if (s) try {
         result = enclose_as(*s, tile);
       } catch (const Uncertain&) {
       }
-  });
+  };
+  (attempt(surface.get<X>()), ...);
   return result;
+}
+
+}  // namespace
+
+std::optional<Enclosed> enclose(const AnySurface& surface, const Tile& tile) {
+  // Those without a closed form whose formulas run on intervals.
+  return enclose_one_of<Torus<>, Ellipsoid<>, EllipticParaboloid<>, HyperbolicParaboloid<>,
+                        OneSheetHyperboloid<>, TwoSheetHyperboloid<>, Helicoid<>, Catenoid<>, MoebiusStrip<>,
+                        KleinBottle<>, Enneper<>, MonkeySaddle<>, Pseudosphere<>, Tube<>, BilinearPatch<>,
+                        RuledSurface<>, Graph<>>(surface, tile);
 }
 
 double enclosed_support(const Enclosed& s, const Vec3<double>& direction) {
