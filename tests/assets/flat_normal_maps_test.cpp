@@ -113,8 +113,12 @@ TEST(FlatNormalMaps, WhatCannotBeLookedAtStaysNeeded) {
   expect_kept(planned(document(), "\xff\xd8\xff\xe0 JFIF"), "not a PNG");
   expect_kept(planned(document(), flat.substr(0, flat.size() - 30)), "ends early");
   std::string corrupt = flat;
-  corrupt[45] = static_cast<char>(corrupt[45] ^ 0x55);
+  char& checksum = corrupt[corrupt.size() - 13];  // of the texels, before the 12 bytes of IEND
+  checksum = static_cast<char>(checksum ^ 0x55);
   expect_kept(planned(document(), corrupt), "cannot be read");
+  corrupt = flat;
+  corrupt[45] = static_cast<char>(corrupt[45] ^ 0x55);  // texels that are others, or none
+  EXPECT_EQ(planned(document(), corrupt).need, TangentNeed::needed);
   Json json = document();
   json["textures"][0].erase("source");
   expect_kept(planned(json, flat), "texture 0 has no image");
