@@ -206,6 +206,8 @@ concept MixedCoordinates =
 
 }  // namespace detail
 
+/// The functions above for coordinates that are whole numbers or of two types: both are taken as double, and
+/// so is the result. Two floats stay floats; long double is not taken.
 template <ParametricSurface X, class U, class V>
 requires detail::MixedCoordinates<U, V> Jet2<double> jet(const X& surface, U u, V v) {
   return jet(surface, static_cast<double>(u), static_cast<double>(v));

@@ -28,8 +28,7 @@ void write_points(const X& surface, std::FILE* file) {
     const double u = coordinate(random), v = coordinate(random);
     const Jet2<double> j = jet(surface, u, v);
     const Frame<double> f = frame(surface, u, v);
-    for (const Vec3<double>& a :
-         {j.position, j.dpdu, j.dpdv, j.d2pdu2, j.d2pduv, j.d2pdv2, f.t, f.b, f.n})
+    for (const Vec3<double>& a : {j.position, j.dpdu, j.dpdv, j.d2pdu2, j.d2pduv, j.d2pdv2, f.t, f.b, f.n})
       std::fwrite(&a, sizeof a, 1, file);
   }
 }

@@ -1,12 +1,13 @@
 // MikkTSpace's tangents kept once per vertex are those of every corner.
 #include "validate/mikktspace_reference.h"
 
-#include <bit>
 #include <cstring>
+#include <span>
 
 #include <gtest/gtest.h>
 
 #include <darboux/mesh.h>
+#include <darboux/validate.h>
 
 namespace darboux {
 namespace {
@@ -59,6 +60,19 @@ TEST(MikktspaceReference, OfAPartIsThatOfItsCorners) {
       EXPECT_TRUE(same_bits(reference.at(3 * t + k, part.triangles[t][k]), e.of_corner[3 * triangles[t] + k]))
           << t << ' ' << k;
   EXPECT_TRUE(MikktspaceReference().restricted_to(part, vertices, triangles).empty());
+}
+
+// Without a corner there is nothing to compare, where "0 % of corners to the bit" would say that nothing
+// matches.
+TEST(MikktspaceReference, IsNotMadeWithoutTriangles) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.normals.assign(3, {0, 0, 1});
+  mesh.uvs = {{0, 0}, {1, 0}, {0, 1}};
+  mesh.tangents.assign(3, {1, 0, 0, 1});
+  EXPECT_FALSE(validate(mesh, std::span<const Truth>()).mikktspace);
+  mesh.triangles = {{0, 1, 2}};
+  EXPECT_TRUE(validate(mesh, std::span<const Truth>()).mikktspace);
 }
 
 }  // namespace
