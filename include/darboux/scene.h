@@ -1,0 +1,196 @@
+/// \file scene.h
+/// Parametric surfaces as a camera sees them: which tiles of which instances are needed, how finely, and
+/// with which attributes; then those, and nothing else, by the batch kernels.
+///   const ScenePlan plan = plan_scene(scene, camera, request);
+///   for_each_tile(scene, plan, [&](const TileSamples& tile) { draw(tile); });
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <darboux/any_surface.h>
+#include <darboux/tile_bounds.h>
+
+namespace darboux {
+
+/// What a material reads of a surface.
+struct SceneMaterial {
+  std::string name;
+  bool normal_map = false, clearcoat_normal_map = false;
+  bool anisotropy = false;    ///< with a texture or without
+  bool double_sided = false;  ///< both sides are seen
+  /// The most that a displacement moves a point, in the scene's unit of length.
+  double displacement = 0;
+
+  /// Whether it reads more of the frame than the normal.
+  bool reads_tangents() const { return normal_map || clearcoat_normal_map || anisotropy; }
+};
+
+/// A surface somewhere in a scene. Positions by the placement, normals by its inverse transpose: a mirrored
+/// instance shows the same side.
+struct SceneInstance {
+  std::uint32_t surface = 0, material = 0;  ///< indices into those of the scene
+  Eigen::Affine3d placement = Eigen::Affine3d::Identity();
+};
+
+struct Scene {
+  std::vector<AnySurface> surfaces;
+  std::vector<SceneMaterial> materials;
+  std::vector<SceneInstance> instances;
+};
+
+/// A camera as glTF has it: it looks along its -z, y is up.
+struct Camera {
+  enum class Projection : std::uint8_t { perspective, orthographic };
+
+  Projection projection = Projection::perspective;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< camera to scene
+  int width_px = 1280, height_px = 720;
+  double vertical_field_of_view_rad = 1;  ///< of a perspective camera, the whole angle
+  double view_height = 2;                 ///< of an orthographic camera, a length
+  double near_distance = 0.1, far_distance = 1000;
+
+  /// In `eye` looking at `target`. \throws ParameterError when they are one, or `up` is parallel to the view
+  static Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
+                                   const Eigen::Vector3d& up = {0, 0, 1});
+  /// \throws ParameterError naming what is wrong: a pose that is not rigid or finite, sizes below one pixel,
+  /// an angle that is not between 0 and pi, near >= far, near <= 0 of a perspective camera
+  void check() const;
+};
+
+/// What is asked for. A bound of infinity asks for nothing; the strictest of them decides.
+struct SceneRequest {
+  Attributes attributes = Attribute::position | Attribute::normal | Attribute::tangent4;
+  /// How far the surface may be from the triangles through the samples: in pixels of the camera, and in the
+  /// scene's unit of length.
+  double chord_px = 0.5, chord = std::numeric_limits<double>::infinity();
+  /// By how much t, b and n may differ from those interpolated in a triangle and normalised.
+  double frame_angle_rad = 0.0175;
+  /// What may be skipped. All false is every instance uniformly, at the resolution that its nearest point
+  /// needs.
+  struct Skip {
+    bool unread_attributes = true;  ///< tangents of materials that read none
+    bool outside_frustum = true, back_facing = true, below_error = true, duplicates = true;
+  } skip;
+};
+
+/// Samples on the corners of cells_u × cells_v cells of one of 2^level_u × 2^level_v tiles of a chart, and on
+/// edges those of its neighbours too. Coordinates are whole multiples of powers of two: neighbours have the
+/// same bits on their common edge.
+struct ScenePatch {
+  std::uint32_t surface = 0;
+  std::uint8_t level_u = 0, level_v = 0;
+  std::uint16_t cells_u = 1, cells_v = 1;  ///< powers of two
+  std::uint32_t column = 0, row = 0;       ///< of the tile
+  Attributes attributes;
+  /// Samples that neighbours have on the edges v0, v1, u0, u1 and the corners of the cells have not: how
+  /// many, and where in ScenePlan::edge_coordinates they begin. Rising.
+  std::array<std::uint32_t, 4> edge_counts{};
+  std::uint32_t first_edge_coordinate = 0;
+  std::uint32_t first_tile = 0, tile_count = 0;  ///< in ScenePlan::tiles: those that it is the samples of
+
+  Tile tile() const;
+  bool plain() const { return edge_counts == std::array<std::uint32_t, 4>{}; }
+};
+
+/// A tile that is needed.
+struct PlannedTile {
+  std::uint32_t instance, patch;
+};
+
+/// Tiles, each counted under one reason.
+struct SkippedTiles {
+  std::uint64_t no_normal_map = 0;  ///< all that was asked for is tangents, and the material reads none
+  std::uint64_t outside_frustum = 0;
+  std::uint64_t back_facing = 0;
+  std::uint64_t occluded = 0;
+  std::uint64_t below_error = 0;  ///< a larger tile with as few samples does
+  std::uint64_t duplicates = 0;   ///< computed once, for another instance of the surface
+};
+
+struct ScenePlan {
+  std::vector<ScenePatch> patches;       ///< what is to be evaluated
+  std::vector<PlannedTile> tiles;        ///< what is to be drawn, by patch
+  std::vector<double> edge_coordinates;  ///< of the patches
+
+  std::uint64_t instances_needed = 0;  ///< those with at least one tile
+  std::uint64_t tiles_all = 0;         ///< of all instances at their finest resolution
+  std::uint64_t tiles_needed = 0;      ///< all, less those skipped: the number of patches
+  SkippedTiles skipped;
+  std::uint64_t tiles_unbounded = 0;  ///< of those needed: nothing is known of them, and none is culled
+  std::uint64_t samples_full = 0;     ///< every instance uniformly at the resolution of its nearest point
+  std::uint64_t samples_needed = 0;   ///< of the patches
+  /// Samples of each attribute that are evaluated.
+  std::array<std::uint64_t, attribute_count> attribute_samples{};
+};
+
+/// What is to be evaluated for one camera. Tiles that no part of is seen are not: every decision is on the
+/// safe side by a proven bound, rounding included. Surfaces without bounds are not culled, and their
+/// resolution is estimated from samples. Cost: about 0.2 us per instance that is outside the frustum, 1 us
+/// per tile. The same input gives the same plan, on every machine. \throws ParameterError for a camera or a
+/// bound that is out of range, an index that is, or a placement that is singular or not finite
+ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
+
+/// The samples of one patch in its surface's own space. Valid until the function that is handed them returns.
+class TileSamples {
+ public:
+  const ScenePatch& patch() const { return *patch_; }
+  /// The tiles they are of: place them by the instances' placements.
+  std::span<const PlannedTile> tiles() const { return tiles_; }
+  std::size_t size() const { return uv_.size() / 2; }
+  Vec2<double> uv(std::size_t i) const { return {uv_[2 * i], uv_[2 * i + 1]}; }
+  /// All components of an attribute of the i-th sample; empty where it was not asked for.
+  std::span<const double> operator()(Attribute a, std::size_t i) const {
+    const std::size_t n = info_of(a).components;
+    const double* values = values_[static_cast<std::size_t>(a)];
+    return values ? std::span<const double>(values + n * i, n) : std::span<const double>();
+  }
+  Vec3<double> vec3(Attribute a, std::size_t i) const {
+    const auto x = (*this)(a, i);
+    return {x[0], x[1], x[2]};
+  }
+  Status status(std::size_t i) const { return status_[i]; }
+  /// Three indices a triangle, such that dpdu × dpdv is their side. Without gaps to the neighbours, and
+  /// without T-junctions.
+  std::span<const std::uint32_t> triangles() const { return triangles_; }
+
+ private:
+  friend class TileEvaluator;
+  const ScenePatch* patch_ = nullptr;
+  std::span<const PlannedTile> tiles_;
+  std::vector<double> uv_, memory_;
+  std::array<const double*, attribute_count> values_{};
+  std::vector<Status> status_;
+  std::vector<std::uint32_t> triangles_;
+};
+
+/// Evaluates the patches of a plan one after the other. Memory is kept from one to the next.
+class TileEvaluator {
+ public:
+  TileEvaluator(const Scene& scene, const ScenePlan& plan) : scene_(&scene), plan_(&plan) {}
+  /// \param options threads are not looked at
+  const TileSamples& evaluate(const ScenePatch& patch, const EvaluateOptions& options = {});
+
+ private:
+  const Scene* scene_;
+  const ScenePlan* plan_;
+  TileSamples samples_;
+};
+
+/// Calls f(const TileSamples&) for each patch of a plan, in order and in the calling thread.
+template <class F>
+void for_each_tile(const Scene& scene, const ScenePlan& plan, F&& f, const EvaluateOptions& options = {}) {
+  TileEvaluator evaluator(scene, plan);
+  for (const ScenePatch& patch : plan.patches) f(evaluator.evaluate(patch, options));
+}
+
+}  // namespace darboux
