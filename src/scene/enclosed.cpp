@@ -29,23 +29,13 @@ namespace {
 
 using E = Enclosure;
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 std::array<Enclosed::Box, 6> boxes(const Jet2<E>& j) {
   const auto box = [](const Vec3<E>& a) {
     return Enclosed::Box{{a.x.lo, a.y.lo, a.z.lo}, {a.x.hi, a.y.hi, a.z.hi}};
   };
   return {box(j.position), box(j.dpdu), box(j.dpdv), box(j.d2pdu2), box(j.d2pduv), box(j.d2pdv2)};
-}
-
-template <class X>
-Enclosed enclose_as(const X& surface, const Tile& t) {
-  const auto jet_over = [&](const E& u, const E& v) {
-    return boxes(surface.jet(prepare<X::info.u>(u), prepare<X::info.v>(v)));
-  };
-  const double u = 0.5 * (t.u0 + t.u1), v = 0.5 * (t.v0 + t.v1);
-  // From the centre as it is rounded to either end.
-  const double half_u = std::fmax(t.u1 - u, u - t.u0) * (1 + 0x1p-50),
-               half_v = std::fmax(t.v1 - v, v - t.v0) * (1 + 0x1p-50);
-  return {jet_over({t.u0, t.u1}, {t.v0, t.v1}), jet_over(u, v), half_u, half_v, !X::info.own_orientation};
 }
 
 Vec3<E> enclosure(const Enclosed::Box& box) {
@@ -86,13 +76,121 @@ struct Normals {
             cross_product(enclosure(j[du]), enclosure(j[dvv]))) {}
 };
 
+// ---- derivatives of unit vectors
+// ---------------------------------------------------------------------------
+
+double over(double a, double least) {
+  return least > 0 ? (E(a) / E(least)).hi : infinity;
+}
+// The length of a vector: that of its enclosure, or a bound by other means.
+double length_of(const Vec3<E>& enclosed, double bound) {
+  const double a = length(enclosed).hi;
+  return std::isnan(a) ? bound : std::fmin(a, bound);
+}
+
+// A derivative of n = N/s, s = |N|.
+struct Slope {
+  Vec3<E> N, n;            // N_a, n_a
+  E s;                     // s_a
+  double length, turning;  // |N_a|, |n_a|
+};
+struct UnitVector {
+  Vec3<E> n;
+  E s;
+  Slope u, v;
+  UnitVector(const Vec3<E>& N, const Vec3<E>& N_u, const Vec3<E>& N_v)
+      : n(N / length(N)), s(length(N)), u(slope(N_u)), v(slope(N_v)) {}
+
+  // From N_ab = s_ab n + s_a n_b + s_b n_a + s n_ab: the part of n_ab across n; along n it is -n_a·n_b.
+  struct Second {
+    Vec3<E> n;
+    double across, length;  // of the part perpendicular to n, and of all
+  };
+  Second second(const Slope& a, const Slope& b, const Vec3<E>& N_ab) const {
+    const Vec3<E> rest = N_ab - a.s * b.n - b.s * a.n, part = (rest - product(n, rest) * n) / s;
+    const E bound = length(N_ab) + E(a.length) * E(b.turning) + E(b.length) * E(a.turning);
+    const double across = length_of(part, over(bound.hi, s.lo));
+    const E along = E(a.turning) * E(b.turning);
+    return {part - product(a.n, b.n) * n, across, sqrt(along * along + E(across) * E(across)).hi};
+  }
+
+ private:
+  Slope slope(const Vec3<E>& N_a) const {
+    const E s_a = product(n, N_a);
+    const Vec3<E> n_a = (N_a - s_a * n) / s;
+    const double most = length(N_a).hi;
+    return {N_a, n_a, s_a, most, length_of(n_a, over(most, s.lo))};
+  }
+};
+
+// The second derivatives of n, t and b = n × t from the partials to third order.
+struct ThirdPartials {
+  Vec3<E> uuu, uuv, uvv, vvv;
+};
+TileRates second_rates(const std::array<Enclosed::Box, 6>& boxes, const ThirdPartials& third) {
+  std::array<Vec3<E>, 6> p;
+  for (std::size_t k = 0; k < 6; ++k) p[k] = enclosure(boxes[k]);
+  const Normals normals(boxes);
+  const UnitVector n(normals.n, normals.n_u, normals.n_v), t(p[du], p[duu], p[duv]);
+  const auto x = [](const Vec3<E>& a, const Vec3<E>& b) { return cross_product(a, b); };
+  const E two(2);
+  const std::array n_second{
+      n.second(n.u, n.u, x(third.uuu, p[dv]) + two * x(p[duu], p[duv]) + x(p[du], third.uuv)),
+      n.second(n.u, n.v, x(third.uuv, p[dv]) + x(p[duu], p[dvv]) + x(p[du], third.uvv)),
+      n.second(n.v, n.v, x(third.uvv, p[dv]) + two * x(p[duv], p[dvv]) + x(p[du], third.vvv))};
+  const std::array t_second{t.second(t.u, t.u, third.uuu), t.second(t.u, t.v, third.uuv),
+                            t.second(t.v, t.v, third.uvv)};
+  const Vec3<E> b = x(n.n, t.n);
+  const auto frame = [&](std::size_t k, const Slope& n_a, const Slope& n_b, const Slope& t_a,
+                         const Slope& t_b) {
+    const Vec3<E> b_ab = x(n_second[k].n, t.n) + x(n_a.n, t_b.n) + x(n_b.n, t_a.n) + x(n.n, t_second[k].n);
+    const E bound = E(n_second[k].length) + E(t_second[k].length) + E(n_a.turning) * E(t_b.turning) +
+                    E(n_b.turning) * E(t_a.turning);
+    return std::fmax(std::fmax(n_second[k].across, t_second[k].across),
+                     length_of(b_ab - product(b, b_ab) * b, bound.hi));
+  };
+  TileRates r;
+  r.frame_uu = frame(0, n.u, n.u, t.u, t.u);
+  r.frame_uv = frame(1, n.u, n.v, t.u, t.v);
+  r.frame_vv = frame(2, n.v, n.v, t.v, t.v);
+  r.normal_uu = n_second[0].across, r.normal_uv = n_second[1].across, r.normal_vv = n_second[2].across;
+  return r;
+}
+
+// ---- running formulas
+// --------------------------------------------------------------------------------------
+
+template <class X>
+Enclosed enclose_as(const X& surface, const Tile& t, TileOrder order) {
+  const auto jet_over = [&](const auto& u, const auto& v) {
+    return surface.jet(prepare<X::info.u>(u), prepare<X::info.v>(v));
+  };
+  const double u = 0.5 * (t.u0 + t.u1), v = 0.5 * (t.v0 + t.v1);
+  // From the centre as it is rounded to either end.
+  const double half_u = std::fmax(t.u1 - u, u - t.u0) * (1 + 0x1p-50),
+               half_v = std::fmax(t.v1 - v, v - t.v0) * (1 + 0x1p-50);
+  const E over_u(t.u0, t.u1), over_v(t.v0, t.v1);
+  Enclosed result{boxes(jet_over(over_u, over_v)), boxes(jet_over(E(u), E(v))), half_u, half_v,
+                  !X::info.own_orientation};
+  if (order == TileOrder::second) {
+    using D = Dual<E, 2>;
+    const Jet2<D> j = jet_over(D::variable(over_u, 0), D::variable(over_v, 1));
+    const auto along = [](const Vec3<D>& a, std::size_t k) {
+      return Vec3<E>{a.x.derivative[k], a.y.derivative[k], a.z.derivative[k]};
+    };
+    result.rates = second_rates(
+        result.over_tile, {along(j.d2pdu2, 0), along(j.d2pdu2, 1), along(j.d2pdv2, 0), along(j.d2pdv2, 1)});
+  }
+  return result;
+}
+
 // Of whichever type the surface is.
 template <class... X>
-std::optional<Enclosed> enclose_one_of(const AnySurface& surface, const Tile& tile) {
+std::optional<Enclosed> enclose_one_of(const AnySurface& surface, const Tile& tile, TileOrder order) {
   std::optional<Enclosed> result;
   const auto attempt = [&](const auto* s) {
     if (s) try {
-        result = enclose_as(*s, tile);
+        result = enclose_as(*s, tile, order);
       } catch (const Uncertain&) {
       }
   };
@@ -102,12 +200,12 @@ std::optional<Enclosed> enclose_one_of(const AnySurface& surface, const Tile& ti
 
 }  // namespace
 
-std::optional<Enclosed> enclose(const AnySurface& surface, const Tile& tile) {
+std::optional<Enclosed> enclose(const AnySurface& surface, const Tile& tile, TileOrder order) {
   // Those without a closed form whose formulas run on intervals.
   return enclose_one_of<Torus<>, Ellipsoid<>, EllipticParaboloid<>, HyperbolicParaboloid<>,
                         OneSheetHyperboloid<>, TwoSheetHyperboloid<>, Helicoid<>, Catenoid<>, MoebiusStrip<>,
                         KleinBottle<>, Enneper<>, MonkeySaddle<>, Pseudosphere<>, Tube<>, BilinearPatch<>,
-                        RuledSurface<>, Graph<>>(surface, tile);
+                        RuledSurface<>, Graph<>>(surface, tile, order);
 }
 
 double enclosed_support(const Enclosed& s, const Vec3<double>& direction) {
@@ -120,7 +218,6 @@ double enclosed_support(const Enclosed& s, const Vec3<double>& direction) {
 }
 
 double enclosed_facing(const Enclosed& s, const Vec3<double>& e, double offset) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   if (!s.oriented) return infinity;
   // g = N·(e - P) for N = dpdu × dpdv, whose derivatives are N_u·(e - P) and N_v·(e - P): the rest is square
   // to N.
@@ -136,23 +233,19 @@ double enclosed_facing(const Enclosed& s, const Vec3<double>& e, double offset) 
   return g < 0 ? g / size.hi : size.lo > 0 ? g / size.lo : infinity;
 }
 
-Rates enclosed_rates(const Enclosed& s) {
-  const auto size = [&](std::size_t k) { return length(enclosure(s.over_tile[k])); };
+TileRates enclosed_rates(const Enclosed& s) {
+  const auto size = [&](std::size_t k) { return length(enclosure(s.over_tile[k])).hi; };
   const Normals normals(s.over_tile);
-  const double least_normal = length(normals.n).lo, least_du = size(du).lo;
-  const auto over = [](const E& a, double least) {
-    return least > 0 ? a.hi / least : std::numeric_limits<double>::infinity();
-  };
-  const double normal_u = over(length(normals.n_u), least_normal),
-               normal_v = over(length(normals.n_v), least_normal);
-  // t turns by at most |d²P| / |dpdu|, and the rest of the frame about t by at most |dn|.
-  return {size(duu).hi,
-          size(duv).hi,
-          size(dvv).hi,
-          normal_u,
-          normal_v,
-          normal_u + over(size(duu), least_du),
-          normal_v + over(size(duv), least_du)};
+  const double least_normal = length(normals.n).lo, least_du = length(enclosure(s.over_tile[du])).lo;
+  TileRates r = s.rates;
+  r.position_uu = size(duu), r.position_uv = size(duv), r.position_vv = size(dvv);
+  r.normal_u = over(length(normals.n_u).hi, least_normal);
+  r.normal_v = over(length(normals.n_v).hi, least_normal);
+  // The frame turns by |ω|² = |t'|² + (n'·b)².
+  const auto turning = [&](double t, double n) { return sqrt(E(t) * E(t) + E(n) * E(n)).hi; };
+  r.frame_u = turning(over(r.position_uu, least_du), r.normal_u);
+  r.frame_v = turning(over(r.position_uv, least_du), r.normal_v);
+  return r;
 }
 
 }  // namespace darboux::tiles

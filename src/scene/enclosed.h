@@ -8,17 +8,12 @@
 namespace darboux::tiles {
 
 // Nothing for surfaces whose formulas do not, and where a formula would branch within the tile.
-std::optional<Enclosed> enclose(const AnySurface& surface, const Tile& tile);
+std::optional<Enclosed> enclose(const AnySurface& surface, const Tile& tile, TileOrder order);
 
 double enclosed_support(const Enclosed& s, const Vec3<double>& direction);
 // Of n·E - offset·(n·P), offset 1 for an eye, 0 for a direction.
 double enclosed_facing(const Enclosed& s, const Vec3<double>& e, double offset);
 
-struct Rates {
-  double uu, uv, vv;          // the largest second partials
-  double normal_u, normal_v;  // |dn/du|, |dn/dv|
-  double frame_u, frame_v;    // angular velocity of the frame
-};
-Rates enclosed_rates(const Enclosed& s);
+TileRates enclosed_rates(const Enclosed& s);
 
 }  // namespace darboux::tiles

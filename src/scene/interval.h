@@ -97,6 +97,14 @@ struct Enclosure {
   }
 };
 
+template <int N>
+Dual<Enclosure, N> select(const Truth& condition, const Dual<Enclosure, N>& a, const Dual<Enclosure, N>& b) {
+  Dual<Enclosure, N> result(select(condition, a.value, b.value));
+  for (std::size_t k = 0; k < N; ++k)
+    result.derivative[k] = select(condition, a.derivative[k], b.derivative[k]);
+  return result;
+}
+
 }  // namespace darboux::tiles
 
 template <>
