@@ -33,70 +33,39 @@ double distance_to_box(const Vec3<double>& p, const Vec3<double>& lo, const Vec3
   return norm(Vec3<double>{beyond(p.x, lo.x, hi.x), beyond(p.y, lo.y, hi.y), beyond(p.z, lo.z, hi.z)});
 }
 
-// What the samples of an instance are held to, in the surface's own space.
-struct Bounds {
-  double chord;      // of the triangles
-  double sine;       // of the angle between vectors and what is interpolated
-  bool of_tangents;  // of all of the frame, not of the normal alone
-};
-
-// How many cells, as powers of two.
-struct Levels {
-  int u = 0, v = 0;
-};
-
-// The fewest cells on a rectangle of the chart that keep the bounds, no more than 2^most. By what each of the
-// cells' sizes a and b must be at most, then the one halved that contributes more.
-Levels cells_needed(const TileRates& r, double width_u, double width_v, const Bounds& bounds,
-                    const Levels& most) {
-  struct Quadratic {
-    double uu, uv, vv, limit;  // uu a² + 2 uv a b + vv b² <= limit
-  };
-  std::array<Quadratic, 2> conditions{
-      {{r.position_uu, r.position_uv, r.position_vv, 8 * bounds.chord}, {0, 0, 0, infinity}}};
-  double linear_u = 0, linear_v = 0, linear_limit = infinity;
-  if (bounds.sine < 1) {
-    const double uu = bounds.of_tangents ? r.frame_uu : r.normal_uu,
-                 uv = bounds.of_tangents ? r.frame_uv : r.normal_uv,
-                 vv = bounds.of_tangents ? r.frame_vv : r.normal_vv;
-    if (std::isfinite(uu + uv + vv)) {
-      conditions[1] = {uu, uv, vv, 8 * bounds.sine};
+// The fewest cells on a rectangle of the chart for which error(du, dv) <= 1, which falls with both, and no
+// more than 2^most. Halves that side of the cells that is worth more.
+template <class F>
+TileLevels fewest_cells(double width_u, double width_v, const TileLevels& most, F error) {
+  TileLevels result;
+  double du = width_u, dv = width_v;
+  while ((result.u < most.u || result.v < most.v) && !(error(du, dv) <= 1)) {
+    if (result.v == most.v || (result.u < most.u && !(error(du, dv / 2) < error(du / 2, dv)))) {
+      ++result.u;
+      du /= 2;
     } else {
-      linear_u = bounds.of_tangents ? r.frame_u : r.normal_u;
-      linear_v = bounds.of_tangents ? r.frame_v : r.normal_v;
-      linear_limit = 2 * bounds.sine;
+      ++result.v;
+      dv /= 2;
     }
   }
-  const auto levels_for = [](double cells, int at_most) {
-    if (!(cells > 1)) return 0;
-    if (!(cells < unit)) return at_most;
-    return std::min(at_most,
-                    static_cast<int>(std::bit_width(static_cast<std::uint32_t>(std::ceil(cells)) - 1)));
-  };
-  double cells_u = linear_u * width_u / linear_limit, cells_v = linear_v * width_v / linear_limit;
-  for (const Quadratic& q : conditions) {
-    cells_u = std::fmax(cells_u, width_u * std::sqrt(q.uu / q.limit));
-    cells_v = std::fmax(cells_v, width_v * std::sqrt(q.vv / q.limit));
-  }
-  Levels result{levels_for(cells_u, most.u), levels_for(cells_v, most.v)};
-  while (result.u < most.u || result.v < most.v) {
-    const double a = std::ldexp(width_u, -result.u), b = std::ldexp(width_v, -result.v);
-    double excess_u = 0, excess_v = 0;  // shares of what is violated
-    const auto look = [&](double of_u, double of_v, double limit) {
-      if (of_u + of_v <= limit) return;
-      excess_u += of_u / limit;
-      excess_v += of_v / limit;
-    };
-    for (const Quadratic& q : conditions)
-      look(q.uu * a * a + q.uv * a * b, q.vv * b * b + q.uv * a * b, q.limit);
-    look(linear_u * a, linear_v * b, linear_limit);
-    if (excess_u + excess_v == 0) break;
-    if (result.v == most.v || (result.u < most.u && !(excess_u < excess_v)))
-      ++result.u;
-    else
-      ++result.v;
-  }
   return result;
+}
+
+// The angle of interpolated frames where a placement scales by different amounts: a unit vector that M turns
+// and stretches turns by no more than the condition of M faster, and what orthogonalises tangent and normal
+// adds both. Where there is no bound yet, beyond all bounds and falling with the cells.
+double angle_under(const TileRates& r, bool of_tangents, double condition, double du, double dv) {
+  const double rate_u = of_tangents ? r.frame_u : r.normal_u, rate_v = of_tangents ? r.frame_v : r.normal_v;
+  double angle = infinity;
+  if (condition == 1) {
+    angle = of_tangents ? r.frame_interpolation_angle(du, dv) : r.normal_interpolation_angle(du, dv);
+  } else {
+    TileRates stretched;
+    stretched.frame_u = 2 * condition * rate_u;
+    stretched.frame_v = 2 * condition * rate_v;
+    angle = stretched.frame_interpolation_angle(du, dv);
+  }
+  return std::isfinite(angle) ? angle : std::numbers::pi + rate_u * du + rate_v * dv;
 }
 
 // An instance before a camera.
@@ -107,6 +76,7 @@ struct Placed {
   std::array<double, 6> offsets;
   std::array<double, 6> normal_lengths;
   double smallest, largest;  // by what the placement scales lengths
+  double condition;          // their ratio, 1 where it scales all alike
   double displacement;
   double eye_rounding;    // of `eye`
   double plane_rounding;  // of normals and offsets
@@ -119,7 +89,7 @@ struct Visited {
   Split split = Split::none;
   bool needed = false;
   std::uint8_t planes = 0;  // of the frustum, those that may cut it
-  Levels cells;             // of a tile that is needed
+  TileLevels cells;         // of a tile that is needed
 };
 
 class Planner {
@@ -130,7 +100,8 @@ class Planner {
  private:
   Placed place(std::uint32_t instance, SurfaceTiles& tiles) const;
   double nearest_distance(SurfaceTiles& tiles, const Placed& placed) const;
-  Bounds bounds_at(const Placed& placed, double distance, Attributes asked) const;
+  TileLevels cells_needed(const Placed& placed, double distance, Attributes asked, const TileRates& rates,
+                          const TilePlace& place, FrameLevels& kept) const;
   void plan_instance(std::uint32_t instance);
   bool outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const;
   bool faces_away(const Placed& placed, const TileNode& node) const;
@@ -188,12 +159,14 @@ Placed Planner::place(std::uint32_t index, SurfaceTiles& tiles) const {
   if ((square - scale * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= 1e-14 * scale && scale > 0) {
     result.smallest = std::sqrt(scale) * (1 - 1e-13);
     result.largest = std::sqrt(scale) * (1 + 1e-13);
+    result.condition = 1;
     inverse = m.transpose() / scale;
   } else {
     const Eigen::Vector3d s = m.jacobiSvd().singularValues();
     if (!(s[2] > 1e-12 * s[0])) throw wrong("a singular one");
     result.smallest = s[2] * (1 - 1e-13);
     result.largest = s[0] * (1 + 1e-13);
+    result.condition = result.largest / result.smallest;
     inverse = m.inverse();
   }
   constexpr double rounding = 0x1p-48;
@@ -201,9 +174,7 @@ Placed Planner::place(std::uint32_t index, SurfaceTiles& tiles) const {
   result.eye =
       view_.perspective() ? from_eigen(inverse * (view_.eye() - t)) : from_eigen(inverse * view_.backward());
   // With what inverting an ill-conditioned placement loses.
-  const double condition = result.largest / result.smallest;
-  result.eye_rounding = view_.perspective() ? rounding * condition * lengths / result.smallest
-                                            : rounding * condition / result.smallest;
+  result.eye_rounding = rounding * result.condition * (view_.perspective() ? lengths : 1) / result.smallest;
   result.plane_rounding = rounding * (lengths + result.largest * (norm(tiles.centre()) + tiles.radius()));
   for (std::size_t k = 0; k < 6; ++k) {
     const Plane3& plane = view_.planes()[k];
@@ -246,13 +217,29 @@ double Planner::nearest_distance(SurfaceTiles& tiles, const Placed& placed) cons
   return std::fmax(rounded * placed.smallest - placed.displacement, view_.near_distance());
 }
 
-Bounds Planner::bounds_at(const Placed& placed, double distance, Attributes asked) const {
-  const double chord = std::fmin(request_.chord, view_.length_of(request_.chord_px, distance));
-  Bounds result{chord / placed.largest, 1, asked.has_any(tangent_attributes)};
-  // A linear map changes the sine of a small angle by at most its condition.
-  if (asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi / 2)
-    result.sine = std::sin(request_.frame_angle_rad) * (placed.smallest / placed.largest);
-  return result;
+// How many cells a tile needs at a distance from the eye: what its chords ask for and what its frames ask
+// for.
+TileLevels Planner::cells_needed(const Placed& placed, double distance, Attributes asked,
+                                 const TileRates& rates, const TilePlace& place, FrameLevels& kept) const {
+  const TileLevels most{finest_level - place.level_u, finest_level - place.level_v};
+  const double width_u = std::ldexp(1.0, -place.level_u), width_v = std::ldexp(1.0, -place.level_v);
+  const double chord =
+      std::fmin(request_.chord, view_.length_of(request_.chord_px, distance)) / placed.largest;
+  TileLevels result;
+  if (std::isfinite(chord))
+    result = fewest_cells(width_u, width_v, most,
+                          [&](double du, double dv) { return rates.chord(du, dv) / chord; });
+  if (!asked.has_any(frame_attributes) || !(request_.frame_angle_rad < std::numbers::pi / 2)) return result;
+  // These do not depend on the distance.
+  const bool of_tangents = asked.has_any(tangent_attributes);
+  if (kept.condition != placed.condition || kept.of_tangents != of_tangents ||
+      kept.angle != request_.frame_angle_rad) {
+    kept = {placed.condition, request_.frame_angle_rad, of_tangents,
+            fewest_cells(width_u, width_v, most, [&](double du, double dv) {
+              return angle_under(rates, of_tangents, placed.condition, du, dv) / request_.frame_angle_rad;
+            })};
+  }
+  return {std::max(result.u, kept.levels.u), std::max(result.v, kept.levels.v)};
 }
 
 // Whether a tile lies wholly beyond a plane of the frustum. By its box, then by itself.
@@ -299,9 +286,9 @@ void Planner::plan_instance(std::uint32_t index) {
 
   // Every tile of the finest resolution.
   const double nearest = nearest_distance(tiles, placed);
-  const Levels finest = cells_needed(tiles.finest(), 1, 1, bounds_at(placed, nearest, request_.attributes),
-                                     {finest_level, finest_level});
-  const Levels deepest{std::max(finest.u - tile_level, 0), std::max(finest.v - tile_level, 0)};
+  const TileLevels finest =
+      cells_needed(placed, nearest, request_.attributes, tiles.finest(), {}, tiles.frame_levels());
+  const TileLevels deepest{std::max(finest.u - tile_level, 0), std::max(finest.v - tile_level, 0)};
   const auto tiles_of = [&](const TilePlace& place) {
     return std::uint64_t{1} << (deepest.u - place.level_u + deepest.v - place.level_v);
   };
@@ -342,8 +329,9 @@ void Planner::plan_instance(std::uint32_t index) {
       plan_.skipped.back_facing += all;
       continue;
     }
-    const Levels most{finest.u - node.place.level_u, finest.v - node.place.level_v};
+    const TileLevels most{finest.u - node.place.level_u, finest.v - node.place.level_v};
     here.cells = most;
+    bool proven = tiles.complete();
     if (skip.below_error) {
       double distance = nearest;
       if (view_.perspective() && tiles.known()) {
@@ -351,9 +339,14 @@ void Planner::plan_instance(std::uint32_t index) {
         distance = std::fmax(nearest, (to_box - placed.eye_rounding - 0x1p-48 * to_box) * placed.smallest -
                                           placed.displacement);
       }
-      here.cells =
-          cells_needed(node.rates, std::ldexp(1.0, -node.place.level_u), std::ldexp(1.0, -node.place.level_v),
-                       bounds_at(placed, distance, asked), most);
+      const TileLevels cells =
+          cells_needed(placed, distance, asked, node.rates, node.place, tiles.frame_levels(here.node));
+      // The finest is enough everywhere but where nothing is known. The bounds of a large tile may ask for
+      // more.
+      if (cells.u <= most.u && cells.v <= most.v) {
+        here.cells = cells;
+        proven = node.proven;
+      }
     }
     const bool split_u = here.cells.u > tile_level, split_v = here.cells.v > tile_level;
     if (split_u || split_v) {
@@ -365,12 +358,12 @@ void Planner::plan_instance(std::uint32_t index) {
     } else {
       here.needed = true;
       ++leaves;
+      if (!proven) ++plan_.tiles_unbounded;
       plan_.skipped.below_error += all - 1;
     }
     visited_[i] = here;
   }
   if (leaves > 0) ++plan_.instances_needed;
-  if (!tiles.known()) plan_.tiles_unbounded += leaves;
   for (std::size_t i = 0; i < visited_.size(); ++i) {
     const Visited& tile = visited_[i];
     if (!tile.needed) continue;

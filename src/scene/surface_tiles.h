@@ -18,13 +18,27 @@ struct TilePlace {
   TilePlace half(bool along_u, bool along_v, std::uint32_t i, std::uint32_t k) const;
 };
 
+// How many cells, as powers of two.
+struct TileLevels {
+  int u = 0, v = 0;
+};
+
+// Those that the angles of frames asked for, and in which case.
+struct FrameLevels {
+  double condition = 0, angle = 0;
+  bool of_tangents = false;
+  TileLevels levels;
+};
+
 struct TileNode {
   TilePlace place;
   TileBounds bounds;
   TileRates rates;
+  bool proven;          // or rates estimated from samples
   Vec3<double> lo, hi;  // its box
   // The first of the parts it is split into: along u, along v, along both. 0 where there are none yet.
   std::array<std::uint32_t, 3> parts{};
+  FrameLevels frame_levels{};
 };
 
 enum class Split : std::uint8_t { u, v, both, none };
@@ -39,24 +53,28 @@ class SurfaceTiles {
   const AnySurface& surface() const { return surface_; }
   // Whether bounds are proven. Where not, boxes and rates are estimates, the same for all tiles.
   bool known() const { return known_; }
-  // The largest finite rates over the chart. Where a tile's are infinite, as at the poles of an ellipsoid, it
-  // gets the resolution that the finest of the others needs.
+  // The largest rates over the chart.
   const TileRates& finest() const { return finest_; }
-  double radius() const { return radius_; }  // of a sphere about centre() that holds all of it
+  bool complete() const { return complete_; }  // whether they are proven
+  double radius() const { return radius_; }    // of a sphere about centre() that holds all of it
   const Vec3<double>& centre() const { return centre_; }
 
   static constexpr std::uint32_t root = 0;
   const TileNode& operator[](std::uint32_t node) const { return nodes_[node]; }
+  FrameLevels& frame_levels(std::uint32_t node) { return nodes_[node].frame_levels; }
+  FrameLevels& frame_levels() { return frame_levels_; }  // of the finest
   // The first of the parts.
   std::uint32_t parts(std::uint32_t node, Split split);
 
  private:
   TileNode make(const TilePlace& place) const;
-  void estimate();
+  void find_finest();
+  void sample();
 
   AnySurface surface_;
-  bool known_ = true;
-  TileRates finest_{};
+  bool known_ = true, complete_ = false;
+  TileRates finest_, sampled_;
+  FrameLevels frame_levels_;
   Vec3<double> centre_{}, lo_{}, hi_{};
   double radius_ = 0;
   std::deque<TileNode> nodes_;
