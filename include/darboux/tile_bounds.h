@@ -4,9 +4,9 @@
 /// the safe side of the true one, rounding included.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <variant>
 
 #include <darboux/any_surface.h>
@@ -73,16 +73,8 @@ struct StraightProfile {
 struct Rectangle {
   double x[2], y[2];
 };
-// Boxes that hold position and partials, in the order of Jet2, over the tile and at its centre.
-struct Enclosed {
-  struct Box {
-    Vec3<double> lo, hi;
-  };
-  std::array<Box, 6> over_tile, at_centre;
-  double half_u, half_v;
-  bool oriented;      // n is dpdu × dpdv of unit length
-  TileRates rates{};  // where they were asked for
-};
+// Position and partials on intervals.
+struct Enclosed;
 
 }  // namespace tiles
 
@@ -129,7 +121,8 @@ class TileBounds {
   double frame_angle(double du, double dv) const;
 
  private:
-  std::variant<std::monostate, tiles::RoundProfile, tiles::StraightProfile, tiles::Rectangle, tiles::Enclosed>
+  std::variant<std::monostate, tiles::RoundProfile, tiles::StraightProfile, tiles::Rectangle,
+               std::shared_ptr<const tiles::Enclosed>>
       shape_;
 };
 

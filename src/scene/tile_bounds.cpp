@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <darboux/cone.h>
 #include <darboux/cylinder.h>
@@ -17,6 +18,7 @@ namespace darboux {
 namespace {
 
 using namespace tiles;
+using EnclosedTile = std::shared_ptr<const Enclosed>;
 
 constexpr double pi = std::numbers::pi, tau = 2 * pi;
 constexpr double rounding = 0x1p-49;  // 16u: of a bound, relative to the size of its terms
@@ -54,7 +56,7 @@ double size_of(const StraightProfile& s) {
 double size_of(const Rectangle& s) {
   return most_absolute(s.x[0], s.x[1]) + most_absolute(s.y[0], s.y[1]);
 }
-double size_of(const Enclosed&) {
+double size_of(const EnclosedTile&) {
   return 0;  // intervals have their rounding in them
 }
 
@@ -72,8 +74,8 @@ double most_along(const Rectangle& s, const Vec3<double>& d) {
   return std::fmax(d.x * s.x[0], d.x * s.x[1]) + std::fmax(d.y * s.y[0], d.y * s.y[1]);
 }
 
-double most_along(const Enclosed& s, const Vec3<double>& d) {
-  return enclosed_support(s, d);
+double most_along(const EnclosedTile& s, const Vec3<double>& d) {
+  return enclosed_support(*s, d);
 }
 
 // ---- facing -----------------------------------------------------------------------------------------------
@@ -116,8 +118,8 @@ double most_facing(const Rectangle&, const Vec3<double>& e, double) {
   return e.z;
 }
 
-double most_facing(const Enclosed& s, const Vec3<double>& e, double offset) {
-  return enclosed_facing(s, e, offset);
+double most_facing(const EnclosedTile& s, const Vec3<double>& e, double offset) {
+  return enclosed_facing(*s, e, offset);
 }
 
 // ---- resolution -------------------------------------------------------------------------------------------
@@ -162,8 +164,8 @@ TileRates rates_of(const StraightProfile& s) {
 TileRates rates_of(const Rectangle&) {
   return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 }
-TileRates rates_of(const Enclosed& s) {
-  return enclosed_rates(s);
+TileRates rates_of(const EnclosedTile& s) {
+  return enclosed_rates(*s);
 }
 TileRates rates_of(std::monostate) {
   return {};
@@ -245,8 +247,8 @@ TileBounds::TileBounds(const AnySurface& surface, const Tile& t, TileOrder order
     if (!is_within(t, true, true)) return;
     if (torus->major_radius >= torus->minor_radius)
       shape_ = RoundProfile{torus->major_radius, torus->minor_radius, turns(t.u0, t.u1), turns(t.v0, t.v1)};
-    else if (const auto enclosed = enclose(surface, t, order))
-      shape_ = *enclosed;
+    else if (auto enclosed = enclose(surface, t, order))
+      shape_ = std::move(enclosed);
   } else if (!is_within(t, is_periodic(surface.info().u), is_periodic(surface.info().v))) {
     return;
   } else if (const auto* cylinder = surface.get<Cylinder<>>()) {
@@ -260,8 +262,8 @@ TileBounds::TileBounds(const AnySurface& surface, const Tile& t, TileOrder order
   } else if (const auto* plane = surface.get<Plane<>>()) {
     shape_ = Rectangle{{plane->width * (t.u0 - 0.5), plane->width * (t.u1 - 0.5)},
                        {plane->depth * (t.v0 - 0.5), plane->depth * (t.v1 - 0.5)}};
-  } else if (const auto enclosed = enclose(surface, t, order)) {
-    shape_ = *enclosed;
+  } else if (auto enclosed = enclose(surface, t, order)) {
+    shape_ = std::move(enclosed);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -362,8 +363,51 @@ class EnclosedTiles : public ::testing::TestWithParam<AnySurface> {
     return t;
   }
 };
+// Splines of several spans, some rational, some with creases; and what is made of them.
+BSplineCurve<double> wave(int degree, std::vector<double> knots, bool rational, bool planar = false) {
+  Random random(31);
+  std::vector<Vec3<double>> points;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i + degree + 1 < knots.size(); ++i) {
+    points.push_back({1 + random.uniform(-0.2, 0.2), planar ? 0 : random.uniform(-0.2, 0.2), 0.5 * i});
+    if (rational) weights.push_back(random.uniform(0.5, 2));
+  }
+  return {degree, std::move(knots), std::move(points), std::move(weights)};
+}
+BSplinePatch<double> sheet(int degree, std::vector<double> knots, bool rational) {
+  Random random(37);
+  const auto count = knots.size() - degree - 1;
+  std::vector<Vec3<double>> points;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < count; ++i)
+    for (int j = 0; j < 3; ++j) {
+      points.push_back({0.5 * i, 0.7 * j, random.uniform(-0.4, 0.4)});
+      if (rational) weights.push_back(random.uniform(0.5, 2));
+    }
+  return {degree, 2, std::move(knots), clamped_knots(2, 3), std::move(points), std::move(weights)};
+}
+const std::vector<std::pair<const char*, AnySurface>>& made_surfaces() {
+  const std::vector<double> crease{0, 0, 0, 0, 0.3, 0.55, 0.55, 0.55, 1, 1, 1, 1};
+  static const std::vector<std::pair<const char*, AnySurface>> list{
+      {"spindle_torus", Torus{0.6, 1.0}},
+      {"cubic_patch", sheet(3, clamped_knots(3, 6), true)},
+      {"quadratic_patch", sheet(2, clamped_knots(2, 6), false)},
+      {"creased_patch", sheet(3, crease, true)},
+      {"vase", SurfaceOfRevolution{wave(3, clamped_knots(3, 7), true, true)}},
+      {"creased_vase", SurfaceOfRevolution{wave(3, crease, false, true)}},
+      {"wall", Extrusion{wave(3, clamped_knots(3, 6), false), Vec3<double>{1, 0.5, 0}}},
+      {"column", Extrusion{CircleCurve{1.0}, Vec3<double>{0.2, 0, 1}}},
+      {"pipe", Tube{UprightCurve{wave(5, clamped_knots(5, 9), true), Vec3<double>{1, 0, 0}}, 0.05}},
+      {"ring", Tube{CircleCurve{1.0}, 0.3}},
+      {"ruled",
+       RuledSurface{LineSegment<double>{{-1, 0, 0}, {-1, 1, 2}}, wave(3, clamped_knots(3, 6), true)}},
+      {"two_curves", RuledSurface{wave(2, clamped_knots(2, 5), false), wave(4, clamped_knots(4, 7), true)}}};
+  return list;
+}
+
 std::vector<AnySurface> enclosed_surfaces() {
-  std::vector<AnySurface> list{AnySurface(Torus{0.6, 1.0})};
+  std::vector<AnySurface> list;
+  for (const auto& [name, surface] : made_surfaces()) list.push_back(surface);
   for (const AnySurface& surface : all_surfaces()) {
     bool closed_form = false;
     for (const Kind& kind : kinds) closed_form = closed_form || kind.name == surface.info().name;
@@ -373,18 +417,21 @@ std::vector<AnySurface> enclosed_surfaces() {
 }
 INSTANTIATE_TEST_SUITE_P(Catalogue, EnclosedTiles, ::testing::ValuesIn(enclosed_surfaces()),
                          [](const auto& info) {
+                           if (info.index < made_surfaces().size())
+                             return std::string(made_surfaces()[info.index].first);
                            std::string name(info.param.info().name);
                            std::erase(name, '-');
                            return name;
                          });
 
-TEST(EnclosedTiles, AreAllClosedFormulasOfTheCatalogue) {
-  EXPECT_EQ(enclosed_surfaces().size(), 17u);
+TEST(EnclosedTiles, AreAllOfTheCatalogueButSuperellipsoids) {
+  EXPECT_EQ(enclosed_surfaces().size(),
+            made_surfaces().size() + all_surfaces().size() - std::size(kinds) - 1);
 }
 
 // No sample is beyond a bound.
 TEST_P(EnclosedTiles, HoldEverySample) {
-  constexpr int tiles = 4000;
+  constexpr int tiles = 2000;
   std::size_t known = 0, finite_angles = 0;
   for (int i = 0; i < tiles; ++i) {
     const AnySurface surface = varied();
@@ -401,7 +448,7 @@ TEST_P(EnclosedTiles, HoldEverySample) {
     const Frame<double> centre = surface.frame(u, v);
     // What position and frame, a few roundings of their terms, may exceed a bound by that is met.
     const double slack = 1e-13;
-    for (int k = 0; k < 40; ++k) {
+    for (int k = 0; k < 30; ++k) {
       const double x = k < 4 ? k % 2 : random.uniform(), y = k < 4 ? k / 2 : random.uniform();
       const double us = x == 1 ? t.u1 : t.u0 + x * (t.u1 - t.u0),
                    vs = y == 1 ? t.v1 : t.v0 + y * (t.v1 - t.v0);
@@ -433,10 +480,10 @@ TEST_P(EnclosedTiles, HoldEverySample) {
 // Second partials, and interpolation in triangles of cells.
 TEST_P(EnclosedTiles, RatesBoundPartialsAndTriangles) {
   std::size_t finite = 0;
-  constexpr int tiles = 3000;
+  constexpr int tiles = 1000;
   for (int i = 0; i < tiles; ++i) {
     const AnySurface surface = varied();
-    const Tile t = random_tile(0.5);
+    const Tile t = random_tile(0.2);
     const TileBounds bounds(surface, t, TileOrder::second);
     if (!bounds.known()) continue;
     const TileRates rates = bounds.rates();
@@ -460,16 +507,16 @@ TEST_P(EnclosedTiles, RatesBoundPartialsAndTriangles) {
       ASSERT_LE(e.frame, frame + 1e-12) << surface.specification();
     }
   }
-  EXPECT_GT(finite, 0.25 * tiles);
+  EXPECT_GT(finite, 0.5 * tiles);
 }
 
 // Of small tiles that are one cell and away from singular points, half have a bound of at most four times
 // what the diagonals and edges show.
 TEST_P(EnclosedTiles, InterpolationAnglesOfSmallTilesAreNearThoseOfTriangles) {
   std::vector<double> ratios;
-  for (int i = 0; i < 400; ++i) {
+  for (int i = 0; i < 200; ++i) {
     const AnySurface surface = varied();
-    const double du = random.log_uniform(0.0005, 0.002), dv = random.log_uniform(0.0005, 0.002),
+    const double du = random.log_uniform(0.0005, 0.01), dv = random.log_uniform(0.0005, 0.01),
                  u = random.uniform(0.1, 0.88), v = random.uniform(0.1, 0.88);
     const TileBounds bounds(surface, {u, u + du, v, v + dv}, TileOrder::second);
     if (!bounds.known()) continue;
@@ -478,7 +525,7 @@ TEST_P(EnclosedTiles, InterpolationAnglesOfSmallTilesAreNearThoseOfTriangles) {
   }
   ASSERT_GT(ratios.size(), 100u);
   std::nth_element(ratios.begin(), ratios.begin() + ratios.size() / 2, ratios.end());
-  EXPECT_LE(ratios[ratios.size() / 2], 4);
+  EXPECT_LE(ratios[ratios.size() / 2], 2);
 }
 
 // Of tiles of a twentieth of the chart and less, nine in ten that samples show to face away are culled; not
@@ -490,7 +537,7 @@ TEST_P(EnclosedTiles, CullNearlyAllThatFacesAway) {
     return;
   }
   int culled = 0, back_facing = 0;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < 2000; ++i) {
     const AnySurface surface = varied();
     const Tile t = random_tile(0.05);
     const Vec3<double> eye = random.log_uniform(3, 30) * random.direction();
@@ -507,7 +554,7 @@ TEST_P(EnclosedTiles, CullNearlyAllThatFacesAway) {
     culled += TileBounds(surface, t).facing(eye) < 0;
   }
   EXPECT_GE(culled, 0.9 * back_facing);
-  EXPECT_GT(back_facing, 1000);
+  EXPECT_GT(back_facing, 500);
 }
 
 // Of what is not known nothing is culled.
