@@ -102,6 +102,9 @@ class Planner {
   double nearest_distance(SurfaceTiles& tiles, const Placed& placed) const;
   TileLevels cells_needed(const Placed& placed, double distance, Attributes asked, const TileRates& rates,
                           const TilePlace& place, FrameLevels& kept) const;
+  bool bounds_frames(Attributes asked) const {
+    return asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi / 2;
+  }
   void plan_instance(std::uint32_t instance);
   bool outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const;
   bool faces_away(const Placed& placed, const TileNode& node) const;
@@ -191,7 +194,7 @@ double Planner::nearest_distance(SurfaceTiles& tiles, const Placed& placed) cons
   const auto to = [&](std::uint32_t node) {
     return distance_to_box(placed.eye, tiles[node].lo, tiles[node].hi);
   };
-  double nearest = to(SurfaceTiles::root);
+  double nearest = tiles.known() ? to(SurfaceTiles::root) : tiles.estimated_distance(placed.eye);
   // A box says little from near by: the least of those of tiles, down to some size.
   if (tiles.known() && nearest < 4 * tiles.radius()) {
     constexpr int finest = 5;
@@ -229,7 +232,7 @@ TileLevels Planner::cells_needed(const Placed& placed, double distance, Attribut
   if (std::isfinite(chord))
     result = fewest_cells(width_u, width_v, most,
                           [&](double du, double dv) { return rates.chord(du, dv) / chord; });
-  if (!asked.has_any(frame_attributes) || !(request_.frame_angle_rad < std::numbers::pi / 2)) return result;
+  if (!bounds_frames(asked)) return result;
   // These do not depend on the distance.
   const bool of_tangents = asked.has_any(tangent_attributes);
   if (kept.condition != placed.condition || kept.of_tangents != of_tangents ||
@@ -307,6 +310,8 @@ void Planner::plan_instance(std::uint32_t index) {
       return;
     }
   }
+  const bool bounds_chord = std::isfinite(request_.chord) || std::isfinite(request_.chord_px);
+  const bool bounds_frame = bounds_frames(asked);
   const bool one_sided = !material.double_sided && material.displacement == 0;
 
   visited_.clear();
@@ -331,7 +336,7 @@ void Planner::plan_instance(std::uint32_t index) {
     }
     const TileLevels most{finest.u - node.place.level_u, finest.v - node.place.level_v};
     here.cells = most;
-    bool proven = tiles.complete();
+    Proven proven = tiles.proven();
     if (skip.below_error) {
       double distance = nearest;
       if (view_.perspective() && tiles.known()) {
@@ -341,8 +346,7 @@ void Planner::plan_instance(std::uint32_t index) {
       }
       const TileLevels cells =
           cells_needed(placed, distance, asked, node.rates, node.place, tiles.frame_levels(here.node));
-      // The finest is enough everywhere but where nothing is known. The bounds of a large tile may ask for
-      // more.
+      // The finest is enough everywhere. The bounds of a large tile may ask for more.
       if (cells.u <= most.u && cells.v <= most.v) {
         here.cells = cells;
         proven = node.proven;
@@ -358,7 +362,7 @@ void Planner::plan_instance(std::uint32_t index) {
     } else {
       here.needed = true;
       ++leaves;
-      if (!proven) ++plan_.tiles_unbounded;
+      if ((bounds_chord && !proven.chord) || (bounds_frame && !proven.frame)) ++plan_.tiles_unbounded;
       plan_.skipped.below_error += all - 1;
     }
     visited_[i] = here;

@@ -2,34 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace darboux {
 namespace {
 
-constexpr double TileRates::*every_rate[] = {
-    &TileRates::position_uu, &TileRates::position_uv, &TileRates::position_vv, &TileRates::frame_u,
-    &TileRates::frame_v,     &TileRates::normal_u,    &TileRates::normal_v,    &TileRates::normal_uu,
-    &TileRates::normal_uv,   &TileRates::normal_vv,   &TileRates::frame_uu,    &TileRates::frame_uv,
-    &TileRates::frame_vv};
+constexpr double TileRates::*position_rates[] = {&TileRates::position_uu, &TileRates::position_uv,
+                                                 &TileRates::position_vv};
+constexpr double TileRates::*frame_rates[] = {
+    &TileRates::frame_u,   &TileRates::frame_v,   &TileRates::normal_u,  &TileRates::normal_v,
+    &TileRates::normal_uu, &TileRates::normal_uv, &TileRates::normal_vv, &TileRates::frame_uu,
+    &TileRates::frame_uv,  &TileRates::frame_vv};
 
 // The larger of the finite ones, each by itself.
 void take_larger(TileRates& a, const TileRates& b) {
-  for (double TileRates::*rate : every_rate)
+  const auto take = [&](double TileRates::*rate) {
     if (std::isfinite(b.*rate) && !(a.*rate >= b.*rate && std::isfinite(a.*rate))) a.*rate = b.*rate;
+  };
+  for (auto rate : position_rates) take(rate);
+  for (auto rate : frame_rates) take(rate);
 }
 
-// Estimates in place of larger bounds, as those next to poles and those on intervals over large tiles.
-// Whether there were some.
-bool take_estimates(TileRates& bounds, const TileRates& estimates) {
-  bool some = false;
-  for (double TileRates::*rate : every_rate) {
+// Estimates in place of larger bounds, as those next to poles and those on intervals over large tiles. Which
+// are still proven.
+Proven take_estimates(TileRates& bounds, const TileRates& estimates) {
+  const auto take = [&](double TileRates::*rate) {
     constexpr double nothing = 1e-100;  // what rounding makes of 0
-    if (bounds.*rate <= estimates.*rate + nothing) continue;
+    if (bounds.*rate <= estimates.*rate + nothing) return true;
     bounds.*rate = estimates.*rate;
-    some = true;
-  }
-  return some;
+    return false;
+  };
+  Proven result{true, true};
+  for (auto rate : position_rates) result.chord = take(rate) && result.chord;
+  for (auto rate : frame_rates) result.frame = take(rate) && result.frame;
+  return result;
 }
 
 void include(Vec3<double>& lo, Vec3<double>& hi, const Vec3<double>& p) {
@@ -109,14 +116,16 @@ void SurfaceTiles::find_finest() {
     }
   }
   for (const Part& p : open) take_larger(finest_, p.rates);
-  const bool estimated = take_estimates(finest_, sampled_);
-  complete_ = std::isfinite(open.front().bend()) && !estimated;
+  const bool everywhere = std::isfinite(open.front().bend());
+  proven_ = take_estimates(finest_, sampled_);
+  proven_.chord = proven_.chord && everywhere;
+  proven_.frame = proven_.frame && everywhere;
 }
 
 // From samples, half as much again: no bound, but as good a guess as any.
 void SurfaceTiles::sample() {
-  constexpr int places = 17;
-  constexpr double h = 1.0 / 256, more = 1.5;
+  constexpr int places = 33;
+  constexpr double h = 1.0 / 64, more = 1.5;  // stencils that meet
   TileRates most;
   for (int i = 0; i < places; ++i)
     for (int k = 0; k < places; ++k) {
@@ -124,9 +133,15 @@ void SurfaceTiles::sample() {
       const Jet2<double> j = surface_.jet(u, v);
       if (i + k == 0) lo_ = hi_ = j.position;
       include(lo_, hi_, j.position);
+      places_.push_back(j.position);
+      reach_ = std::fmax(reach_, more * (norm(j.dpdu) + norm(j.dpdv)) / (2 * (places - 1)));
       std::array<Frame<double>, 9> f;
-      for (std::size_t n = 0; n < 9; ++n)
-        f[n] = surface_.frame(u + h * (double(n % 3) - 1), v + h * (double(n / 3) - 1));
+      std::array<Vec3<double>, 9> p;
+      for (std::size_t n = 0; n < 9; ++n) {
+        const double x = u + h * (double(n % 3) - 1), y = v + h * (double(n / 3) - 1);
+        f[n] = surface_.frame(x, y);
+        p[n] = surface_.jet(x, y).position;
+      }
       TileRates here;
       const auto look = [&](Vec3<double> Frame<double>::*member, double& first_u, double& first_v, double& uu,
                             double& uv, double& vv) {
@@ -143,9 +158,9 @@ void SurfaceTiles::sample() {
       look(&F::n, here.normal_u, here.normal_v, here.normal_uu, here.normal_uv, here.normal_vv);
       for (Vec3<double> F::*member : {&F::t, &F::b, &F::n})
         look(member, here.frame_u, here.frame_v, here.frame_uu, here.frame_uv, here.frame_vv);
-      here.position_uu = more * norm(j.d2pdu2);
-      here.position_uv = more * norm(j.d2pduv);
-      here.position_vv = more * norm(j.d2pdv2);
+      here.position_uu = more * norm(p[5] - 2.0 * p[4] + p[3]) / (h * h);
+      here.position_uv = more * norm(p[8] - p[6] - p[2] + p[0]) / (4 * h * h);
+      here.position_vv = more * norm(p[7] - 2.0 * p[4] + p[1]) / (h * h);
       take_larger(most, here);
     }
   const Vec3<double> margin = (more - 1) / 2 * (hi_ - lo_);
@@ -157,12 +172,18 @@ void SurfaceTiles::sample() {
   sampled_ = most;
 }
 
+double SurfaceTiles::estimated_distance(const Vec3<double>& from) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Vec3<double>& p : places_) nearest = std::fmin(nearest, norm(p - from));
+  return std::fmax(nearest - reach_, 0);
+}
+
 TileNode SurfaceTiles::make(const TilePlace& place) const {
-  if (!known_) return {place, TileBounds(surface_, Tile{1, 0, 0, 0}), finest_, false, lo_, hi_, {}, {}};
+  if (!known_) return {place, TileBounds(surface_, Tile{1, 0, 0, 0}), finest_, {}, lo_, hi_, {}, {}};
   const TileBounds bounds(surface_, place.tile(), TileOrder::second);
   const auto most = [&](double x, double y, double z) { return bounds.support({x, y, z}); };
   TileRates rates = bounds.rates();
-  const bool proven = !take_estimates(rates, sampled_);
+  const Proven proven = take_estimates(rates, sampled_);
   return {place,
           bounds,
           rates,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <vector>
 
 #include <darboux/tile_bounds.h>
 
@@ -30,11 +31,16 @@ struct FrameLevels {
   TileLevels levels;
 };
 
+// Whether rates are bounds; else they are estimated from samples.
+struct Proven {
+  bool chord = false, frame = false;
+};
+
 struct TileNode {
   TilePlace place;
   TileBounds bounds;
   TileRates rates;
-  bool proven;          // or rates estimated from samples
+  Proven proven;
   Vec3<double> lo, hi;  // its box
   // The first of the parts it is split into: along u, along v, along both. 0 where there are none yet.
   std::array<std::uint32_t, 3> parts{};
@@ -55,9 +61,12 @@ class SurfaceTiles {
   bool known() const { return known_; }
   // The largest rates over the chart.
   const TileRates& finest() const { return finest_; }
-  bool complete() const { return complete_; }  // whether they are proven
-  double radius() const { return radius_; }    // of a sphere about centre() that holds all of it
+  const Proven& proven() const { return proven_; }  // of these
+  double radius() const { return radius_; }         // of a sphere about centre() that holds all of it
   const Vec3<double>& centre() const { return centre_; }
+
+  // From samples, for surfaces without bounds.
+  double estimated_distance(const Vec3<double>& from) const;
 
   static constexpr std::uint32_t root = 0;
   const TileNode& operator[](std::uint32_t node) const { return nodes_[node]; }
@@ -72,11 +81,14 @@ class SurfaceTiles {
   void sample();
 
   AnySurface surface_;
-  bool known_ = true, complete_ = false;
+  bool known_ = true;
+  Proven proven_;
   TileRates finest_, sampled_;
   FrameLevels frame_levels_;
   Vec3<double> centre_{}, lo_{}, hi_{};
   double radius_ = 0;
+  std::vector<Vec3<double>> places_;
+  double reach_ = 0;  // from them to all of the surface
   std::deque<TileNode> nodes_;
 };
 

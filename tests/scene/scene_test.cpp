@@ -71,9 +71,10 @@ std::uint64_t total(const SkippedTiles& s) {
 
 TEST(Scene, EveryTileIsCountedOnce) {
   Random random(1);
-  for (int i = 0; i < 40; ++i) {
-    const Scene scene = random_scene(random, 60);
+  for (int i = 0; i < 20; ++i) {
+    const Scene scene = random_scene(random, 40);
     SceneRequest request;
+    request.chord_px = random.log_uniform(3, 10);
     request.frame_angle_rad = random.log_uniform(0.05, 0.3);
     if (i % 4 == 0) request.attributes = Attribute::tangent;
     const ScenePlan plan = plan_scene(scene, random_camera(random), request);
@@ -87,7 +88,7 @@ TEST(Scene, EveryTileIsCountedOnce) {
         ASSERT_EQ(scene.instances[t.instance].surface, tile.patch().surface);
     });
     EXPECT_EQ(samples, plan.samples_needed);
-    EXPECT_LE(corners, plan.samples_full);
+    EXPECT_LE(corners, 1.13 * plan.samples_full + 4 * scene.instances.size());  // 17²/16²: tiles repeat edges
     if (i % 4 == 0) {
       EXPECT_GT(plan.skipped.no_normal_map, 0u);
     } else {
@@ -100,6 +101,7 @@ TEST(Scene, WithoutSkippingAllIsEvaluated) {
   Random random(2);
   const Scene scene = random_scene(random, 30);
   SceneRequest request;
+  request.chord_px = 5;
   request.frame_angle_rad = 0.2;
   request.skip = {false, false, false, false, false};
   const ScenePlan plan = plan_scene(scene, random_camera(random), request);
@@ -159,7 +161,7 @@ ScenePlan plan_from_near(Random& random, const Scene& scene) {
   SceneRequest request;
   request.attributes = Attribute::position | Attribute::normal;
   request.frame_angle_rad = infinity;
-  request.chord_px = random.log_uniform(0.05, 2);
+  request.chord_px = random.log_uniform(0.3, 4);
   request.skip.outside_frustum = request.skip.back_facing = false;
   return plan_scene(scene, camera, request);
 }
@@ -172,7 +174,7 @@ TEST(Scene, ClosedSurfacesAreWatertight) {
                                                 {make_surface("klein-bottle:radius=1,tube_radius=0.3"), 0}};
   std::size_t stitched = 0;
   for (const auto& [surface, characteristic] : closed)
-    for (int i = 0; i < 25; ++i) {
+    for (int i = 0; i < 8; ++i) {
       const Scene scene{{surface}, {{}}, {{}}};
       const ScenePlan plan = plan_from_near(random, scene);
       Welded welded;
@@ -184,7 +186,7 @@ TEST(Scene, ClosedSurfacesAreWatertight) {
       EXPECT_EQ(welded.characteristic(), characteristic) << surface.info().name;
       for (const auto& [edge, count] : welded.edges) ASSERT_EQ(count, 2) << surface.info().name;
     }
-  EXPECT_GT(stitched, 100u);
+  EXPECT_GT(stitched, 50u);
 }
 
 TEST(Scene, OpenSurfacesEndAtTheirBorderAlone) {
@@ -231,7 +233,8 @@ TEST(Scene, NoVisibleSampleIsSkipped) {
     const Scene scene = random_scene(random, 30);
     const Camera camera = random_camera(random);
     SceneRequest request;
-    request.frame_angle_rad = 0.1;
+    request.chord_px = 4;
+    request.frame_angle_rad = 0.3;
     const ScenePlan plan = plan_scene(scene, camera, request);
     std::vector<std::vector<Tile>> tiles(scene.instances.size());
     for (const PlannedTile& t : plan.tiles) tiles[t.instance].push_back(plan.patches[t.patch].tile());
@@ -270,12 +273,12 @@ TEST(Scene, NoVisibleSampleIsSkipped) {
 TEST(Scene, BoundsHoldBetweenSamples) {
   Random random(6);
   double worst_px = 0, worst_angle = 0;
-  for (int round = 0; round < 60; ++round) {
-    Scene scene = random_scene(random, 20);
+  for (int round = 0; round < 25; ++round) {
+    const Scene scene = random_scene(random, 20);
     const Camera camera = random_camera(random);
     SceneRequest request;
     request.attributes = Attribute::position | Attribute::tangent | Attribute::bitangent | Attribute::normal;
-    request.chord_px = random.log_uniform(0.1, 4);
+    request.chord_px = random.log_uniform(1, 10);
     request.frame_angle_rad = random.log_uniform(0.05, 0.3);
     request.skip.duplicates = false;
     request.skip.unread_attributes = false;
