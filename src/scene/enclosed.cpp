@@ -25,6 +25,7 @@
 #include <darboux/point.h>
 #include <darboux/pseudosphere.h>
 #include <darboux/ruled_surface.h>
+#include <darboux/superellipsoid.h>
 #include <darboux/surface_of_revolution.h>
 #include <darboux/torus.h>
 #include <darboux/tube.h>
@@ -280,7 +281,7 @@ std::shared_ptr<const Enclosed> enclose(const AnySurface& surface, const Tile& t
   return enclose_one_of<
       Torus<>, Ellipsoid<>, EllipticParaboloid<>, HyperbolicParaboloid<>, OneSheetHyperboloid<>,
       TwoSheetHyperboloid<>, Helicoid<>, Catenoid<>, MoebiusStrip<>, KleinBottle<>, Enneper<>, MonkeySaddle<>,
-      Pseudosphere<>, BilinearPatch<>, Graph<>, BezierPatch<>, BSplinePatch<>,  //
+      Pseudosphere<>, BilinearPatch<>, Graph<>, Superellipsoid<>, BezierPatch<>, BSplinePatch<>,  //
       Tube<>, Tube<CircleCurve<>>, Tube<LineSegment<>>, Tube<PlanarCurve<>>, Tube<UprightCurve<>>,
       Tube<UprightCurve<Spline>>,                                    //
       SurfaceOfRevolution<>, Extrusion<>, Extrusion<CircleCurve<>>,  //
