@@ -93,8 +93,8 @@ class TileBounds {
   /// \param tile within the domain of the surface; where it is not, or something is not finite, nothing is
   /// known
   /// \param order second for rates() with second derivatives of the frame: on intervals construction takes 20
-  /// to 60 us, of splines 80 to 170 us. Closed forms have them anyway. They are infinite where third partials
-  /// jump within the tile: at knots across which fewer than two derivatives of the position are continuous.
+  /// to 60 us, of splines 80 to 170 us. Closed forms have them anyway. They are infinite where the tile holds
+  /// a knot across which fewer than two derivatives of the position are continuous.
   TileBounds(const AnySurface& surface, const Tile& tile, TileOrder order = TileOrder::first);
 
   /// Whether there are bounds. Without, those below are infinite.

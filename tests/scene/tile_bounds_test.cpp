@@ -531,11 +531,6 @@ TEST_P(EnclosedTiles, InterpolationAnglesOfSmallTilesAreNearThoseOfTriangles) {
 // Of tiles of a twentieth of the chart and less, nine in ten that samples show to face away are culled; not
 // of those that touch a pole, where dpdu × dpdv vanishes and its sign tells nothing.
 TEST_P(EnclosedTiles, CullNearlyAllThatFacesAway) {
-  if (GetParam().info().own_orientation) {  // n is not that of the partials
-    EXPECT_EQ(TileBounds(GetParam(), random_tile(0.01)).facing({9, 9, 9}),
-              std::numeric_limits<double>::infinity());
-    return;
-  }
   int culled = 0, back_facing = 0;
   for (int i = 0; i < 1500; ++i) {
     const AnySurface surface = varied();
@@ -553,7 +548,8 @@ TEST_P(EnclosedTiles, CullNearlyAllThatFacesAway) {
     ++back_facing;
     culled += TileBounds(surface, t).facing(eye) < 0;
   }
-  EXPECT_GE(culled, 0.9 * back_facing);
+  // Tiles that hold a knot have bounds of first order.
+  EXPECT_GE(culled, (GetParam().breaks(0).empty() ? 0.9 : 0.85) * back_facing);
   EXPECT_GT(back_facing, 400);
 }
 
