@@ -159,6 +159,25 @@ S lift(const T& x) {
     return S(x);
 }
 
+namespace detail {
+
+// What a formula asks of a number where it would branch: whether it is zero, finite, not NaN. A scalar that
+// stands for many numbers brings its own, true where it is so of all.
+template <class S>
+bool all_zero(const S& x) {
+  return !(x < lift<S>(0.0)) && !(lift<S>(0.0) < x);
+}
+template <class S>
+bool all_finite(const S& x) {
+  return x - x == lift<S>(0.0);
+}
+template <class S>
+bool all_numbers(const S& x) {
+  return x < lift<S>(1.0) || lift<S>(0.0) < x;
+}
+
+}  // namespace detail
+
 /// sin 2πu and cos 2πu. The period is removed exactly before any multiplication by π: u and u + k give the
 /// same bits wherever u + k is exact, quarter turns give exactly 0 and ±1, and zeros are +0. Error at
 /// most 1.65 ulp in double and float for every finite u; NaN for a u that is not finite. About 4 ns.
@@ -262,7 +281,7 @@ struct Dual {
     const T value = pow(x.value, constant.value);
     return chain(value, constant.value * pow(x.value, constant.value - lift<T>(1.0)), x);
   }
-  friend Dual abs(const Dual& x) { return x.value < lift<T>(0.0) ? -x : x; }
+  friend Dual abs(const Dual& x) { return select(x.value < lift<T>(0.0), Dual(-x), x); }
   friend bool isfinite(const Dual& x) {
     using std::isfinite;
     return isfinite(x.value);

@@ -80,17 +80,21 @@ struct Enclosed;
 
 /// The bounds of one tile, in the surface's own space: transform the eye into it, not the tile. Sphere, torus
 /// (a ring), cylinder, cone, disk and plane have closed forms, attained over the tile, so that nothing
-/// tighter is true; construction takes 50 to 150 ns, each bound 10 to 150 ns. The other closed formulas of
-/// the catalogue run on intervals: bounds that the tile attains but for terms of second order in its size, so
-/// that small tiles have good ones, but where they touch a pole; construction takes 1.5 to 9 us, each bound
-/// 0.2 to 1.6 us. Splines, what is made of them, the superellipsoid, surfaces from files and types of one's
-/// own are not known, and must not be culled.
+/// tighter is true; construction takes 100 to 200 ns, each bound 10 to 180 ns. The rest of the catalogue runs
+/// on intervals with linear forms: bounds that the tile attains but for terms of second order in its size, so
+/// that small tiles have good ones, but where they touch a pole or hold a knot. Construction takes 1 to 7 us,
+/// of splines and what is made of them 20 to 50 us; support and facing 0.1 to 0.25 us, rates 2 to 4 us. (One
+/// core of a virtual machine; tests/benchmark/tile_bounds.cpp.) Extrusions, surfaces of revolution, ruled
+/// surfaces and tubes have bounds if their curves are those that enclose() in src/scene/enclosed.cpp lists:
+/// b-splines, circles, lines, helices. Surfaces from files and types of one's own are not known, and must not
+/// be culled.
 class TileBounds {
  public:
   /// \param tile within the domain of the surface; where it is not, or something is not finite, nothing is
   /// known
-  /// \param order second for rates() with second derivatives of the frame, at three to five times the cost
-  /// on intervals. Closed forms have them anyway.
+  /// \param order second for rates() with second derivatives of the frame: on intervals construction takes 20
+  /// to 60 us, of splines 80 to 170 us. Closed forms have them anyway. They are infinite where the tile holds
+  /// a knot across which fewer than two derivatives of the position are continuous.
   TileBounds(const AnySurface& surface, const Tile& tile, TileOrder order = TileOrder::first);
 
   /// Whether there are bounds. Without, those below are infinite.
@@ -110,7 +114,8 @@ class TileBounds {
   /// The same for parallel rays: of n · towards_eye.
   double facing_along(const Vec3<double>& towards_eye) const;
 
-  /// How finely the tile must be sampled, all at once.
+  /// How finely the tile must be sampled, all at once. Infinite of tiles with a crease within or at their
+  /// upper end, where the frame is that from above.
   TileRates rates() const;
   /// An upper bound of the distance from the surface to the triangles of cells of size du × dv in the tile:
   /// rates().chord(du, dv).

@@ -25,6 +25,7 @@
 #include <darboux/point.h>
 #include <darboux/pseudosphere.h>
 #include <darboux/ruled_surface.h>
+#include <darboux/superellipsoid.h>
 #include <darboux/surface_of_revolution.h>
 #include <darboux/torus.h>
 #include <darboux/tube.h>
@@ -249,10 +250,17 @@ Enclosed enclose_as(const X& surface, const Tile& tile, TileOrder order) {
     }
   const Jet2<E>& jet = all->jet;
   const V normal = cross(jet.dpdu, jet.dpdv);
+  const Interval area = length(normal).range;
+  double side = 1;
+  // A smooth n of the surface's own is on one side of dpdu × dpdv as long as that does not vanish.
+  if constexpr (X::info.own_orientation)
+    side = area.lo > 0 && continuous >= 1
+               ? frame(surface, 0.5 * (tile.u0 + tile.u1), 0.5 * (tile.v0 + tile.v1)).handedness
+               : 0;
   return {.jet = jet,
           .normal = normal,
-          .area = length(normal).range,
-          .oriented = !X::info.own_orientation,
+          .area = area,
+          .side = side,
           .smooth = continuous >= 1,
           .second = second ? second_rates(jet, all->third) : TileRates{}};
 }
@@ -280,7 +288,7 @@ std::shared_ptr<const Enclosed> enclose(const AnySurface& surface, const Tile& t
   return enclose_one_of<
       Torus<>, Ellipsoid<>, EllipticParaboloid<>, HyperbolicParaboloid<>, OneSheetHyperboloid<>,
       TwoSheetHyperboloid<>, Helicoid<>, Catenoid<>, MoebiusStrip<>, KleinBottle<>, Enneper<>, MonkeySaddle<>,
-      Pseudosphere<>, BilinearPatch<>, Graph<>, BezierPatch<>, BSplinePatch<>,  //
+      Pseudosphere<>, BilinearPatch<>, Graph<>, Superellipsoid<>, BezierPatch<>, BSplinePatch<>,  //
       Tube<>, Tube<CircleCurve<>>, Tube<LineSegment<>>, Tube<PlanarCurve<>>, Tube<UprightCurve<>>,
       Tube<UprightCurve<Spline>>,                                    //
       SurfaceOfRevolution<>, Extrusion<>, Extrusion<CircleCurve<>>,  //
@@ -293,9 +301,9 @@ double enclosed_support(const Enclosed& s, const Vec3<double>& direction) {
 }
 
 double enclosed_facing(const Enclosed& s, const Vec3<double>& e, double offset) {
-  if (!s.oriented) return infinity;
+  if (s.side == 0) return infinity;
   const V eye = point(e);
-  const double g = dot(s.normal, offset == 0 ? eye : eye - s.jet.position).hi();
+  const double g = (E(s.side) * dot(s.normal, offset == 0 ? eye : eye - s.jet.position)).hi();
   return g < 0 ? g / s.area.hi : s.area.lo > 0 ? g / s.area.lo : infinity;
 }
 

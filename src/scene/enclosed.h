@@ -13,7 +13,7 @@ struct Enclosed {
   Jet2<Enclosure> jet;     // over the tile
   Vec3<Enclosure> normal;  // dpdu × dpdv
   Interval area;           // its length
-  bool oriented;           // n is that of unit length
+  double side;             // n is that of unit length times 1 or -1; 0: it may be either
   bool smooth;             // dpdu and dpdv are continuous
   TileRates second;        // second derivatives of the frame, where they were asked for
 };

@@ -232,6 +232,18 @@ struct Enclosure {
     const Interval c = sqrt(Interval(a.mid)), x = sqrt(a.range), sum = x + c, slope = Interval(0.5) / c;
     return a.function(x, c, slope, -(slope / (sum * sum)));
   }
+  // For x >= 0 and a constant exponent.
+  friend Enclosure pow(const Enclosure& a, const Enclosure& exponent) {
+    const double e = exponent.mid;
+    const auto power = [](const Interval& x, double n) {
+      const double p = darboux::pow(most(x.lo, 0), n), q = darboux::pow(most(x.hi, 0), n);
+      return Interval::rounded(std::fmin(p, q), std::fmax(p, q), 64);
+    };
+    const Interval all = power(a.range, e);
+    if (!(a.mid > 0 && a.range.lo > 0)) return all;
+    return a.function(all, power(a.mid, e), Interval(e) * power(a.mid, e - 1),
+                      Interval(0.5 * e) * Interval(e - 1) * power(a.with_mid(), e - 2));
+  }
   friend bool isfinite(const Enclosure& a) { return isfinite(a.range); }
 
   friend Enclosure exp(const Enclosure& a) {
@@ -255,6 +267,29 @@ struct Enclosure {
     return a.function(tanh(a.range), at, Interval(1) - at * at, -(t * (Interval(1) - t * t)));
   }
 };
+
+// What formulas ask before they branch: see scalar.h. Of NaN an enclosure is infinite.
+inline bool all_zero(const Enclosure& x) {
+  return x.is_zero();
+}
+inline bool all_finite(const Enclosure& x) {
+  return isfinite(x);
+}
+inline bool all_numbers(const Enclosure&) {
+  return true;
+}
+template <int N>
+bool all_zero(const Dual<Enclosure, N>& x) {
+  return all_zero(x.value);
+}
+template <int N>
+bool all_finite(const Dual<Enclosure, N>& x) {
+  return all_finite(x.value);
+}
+template <int N>
+bool all_numbers(const Dual<Enclosure, N>&) {
+  return true;
+}
 
 // Of a tile within a span, the span is that of its lower end.
 inline double span_place(const Enclosure& x) {

