@@ -102,11 +102,13 @@ TEST_F(SceneFiles, ScatteredInstancesAreTheSameEverywhere) {
   const auto& instances = file.scene.instances;
   ASSERT_EQ(instances.size(), 1000u);
   std::array<int, 3> of_material{}, of_surface{};
+  std::array<int, 9> of_both{};
   std::array<int, 4> of_octave{};
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(), sum_of_turned = sum;
   for (const SceneInstance& i : instances) {
     ++of_material[i.material];
     ++of_surface[i.surface];
+    ++of_both[3 * i.surface + i.material];
     const double distance = i.placement.translation().norm();
     EXPECT_GE(distance, 2 * (1 - 1e-15));
     EXPECT_LE(distance, 200 * (1 + 1e-15));
@@ -119,6 +121,7 @@ TEST_F(SceneFiles, ScatteredInstancesAreTheSameEverywhere) {
   }
   EXPECT_EQ(of_material, (std::array{334, 333, 333}));
   EXPECT_EQ(of_surface, (std::array{334, 333, 333}));
+  for (const int n : of_both) EXPECT_NEAR(n, 111, 1);
   // Each of four shells has a quarter: 250, σ = 13.7. The mean direction has σ = √1000 in all.
   for (const int n : of_octave) EXPECT_NEAR(n, 250, 5 * 13.7);
   EXPECT_LT(sum.norm(), 5 * std::sqrt(1000.0));
