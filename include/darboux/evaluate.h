@@ -40,6 +40,11 @@ class Points {
   /// rows of points that there are not
   static Points grid(std::size_t columns, std::size_t rows, std::size_t first = 0,
                      std::size_t count = std::numeric_limits<std::size_t>::max());
+  /// Of the same grid the corners of cells `first_column` to first_column + cells_u - 1, first_row to
+  /// first_row + cells_v - 1, with the same bits. \throws ParameterError for no cells, or cells that there
+  /// are not
+  static Points part_of_grid(std::size_t columns, std::size_t rows, std::size_t first_column,
+                             std::size_t cells_u, std::size_t first_row, std::size_t cells_v);
 
   /// `count` of them from `first` on. \throws ParameterError when there are fewer
   Points part(std::size_t first, std::size_t count) const;
@@ -57,11 +62,11 @@ class Points {
   }
 
   bool is_grid() const { return columns_ > 0; }
-  std::size_t columns() const { return columns_; }  ///< of cells
+  std::size_t columns() const { return columns_; }  ///< of cells in a row of points
   std::size_t offset() const { return offset_; }    ///< of a part: the first point's index in the rows taken
   /// u of the i-th column, v of the j-th row of points taken.
   T column(std::size_t i) const {
-    return static_cast<T>(static_cast<double>(i) / static_cast<double>(columns_));
+    return static_cast<T>(static_cast<double>(first_column_ + i) / static_cast<double>(all_columns_));
   }
   T row(std::size_t j) const {
     return static_cast<T>(static_cast<double>(first_row_ + j) / static_cast<double>(rows_));
@@ -73,7 +78,8 @@ class Points {
  private:
   const T *u_ = nullptr, *v_ = nullptr;
   std::ptrdiff_t stride_ = sizeof(T);
-  std::size_t size_ = 0, columns_ = 0, rows_ = 0, first_row_ = 0, offset_ = 0;
+  std::size_t size_ = 0, columns_ = 0, all_columns_ = 0, rows_ = 0, first_column_ = 0, first_row_ = 0,
+              offset_ = 0;
 };
 
 /// Where an attribute goes: for each component the first point's number, and the bytes from a point to the

@@ -186,8 +186,8 @@ S two_pi() {
 }
 
 /// A dual number: a value and its first derivatives with respect to N variables, carried through + - * /,
-/// sqrt, exp, log, sinh, cosh, tanh, pow and abs by the rules of differentiation. Comparisons look at the
-/// value. Nest it (Dual<Dual<double, 2>, 2>) for second derivatives.
+/// sqrt, exp, log, sinh, cosh, tanh, pow and abs by the rules of differentiation. Comparisons are those
+/// of the values. Nest it (Dual<Dual<double, 2>, 2>) for second derivatives.
 template <class T, int N>
 struct Dual {
   T value{};
@@ -267,11 +267,11 @@ struct Dual {
     using std::isfinite;
     return isfinite(x.value);
   }
-  friend constexpr bool operator<(const Dual& x, const Dual& y) { return x.value < y.value; }
-  friend constexpr bool operator>(const Dual& x, const Dual& y) { return x.value > y.value; }
-  friend constexpr bool operator<=(const Dual& x, const Dual& y) { return x.value <= y.value; }
-  friend constexpr bool operator>=(const Dual& x, const Dual& y) { return x.value >= y.value; }
-  friend constexpr bool operator==(const Dual& x, const Dual& y) { return x.value == y.value; }
+  friend constexpr auto operator<(const Dual& x, const Dual& y) { return x.value < y.value; }
+  friend constexpr auto operator>(const Dual& x, const Dual& y) { return x.value > y.value; }
+  friend constexpr auto operator<=(const Dual& x, const Dual& y) { return x.value <= y.value; }
+  friend constexpr auto operator>=(const Dual& x, const Dual& y) { return x.value >= y.value; }
+  friend constexpr auto operator==(const Dual& x, const Dual& y) { return x.value == y.value; }
 };
 
 namespace detail {

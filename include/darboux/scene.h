@@ -126,9 +126,12 @@ struct ScenePlan {
   std::uint64_t tiles_all = 0;         ///< of all instances at their finest resolution
   std::uint64_t tiles_needed = 0;      ///< all, less those skipped: the number of patches
   SkippedTiles skipped;
-  std::uint64_t tiles_unbounded = 0;  ///< of those needed: nothing is known of them, and none is culled
-  std::uint64_t samples_full = 0;     ///< every instance uniformly at the resolution of its nearest point
-  std::uint64_t samples_needed = 0;   ///< of the patches
+  /// Of those needed, before duplicates: their resolution is an estimate from samples, half as much again,
+  /// where no tighter bound is known: next to poles, for most formulas on intervals, and for surfaces without
+  /// bounds. The latter are never culled.
+  std::uint64_t tiles_unbounded = 0;
+  std::uint64_t samples_full = 0;    ///< every instance uniformly at the resolution of its nearest point
+  std::uint64_t samples_needed = 0;  ///< of the patches
   /// Samples of each attribute that are evaluated.
   std::array<std::uint64_t, attribute_count> attribute_samples{};
 };

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -65,6 +66,12 @@ std::string text_of(const T& x) {
     std::snprintf(text, sizeof text, "%g", static_cast<double>(x));
     return text;
   }
+}
+
+// The number by which the span of t is found: t itself. A scalar that stands for many numbers brings its own.
+template <class S>
+const S& span_place(const S& t) {
+  return t;
 }
 
 // Numerator and denominator of a rational position.
@@ -363,11 +370,14 @@ class KnotVector {
   /// The index m with knot m <= t < knot m + 1, found from the value of t; the first or last span outside [0,
   /// 1) and for t = 1. At a knot it is the span above.
   template <class S>
-  int find(const S& t) const {
+  int find(const S& at) const {
+    using detail::span_place;
+    const auto& t = span_place(at);
+    using Place = std::remove_cvref_t<decltype(t)>;
     int below = degree_, above = count();  // knot(below) <= t < knot(above), or t is outside
     while (above - below > 1) {
       const int middle = (below + above) / 2;
-      if (t < lift<S>(knots_[middle]))
+      if (t < lift<Place>(knots_[middle]))
         above = middle;
       else
         below = middle;
@@ -388,7 +398,9 @@ class KnotVector {
   /// Whether t lies in the upper half of the span.
   template <class S>
   bool upper(const detail::KnotSpan<S>& span) const {
-    return span.knots[degree_ - 1] + span.knots[degree_] < lift<S>(2.0) * span.t;
+    using detail::span_place;
+    return span_place(S(span.knots[degree_ - 1] + span.knots[degree_])) <
+           span_place(S(lift<S>(2.0) * span.t));
   }
 
   /// Status::crease at an interior knot whose multiplicity is the degree or more: there first derivatives may

@@ -4,7 +4,9 @@
 /// the safe side of the true one, rounding included.
 #pragma once
 
-#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
 #include <variant>
 
 #include <darboux/any_surface.h>
@@ -15,6 +17,35 @@ namespace darboux {
 struct Tile {
   double u0 = 0, u1 = 1, v0 = 0, v1 = 1;
 };
+
+/// How fast a surface bends and its frame turns, at most, over a tile: upper bounds, infinite where nothing
+/// is known.
+struct TileRates {
+  static constexpr double unknown = std::numeric_limits<double>::infinity();
+  double position_uu = unknown, position_uv = unknown, position_vv = unknown;  ///< |d²P|
+  double frame_u = unknown, frame_v = unknown;    ///< angular velocity of the frame (t, b, n)
+  double normal_u = unknown, normal_v = unknown;  ///< |dn|
+  /// The part of d²n that is perpendicular to n, and the largest such part of t, b and n: what along n
+  /// changes its length only when it is interpolated.
+  double normal_uu = unknown, normal_uv = unknown, normal_vv = unknown;
+  double frame_uu = unknown, frame_uv = unknown, frame_vv = unknown;
+
+  /// An upper bound of the distance from the surface to its points interpolated linearly in any triangle
+  /// within a cell of size du × dv: (M_uu du² + 2 M_uv du dv + M_vv dv²)/8, M the largest |d²P|. [Filip1986]
+  double chord(double du, double dv) const;
+  /// Upper bounds, in radians, of the angle between n, or whichever of t, b and n, and the same vector
+  /// interpolated linearly in such a triangle and normalised; infinite where the interpolated one may
+  /// vanish. With L = L_u du + L_v dv, the turning within the cell, and e by chord's formula from the second
+  /// derivatives, it is the smaller of
+  ///   (e + L³/48)/(1 - L²/8)   and   asin L/2.
+  /// Across n, the vertices are off by d²n/2 of the way to them and, as n itself turns on the way, by L³/6;
+  /// barycentric weights give u a variance of at most du²/4 and a third absolute moment of du³/8.
+  double normal_interpolation_angle(double du, double dv) const;
+  double frame_interpolation_angle(double du, double dv) const;
+};
+
+/// The derivatives of frames that are bounded: the first, or the second too, which take the third partials.
+enum class TileOrder : std::uint8_t { first, second };
 
 namespace tiles {
 
@@ -42,15 +73,8 @@ struct StraightProfile {
 struct Rectangle {
   double x[2], y[2];
 };
-// Boxes that hold position and partials, in the order of Jet2, over the tile and at its centre.
-struct Enclosed {
-  struct Box {
-    Vec3<double> lo, hi;
-  };
-  std::array<Box, 6> over_tile, at_centre;
-  double half_u, half_v;
-  bool oriented;  // n is dpdu × dpdv of unit length
-};
+// Position and partials on intervals.
+struct Enclosed;
 
 }  // namespace tiles
 
@@ -65,7 +89,9 @@ class TileBounds {
  public:
   /// \param tile within the domain of the surface; where it is not, or something is not finite, nothing is
   /// known
-  TileBounds(const AnySurface& surface, const Tile& tile);
+  /// \param order second for rates() with second derivatives of the frame, at three to five times the cost
+  /// on intervals. Closed forms have them anyway.
+  TileBounds(const AnySurface& surface, const Tile& tile, TileOrder order = TileOrder::first);
 
   /// Whether there are bounds. Without, those below are infinite.
   bool known() const { return !std::holds_alternative<std::monostate>(shape_); }
@@ -84,8 +110,10 @@ class TileBounds {
   /// The same for parallel rays: of n · towards_eye.
   double facing_along(const Vec3<double>& towards_eye) const;
 
-  /// An upper bound of the distance from the surface to the two triangles of any cell of size du × dv in the
-  /// tile: (M_uu du² + 2 M_uv du dv + M_vv dv²)/8, M the largest |d²P|. [Filip1986]
+  /// How finely the tile must be sampled, all at once.
+  TileRates rates() const;
+  /// An upper bound of the distance from the surface to the triangles of cells of size du × dv in the tile:
+  /// rates().chord(du, dv).
   double chord(double du, double dv) const;
   /// Upper bounds, in radians, of the angle between the normals, and of the rotation between the frames (t,
   /// b, n), of the centre of a cell of size du × dv and of any of its points.
@@ -93,7 +121,8 @@ class TileBounds {
   double frame_angle(double du, double dv) const;
 
  private:
-  std::variant<std::monostate, tiles::RoundProfile, tiles::StraightProfile, tiles::Rectangle, tiles::Enclosed>
+  std::variant<std::monostate, tiles::RoundProfile, tiles::StraightProfile, tiles::Rectangle,
+               std::shared_ptr<const tiles::Enclosed>>
       shape_;
 };
 

@@ -79,10 +79,28 @@ Points<T> Points<T>::grid(std::size_t columns, std::size_t rows, std::size_t fir
     throw ParameterError("grid", "expected a row of points from 0 to " + std::to_string(rows) + ", got " +
                                      std::to_string(first));
   Points result;
-  result.columns_ = columns;
+  result.columns_ = result.all_columns_ = columns;
   result.rows_ = rows;
   result.first_row_ = first;
   result.size_ = std::min(count, rows + 1 - first) * (columns + 1);
+  return result;
+}
+
+template <std::floating_point T>
+Points<T> Points<T>::part_of_grid(std::size_t columns, std::size_t rows, std::size_t first_column,
+                                  std::size_t cells_u, std::size_t first_row, std::size_t cells_v) {
+  const auto within = [](const char* what, std::size_t first, std::size_t cells, std::size_t all) {
+    if (cells < 1 || first >= all || cells > all - first)
+      throw ParameterError("grid", "expected some of " + std::to_string(all) + ' ' + what + ", got " +
+                                       std::to_string(cells) + " from " + std::to_string(first) + " on");
+  };
+  Points result = grid(columns, rows);
+  within("columns", first_column, cells_u, columns);
+  within("rows", first_row, cells_v, rows);
+  result.columns_ = cells_u;
+  result.first_column_ = first_column;
+  result.first_row_ = first_row;
+  result.size_ = (cells_u + 1) * (cells_v + 1);
   return result;
 }
 

@@ -1,13 +1,20 @@
 #include "enclosed.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <vector>
 
+#include <darboux/bezier_patch.h>
 #include <darboux/bilinear_patch.h>
+#include <darboux/bspline_patch.h>
 #include <darboux/catenoid.h>
 #include <darboux/ellipsoid.h>
 #include <darboux/elliptic_paraboloid.h>
 #include <darboux/enneper.h>
+#include <darboux/extrusion.h>
 #include <darboux/graph.h>
 #include <darboux/helicoid.h>
 #include <darboux/hyperbolic_paraboloid.h>
@@ -18,141 +25,294 @@
 #include <darboux/point.h>
 #include <darboux/pseudosphere.h>
 #include <darboux/ruled_surface.h>
+#include <darboux/surface_of_revolution.h>
 #include <darboux/torus.h>
 #include <darboux/tube.h>
 #include <darboux/two_sheet_hyperboloid.h>
-
-#include "interval.h"
 
 namespace darboux::tiles {
 namespace {
 
 using E = Enclosure;
+using V = Vec3<Enclosure>;
 
-std::array<Enclosed::Box, 6> boxes(const Jet2<E>& j) {
-  const auto box = [](const Vec3<E>& a) {
-    return Enclosed::Box{{a.x.lo, a.y.lo, a.z.lo}, {a.x.hi, a.y.hi, a.z.hi}};
-  };
-  return {box(j.position), box(j.dpdu), box(j.dpdv), box(j.d2pdu2), box(j.d2pduv), box(j.d2pdv2)};
-}
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
-template <class X>
-Enclosed enclose_as(const X& surface, const Tile& t) {
-  const auto jet_over = [&](const E& u, const E& v) {
-    return boxes(surface.jet(prepare<X::info.u>(u), prepare<X::info.v>(v)));
-  };
-  const double u = 0.5 * (t.u0 + t.u1), v = 0.5 * (t.v0 + t.v1);
-  // From the centre as it is rounded to either end.
-  const double half_u = std::fmax(t.u1 - u, u - t.u0) * (1 + 0x1p-50),
-               half_v = std::fmax(t.v1 - v, v - t.v0) * (1 + 0x1p-50);
-  return {jet_over({t.u0, t.u1}, {t.v0, t.v1}), jet_over(u, v), half_u, half_v, !X::info.own_orientation};
-}
-
-Vec3<E> enclosure(const Enclosed::Box& box) {
-  return {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}};
-}
-Vec3<E> point(const Vec3<double>& a) {
+V point(const Vec3<double>& a) {
   return {a.x, a.y, a.z};
 }
-E product(const Vec3<E>& a, const Vec3<E>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-Vec3<E> cross_product(const Vec3<E>& a, const Vec3<E>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-E square(const E& a) {
-  const E b = abs(a);
-  return b * b;
-}
-E length(const Vec3<E>& a) {
+E length(const V& a) {
   return sqrt(square(a.x) + square(a.y) + square(a.z));
 }
-
-// x over [-half, half]
-E symmetric(double half) {
-  return {-half, half};
+double over(double a, double least) {
+  return least > 0 ? (Interval(a) / least).hi : infinity;
 }
-
-enum { position, du, dv, duu, duv, dvv };
+// The length of a vector: that of its enclosure, or a bound by other means.
+double length_of(const V& enclosed, const Interval& bound) {
+  const double a = length(enclosed).hi();
+  return std::isnan(a) ? bound.hi : std::fmin(a, bound.hi);
+}
 
 // dpdu × dpdv and its derivatives.
 struct Normals {
-  Vec3<E> n, n_u, n_v;
-  explicit Normals(const std::array<Enclosed::Box, 6>& j)
-      : n(cross_product(enclosure(j[du]), enclosure(j[dv]))),
-        n_u(cross_product(enclosure(j[duu]), enclosure(j[dv])) +
-            cross_product(enclosure(j[du]), enclosure(j[duv]))),
-        n_v(cross_product(enclosure(j[duv]), enclosure(j[dv])) +
-            cross_product(enclosure(j[du]), enclosure(j[dvv]))) {}
+  V n, n_u, n_v;
+  explicit Normals(const Jet2<E>& j)
+      : n(cross(j.dpdu, j.dpdv)),
+        n_u(cross(j.d2pdu2, j.dpdv) + cross(j.dpdu, j.d2pduv)),
+        n_v(cross(j.d2pduv, j.dpdv) + cross(j.dpdu, j.d2pdv2)) {}
 };
+
+// ---- derivatives of unit vectors
+// ---------------------------------------------------------------------------
+
+// A derivative of n = N/s, s = |N|.
+struct Slope {
+  V N, n;                  // N_a, n_a
+  E s;                     // s_a
+  double length, turning;  // |N_a|, |n_a|
+};
+struct UnitVector {
+  V n;
+  E s;
+  Slope u, v;
+  UnitVector(const V& N, const V& N_u, const V& N_v)
+      : n(N / length(N)), s(length(N)), u(slope(N_u)), v(slope(N_v)) {}
+
+  // From N_ab = s_ab n + s_a n_b + s_b n_a + s n_ab: the part of n_ab across n; along n it is -n_a·n_b.
+  struct Second {
+    V n;
+    double across, length;  // of the part perpendicular to n, and of all
+  };
+  Second second(const Slope& a, const Slope& b, const V& N_ab) const {
+    const V rest = N_ab - a.s * b.n - b.s * a.n, part = (rest - dot(n, rest) * n) / s;
+    const Interval bound =
+        length(N_ab).range + Interval(a.length) * b.turning + Interval(b.length) * a.turning;
+    const double across = length_of(part, over(bound.hi, s.lo()));
+    const Interval along = Interval(a.turning) * b.turning;
+    return {part - dot(a.n, b.n) * n, across, sqrt(along * along + Interval(across) * across).hi};
+  }
+
+ private:
+  Slope slope(const V& N_a) const {
+    const E s_a = dot(n, N_a);
+    const V n_a = (N_a - s_a * n) / s;
+    const double most = length(N_a).hi();
+    return {N_a, n_a, s_a, most, length_of(n_a, over(most, s.lo()))};
+  }
+};
+
+// The second derivatives of n, t and b = n × t from the partials to third order.
+struct ThirdPartials {
+  V uuu, uuv, uvv, vvv;
+};
+TileRates second_rates(const Jet2<E>& j, const ThirdPartials& third) {
+  const Normals normals(j);
+  const UnitVector n(normals.n, normals.n_u, normals.n_v), t(j.dpdu, j.d2pdu2, j.d2pduv);
+  const E two(2);
+  const std::array n_second{
+      n.second(n.u, n.u,
+               cross(third.uuu, j.dpdv) + two * cross(j.d2pdu2, j.d2pduv) + cross(j.dpdu, third.uuv)),
+      n.second(n.u, n.v, cross(third.uuv, j.dpdv) + cross(j.d2pdu2, j.d2pdv2) + cross(j.dpdu, third.uvv)),
+      n.second(n.v, n.v,
+               cross(third.uvv, j.dpdv) + two * cross(j.d2pduv, j.d2pdv2) + cross(j.dpdu, third.vvv))};
+  const std::array t_second{t.second(t.u, t.u, third.uuu), t.second(t.u, t.v, third.uuv),
+                            t.second(t.v, t.v, third.uvv)};
+  const V b = cross(n.n, t.n);
+  const auto frame = [&](std::size_t k, const Slope& n_a, const Slope& n_b, const Slope& t_a,
+                         const Slope& t_b) {
+    const V b_ab =
+        cross(n_second[k].n, t.n) + cross(n_a.n, t_b.n) + cross(n_b.n, t_a.n) + cross(n.n, t_second[k].n);
+    const Interval bound = Interval(n_second[k].length) + t_second[k].length +
+                           Interval(n_a.turning) * t_b.turning + Interval(n_b.turning) * t_a.turning;
+    return std::fmax(std::fmax(n_second[k].across, t_second[k].across),
+                     length_of(b_ab - dot(b, b_ab) * b, bound));
+  };
+  TileRates r;
+  r.frame_uu = frame(0, n.u, n.u, t.u, t.u);
+  r.frame_uv = frame(1, n.u, n.v, t.u, t.v);
+  r.frame_vv = frame(2, n.v, n.v, t.v, t.v);
+  r.normal_uu = n_second[0].across, r.normal_uv = n_second[1].across, r.normal_vv = n_second[2].across;
+  return r;
+}
+
+// ---- knots
+// -------------------------------------------------------------------------------------------------
+
+// Where along u or v a surface is only piecewise smooth, and how many derivatives are continuous there.
+struct Break {
+  double at;
+  int continuous;
+};
+
+void add_knots(std::vector<Break>& breaks, const KnotVector<double>& knots, int lost = 0) {
+  for (const double at : knots.breaks()) {
+    const auto count = std::count(knots.knots().begin(), knots.knots().end(), at);
+    breaks.push_back({at, knots.degree() - static_cast<int>(count) - lost});
+  }
+}
+// Those of a curve, of whose derivatives `lost` are in the surface's position.
+template <class C>
+void add_curve(std::vector<Break>& breaks, const C& curve, int lost = 0) {
+  if constexpr (requires { curve.knots(); })
+    add_knots(breaks, curve.knots(), lost);
+  else if constexpr (requires { curve.curve; })
+    add_curve(breaks, curve.curve, lost);
+}
+
+template <class X>
+std::vector<Break> breaks_of(const X& s, int along) {
+  std::vector<Break> result;
+  if constexpr (requires { s.knots_u(); }) add_knots(result, along == 0 ? s.knots_u() : s.knots_v());
+  if constexpr (requires { s.profile; })
+    if (along == 1) add_curve(result, s.profile);
+  if constexpr (requires { s.curve; })
+    if (along == 0)
+      add_curve(
+          result, s.curve, requires { s.radius; } ? 1 : 0);
+  if constexpr (requires {
+                  s.a.jet(0.5);
+                  s.b.jet(0.5);
+                })
+    if (along == 0) {
+      add_curve(result, s.a);
+      add_curve(result, s.b);
+      std::sort(result.begin(), result.end(), [](const Break& x, const Break& y) { return x.at < y.at; });
+    }
+  return result;
+}
+
+// The tile's part of an axis, cut where the surface is not smooth. A crease at its upper end belongs to it
+// with the frame from above.
+struct Cuts {
+  std::vector<Interval> pieces;
+  int continuous = 2;  // derivatives, 2 standing for more
+
+  Cuts(const std::vector<Break>& breaks, double from, double to) {
+    for (const Break& b : breaks) {
+      if (b.at <= from || b.at > to || (b.at == to && b.continuous >= 1)) continue;
+      if (from < b.at) pieces.push_back({from, b.at});
+      from = b.at;
+      continuous = std::min(continuous, b.continuous);
+    }
+    pieces.push_back({from, to});
+  }
+};
+
+// ---- running formulas
+// --------------------------------------------------------------------------------------
+
+// What bounds are made of, over a tile.
+struct Partials {
+  Jet2<E> jet;
+  ThirdPartials third;
+
+  friend Partials hull(Partials a, const Partials& b) {
+    const auto unite = [](V& x, const V& y) { x = {hull(x.x, y.x), hull(x.y, y.y), hull(x.z, y.z)}; };
+    for (const auto member : {&Jet2<E>::position, &Jet2<E>::dpdu, &Jet2<E>::dpdv, &Jet2<E>::d2pdu2,
+                              &Jet2<E>::d2pduv, &Jet2<E>::d2pdv2})
+      unite(a.jet.*member, b.jet.*member);
+    for (const auto member :
+         {&ThirdPartials::uuu, &ThirdPartials::uuv, &ThirdPartials::uvv, &ThirdPartials::vvv})
+      unite(a.third.*member, b.third.*member);
+    return a;
+  }
+};
+
+template <class X>
+Partials partials_over(const X& surface, const E& u, const E& v, bool third) {
+  const auto jet_at = [&](const auto& x, const auto& y) {
+    return surface.jet(prepare<X::info.u>(x), prepare<X::info.v>(y));
+  };
+  if (!third) return {jet_at(u, v), {}};
+  using D = Dual<E, 2>;
+  const Jet2<D> j = jet_at(D::variable(u, 0), D::variable(v, 1));
+  const auto value = [](const Vec3<D>& a) { return V{a.x.value, a.y.value, a.z.value}; };
+  const auto along = [](const Vec3<D>& a, std::size_t k) {
+    return V{a.x.derivative[k], a.y.derivative[k], a.z.derivative[k]};
+  };
+  return {
+      {value(j.position), value(j.dpdu), value(j.dpdv), value(j.d2pdu2), value(j.d2pduv), value(j.d2pdv2)},
+      {along(j.d2pdu2, 0), along(j.d2pdu2, 1), along(j.d2pdv2, 0), along(j.d2pdv2, 1)}};
+}
+
+template <class X>
+Enclosed enclose_as(const X& surface, const Tile& tile, TileOrder order) {
+  const Cuts u(breaks_of(surface, 0), tile.u0, tile.u1), v(breaks_of(surface, 1), tile.v0, tile.v1);
+  const int continuous = std::min(u.continuous, v.continuous);
+  const bool second = order == TileOrder::second && continuous >= 2;
+  std::optional<Partials> all;
+  for (const Interval& piece_u : u.pieces)
+    for (const Interval& piece_v : v.pieces) {
+      const Partials here = partials_over(surface, E::variable(piece_u.lo, piece_u.hi, 0),
+                                          E::variable(piece_v.lo, piece_v.hi, 1), second);
+      all = all ? hull(*all, here) : here;
+    }
+  const Jet2<E>& jet = all->jet;
+  const V normal = cross(jet.dpdu, jet.dpdv);
+  return {.jet = jet,
+          .normal = normal,
+          .area = length(normal).range,
+          .oriented = !X::info.own_orientation,
+          .smooth = continuous >= 1,
+          .second = second ? second_rates(jet, all->third) : TileRates{}};
+}
 
 // Of whichever type the surface is.
 template <class... X>
-std::optional<Enclosed> enclose_one_of(const AnySurface& surface, const Tile& tile) {
-  std::optional<Enclosed> result;
+std::shared_ptr<const Enclosed> enclose_one_of(const AnySurface& surface, const Tile& tile, TileOrder order) {
+  std::shared_ptr<const Enclosed> result;
   const auto attempt = [&](const auto* s) {
     if (s) try {
-        result = enclose_as(*s, tile);
+        result = std::make_shared<const Enclosed>(enclose_as(*s, tile, order));
       } catch (const Uncertain&) {
       }
+    return s != nullptr;
   };
-  (attempt(surface.get<X>()), ...);
+  (attempt(surface.get<X>()) || ...);
   return result;
 }
 
 }  // namespace
 
-std::optional<Enclosed> enclose(const AnySurface& surface, const Tile& tile) {
+std::shared_ptr<const Enclosed> enclose(const AnySurface& surface, const Tile& tile, TileOrder order) {
+  using Spline = BSplineCurve<>;
   // Those without a closed form whose formulas run on intervals.
-  return enclose_one_of<Torus<>, Ellipsoid<>, EllipticParaboloid<>, HyperbolicParaboloid<>,
-                        OneSheetHyperboloid<>, TwoSheetHyperboloid<>, Helicoid<>, Catenoid<>, MoebiusStrip<>,
-                        KleinBottle<>, Enneper<>, MonkeySaddle<>, Pseudosphere<>, Tube<>, BilinearPatch<>,
-                        RuledSurface<>, Graph<>>(surface, tile);
+  return enclose_one_of<
+      Torus<>, Ellipsoid<>, EllipticParaboloid<>, HyperbolicParaboloid<>, OneSheetHyperboloid<>,
+      TwoSheetHyperboloid<>, Helicoid<>, Catenoid<>, MoebiusStrip<>, KleinBottle<>, Enneper<>, MonkeySaddle<>,
+      Pseudosphere<>, BilinearPatch<>, Graph<>, BezierPatch<>, BSplinePatch<>,  //
+      Tube<>, Tube<CircleCurve<>>, Tube<LineSegment<>>, Tube<PlanarCurve<>>, Tube<UprightCurve<>>,
+      Tube<UprightCurve<Spline>>,                                    //
+      SurfaceOfRevolution<>, Extrusion<>, Extrusion<CircleCurve<>>,  //
+      RuledSurface<>, RuledSurface<LineSegment<>, LineSegment<>>, RuledSurface<LineSegment<>, Spline>,
+      RuledSurface<Spline, Spline>, RuledSurface<CircleCurve<>, CircleCurve<>>>(surface, tile, order);
 }
 
 double enclosed_support(const Enclosed& s, const Vec3<double>& direction) {
-  const Vec3<E> d = point(direction);
-  const auto along = [&](const Enclosed::Box& box) { return product(d, enclosure(box)); };
-  // The mean value theorem from the centre: of second order, where the box alone is of first.
-  const E from_centre = along(s.at_centre[position]) + along(s.over_tile[du]) * symmetric(s.half_u) +
-                        along(s.over_tile[dv]) * symmetric(s.half_v);
-  return std::fmin(from_centre.hi, along(s.over_tile[position]).hi);
+  return dot(point(direction), s.jet.position).hi();
 }
 
 double enclosed_facing(const Enclosed& s, const Vec3<double>& e, double offset) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   if (!s.oriented) return infinity;
-  // g = N·(e - P) for N = dpdu × dpdv, whose derivatives are N_u·(e - P) and N_v·(e - P): the rest is square
-  // to N.
-  const Vec3<E> eye = point(e);
-  const auto seen_from = [&](const Enclosed::Box& p) { return offset == 0 ? eye : eye - enclosure(p); };
-  const Normals over(s.over_tile), centre(s.at_centre);
-  const Vec3<E> to_eye = seen_from(s.over_tile[position]);
-  const E from_centre = product(centre.n, seen_from(s.at_centre[position])) +
-                        product(over.n_u, to_eye) * symmetric(s.half_u) +
-                        product(over.n_v, to_eye) * symmetric(s.half_v);
-  const double g = std::fmin(from_centre.hi, product(over.n, to_eye).hi);
-  const E size = length(over.n);
-  return g < 0 ? g / size.hi : size.lo > 0 ? g / size.lo : infinity;
+  const V eye = point(e);
+  const double g = dot(s.normal, offset == 0 ? eye : eye - s.jet.position).hi();
+  return g < 0 ? g / s.area.hi : s.area.lo > 0 ? g / s.area.lo : infinity;
 }
 
-Rates enclosed_rates(const Enclosed& s) {
-  const auto size = [&](std::size_t k) { return length(enclosure(s.over_tile[k])); };
-  const Normals normals(s.over_tile);
-  const double least_normal = length(normals.n).lo, least_du = size(du).lo;
-  const auto over = [](const E& a, double least) {
-    return least > 0 ? a.hi / least : std::numeric_limits<double>::infinity();
-  };
-  const double normal_u = over(length(normals.n_u), least_normal),
-               normal_v = over(length(normals.n_v), least_normal);
-  // t turns by at most |d²P| / |dpdu|, and the rest of the frame about t by at most |dn|.
-  return {size(duu).hi,
-          size(duv).hi,
-          size(dvv).hi,
-          normal_u,
-          normal_v,
-          normal_u + over(size(duu), least_du),
-          normal_v + over(size(duv), least_du)};
+TileRates enclosed_rates(const Enclosed& s) {
+  if (!s.smooth) return {};
+  const auto most = [](const V& a) { return length(a).hi(); };
+  const Normals normals(s.jet);
+  const double least_du = length(s.jet.dpdu).lo();
+  TileRates r = s.second;
+  r.position_uu = most(s.jet.d2pdu2), r.position_uv = most(s.jet.d2pduv), r.position_vv = most(s.jet.d2pdv2);
+  r.normal_u = over(most(normals.n_u), s.area.lo);
+  r.normal_v = over(most(normals.n_v), s.area.lo);
+  // The frame turns by |ω|² = |t'|² + (n'·b)².
+  const auto turning = [&](double t, double n) { return sqrt(Interval(t) * t + Interval(n) * n).hi; };
+  r.frame_u = turning(over(r.position_uu, least_du), r.normal_u);
+  r.frame_v = turning(over(r.position_uv, least_du), r.normal_v);
+  return r;
 }
 
 }  // namespace darboux::tiles

@@ -1,24 +1,29 @@
 // Bounds of tiles of surfaces whose formulas run on intervals.
 #pragma once
 
-#include <optional>
+#include <memory>
 
 #include <darboux/tile_bounds.h>
 
+#include "interval.h"
+
 namespace darboux::tiles {
 
+struct Enclosed {
+  Jet2<Enclosure> jet;     // over the tile
+  Vec3<Enclosure> normal;  // dpdu × dpdv
+  Interval area;           // its length
+  bool oriented;           // n is that of unit length
+  bool smooth;             // dpdu and dpdv are continuous
+  TileRates second;        // second derivatives of the frame, where they were asked for
+};
+
 // Nothing for surfaces whose formulas do not, and where a formula would branch within the tile.
-std::optional<Enclosed> enclose(const AnySurface& surface, const Tile& tile);
+std::shared_ptr<const Enclosed> enclose(const AnySurface& surface, const Tile& tile, TileOrder order);
 
 double enclosed_support(const Enclosed& s, const Vec3<double>& direction);
 // Of n·E - offset·(n·P), offset 1 for an eye, 0 for a direction.
 double enclosed_facing(const Enclosed& s, const Vec3<double>& e, double offset);
-
-struct Rates {
-  double uu, uv, vv;          // the largest second partials
-  double normal_u, normal_v;  // |dn/du|, |dn/dv|
-  double frame_u, frame_v;    // angular velocity of the frame
-};
-Rates enclosed_rates(const Enclosed& s);
+TileRates enclosed_rates(const Enclosed& s);
 
 }  // namespace darboux::tiles

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <darboux/cone.h>
 #include <darboux/cylinder.h>
@@ -17,6 +18,7 @@ namespace darboux {
 namespace {
 
 using namespace tiles;
+using EnclosedTile = std::shared_ptr<const Enclosed>;
 
 constexpr double pi = std::numbers::pi, tau = 2 * pi;
 constexpr double rounding = 0x1p-49;  // 16u: of a bound, relative to the size of its terms
@@ -54,7 +56,7 @@ double size_of(const StraightProfile& s) {
 double size_of(const Rectangle& s) {
   return most_absolute(s.x[0], s.x[1]) + most_absolute(s.y[0], s.y[1]);
 }
-double size_of(const Enclosed&) {
+double size_of(const EnclosedTile&) {
   return 0;  // intervals have their rounding in them
 }
 
@@ -72,8 +74,8 @@ double most_along(const Rectangle& s, const Vec3<double>& d) {
   return std::fmax(d.x * s.x[0], d.x * s.x[1]) + std::fmax(d.y * s.y[0], d.y * s.y[1]);
 }
 
-double most_along(const Enclosed& s, const Vec3<double>& d) {
-  return enclosed_support(s, d);
+double most_along(const EnclosedTile& s, const Vec3<double>& d) {
+  return enclosed_support(*s, d);
 }
 
 // ---- facing -----------------------------------------------------------------------------------------------
@@ -116,33 +118,77 @@ double most_facing(const Rectangle&, const Vec3<double>& e, double) {
   return e.z;
 }
 
-double most_facing(const Enclosed& s, const Vec3<double>& e, double offset) {
-  return enclosed_facing(s, e, offset);
+double most_facing(const EnclosedTile& s, const Vec3<double>& e, double offset) {
+  return enclosed_facing(*s, e, offset);
 }
 
 // ---- resolution -------------------------------------------------------------------------------------------
 
-Rates rates_of(const RoundProfile& s) {
+TileRates rates_of(const RoundProfile& s) {
   const double per_v = s.major_radius == 0 ? pi : tau, rho = s.major_radius + s.radius * s.profile.most(1, 0);
-  return {tau * tau * rho,
-          tau * per_v * s.radius * most_sine(s.profile),
-          per_v * per_v * s.radius,
-          tau * most_cosine(s.profile),
-          per_v,
-          tau,
-          per_v};
+  // n = (cos x cos φ, cos x sin φ, sin x), t = (-sin φ, cos φ, 0), b = (-sin x cos φ, -sin x sin φ, cos x)
+  const double sine = most_sine(s.profile), cosine = most_cosine(s.profile),
+               bend = tau * tau * std::fmin(sine * cosine, 0.5);
+  return {.position_uu = tau * tau * rho,
+          .position_uv = tau * per_v * s.radius * sine,
+          .position_vv = per_v * per_v * s.radius,
+          .frame_u = tau,
+          .frame_v = per_v,
+          .normal_u = tau * cosine,
+          .normal_v = per_v,
+          .normal_uu = bend,
+          .normal_uv = tau * per_v * sine,
+          .normal_vv = 0,
+          .frame_uu = bend,
+          .frame_uv = tau * per_v * std::fmax(sine, cosine),
+          .frame_vv = 0};
 }
-Rates rates_of(const StraightProfile& s) {
-  return {tau * tau * most_absolute(s.rho[0], s.rho[1]), s.rate_uv, 0, tau * std::fabs(s.n_rho), 0, tau, 0};
+TileRates rates_of(const StraightProfile& s) {
+  // All turns round the axis: n = (n_rho cos φ, n_rho sin φ, n_z), t = (-sin φ, cos φ, 0), b = (-n_z cos φ,
+  // -n_z sin φ, n_rho)
+  const double bend = tau * tau * std::fabs(s.n_rho * s.n_z);
+  return {.position_uu = tau * tau * most_absolute(s.rho[0], s.rho[1]),
+          .position_uv = s.rate_uv,
+          .position_vv = 0,
+          .frame_u = tau,
+          .frame_v = 0,
+          .normal_u = tau * std::fabs(s.n_rho),
+          .normal_v = 0,
+          .normal_uu = bend,
+          .normal_uv = 0,
+          .normal_vv = 0,
+          .frame_uu = bend,
+          .frame_uv = 0,
+          .frame_vv = 0};
 }
-Rates rates_of(const Rectangle&) {
+TileRates rates_of(const Rectangle&) {
+  return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+}
+TileRates rates_of(const EnclosedTile& s) {
+  return enclosed_rates(*s);
+}
+TileRates rates_of(std::monostate) {
   return {};
-}
-Rates rates_of(const Enclosed& s) {
-  return enclosed_rates(s);
 }
 
 constexpr double upward = 1 + 0x1p-48;  // what the products below may have lost
+
+// The error of linear interpolation by second derivatives.
+double interpolation_error(double uu, double uv, double vv, double du, double dv) {
+  const double error = upward * (uu * du * du + 2 * uv * du * dv + vv * dv * dv) / 8;
+  return std::isnan(error) ? infinity : error;
+}
+double half_turning(double u, double v, double du, double dv) {
+  const double turning = upward * (u * du + v * dv) / 2;
+  return std::isnan(turning) ? infinity : turning;
+}
+// Of the interpolated unit vector, by the error across it and half the turning within the cell.
+double interpolation_angle(double across, double half) {
+  // (asin x - x)/x³ rises with x
+  const double first = half < 1 ? half + (pi / 2 - 1) * half * half * half : infinity,
+               length = 1 - half * half / 2;
+  return upward * (length > 0 ? std::fmin(first, (across + half * half * half / 6) / length) : first);
+}
 
 template <class Shape, class F>
 double of_known(const Shape& shape, F f) {
@@ -190,7 +236,7 @@ double tiles::Arc::most(double a, double b) const {
   return ahead <= to - from + slack || ahead >= tau - slack ? top : ends;
 }
 
-TileBounds::TileBounds(const AnySurface& surface, const Tile& t) {
+TileBounds::TileBounds(const AnySurface& surface, const Tile& t, TileOrder order) {
   if (!std::isfinite(t.u0 + t.u1 + t.v0 + t.v1)) return;
   for (const ParameterValue& p : surface.parameters())
     if (!(std::fabs(p.value) < 1e100)) return;
@@ -201,8 +247,8 @@ TileBounds::TileBounds(const AnySurface& surface, const Tile& t) {
     if (!is_within(t, true, true)) return;
     if (torus->major_radius >= torus->minor_radius)
       shape_ = RoundProfile{torus->major_radius, torus->minor_radius, turns(t.u0, t.u1), turns(t.v0, t.v1)};
-    else if (const auto enclosed = enclose(surface, t))
-      shape_ = *enclosed;
+    else if (auto enclosed = enclose(surface, t, order))
+      shape_ = std::move(enclosed);
   } else if (!is_within(t, is_periodic(surface.info().u), is_periodic(surface.info().v))) {
     return;
   } else if (const auto* cylinder = surface.get<Cylinder<>>()) {
@@ -216,8 +262,8 @@ TileBounds::TileBounds(const AnySurface& surface, const Tile& t) {
   } else if (const auto* plane = surface.get<Plane<>>()) {
     shape_ = Rectangle{{plane->width * (t.u0 - 0.5), plane->width * (t.u1 - 0.5)},
                        {plane->depth * (t.v0 - 0.5), plane->depth * (t.v1 - 0.5)}};
-  } else if (const auto enclosed = enclose(surface, t)) {
-    shape_ = *enclosed;
+  } else if (auto enclosed = enclose(surface, t, order)) {
+    shape_ = std::move(enclosed);
   }
 }
 
@@ -234,25 +280,37 @@ double TileBounds::facing_along(const Vec3<double>& d) const {
   return of_known(shape_, [&](const auto& s) { return most_facing(s, d, 0) + rounding * norm(d); });
 }
 
+TileRates TileBounds::rates() const {
+  TileRates r = std::visit([](const auto& s) { return rates_of(s); }, shape_);
+  for (double* rate :
+       {&r.position_uu, &r.position_uv, &r.position_vv, &r.frame_u, &r.frame_v, &r.frame_uu, &r.frame_uv,
+        &r.frame_vv, &r.normal_u, &r.normal_v, &r.normal_uu, &r.normal_uv, &r.normal_vv})
+    *rate = std::isnan(*rate) ? infinity : upward * *rate;
+  return r;
+}
+
+double TileRates::chord(double du, double dv) const {
+  return interpolation_error(position_uu, position_uv, position_vv, du, dv);
+}
+double TileRates::normal_interpolation_angle(double du, double dv) const {
+  return interpolation_angle(interpolation_error(normal_uu, normal_uv, normal_vv, du, dv),
+                             half_turning(normal_u, normal_v, du, dv));
+}
+double TileRates::frame_interpolation_angle(double du, double dv) const {
+  return interpolation_angle(interpolation_error(frame_uu, frame_uv, frame_vv, du, dv),
+                             half_turning(frame_u, frame_v, du, dv));
+}
+
 double TileBounds::chord(double du, double dv) const {
-  return of_known(shape_, [&](const auto& s) {
-    const Rates r = rates_of(s);
-    return upward * (r.uu * du * du + 2 * r.uv * du * dv + r.vv * dv * dv) / 8;
-  });
+  return rates().chord(du, dv);
 }
-
 double TileBounds::normal_angle(double du, double dv) const {
-  return of_known(shape_, [&](const auto& s) {
-    const Rates r = rates_of(s);
-    return upward * (r.normal_u * du + r.normal_v * dv) / 2;
-  });
+  const TileRates r = rates();
+  return half_turning(r.normal_u, r.normal_v, du, dv);
 }
-
 double TileBounds::frame_angle(double du, double dv) const {
-  return of_known(shape_, [&](const auto& s) {
-    const Rates r = rates_of(s);
-    return upward * (r.frame_u * du + r.frame_v * dv) / 2;
-  });
+  const TileRates r = rates();
+  return half_turning(r.frame_u, r.frame_v, du, dv);
 }
 
 }  // namespace darboux

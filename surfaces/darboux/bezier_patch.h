@@ -61,9 +61,10 @@ class BezierPatch {
 
   template <class S>
   Jet2<S> jet(const S& u, const S& v) const {
-    const S half = lift<S>(0.5);
-    return detail::patch_jet(net<S>(), detail::BezierSpan<S>(u), detail::BezierSpan<S>(v), half < u,
-                             half < v);
+    using detail::span_place;
+    const auto upper = [](const S& x) { return span_place(lift<S>(0.5)) < span_place(x); };
+    return detail::patch_jet(net<S>(), detail::BezierSpan<S>(u), detail::BezierSpan<S>(v), upper(u),
+                             upper(v));
   }
 
   template <class S>

@@ -1,0 +1,58 @@
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <darboux/error.h>
+#include <darboux/scene.h>
+
+namespace darboux {
+namespace {
+
+std::string text(double x) {
+  std::string s = std::to_string(x);
+  return std::isfinite(x) ? s.substr(0, s.find_last_not_of('0') + (s.back() == '0' ? 2 : 1)) : s;
+}
+
+void expect(bool holds, const char* what, const std::string& expected, const std::string& got) {
+  if (!holds) throw ParameterError(what, "expected " + expected + ", got " + got);
+}
+
+}  // namespace
+
+Eigen::Isometry3d Camera::look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
+                                  const Eigen::Vector3d& up) {
+  const Eigen::Vector3d backward = (eye - target).normalized();
+  const Eigen::Vector3d right = up.cross(backward);
+  expect((eye - target).norm() > 0 && backward.allFinite(), "camera target", "a point other than the eye",
+         "the eye");
+  expect(right.norm() > 1e-12 * up.norm(), "camera up", "a direction that is not along the view",
+         "one along it");
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear().col(0) = right.normalized();
+  pose.linear().col(1) = backward.cross(right.normalized());
+  pose.linear().col(2) = backward;
+  pose.translation() = eye;
+  return pose;
+}
+
+void Camera::check() const {
+  // Poses come from files, some in float32.
+  const Eigen::Matrix3d r = pose.linear();
+  expect(pose.matrix().allFinite(), "camera pose", "finite numbers", "others");
+  expect((r.transpose() * r - Eigen::Matrix3d::Identity()).norm() < 1e-5 && r.determinant() > 0,
+         "camera pose", "a rotation", "a matrix that scales, shears or mirrors");
+  expect(width_px >= 1 && height_px >= 1, "image size", "at least 1 x 1 pixel",
+         std::to_string(width_px) + " x " + std::to_string(height_px));
+  expect(std::isfinite(near_distance) && far_distance > near_distance, "camera", "near < far",
+         "near " + text(near_distance) + ", far " + text(far_distance));
+  if (projection == Projection::perspective) {
+    expect(vertical_field_of_view_rad > 0 && vertical_field_of_view_rad < std::numbers::pi, "field of view",
+           "more than 0 and less than 180 degrees",
+           text(vertical_field_of_view_rad * 180 / std::numbers::pi) + " degrees");
+    expect(near_distance > 0, "camera", "near > 0", "near " + text(near_distance));
+  } else {
+    expect(view_height > 0 && std::isfinite(view_height), "view height", "a length > 0", text(view_height));
+  }
+}
+
+}  // namespace darboux

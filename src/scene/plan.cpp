@@ -1,0 +1,516 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include <darboux/error.h>
+#include <darboux/frame.h>
+#include <darboux/scene.h>
+
+#include "base/hash_table.h"
+#include "patch_layout.h"
+#include "surface_tiles.h"
+#include "view.h"
+
+namespace darboux {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int tile_level = 4;  // a tile has no more than 2^4 × 2^4 cells
+constexpr std::uint32_t tile_cells = 1u << tile_level;
+constexpr int finest_level = 14;                    // of the cells of a chart
+constexpr std::uint32_t unit = 1u << finest_level;  // coordinates as whole numbers
+
+constexpr Attributes tangent_attributes =
+    Attribute::tangent | Attribute::bitangent | Attribute::handedness | Attribute::tangent4;
+
+double distance_to_box(const Vec3<double>& p, const Vec3<double>& lo, const Vec3<double>& hi) {
+  const auto beyond = [](double x, double from, double to) {
+    return std::fmax(std::fmax(from - x, x - to), 0);
+  };
+  return norm(Vec3<double>{beyond(p.x, lo.x, hi.x), beyond(p.y, lo.y, hi.y), beyond(p.z, lo.z, hi.z)});
+}
+
+// The fewest cells on a rectangle of the chart for which error(du, dv) <= 1, which falls with both, and no
+// more than 2^most. Halves that side of the cells that is worth more.
+template <class F>
+TileLevels fewest_cells(double width_u, double width_v, const TileLevels& most, F error) {
+  TileLevels result;
+  double du = width_u, dv = width_v;
+  while ((result.u < most.u || result.v < most.v) && !(error(du, dv) <= 1)) {
+    if (result.v == most.v || (result.u < most.u && !(error(du, dv / 2) < error(du / 2, dv)))) {
+      ++result.u;
+      du /= 2;
+    } else {
+      ++result.v;
+      dv /= 2;
+    }
+  }
+  return result;
+}
+
+// The angle of interpolated frames where a placement scales by different amounts: a unit vector that M turns
+// and stretches turns by no more than the condition of M faster, and what orthogonalises tangent and normal
+// adds both. Where there is no bound yet, beyond all bounds and falling with the cells.
+double angle_under(const TileRates& r, bool of_tangents, double condition, double du, double dv) {
+  const double rate_u = of_tangents ? r.frame_u : r.normal_u, rate_v = of_tangents ? r.frame_v : r.normal_v;
+  double angle = infinity;
+  if (condition == 1) {
+    angle = of_tangents ? r.frame_interpolation_angle(du, dv) : r.normal_interpolation_angle(du, dv);
+  } else {
+    TileRates stretched;
+    stretched.frame_u = 2 * condition * rate_u;
+    stretched.frame_v = 2 * condition * rate_v;
+    angle = stretched.frame_interpolation_angle(du, dv);
+  }
+  return std::isfinite(angle) ? angle : std::numbers::pi + rate_u * du + rate_v * dv;
+}
+
+// An instance before a camera.
+struct Placed {
+  const SurfaceTiles* tiles;
+  Vec3<double> eye;  // in the surface's own space; of an orthographic camera the direction to it
+  std::array<Vec3<double>, 6> normals;
+  std::array<double, 6> offsets;
+  std::array<double, 6> normal_lengths;
+  double smallest, largest;  // by what the placement scales lengths
+  double condition;          // their ratio, 1 where it scales all alike
+  double displacement;
+  double eye_rounding;    // of `eye`
+  double plane_rounding;  // of normals and offsets
+};
+
+// A tile that was looked at, in the tree of its instance.
+struct Visited {
+  std::uint32_t node;
+  std::uint32_t first_part = 0;
+  Split split = Split::none;
+  bool needed = false;
+  std::uint8_t planes = 0;  // of the frustum, those that may cut it
+  TileLevels cells;         // of a tile that is needed
+};
+
+class Planner {
+ public:
+  Planner(const Scene& scene, const Camera& camera, const SceneRequest& request);
+  ScenePlan plan();
+
+ private:
+  Placed place(std::uint32_t instance, SurfaceTiles& tiles) const;
+  double nearest_distance(SurfaceTiles& tiles, const Placed& placed) const;
+  TileLevels cells_needed(const Placed& placed, double distance, Attributes asked, const TileRates& rates,
+                          const TilePlace& place, FrameLevels& kept) const;
+  void plan_instance(std::uint32_t instance);
+  bool outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const;
+  bool faces_away(const Placed& placed, const TileNode& node) const;
+  void find_edges(const SurfaceTiles& tiles, const Visited& tile, ScenePatch& patch);
+  void neighbours(const SurfaceTiles& tiles, std::uint32_t visited, bool along_u, std::uint32_t line,
+                  bool below, std::uint32_t from, std::uint32_t to, std::uint32_t spacing, bool mirrored);
+  void add(std::uint32_t instance, ScenePatch patch);
+
+  const Scene& scene_;
+  const SceneRequest& request_;
+  View view_;
+  std::vector<std::unique_ptr<SurfaceTiles>> tiles_;
+  std::vector<Visited> visited_;
+  std::vector<std::uint32_t> found_;  // samples on an edge
+  HashTable known_patches_;
+  ScenePlan plan_;
+};
+
+void check(const Scene& scene, const SceneRequest& request) {
+  const auto positive = [](const char* name, double bound) {
+    if (!(bound > 0)) throw ParameterError(name, "expected a bound > 0, got " + std::to_string(bound));
+  };
+  positive("chord_px", request.chord_px);
+  positive("chord", request.chord);
+  positive("frame_angle_rad", request.frame_angle_rad);
+  if (request.attributes.empty()) throw ParameterError("attributes", "expected at least one, got none");
+  for (const SceneMaterial& m : scene.materials)
+    if (!(m.displacement >= 0) || !std::isfinite(m.displacement))
+      throw ParameterError("material " + m.name,
+                           "expected a displacement >= 0, got " + std::to_string(m.displacement));
+  if (scene.instances.size() > std::numeric_limits<std::uint32_t>::max() / 2)
+    throw ParameterError("scene",
+                         "expected fewer than 2^31 instances, got " + std::to_string(scene.instances.size()));
+}
+
+Planner::Planner(const Scene& scene, const Camera& camera, const SceneRequest& request)
+    : scene_(scene), request_(request), view_((camera.check(), camera)), tiles_(scene.surfaces.size()) {
+  check(scene, request);
+}
+
+Placed Planner::place(std::uint32_t index, SurfaceTiles& tiles) const {
+  const SceneInstance& instance = scene_.instances[index];
+  const Eigen::Matrix3d m = instance.placement.linear();
+  const Eigen::Vector3d t = instance.placement.translation();
+  const auto wrong = [&](const char* what) {
+    return ParameterError("instance " + std::to_string(index),
+                          std::string("expected a placement that is finite and invertible, got ") + what);
+  };
+  if (!m.allFinite() || !t.allFinite()) throw wrong("one that is not finite");
+  Placed result{};
+  result.tiles = &tiles;
+  const Eigen::Matrix3d square = m.transpose() * m;
+  const double scale = square.trace() / 3;
+  Eigen::Matrix3d inverse;
+  if ((square - scale * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= 1e-14 * scale && scale > 0) {
+    result.smallest = std::sqrt(scale) * (1 - 1e-13);
+    result.largest = std::sqrt(scale) * (1 + 1e-13);
+    result.condition = 1;
+    inverse = m.transpose() / scale;
+  } else {
+    const Eigen::Vector3d s = m.jacobiSvd().singularValues();
+    if (!(s[2] > 1e-12 * s[0])) throw wrong("a singular one");
+    result.smallest = s[2] * (1 - 1e-13);
+    result.largest = s[0] * (1 + 1e-13);
+    result.condition = result.largest / result.smallest;
+    inverse = m.inverse();
+  }
+  constexpr double rounding = 0x1p-48;
+  const double lengths = view_.eye().norm() + t.norm();
+  result.eye =
+      view_.perspective() ? from_eigen(inverse * (view_.eye() - t)) : from_eigen(inverse * view_.backward());
+  // With what inverting an ill-conditioned placement loses.
+  result.eye_rounding = rounding * result.condition * (view_.perspective() ? lengths : 1) / result.smallest;
+  result.plane_rounding = rounding * (lengths + result.largest * (norm(tiles.centre()) + tiles.radius()));
+  for (std::size_t k = 0; k < 6; ++k) {
+    const Plane3& plane = view_.planes()[k];
+    result.normals[k] = from_eigen(m.transpose() * plane.normal);
+    result.offsets[k] = plane.offset - plane.normal.dot(t);
+  }
+  result.displacement = scene_.materials[instance.material].displacement;
+  return result;
+}
+
+// From the eye to the surface, in the scene; what is nearer than the near plane is not seen.
+double Planner::nearest_distance(SurfaceTiles& tiles, const Placed& placed) const {
+  if (!view_.perspective()) return infinity;
+  const auto to = [&](std::uint32_t node) {
+    return distance_to_box(placed.eye, tiles[node].lo, tiles[node].hi);
+  };
+  double nearest = to(SurfaceTiles::root);
+  // A box says little from near by: the least of those of tiles, down to some size.
+  if (tiles.known() && nearest < 4 * tiles.radius()) {
+    constexpr int finest = 5;
+    nearest = infinity;
+    std::vector<std::pair<double, std::uint32_t>> open{{to(SurfaceTiles::root), SurfaceTiles::root}};
+    const auto later = [](const auto& a, const auto& b) { return a.first > b.first; };
+    while (!open.empty()) {
+      std::pop_heap(open.begin(), open.end(), later);
+      const auto [distance, node] = open.back();
+      open.pop_back();
+      if (tiles[node].place.level_u == finest) {
+        nearest = distance;
+        break;
+      }
+      const std::uint32_t first = tiles.parts(node, Split::both);
+      for (std::uint32_t i = 0; i < 4; ++i) {
+        open.emplace_back(to(first + i), first + i);
+        std::push_heap(open.begin(), open.end(), later);
+      }
+    }
+  }
+  const double rounded = nearest - placed.eye_rounding - 0x1p-48 * nearest;
+  return std::fmax(rounded * placed.smallest - placed.displacement, view_.near_distance());
+}
+
+// How many cells a tile needs at a distance from the eye: what its chords ask for and what its frames ask
+// for.
+TileLevels Planner::cells_needed(const Placed& placed, double distance, Attributes asked,
+                                 const TileRates& rates, const TilePlace& place, FrameLevels& kept) const {
+  const TileLevels most{finest_level - place.level_u, finest_level - place.level_v};
+  const double width_u = std::ldexp(1.0, -place.level_u), width_v = std::ldexp(1.0, -place.level_v);
+  const double chord =
+      std::fmin(request_.chord, view_.length_of(request_.chord_px, distance)) / placed.largest;
+  TileLevels result;
+  if (std::isfinite(chord))
+    result = fewest_cells(width_u, width_v, most,
+                          [&](double du, double dv) { return rates.chord(du, dv) / chord; });
+  if (!asked.has_any(frame_attributes) || !(request_.frame_angle_rad < std::numbers::pi / 2)) return result;
+  // These do not depend on the distance.
+  const bool of_tangents = asked.has_any(tangent_attributes);
+  if (kept.condition != placed.condition || kept.of_tangents != of_tangents ||
+      kept.angle != request_.frame_angle_rad) {
+    kept = {placed.condition, request_.frame_angle_rad, of_tangents,
+            fewest_cells(width_u, width_v, most, [&](double du, double dv) {
+              return angle_under(rates, of_tangents, placed.condition, du, dv) / request_.frame_angle_rad;
+            })};
+  }
+  return {std::max(result.u, kept.levels.u), std::max(result.v, kept.levels.v)};
+}
+
+// Whether a tile lies wholly beyond a plane of the frustum. By its box, then by itself.
+bool Planner::outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const {
+  for (std::size_t k = 0; k < 6; ++k) {
+    if (!(planes >> k & 1)) continue;
+    const Vec3<double>& n = placed.normals[k];
+    const auto along = [](double a, double lo, double hi) {
+      return std::pair(a < 0 ? a * hi : a * lo, a < 0 ? a * lo : a * hi);
+    };
+    const auto [x0, x1] = along(n.x, node.lo.x, node.hi.x);
+    const auto [y0, y1] = along(n.y, node.lo.y, node.hi.y);
+    const auto [z0, z1] = along(n.z, node.lo.z, node.hi.z);
+    const double margin = placed.displacement + placed.plane_rounding;
+    if (x0 + y0 + z0 - placed.offsets[k] > margin) {
+      planes = static_cast<std::uint8_t>(planes & ~(1u << k));
+      continue;
+    }
+    if (x1 + y1 + z1 - placed.offsets[k] < -margin) return true;
+    if (node.bounds.support(n) - placed.offsets[k] < -margin) return true;
+  }
+  return false;
+}
+
+bool Planner::faces_away(const Placed& placed, const TileNode& node) const {
+  const double facing =
+      view_.perspective() ? node.bounds.facing(placed.eye) : node.bounds.facing_along(placed.eye);
+  return facing < -placed.eye_rounding;
+}
+
+void Planner::plan_instance(std::uint32_t index) {
+  const SceneInstance& instance = scene_.instances[index];
+  if (instance.surface >= scene_.surfaces.size() || instance.material >= scene_.materials.size())
+    throw ParameterError("instance " + std::to_string(index),
+                         "expected a surface below " + std::to_string(scene_.surfaces.size()) +
+                             " and a material below " + std::to_string(scene_.materials.size()) + ", got " +
+                             std::to_string(instance.surface) + " and " + std::to_string(instance.material));
+  const SceneMaterial& material = scene_.materials[instance.material];
+  std::unique_ptr<SurfaceTiles>& kept = tiles_[instance.surface];
+  if (!kept) kept = std::make_unique<SurfaceTiles>(scene_.surfaces[instance.surface]);
+  SurfaceTiles& tiles = *kept;
+  const Placed placed = place(index, tiles);
+  const SceneRequest::Skip& skip = request_.skip;
+
+  // Every tile of the finest resolution.
+  const double nearest = nearest_distance(tiles, placed);
+  const TileLevels finest =
+      cells_needed(placed, nearest, request_.attributes, tiles.finest(), {}, tiles.frame_levels());
+  const TileLevels deepest{std::max(finest.u - tile_level, 0), std::max(finest.v - tile_level, 0)};
+  const auto tiles_of = [&](const TilePlace& place) {
+    return std::uint64_t{1} << (deepest.u - place.level_u + deepest.v - place.level_v);
+  };
+  plan_.tiles_all += tiles_of({});
+  plan_.samples_full += ((std::uint64_t{1} << finest.u) + 1) * ((std::uint64_t{1} << finest.v) + 1);
+
+  Attributes asked = request_.attributes;
+  if (skip.unread_attributes && !material.reads_tangents()) {
+    asked = Attributes();
+    for (std::size_t a = 0; a < attribute_count; ++a) {
+      const auto attribute = static_cast<Attribute>(a);
+      if (request_.attributes.has(attribute) && !tangent_attributes.has(attribute)) asked |= attribute;
+    }
+    if (asked.empty()) {
+      plan_.skipped.no_normal_map += tiles_of({});
+      return;
+    }
+  }
+  const bool one_sided = !material.double_sided && material.displacement == 0;
+
+  visited_.clear();
+  visited_.push_back({SurfaceTiles::root,
+                      0,
+                      Split::none,
+                      false,
+                      skip.outside_frustum && tiles.known() ? std::uint8_t{63} : std::uint8_t{0},
+                      {}});
+  std::size_t leaves = 0;
+  for (std::size_t i = 0; i < visited_.size(); ++i) {
+    Visited here = visited_[i];
+    const TileNode& node = tiles[here.node];
+    const std::uint64_t all = tiles_of(node.place);
+    if (here.planes != 0 && outside(placed, node, here.planes)) {
+      plan_.skipped.outside_frustum += all;
+      continue;
+    }
+    if (skip.back_facing && one_sided && tiles.known() && faces_away(placed, node)) {
+      plan_.skipped.back_facing += all;
+      continue;
+    }
+    const TileLevels most{finest.u - node.place.level_u, finest.v - node.place.level_v};
+    here.cells = most;
+    bool proven = tiles.complete();
+    if (skip.below_error) {
+      double distance = nearest;
+      if (view_.perspective() && tiles.known()) {
+        const double to_box = distance_to_box(placed.eye, node.lo, node.hi);
+        distance = std::fmax(nearest, (to_box - placed.eye_rounding - 0x1p-48 * to_box) * placed.smallest -
+                                          placed.displacement);
+      }
+      const TileLevels cells =
+          cells_needed(placed, distance, asked, node.rates, node.place, tiles.frame_levels(here.node));
+      // The finest is enough everywhere but where nothing is known. The bounds of a large tile may ask for
+      // more.
+      if (cells.u <= most.u && cells.v <= most.v) {
+        here.cells = cells;
+        proven = node.proven;
+      }
+    }
+    const bool split_u = here.cells.u > tile_level, split_v = here.cells.v > tile_level;
+    if (split_u || split_v) {
+      here.split = split_u && split_v ? Split::both : split_u ? Split::u : Split::v;
+      here.first_part = static_cast<std::uint32_t>(visited_.size());
+      const std::uint32_t first = tiles.parts(here.node, here.split);
+      for (std::uint32_t k = 0; k < part_count(here.split); ++k)
+        visited_.push_back({first + k, 0, Split::none, false, here.planes, {}});
+    } else {
+      here.needed = true;
+      ++leaves;
+      if (!proven) ++plan_.tiles_unbounded;
+      plan_.skipped.below_error += all - 1;
+    }
+    visited_[i] = here;
+  }
+  if (leaves > 0) ++plan_.instances_needed;
+  for (std::size_t i = 0; i < visited_.size(); ++i) {
+    const Visited& tile = visited_[i];
+    if (!tile.needed) continue;
+    const TilePlace& at = tiles[tile.node].place;
+    ScenePatch patch;
+    patch.surface = instance.surface;
+    patch.level_u = at.level_u;
+    patch.level_v = at.level_v;
+    patch.cells_u = static_cast<std::uint16_t>(1u << tile.cells.u);
+    patch.cells_v = static_cast<std::uint16_t>(1u << tile.cells.v);
+    patch.column = at.column;
+    patch.row = at.row;
+    patch.attributes = asked;
+    patch.first_edge_coordinate = static_cast<std::uint32_t>(plan_.edge_coordinates.size());
+    if (leaves > 1) find_edges(tiles, tile, patch);
+    add(index, patch);
+  }
+}
+
+// The extent of a tile in whole numbers.
+struct Extent {
+  std::uint32_t u0, u1, v0, v1;
+  explicit Extent(const TilePlace& p)
+      : u0(p.column << (finest_level - p.level_u)),
+        u1((p.column + 1) << (finest_level - p.level_u)),
+        v0(p.row << (finest_level - p.level_v)),
+        v1((p.row + 1) << (finest_level - p.level_v)) {}
+};
+
+// Adds to found_ the samples that needed tiles have on a line u = line (along_u: v = line) between `from` and
+// `to`, and that are no multiples of spacing: of the tiles below the line, or of those above.
+void Planner::neighbours(const SurfaceTiles& tiles, std::uint32_t visited, bool along_u, std::uint32_t line,
+                         bool below, std::uint32_t from, std::uint32_t to, std::uint32_t spacing,
+                         bool mirrored) {
+  const Visited& tile = visited_[visited];
+  const Extent e(tiles[tile.node].place);
+  const std::uint32_t near = along_u ? e.v0 : e.u0, far = along_u ? e.v1 : e.u1;
+  const std::uint32_t begin = std::max(from, along_u ? e.u0 : e.v0),
+                      end = std::min(to, along_u ? e.u1 : e.v1);
+  if (line < near || line > far || begin >= end) return;
+  if (tile.split != Split::none) {
+    for (std::uint32_t k = 0; k < part_count(tile.split); ++k)
+      neighbours(tiles, tile.first_part + k, along_u, line, below, from, to, spacing, mirrored);
+    return;
+  }
+  if (!tile.needed || line != (below ? far : near)) return;
+  const std::uint32_t step = along_u ? (e.u1 - e.u0) >> tile.cells.u : (e.v1 - e.v0) >> tile.cells.v;
+  if (step >= spacing) return;
+  for (std::uint32_t x = (begin + step - 1) / step * step; x <= end; x += step)
+    if (x % spacing != 0) found_.push_back(mirrored ? unit - x : x);
+}
+
+void Planner::find_edges(const SurfaceTiles& tiles, const Visited& tile, ScenePatch& patch) {
+  const Extent e(tiles[tile.node].place);
+  const SurfaceInfo& info = tiles.surface().info();
+  const auto round = [](Coordinate c) { return c == Coordinate::turn || c == Coordinate::twisted_turn; };
+  const std::uint32_t step_u = (e.u1 - e.u0) >> tile.cells.u, step_v = (e.v1 - e.v0) >> tile.cells.v;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const bool along_u = k < 2, upper = k % 2 == 1;
+    std::uint32_t line = along_u ? (upper ? e.v1 : e.v0) : (upper ? e.u1 : e.u0);
+    std::uint32_t from = along_u ? e.u0 : e.v0, to = along_u ? e.u1 : e.v1;
+    bool mirrored = false;
+    found_.clear();
+    if (line == (upper ? unit : 0)) {  // across the seam
+      const Coordinate across = along_u ? info.v : info.u;
+      if (!round(across)) continue;
+      line = unit - line;
+      if (across == Coordinate::twisted_turn) {
+        mirrored = true;
+        from = unit - std::exchange(to, unit - from);
+      }
+    }
+    neighbours(tiles, 0, along_u, line, !upper, from, to, along_u ? step_u : step_v, mirrored);
+    std::sort(found_.begin(), found_.end());
+    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+    patch.edge_counts[k] = static_cast<std::uint32_t>(found_.size());
+    for (const std::uint32_t x : found_)
+      plan_.edge_coordinates.push_back(std::ldexp(double(x), -finest_level));
+  }
+}
+
+// A tile of an instance: the samples of a patch that is there already, or of a new one.
+void Planner::add(std::uint32_t instance, ScenePatch patch) {
+  const auto coordinates = [&](const ScenePatch& p) {
+    return std::span<const double>(plan_.edge_coordinates).subspan(p.first_edge_coordinate, edge_samples(p));
+  };
+  std::uint32_t found = static_cast<std::uint32_t>(plan_.patches.size());
+  std::uint32_t hash = 0;
+  if (request_.skip.duplicates) {
+    std::uint64_t h = 0;
+    const auto mix = [&](std::uint64_t x) {
+      h = (h ^ x) * 0x9E3779B97F4A7C15u;
+      h ^= h >> 32;
+    };
+    mix(std::uint64_t{patch.surface} << 32 | patch.column);
+    mix(std::uint64_t{patch.row} << 32 | std::uint64_t{patch.level_u} << 24 |
+        std::uint64_t{patch.level_v} << 16 | patch.cells_u);
+    mix(std::uint64_t{patch.cells_v} << 32 | edge_samples(patch));
+    for (const double x : coordinates(patch)) mix(std::bit_cast<std::uint64_t>(x));
+    hash = static_cast<std::uint32_t>(h >> 32);
+    known_patches_.any_of(hash, [&](std::uint32_t i) {
+      const ScenePatch& p = plan_.patches[i];
+      const bool same = p.surface == patch.surface && p.level_u == patch.level_u &&
+                        p.level_v == patch.level_v && p.cells_u == patch.cells_u &&
+                        p.cells_v == patch.cells_v && p.column == patch.column && p.row == patch.row &&
+                        p.attributes == patch.attributes && p.edge_counts == patch.edge_counts &&
+                        std::ranges::equal(coordinates(p), coordinates(patch));
+      if (same) found = i;
+      return same;
+    });
+  }
+  if (found == plan_.patches.size()) {
+    if (request_.skip.duplicates) known_patches_.insert(hash, found);
+    plan_.patches.push_back(patch);
+  } else {
+    ++plan_.skipped.duplicates;
+    plan_.edge_coordinates.resize(patch.first_edge_coordinate);
+  }
+  ++plan_.patches[found].tile_count;
+  plan_.tiles.push_back({instance, found});
+}
+
+ScenePlan Planner::plan() {
+  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) plan_instance(i);
+  plan_.tiles_needed = plan_.patches.size();
+  std::uint32_t next = 0;
+  for (ScenePatch& patch : plan_.patches) {
+    patch.first_tile = next;
+    next += patch.tile_count;
+    const std::uint64_t samples = sample_count(patch, plan_.edge_coordinates);
+    plan_.samples_needed += samples;
+    for (std::size_t a = 0; a < attribute_count; ++a)
+      if (patch.attributes.has(static_cast<Attribute>(a))) plan_.attribute_samples[a] += samples;
+  }
+  // By patch, in the order of the instances.
+  std::vector<PlannedTile> sorted(plan_.tiles.size());
+  std::vector<std::uint32_t> place(plan_.patches.size());
+  for (std::size_t i = 0; i < place.size(); ++i) place[i] = plan_.patches[i].first_tile;
+  for (const PlannedTile& tile : plan_.tiles) sorted[place[tile.patch]++] = tile;
+  plan_.tiles = std::move(sorted);
+  return std::move(plan_);
+}
+
+}  // namespace
+
+ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request) {
+  return Planner(scene, camera, request).plan();
+}
+
+}  // namespace darboux

@@ -1,0 +1,83 @@
+// The tiles of one surface with what is known of them, made when they are first asked for.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+
+#include <darboux/tile_bounds.h>
+
+namespace darboux {
+
+// A tile: one of 2^level_u × 2^level_v of the chart.
+struct TilePlace {
+  std::uint8_t level_u = 0, level_v = 0;
+  std::uint32_t column = 0, row = 0;
+
+  Tile tile() const;
+  TilePlace half(bool along_u, bool along_v, std::uint32_t i, std::uint32_t k) const;
+};
+
+// How many cells, as powers of two.
+struct TileLevels {
+  int u = 0, v = 0;
+};
+
+// Those that the angles of frames asked for, and in which case.
+struct FrameLevels {
+  double condition = 0, angle = 0;
+  bool of_tangents = false;
+  TileLevels levels;
+};
+
+struct TileNode {
+  TilePlace place;
+  TileBounds bounds;
+  TileRates rates;
+  bool proven;          // or rates estimated from samples
+  Vec3<double> lo, hi;  // its box
+  // The first of the parts it is split into: along u, along v, along both. 0 where there are none yet.
+  std::array<std::uint32_t, 3> parts{};
+  FrameLevels frame_levels{};
+};
+
+enum class Split : std::uint8_t { u, v, both, none };
+constexpr std::uint32_t part_count(Split split) {
+  return split == Split::both ? 4 : 2;
+}
+
+class SurfaceTiles {
+ public:
+  explicit SurfaceTiles(const AnySurface& surface);
+
+  const AnySurface& surface() const { return surface_; }
+  // Whether bounds are proven. Where not, boxes and rates are estimates, the same for all tiles.
+  bool known() const { return known_; }
+  // The largest rates over the chart.
+  const TileRates& finest() const { return finest_; }
+  bool complete() const { return complete_; }  // whether they are proven
+  double radius() const { return radius_; }    // of a sphere about centre() that holds all of it
+  const Vec3<double>& centre() const { return centre_; }
+
+  static constexpr std::uint32_t root = 0;
+  const TileNode& operator[](std::uint32_t node) const { return nodes_[node]; }
+  FrameLevels& frame_levels(std::uint32_t node) { return nodes_[node].frame_levels; }
+  FrameLevels& frame_levels() { return frame_levels_; }  // of the finest
+  // The first of the parts.
+  std::uint32_t parts(std::uint32_t node, Split split);
+
+ private:
+  TileNode make(const TilePlace& place) const;
+  void find_finest();
+  void sample();
+
+  AnySurface surface_;
+  bool known_ = true, complete_ = false;
+  TileRates finest_, sampled_;
+  FrameLevels frame_levels_;
+  Vec3<double> centre_{}, lo_{}, hi_{};
+  double radius_ = 0;
+  std::deque<TileNode> nodes_;
+};
+
+}  // namespace darboux

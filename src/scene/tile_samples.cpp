@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <cmath>
+
+#include <darboux/scene.h>
+
+#include "patch_layout.h"
+
+namespace darboux {
+
+Tile ScenePatch::tile() const {
+  const double du = std::ldexp(1.0, -level_u), dv = std::ldexp(1.0, -level_v);
+  return {column * du, (column + 1) * du, row * dv, (row + 1) * dv};
+}
+
+std::vector<SplitCell> split_cells(const ScenePatch& patch, std::span<const double> coordinates) {
+  std::vector<SplitCell> result;
+  const Tile t = patch.tile();
+  std::uint32_t next = patch.first_edge_coordinate;
+  for (std::size_t edge = 0; edge < 4; ++edge) {
+    const bool along_u = edge < 2;
+    const double from = along_u ? t.u0 : t.v0;
+    const double per_cell = along_u ? (t.u1 - t.u0) / patch.cells_u : (t.v1 - t.v0) / patch.cells_v;
+    for (std::uint32_t i = 0; i < patch.edge_counts[edge]; ++i, ++next) {
+      const auto cell = static_cast<std::uint32_t>((coordinates[next] - from) / per_cell);
+      const std::uint32_t across = edge % 2 == 0 ? 0 : (along_u ? patch.cells_v : patch.cells_u) - 1u;
+      const std::uint32_t column = along_u ? cell : across, row = along_u ? across : cell;
+      auto found = std::find_if(result.begin(), result.end(),
+                                [&](const SplitCell& c) { return c.column == column && c.row == row; });
+      if (found == result.end()) found = result.insert(found, SplitCell{column, row, {}, {}});
+      if (found->count[edge]++ == 0) found->first[edge] = next - patch.first_edge_coordinate;
+    }
+  }
+  return result;
+}
+
+std::uint64_t sample_count(const ScenePatch& patch, std::span<const double> coordinates) {
+  const std::uint64_t corners = (patch.cells_u + std::uint64_t{1}) * (patch.cells_v + std::uint64_t{1});
+  return patch.plain() ? corners : corners + edge_samples(patch) + split_cells(patch, coordinates).size();
+}
+
+const TileSamples& TileEvaluator::evaluate(const ScenePatch& patch, const EvaluateOptions& options) {
+  TileSamples& s = samples_;
+  s.patch_ = &patch;
+  s.tiles_ = std::span(plan_->tiles).subspan(patch.first_tile, patch.tile_count);
+  const std::uint32_t columns = patch.cells_u, rows = patch.cells_v, width = columns + 1;
+  const std::size_t corners = std::size_t{width} * (rows + 1);
+  const auto grid = Points<double>::part_of_grid(
+      std::size_t{columns} << patch.level_u, std::size_t{rows} << patch.level_v,
+      std::size_t{patch.column} * columns, columns, std::size_t{patch.row} * rows, rows);
+
+  s.uv_.clear();
+  const auto add_uv = [&](double u, double v) {
+    s.uv_.push_back(u);
+    s.uv_.push_back(v);
+  };
+  for (std::size_t i = 0; i < corners; ++i) add_uv(grid[i].x, grid[i].y);
+
+  s.triangles_.clear();
+  const auto triangle = [&](std::size_t a, std::size_t b, std::size_t c) {
+    for (const std::size_t i : {a, b, c}) s.triangles_.push_back(static_cast<std::uint32_t>(i));
+  };
+  const auto corner = [&](std::uint32_t column, std::uint32_t row) {
+    return std::size_t{row} * width + column;
+  };
+  std::vector<bool> is_split;
+  if (!patch.plain()) {
+    const std::vector<SplitCell> cells = split_cells(patch, plan_->edge_coordinates);
+    is_split.resize(std::size_t{columns} * rows);
+    const Tile t = patch.tile();
+    const std::span<const double> on_edges = std::span<const double>(plan_->edge_coordinates)
+                                                 .subspan(patch.first_edge_coordinate, edge_samples(patch));
+    std::size_t next = 0;
+    for (std::size_t edge = 0; edge < 4; ++edge)
+      for (std::uint32_t i = 0; i < patch.edge_counts[edge]; ++i, ++next) {
+        const double x = on_edges[next];
+        edge < 2 ? add_uv(x, edge == 0 ? t.v0 : t.v1) : add_uv(edge == 2 ? t.u0 : t.u1, x);
+      }
+    const double du = (t.u1 - t.u0) / columns, dv = (t.v1 - t.v0) / rows;
+    for (const SplitCell& cell : cells) {
+      is_split[std::size_t{cell.row} * columns + cell.column] = true;
+      const std::size_t centre = s.uv_.size() / 2;
+      add_uv(t.u0 + (cell.column + 0.5) * du, t.v0 + (cell.row + 0.5) * dv);
+      // Round the border: along v0 and u1 rising, along v1 and u0 falling.
+      const std::size_t first = corner(cell.column, cell.row);
+      std::size_t last = first;
+      const auto to = [&](std::size_t i) {
+        triangle(centre, last, i);
+        last = i;
+      };
+      const auto along = [&](std::size_t edge, bool rising) {
+        for (std::uint32_t i = 0; i < cell.count[edge]; ++i)
+          to(corners + cell.first[edge] + (rising ? i : cell.count[edge] - 1 - i));
+      };
+      along(0, true);
+      to(corner(cell.column + 1, cell.row));
+      along(3, true);
+      to(corner(cell.column + 1, cell.row + 1));
+      along(1, false);
+      to(corner(cell.column, cell.row + 1));
+      along(2, false);
+      to(first);
+    }
+  }
+  for (std::uint32_t row = 0; row < rows; ++row)
+    for (std::uint32_t column = 0; column < columns; ++column) {
+      if (!is_split.empty() && is_split[std::size_t{row} * columns + column]) continue;
+      const std::size_t a = corner(column, row), b = a + 1, c = a + width + 1, d = a + width;
+      triangle(a, b, c);
+      triangle(a, c, d);
+    }
+
+  const std::size_t size = s.uv_.size() / 2;
+  std::size_t components = 0;
+  for (std::size_t a = 0; a < attribute_count; ++a)
+    if (patch.attributes.has(static_cast<Attribute>(a))) components += attribute_infos[a].components;
+  s.memory_.resize(components * size);
+  s.status_.resize(size);
+  s.values_ = {};
+  Outputs<double> on_corners, others;
+  on_corners.status(std::span(s.status_).first(corners));
+  others.status(std::span(s.status_).subspan(corners));
+  double* next = s.memory_.data();
+  for (std::size_t a = 0; a < attribute_count; ++a) {
+    const auto attribute = static_cast<Attribute>(a);
+    if (!patch.attributes.has(attribute)) continue;
+    const std::size_t n = attribute_infos[a].components;
+    s.values_[a] = next;
+    on_corners.packed(attribute, {next, n * corners});
+    others.packed(attribute, {next + n * corners, n * (size - corners)});
+    next += n * size;
+  }
+  EvaluateOptions here = options;
+  here.threads = 1;
+  here.stores = Stores::cached;
+  const AnySurface& surface = scene_->surfaces[patch.surface];
+  surface.evaluate(grid, on_corners, here);
+  if (size > corners)
+    surface.evaluate(Points<double>::interleaved(std::span<const double>(s.uv_).subspan(2 * corners)), others,
+                     here);
+  return s;
+}
+
+}  // namespace darboux

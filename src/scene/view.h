@@ -1,0 +1,39 @@
+// What a camera sees, as inequalities.
+#pragma once
+
+#include <array>
+
+#include <Eigen/Geometry>
+
+#include <darboux/scene.h>
+
+namespace darboux {
+
+// Inside where normal · P >= offset; |normal| = 1.
+struct Plane3 {
+  Eigen::Vector3d normal;
+  double offset;
+};
+
+class View {
+ public:
+  explicit View(const Camera& camera);
+
+  bool perspective() const { return perspective_; }
+  const Eigen::Vector3d& eye() const { return eye_; }
+  Eigen::Vector3d backward() const { return backward_; }  // towards an orthographic camera
+  double near_distance() const { return near_; }
+  const std::array<Plane3, 6>& planes() const { return planes_; }
+
+  // How far a point that is seen, at this distance from the eye or beyond, may move so that its pixel moves
+  // by no more than `pixels`.
+  double length_of(double pixels, double distance) const;
+
+ private:
+  bool perspective_;
+  Eigen::Vector3d eye_, backward_;
+  double near_, per_pixel_, stretch_;
+  std::array<Plane3, 6> planes_;
+};
+
+}  // namespace darboux

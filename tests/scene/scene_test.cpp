@@ -1,0 +1,413 @@
+// Plans of scenes: nothing that is seen is missing, bounds hold between the samples, tiles leave no gaps, and
+// every tile is counted once.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <darboux/frame.h>
+#include <darboux/scene.h>
+
+#include "every_surface.h"
+#include "refusal_of.h"
+
+namespace darboux::test {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Eigen::Affine3d random_placement(Random& random, bool rigid) {
+  Eigen::Affine3d result = Eigen::Affine3d::Identity();
+  const Vec3<double> axis = random.direction(), at = random.uniform(6, 30) * random.direction();
+  result.linear() =
+      Eigen::AngleAxisd(random.uniform(0, 2 * std::numbers::pi), to_eigen(axis)).toRotationMatrix();
+  if (!rigid)
+    result.linear() *=
+        Eigen::Vector3d(random.log_uniform(0.5, 2) * random.sign(), random.log_uniform(0.5, 2), 1)
+            .asDiagonal();
+  result.translation() = to_eigen(at);
+  return result;
+}
+
+Camera random_camera(Random& random) {
+  Camera camera;
+  camera.pose = Camera::look_at(to_eigen(random.uniform(0, 3) * random.direction()),
+                                to_eigen(20 * random.direction()), to_eigen(random.direction()));
+  camera.vertical_field_of_view_rad = random.uniform(0.3, 2);
+  camera.width_px = 640;
+  camera.height_px = 480;
+  if (random.uniform() < 0.3) {
+    camera.projection = Camera::Projection::orthographic;
+    camera.view_height = random.log_uniform(2, 40);
+    camera.near_distance = -5;
+  }
+  camera.far_distance = random.log_uniform(10, 100);
+  return camera;
+}
+
+// Some of every surface of the catalogue, anyhow.
+Scene random_scene(Random& random, std::size_t instances) {
+  Scene scene;
+  scene.surfaces = all_surfaces();
+  scene.materials = {{.name = "plain"}, {.name = "bumpy"}, {.name = "cloth"}, {.name = "displaced"}};
+  scene.materials[1].normal_map = true;
+  scene.materials[2].double_sided = true;
+  scene.materials[3].displacement = 0.1;
+  for (std::size_t i = 0; i < instances; ++i)
+    scene.instances.push_back({static_cast<std::uint32_t>(random.bits() % scene.surfaces.size()),
+                               static_cast<std::uint32_t>(random.bits() % scene.materials.size()),
+                               random_placement(random, random.uniform() < 0.5)});
+  return scene;
+}
+
+std::uint64_t total(const SkippedTiles& s) {
+  return s.no_normal_map + s.outside_frustum + s.back_facing + s.occluded + s.below_error + s.duplicates;
+}
+
+TEST(Scene, EveryTileIsCountedOnce) {
+  Random random(1);
+  for (int i = 0; i < 40; ++i) {
+    const Scene scene = random_scene(random, 60);
+    SceneRequest request;
+    request.frame_angle_rad = random.log_uniform(0.05, 0.3);
+    if (i % 4 == 0) request.attributes = Attribute::tangent;
+    const ScenePlan plan = plan_scene(scene, random_camera(random), request);
+    EXPECT_EQ(plan.tiles_needed + total(plan.skipped), plan.tiles_all);
+    EXPECT_EQ(plan.tiles.size(), plan.patches.size() + plan.skipped.duplicates);
+    std::uint64_t samples = 0, corners = 0;
+    for_each_tile(scene, plan, [&](const TileSamples& tile) {
+      samples += tile.size();
+      corners += (tile.patch().cells_u + 1u) * (tile.patch().cells_v + 1u);
+      for (const PlannedTile& t : tile.tiles())
+        ASSERT_EQ(scene.instances[t.instance].surface, tile.patch().surface);
+    });
+    EXPECT_EQ(samples, plan.samples_needed);
+    EXPECT_LE(corners, plan.samples_full);
+    if (i % 4 == 0) {
+      EXPECT_GT(plan.skipped.no_normal_map, 0u);
+    } else {
+      EXPECT_EQ(plan.skipped.no_normal_map, 0u);
+    }
+  }
+}
+
+TEST(Scene, WithoutSkippingAllIsEvaluated) {
+  Random random(2);
+  const Scene scene = random_scene(random, 30);
+  SceneRequest request;
+  request.frame_angle_rad = 0.2;
+  request.skip = {false, false, false, false, false};
+  const ScenePlan plan = plan_scene(scene, random_camera(random), request);
+  EXPECT_EQ(plan.tiles_needed, plan.tiles_all);
+  EXPECT_EQ(total(plan.skipped), 0u);
+  EXPECT_EQ(plan.instances_needed, scene.instances.size());
+  EXPECT_EQ(plan.attribute_samples[static_cast<std::size_t>(Attribute::tangent4)], plan.samples_needed);
+}
+
+// Where in the chart, with the seams joined and poles one point.
+using Key = std::pair<double, double>;
+Key key_of(const SurfaceInfo& info, const Vec2<double>& uv, Status status) {
+  double u = uv.x, v = uv.y;
+  if (info.u == Coordinate::twisted_turn && u == 1) {
+    u = 0;
+    v = 1 - v;
+  }
+  if (info.u == Coordinate::turn && u == 1) u = 0;
+  if ((info.v == Coordinate::turn || info.v == Coordinate::twisted_turn) && v == 1) v = 0;
+  if (has(status, Status::dpdu_zero)) u = 0;
+  return {u, v};
+}
+
+// Triangles of one instance, by the places of their corners.
+struct Welded {
+  std::map<Key, Vec3<double>> vertices;
+  std::map<std::pair<Key, Key>, int> edges;
+  std::size_t triangles = 0, gaps = 0;
+
+  void add(const SurfaceInfo& info, const TileSamples& tile) {
+    const auto key = [&](std::size_t i) { return key_of(info, tile.uv(i), tile.status(i)); };
+    for (std::size_t i = 0; i < tile.size(); ++i) {
+      const Vec3<double> p = tile.vec3(Attribute::position, i);
+      const auto [at, fresh] = vertices.emplace(key(i), p);
+      if (norm(at->second - p) > 1e-14) ++gaps;
+    }
+    const auto triangles_of = tile.triangles();
+    for (std::size_t i = 0; i < triangles_of.size(); i += 3) {
+      const Key corners[3] = {key(triangles_of[i]), key(triangles_of[i + 1]), key(triangles_of[i + 2])};
+      if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+      ++triangles;
+      for (int k = 0; k < 3; ++k) ++edges[std::minmax(corners[k], corners[(k + 1) % 3])];
+    }
+  }
+  long characteristic() const {
+    return static_cast<long>(vertices.size()) - static_cast<long>(edges.size()) +
+           static_cast<long>(triangles);
+  }
+};
+
+// A camera next to a surface, so that tiles of many sizes meet.
+ScenePlan plan_from_near(Random& random, const Scene& scene) {
+  Camera camera;
+  const Vec3<double> eye = random.uniform(1.5, 4) * random.direction();
+  camera.pose = Camera::look_at(to_eigen(eye), {0, 0, 0}, to_eigen(random.direction()));
+  camera.near_distance = 0.01;
+  SceneRequest request;
+  request.attributes = Attribute::position | Attribute::normal;
+  request.frame_angle_rad = infinity;
+  request.chord_px = random.log_uniform(0.05, 2);
+  request.skip.outside_frustum = request.skip.back_facing = false;
+  return plan_scene(scene, camera, request);
+}
+
+TEST(Scene, ClosedSurfacesAreWatertight) {
+  Random random(3);
+  const std::pair<AnySurface, long> closed[] = {{make_surface("sphere"), 2},
+                                                {make_surface("torus"), 0},
+                                                {make_surface("ellipsoid"), 2},
+                                                {make_surface("klein-bottle:radius=1,tube_radius=0.3"), 0}};
+  std::size_t stitched = 0;
+  for (const auto& [surface, characteristic] : closed)
+    for (int i = 0; i < 25; ++i) {
+      const Scene scene{{surface}, {{}}, {{}}};
+      const ScenePlan plan = plan_from_near(random, scene);
+      Welded welded;
+      for_each_tile(scene, plan, [&](const TileSamples& tile) {
+        welded.add(surface.info(), tile);
+        stitched += !tile.patch().plain();
+      });
+      EXPECT_EQ(welded.gaps, 0u);
+      EXPECT_EQ(welded.characteristic(), characteristic) << surface.info().name;
+      for (const auto& [edge, count] : welded.edges) ASSERT_EQ(count, 2) << surface.info().name;
+    }
+  EXPECT_GT(stitched, 100u);
+}
+
+TEST(Scene, OpenSurfacesEndAtTheirBorderAlone) {
+  Random random(4);
+  for (const AnySurface& surface : all_surfaces()) {
+    const SurfaceInfo& info = surface.info();
+    const auto round = [](Coordinate c) { return c == Coordinate::turn || c == Coordinate::twisted_turn; };
+    const Scene scene{{surface}, {{}}, {{}}};
+    const ScenePlan plan = plan_from_near(random, scene);
+    Welded welded;
+    for_each_tile(scene, plan, [&](const TileSamples& tile) { welded.add(info, tile); });
+    EXPECT_EQ(welded.gaps, 0u) << info.name;
+    for (const auto& [edge, count] : welded.edges) {
+      const auto& [a, b] = edge;
+      const auto on_line = [](double x, double y) { return x == y && (x == 0 || x == 1); };
+      const bool border =
+          (!round(info.u) && on_line(a.first, b.first)) ||
+          (!round(info.v) &&
+           (on_line(a.second, b.second) || (info.u == Coordinate::twisted_turn && a.second + b.second == 1 &&
+                                            on_line(a.second, std::round(a.second)))));
+      if (border) {
+        ASSERT_LE(count, 2) << info.name;
+      } else {
+        ASSERT_EQ(count, 2) << info.name << ' ' << a.first << ',' << a.second << ' ' << b.first << ','
+                            << b.second;
+      }
+    }
+  }
+}
+
+bool is_in_view(const Camera& camera, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d q = camera.pose.inverse() * p;
+  const double z = -q.z(), aspect = double(camera.width_px) / camera.height_px;
+  const bool perspective = camera.projection == Camera::Projection::perspective;
+  const double y = perspective ? z * std::tan(camera.vertical_field_of_view_rad / 2) : camera.view_height / 2;
+  return z >= camera.near_distance && z <= camera.far_distance && std::fabs(q.y()) <= y &&
+         std::fabs(q.x()) <= y * aspect;
+}
+
+TEST(Scene, NoVisibleSampleIsSkipped) {
+  Random random(5);
+  std::size_t visible = 0, seen = 0, all = 0;
+  for (int round = 0; round < 60; ++round) {
+    const Scene scene = random_scene(random, 30);
+    const Camera camera = random_camera(random);
+    SceneRequest request;
+    request.frame_angle_rad = 0.1;
+    const ScenePlan plan = plan_scene(scene, camera, request);
+    std::vector<std::vector<Tile>> tiles(scene.instances.size());
+    for (const PlannedTile& t : plan.tiles) tiles[t.instance].push_back(plan.patches[t.patch].tile());
+    const Eigen::Vector3d eye = camera.pose.translation(), backward = camera.pose.linear().col(2);
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+      const SceneInstance& instance = scene.instances[i];
+      const SceneMaterial& material = scene.materials[instance.material];
+      for (int k = 0; k < 200; ++k) {
+        const double u = random.uniform(), v = random.uniform();
+        const Sample<double> s = scene.surfaces[instance.surface].sample(u, v);
+        if (has(s.frame.status, Status::no_frame)) continue;
+        const Eigen::Vector3d p = instance.placement * to_eigen(s.jet.position),
+                              n = (instance.placement.linear().inverse().transpose() * to_eigen(s.frame.n))
+                                      .normalized();
+        const Eigen::Vector3d to_eye =
+            camera.projection == Camera::Projection::perspective ? Eigen::Vector3d(eye - p) : backward;
+        const bool displaced = material.displacement > 0;
+        const Eigen::Vector3d moved = p + random.uniform(-1, 1) * material.displacement * n;
+        ++all;
+        if (!is_in_view(camera, moved)) continue;
+        if (!material.double_sided && !displaced && n.dot(to_eye) <= 0) continue;
+        ++visible;
+        const bool found = std::any_of(tiles[i].begin(), tiles[i].end(), [&](const Tile& t) {
+          return u >= t.u0 && u <= t.u1 && v >= t.v0 && v <= t.v1;
+        });
+        seen += found;
+        ASSERT_TRUE(found) << scene.surfaces[instance.surface].specification() << " at " << u << ' ' << v;
+      }
+    }
+  }
+  std::cout << visible << " visible of " << all << '\n';
+  EXPECT_GT(visible, 3000u);
+}
+
+// Between the samples, over random points of random triangles.
+TEST(Scene, BoundsHoldBetweenSamples) {
+  Random random(6);
+  double worst_px = 0, worst_angle = 0;
+  for (int round = 0; round < 60; ++round) {
+    Scene scene = random_scene(random, 20);
+    const Camera camera = random_camera(random);
+    SceneRequest request;
+    request.attributes = Attribute::position | Attribute::tangent | Attribute::bitangent | Attribute::normal;
+    request.chord_px = random.log_uniform(0.1, 4);
+    request.frame_angle_rad = random.log_uniform(0.05, 0.3);
+    request.skip.duplicates = false;
+    request.skip.unread_attributes = false;
+    const ScenePlan plan = plan_scene(scene, camera, request);
+    const bool perspective = camera.projection == Camera::Projection::perspective;
+    for_each_tile(scene, plan, [&](const TileSamples& tile) {
+      const AnySurface& surface = scene.surfaces[tile.patch().surface];
+      if (!TileBounds(surface, Tile{}).known()) return;  // estimates prove nothing
+      const Eigen::Affine3d& placement = scene.instances[tile.tiles()[0].instance].placement;
+      const Eigen::Matrix3d by_normal = placement.linear().inverse().transpose();
+      for (int k = 0; k < 5; ++k) {
+        const std::size_t t = 3 * (random.bits() % (tile.triangles().size() / 3));
+        const std::uint32_t* corner = tile.triangles().data() + t;
+        double w[3] = {random.uniform(), random.uniform(), 0};
+        if (w[0] + w[1] > 1) w[0] = 1 - w[0], w[1] = 1 - w[1];
+        w[2] = 1 - w[0] - w[1];
+        Vec2<double> uv{0, 0};
+        Eigen::Vector3d p(0, 0, 0), tangent(0, 0, 0), normal(0, 0, 0);
+        for (int c = 0; c < 3; ++c) {
+          const Vec2<double> at = tile.uv(corner[c]);
+          uv = {uv.x + w[c] * at.x, uv.y + w[c] * at.y};
+          p += w[c] * (placement * to_eigen(tile.vec3(Attribute::position, corner[c])));
+          tangent +=
+              w[c] * (placement.linear() * to_eigen(tile.vec3(Attribute::tangent, corner[c]))).normalized();
+          normal += w[c] * (by_normal * to_eigen(tile.vec3(Attribute::normal, corner[c]))).normalized();
+        }
+        const Sample<double> s = surface.sample(uv.x, uv.y);
+        const Eigen::Vector3d truth = placement * to_eigen(s.jet.position);
+        if (!is_in_view(camera, truth)) continue;
+        const auto pixel = [&](const Eigen::Vector3d& x) {
+          const Eigen::Vector3d q = camera.pose.inverse() * x;
+          const double depth =
+              perspective ? -q.z() * 2 * std::tan(camera.vertical_field_of_view_rad / 2) : camera.view_height;
+          return Eigen::Vector2d(q.head<2>() * camera.height_px / depth);
+        };
+        const double px = (pixel(truth) - pixel(p)).norm() / request.chord_px;
+        worst_px = std::max(worst_px, px);
+        ASSERT_LE(px, 1 + 1e-9) << surface.specification() << " at " << uv.x << ' ' << uv.y;
+        // Next to a pole the frame has no bound.
+        if (!std::isfinite(TileBounds(surface, tile.patch().tile()).rates().frame_u)) continue;
+        const Eigen::Vector3d t_truth = (placement.linear() * to_eigen(s.frame.t)).normalized(),
+                              n_truth = (by_normal * to_eigen(s.frame.n)).normalized();
+        for (const auto& [a, b] : {std::pair(tangent, t_truth), std::pair(normal, n_truth)}) {
+          const double angle = std::atan2(a.cross(b).norm(), a.dot(b)) / request.frame_angle_rad;
+          worst_angle = std::max(worst_angle, angle);
+          ASSERT_LE(angle, 1 + 1e-9) << surface.specification() << " at " << uv.x << ' ' << uv.y;
+        }
+      }
+    });
+  }
+  std::cout << "worst share of the bounds: " << worst_px << " of the chord, " << worst_angle
+            << " of the angle\n";
+  EXPECT_GT(worst_px, 0.3);
+  EXPECT_GT(worst_angle, 0.3);
+}
+
+TEST(Scene, DuplicatesAreComputedOnce) {
+  Scene scene{{make_surface("sphere")}, {{}}, {}};
+  for (int i = 0; i < 10; ++i) {
+    SceneInstance instance;
+    instance.placement = Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitZ());
+    instance.placement.pretranslate(Eigen::Vector3d(0, 0, -20));
+    scene.instances.push_back(instance);
+  }
+  Camera camera;
+  camera.near_distance = 1;
+  const ScenePlan plan = plan_scene(scene, camera, {});
+  EXPECT_GT(plan.skipped.duplicates, 3 * plan.tiles_needed);
+  SceneRequest each;
+  each.skip.duplicates = false;
+  const ScenePlan apart = plan_scene(scene, camera, each);
+  EXPECT_EQ(apart.tiles_needed, plan.tiles.size());
+}
+
+TEST(Scene, OnlyWhatMaterialsReadIsEvaluated) {
+  Scene scene{{make_surface("sphere")}, {{.name = "plain"}, {.name = "bumpy", .normal_map = true}}, {}};
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    scene.instances.push_back({0, i, Eigen::Affine3d(Eigen::Translation3d(2.5 * i, 0, -20))});
+  }
+  const ScenePlan plan = plan_scene(scene, {}, {});
+  const auto samples = [&](Attribute a) { return plan.attribute_samples[static_cast<std::size_t>(a)]; };
+  EXPECT_EQ(samples(Attribute::position), plan.samples_needed);
+  EXPECT_EQ(samples(Attribute::normal), plan.samples_needed);
+  EXPECT_LT(samples(Attribute::tangent4), plan.samples_needed);
+  EXPECT_GT(samples(Attribute::tangent4), 0u);
+  for_each_tile(scene, plan, [&](const TileSamples& tile) {
+    const bool bumpy = scene.instances[tile.tiles()[0].instance].material == 1;
+    EXPECT_EQ(tile(Attribute::tangent4, 0).empty(), !bumpy);
+  });
+}
+
+TEST(Scene, RefusesWhatMakesNoSense) {
+  const Scene scene{{make_surface("sphere")}, {{}}, {{}}};
+  const auto refusal = [&](auto change) {
+    Scene s = scene;
+    Camera camera;
+    SceneRequest request;
+    change(s, camera, request);
+    return refusal_of([&] { plan_scene(s, camera, request); });
+  };
+  using S = Scene;
+  using C = Camera;
+  using R = SceneRequest;
+  EXPECT_EQ(refusal([](S&, C& c, R&) { c.vertical_field_of_view_rad = 0; }),
+            "field of view: expected more than 0 and less than 180 degrees, got 0.0 degrees");
+  EXPECT_EQ(refusal([](S&, C& c, R&) { c.vertical_field_of_view_rad = std::numbers::pi; }),
+            "field of view: expected more than 0 and less than 180 degrees, got 180.0 degrees");
+  EXPECT_EQ(refusal([](S&, C& c, R&) { c.near_distance = 2000; }),
+            "camera: expected near < far, got near 2000.0, far 1000.0");
+  EXPECT_EQ(refusal([](S&, C& c, R&) { c.near_distance = 0; }), "camera: expected near > 0, got near 0.0");
+  EXPECT_EQ(refusal([](S&, C& c, R&) { c.width_px = 0; }),
+            "image size: expected at least 1 x 1 pixel, got 0 x 720");
+  EXPECT_EQ(refusal([](S&, C& c, R&) { c.pose.linear() *= 2; }),
+            "camera pose: expected a rotation, got a matrix that scales, shears or mirrors");
+  EXPECT_EQ(refusal([](S&, C&, R& r) { r.chord_px = 0; }), "chord_px: expected a bound > 0, got 0.000000");
+  EXPECT_EQ(refusal([](S&, C&, R& r) { r.frame_angle_rad = -1; }),
+            "frame_angle_rad: expected a bound > 0, got -1.000000");
+  EXPECT_EQ(refusal([](S& s, C&, R&) { s.instances[0].placement.linear().setZero(); }),
+            "instance 0: expected a placement that is finite and invertible, got a singular one");
+  EXPECT_EQ(refusal([](S& s, C&, R&) { s.instances[0].placement.translation()[1] = NAN; }),
+            "instance 0: expected a placement that is finite and invertible, got one that is not finite");
+  EXPECT_EQ(refusal([](S& s, C&, R&) { s.instances[0].surface = 1; }),
+            "instance 0: expected a surface below 1 and a material below 1, got 1 and 0");
+  EXPECT_EQ(refusal_of([] {
+              Camera::look_at({1, 1, 1}, {1, 1, 1});
+            }),
+            "camera target: expected a point other than the eye, got the eye");
+  EXPECT_EQ(refusal_of([] {
+              Camera::look_at({1, 1, 1}, {1, 1, 2});
+            }),
+            "camera up: expected a direction that is not along the view, got one along it");
+}
+
+}  // namespace
+}  // namespace darboux::test
