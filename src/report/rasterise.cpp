@@ -19,14 +19,6 @@ bool given(const Vec3<double>& a) {
   return square > 0 && square < infinity;  // false for NaN
 }
 
-Vec3<double> unit(const Vec3<double>& a) {
-  return a / std::sqrt(dot(a, a));
-}
-
-Vec3<double> of(const Eigen::Vector3d& a) {
-  return {a.x(), a.y(), a.z()};
-}
-
 int sign(double x) {
   return (x > 0) - (x < 0);
 }
@@ -45,14 +37,14 @@ class ExactSum {
     parts_[count_++] = x;
   }
   void add_product(double a, double b) {
-    const double p = a * b;
-    add(p);
-    add(std::fma(a, b, -p));
+    const auto p = detail::exact_product(a, b);
+    add(p.high);
+    add(p.low);
   }
   void add_product(double a, double b, double c) {
-    const double p = a * b;
-    add_product(p, c);
-    add_product(std::fma(a, b, -p), c);
+    const auto p = detail::exact_product(a, b);
+    add_product(p.high, c);
+    add_product(p.low, c);
   }
   int sign() const {
     for (std::size_t i = count_; i > 0; --i)
@@ -65,15 +57,6 @@ class ExactSum {
   std::size_t count_ = 0;
 };
 
-// The sign of a b - c d.
-int sign_of_difference(double a, double b, double c, double d) {
-  if (const double p = a * b, q = c * d; p != q) return sign(p - q);  // rounding keeps the order
-  ExactSum sum;
-  sum.add_product(a, b);
-  sum.add_product(-c, d);
-  return sum.sign();
-}
-
 // a × b of points in pixels times w: its product with (x, y, 1) is zero on the line through a and b. b × a is
 // the same with the other sign, to the last bit.
 struct Edge {
@@ -84,8 +67,8 @@ struct Edge {
     doubt = roundings * (width * (std::fabs(a.y * b.z) + std::fabs(a.z * b.y)) +
                          height * (std::fabs(a.z * b.x) + std::fabs(a.x * b.z)) + std::fabs(a.x * b.y) +
                          std::fabs(a.y * b.x));
-    on_it = sign_of_difference(a.y, b.z, a.z, b.y);
-    if (on_it == 0) on_it = sign_of_difference(a.z, b.x, a.x, b.z);
+    on_it = sign(difference_of_products(a.y, b.z, a.z, b.y));
+    if (on_it == 0) on_it = sign(difference_of_products(a.z, b.x, a.x, b.z));
   }
 
   double at(double px, double py) const { return px * x + py * y + z; }
@@ -132,8 +115,8 @@ std::uint8_t encoded(double linear) {
 }  // namespace
 
 Vec3<double> bump(const Vec2<double>& uv) {
-  constexpr double count = 16, slope = 0.7;
-  return unit({slope * wave(count * uv.x), -slope * wave(count * uv.y), 1});
+  constexpr double count = 16, slope = 0.4;
+  return unit(Vec3<double>{slope * wave(count * uv.x), -slope * wave(count * uv.y), 1});
 }
 
 Rasteriser::Rasteriser(const Camera& camera)
@@ -148,10 +131,10 @@ Rasteriser::Rasteriser(const Camera& camera)
                                 std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px)));
   scale_ = perspective_ ? camera.height_px / 2.0 / std::tan(camera.vertical_field_of_view_rad / 2)
                         : camera.height_px / camera.view_height;
-  eye_ = of(camera.pose.translation());
-  right_ = of(camera.pose.linear().col(0));
-  up_ = of(camera.pose.linear().col(1));
-  back_ = of(camera.pose.linear().col(2));
+  eye_ = from_eigen(camera.pose.translation());
+  right_ = from_eigen(camera.pose.linear().col(0));
+  up_ = from_eigen(camera.pose.linear().col(1));
+  back_ = from_eigen(camera.pose.linear().col(2));
   to_light_ = unit(-1.0 * right_ + 2.0 * up_ + 3.0 * back_);  // over the left shoulder
   picture_ = {camera.width_px, camera.height_px, {}};
   const std::size_t count = index(0, camera.height_px);

@@ -58,7 +58,7 @@ TEST_F(SceneFiles, AreReadWhole) {
   const Eigen::Affine3d& turned = file.scene.instances[2].placement;
   EXPECT_LT((turned * Eigen::Vector3d(1, 2, 3) - Eigen::Vector3d(-1.5, -0.5, 2.6)).norm(), 1e-7)
       << "8 digits of √½";
-  EXPECT_EQ(file.scene.instances[6].placement.linear().diagonal(), Eigen::Vector3d(1, 1, 0.6));
+  EXPECT_EQ(file.scene.instances[6].placement.linear().diagonal(), Eigen::Vector3d(0.7, 0.7, 0.7));
   ASSERT_EQ(file.cameras.size(), 2u);
   const Camera& standing = file.cameras[0].camera;
   EXPECT_EQ(file.cameras[0].name, "standing");
@@ -90,11 +90,14 @@ TEST_F(SceneFiles, WhatIsMissingHasDefaults) {
   EXPECT_EQ(read(json).request.chord_px, 2);
 }
 
-TEST_F(SceneFiles, MatricesAreByColumns) {
+TEST_F(SceneFiles, PlacementsAreThoseOfGltf) {
   Json json = small();
   json["instances"][0]["matrix"] = {0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 5, 6, 7, 1};
   const Eigen::Affine3d placed = read(json).scene.instances[0].placement;
   EXPECT_EQ(placed * Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(5, 8, 7));
+  // First the scale, then the rotation.
+  json["instances"][1].update({{"scale", {1, 2, -3}}, {"rotation", {0, 0, 1, 0}}});
+  EXPECT_EQ(read(json).scene.instances[1].placement * Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(-1, -2, -3));
 }
 
 TEST_F(SceneFiles, ScatteredInstancesAreTheSameEverywhere) {
