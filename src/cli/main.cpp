@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   darboux::add_fit(app, common);
   darboux::add_compare(app, common);
   darboux::add_plan(app, common);
+  darboux::add_scene(app, common);
   const auto finish = [](int status) {
     std::cout.flush();
     return std::cout ? status

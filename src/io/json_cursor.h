@@ -1,6 +1,6 @@
-/// \file place.h
+/// \file json_cursor.h
 /// A value within a JSON document that knows its name there, so that messages say where they are:
-/// "accessors[3].count: expected an integer not below 1, got -1".
+/// "accessors[3].count: expected an integer not below 1, got -1", or as a JSON pointer "/accessors/3/count".
 #pragma once
 
 #include <cmath>
@@ -27,12 +27,20 @@ class JsonCursor {
  public:
   JsonCursor(const std::string& file, const Json& json, std::string name)
       : file_(&file), json_(&json), name_(std::move(name)) {}
+  /// A whole document whose values are named by JSON pointers.
+  static JsonCursor with_pointers(const std::string& file, const Json& json) {
+    JsonCursor root(file, json, "");
+    root.by_pointer_ = true;
+    return root;
+  }
 
   const Json& json() const { return *json_; }
   const std::string& name() const { return name_; }
 
   /// \throws FileError "FILE: NAME: WHY"
-  [[noreturn]] void refuse(const std::string& why) const { throw FileError(*file_, name_ + ": " + why); }
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw FileError(*file_, (name_.empty() ? "" : name_ + ": ") + why);
+  }
   /// \throws FileError "FILE: NAME: expected EXPECTED, got GOT"
   [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
     refuse(expected_got(expected, got));
@@ -52,7 +60,9 @@ class JsonCursor {
   }
   JsonCursor at(const char* key) const {
     if (!has(key)) fail(std::string("an object with ") + key, "one without");
-    return {*file_, *json_->find(key), name_ == "the document" ? key : name_ + "." + key};
+    const Json& value = *json_->find(key);
+    if (by_pointer_) return pointer_to(value, key);
+    return {*file_, value, name_ == "the document" ? key : name_ + "." + key};
   }
 
   /// The object of an extension, nothing where the value does not have it.
@@ -66,7 +76,9 @@ class JsonCursor {
     return json_->size();
   }
   JsonCursor at(std::size_t index) const {
-    return {*file_, (*json_)[index], name_ + "[" + std::to_string(index) + "]"};
+    const std::string number = std::to_string(index);
+    if (by_pointer_) return pointer_to((*json_)[index], number);
+    return {*file_, (*json_)[index], name_ + "[" + number + "]"};
   }
 
   std::uint64_t integer(std::uint64_t least = 0,
@@ -106,9 +118,18 @@ class JsonCursor {
     return static_cast<std::uint64_t>(x);
   }
 
+  JsonCursor pointer_to(const Json& value, const std::string& key) const {
+    std::string name = name_ + '/';
+    for (const char c : key) name += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+    JsonCursor result(*file_, value, std::move(name));
+    result.by_pointer_ = true;
+    return result;
+  }
+
   const std::string* file_;
   const Json* json_;
   std::string name_;
+  bool by_pointer_ = false;
 };
 
 }  // namespace darboux::io

@@ -9,7 +9,7 @@ namespace {
 TEST_F(Cli, KnowsTheContractsSubcommands) {
   const auto names = subcommands();
   for (const char* name :
-       {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge", "fit", "compare"})
+       {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge", "fit", "compare", "scene"})
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
 }
 
@@ -19,6 +19,7 @@ TEST_F(Cli, EveryHelpEndsWithAnExampleThatRuns) {
   good(
       "cp data/torus_016.none.glb in.glb; cp data/torus_points.xyz points.xyz; cp torus.glb a.glb; cp "
       "torus.glb b.glb");
+  fs::copy_file(DARBOUX_SOURCE "/docs/examples/scene.json", path("scene.json"));
   std::vector<std::string> names = subcommands();
   ASSERT_GE(names.size(), 7u);
   names.emplace_back("");

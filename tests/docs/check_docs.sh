@@ -9,7 +9,7 @@
 #   <!-- output -->               what the commands before it print on stdout
 #   <!-- not run: WHY -->         commands that only people run
 # A cpp, cmake, sh or text block without such a comment is a failure. Commands of one page run one after the other, in
-# bash, in one temporary folder that holds tests/data and build/release/bin, with TOOL_FOLDER first in PATH.
+# bash, in one temporary folder that holds tests/data, docs and build/release/bin, with TOOL_FOLDER first in PATH.
 #
 # Outputs are equal when they are equal after this: numbers below 1e-4 in exponent form, which are rounding noise of the
 # float32 data and of the fit, become ~0; runs of spaces become one, spaces at the end of a line none.
@@ -85,6 +85,7 @@ check_blocks() {
   rm -rf "$work/page"
   mkdir -p "$work/page/tests" "$work/page/build/release"
   ln -s "$root/tests/data" "$work/page/tests/data"
+  ln -s "$root/docs" "$work/page/docs"
   ln -s "$tool" "$work/page/build/release/bin"
   : >"$work/rewritten"
   while IFS= read -r line || [[ -n $line ]]; do

@@ -68,6 +68,7 @@ const std::map<std::string, std::string> folder_of_header{{"attributes", "base"}
                                                           {"point_cloud", "base"},
                                                           {"fit_points", "fit/common"},
                                                           {"fit_mesh", "fit/common"},
+                                                          {"scene", "scene"},
                                                           {"io", "io"}};
 
 // The folder of a file, empty where it is in none. `tree` tells which .cpp serves a public header.
@@ -178,7 +179,7 @@ std::vector<Rule> rules(const Includes& tree) {
        "fit/(uv|primitives|catalogue)/.*"},
       {"the command line knows public headers, reports, base, and the faces that rooms show it", "src/cli/.*",
        "",
-       "(?!report/|base/|io/input\\.h|validate/findings\\.h)"
+       "(?!report/|base/|io/(input|scene_file|scene_tiles)\\.h|validate/findings\\.h)"
        "(surface|mesh|evaluate|any_surface|laws|local_jets|validate|fit|assess|converge|scene|io|assets)/.*"},
       // Other libraries, each behind one room.
       {"boost stays behind multiprecision", "(?!src/surface/multiprecision\\.cpp).*", "", "boost/.*"},

@@ -1,0 +1,368 @@
+// `darboux scene`: what one camera of a scene needs, evaluated; what was skipped.
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <sstream>
+
+#include <darboux/io.h>
+#include <darboux/scene.h>
+
+#include "command.h"
+#include "io/scene_file.h"
+#include "io/scene_tiles.h"
+#include "report/scene_picture.h"
+
+namespace darboux {
+namespace {
+
+struct SceneArguments {
+  std::string file, chord, angle, output, render, render_skipped;
+  std::uint64_t camera = 0;
+  bool no_skip = false, no_cull = false;
+};
+
+struct SkipReason {
+  const char* key;
+  std::uint64_t SkippedTiles::*count;
+  const char* text;
+};
+constexpr std::array<SkipReason, 6> skip_reasons{
+    {{"no_normal_map", &SkippedTiles::no_normal_map, "of materials that read nothing of what was asked for"},
+     {"outside_frustum", &SkippedTiles::outside_frustum, "outside the view of the camera"},
+     {"back_facing", &SkippedTiles::back_facing, "facing away from it"},
+     {"occluded", &SkippedTiles::occluded, "hidden behind others"},
+     {"below_error", &SkippedTiles::below_error, "finer than the bounds ask for: a larger tile does"},
+     {"duplicates", &SkippedTiles::duplicates, "computed already for another instance"}}};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Evaluates all patches of a plan. \returns the seconds that this took, without those of f(samples)
+template <class F>
+double evaluate_patches(const Scene& scene, const ScenePlan& plan, Progress& progress, F&& f) {
+  TileEvaluator evaluator(scene, plan);
+  double seconds = 0;
+  for (std::size_t i = 0; i < plan.patches.size(); ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    const TileSamples& samples = evaluator.evaluate(plan.patches[i]);
+    seconds += seconds_since(start);
+    f(samples);
+    progress.update(static_cast<double>(i + 1) / static_cast<double>(plan.patches.size()));
+  }
+  return seconds;
+}
+
+void set_chord(const std::string& text, SceneRequest& request) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const bool in_pixels = text.ends_with("px");
+  const double chord = parse_finite("--chord", std::string_view(text).substr(0, text.size() - 2 * in_pixels));
+  if (!(chord > 0))
+    throw ParameterError("--chord", expected_got("a length above 0, such as 0.01, or pixels, such as 0.5px",
+                                                 "'" + text + "'"));
+  request.chord_px = in_pixels ? chord : none;
+  request.chord = in_pixels ? none : chord;
+}
+
+void set_angle(const std::string& text, SceneRequest& request) {
+  const double angle = parse_finite(
+      "--angle", std::string_view(text).substr(0, text.size() - (text.ends_with("deg") ? 3 : 0)));
+  if (!(angle > 0))
+    throw ParameterError("--angle",
+                         expected_got("an angle above 0 in degrees, such as 1deg", "'" + text + "'"));
+  request.frame_angle_rad = angle * (std::numbers::pi / 180);
+}
+
+// An eye within a closed surface, or on it, sees nothing of what is around. \returns what is wrong
+std::optional<std::string> refused_eye(const Scene& scene, const Camera& camera) {
+  if (camera.projection != Camera::Projection::perspective) return std::nullopt;
+  static const std::set<std::string_view> closed{"sphere", "ellipsoid", "torus", "superellipsoid"};
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const SceneInstance& instance = scene.instances[i];
+    const AnySurface& surface = scene.surfaces[instance.surface];
+    if (!closed.contains(surface.info().name)) continue;
+    const Eigen::Vector3d local = instance.placement.inverse() * camera.pose.translation();
+    const std::optional<double> side = surface.implicit(from_eigen(local));
+    // What transforming the eye leaves is no distance.
+    const double rounding = 0x1p-40 * local.norm();
+    const bool inside = side && *side < -rounding;
+    if (!side || *side > rounding || (inside && scene.materials[instance.material].double_sided)) continue;
+    return expected_got("an eye outside of all closed surfaces",
+                        std::string("one ") + (inside ? "inside" : "on") + " instance " + std::to_string(i) +
+                            ", a " + std::string(surface.info().name));
+  }
+  return std::nullopt;
+}
+
+// The tiles of a plan: instance, levels, column and row.
+using TileKeys = std::set<std::array<std::uint32_t, 5>>;
+std::array<std::uint32_t, 5> key_of(const ScenePatch& patch, const PlannedTile& tile) {
+  return {tile.instance, patch.level_u, patch.level_v, patch.column, patch.row};
+}
+TileKeys keys_of(const ScenePlan& plan) {
+  TileKeys keys;
+  for (const PlannedTile& tile : plan.tiles) keys.insert(key_of(plan.patches[tile.patch], tile));
+  return keys;
+}
+
+// All tiles at the resolution of the plan, from outside, coloured by what became of them.
+Picture picture_of_fates(const Scene& scene, const Camera& camera, SceneRequest request,
+                         const Common& common) {
+  request.attributes = Attribute::position | Attribute::normal;
+  const ScenePlan needed_plan = plan_scene(scene, camera, request);
+  request.skip.back_facing = false;
+  const ScenePlan within_plan = plan_scene(scene, camera, request);
+  request.skip.outside_frustum = false;
+  const ScenePlan all = plan_scene(scene, camera, request);
+  const TileKeys needed = keys_of(needed_plan), within = keys_of(within_plan);
+  const Eigen::Matrix3d axes = axes_beside(camera);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vec3<double> least{infinity, infinity, infinity}, greatest = -least;
+  Progress progress("picture of what was skipped", common);
+  evaluate_patches(scene, all, progress, [&](const TileSamples& samples) {
+    for (const PlannedTile& tile : samples.tiles())
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        const Vec3<double> p =
+            from_eigen(axes.transpose() * (scene.instances[tile.instance].placement *
+                                           to_eigen(samples.vec3(Attribute::position, i))));
+        least = {std::fmin(least.x, p.x), std::fmin(least.y, p.y), std::fmin(least.z, p.z)};
+        greatest = {std::fmax(greatest.x, p.x), std::fmax(greatest.y, p.y), std::fmax(greatest.z, p.z)};
+      }
+  });
+  Rasteriser rasteriser(view_along(axes, least, greatest, camera));
+  evaluate_patches(scene, all, progress, [&](const TileSamples& samples) {
+    draw_tiles(rasteriser, scene, samples, [&](const PlannedTile& tile) {
+      const auto key = key_of(samples.patch(), tile);
+      return picture_material(needed.contains(key)   ? TileFate::needed
+                              : within.contains(key) ? TileFate::back_facing
+                                                     : TileFate::outside_frustum);
+    });
+  });
+  return rasteriser.picture();
+}
+
+// What a run found, for both kinds of output.
+struct SceneReport {
+  const SceneArguments& arguments;
+  const io::NamedCamera& camera;
+  const SceneRequest& request;
+  const ScenePlan& plan;
+  std::size_t instances;
+  std::uint64_t samples_evaluated;
+  double plan_seconds, needed_seconds, full_seconds;
+};
+
+Json report_json(const SceneReport& r) {
+  Json attributes = Json::object(), skipped = Json::object();
+  for (std::size_t a = 0; a < attribute_count; ++a)
+    if (r.request.attributes.has(static_cast<Attribute>(a)))
+      attributes[std::string(attribute_infos[a].name)] = r.plan.attribute_samples[a];
+  for (const SkipReason& reason : skip_reasons) skipped[reason.key] = r.plan.skipped.*reason.count;
+  const Camera& camera = r.camera.camera;
+  return {
+      {"file", utf8(r.arguments.file)},
+      {"camera",
+       {{"index", r.arguments.camera},
+        {"name", utf8(r.camera.name)},
+        {"projection", camera.projection == Camera::Projection::perspective ? "perspective" : "orthographic"},
+        {"width_px", camera.width_px},
+        {"height_px", camera.height_px}}},
+      {"instances", r.instances},
+      {"needed",
+       {{"instances", r.plan.instances_needed},
+        {"tiles", r.plan.tiles_needed},
+        {"samples", r.plan.samples_needed},
+        {"attributes", std::move(attributes)}}},
+      {"skipped", std::move(skipped)},
+      {"tiles_unbounded", r.plan.tiles_unbounded},
+      {"samples_full", r.plan.samples_full},
+      {"samples_evaluated", r.samples_evaluated},
+      {"seconds",
+       {{"full", number(r.full_seconds)},
+        {"plan", number(r.plan_seconds)},
+        {"needed", number(r.needed_seconds)}}},
+      {"bounds",
+       {{"chord", number(r.request.chord)},
+        {"chord_px", number(r.request.chord_px)},
+        {"angle_deg", number(r.request.frame_angle_rad * (180 / std::numbers::pi))}}}};
+}
+
+// "  1 000 tiles  12.5 %"
+std::string share_line(std::uint64_t part, std::uint64_t all, const std::string& text) {
+  std::ostringstream line;
+  line << "  " << std::setw(12) << part << std::setw(7) << std::fixed << std::setprecision(1)
+       << (all > 0 ? 100 * static_cast<double>(part) / static_cast<double>(all) : 0) << " %  " << text
+       << '\n';
+  return line.str();
+}
+
+void print_text(const SceneReport& r) {
+  const Camera& camera = r.camera.camera;
+  const ScenePlan& plan = r.plan;
+  std::cout << r.arguments.file << ", camera " << r.arguments.camera
+            << (r.camera.name.empty() ? "" : " (" + one_line(r.camera.name) + ")") << ", " << camera.width_px
+            << " x " << camera.height_px << " pixels: " << plan.instances_needed << " of " << r.instances
+            << " instances are needed\n";
+  std::cout << "of " << plan.tiles_all << " tiles\n"
+            << share_line(plan.tiles_needed, plan.tiles_all, "needed");
+  for (const SkipReason& reason : skip_reasons)
+    if (const std::uint64_t count = plan.skipped.*reason.count; count > 0)
+      std::cout << share_line(count, plan.tiles_all, reason.text);
+  if (plan.tiles_unbounded > 0)
+    std::cout << plan.tiles_unbounded
+              << " of those needed have no tight bounds: their resolution is estimated\n";
+  std::cout << "of " << plan.samples_full << " samples, each instance as fine as its nearest point needs\n"
+            << share_line(plan.samples_needed, plan.samples_full, "needed");
+  for (std::size_t a = 0; a < attribute_count; ++a)
+    if (r.request.attributes.has(static_cast<Attribute>(a)))
+      std::cout << share_line(plan.attribute_samples[a], plan.samples_full,
+                              std::string(attribute_infos[a].name));
+  std::vector<std::string> bounds;
+  if (std::isfinite(r.request.chord_px)) bounds.push_back(rounded(r.request.chord_px, 6) + " pixels");
+  if (std::isfinite(r.request.chord)) bounds.push_back("a length of " + rounded(r.request.chord, 6));
+  bounds.push_back("frames within " + rounded(r.request.frame_angle_rad * (180 / std::numbers::pi), 6) +
+                   " degrees");
+  std::cout << "bounds: " << joined(bounds) << '\n'
+            << "seconds: " << rounded(r.plan_seconds, 2) << " to plan, " << rounded(r.needed_seconds, 2)
+            << " to evaluate what is needed"
+            << (std::isnan(r.full_seconds) ? "" : ", " + rounded(r.full_seconds, 2) + " to evaluate all")
+            << '\n';
+}
+
+// Names of files to write, each another and none that of the scene.
+void check_outputs(const SceneArguments& arguments, const Common& common) {
+  if (!arguments.output.empty()) check_glb_name(arguments.output);
+  std::set<std::string> seen;
+  if (common.json) seen.insert("-");
+  for (const std::string& name : {arguments.output, arguments.render, arguments.render_skipped}) {
+    if (name.empty()) continue;
+    std::error_code none;
+    if (std::filesystem::equivalent(name, arguments.file, none))
+      throw ParameterError(name, expected_got("the name of another file", "that of the scene"));
+    if (!seen.insert(name).second)
+      throw ParameterError(name, expected_got("a file, or standard output, for one thing", "for two"));
+  }
+}
+
+void run(const SceneArguments& arguments, Common& common) {
+  check_outputs(arguments, common);
+  const io::SceneFile file = io::read_scene_file(arguments.file, surface_argument);
+  if (arguments.camera >= file.cameras.size())
+    throw ParameterError(
+        "--camera", expected_got("one of the " + std::to_string(file.cameras.size()) + " cameras, from 0",
+                                 std::to_string(arguments.camera)));
+  const io::NamedCamera& camera = file.cameras[arguments.camera];
+  const Scene& scene = file.scene;
+  SceneRequest request = file.request;
+  if (!arguments.chord.empty()) set_chord(arguments.chord, request);
+  if (!arguments.angle.empty()) set_angle(arguments.angle, request);
+  if (!arguments.output.empty()) request.attributes |= Attribute::position;
+  if (!arguments.render.empty())
+    request.attributes |= Attribute::position | Attribute::normal | Attribute::tangent4;
+  if (const auto wrong = refused_eye(scene, camera.camera))
+    throw FileError(arguments.file, "/cameras/" + std::to_string(arguments.camera) + "/eye: " + *wrong);
+
+  // Whatever cannot be written is refused before the work.
+  const auto opened = [](const std::string& name) {
+    return name.empty() ? nullptr : std::make_unique<OutputFile>(name);
+  };
+  const auto glb = opened(arguments.output), png = opened(arguments.render),
+             png_of_skipped = opened(arguments.render_skipped);
+  std::optional<Rasteriser> rasteriser;
+  if (png) rasteriser.emplace(camera.camera);
+  std::optional<io::SceneTiles> tiles;
+  if (glb) tiles.emplace(arguments.output, scene, file.surface_names);
+  const auto write = [&](const TileSamples& samples) {
+    if (tiles) tiles->add(samples);
+    if (rasteriser)
+      draw_tiles(*rasteriser, scene, samples,
+                 [&](const PlannedTile& tile) { return picture_material(scene, tile); });
+  };
+
+  const auto start = std::chrono::steady_clock::now();
+  const ScenePlan plan = plan_scene(scene, camera.camera, request);
+  SceneReport report{arguments,
+                     camera,
+                     request,
+                     plan,
+                     scene.instances.size(),
+                     plan.samples_needed,
+                     seconds_since(start),
+                     0,
+                     std::numeric_limits<double>::quiet_NaN()};
+  const bool other = arguments.no_skip || arguments.no_cull;
+  {
+    Progress progress("scene", common);
+    report.needed_seconds = evaluate_patches(scene, plan, progress, [&](const TileSamples& samples) {
+      if (!other) write(samples);
+    });
+  }
+  if (other) {
+    SceneRequest all = request;
+    all.skip.outside_frustum = all.skip.back_facing = false;
+    if (arguments.no_skip) all.skip = {false, false, false, false, false};
+    Progress progress("scene, with what is skipped", common);
+    report.samples_evaluated = 0;
+    report.full_seconds = evaluate_patches(scene, plan_scene(scene, camera.camera, all), progress,
+                                           [&](const TileSamples& samples) {
+                                             report.samples_evaluated += samples.size();
+                                             write(samples);
+                                           });
+  }
+  if (glb) glb->write(tiles->to_glb());
+  if (png) png->write(png_of(rasteriser->picture()));
+  if (png_of_skipped) png_of_skipped->write(png_of(picture_of_fates(scene, camera.camera, request, common)));
+  for (OutputFile* output : {glb.get(), png.get(), png_of_skipped.get()})
+    if (output) output->commit();
+  const bool to_stdout =
+      arguments.output == "-" || arguments.render == "-" || arguments.render_skipped == "-";
+  if (common.json)
+    print_json(report_json(report));
+  else if (!common.quiet && !to_stdout)
+    print_text(report);
+}
+
+}  // namespace
+
+void add_scene(CLI::App& app, Common& common) {
+  CLI::App& sub =
+      *app.add_subcommand("scene", "What one camera of a scene needs, evaluated; what was skipped");
+  auto arguments = std::make_shared<SceneArguments>();
+  sub.add_option("FILE", arguments->file, "a scene of surfaces as JSON, docs/schemas/scene.schema.json")
+      ->required();
+  sub.add_option("--camera", arguments->camera, "which of its cameras, from 0")
+      ->capture_default_str()
+      ->check(whole_number);
+  sub.add_option(
+      "--chord", arguments->chord,
+      "how far the surface may be from its triangles: pixels, 0.5px, or a length, 0.01; instead of the "
+      "file's");
+  sub.add_option(
+      "--angle", arguments->angle,
+      "by how many degrees frames may differ from those interpolated, 1deg; instead of the file's");
+  sub.add_option("-o,--output", arguments->output,
+                 "write the tiles that are needed as a .glb, - for standard output");
+  sub.add_option("--render", arguments->render, "draw what the camera sees, as a .png");
+  sub.add_option(
+      "--render-skipped", arguments->render_skipped,
+      "draw the scene from outside, as a .png: green what is needed, orange what faces away, grey what "
+      "is out of view");
+  sub.add_flag(
+      "--no-skip", arguments->no_skip,
+      "also evaluate all: every instance with all attributes, as fine as its nearest point needs; that is "
+      "written and drawn");
+  sub.add_flag(
+         "--no-cull", arguments->no_cull,
+         "also evaluate what is out of view or faces away, as fine as its distance needs; the picture stays "
+         "the same, bit for bit")
+      ->excludes("--no-skip");
+  add_common(sub, common, "darboux scene scene.json --render scene.png");
+  sub.callback([arguments, &common] { run(*arguments, common); });
+}
+
+}  // namespace darboux

@@ -1,0 +1,42 @@
+/// \file scene_tiles.h
+/// The tiles of a scene as a GLB.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <darboux/scene.h>
+
+namespace darboux {
+struct GltfFile;
+}
+
+namespace darboux::io {
+
+/// Collects tiles: a mesh per patch and material, with the samples' float32 POSITION, NORMAL, TEXCOORD_0 and
+/// TANGENT where they were evaluated, in the surface's own space, and a node per tile that places it. So what
+/// several instances share is stored once. Materials say what they read in their names alone.
+class SceneTiles {
+ public:
+  SceneTiles(const std::string& path, const Scene& scene, std::vector<std::string> surface_names);
+  ~SceneTiles();
+
+  /// \throws MeshError where a position is not finite as a float
+  void add(const TileSamples& tile);
+  /// \throws FileError for 4 GiB and more
+  std::string to_glb() const;
+
+ private:
+  std::size_t material(std::uint32_t index);
+
+  const Scene& scene_;
+  std::vector<std::string> surface_names_;
+  std::unique_ptr<GltfFile> file_;
+  std::map<std::uint32_t, std::size_t> materials_;  // of the scene, by what they are in the file
+};
+
+}  // namespace darboux::io

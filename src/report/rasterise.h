@@ -1,0 +1,101 @@
+/// \file rasterise.h
+/// Pictures of triangles, by a small software rasteriser. Everything is in double, and one triangle after the
+/// other: the same triangles give the same picture, bit for bit, and one that is hidden, off screen or faces
+/// away changes nothing, whether it is added or not.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <darboux/scene.h>
+#include <darboux/vector.h>
+
+namespace darboux {
+
+/// A corner of triangles, in the scene's space. A normal or tangent that is zero or not finite counts as
+/// missing: the other corners' serve.
+struct PictureVertex {
+  Vec3<double> position, normal;
+  Vec4<double> tangent{};  ///< w in the convention of glTF
+  Vec2<double> uv{};
+};
+
+struct PictureMaterial {
+  Vec3<double> colour{0.6, 0.6, 0.6};  ///< linear, 0 to 1
+  /// A normal map of round bumps, 16 along u and v each: see bump().
+  bool bumps = false;
+  bool double_sided = false;
+};
+
+/// Rows from the top; red, green, blue.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// The texel (x, y, z) of the normal map at uv, of unit length: y against v, as glTF's images have it. A wave
+/// of + - * / alone, so that every machine has the same bits.
+Vec3<double> bump(const Vec2<double>& uv);
+
+/// Draws what one camera sees.
+///
+/// Coverage: a pixel has one sample, in its centre. The sign of every edge function is exact, and a centre on
+/// an edge belongs to the triangle on its right, or below it (the top-left rule): triangles that share an
+/// edge, or meet in a vertex, cover each centre exactly once. Nothing is clipped: the edge functions are
+/// those of the homogeneous coordinates [Olano1997], which know no plane behind the eye, and near and far are
+/// tested where a pixel is drawn.
+///
+/// Depth: the nearest wins, of equals the one that was added first.
+///
+/// Facing: what is not double-sided is drawn where n · (eye - P), interpolated from the corners, is positive.
+/// So nothing of a tile is drawn whose corners all face away, though some of its triangles may not.
+///
+/// Colour: position, t, b, n and uv are interpolated linearly in space, t, b and n are normalised, and light
+/// falls on n' = t x + b y + n z, where (x, y, z) is the texel of the normal map, (0, 0, 1) without one.
+class Rasteriser {
+ public:
+  /// \throws ParameterError as Camera::check(), and for more than 2^26 pixels
+  explicit Rasteriser(const Camera& camera);
+
+  /// \param indices three per triangle, into `vertices`
+  void add(std::span<const PictureVertex> vertices, std::span<const std::uint32_t> indices,
+           const PictureMaterial& material);
+
+  /// What was drawn so far. White is the background.
+  const Picture& picture() const { return picture_; }
+  /// The distance along the view of what a pixel shows, infinite for the background.
+  double depth(int x, int y) const { return depth_[index(x, y)]; }
+
+ private:
+  struct Corner {
+    Vec3<double> at;  // in pixels, times the third
+    double depth;
+    double facing;  // NaN without a normal
+    Vec3<double> position, n, t, b;
+    Vec2<double> uv;
+  };
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) +
+           static_cast<std::size_t>(x);
+  }
+  Corner corner(const PictureVertex& v) const;
+  void draw(const Corner& a, const Corner& b, const Corner& c, const PictureMaterial& material);
+  Vec3<double> shade(const Corner* const (&corners)[3], const double (&weights)[3], bool from_behind,
+                     const PictureMaterial& material) const;
+
+  bool perspective_;
+  double scale_;  // pixels per length, of a perspective camera at distance 1
+  double near_, far_;
+  Vec3<double> eye_, right_, up_, back_, to_light_;
+  Picture picture_;
+  std::vector<double> depth_;
+  std::vector<Corner> corners_;
+};
+
+/// The picture as a PNG.
+std::string png_of(const Picture& picture);
+
+}  // namespace darboux
