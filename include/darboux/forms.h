@@ -530,6 +530,11 @@ ShapeOperator<S> shape_operator(const X& surface, S u, S v, const Jet2<S>& j, co
   return s;
 }
 
+template <class X, std::floating_point S>
+requires std::is_class_v<X> ShapeOperator<S> shape_operator(const X& surface, S u, S v) {
+  return shape_operator(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));
+}
+
 /// The curvatures of a surface at (u, v), at poles and collapsed edges too: see shape_operator above. At
 /// regular points they err by at most 8u times (1 + condition), as vectors: K, H, (κ1, κ2), the directions;
 /// the condition is the sum over u, v and the parameters of |x ∂q/∂x| / |q|. About 100 ns. Where terms cancel
@@ -623,6 +628,12 @@ requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>) Curvature<double> 
   return curvature(surface, static_cast<double>(u), static_cast<double>(v));
 }
 
+template <class X, class U, class V>
+requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>)
+    ShapeOperator<double> shape_operator(const X& surface, U u, V v) {
+  return shape_operator(surface, static_cast<double>(u), static_cast<double>(v));
+}
+
 /// A curve u(s), v(s) on a surface at one point, by its first and second derivatives with respect to its
 /// parameter.
 template <class S>
@@ -676,6 +687,12 @@ DarbouxFrame<S> darboux_frame(const X& surface, S u, S v, const CurveOnSurface<S
   const Jet2<S> j = detail::jet_of(surface, u, v);
   const Frame<S> f = detail::frame_of(surface, u, v);
   return darboux_frame(j, f, shape_operator(surface, u, v, j, f), curve);
+}
+
+template <class X, class U, class V>
+requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>)
+    DarbouxFrame<double> darboux_frame(const X& surface, U u, V v, const CurveOnSurface<double>& curve) {
+  return darboux_frame(surface, static_cast<double>(u), static_cast<double>(v), curve);
 }
 
 }  // namespace darboux

@@ -152,6 +152,7 @@ Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
 /// the domain the analytic extension is given: continuous through a pole, where dpdu = -|dpdu| t beyond it.
 template <ParametricSurface X, std::floating_point S>
 Frame<S> frame(const X& surface, S u, S v) {
+  detail::assert_permitted(surface);
   return detail::frame_at<S>(surface, prepare<X::info.u>(u), prepare<X::info.v>(v), status(surface, u, v));
 }
 

@@ -406,7 +406,8 @@ auto rebind(const X& surface) {
 
 /// The surface itself, checked: the one place where a parameter out of range is refused, by AnySurface and
 /// the command line too. The types of surfaces are plain structs that take any numbers, and evaluation never
-/// throws: of parameters out of range it gives what the formula gives. Where they come from outside, say
+/// throws: of parameters out of range it gives what the formula gives, and in a program built without NDEBUG
+/// frame(), sample() and evaluate() end it with this message. Where they come from outside, say
 /// frame(checked(Torus{R, r}), u, v). \throws ParameterError naming surface and parameter, its range and its
 /// value
 template <class X>
@@ -419,5 +420,27 @@ const X& checked(const X& surface) {
     if (const std::string why = surface.refusal(); !why.empty()) throw_refused(X::info.name, why);
   return surface;
 }
+
+namespace detail {
+
+// Ends a program built without NDEBUG that evaluates a surface whose parameters checked() refuses, with its
+// message, as assert does; nothing with NDEBUG. Numbers that are not finite have their status.
+template <class X>
+void assert_permitted([[maybe_unused]] const X& surface) noexcept {
+#ifndef NDEBUG
+  if constexpr (HasParameters<X>) {
+    bool judged = true;
+    for_each_parameter<X>([&](const auto& p) {
+      if constexpr (std::same_as<std::remove_cvref_t<decltype(p.of(surface))>, double>)
+        judged = judged && p.of(surface) - p.of(surface) == 0;
+      else
+        judged = false;
+    });
+    if (judged) checked(surface);  // thrown out of noexcept: std::terminate
+  }
+#endif
+}
+
+}  // namespace detail
 
 }  // namespace darboux
