@@ -376,8 +376,9 @@ auto lost_digits(const ShapeOperator<S>& s, const Curvature<S>& c) {
   if constexpr (!HasClosedFrame<X>) small = small || cancels(abs(s.f), s.g, most);  // b errs by some u itself
   return Lost<std::remove_cv_t<decltype(vague)>>{
       cancels(S(k * s.a_size + a * s.c_size + two * m * s.m_size), c.gaussian,
-              StatesGaussianCurvature<X> ? cancellation : most),
-      cancels(S(s.a_size + s.c_size), c.mean, StatesMeanCurvature<X> ? cancellation : large_cancellation),
+              StatesGaussianCurvature<X> && has_parameters<X> ? cancellation : most),
+      cancels(S(s.a_size + s.c_size), c.mean,
+              StatesMeanCurvature<X> && has_parameters<X> ? cancellation : large_cancellation),
       small || vague};
 }
 
