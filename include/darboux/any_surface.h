@@ -72,6 +72,10 @@ class AnySurface {
                          const EvaluateOptions& options = {}) const {
     return held_->evaluate(points, outputs, options);
   }
+  /// From the jet and the frame there: see curvature() in forms.h, which calls this.
+  Curvature<double> curvature(double u, double v, const Jet2<double>& jet, const Frame<double>& frame) const {
+    return held_->curvature(u, v, jet, frame);
+  }
   bool has_closed_frame() const { return held_->has_closed_frame(); }
 
   /// Where along u (along = 0) or v (1) the surface is only piecewise smooth, strictly between 0 and 1, and 0
@@ -133,6 +137,8 @@ class AnySurface {
                                      std::span<const Multiprecision> values) const = 0;
     virtual Frame<double> frame(double u, double v) const = 0;
     virtual ParametricFrame<double> parametric_frame(double u, double v) const = 0;
+    virtual Curvature<double> curvature(double u, double v, const Jet2<double>& jet,
+                                        const Frame<double>& frame) const = 0;
     virtual Sample<float> sample_in_float(float u, float v) const = 0;
     virtual StatusSummary evaluate(const Points<double>& points, const Outputs<double>& outputs,
                                    const EvaluateOptions& options) const = 0;
@@ -184,6 +190,10 @@ class AnySurface {
     Frame<double> frame(double u, double v) const override { return darboux::frame(surface, u, v); }
     ParametricFrame<double> parametric_frame(double u, double v) const override {
       return darboux::parametric_frame(surface, u, v);
+    }
+    Curvature<double> curvature(double u, double v, const Jet2<double>& jet,
+                                const Frame<double>& frame) const override {
+      return darboux::curvature(surface, u, v, jet, frame);
     }
     Sample<float> sample_in_float(float u, float v) const override {
       return darboux::sample(rebind<float>(surface), u, v);

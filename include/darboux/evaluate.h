@@ -274,6 +274,7 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 template <ParametricSurface X, std::floating_point T>
 StatusSummary evaluate(const X& surface, const Points<T>& points, const Outputs<T>& outputs,
                        const EvaluateOptions& options = {}) {
+  detail::assert_permitted(surface);
   const auto& over = [&]() -> decltype(auto) {
     if constexpr (std::same_as<T, double>)
       return (surface);

@@ -79,6 +79,14 @@ constexpr bool limits_by_series = [] {
     return !HasClosedFrame<X>;
 }();
 
+// Whether a frame made of partials is known to fewer than half the digits: the angle between them magnifies
+// their errors, `condition` roundings each.
+template <Binary S>
+auto is_ill_conditioned(const Jet2<S>& j, const Frame<S>& frame, const S& condition) {
+  const S across = dot(j.dpdv, frame.b), size = condition * condition;
+  return across * across < S(std::numeric_limits<Element<S>>::epsilon()) * size * dot(j.dpdv, j.dpdv);
+}
+
 // The frame at prepared coordinates, `at` what the surface and the domain say of the point, j its jet where
 // it has no closed frame.
 template <class S, class X, class PU, class PV>
@@ -103,6 +111,11 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at, const J
     else if (const Status why = at | (result.status & degenerate); has(why, degenerate)) {
       result = limit_at(surface, j, why, u, v).frame;
       result.status |= why;
+    } else {
+      S condition(1);
+      if constexpr (requires { surface.partials_condition(u, v); })
+        condition = surface.partials_condition(u, v);
+      if (is_ill_conditioned(j, result, condition)) result.status |= Status::ill_conditioned;
     }
   }
   result.status |= at;
@@ -139,6 +152,7 @@ Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
 /// the domain the analytic extension is given: continuous through a pole, where dpdu = -|dpdu| t beyond it.
 template <ParametricSurface X, std::floating_point S>
 Frame<S> frame(const X& surface, S u, S v) {
+  detail::assert_permitted(surface);
   return detail::frame_at<S>(surface, prepare<X::info.u>(u), prepare<X::info.v>(v), status(surface, u, v));
 }
 

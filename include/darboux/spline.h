@@ -212,6 +212,34 @@ Jet2<S> patch_jet(const NetWindow<S, T>& net, const SpanU& u, const SpanV& v, bo
                 }));
 }
 
+// How many roundings, to the order, the first partials of a patch may err for that hu.a and hu.w p cancel in
+// them: 1 unless weights are so far apart that it may matter.
+template <class S, class T, class SpanU, class SpanV>
+S partials_condition(const NetWindow<S, T>& net, const SpanU& u, const SpanV& v, bool upper_u, bool upper_v) {
+  const S one = lift<S>(1.0), far = lift<S>(0x1p12);
+  if (!net.rational()) return one;
+  const int p = net.degree_u, q = net.degree_v;
+  S least = net.weight(0, 0), most = least;
+  for (int i = 0; i <= p; ++i)
+    for (int j = 0; j <= q; ++j) {
+      const S w = net.weight(i, j);
+      least = w < least ? w : least;
+      most = most < w ? w : most;
+    }
+  if (most < far * least) return one;
+  const Vec3<S> anchor = net.point(upper_u ? p : 0, upper_v ? q : 0);
+  const auto [h, hu, hv, huu, huv, hvv] = tensor_partials<Homogeneous<S>>(p, q, u, v, [&](int i, int j) {
+    const S w = net.weight(i, j);
+    return Homogeneous<S>{w * (net.point(i, j) - anchor), w};
+  });
+  const auto condition = [position = h.a / h.w](const Homogeneous<S>& along) {
+    const Vec3<S> taken = along.w * position;
+    return (norm(along.a) + norm(taken)) / norm(along.a - taken);
+  };
+  const S of_u = condition(hu), of_v = condition(hv);
+  return of_u < of_v ? of_v : of_u;
+}
+
 // The position by its definition, Σ a_i b_j w_ij P_ij / Σ a_i b_j w_ij, from the values a and b of the basis
 // functions.
 template <class S, class T, class Basis>

@@ -42,6 +42,7 @@ enum class Status : std::uint32_t {
   outside_domain = 1u << 8,     ///< a non-periodic coordinate outside [0, 1]: the analytic extension is given
   non_finite_input = 1u << 9,   ///< u, v or a parameter is NaN or infinite: the vectors are NaN
   overflow = 1u << 10,          ///< a position or partial exceeds the range of the scalar
+  ill_conditioned = 1u << 11,   ///< the frame is made of partials and known to fewer than half the digits
 };
 constexpr Status operator|(Status a, Status b) {
   return static_cast<Status>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -63,9 +64,9 @@ constexpr Status without(Status mask, Status bits) {
 }  // namespace detail
 
 /// The name of every status bit, lowest bit first.
-inline constexpr std::array<std::string_view, 11> status_names{
+inline constexpr std::array<std::string_view, 12> status_names{
     "dpdu_zero", "dpdv_zero", "parallel",       "limit_frame",      "no_frame", "self_intersecting",
-    "crease",    "umbilic",   "outside_domain", "non_finite_input", "overflow"};
+    "crease",    "umbilic",   "outside_domain", "non_finite_input", "overflow", "ill_conditioned"};
 
 /// Position and partial derivatives to second order with respect to u and v in [0, 1], factors 2π included.
 template <class S>
@@ -262,6 +263,14 @@ constexpr bool in_lanes = [] {
   else
     return true;
 }();
+// The same of gaussian_curvature and mean_curvature.
+template <class X>
+constexpr bool curvature_in_lanes = [] {
+  if constexpr (requires { X::curvature_in_lanes; })
+    return X::curvature_in_lanes;
+  else
+    return in_lanes<X>;
+}();
 
 }  // namespace detail
 
@@ -270,16 +279,19 @@ constexpr bool in_lanes = [] {
 ///   std::string refusal()                 what is wrong with the parameters together, empty when nothing is
 ///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
 ///   Status singular(u, v)                 the bits of Status that hold at this point
+///   S partials_condition(u, v)            without a closed frame: how many times a rounding dpdu and dpdv may
+///                                         err, where that is cheap to say: see Status::ill_conditioned
 ///   bool tangent_depends_on_u_alone()     whether t and handedness are the same at all v but the poles, with
 ///                                         no status: where only they are asked for, batches then take no
 ///                                         sines of v
 ///   static constexpr bool in_lanes        false where the formula cannot run over SIMD lanes (it looks
 ///                                         something up at each point): batches of the catalogue's surface
 ///                                         then go point by point
+///   static constexpr bool curvature_in_lanes  the same for the next two facts alone
 /// and independent facts, at least one, each from another source than jet():
 ///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, its
 ///                                         gradient n there (n or -n where the surface has one side)
-///   S gaussian_curvature(u, v)            K in closed form
+///   S gaussian_curvature(u, v)            K in closed form; curvature() takes it and H where terms cancel
 ///   S mean_curvature(u, v)                H in closed form, for the n of the frame
 ///   Vec3<S> second_formula(u, v)          the position by another formula
 /// docs/howto/add-a-surface.md shows one from start to end.
@@ -394,7 +406,8 @@ auto rebind(const X& surface) {
 
 /// The surface itself, checked: the one place where a parameter out of range is refused, by AnySurface and
 /// the command line too. The types of surfaces are plain structs that take any numbers, and evaluation never
-/// throws: of parameters out of range it gives what the formula gives. Where they come from outside, say
+/// throws: of parameters out of range it gives what the formula gives, and in a program built without NDEBUG
+/// frame(), sample() and evaluate() end it with this message. Where they come from outside, say
 /// frame(checked(Torus{R, r}), u, v). \throws ParameterError naming surface and parameter, its range and its
 /// value
 template <class X>
@@ -407,5 +420,27 @@ const X& checked(const X& surface) {
     if (const std::string why = surface.refusal(); !why.empty()) throw_refused(X::info.name, why);
   return surface;
 }
+
+namespace detail {
+
+// Ends a program built without NDEBUG that evaluates a surface whose parameters checked() refuses, with its
+// message, as assert does; nothing with NDEBUG. Numbers that are not finite have their status.
+template <class X>
+void assert_permitted([[maybe_unused]] const X& surface) noexcept {
+#ifndef NDEBUG
+  if constexpr (HasParameters<X>) {
+    bool judged = true;
+    for_each_parameter<X>([&](const auto& p) {
+      if constexpr (std::same_as<std::remove_cvref_t<decltype(p.of(surface))>, double>)
+        judged = judged && p.of(surface) - p.of(surface) == 0;
+      else
+        judged = false;
+    });
+    if (judged) checked(surface);  // thrown out of noexcept: std::terminate
+  }
+#endif
+}
+
+}  // namespace detail
 
 }  // namespace darboux

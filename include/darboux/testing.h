@@ -12,6 +12,9 @@
 ///   ridders         Ridders' extrapolation
 ///   high_precision  the same formula in 40 digits; the frame by the cross product of its partials, the
 ///                   status by which of them vanish or are parallel
+///   high_precision_forms
+///                   curvatures, directions, derivatives of the normal, forms and Christoffel symbols of regular
+///                   points against 40 digits; takes long, and runs only where it is named
 ///   implicit, curvature, second_formula
 ///                   the independent facts the surface states; the normal is the gradient of implicit()
 ///   gauss           K from the derivatives of E, F, G alone (Gauss's theorem) against K from the second form
@@ -36,7 +39,7 @@ namespace darboux {
 struct CheckOptions {
   int points = 1000;                  ///< random (u, v), uniform in the unit square
   std::uint64_t seed = 1;             ///< of std::mt19937_64
-  std::vector<std::string> routes{};  ///< only these; empty: all
+  std::vector<std::string> routes{};  ///< only these; empty: all but high_precision_forms
   /// high_precision only: the surface as given when 0, else this many random sets of parameters (log-uniform
   /// over the magnitudes each is proven for), `points` points each
   int parameter_sets = 0;

@@ -177,5 +177,6 @@ void check_gauss_bonnet(const AnySurface& surface, const Points& points, Checks&
 void check_periodicity(const AnySurface& surface, const Points& points, Checks& checks);
 template <class S>  // double or float
 void check_high_precision(const AnySurface& surface, const CheckOptions& options, Checks& checks);
+void check_high_precision_forms(const AnySurface& surface, const CheckOptions& options, Checks& checks);
 
 }  // namespace darboux::laws

@@ -4,6 +4,7 @@
 #include <random>
 
 #include <darboux/error.h>
+#include <darboux/forms.h>
 
 #include "law.h"
 
@@ -17,17 +18,20 @@ std::vector<double> special_coordinates() {
   return result;
 }
 
-// Random parameters within the magnitudes for which the surface is proven: half of the time of related sizes.
-AnySurface random_parameters(const AnySurface& surface, std::mt19937_64& random) {
+// Random parameters within the magnitudes for which the surface is proven, and 1/limit and limit: half of the
+// time of related sizes.
+AnySurface random_parameters(const AnySurface& surface, std::mt19937_64& random, double limit = 1e150) {
   std::uniform_real_distribution<double> uniform(0, 1);
   const auto log_uniform = [&](double from, double to) {
     return std::exp(std::log(from) + uniform(random) * (std::log(to) - std::log(from)));
   };
-  const std::vector<ParameterValue> parameters = surface.parameters();
+  std::vector<ParameterValue> parameters = surface.parameters();
+  for (ParameterValue& p : parameters)
+    p.proven = {std::fmax(p.proven.smallest, 1 / limit), std::fmin(p.proven.largest, limit)};
   for (int attempt = 0; attempt < 1000; ++attempt) {
     const bool related = random() % 2 == 0;
     std::vector<double> values;
-    double smallest = 1e-150, largest = 1e150;
+    double smallest = 1 / limit, largest = limit;
     for (const ParameterValue& p : parameters) {
       smallest = std::fmax(smallest, p.proven.smallest);
       largest = std::fmin(largest, p.proven.largest);
@@ -344,6 +348,131 @@ class HighPrecision {
   std::vector<Law> partials_;
   Law tangent_, bitangent_, normal_, orthonormality_, status_;
 };
+
+// The numbers of a quantity; its error and condition are relative to their 2-norm.
+template <class S>
+using Numbers = std::vector<S>;
+constexpr std::array<std::string_view, 9> form_names{
+    "gaussian_curvature", "mean_curvature", "principal_curvatures", "principal_directions", "dndu", "dndv",
+    "first_form",         "second_form",    "christoffel"};
+constexpr std::size_t k_gaussian = 0, k_mean = 1, k_principal = 2, k_directions = 3;
+template <class S>
+using AllNumbers = std::array<Numbers<S>, form_names.size()>;
+
+template <class S>
+AllNumbers<S> numbers_of(const Curvature<S>& c, const NormalDerivatives<S>& d, const FirstForm<S>& I,
+                         const SecondForm<S>& II, const Christoffel<S>& g) {
+  const Vec3<S>&p = c.directions[0], &q = c.directions[1];
+  return {Numbers<S>{c.gaussian},
+          {c.mean},
+          {c.principal[0], c.principal[1]},
+          {p.x, p.y, p.z, q.x, q.y, q.z},
+          {d.dndu.x, d.dndu.y, d.dndu.z},
+          {d.dndv.x, d.dndv.y, d.dndv.z},
+          {I.E, I.F, I.G},
+          {II.L, II.M, II.N},
+          {g.u[0], g.u[1], g.u[2], g.v[0], g.v[1], g.v[2]}};
+}
+AllNumbers<Multiprecision> numbers_of(const Jet2<Multiprecision>& j, double side) {
+  const ExactFrame e = exact_frame(j, side);
+  const Frame<Multiprecision> f{e.t, e.b, e.n};
+  const ShapeOperator<Multiprecision> s = shape_operator(j, f);
+  return numbers_of(detail::curvature_of(s, f, Multiprecision(1e-30), Multiprecision(1e-36)),
+                    normal_derivatives(s, f), first_form(j), second_form(j, f.n), christoffel(j, f));
+}
+AllNumbers<double> numbers_of(const AnySurface& surface, const Sample<double>& s) {
+  const Frame<double>& f = s.frame;
+  return numbers_of(curvature(surface, s.u, s.v, s.jet, f), normal_derivatives(surface, s.u, s.v, s.jet, f),
+                    first_form(s.jet), second_form(surface, s.u, s.v, s.jet, f),
+                    christoffel(surface, s.u, s.v, s.jet, f));
+}
+
+// Of a surface made of control points or a curve each number is an input. All x together, all y and all z are
+// counted as one each, and for the rest its bound is four times as large.
+bool made_of_data(const AnySurface& surface) {
+  return surface.parameters().empty() || surface.info().name == "extrusion";
+}
+
+double length(const Numbers<Multiprecision>& q) {
+  double sum = 0;
+  for (const Multiprecision& x : q) sum = std::hypot(sum, static_cast<double>(x));
+  return sum;
+}
+// a - b, of directions with the sign that brings them together.
+template <class S>
+Numbers<Multiprecision> difference(const Numbers<S>& a, const Numbers<Multiprecision>& b,
+                                   std::size_t quantity) {
+  double along = 0;
+  if (quantity == k_directions)
+    for (std::size_t i = 0; i < 3; ++i) along += static_cast<double>(a[i]) * static_cast<double>(b[i]);
+  Numbers<Multiprecision> result;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    result.push_back(along < 0 ? Multiprecision(a[i]) + b[i] : Multiprecision(a[i]) - b[i]);
+  return result;
+}
+
+}  // namespace
+
+void check_high_precision_forms(const AnySurface& surface, const CheckOptions& options, Checks& checks) {
+  std::vector<Law> laws;
+  for (const std::string_view name : form_names)
+    laws.emplace_back(surface.info().name, "high_precision_forms", name);
+  const bool data = made_of_data(surface);
+  std::mt19937_64 random(options.seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (int set = 0; set < std::max(1, options.parameter_sets); ++set) {
+    // Beyond some decades 40 digits are no oracle for what cancels.
+    const AnySurface chosen = options.parameter_sets == 0 ? surface : random_parameters(surface, random, 1e4);
+    const std::vector<ParameterValue> parameters = chosen.parameters();
+    for (int i = 0; i < options.points; ++i) {
+      const double u = uniform(random), v = uniform(random);
+      const Sample<double> sample = chosen.sample(u, v);
+      if (sample.frame.status != Status::regular) continue;
+      const Inputs inputs(u, v, parameters);
+      const Jet2<Multiprecision> j = multiprecision_jet(chosen, inputs);
+      const Frame<double>& f = sample.frame;
+      const double side = dot(rounded(unit(cross(j.dpdu, j.dpdv))), f.n) < 0 ? -1 : 1;
+      const AllNumbers<Multiprecision> exact = numbers_of(j, side);
+      const AllNumbers<double> own = numbers_of(chosen, sample);
+      std::array<double, form_names.size()> condition{};
+      const auto add = [&](const Jet2<Multiprecision>& moved) {
+        const AllNumbers<Multiprecision> there = numbers_of(moved, side);
+        for (std::size_t q = 0; q < form_names.size(); ++q)
+          condition[q] += length(difference(there[q], exact[q], q)) / relative_change;
+      };
+      for_each_neighbour(chosen, inputs, add);
+      if (data)
+        for (Multiprecision Vec3<Multiprecision>::*axis :
+             {&Vec3<Multiprecision>::x, &Vec3<Multiprecision>::y, &Vec3<Multiprecision>::z}) {
+          Jet2<Multiprecision> moved = j;
+          for (Vec3<Multiprecision>* p :
+               {&moved.dpdu, &moved.dpdv, &moved.d2pdu2, &moved.d2pduv, &moved.d2pdv2})
+            p->*axis = p->*axis + p->*axis * Multiprecision(relative_change);
+          add(moved);
+        }
+      const double k = length(exact[k_principal]),
+                   apart = static_cast<double>(exact[k_principal][0] - exact[k_principal][1]);
+      for (std::size_t q = 0; q < form_names.size(); ++q) {
+        const double size = length(exact[q]);
+        // What vanishes, or so nearly that 40 digits leave no condition, has no relative error.
+        const double scale = q == k_gaussian ? k * k : q == k_mean ? k : 0;
+        if (!(condition[q] < 1e12 * size) || !(size > 1e-34 * scale)) continue;
+        double times = 1 + condition[q] / size;
+        if (q <= k_principal) times += 0.5;  // the frame's own 4u
+        if (q == k_directions) {
+          if (!(apart > 1e-12 * k)) continue;
+          times += std::fmin(k / apart, detail::cancellation_of_directions);
+        }
+        laws[q].compare(length(difference(own[q], exact[q], q)) / size,
+                        (data ? 8 : 2) * surface.info().frame_error * unit_roundoff * times, u, v,
+                        options.parameter_sets == 0 ? std::string() : chosen.specification());
+      }
+    }
+  }
+  for (const Law& law : laws) checks.push_back(law.result("it vanishes"));
+}
+
+namespace {
 
 // The nearest number that float holds. Through memory: g++ 12 at -O2 drops the conversion there and back from
 // a loop over pairs.

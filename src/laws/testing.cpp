@@ -38,7 +38,7 @@ const std::vector<std::string_view>& check_routes() {
   static const std::vector<std::string_view> all = [] {
     std::vector<std::string_view> list;
     for (const Route& route : routes) list.push_back(route.name);
-    list.insert(list.end(), {"high_precision", "high_precision_float"});
+    list.insert(list.end(), {"high_precision", "high_precision_float", "high_precision_forms"});
     return list;
   }();
   return all;
@@ -75,6 +75,9 @@ std::vector<Check> check_surface(const AnySurface& surface, const CheckOptions& 
   }
   if (wanted("high_precision")) check_high_precision<double>(surface, options, checks);
   if (wanted("high_precision_float")) check_high_precision<float>(surface, options, checks);
+  // Some ms a point: only where it is named.
+  if (!options.routes.empty() && wanted("high_precision_forms"))
+    check_high_precision_forms(surface, options, checks);
   return checks;
 }
 

@@ -72,6 +72,13 @@ class BezierPatch {
     return detail::collapsed_edges(*this, u, v);
   }
 
+  template <class S>
+  S partials_condition(const S& u, const S& v) const {
+    const S half = lift<S>(0.5);
+    return detail::partials_condition(net<S>(), detail::BezierSpan<S>(u), detail::BezierSpan<S>(v), half < u,
+                                      half < v);
+  }
+
   /// The sums over Bernstein polynomials themselves.
   template <class S>
   Vec3<S> second_formula(const S& u, const S& v) const {

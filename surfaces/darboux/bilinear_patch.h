@@ -21,6 +21,7 @@ struct BilinearPatch {
   using scalar = T;
   Vec3<T> p00{T(0), T(0), T(0)}, p10{T(1), T(0), T(0)}, p01{T(0), T(1), T(0)}, p11{T(1), T(1), T(1)};
 
+  static constexpr bool curvature_in_lanes = false;  // its facts scale by the sizes of one point
   static constexpr SurfaceInfo info{"bilinear-patch",
                                     "bilinear patch over four corners",
                                     Coordinate::linear,

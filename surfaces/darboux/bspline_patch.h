@@ -90,6 +90,13 @@ class BSplinePatch {
     return u_.singular(u) | v_.singular(v) | detail::collapsed_edges(*this, u, v);
   }
 
+  template <class S>
+  S partials_condition(const S& u, const S& v) const {
+    const auto su = u_.span(u);
+    const auto sv = v_.span(v);
+    return detail::partials_condition(net<S>(su.first, sv.first), su, sv, u_.upper(su), v_.upper(sv));
+  }
+
   /// The sum over the basis functions of Cox and de Boor.
   template <class S>
   Vec3<S> second_formula(const S& u, const S& v) const {

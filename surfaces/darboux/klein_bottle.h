@@ -116,7 +116,7 @@ struct KleinBottle {
   /// K from the invariants of the figure, not from the jet: with primes for d/dy, (a, b) = (sin y, sin 2y)
   /// the figure over r, and z' for its derivative upwards, ρ' away from the axis, over r,
   ///   p = a b' - b a',  f = a a' + b b',  g² = a'² + b'²,  c = b' a'' - a' b'',  W = 4ρ² g² + r² f²
-  ///   K = -((2 r ρ p + 8 ρ² z' + 4 r z f) 2 ρ c / r + (2 r ρ' f - 2 ρ g²)²) / W²
+  ///   K = -((2 r ρ p + 8 ρ² z' + 4 r z f) 2 ρ c / r + (2 r p z' + 2 R g²)²) / W²
   template <class S>
   constexpr S gaussian_curvature(const Turn<S>& u, const Turn<S>& v) const {
     const S two = lift<S>(2.0), four = lift<S>(4.0), eight = lift<S>(8.0);
@@ -127,7 +127,8 @@ struct KleinBottle {
     const Vec2<S> slope = turned<S>(u, {c, two * cos2});
     const S p = -(two * s * s * s), f = sin2 * (lift<S>(0.5) + two * cos2), g2 = c * c + four * cos2 * cos2;
     const S bend = four * c * sin2 - two * s * cos2;
-    const S W = four * rho * rho * g2 + r * f * r * f, M = two * r * slope.x * f - two * rho * g2;
+    const S W = four * rho * rho * g2 + r * f * r * f;
+    const S M = -(two * (r * p * slope.y + lift<S>(radius) / size * g2));
     const S L = two * r * rho * p + eight * rho * rho * slope.y + four * r * z * f;
     return -((L / W) * (two * rho * bend / W) / r + (M / W) * (M / W)) / size / size;
   }

@@ -208,7 +208,9 @@ TEST_P(Forms, PrincipalFrameIsOrdered) {
     EXPECT_GE(c.principal[0], c.principal[1]);
     // a, c and m are at most k: both sides are a few roundings of them.
     EXPECT_NEAR(c.gaussian, c.principal[0] * c.principal[1], 16 * roundoff * k * k);
-    EXPECT_NEAR(c.mean, (c.principal[0] + c.principal[1]) / 2, 4 * roundoff * k);
+    // H is the surface's own where a + c cancels: then the error of both κ is left, 8u times (1 + condition),
+    // the condition at most 3 here.
+    EXPECT_NEAR(c.mean, (c.principal[0] + c.principal[1]) / 2, 32 * roundoff * k);
     // The frame's own deviation from orthonormality, 16u where it is made from partials, and the roundings of
     // the sum.
     EXPECT_LE(norm(c.directions[1] - cross(f.n, c.directions[0])), 32 * roundoff);

@@ -11,6 +11,7 @@
 #include <darboux/any_surface.h>
 #include <darboux/catalogue.h>
 #include <darboux/error.h>
+#include <darboux/evaluate.h>
 #include <darboux/forms.h>
 
 #include "every_surface.h"
@@ -295,7 +296,26 @@ TEST(Points, WholeNumbersAndMixedCoordinatesAreDoubles) {
   EXPECT_EQ(sample(Sphere{2.0}, 0, 1).frame.status, sample(Sphere{2.0}, 0.0, 1.0).frame.status);
   EXPECT_EQ(status(Sphere{2.0}, 0, 1), status(Sphere{2.0}, 0.0, 1.0));
   EXPECT_EQ(curvature(torus, 0, 1).mean, curvature(torus, 0.0, 1.0).mean);
+  EXPECT_EQ(shape_operator(torus, 0, 1).a, shape_operator(torus, 0.0, 1.0).a);
+  const CurveOnSurface<double> along_u{1, 0, 0, 0};
+  EXPECT_EQ(darboux_frame(torus, 0, 1, along_u).T, darboux_frame(torus, 0.0, 1.0, along_u).T);
   static_assert(std::is_same_v<decltype(frame(torus, 0.25f, 0.5f)), Frame<float>>);
+}
+
+// Without NDEBUG a refused parameter ends the program and says why; with it the formula is evaluated.
+TEST(PointsDeathTest, OfRefusedParametersEndADebugProgram) {
+  const Torus torus{-2.0, 1.0};
+#ifndef NDEBUG
+  EXPECT_DEATH(frame(torus, 0.1, 0.2), "major_radius");
+  EXPECT_DEATH(sample(torus, 0.1, 0.2), "major_radius");
+  std::array<double, 2> uv{0.1, 0.2};
+  std::array<Status, 1> status{};
+  EXPECT_DEATH(evaluate(torus, Points<double>::interleaved(uv), Outputs<double>().status(status)),
+               "major_radius");
+  EXPECT_NO_FATAL_FAILURE(frame(Torus{nan_value, 1.0}, 0.1, 0.2));
+#else
+  EXPECT_EQ(jet(torus, 0.0, 0.0).position.x, -1);
+#endif
 }
 
 TEST(Points, CheckedRefusesWhatTheCommandLineRefuses) {

@@ -72,6 +72,26 @@ S components_sum(const Vec3<S>& a) {
   return a.x + a.y + a.z;
 }
 
+// Curvatures in which terms have cancelled: those that the surface states, as for single points, which also
+// do what it does not state.
+template <class X, class S, class PU, class PV>
+void take_stated(const X& surface, const PU& u, const PV& v, const ShapeOperator<S>& shape, Curvature<S>& c) {
+  const auto lost = detail::lost_digits<X>(shape, c);
+  if (lost.principal.any()) S::diverge();
+  if (lost.gaussian.any()) {
+    if constexpr (StatesGaussianCurvature<X> && detail::curvature_in_lanes<X>)
+      c.gaussian = select(lost.gaussian, S(surface.gaussian_curvature(u, v)), c.gaussian);
+    else
+      S::diverge();
+  }
+  if (lost.mean.any()) {
+    if constexpr (StatesMeanCurvature<X> && detail::curvature_in_lanes<X>)
+      c.mean = select(lost.mean, S(surface.mean_curvature(u, v)), c.mean);
+    else
+      S::diverge();
+  }
+}
+
 // One batch of points; its status.
 template <class X, class T, Variant variant, class PU, class PV>
 Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
@@ -100,6 +120,7 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
   } else {
     if (has(status, detail::degenerate)) S::diverge();
     frame = frame_from_partials(j.dpdu, j.dpdv);
+    if (detail::is_ill_conditioned(j, frame, S(1))) S::diverge();
   }
   put(p, Attribute::tangent, frame.t);
   put(p, Attribute::bitangent, frame.b);
@@ -120,7 +141,9 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
         asked(Attribute::principal_curvatures) || directions) {
       if (has(status, Status::limit_frame)) S::diverge();
       frame.status = status;
-      const Curvature<S> c = curvature(j, frame);
+      const ShapeOperator<S> shape = shape_operator(j, frame);
+      Curvature<S> c = curvature(shape, frame);
+      take_stated(surface, u, v, shape, c);
       // Next to a pole terms may leave the range: single points then take the limit.
       if (!(c.gaussian - c.gaussian == S(0))) S::diverge();
       put(p, Attribute::gaussian_curvature, c.gaussian);

@@ -53,10 +53,13 @@ class Mask {
     for (std::size_t i = 1; i < N; ++i) together = together && value_.at[i];
     return xsimd::all(together);
   }
+  bool any() const {
+    xsimd::batch_bool<T> together = value_.at[0];
+    for (std::size_t i = 1; i < N; ++i) together = together || value_.at[i];
+    return xsimd::any(together);
+  }
   operator bool() const {  // NOLINT: converting
-    xsimd::batch_bool<T> any = value_.at[0];
-    for (std::size_t i = 1; i < N; ++i) any = any || value_.at[i];
-    if (!xsimd::any(any)) return false;
+    if (!any()) return false;
     if (!all()) diverged = true;
     return true;
   }
