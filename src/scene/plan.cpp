@@ -92,6 +92,26 @@ struct Visited {
   TileLevels cells;         // of a tile that is needed
 };
 
+// The instance that is planned.
+struct Current {
+  SurfaceTiles* tiles;
+  Placed placed;
+  double nearest;     // distance from the eye
+  TileLevels finest;  // cells that the nearest point needs
+  Attributes asked;
+};
+
+// The cells of a tile as its place asks for them, whether or not it is seen.
+struct Resolution {
+  TileLevels cells;
+  Proven proven;
+
+  Split split() const {
+    const bool u = cells.u > tile_level, v = cells.v > tile_level;
+    return u && v ? Split::both : u ? Split::u : v ? Split::v : Split::none;
+  }
+};
+
 class Planner {
  public:
   Planner(const Scene& scene, const Camera& camera, const SceneRequest& request);
@@ -106,17 +126,17 @@ class Planner {
     return asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi / 2;
   }
   void plan_instance(std::uint32_t instance);
+  Resolution resolution(std::uint32_t node) const;
   bool outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const;
   bool faces_away(const Placed& placed, const TileNode& node) const;
-  void find_edges(const SurfaceTiles& tiles, const Visited& tile, ScenePatch& patch);
-  void neighbours(const SurfaceTiles& tiles, std::uint32_t visited, bool along_u, std::uint32_t line,
-                  bool below, std::uint32_t from, std::uint32_t to, std::uint32_t spacing, bool mirrored);
+  void find_edges(const Visited& tile, ScenePatch& patch);
   void add(std::uint32_t instance, ScenePatch patch);
 
   const Scene& scene_;
   const SceneRequest& request_;
   View view_;
   std::vector<std::unique_ptr<SurfaceTiles>> tiles_;
+  Current current_{};
   std::vector<Visited> visited_;
   std::vector<std::uint32_t> found_;  // samples on an edge
   HashTable known_patches_;
@@ -273,6 +293,25 @@ bool Planner::faces_away(const Placed& placed, const TileNode& node) const {
   return facing < -placed.eye_rounding;
 }
 
+Resolution Planner::resolution(std::uint32_t index) const {
+  const Placed& placed = current_.placed;
+  SurfaceTiles& tiles = *current_.tiles;
+  const TileNode& node = tiles[index];
+  // The finest is enough everywhere. The bounds of a large tile may ask for more.
+  const TileLevels most{current_.finest.u - node.place.level_u, current_.finest.v - node.place.level_v};
+  const Resolution finest{most, tiles.proven()};
+  if (!request_.skip.below_error) return finest;
+  double distance = current_.nearest;
+  if (view_.perspective() && tiles.known()) {
+    const double to_box = distance_to_box(placed.eye, node.lo, node.hi);
+    distance = std::fmax(
+        distance, (to_box - placed.eye_rounding - 0x1p-48 * to_box) * placed.smallest - placed.displacement);
+  }
+  const TileLevels cells =
+      cells_needed(placed, distance, current_.asked, node.rates, node.place, tiles.frame_levels(index));
+  return cells.u <= most.u && cells.v <= most.v ? Resolution{cells, node.proven} : finest;
+}
+
 void Planner::plan_instance(std::uint32_t index) {
   const SceneInstance& instance = scene_.instances[index];
   if (instance.surface >= scene_.surfaces.size() || instance.material >= scene_.materials.size())
@@ -312,6 +351,7 @@ void Planner::plan_instance(std::uint32_t index) {
   }
   const bool bounds_chord = std::isfinite(request_.chord) || std::isfinite(request_.chord_px);
   const bool bounds_frame = bounds_frames(asked);
+  current_ = {&tiles, placed, nearest, finest, asked};
   const bool one_sided = !material.double_sided && material.displacement == 0;
 
   visited_.clear();
@@ -334,27 +374,10 @@ void Planner::plan_instance(std::uint32_t index) {
       plan_.skipped.back_facing += all;
       continue;
     }
-    const TileLevels most{finest.u - node.place.level_u, finest.v - node.place.level_v};
-    here.cells = most;
-    Proven proven = tiles.proven();
-    if (skip.below_error) {
-      double distance = nearest;
-      if (view_.perspective() && tiles.known()) {
-        const double to_box = distance_to_box(placed.eye, node.lo, node.hi);
-        distance = std::fmax(nearest, (to_box - placed.eye_rounding - 0x1p-48 * to_box) * placed.smallest -
-                                          placed.displacement);
-      }
-      const TileLevels cells =
-          cells_needed(placed, distance, asked, node.rates, node.place, tiles.frame_levels(here.node));
-      // The finest is enough everywhere. The bounds of a large tile may ask for more.
-      if (cells.u <= most.u && cells.v <= most.v) {
-        here.cells = cells;
-        proven = node.proven;
-      }
-    }
-    const bool split_u = here.cells.u > tile_level, split_v = here.cells.v > tile_level;
-    if (split_u || split_v) {
-      here.split = split_u && split_v ? Split::both : split_u ? Split::u : Split::v;
+    const Resolution needed = resolution(here.node);
+    here.cells = needed.cells;
+    here.split = needed.split();
+    if (here.split != Split::none) {
       here.first_part = static_cast<std::uint32_t>(visited_.size());
       const std::uint32_t first = tiles.parts(here.node, here.split);
       for (std::uint32_t k = 0; k < part_count(here.split); ++k)
@@ -362,6 +385,7 @@ void Planner::plan_instance(std::uint32_t index) {
     } else {
       here.needed = true;
       ++leaves;
+      const Proven& proven = needed.proven;
       if ((bounds_chord && !proven.chord) || (bounds_frame && !proven.frame)) ++plan_.tiles_unbounded;
       plan_.skipped.below_error += all - 1;
     }
@@ -382,7 +406,7 @@ void Planner::plan_instance(std::uint32_t index) {
     patch.row = at.row;
     patch.attributes = asked;
     patch.first_edge_coordinate = static_cast<std::uint32_t>(plan_.edge_coordinates.size());
-    if (leaves > 1) find_edges(tiles, tile, patch);
+    if (visited_.size() > 1) find_edges(tile, patch);
     add(index, patch);
   }
 }
@@ -397,30 +421,57 @@ struct Extent {
         v1((p.row + 1) << (finest_level - p.level_v)) {}
 };
 
-// Adds to found_ the samples that needed tiles have on a line u = line (along_u: v = line) between `from` and
-// `to`, and that are no multiples of spacing: of the tiles below the line, or of those above.
-void Planner::neighbours(const SurfaceTiles& tiles, std::uint32_t visited, bool along_u, std::uint32_t line,
-                         bool below, std::uint32_t from, std::uint32_t to, std::uint32_t spacing,
-                         bool mirrored) {
-  const Visited& tile = visited_[visited];
-  const Extent e(tiles[tile.node].place);
-  const std::uint32_t near = along_u ? e.v0 : e.u0, far = along_u ? e.v1 : e.u1;
-  const std::uint32_t begin = std::max(from, along_u ? e.u0 : e.v0),
-                      end = std::min(to, along_u ? e.u1 : e.v1);
-  if (line < near || line > far || begin >= end) return;
-  if (tile.split != Split::none) {
-    for (std::uint32_t k = 0; k < part_count(tile.split); ++k)
-      neighbours(tiles, tile.first_part + k, along_u, line, below, from, to, spacing, mirrored);
-    return;
-  }
-  if (!tile.needed || line != (below ? far : near)) return;
-  const std::uint32_t step = along_u ? (e.u1 - e.u0) >> tile.cells.u : (e.v1 - e.v0) >> tile.cells.v;
-  if (step >= spacing) return;
-  for (std::uint32_t x = (begin + step - 1) / step * step; x <= end; x += step)
-    if (x % spacing != 0) found_.push_back(mirrored ? unit - x : x);
-}
+// What samples the tiles of an instance have on an edge of another one, that are no multiples of `spacing`.
+struct EdgeSearch {
+  bool along_u;  // the edge is v = line, else u = line
+  bool below;    // of the tiles below the line, or of those above
+  std::uint32_t line, from, to, spacing;
+  bool mirrored;  // across a twisted seam
 
-void Planner::find_edges(const SurfaceTiles& tiles, const Visited& tile, ScenePatch& patch) {
+  // Whether a tile touches the edge.
+  bool touches(const Extent& e) const {
+    const std::uint32_t near = along_u ? e.v0 : e.u0, far = along_u ? e.v1 : e.u1;
+    return line >= near && line <= far && begin(e) < end(e);
+  }
+  std::uint32_t begin(const Extent& e) const { return std::max(from, along_u ? e.u0 : e.v0); }
+  std::uint32_t end(const Extent& e) const { return std::min(to, along_u ? e.u1 : e.v1); }
+
+  void take(const Extent& e, const TileLevels& cells, std::vector<std::uint32_t>& found) const {
+    if (line != (below ? (along_u ? e.v1 : e.u1) : (along_u ? e.v0 : e.u0))) return;
+    const std::uint32_t step = along_u ? (e.u1 - e.u0) >> cells.u : (e.v1 - e.v0) >> cells.v;
+    if (step >= spacing) return;
+    for (std::uint32_t x = (begin(e) + step - 1) / step * step; x <= end(e); x += step)
+      if (x % spacing != 0) found.push_back(mirrored ? unit - x : x);
+  }
+};
+
+// Tiles that are not seen count like the others: what a tile's triangles are does not depend on what is
+// culled.
+void Planner::find_edges(const Visited& tile, ScenePatch& patch) {
+  SurfaceTiles& tiles = *current_.tiles;
+  const auto search = [&](const EdgeSearch& edge) {
+    const auto unseen = [&](const auto& self, std::uint32_t node) -> void {
+      const Extent extent(tiles[node].place);
+      if (!edge.touches(extent)) return;
+      const Resolution r = resolution(node);
+      if (r.split() == Split::none) return edge.take(extent, r.cells, found_);
+      const std::uint32_t first = tiles.parts(node, r.split());
+      for (std::uint32_t k = 0; k < part_count(r.split()); ++k) self(self, first + k);
+    };
+    const auto seen = [&](const auto& self, std::uint32_t visited) -> void {
+      const Visited& v = visited_[visited];
+      const Extent extent(tiles[v.node].place);
+      if (!edge.touches(extent)) return;
+      if (v.split != Split::none) {
+        for (std::uint32_t k = 0; k < part_count(v.split); ++k) self(self, v.first_part + k);
+      } else if (v.needed) {
+        edge.take(extent, v.cells, found_);
+      } else {
+        unseen(unseen, v.node);
+      }
+    };
+    seen(seen, 0);
+  };
   const Extent e(tiles[tile.node].place);
   const SurfaceInfo& info = tiles.surface().info();
   const auto round = [](Coordinate c) { return c == Coordinate::turn || c == Coordinate::twisted_turn; };
@@ -440,7 +491,7 @@ void Planner::find_edges(const SurfaceTiles& tiles, const Visited& tile, ScenePa
         from = unit - std::exchange(to, unit - from);
       }
     }
-    neighbours(tiles, 0, along_u, line, !upper, from, to, along_u ? step_u : step_v, mirrored);
+    search({along_u, !upper, line, from, to, along_u ? step_u : step_v, mirrored});
     std::sort(found_.begin(), found_.end());
     found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
     patch.edge_counts[k] = static_cast<std::uint32_t>(found_.size());

@@ -1,4 +1,4 @@
-# What run.sh, mesh_tangents.sh, tools.sh and validate.sh share; they source it with their arguments. It goes to the root of the repository and sets
+# What run.sh, mesh_tangents.sh, scene.sh, tools.sh and validate.sh share; they source it with their arguments. It goes to the root of the repository and sets
 # quick (the option, or nothing), out (the folder of the report) and work (an empty folder, removed at the end).
 export LC_ALL=C
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

@@ -53,6 +53,9 @@ TEST(Refusals, OfPoints) {
   EXPECT_REFUSED(Points<double>::grid(0, 3), "got 0 columns");
   EXPECT_REFUSED(Points<double>::grid(3, std::size_t{1} << 40), "expected 1 to");
   EXPECT_REFUSED(Points<double>::grid(3, 3, 5), "expected a row of points from 0 to 3, got 5");
+  EXPECT_REFUSED(Points<double>::part_of_grid(4, 3, 3, 2, 0, 3),
+                 "expected some of 4 columns, got 2 from 3 on");
+  EXPECT_REFUSED(Points<double>::part_of_grid(4, 3, 0, 4, 1, 0), "expected some of 3 rows, got 0 from 1 on");
   EXPECT_REFUSED(Points<double>::arrays(two, two).part(1, 2), "2 points from 1 on");
   EXPECT_EQ(Points<double>::grid(131071, 65535).size(), std::size_t{1} << 33);
 }
@@ -72,6 +75,39 @@ TEST(Refusals, NothingIsWrittenWhenThereIsNoRoom) {
                  "threads: expected 0 (all) or more, got -1");
   EXPECT_EQ(p, std::vector<double>(15, 7));
   EXPECT_EQ(n, std::vector<double>(12, 7));
+}
+
+// A part of a grid has the bits of the whole, and those of its points one by one.
+TEST(Grids, PartsAreLikeTheWhole) {
+  constexpr std::size_t columns = 37, rows = 19;
+  const auto normals = [](const Points<double>& points) {
+    std::vector<double> n(3 * points.size());
+    Outputs<double> outputs;
+    outputs.packed(Attribute::normal, n);
+    evaluate(Torus{}, points, outputs);
+    return n;
+  };
+  const std::vector<double> whole = normals(Points<double>::grid(columns, rows));
+  for (const auto& [first_column, cells_u, first_row, cells_v] : {std::array<std::size_t, 4>{0, 37, 0, 19},
+                                                                  {5, 16, 3, 8},
+                                                                  {36, 1, 18, 1},
+                                                                  {0, 1, 7, 12},
+                                                                  {9, 28, 0, 2}}) {
+    const auto part = Points<double>::part_of_grid(columns, rows, first_column, cells_u, first_row, cells_v);
+    ASSERT_EQ(part.size(), (cells_u + 1) * (cells_v + 1));
+    const std::vector<double> n = normals(part);
+    std::vector<double> u, v;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      u.push_back(part[i].x);
+      v.push_back(part[i].y);
+    }
+    EXPECT_EQ(n, normals(Points<double>::arrays(u, v)));
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const std::size_t column = first_column + i % (cells_u + 1), row = first_row + i / (cells_u + 1);
+      for (std::size_t c = 0; c < 3; ++c)
+        ASSERT_EQ(n[3 * i + c], whole[3 * (row * (columns + 1) + column) + c]) << column << ' ' << row;
+    }
+  }
 }
 
 TEST(Refusals, ZeroPointsAreNone) {

@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <darboux/frame.h>
+
+#include "every_surface.h"
+
 namespace darboux::test {
 namespace {
 
@@ -62,6 +66,59 @@ TEST(ScenePicture, TheViewFromBesideHoldsTheBox) {
         EXPECT_LT(-p.z(), view.far_distance);
       }
   EXPECT_LT(view.view_height, 6) << "no larger than it must be: 10 wide, 20 to 40";
+}
+
+// What is skipped is nowhere in the picture, and changes nothing beside it.
+TEST(ScenePicture, IsTheSameWithAndWithoutCulling) {
+  Random random(8);
+  std::uint64_t outside = 0, back_facing = 0;
+  for (int round = 0; round < 30; ++round) {
+    Camera camera;
+    camera.width_px = 120;
+    camera.height_px = 90;
+    camera.near_distance = random.uniform(0.1, 5);
+    if (round % 4 == 0) {
+      camera.projection = Camera::Projection::orthographic;
+      camera.view_height = 4;
+    }
+    Scene scene;
+    scene.surfaces = all_surfaces();
+    scene.materials = {
+        {.name = "plain"}, {.name = "bumpy", .normal_map = true}, {.name = "cloth", .double_sided = true}};
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      SceneInstance instance{static_cast<std::uint32_t>(random.bits() % scene.surfaces.size()), i % 3, {}};
+      instance.placement = Eigen::AngleAxisd(random.uniform(0, 6), to_eigen(random.direction()));
+      if (i % 2 == 0)
+        instance.placement.linear() *= Eigen::Vector3d(-1, random.uniform(0.5, 1.5), 1).asDiagonal();
+      instance.placement.pretranslate(
+          Eigen::Vector3d(random.uniform(-3, 3), random.uniform(-2, 2), random.uniform(-9, -3)));
+      scene.instances.push_back(instance);
+    }
+    SceneRequest request;
+    request.attributes = request.attributes | Attribute::tangent | Attribute::bitangent;
+    request.chord_px = 1;
+    request.frame_angle_rad = 0.3;
+    const auto picture_of = [&](const ScenePlan& plan) {
+      Rasteriser picture(camera);
+      for_each_tile(scene, plan, [&](const TileSamples& samples) {
+        draw_tiles(picture, scene, samples,
+                   [&](const PlannedTile& tile) { return picture_material(scene, tile); });
+      });
+      return picture.picture().rgb;
+    };
+    const ScenePlan culled = plan_scene(scene, camera, request);
+    request.skip.outside_frustum = request.skip.back_facing = false;
+    const ScenePlan all = plan_scene(scene, camera, request);
+    outside += culled.skipped.outside_frustum;
+    back_facing += culled.skipped.back_facing;
+    const auto with = picture_of(culled), without = picture_of(all);
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < with.size(); ++i) differing += with[i] != without[i];
+    EXPECT_EQ(differing, 0u) << "round " << round;
+    EXPECT_LT(culled.tiles.size(), all.tiles.size());
+  }
+  EXPECT_GT(outside, 100u);
+  EXPECT_GT(back_facing, 100u);
 }
 
 }  // namespace

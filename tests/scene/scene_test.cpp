@@ -4,7 +4,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -215,6 +217,39 @@ TEST(Scene, OpenSurfacesEndAtTheirBorderAlone) {
       }
     }
   }
+}
+
+// Patches that are needed are the same, further samples on their edges too, whatever else is culled.
+TEST(Scene, CullingDoesNotChangeWhatIsLeft) {
+  Random random(7);
+  using Identity =
+      std::tuple<std::uint32_t, int, int, std::uint32_t, std::uint32_t, int, int, std::vector<double>>;
+  const auto identities = [](const ScenePlan& plan) {
+    std::set<Identity> result;
+    for (const ScenePatch& p : plan.patches) {
+      const auto first = plan.edge_coordinates.begin() + p.first_edge_coordinate;
+      result.insert({p.surface, p.level_u, p.level_v, p.column, p.row, p.cells_u, p.cells_v,
+                     std::vector<double>(first, first + p.edge_counts[0] + p.edge_counts[1] +
+                                                    p.edge_counts[2] + p.edge_counts[3])});
+    }
+    return result;
+  };
+  std::size_t stitched = 0;
+  for (int i = 0; i < 30; ++i) {
+    const Scene scene = random_scene(random, 10);
+    Camera camera = random_camera(random);
+    SceneRequest request;
+    request.chord_px = 4;
+    request.frame_angle_rad = 0.3;
+    const ScenePlan culled = plan_scene(scene, camera, request);
+    request.skip.outside_frustum = request.skip.back_facing = false;
+    const std::set<Identity> all = identities(plan_scene(scene, camera, request));
+    for (const Identity& patch : identities(culled)) {
+      stitched += !std::get<7>(patch).empty();
+      ASSERT_TRUE(all.contains(patch)) << scene.surfaces[std::get<0>(patch)].specification();
+    }
+  }
+  EXPECT_GT(stitched, 20u);
 }
 
 bool is_in_view(const Camera& camera, const Eigen::Vector3d& p) {

@@ -1,0 +1,185 @@
+// What planning a scene costs and saves, as the tables of docs/reports/scene.md, for scene.sh:
+//   benchmark_scene [--quick]
+// Seconds of one core, medians of rounds in turns.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <string_view>
+#include <vector>
+
+#include <darboux/blocks.h>
+#include <darboux/error.h>
+#include <darboux/scene.h>
+
+#include "io/scene_file.h"
+
+namespace darboux::bench {
+namespace {
+
+double seconds(const std::function<void()>& f) {
+  const auto start = std::chrono::steady_clock::now();
+  f();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The medians of several things done in turns.
+std::vector<double> medians(int rounds, const std::vector<std::function<void()>>& things) {
+  std::vector<std::vector<double>> times(things.size());
+  for (int i = 0; i < rounds; ++i)
+    for (std::size_t k = 0; k < things.size(); ++k) times[k].push_back(seconds(things[k]));
+  std::vector<double> result;
+  for (std::vector<double>& t : times) {
+    std::nth_element(t.begin(), t.begin() + t.size() / 2, t.end());
+    result.push_back(t[t.size() / 2]);
+  }
+  return result;
+}
+
+// What evaluates a plan and throws the numbers away.
+void evaluate(const Scene& scene, const ScenePlan& plan) {
+  for_each_tile(scene, plan, [](const TileSamples&) {});
+}
+
+// Every instance uniformly, through the kernels' own grids: nothing that tiles cost.
+void evaluate_uniformly(const Scene& scene, const ScenePlan& uniform, Attributes asked) {
+  std::vector<double> memory;
+  for (std::size_t i = 0; i < uniform.patches.size();) {
+    // The tiles of an instance, as one grid.
+    const ScenePatch& first = uniform.patches[i];
+    const std::size_t columns = std::size_t{first.cells_u} << first.level_u,
+                      rows = std::size_t{first.cells_v} << first.level_v;
+    i += std::size_t{1} << (first.level_u + first.level_v);
+    const AnySurface& surface = scene.surfaces[first.surface];
+    for_each_block(surface, Points<double>::grid(columns, rows), asked, [](const Block<double>&) {});
+  }
+}
+
+void asteroids(int rounds) {
+  const io::SceneFile file = io::read_scene_file("docs/examples/asteroids.json");
+  const Camera& camera = file.cameras[0].camera;
+  SceneRequest everything = file.request;
+  everything.skip = {false, false, false, false, false};
+  const ScenePlan uniform = plan_scene(file.scene, camera, everything);
+  ScenePlan plan;
+  const std::vector<double> s =
+      medians(rounds, {[&] { evaluate_uniformly(file.scene, uniform, file.request.attributes); },
+                       [&] { plan = plan_scene(file.scene, camera, file.request); },
+                       [&] { evaluate(file.scene, plan); }});
+  std::printf(
+      "\n### 1000 instances, docs/examples/asteroids.json\n\n"
+      "| | samples | ms |\n|---|---:|---:|\n"
+      "| every instance uniformly, at the resolution of its nearest point | %llu | %.2f |\n"
+      "| planning | | %.2f |\n"
+      "| what is needed | %llu | %.2f |\n"
+      "| times fewer, times less with planning | %.1f | %.1f |\n",
+      static_cast<unsigned long long>(plan.samples_full), 1e3 * s[0], 1e3 * s[1],
+      static_cast<unsigned long long>(plan.samples_needed), 1e3 * s[2],
+      double(plan.samples_full) / double(plan.samples_needed), s[0] / (s[1] + s[2]));
+  std::printf(
+      "\nOf %llu tiles %llu are needed. Skipped: %llu outside the frustum, %llu back-facing, %llu below the "
+      "error, %llu duplicates.\n",
+      static_cast<unsigned long long>(plan.tiles_all), static_cast<unsigned long long>(plan.tiles_needed),
+      static_cast<unsigned long long>(plan.skipped.outside_frustum),
+      static_cast<unsigned long long>(plan.skipped.back_facing),
+      static_cast<unsigned long long>(plan.skipped.below_error),
+      static_cast<unsigned long long>(plan.skipped.duplicates));
+}
+
+// Spheres, tori, cylinders and cones, 2 to 200 radii from the eye.
+Scene scattered(std::size_t count) {
+  Scene scene;
+  for (const char* name : {"sphere", "torus:major_radius=0.7,minor_radius=0.25", "cylinder", "cone"})
+    scene.surfaces.push_back(make_surface(name));
+  scene.materials = {{}, {.name = "bumpy", .normal_map = true}, {}};
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(std::log(2), std::log(200));
+  for (std::size_t i = 0; i < count; ++i) {
+    SceneInstance instance{static_cast<std::uint32_t>(i % 4), static_cast<std::uint32_t>(i % 3), {}};
+    const auto direction = [&] {
+      return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    };
+    instance.placement = Eigen::AngleAxisd(normal(random), direction());
+    instance.placement.pretranslate(std::exp(uniform(random)) * direction());
+    scene.instances.push_back(instance);
+  }
+  return scene;
+}
+
+void growth(int rounds, bool quick) {
+  std::printf(
+      "\n### Planning alone\n\n60 degrees, 1 px, no bound on the angle; instances 2 to 200 radii from the "
+      "eye, all round it or all in view.\n\n"
+      "| instances | all round, ms | µs each | all in view, ms | µs each |\n|---:|---:|---:|---:|---:|\n");
+  SceneRequest request;
+  request.chord_px = 1;
+  request.frame_angle_rad = std::numbers::pi;
+  Camera camera;
+  camera.vertical_field_of_view_rad = std::numbers::pi / 3;
+  for (const std::size_t n :
+       {std::size_t{1000}, std::size_t{10000}, std::size_t{100000}, std::size_t{1000000}}) {
+    if (quick && n > 100000) break;
+    const Scene round = scattered(n);
+    Scene in_view = round;
+    for (SceneInstance& instance : in_view.instances) {
+      // Into a cone about the camera's axis.
+      Eigen::Vector3d at = instance.placement.translation();
+      const double distance = at.norm();
+      at = {0.35 * at.x() / distance, 0.35 * at.y() / distance, -1};
+      instance.placement.translation() = distance * at.normalized();
+    }
+    const std::vector<double> s =
+        medians(n > 100000 ? 1 : rounds,
+                {[&] { plan_scene(round, camera, request); }, [&] { plan_scene(in_view, camera, request); }});
+    std::printf("| %zu | %.2f | %.2f | %.2f | %.2f |\n", n, 1e3 * s[0], 1e6 * s[0] / double(n), 1e3 * s[1],
+                1e6 * s[1] / double(n));
+  }
+}
+
+// Nothing to skip: double-sided spheres of one distance, all in view.
+void overhead(int rounds) {
+  Scene scene;
+  scene.surfaces.push_back(make_surface("sphere"));
+  scene.materials = {{.name = "glass", .normal_map = true, .double_sided = true}};
+  for (int i = 0; i < 100; ++i) {
+    SceneInstance instance;
+    const double angle = 0.2 * i / 100, turn = i;
+    instance.placement = Eigen::AngleAxisd(turn, Eigen::Vector3d(1, 2, 3).normalized());
+    instance.placement.pretranslate(20 * Eigen::Vector3d(std::sin(angle) * std::cos(turn),
+                                                         std::sin(angle) * std::sin(turn), -std::cos(angle)));
+    scene.instances.push_back(instance);
+  }
+  SceneRequest request;
+  request.attributes = partial_attributes | frame_attributes;
+  request.chord_px = 0.005;
+  request.frame_angle_rad = std::numbers::pi;
+  request.skip.duplicates = false;
+  ScenePlan plan;
+  const std::vector<double> s =
+      medians(rounds, {[&] { plan = plan_scene(scene, {}, request); }, [&] { evaluate(scene, plan); }});
+  std::printf(
+      "\n### Nothing to skip\n\n100 double-sided spheres in view, 0.005 px, position, partials and frame, "
+      "without "
+      "looking for duplicates: %.2f million samples, planning %.2f ms, evaluation %.2f ms: %.1f %% more.\n",
+      1e-6 * double(plan.samples_needed), 1e3 * s[0], 1e3 * s[1], 100 * s[0] / s[1]);
+}
+
+}  // namespace
+}  // namespace darboux::bench
+
+int main(int argc, char** argv) {
+  const bool quick = argc > 1 && std::string_view(argv[1]) == "--quick";
+  const int rounds = quick ? 3 : 9;
+  try {
+    darboux::bench::asteroids(rounds);
+    darboux::bench::growth(rounds, quick);
+    darboux::bench::overhead(rounds);
+  } catch (const darboux::Error& error) {
+    std::fprintf(stderr, "benchmark_scene: %s\n", error.what());
+    return 2;
+  }
+}
