@@ -181,8 +181,10 @@ ScenePlan plan_primitives(const GltfScene& scene, const Camera& camera) {
   // centre and radius of the box. A mirror turns the winding and the side that it shows: in the mesh's own
   // space nothing changes.
   const auto faces_away = [&](const ScenePrimitive& p, const Eigen::Affine3d& placement) {
-    const Eigen::Matrix3d inverse = placement.linear().inverse();
-    if (!inverse.allFinite()) return false;
+    const Eigen::Matrix3d m = placement.linear();
+    // Of what is flat, or nearly so, the side is not known.
+    if (!(std::fabs(m.determinant()) > 1e-3 * m.colwise().norm().prod())) return false;
+    const Eigen::Matrix3d inverse = m.inverse();
     const bool perspective = view.perspective();
     const Eigen::Vector3d towards =
         perspective ? Eigen::Vector3d(inverse * (view.eye() - placement.translation()) - p.box.center())
