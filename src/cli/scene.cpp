@@ -12,6 +12,7 @@
 #include <darboux/io.h>
 #include <darboux/scene.h>
 
+#include "assets/scene_of_gltf.h"
 #include "command.h"
 #include "io/scene_file.h"
 #include "io/scene_tiles.h"
@@ -215,8 +216,14 @@ void print_text(const SceneReport& r) {
       std::cout << share_line(count, plan.tiles_all, reason.text);
   if (plan.tiles_unbounded > 0)
     std::cout << plan.tiles_unbounded
-              << " of those needed have no tight bounds: their resolution is estimated\n";
-  std::cout << "of " << plan.samples_full << " samples, each instance as fine as its nearest point needs\n"
+              << (std::isnan(r.needed_seconds)
+                      ? " of those needed move, and have no bounds\n"
+                      : " of those needed have no tight bounds: their resolution is estimated\n");
+  const bool evaluated = !std::isnan(r.needed_seconds);  // else triangles that are there
+  std::cout << "of " << plan.samples_full
+            << (evaluated ? " samples, each instance as fine as its nearest point needs"
+                          : " vertices, each instance's counted")
+            << '\n'
             << share_line(plan.samples_needed, plan.samples_full, "needed");
   for (std::size_t a = 0; a < attribute_count; ++a)
     if (r.request.attributes.has(static_cast<Attribute>(a)))
@@ -225,11 +232,12 @@ void print_text(const SceneReport& r) {
   std::vector<std::string> bounds;
   if (std::isfinite(r.request.chord_px)) bounds.push_back(rounded(r.request.chord_px, 6) + " pixels");
   if (std::isfinite(r.request.chord)) bounds.push_back("a length of " + rounded(r.request.chord, 6));
-  bounds.push_back("frames within " + rounded(r.request.frame_angle_rad * (180 / std::numbers::pi), 6) +
-                   " degrees");
-  std::cout << "bounds: " << joined(bounds) << '\n'
-            << "seconds: " << rounded(r.plan_seconds, 2) << " to plan, " << rounded(r.needed_seconds, 2)
-            << " to evaluate what is needed"
+  if (std::isfinite(r.request.frame_angle_rad))
+    bounds.push_back("frames within " + rounded(r.request.frame_angle_rad * (180 / std::numbers::pi), 6) +
+                     " degrees");
+  if (!bounds.empty()) std::cout << "bounds: " << joined(bounds) << '\n';
+  std::cout << "seconds: " << rounded(r.plan_seconds, 2) << " to plan"
+            << (evaluated ? ", " + rounded(r.needed_seconds, 2) + " to evaluate what is needed" : "")
             << (std::isnan(r.full_seconds) ? "" : ", " + rounded(r.full_seconds, 2) + " to evaluate all")
             << '\n';
 }
@@ -249,14 +257,51 @@ void check_outputs(const SceneArguments& arguments, const Common& common) {
   }
 }
 
-void run(const SceneArguments& arguments, Common& common) {
+const io::NamedCamera& chosen_camera(const SceneArguments& arguments,
+                                     const std::vector<io::NamedCamera>& cameras) {
+  if (arguments.camera >= cameras.size())
+    throw ParameterError("--camera",
+                         expected_got("one of the " + std::to_string(cameras.size()) + " cameras, from 0",
+                                      std::to_string(arguments.camera)));
+  return cameras[arguments.camera];
+}
+
+void print_report(const SceneReport& report, const Common& common) {
+  if (common.json)
+    print_json(report_json(report));
+  else if (!common.quiet)
+    print_text(report);
+}
+
+// The triangles of a glTF: planned by whole primitives, nothing is evaluated.
+void run_gltf(const SceneArguments& arguments, const Common& common) {
+  const std::pair<const char*, bool> of_surfaces[] = {{"--chord", !arguments.chord.empty()},
+                                                      {"--angle", !arguments.angle.empty()},
+                                                      {"--output", !arguments.output.empty()},
+                                                      {"--render", !arguments.render.empty()},
+                                                      {"--render-skipped", !arguments.render_skipped.empty()},
+                                                      {"--no-skip", arguments.no_skip},
+                                                      {"--no-cull", arguments.no_cull}};
+  for (const auto& [option, given] : of_surfaces)
+    if (given)
+      throw ParameterError(option, expected_got("a scene of surfaces in JSON", "triangles of a glTF"));
+  const GltfScene scene = scene_of_gltf(arguments.file);
+  const io::NamedCamera& camera = chosen_camera(arguments, scene.cameras);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  SceneRequest request;
+  request.chord_px = request.frame_angle_rad = infinity;
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const auto start = std::chrono::steady_clock::now();
+  const ScenePlan plan = plan_primitives(scene, camera.camera);
+  print_report(
+      {arguments, camera, request, plan, scene.instances.size(), 0, seconds_since(start), none, none},
+      common);
+}
+
+void run_surfaces(const SceneArguments& arguments, const Common& common) {
   check_outputs(arguments, common);
   const io::SceneFile file = io::read_scene_file(arguments.file, surface_argument);
-  if (arguments.camera >= file.cameras.size())
-    throw ParameterError(
-        "--camera", expected_got("one of the " + std::to_string(file.cameras.size()) + " cameras, from 0",
-                                 std::to_string(arguments.camera)));
-  const io::NamedCamera& camera = file.cameras[arguments.camera];
+  const io::NamedCamera& camera = chosen_camera(arguments, file.cameras);
   const Scene& scene = file.scene;
   SceneRequest request = file.request;
   if (!arguments.chord.empty()) set_chord(arguments.chord, request);
@@ -321,10 +366,15 @@ void run(const SceneArguments& arguments, Common& common) {
     if (output) output->commit();
   const bool to_stdout =
       arguments.output == "-" || arguments.render == "-" || arguments.render_skipped == "-";
-  if (common.json)
-    print_json(report_json(report));
-  else if (!common.quiet && !to_stdout)
-    print_text(report);
+  if (!to_stdout) print_report(report, common);
+}
+
+void run(const SceneArguments& arguments, Common& common) {
+  const std::string name = lower(arguments.file);
+  if (name.ends_with(".glb") || name.ends_with(".gltf"))
+    run_gltf(arguments, common);
+  else
+    run_surfaces(arguments, common);
 }
 
 }  // namespace
@@ -333,7 +383,10 @@ void add_scene(CLI::App& app, Common& common) {
   CLI::App& sub =
       *app.add_subcommand("scene", "What one camera of a scene needs, evaluated; what was skipped");
   auto arguments = std::make_shared<SceneArguments>();
-  sub.add_option("FILE", arguments->file, "a scene of surfaces as JSON, docs/schemas/scene.schema.json")
+  sub.add_option("FILE", arguments->file,
+                 "a scene of surfaces as JSON, docs/schemas/scene.schema.json, or a .glb or .gltf, whose "
+                 "primitives are planned as "
+                 "a whole")
       ->required();
   sub.add_option("--camera", arguments->camera, "which of its cameras, from 0")
       ->capture_default_str()

@@ -122,6 +122,14 @@ Json parse_extras(const char* subject, const std::string& text);
 /// \param text JSON of at most 256 levels \throws FileError with the subject `file`
 Json parse_json(const std::string& file, std::string_view text);
 
+/// A node of the scene that is shown: the default scene, else the first, else all trees of nodes.
+struct ShownNode {
+  std::size_t node;
+  Eigen::Matrix4d world;  ///< its space to the scene's
+};
+/// Depth first. \throws FileError where a node is its own ancestor or has two parents
+std::vector<ShownNode> shown_nodes(const GltfFile& file);
+
 /// All triangles of the document. \throws FileError
 Asset read_gltf(const GltfFile& file);
 

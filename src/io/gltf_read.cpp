@@ -9,8 +9,8 @@
 #include <darboux/error.h>
 
 #include "accessor.h"
-#include "tangent_space.h"
 #include "mesh_files.h"
+#include "tangent_space.h"
 
 namespace darboux::io {
 namespace {
@@ -173,13 +173,14 @@ void append_nodes(const GltfFile& file, const JsonCursor& owner, const char* key
   }
 }
 
-/// World matrices of the nodes that show each mesh.
-std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, std::size_t mesh_count) {
-  std::vector<std::vector<Eigen::Matrix4d>> instances(mesh_count);
+}  // namespace
+
+std::vector<ShownNode> shown_nodes(const GltfFile& file) {
   const JsonCursor root = file.root();
-  if (!root.has("nodes")) return instances;
+  if (!root.has("nodes")) return {};
   const JsonCursor nodes = root.at("nodes");
   const std::size_t count = nodes.size();
+  std::vector<ShownNode> shown;
 
   const bool has_scenes = root.has("scenes") && root.at("scenes").size() > 0;
   std::vector<std::size_t> roots;
@@ -217,10 +218,7 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, s
     ++visits;
     const JsonCursor node = nodes.at(visit.node);
     const Eigen::Matrix4d world = visit.parent * local_matrix(node);
-    if (node.has("mesh")) {
-      file.element("meshes", node.at("mesh"));
-      instances[node.at("mesh").integer()].push_back(world);
-    }
+    shown.push_back({visit.node, world});
     std::vector<std::size_t> children;
     append_nodes(file, node, "children", children);
     for (auto child = children.rbegin(); child != children.rend(); ++child) stack.push_back({*child, world});
@@ -229,6 +227,20 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, s
   if (!has_scenes && visits != count)
     for (std::size_t i = 0; i < count; ++i)
       if (!visited[i]) refuse(i);
+  return shown;
+}
+
+namespace {
+
+/// World matrices of the nodes that show each mesh.
+std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, std::size_t mesh_count) {
+  std::vector<std::vector<Eigen::Matrix4d>> instances(mesh_count);
+  for (const ShownNode& shown : shown_nodes(file)) {
+    const JsonCursor node = file.root().at("nodes").at(shown.node);
+    if (!node.has("mesh")) continue;
+    file.element("meshes", node.at("mesh"));
+    instances[node.at("mesh").integer()].push_back(shown.world);
+  }
   return instances;
 }
 

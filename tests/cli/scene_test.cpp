@@ -126,6 +126,33 @@ TEST_F(SceneCli, WritesTheTilesThatAreNeeded) {
   EXPECT_EQ(good("darboux scene scene.json -o - | cmp - tiles.glb"), "");
 }
 
+TEST_F(SceneCli, PlansThePrimitivesOfAGltf) {
+  Builder b = one_triangle();
+  b.json["cameras"] =
+      Json::array({{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}});
+  b.json["nodes"] = Json::array({{{"camera", 0}, {"translation", {0, 0, 5}}},
+                                 {{"mesh", 0}},
+                                 {{"mesh", 0}, {"translation", {0, 0, 9}}},
+                                 {{"mesh", 0}, {"rotation", {0, 1, 0, 0}}}});
+  b.json["scenes"] = Json::array({{{"nodes", {0, 1, 2, 3}}}});
+  write_bytes(path("made.glb"), b.glb());
+  const Json report = json("darboux scene made.glb --json");
+  EXPECT_EQ(keys(report), keys(json("darboux scene scene.json --json")));
+  EXPECT_EQ(report["needed"]["tiles"], 1);
+  EXPECT_EQ(report["skipped"]["outside_frustum"], 1) << "behind the camera";
+  EXPECT_EQ(report["skipped"]["back_facing"], 1);
+  EXPECT_EQ(report["samples_full"], 9);
+  EXPECT_EQ(report["needed"]["attributes"]["tangent4"], 0);
+  EXPECT_TRUE(report["seconds"]["needed"].is_null());
+  EXPECT_NE(good("darboux scene made.glb").find("1 of 3 instances are needed"), std::string::npos);
+  refused("darboux scene made.glb --render a.png", {"--render", "JSON"});
+  refused("darboux scene made.glb --camera 1", {"--camera"});
+  refused("darboux scene data/torus_016.none.glb", {"torus_016.none.glb", "camera"});
+  b.json["nodes"][1]["children"] = {1};
+  write_bytes(path("cyclic.glb"), b.glb());
+  refused("darboux scene cyclic.glb", {"cyclic.glb", "its own ancestor"});
+}
+
 TEST_F(SceneCli, RefusesBadScenes) {
   refused_with("/instances/3/scale", 0, {"other.json: /instances/3/scale: expected", "got 0"});
   refused_with("/instances/3/scael", 1, {"other.json: /instances/3/scael: expected one of the keys"});

@@ -1,0 +1,155 @@
+#include "assets/scene_of_gltf.h"
+
+#include "io_files.h"
+#include "refusal_of.h"
+
+namespace darboux::test {
+namespace {
+
+// A square of normal +z about the origin, and a camera at z = 5 that sees 2 x 2 there.
+class GltfScenes : public ::testing::Test {
+ protected:
+  GltfScenes() {
+    const std::size_t positions = b_.positions({-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0});
+    const std::size_t indices = b_.packed<std::uint16_t>("SCALAR", 5123, 6, {0, 1, 2, 0, 2, 3});
+    b_.primitive({{"POSITION", positions}}, {{"indices", indices}});
+    b_.json.update(Json::parse(R"({
+      "materials": [{}],
+      "cameras": [{"type": "perspective", "perspective": {"yfov": 0.39479111969976155, "aspectRatio": 2, "znear": 0.1}},
+                  {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 100}}],
+      "nodes": [{"camera": 0, "name": "eye", "translation": [0, 0, 5]}, {"mesh": 0}],
+      "scenes": [{"nodes": [0, 1]}]})"));
+  }
+
+  std::string path() const { return folder_ / "scene.glb"; }
+  GltfScene scene() const {
+    write_bytes(path(), b_.glb());
+    return scene_of_gltf(path());
+  }
+  ScenePlan plan(std::size_t camera = 0) const {
+    const GltfScene s = scene();
+    return plan_primitives(s, s.cameras.at(camera).camera);
+  }
+  // What becomes of the square, moved or turned.
+  std::string fate(const Json& placement, std::size_t camera = 0) {
+    Json& node = b_.json["nodes"][1];
+    node = {{"mesh", 0}};
+    node.update(placement);
+    const ScenePlan p = plan(camera);
+    EXPECT_EQ(p.tiles_all, 1u);
+    return p.tiles_needed == 1              ? "needed"
+           : p.skipped.outside_frustum == 1 ? "outside"
+           : p.skipped.back_facing == 1     ? "back"
+                                            : "nothing";
+  }
+
+  Builder b_;
+  TempFolder folder_;
+};
+
+TEST_F(GltfScenes, CamerasAreThoseOfTheNodes) {
+  b_.json["nodes"][0]["children"] = {2};
+  b_.json["nodes"].push_back({{"camera", 1}, {"scale", {2, 2, 2}}, {"rotation", {0, 1, 0, 0}}});
+  const GltfScene s = scene();
+  ASSERT_EQ(s.cameras.size(), 2u);
+  const Camera &a = s.cameras[0].camera, &b = s.cameras[1].camera;
+  EXPECT_EQ(s.cameras[0].name, "eye");
+  EXPECT_EQ(a.width_px, 1280);
+  EXPECT_EQ(a.height_px, 640);
+  EXPECT_EQ(a.far_distance, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(a.pose.translation(), Eigen::Vector3d(0, 0, 5));
+  EXPECT_EQ(b.projection, Camera::Projection::orthographic);
+  EXPECT_EQ(b.view_height, 2);
+  EXPECT_EQ(b.height_px, 1280);
+  EXPECT_LT((b.pose.linear().col(2) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-15)
+      << "turned about y, not scaled";
+}
+
+TEST_F(GltfScenes, PrimitivesAreSkippedAsAWhole) {
+  EXPECT_EQ(fate({{"translation", {0, 0, 0}}}), "needed");
+  // At z = 0 the view reaches to x = ±2, y = ±1.
+  EXPECT_EQ(fate({{"translation", {2.99, 0, 0}}}), "needed");
+  EXPECT_EQ(fate({{"translation", {3.01, 0, 0}}}), "outside");
+  EXPECT_EQ(fate({{"translation", {0, -2.01, 0}}}), "outside");
+  EXPECT_EQ(fate({{"translation", {0, 0, 4.91}}}), "outside") << "before the near plane";
+  EXPECT_EQ(fate({{"rotation", {0, 1, 0, 0}}}), "back");
+  EXPECT_EQ(fate({{"scale", {-1, 1, 1}}}), "needed") << "mirrored it shows the same side";
+  EXPECT_EQ(fate({{"scale", {1, 1, -1}}}), "back") << "turned inside out";
+  EXPECT_EQ(fate({{"scale", {1, 1, 0}}}), "needed") << "flat, its side is not known";
+  // Turned to face +x, away from the eye. The ball about its box, of radius √2, decides.
+  const Json quarter{0, 0.7071067811865476, 0, 0.7071067811865476};
+  EXPECT_EQ(fate({{"rotation", quarter}, {"translation", {1.5, 0, 0}}}), "back");
+  EXPECT_EQ(fate({{"rotation", quarter}, {"translation", {1.3, 0, 0}}}), "needed");
+  EXPECT_EQ(fate({{"rotation", quarter}, {"translation", {-1.5, 0, 0}}}), "needed");
+}
+
+TEST_F(GltfScenes, FacingAlongParallelRays) {
+  b_.json["nodes"][0]["camera"] = 1;
+  EXPECT_EQ(fate(Json::object()), "needed");
+  EXPECT_EQ(fate({{"rotation", {0, 1, 0, 0}}}), "back");
+  EXPECT_EQ(fate({{"translation", {2.01, 0, 0}}}), "outside");
+}
+
+TEST_F(GltfScenes, WhatIsSeenFromBehindOrMovesIsKept) {
+  const Json turned{{"rotation", {0, 1, 0, 0}}};
+  Json& primitive = b_.json["meshes"][0]["primitives"][0];
+  primitive["material"] = 0;
+  EXPECT_EQ(fate(turned), "back");
+  b_.json["materials"][0]["doubleSided"] = true;
+  EXPECT_EQ(fate(turned), "needed");
+  b_.json["materials"][0]["doubleSided"] = false;
+  primitive["targets"] = Json::array({{{"POSITION", primitive["attributes"]["POSITION"]}}});
+  EXPECT_EQ(fate(turned), "needed");
+  EXPECT_EQ(fate({{"translation", {9, 0, 0}}}), "needed");
+  EXPECT_EQ(plan().tiles_unbounded, 1u);
+}
+
+TEST_F(GltfScenes, InstancesOfTheExtensionAreInstances) {
+  Json& node = b_.json["nodes"][1];
+  const std::size_t translations = b_.packed<float>("VEC3", 5126, 3, {0, 0, 0, 0.5f, 0, -1, 50, 0, 0});
+  node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", translations}};
+  b_.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+  b_.json["materials"][0]["normalTexture"] = {{"index", 0}};
+  b_.json["textures"] = Json::array({Json::object()});
+  b_.json["meshes"][0]["primitives"][0]["material"] = 0;
+  const ScenePlan p = plan();
+  EXPECT_EQ(p.tiles_all, 3u);
+  EXPECT_EQ(p.instances_needed, 2u);
+  EXPECT_EQ(p.tiles_needed, 1u);
+  EXPECT_EQ(p.skipped.duplicates, 1u);
+  EXPECT_EQ(p.skipped.outside_frustum, 1u);
+  EXPECT_EQ(p.samples_full, 12u);
+  EXPECT_EQ(p.samples_needed, 4u);
+  EXPECT_EQ(p.attribute_samples[static_cast<std::size_t>(Attribute::tangent4)], 4u);
+  // Of different counts.
+  node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] = b_.positions({1, 1, 1});
+  EXPECT_NE(refusal_of<FileError>([&] { scene(); }).find("expected an accessor of as many elements"),
+            std::string::npos);
+}
+
+TEST_F(GltfScenes, ScenesThatNothingCanSeeAreRefused) {
+  const auto expect = [&](const std::string& words) {
+    const std::string message = refusal_of<FileError>([&] { scene(); });
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  };
+  const Builder good = b_;
+  b_.json["nodes"][1]["children"] = {1};
+  expect("expected trees of nodes");
+  b_ = good;
+  b_.json["nodes"][0].erase("camera");
+  expect("expected a node with a camera");
+  for (const double angle : {0.0, 3.2}) {
+    b_ = good;
+    b_.json["cameras"][0]["perspective"]["yfov"] = angle;
+    expect("cameras[0]: field of view: expected");
+  }
+  b_ = good;
+  b_.json["cameras"][0]["perspective"]["zfar"] = 0.1;
+  expect("cameras[0]: camera: expected near < far");
+  b_.json["cameras"][0]["perspective"]["aspectRatio"] = 0;
+  expect("cameras[0]: expected a width over height");
+}
+
+}  // namespace
+}  // namespace darboux::test
