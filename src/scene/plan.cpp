@@ -321,7 +321,10 @@ void Planner::plan_instance(std::uint32_t index) {
                              std::to_string(instance.surface) + " and " + std::to_string(instance.material));
   const SceneMaterial& material = scene_.materials[instance.material];
   std::unique_ptr<SurfaceTiles>& kept = tiles_[instance.surface];
-  if (!kept) kept = std::make_unique<SurfaceTiles>(scene_.surfaces[instance.surface]);
+  if (!kept)
+    kept = std::make_unique<SurfaceTiles>(
+        scene_.surfaces[instance.surface],
+        bounds_frames(request_.attributes) ? TileOrder::second : TileOrder::first);
   SurfaceTiles& tiles = *kept;
   const Placed placed = place(index, tiles);
   const SceneRequest::Skip& skip = request_.skip;

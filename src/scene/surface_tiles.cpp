@@ -64,7 +64,7 @@ TilePlace TilePlace::half(bool along_u, bool along_v, std::uint32_t i, std::uint
   return result;
 }
 
-SurfaceTiles::SurfaceTiles(const AnySurface& surface) : surface_(surface) {
+SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface_(surface), order_(order) {
   sample();
   known_ = TileBounds(surface, Tile{}).known();
   if (known_)
@@ -83,18 +83,21 @@ void SurfaceTiles::find_finest() {
   struct Part {
     TileRates rates;
     TilePlace place;
+    TileOrder order;
     double bend() const {
       const TileRates& r = rates;
-      return r.position_uu + 2 * r.position_uv + r.position_vv + r.frame_u + r.frame_v + r.frame_uu +
-             2 * r.frame_uv + r.frame_vv;
+      const double positions = r.position_uu + 2 * r.position_uv + r.position_vv;
+      return order == TileOrder::first
+                 ? positions
+                 : positions + r.frame_u + r.frame_v + r.frame_uu + 2 * r.frame_uv + r.frame_vv;
     }
     bool operator<(const Part& other) const { return bend() < other.bend(); }
   };
   const auto part = [&](const TilePlace& place) {
-    return Part{TileBounds(surface_, place.tile(), TileOrder::second).rates(), place};
+    return Part{TileBounds(surface_, place.tile(), order_).rates(), place, order_};
   };
   constexpr int finest = 6;
-  int left = 100;  // cuts
+  int left = 12;  // cuts
   std::vector<Part> open{part({})};
   while (left-- > 0 && open.front().place.level_u < finest) {
     std::pop_heap(open.begin(), open.end());
@@ -122,53 +125,71 @@ void SurfaceTiles::find_finest() {
   proven_.frame = proven_.frame && everywhere;
 }
 
-// From samples, half as much again: no bound, but as good a guess as any.
+// From samples, half as much again: no bound, but as good a guess as any. By differences over stencils that
+// meet.
 void SurfaceTiles::sample() {
-  constexpr int places = 33;
-  constexpr double h = 1.0 / 64, more = 1.5;  // stencils that meet
+  constexpr std::size_t cells = 64, width = cells + 1;
+  constexpr double h = 1.0 / cells, more = 1.5;
+  using Vector = std::array<double, 3>;
+  std::vector<Vector> position(width * width), t(position), b(position), n(position);
+  const auto values = [](std::vector<Vector>& v) { return std::span(v.front().data(), 3 * v.size()); };
+  Outputs<double> outputs;
+  outputs.packed(Attribute::position, values(position)).packed(Attribute::tangent, values(t));
+  outputs.packed(Attribute::bitangent, values(b)).packed(Attribute::normal, values(n));
+  surface_.evaluate(Points<double>::grid(cells, cells), outputs);
+
   TileRates most;
-  for (int i = 0; i < places; ++i)
-    for (int k = 0; k < places; ++k) {
-      const double u = h + (1 - 2 * h) * i / (places - 1), v = h + (1 - 2 * h) * k / (places - 1);
-      const Jet2<double> j = surface_.jet(u, v);
-      if (i + k == 0) lo_ = hi_ = j.position;
-      include(lo_, hi_, j.position);
-      places_.push_back(j.position);
-      reach_ = std::fmax(reach_, more * (norm(j.dpdu) + norm(j.dpdv)) / (2 * (places - 1)));
-      std::array<Frame<double>, 9> f;
-      std::array<Vec3<double>, 9> p;
-      for (std::size_t n = 0; n < 9; ++n) {
-        const double x = u + h * (double(n % 3) - 1), y = v + h * (double(n / 3) - 1);
-        f[n] = surface_.frame(x, y);
-        p[n] = surface_.jet(x, y).position;
-      }
-      TileRates here;
-      const auto look = [&](Vec3<double> Frame<double>::*member, double& first_u, double& first_v, double& uu,
-                            double& uv, double& vv) {
-        const auto x = [&](std::size_t n) { return f[n].*member; };
-        const auto across = [&](const Vec3<double>& d) { return more * norm(d - dot(d, x(4)) * x(4)); };
-        const auto larger = [](double& a, double b) { a = std::isfinite(a) ? std::fmax(a, b) : b; };
-        larger(first_u, more * norm(x(5) - x(3)) / (2 * h));
-        larger(first_v, more * norm(x(7) - x(1)) / (2 * h));
-        larger(uu, across(x(5) - 2.0 * x(4) + x(3)) / (h * h));
-        larger(uv, across(x(8) - x(6) - x(2) + x(0)) / (4 * h * h));
-        larger(vv, across(x(7) - 2.0 * x(4) + x(1)) / (h * h));
+  for (std::size_t k = 1; k < cells; k += 2)
+    for (std::size_t i = 1; i < cells; i += 2) {
+      const auto at = [&](const std::vector<Vector>& v, int du, int dv) {
+        const Vector& x =
+            v[(k + static_cast<std::size_t>(1 + dv) - 1) * width + i + static_cast<std::size_t>(1 + du) - 1];
+        return Vec3<double>{x[0], x[1], x[2]};
       };
-      using F = Frame<double>;
-      look(&F::n, here.normal_u, here.normal_v, here.normal_uu, here.normal_uv, here.normal_vv);
-      for (Vec3<double> F::*member : {&F::t, &F::b, &F::n})
-        look(member, here.frame_u, here.frame_v, here.frame_uu, here.frame_uv, here.frame_vv);
-      here.position_uu = more * norm(p[5] - 2.0 * p[4] + p[3]) / (h * h);
-      here.position_uv = more * norm(p[8] - p[6] - p[2] + p[0]) / (4 * h * h);
-      here.position_vv = more * norm(p[7] - 2.0 * p[4] + p[1]) / (h * h);
+      struct Differences {
+        Vec3<double> centre, u, v, uu, uv, vv;
+      };
+      const auto differences = [&](const std::vector<Vector>& x) {
+        return Differences{at(x, 0, 0),
+                           (at(x, 1, 0) - at(x, -1, 0)) / (2 * h),
+                           (at(x, 0, 1) - at(x, 0, -1)) / (2 * h),
+                           (at(x, 1, 0) - 2.0 * at(x, 0, 0) + at(x, -1, 0)) / (h * h),
+                           (at(x, 1, 1) - at(x, 1, -1) - at(x, -1, 1) + at(x, -1, -1)) / (4 * h * h),
+                           (at(x, 0, 1) - 2.0 * at(x, 0, 0) + at(x, 0, -1)) / (h * h)};
+      };
+      const Differences p = differences(position);
+      if (places_.empty()) lo_ = hi_ = p.centre;
+      include(lo_, hi_, p.centre);
+      places_.push_back(p.centre);
+      reach_ = std::fmax(reach_, more * h * (norm(p.u) + norm(p.v)));
+      TileRates here;
+      here.position_uu = more * norm(p.uu);
+      here.position_uv = more * norm(p.uv);
+      here.position_vv = more * norm(p.vv);
+      const auto across = [](const Vec3<double>& d, const Vec3<double>& x) {
+        return more * norm(d - dot(d, x) * x);
+      };
+      const Differences normal = differences(n);
+      here.normal_u = more * norm(normal.u);
+      here.normal_v = more * norm(normal.v);
+      here.normal_uu = across(normal.uu, normal.centre);
+      here.normal_uv = across(normal.uv, normal.centre);
+      here.normal_vv = across(normal.vv, normal.centre);
+      here.frame_u = here.frame_v = here.frame_uu = here.frame_uv = here.frame_vv = 0;
+      for (const auto* x : {&t, &b, &n}) {
+        const Differences d = differences(*x);
+        // Angular velocities add those of two vectors.
+        here.frame_u = std::fmax(here.frame_u, 2 * more * norm(d.u));
+        here.frame_v = std::fmax(here.frame_v, 2 * more * norm(d.v));
+        here.frame_uu = std::fmax(here.frame_uu, across(d.uu, d.centre));
+        here.frame_uv = std::fmax(here.frame_uv, across(d.uv, d.centre));
+        here.frame_vv = std::fmax(here.frame_vv, across(d.vv, d.centre));
+      }
       take_larger(most, here);
     }
   const Vec3<double> margin = (more - 1) / 2 * (hi_ - lo_);
   lo_ = lo_ - margin;
   hi_ = hi_ + margin;
-  // Angular velocities add those of two vectors.
-  most.frame_u *= 2;
-  most.frame_v *= 2;
   sampled_ = most;
 }
 
@@ -180,7 +201,7 @@ double SurfaceTiles::estimated_distance(const Vec3<double>& from) const {
 
 TileNode SurfaceTiles::make(const TilePlace& place) const {
   if (!known_) return {place, TileBounds(surface_, Tile{1, 0, 0, 0}), finest_, {}, lo_, hi_, {}, {}};
-  const TileBounds bounds(surface_, place.tile(), TileOrder::second);
+  const TileBounds bounds(surface_, place.tile(), order_);
   const auto most = [&](double x, double y, double z) { return bounds.support({x, y, z}); };
   TileRates rates = bounds.rates();
   const Proven proven = take_estimates(rates, sampled_);

@@ -54,7 +54,8 @@ constexpr std::uint32_t part_count(Split split) {
 
 class SurfaceTiles {
  public:
-  explicit SurfaceTiles(const AnySurface& surface);
+  // \param order second where frames have bounds
+  SurfaceTiles(const AnySurface& surface, TileOrder order);
 
   const AnySurface& surface() const { return surface_; }
   // Whether bounds are proven. Where not, boxes and rates are estimates, the same for all tiles.
@@ -81,6 +82,7 @@ class SurfaceTiles {
   void sample();
 
   AnySurface surface_;
+  TileOrder order_;
   bool known_ = true;
   Proven proven_;
   TileRates finest_, sampled_;
