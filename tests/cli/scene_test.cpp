@@ -1,4 +1,6 @@
 // `scene` against its contract.
+#include <set>
+
 #include "cli.h"
 
 namespace darboux::test {
@@ -121,6 +123,16 @@ TEST_F(SceneCli, WritesTheTilesThatAreNeeded) {
     vertices += file["accessors"][attributes["POSITION"].get<std::size_t>()]["count"].get<std::size_t>();
   }
   EXPECT_EQ(vertices, report["needed"]["samples"]);
+  // Without culling, the others too, and each once.
+  good("darboux scene scene.json --no-skip -o all.glb --quiet");
+  const Json all = split_glb(read_bytes(path("all.glb"))).json;
+  EXPECT_GT(all["nodes"].size(), file["nodes"].size());
+  EXPECT_EQ(all["nodes"].size(), all["meshes"].size()) << "no duplicates are looked for";
+  std::set<std::string> placed;
+  for (const Json& node : all["nodes"])
+    placed.insert(node["name"].get<std::string>() + " " +
+                  all["meshes"][node["mesh"].get<std::size_t>()]["name"].get<std::string>());
+  EXPECT_EQ(placed.size(), all["nodes"].size());
   // What was written is read, and its frames are what `validate` knows of each surface.
   good("darboux plan tiles.glb");
   EXPECT_EQ(good("darboux scene scene.json -o - | cmp - tiles.glb"), "");
