@@ -8,7 +8,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <limits>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -143,14 +144,37 @@ struct ScenePlan {
 /// bound that is out of range, an index that is, or a placement that is singular or not finite
 ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
 
+/// The same for many cameras of a scene: what is known of its surfaces' tiles is kept from one to the next.
+/// Plans are those of plan_scene(), to the bit. Memory: about 1 kB for each tile of a surface that a camera
+/// looked at.
+class ScenePlanner {
+ public:
+  /// \param scene lives as long as this; its surfaces do not change
+  /// \throws ParameterError as plan_scene() for a bound that is out of range
+  ScenePlanner(const Scene& scene, const SceneRequest& request);
+  ScenePlanner(ScenePlanner&&) noexcept;
+  ScenePlanner& operator=(ScenePlanner&&) noexcept;
+  ~ScenePlanner();
+  /// \throws ParameterError as plan_scene()
+  ScenePlan plan(const Camera& camera);
+
+ private:
+  class Planner;
+  std::unique_ptr<Planner> planner_;
+};
+
 /// The samples of one patch in its surface's own space. Valid until the function that is handed them returns.
 class TileSamples {
  public:
   const ScenePatch& patch() const { return *patch_; }
   /// The tiles they are of: place them by the instances' placements.
   std::span<const PlannedTile> tiles() const { return tiles_; }
-  std::size_t size() const { return uv_.size() / 2; }
-  Vec2<double> uv(std::size_t i) const { return {uv_[2 * i], uv_[2 * i + 1]}; }
+  std::size_t size() const { return status_.size(); }
+  Vec2<double> uv(std::size_t i) const {
+    const std::size_t corners = corners_.size();
+    return i < corners ? corners_[i]
+                       : Vec2<double>{others_[2 * (i - corners)], others_[2 * (i - corners) + 1]};
+  }
   /// All components of an attribute of the i-th sample; empty where it was not asked for.
   std::span<const double> operator()(Attribute a, std::size_t i) const {
     const std::size_t n = info_of(a).components;
@@ -170,10 +194,11 @@ class TileSamples {
   friend class TileEvaluator;
   const ScenePatch* patch_ = nullptr;
   std::span<const PlannedTile> tiles_;
-  std::vector<double> uv_, memory_;
+  Points<double> corners_;  // of cells, by rows
+  std::vector<double> others_, memory_;
   std::array<const double*, attribute_count> values_{};
   std::vector<Status> status_;
-  std::vector<std::uint32_t> triangles_;
+  std::span<const std::uint32_t> triangles_;
 };
 
 /// Evaluates the patches of a plan one after the other. Memory is kept from one to the next.
@@ -187,6 +212,9 @@ class TileEvaluator {
   const Scene* scene_;
   const ScenePlan* plan_;
   TileSamples samples_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>>
+      of_plain_;  // triangles, by cells
+  std::vector<std::uint32_t> triangles_;
 };
 
 /// Calls f(const TileSamples&) for each patch of a plan, in order and in the calling thread.

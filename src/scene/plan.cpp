@@ -20,25 +20,31 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int tile_level = 4;  // a tile has no more than 2^4 × 2^4 cells
 constexpr std::uint32_t tile_cells = 1u << tile_level;
-constexpr int finest_level = 14;                    // of the cells of a chart
-constexpr std::uint32_t unit = 1u << finest_level;  // coordinates as whole numbers
+constexpr int finest_level = 14;                          // of the cells of a chart
+constexpr std::uint32_t chart_size = 1u << finest_level;  // in whole numbers
+
+// 2^-level
+double share_of(int level) {
+  return 1.0 / static_cast<double>(1u << level);
+}
 
 constexpr Attributes tangent_attributes =
     Attribute::tangent | Attribute::bitangent | Attribute::handedness | Attribute::tangent4;
 
 double distance_to_box(const Vec3<double>& p, const Vec3<double>& lo, const Vec3<double>& hi) {
   const auto beyond = [](double x, double from, double to) {
-    return std::fmax(std::fmax(from - x, x - to), 0);
+    return x < from ? from - x : x > to ? x - to : 0;
   };
-  return norm(Vec3<double>{beyond(p.x, lo.x, hi.x), beyond(p.y, lo.y, hi.y), beyond(p.z, lo.z, hi.z)});
+  const Vec3<double> d{beyond(p.x, lo.x, hi.x), beyond(p.y, lo.y, hi.y), beyond(p.z, lo.z, hi.z)};
+  return std::sqrt(dot(d, d));
 }
 
-// The fewest cells on a rectangle of the chart for which error(du, dv) <= 1, which falls with both, and no
-// more than 2^most. Halves that side of the cells that is worth more.
+// The fewest cells on a rectangle of the chart for which error(du, dv) <= 1, which falls with both: no fewer
+// than a first guess has and no more than 2^most. Halves that side of the cells that is worth more.
 template <class F>
-TileLevels fewest_cells(double width_u, double width_v, const TileLevels& most, F error) {
-  TileLevels result;
-  double du = width_u, dv = width_v;
+TileLevels fewest_cells(double width_u, double width_v, const TileLevels& most, F error,
+                        TileLevels result = {}) {
+  double du = width_u * share_of(result.u), dv = width_v * share_of(result.v);
   while ((result.u < most.u || result.v < most.v) && !(error(du, dv) <= 1)) {
     if (result.v == most.v || (result.u < most.u && !(error(du, dv / 2) < error(du / 2, dv)))) {
       ++result.u;
@@ -51,21 +57,43 @@ TileLevels fewest_cells(double width_u, double width_v, const TileLevels& most, 
   return result;
 }
 
-// The angle of interpolated frames where a placement scales by different amounts: a unit vector that M turns
-// and stretches turns by no more than the condition of M faster, and what orthogonalises tangent and normal
-// adds both. Where there is no bound yet, beyond all bounds and falling with the cells.
-double angle_under(const TileRates& r, bool of_tangents, double condition, double du, double dv) {
-  const double rate_u = of_tangents ? r.frame_u : r.normal_u, rate_v = of_tangents ? r.frame_v : r.normal_v;
-  double angle = infinity;
-  if (condition == 1) {
-    angle = of_tangents ? r.frame_interpolation_angle(du, dv) : r.normal_interpolation_angle(du, dv);
-  } else {
-    TileRates stretched;
-    stretched.frame_u = 2 * condition * rate_u;
-    stretched.frame_v = 2 * condition * rate_v;
-    angle = stretched.frame_interpolation_angle(du, dv);
-  }
-  return std::isfinite(angle) ? angle : std::numbers::pi + rate_u * du + rate_v * dv;
+// The fewest cells, as a power of two no greater than 2^most, whose squared number is no less than
+// `cells_squared`.
+int levels_for(double cells_squared, int most) {
+  if (!(cells_squared > 1)) return 0;
+  int exponent = 0;
+  const double mantissa = std::frexp(cells_squared, &exponent);  // in [1/2, 1)
+  if (mantissa == 0.5) --exponent;
+  return std::min(most, (exponent + 1) / 2);
+}
+
+// Rates of frames that a placement M stretches, of a given condition. Of f = M x / |M x|, with L and F the
+// rates of x of first and second order, |f'| <= κ L, and across f |f''| <= κ F + 2 κ² L². What is square to
+// two such vectors adds theirs.
+TileRates stretched(const TileRates& r, double condition) {
+  const double k = condition, k2 = condition * condition;
+  TileRates result = r;
+  result.normal_u = k * r.normal_u;
+  result.normal_v = k * r.normal_v;
+  result.normal_uu = k * r.normal_uu + 2 * k2 * r.normal_u * r.normal_u;
+  result.normal_uv = k * r.normal_uv + 2 * k2 * r.normal_u * r.normal_v;
+  result.normal_vv = k * r.normal_vv + 2 * k2 * r.normal_v * r.normal_v;
+  result.frame_u = 2 * k * r.frame_u;
+  result.frame_v = 2 * k * r.frame_v;
+  result.frame_uu = 2 * k * r.frame_uu + 6 * k2 * r.frame_u * r.frame_u;
+  result.frame_uv = 2 * k * r.frame_uv + 6 * k2 * r.frame_u * r.frame_v;
+  result.frame_vv = 2 * k * r.frame_vv + 6 * k2 * r.frame_v * r.frame_v;
+  return result;
+}
+
+// The angle of interpolated frames. Where there is no bound yet, beyond all bounds and falling with the
+// cells.
+double interpolation_angle(const TileRates& r, bool of_tangents, double du, double dv) {
+  const double angle =
+      of_tangents ? r.frame_interpolation_angle(du, dv) : r.normal_interpolation_angle(du, dv);
+  if (std::isfinite(angle)) return angle;
+  return std::numbers::pi +
+         (of_tangents ? r.frame_u * du + r.frame_v * dv : r.normal_u * du + r.normal_v * dv);
 }
 
 // An instance before a camera.
@@ -75,6 +103,7 @@ struct Placed {
   std::array<Vec3<double>, 6> normals;
   std::array<double, 6> offsets;
   std::array<double, 6> normal_lengths;
+  bool seen;                 // or wholly outside the frustum, with all that surrounds it
   double smallest, largest;  // by what the placement scales lengths
   double condition;          // their ratio, 1 where it scales all alike
   double displacement;
@@ -112,37 +141,6 @@ struct Resolution {
   }
 };
 
-class Planner {
- public:
-  Planner(const Scene& scene, const Camera& camera, const SceneRequest& request);
-  ScenePlan plan();
-
- private:
-  Placed place(std::uint32_t instance, SurfaceTiles& tiles) const;
-  double nearest_distance(SurfaceTiles& tiles, const Placed& placed) const;
-  TileLevels cells_needed(const Placed& placed, double distance, Attributes asked, const TileRates& rates,
-                          const TilePlace& place, FrameLevels& kept) const;
-  bool bounds_frames(Attributes asked) const {
-    return asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi / 2;
-  }
-  void plan_instance(std::uint32_t instance);
-  Resolution resolution(std::uint32_t node) const;
-  bool outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const;
-  bool faces_away(const Placed& placed, const TileNode& node) const;
-  void find_edges(const Visited& tile, ScenePatch& patch);
-  void add(std::uint32_t instance, ScenePatch patch);
-
-  const Scene& scene_;
-  const SceneRequest& request_;
-  View view_;
-  std::vector<std::unique_ptr<SurfaceTiles>> tiles_;
-  Current current_{};
-  std::vector<Visited> visited_;
-  std::vector<std::uint32_t> found_;  // samples on an edge
-  HashTable known_patches_;
-  ScenePlan plan_;
-};
-
 void check(const Scene& scene, const SceneRequest& request) {
   const auto positive = [](const char* name, double bound) {
     if (!(bound > 0)) throw ParameterError(name, "expected a bound > 0, got " + std::to_string(bound));
@@ -160,12 +158,80 @@ void check(const Scene& scene, const SceneRequest& request) {
                          "expected fewer than 2^31 instances, got " + std::to_string(scene.instances.size()));
 }
 
-Planner::Planner(const Scene& scene, const Camera& camera, const SceneRequest& request)
-    : scene_(scene), request_(request), view_((camera.check(), camera)), tiles_(scene.surfaces.size()) {
+// The extent of a tile in whole numbers.
+struct Extent {
+  std::uint32_t u0, u1, v0, v1;
+  explicit Extent(const TilePlace& p)
+      : u0(p.column << (finest_level - p.level_u)),
+        u1((p.column + 1) << (finest_level - p.level_u)),
+        v0(p.row << (finest_level - p.level_v)),
+        v1((p.row + 1) << (finest_level - p.level_v)) {}
+};
+
+// What samples the tiles of an instance have on an edge of another one, that are no multiples of `spacing`.
+struct EdgeSearch {
+  bool along_u;  // the edge is v = line, else u = line
+  bool below;    // of the tiles below the line, or of those above
+  std::uint32_t line, from, to, spacing;
+  bool mirrored;  // across a twisted seam
+
+  // Whether a tile touches the edge.
+  bool touches(const Extent& e) const {
+    const std::uint32_t near = along_u ? e.v0 : e.u0, far = along_u ? e.v1 : e.u1;
+    return line >= near && line <= far && begin(e) < end(e);
+  }
+  std::uint32_t begin(const Extent& e) const { return std::max(from, along_u ? e.u0 : e.v0); }
+  std::uint32_t end(const Extent& e) const { return std::min(to, along_u ? e.u1 : e.v1); }
+
+  void take(const Extent& e, const TileLevels& cells, std::vector<std::uint32_t>& found) const {
+    if (line != (below ? (along_u ? e.v1 : e.u1) : (along_u ? e.v0 : e.u0))) return;
+    const std::uint32_t step = along_u ? (e.u1 - e.u0) >> cells.u : (e.v1 - e.v0) >> cells.v;
+    if (step >= spacing) return;
+    for (std::uint32_t x = (begin(e) + step - 1) / step * step; x <= end(e); x += step)
+      if (x % spacing != 0) found.push_back(mirrored ? chart_size - x : x);
+  }
+};
+
+}  // namespace
+
+class ScenePlanner::Planner {
+ public:
+  Planner(const Scene& scene, const SceneRequest& request);
+  ScenePlan plan(const Camera& camera);
+
+ private:
+  Placed place(std::uint32_t instance, SurfaceTiles& tiles) const;
+  double nearest_distance(SurfaceTiles& tiles, const Placed& placed);
+  TileLevels cells_needed(const Placed& placed, double distance, Attributes asked, const TileRates& rates,
+                          const TilePlace& place, FrameLevels& kept) const;
+  bool bounds_frames(Attributes asked) const {
+    return asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi / 2;
+  }
+  void plan_instance(std::uint32_t instance);
+  Resolution resolution(std::uint32_t node) const;
+  bool outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const;
+  bool faces_away(const Placed& placed, const TileNode& node) const;
+  void find_edges(const Visited& tile, ScenePatch& patch);
+  void add(std::uint32_t instance, ScenePatch patch);
+
+  const Scene& scene_;
+  SceneRequest request_;
+  View view_{Camera()};
+  std::vector<std::unique_ptr<SurfaceTiles>> tiles_;
+  Current current_{};
+  std::vector<Visited> visited_;
+  std::vector<std::uint32_t> found_;                    // samples on an edge
+  std::vector<std::pair<double, std::uint32_t>> open_;  // tiles by their distance
+  HashTable known_patches_;
+  ScenePlan plan_;
+};
+
+ScenePlanner::Planner::Planner(const Scene& scene, const SceneRequest& request)
+    : scene_(scene), request_(request), tiles_(scene.surfaces.size()) {
   check(scene, request);
 }
 
-Placed Planner::place(std::uint32_t index, SurfaceTiles& tiles) const {
+Placed ScenePlanner::Planner::place(std::uint32_t index, SurfaceTiles& tiles) const {
   const SceneInstance& instance = scene_.instances[index];
   const Eigen::Matrix3d m = instance.placement.linear();
   const Eigen::Vector3d t = instance.placement.translation();
@@ -205,11 +271,15 @@ Placed Planner::place(std::uint32_t index, SurfaceTiles& tiles) const {
     result.offsets[k] = plane.offset - plane.normal.dot(t);
   }
   result.displacement = scene_.materials[instance.material].displacement;
+  const double reach = result.largest * tiles.radius() + result.displacement + result.plane_rounding;
+  result.seen = true;
+  for (std::size_t k = 0; k < 6; ++k)
+    result.seen = result.seen && !(dot(result.normals[k], tiles.centre()) - result.offsets[k] < -reach);
   return result;
 }
 
 // From the eye to the surface, in the scene; what is nearer than the near plane is not seen.
-double Planner::nearest_distance(SurfaceTiles& tiles, const Placed& placed) const {
+double ScenePlanner::Planner::nearest_distance(SurfaceTiles& tiles, const Placed& placed) {
   if (!view_.perspective()) return infinity;
   const auto to = [&](std::uint32_t node) {
     return distance_to_box(placed.eye, tiles[node].lo, tiles[node].hi);
@@ -217,9 +287,10 @@ double Planner::nearest_distance(SurfaceTiles& tiles, const Placed& placed) cons
   double nearest = tiles.known() ? to(SurfaceTiles::root) : tiles.estimated_distance(placed.eye);
   // A box says little from near by: the least of those of tiles, down to some size.
   if (tiles.known() && nearest < 4 * tiles.radius()) {
-    constexpr int finest = 5;
+    constexpr int finest = 4;
     nearest = infinity;
-    std::vector<std::pair<double, std::uint32_t>> open{{to(SurfaceTiles::root), SurfaceTiles::root}};
+    auto& open = open_;
+    open.assign(1, {to(SurfaceTiles::root), SurfaceTiles::root});
     const auto later = [](const auto& a, const auto& b) { return a.first > b.first; };
     while (!open.empty()) {
       std::pop_heap(open.begin(), open.end(), later);
@@ -242,31 +313,39 @@ double Planner::nearest_distance(SurfaceTiles& tiles, const Placed& placed) cons
 
 // How many cells a tile needs at a distance from the eye: what its chords ask for and what its frames ask
 // for.
-TileLevels Planner::cells_needed(const Placed& placed, double distance, Attributes asked,
-                                 const TileRates& rates, const TilePlace& place, FrameLevels& kept) const {
+TileLevels ScenePlanner::Planner::cells_needed(const Placed& placed, double distance, Attributes asked,
+                                               const TileRates& rates, const TilePlace& place,
+                                               FrameLevels& kept) const {
   const TileLevels most{finest_level - place.level_u, finest_level - place.level_v};
-  const double width_u = std::ldexp(1.0, -place.level_u), width_v = std::ldexp(1.0, -place.level_v);
+  const double width_u = share_of(place.level_u), width_v = share_of(place.level_v);
   const double chord =
       std::fmin(request_.chord, view_.length_of(request_.chord_px, distance)) / placed.largest;
   TileLevels result;
   if (std::isfinite(chord))
     result = fewest_cells(width_u, width_v, most,
-                          [&](double du, double dv) { return rates.chord(du, dv) / chord; });
+                          [&](double du, double dv) { return rates.chord(du, dv) / chord; },
+                          {levels_for(width_u * width_u * rates.position_uu / (8 * chord), most.u),
+                           levels_for(width_v * width_v * rates.position_vv / (8 * chord), most.v)});
   if (!bounds_frames(asked)) return result;
   // These do not depend on the distance.
   const bool of_tangents = asked.has_any(tangent_attributes);
   if (kept.condition != placed.condition || kept.of_tangents != of_tangents ||
       kept.angle != request_.frame_angle_rad) {
-    kept = {placed.condition, request_.frame_angle_rad, of_tangents,
+    // What scales all alike but for rounding, as matrices in single precision do, turns vectors by that much.
+    const double turned = 4 * (placed.condition - 1), asked_for = request_.frame_angle_rad;
+    const bool alike = turned <= 0.01 * asked_for;
+    const TileRates of_frames = alike ? rates : stretched(rates, placed.condition);
+    const double angle = alike ? asked_for - turned : asked_for;
+    kept = {placed.condition, asked_for, of_tangents,
             fewest_cells(width_u, width_v, most, [&](double du, double dv) {
-              return angle_under(rates, of_tangents, placed.condition, du, dv) / request_.frame_angle_rad;
+              return interpolation_angle(of_frames, of_tangents, du, dv) / angle;
             })};
   }
   return {std::max(result.u, kept.levels.u), std::max(result.v, kept.levels.v)};
 }
 
 // Whether a tile lies wholly beyond a plane of the frustum. By its box, then by itself.
-bool Planner::outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const {
+bool ScenePlanner::Planner::outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const {
   for (std::size_t k = 0; k < 6; ++k) {
     if (!(planes >> k & 1)) continue;
     const Vec3<double>& n = placed.normals[k];
@@ -287,13 +366,13 @@ bool Planner::outside(const Placed& placed, const TileNode& node, std::uint8_t& 
   return false;
 }
 
-bool Planner::faces_away(const Placed& placed, const TileNode& node) const {
+bool ScenePlanner::Planner::faces_away(const Placed& placed, const TileNode& node) const {
   const double facing =
       view_.perspective() ? node.bounds.facing(placed.eye) : node.bounds.facing_along(placed.eye);
   return facing < -placed.eye_rounding;
 }
 
-Resolution Planner::resolution(std::uint32_t index) const {
+Resolution ScenePlanner::Planner::resolution(std::uint32_t index) const {
   const Placed& placed = current_.placed;
   SurfaceTiles& tiles = *current_.tiles;
   const TileNode& node = tiles[index];
@@ -312,7 +391,7 @@ Resolution Planner::resolution(std::uint32_t index) const {
   return cells.u <= most.u && cells.v <= most.v ? Resolution{cells, node.proven} : finest;
 }
 
-void Planner::plan_instance(std::uint32_t index) {
+void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
   const SceneInstance& instance = scene_.instances[index];
   if (instance.surface >= scene_.surfaces.size() || instance.material >= scene_.materials.size())
     throw ParameterError("instance " + std::to_string(index),
@@ -357,6 +436,10 @@ void Planner::plan_instance(std::uint32_t index) {
   current_ = {&tiles, placed, nearest, finest, asked};
   const bool one_sided = !material.double_sided && material.displacement == 0;
 
+  if (skip.outside_frustum && tiles.known() && !placed.seen) {
+    plan_.skipped.outside_frustum += tiles_of({});
+    return;
+  }
   visited_.clear();
   visited_.push_back({SurfaceTiles::root,
                       0,
@@ -414,43 +497,9 @@ void Planner::plan_instance(std::uint32_t index) {
   }
 }
 
-// The extent of a tile in whole numbers.
-struct Extent {
-  std::uint32_t u0, u1, v0, v1;
-  explicit Extent(const TilePlace& p)
-      : u0(p.column << (finest_level - p.level_u)),
-        u1((p.column + 1) << (finest_level - p.level_u)),
-        v0(p.row << (finest_level - p.level_v)),
-        v1((p.row + 1) << (finest_level - p.level_v)) {}
-};
-
-// What samples the tiles of an instance have on an edge of another one, that are no multiples of `spacing`.
-struct EdgeSearch {
-  bool along_u;  // the edge is v = line, else u = line
-  bool below;    // of the tiles below the line, or of those above
-  std::uint32_t line, from, to, spacing;
-  bool mirrored;  // across a twisted seam
-
-  // Whether a tile touches the edge.
-  bool touches(const Extent& e) const {
-    const std::uint32_t near = along_u ? e.v0 : e.u0, far = along_u ? e.v1 : e.u1;
-    return line >= near && line <= far && begin(e) < end(e);
-  }
-  std::uint32_t begin(const Extent& e) const { return std::max(from, along_u ? e.u0 : e.v0); }
-  std::uint32_t end(const Extent& e) const { return std::min(to, along_u ? e.u1 : e.v1); }
-
-  void take(const Extent& e, const TileLevels& cells, std::vector<std::uint32_t>& found) const {
-    if (line != (below ? (along_u ? e.v1 : e.u1) : (along_u ? e.v0 : e.u0))) return;
-    const std::uint32_t step = along_u ? (e.u1 - e.u0) >> cells.u : (e.v1 - e.v0) >> cells.v;
-    if (step >= spacing) return;
-    for (std::uint32_t x = (begin(e) + step - 1) / step * step; x <= end(e); x += step)
-      if (x % spacing != 0) found.push_back(mirrored ? unit - x : x);
-  }
-};
-
 // Tiles that are not seen count like the others: what a tile's triangles are does not depend on what is
 // culled.
-void Planner::find_edges(const Visited& tile, ScenePatch& patch) {
+void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
   SurfaceTiles& tiles = *current_.tiles;
   const auto search = [&](const EdgeSearch& edge) {
     const auto unseen = [&](const auto& self, std::uint32_t node) -> void {
@@ -481,17 +530,21 @@ void Planner::find_edges(const Visited& tile, ScenePatch& patch) {
   const std::uint32_t step_u = (e.u1 - e.u0) >> tile.cells.u, step_v = (e.v1 - e.v0) >> tile.cells.v;
   for (std::size_t k = 0; k < 4; ++k) {
     const bool along_u = k < 2, upper = k % 2 == 1;
+    // No tile is finer than the finest.
+    if (along_u ? tiles[tile.node].place.level_u + tile.cells.u >= current_.finest.u
+                : tiles[tile.node].place.level_v + tile.cells.v >= current_.finest.v)
+      continue;
     std::uint32_t line = along_u ? (upper ? e.v1 : e.v0) : (upper ? e.u1 : e.u0);
     std::uint32_t from = along_u ? e.u0 : e.v0, to = along_u ? e.u1 : e.v1;
     bool mirrored = false;
     found_.clear();
-    if (line == (upper ? unit : 0)) {  // across the seam
+    if (line == (upper ? chart_size : 0)) {  // across the seam
       const Coordinate across = along_u ? info.v : info.u;
       if (!round(across)) continue;
-      line = unit - line;
+      line = chart_size - line;
       if (across == Coordinate::twisted_turn) {
         mirrored = true;
-        from = unit - std::exchange(to, unit - from);
+        from = chart_size - std::exchange(to, chart_size - from);
       }
     }
     search({along_u, !upper, line, from, to, along_u ? step_u : step_v, mirrored});
@@ -504,7 +557,7 @@ void Planner::find_edges(const Visited& tile, ScenePatch& patch) {
 }
 
 // A tile of an instance: the samples of a patch that is there already, or of a new one.
-void Planner::add(std::uint32_t instance, ScenePatch patch) {
+void ScenePlanner::Planner::add(std::uint32_t instance, ScenePatch patch) {
   const auto coordinates = [&](const ScenePatch& p) {
     return std::span<const double>(plan_.edge_coordinates).subspan(p.first_edge_coordinate, edge_samples(p));
   };
@@ -544,7 +597,11 @@ void Planner::add(std::uint32_t instance, ScenePatch patch) {
   plan_.tiles.push_back({instance, found});
 }
 
-ScenePlan Planner::plan() {
+ScenePlan ScenePlanner::Planner::plan(const Camera& camera) {
+  camera.check();
+  view_ = View(camera);
+  plan_ = {};
+  known_patches_ = {};
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) plan_instance(i);
   plan_.tiles_needed = plan_.patches.size();
   std::uint32_t next = 0;
@@ -565,10 +622,18 @@ ScenePlan Planner::plan() {
   return std::move(plan_);
 }
 
-}  // namespace
+ScenePlanner::ScenePlanner(const Scene& scene, const SceneRequest& request)
+    : planner_(std::make_unique<Planner>(scene, request)) {}
+ScenePlanner::ScenePlanner(ScenePlanner&&) noexcept = default;
+ScenePlanner& ScenePlanner::operator=(ScenePlanner&&) noexcept = default;
+ScenePlanner::~ScenePlanner() = default;
+
+ScenePlan ScenePlanner::plan(const Camera& camera) {
+  return planner_->plan(camera);
+}
 
 ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request) {
-  return Planner(scene, camera, request).plan();
+  return ScenePlanner(scene, request).plan(camera);
 }
 
 }  // namespace darboux

@@ -65,16 +65,23 @@ TilePlace TilePlace::half(bool along_u, bool along_v, std::uint32_t i, std::uint
 }
 
 SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface_(surface), order_(order) {
-  sample();
-  known_ = TileBounds(surface, Tile{}).known();
-  if (known_)
-    find_finest();
-  else
-    finest_ = sampled_;
+  const TileBounds whole(surface, Tile{}, TileOrder::first);
+  known_ = whole.known();
+  // Closed forms have rates of second order at once, and tight ones.
+  if (std::isfinite(whole.rates().frame_uu)) {
+    finest_ = sampled_ = whole.rates();
+    proven_ = {true, true};
+  } else {
+    sample();
+    if (known_)
+      find_finest();
+    else
+      finest_ = sampled_;
+  }
   nodes_.push_back(make({}));
-  const TileNode& whole = nodes_.front();
-  centre_ = 0.5 * (whole.lo + whole.hi);
-  radius_ = 0.5 * norm(whole.hi - whole.lo) * (1 + 0x1p-48);
+  const TileNode& all = nodes_.front();
+  centre_ = 0.5 * (all.lo + all.hi);
+  radius_ = 0.5 * norm(all.hi - all.lo) * (1 + 0x1p-48);
 }
 
 // The largest rates over the chart. Bounds on intervals are loose over large tiles: those that bend most are

@@ -38,78 +38,96 @@ std::uint64_t sample_count(const ScenePatch& patch, std::span<const double> coor
   return patch.plain() ? corners : corners + edge_samples(patch) + split_cells(patch, coordinates).size();
 }
 
+namespace {
+
+void add_triangle(std::vector<std::uint32_t>& triangles, std::size_t a, std::size_t b, std::size_t c) {
+  for (const std::size_t i : {a, b, c}) triangles.push_back(static_cast<std::uint32_t>(i));
+}
+
+// Two for each cell that is not split.
+void add_triangles(std::uint32_t columns, std::uint32_t rows, const std::vector<bool>& is_split,
+                   std::vector<std::uint32_t>& triangles) {
+  const std::size_t width = std::size_t{columns} + 1;
+  for (std::uint32_t row = 0; row < rows; ++row)
+    for (std::uint32_t column = 0; column < columns; ++column) {
+      if (!is_split.empty() && is_split[std::size_t{row} * columns + column]) continue;
+      const std::size_t a = row * width + column, b = a + 1, c = a + width + 1, d = a + width;
+      add_triangle(triangles, a, b, c);
+      add_triangle(triangles, a, c, d);
+    }
+}
+
+// The samples of a patch beyond the corners of its cells, and its triangles: a fan around the centre of each
+// cell that is split.
+void add_split_cells(const ScenePatch& patch, std::span<const double> coordinates, std::vector<double>& uv,
+                     std::vector<std::uint32_t>& triangles) {
+  const std::uint32_t columns = patch.cells_u, rows = patch.cells_v;
+  const std::size_t width = std::size_t{columns} + 1, corners = width * (rows + 1);
+  const Tile t = patch.tile();
+  const auto add_uv = [&](double u, double v) {
+    uv.push_back(u);
+    uv.push_back(v);
+  };
+  std::size_t next = patch.first_edge_coordinate;
+  for (std::size_t edge = 0; edge < 4; ++edge)
+    for (std::uint32_t i = 0; i < patch.edge_counts[edge]; ++i, ++next) {
+      const double x = coordinates[next];
+      edge < 2 ? add_uv(x, edge == 0 ? t.v0 : t.v1) : add_uv(edge == 2 ? t.u0 : t.u1, x);
+    }
+  const double du = (t.u1 - t.u0) / columns, dv = (t.v1 - t.v0) / rows;
+  std::vector<bool> is_split(std::size_t{columns} * rows);
+  for (const SplitCell& cell : split_cells(patch, coordinates)) {
+    is_split[std::size_t{cell.row} * columns + cell.column] = true;
+    const std::size_t centre = corners + uv.size() / 2;
+    add_uv(t.u0 + (cell.column + 0.5) * du, t.v0 + (cell.row + 0.5) * dv);
+    // Round the border: along v0 and u1 rising, along v1 and u0 falling.
+    const std::size_t first = cell.row * width + cell.column;
+    std::size_t last = first;
+    const auto to = [&](std::size_t i) {
+      add_triangle(triangles, centre, last, i);
+      last = i;
+    };
+    const auto along = [&](std::size_t edge, bool rising) {
+      for (std::uint32_t i = 0; i < cell.count[edge]; ++i)
+        to(corners + cell.first[edge] + (rising ? i : cell.count[edge] - 1 - i));
+    };
+    along(0, true);
+    to(first + 1);
+    along(3, true);
+    to(first + width + 1);
+    along(1, false);
+    to(first + width);
+    along(2, false);
+    to(first);
+  }
+  add_triangles(columns, rows, is_split, triangles);
+}
+
+}  // namespace
+
 const TileSamples& TileEvaluator::evaluate(const ScenePatch& patch, const EvaluateOptions& options) {
   TileSamples& s = samples_;
   s.patch_ = &patch;
   s.tiles_ = std::span(plan_->tiles).subspan(patch.first_tile, patch.tile_count);
-  const std::uint32_t columns = patch.cells_u, rows = patch.cells_v, width = columns + 1;
-  const std::size_t corners = std::size_t{width} * (rows + 1);
+  const std::uint32_t columns = patch.cells_u, rows = patch.cells_v;
+  const std::size_t corners = (std::size_t{columns} + 1) * (rows + 1);
   const auto grid = Points<double>::part_of_grid(
       std::size_t{columns} << patch.level_u, std::size_t{rows} << patch.level_v,
       std::size_t{patch.column} * columns, columns, std::size_t{patch.row} * rows, rows);
 
-  s.uv_.clear();
-  const auto add_uv = [&](double u, double v) {
-    s.uv_.push_back(u);
-    s.uv_.push_back(v);
-  };
-  for (std::size_t i = 0; i < corners; ++i) add_uv(grid[i].x, grid[i].y);
-
-  s.triangles_.clear();
-  const auto triangle = [&](std::size_t a, std::size_t b, std::size_t c) {
-    for (const std::size_t i : {a, b, c}) s.triangles_.push_back(static_cast<std::uint32_t>(i));
-  };
-  const auto corner = [&](std::uint32_t column, std::uint32_t row) {
-    return std::size_t{row} * width + column;
-  };
-  std::vector<bool> is_split;
-  if (!patch.plain()) {
-    const std::vector<SplitCell> cells = split_cells(patch, plan_->edge_coordinates);
-    is_split.resize(std::size_t{columns} * rows);
-    const Tile t = patch.tile();
-    const std::span<const double> on_edges = std::span<const double>(plan_->edge_coordinates)
-                                                 .subspan(patch.first_edge_coordinate, edge_samples(patch));
-    std::size_t next = 0;
-    for (std::size_t edge = 0; edge < 4; ++edge)
-      for (std::uint32_t i = 0; i < patch.edge_counts[edge]; ++i, ++next) {
-        const double x = on_edges[next];
-        edge < 2 ? add_uv(x, edge == 0 ? t.v0 : t.v1) : add_uv(edge == 2 ? t.u0 : t.u1, x);
-      }
-    const double du = (t.u1 - t.u0) / columns, dv = (t.v1 - t.v0) / rows;
-    for (const SplitCell& cell : cells) {
-      is_split[std::size_t{cell.row} * columns + cell.column] = true;
-      const std::size_t centre = s.uv_.size() / 2;
-      add_uv(t.u0 + (cell.column + 0.5) * du, t.v0 + (cell.row + 0.5) * dv);
-      // Round the border: along v0 and u1 rising, along v1 and u0 falling.
-      const std::size_t first = corner(cell.column, cell.row);
-      std::size_t last = first;
-      const auto to = [&](std::size_t i) {
-        triangle(centre, last, i);
-        last = i;
-      };
-      const auto along = [&](std::size_t edge, bool rising) {
-        for (std::uint32_t i = 0; i < cell.count[edge]; ++i)
-          to(corners + cell.first[edge] + (rising ? i : cell.count[edge] - 1 - i));
-      };
-      along(0, true);
-      to(corner(cell.column + 1, cell.row));
-      along(3, true);
-      to(corner(cell.column + 1, cell.row + 1));
-      along(1, false);
-      to(corner(cell.column, cell.row + 1));
-      along(2, false);
-      to(first);
-    }
+  s.corners_ = grid;
+  s.others_.clear();
+  if (patch.plain()) {
+    std::vector<std::uint32_t>& triangles = of_plain_[{columns, rows}];
+    if (triangles.empty()) add_triangles(columns, rows, {}, triangles);
+    s.triangles_ = triangles;
+  } else {
+    triangles_.clear();
+    add_split_cells(patch, plan_->edge_coordinates, s.others_, triangles_);
+    s.triangles_ = triangles_;
   }
-  for (std::uint32_t row = 0; row < rows; ++row)
-    for (std::uint32_t column = 0; column < columns; ++column) {
-      if (!is_split.empty() && is_split[std::size_t{row} * columns + column]) continue;
-      const std::size_t a = corner(column, row), b = a + 1, c = a + width + 1, d = a + width;
-      triangle(a, b, c);
-      triangle(a, c, d);
-    }
 
-  const std::size_t size = s.uv_.size() / 2;
+  const std::size_t size = corners + s.others_.size() / 2;
   std::size_t components = 0;
   for (std::size_t a = 0; a < attribute_count; ++a)
     if (patch.attributes.has(static_cast<Attribute>(a))) components += attribute_infos[a].components;
@@ -135,8 +153,7 @@ const TileSamples& TileEvaluator::evaluate(const ScenePatch& patch, const Evalua
   const AnySurface& surface = scene_->surfaces[patch.surface];
   surface.evaluate(grid, on_corners, here);
   if (size > corners)
-    surface.evaluate(Points<double>::interleaved(std::span<const double>(s.uv_).subspan(2 * corners)), others,
-                     here);
+    surface.evaluate(Points<double>::interleaved(std::span<const double>(s.others_)), others, here);
   return s;
 }
 

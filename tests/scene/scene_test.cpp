@@ -235,9 +235,9 @@ TEST(Scene, CullingDoesNotChangeWhatIsLeft) {
     return result;
   };
   std::size_t stitched = 0;
-  for (int i = 0; i < 30; ++i) {
-    const Scene scene = random_scene(random, 10);
-    Camera camera = random_camera(random);
+  for (int i = 0; i < 20; ++i) {
+    const Scene scene = random_scene(random, 8);
+    const Camera camera = random_camera(random);
     SceneRequest request;
     request.chord_px = 4;
     request.frame_angle_rad = 0.3;
@@ -264,12 +264,12 @@ bool is_in_view(const Camera& camera, const Eigen::Vector3d& p) {
 TEST(Scene, NoVisibleSampleIsSkipped) {
   Random random(5);
   std::size_t visible = 0, seen = 0, all = 0;
-  for (int round = 0; round < 60; ++round) {
-    const Scene scene = random_scene(random, 30);
+  for (int round = 0; round < 40; ++round) {
+    const Scene scene = random_scene(random, 20);
     const Camera camera = random_camera(random);
     SceneRequest request;
-    request.chord_px = 4;
-    request.frame_angle_rad = 0.3;
+    request.chord_px = 8;
+    request.frame_angle_rad = 0.5;
     const ScenePlan plan = plan_scene(scene, camera, request);
     std::vector<std::vector<Tile>> tiles(scene.instances.size());
     for (const PlannedTile& t : plan.tiles) tiles[t.instance].push_back(plan.patches[t.patch].tile());
@@ -301,7 +301,7 @@ TEST(Scene, NoVisibleSampleIsSkipped) {
     }
   }
   std::cout << visible << " visible of " << all << '\n';
-  EXPECT_GT(visible, 3000u);
+  EXPECT_GT(visible, 5000u);
 }
 
 // Between the samples, over random points of random triangles.
@@ -313,7 +313,7 @@ TEST(Scene, BoundsHoldBetweenSamples) {
     const Camera camera = random_camera(random);
     SceneRequest request;
     request.attributes = Attribute::position | Attribute::tangent | Attribute::bitangent | Attribute::normal;
-    request.chord_px = random.log_uniform(1, 10);
+    request.chord_px = round % 2 == 0 ? random.log_uniform(1, 10) : 1e4;
     request.frame_angle_rad = random.log_uniform(0.05, 0.3);
     request.skip.duplicates = false;
     request.skip.unread_attributes = false;
@@ -321,7 +321,8 @@ TEST(Scene, BoundsHoldBetweenSamples) {
     const bool perspective = camera.projection == Camera::Projection::perspective;
     for_each_tile(scene, plan, [&](const TileSamples& tile) {
       const AnySurface& surface = scene.surfaces[tile.patch().surface];
-      if (!TileBounds(surface, Tile{}).known()) return;  // estimates prove nothing
+      // Second partials without bound, between the samples of an estimate.
+      if (surface.info().name == "superellipsoid") return;
       const Eigen::Affine3d& placement = scene.instances[tile.tiles()[0].instance].placement;
       const Eigen::Matrix3d by_normal = placement.linear().inverse().transpose();
       for (int k = 0; k < 5; ++k) {
@@ -367,7 +368,38 @@ TEST(Scene, BoundsHoldBetweenSamples) {
   std::cout << "worst share of the bounds: " << worst_px << " of the chord, " << worst_angle
             << " of the angle\n";
   EXPECT_GT(worst_px, 0.3);
-  EXPECT_GT(worst_angle, 0.3);
+  EXPECT_GT(worst_angle, 0.1);
+}
+
+// What is kept from one camera to the next changes nothing.
+TEST(Scene, PlansOfAPathAreThoseOfEachCamera) {
+  Random random(8);
+  const Scene scene = random_scene(random, 60);
+  SceneRequest request;
+  request.chord_px = 6;
+  request.frame_angle_rad = 0.3;
+  ScenePlanner planner(scene, request);
+  Camera camera = random_camera(random);
+  for (int i = 0; i < 10; ++i) {
+    camera.pose.translate(to_eigen(0.2 * random.direction()));
+    camera.pose.rotate(Eigen::AngleAxisd(0.1, to_eigen(random.direction())));
+    const ScenePlan kept = planner.plan(camera), anew = plan_scene(scene, camera, request);
+    EXPECT_EQ(kept.tiles_all, anew.tiles_all);
+    EXPECT_EQ(total(kept.skipped), total(anew.skipped));
+    EXPECT_EQ(kept.samples_full, anew.samples_full);
+    EXPECT_EQ(kept.edge_coordinates, anew.edge_coordinates);
+    ASSERT_EQ(kept.patches.size(), anew.patches.size());
+    ASSERT_EQ(kept.tiles.size(), anew.tiles.size());
+    for (std::size_t k = 0; k < kept.patches.size(); ++k) {
+      const ScenePatch &a = kept.patches[k], &b = anew.patches[k];
+      EXPECT_TRUE(a.surface == b.surface && a.column == b.column && a.row == b.row &&
+                  a.cells_u == b.cells_u && a.cells_v == b.cells_v && a.level_u == b.level_u &&
+                  a.edge_counts == b.edge_counts);
+    }
+    for (std::size_t k = 0; k < kept.tiles.size(); ++k)
+      EXPECT_TRUE(kept.tiles[k].instance == anew.tiles[k].instance &&
+                  kept.tiles[k].patch == anew.tiles[k].patch);
+  }
 }
 
 TEST(Scene, DuplicatesAreComputedOnce) {
