@@ -113,7 +113,7 @@ struct SkippedTiles {
   std::uint64_t no_normal_map = 0;  ///< all that was asked for is tangents, and the material reads none
   std::uint64_t outside_frustum = 0;
   std::uint64_t back_facing = 0;
-  std::uint64_t occluded = 0;
+  std::uint64_t occluded = 0;     ///< hidden behind others; not looked for yet, so 0
   std::uint64_t below_error = 0;  ///< a larger tile with as few samples does
   std::uint64_t duplicates = 0;   ///< computed once, for another instance of the surface
 };
@@ -128,8 +128,8 @@ struct ScenePlan {
   std::uint64_t tiles_needed = 0;      ///< all, less those skipped: the number of patches
   SkippedTiles skipped;
   /// Of those needed, before duplicates: their resolution is an estimate from samples, half as much again,
-  /// where no tighter bound is known: next to poles, for most formulas on intervals, and for surfaces without
-  /// bounds. The latter are never culled.
+  /// next to poles and on surfaces without bounds, or the finest there is, 2^14 cells along a side. Surfaces
+  /// without bounds are never culled.
   std::uint64_t tiles_unbounded = 0;
   std::uint64_t samples_full = 0;    ///< every instance uniformly at the resolution of its nearest point
   std::uint64_t samples_needed = 0;  ///< of the patches
@@ -137,12 +137,12 @@ struct ScenePlan {
   std::array<std::uint64_t, attribute_count> attribute_samples{};
 };
 
-/// What is to be evaluated for one camera. Tiles that no part of is seen are not: every decision is on the
-/// safe side by a proven bound, rounding included. Surfaces without bounds are not culled, and their
-/// resolution is estimated from samples. Cost: about 0.5 us per instance outside the frustum, 5 us per small
-/// one in view, and up to some ms per surface without closed forms, whose tiles are bounded first:
-/// docs/reports/scene.md. \throws ParameterError for a camera or a bound that is out of range, an index that
-/// is, or a placement that is singular or not finite
+/// What is to be evaluated for one camera. Nothing that is seen is left out: what is culled is so by a proven
+/// bound, rounding included. Resolutions keep the bounds asked for, proven but for tiles_unbounded. Surfaces
+/// without bounds are not culled, and their resolution is estimated from samples. Cost: about 0.5 us per
+/// instance outside the frustum, 5 us per small one in view, and up to some ms per surface without closed
+/// forms, whose tiles are bounded first: docs/reports/scene.md. \throws ParameterError for a camera or a
+/// bound that is out of range, an index that is, or a placement that is singular or not finite
 ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
 
 /// The same for many cameras of a scene: what is known of its surfaces' tiles is kept from one to the next.

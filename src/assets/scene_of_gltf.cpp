@@ -49,7 +49,8 @@ io::NamedCamera camera_of_node(const GltfFile& file, const JsonCursor& node, con
   }
   if (!(aspect > 1e-3 && aspect < 1e3))
     place.fail("a width over height from 0.001 to 1000", shortest(aspect));
-  camera.height_px = std::max(1, static_cast<int>(std::lround(camera.width_px / aspect)));
+  // Fewer rows show more to the sides.
+  camera.height_px = std::max(1, static_cast<int>(std::floor(camera.width_px / aspect)));
   // The scale of a node is none of its camera.
   camera.pose.linear() = world.topLeftCorner<3, 3>().colwise().normalized();
   camera.pose.translation() = world.topRightCorner<3, 1>();
@@ -152,7 +153,8 @@ GltfScene scene_of_gltf(const std::string& path) {
     for (const Eigen::Matrix4d& instance : gpu_instances(file, node)) {
       const Eigen::Affine3d placement(shown.world * instance);
       if (!placement.matrix().allFinite()) node.fail("transforms that are finite", "others");
-      for (const std::uint32_t p : primitives) scene.instances.push_back({p, node.has("skin"), placement});
+      for (const std::uint32_t p : primitives)
+        scene.instances.push_back({p, node.has("skin") || shown.moves, placement});
       if (scene.instances.size() > io::most_scene_instances)
         node.fail("at most " + std::to_string(io::most_scene_instances) + " instances up to here", "more");
     }

@@ -252,7 +252,7 @@ void check_outputs(const SceneArguments& arguments, const Common& common) {
     std::error_code none;
     if (std::filesystem::equivalent(name, arguments.file, none))
       throw ParameterError(name, expected_got("the name of another file", "that of the scene"));
-    if (!seen.insert(name).second)
+    if (!seen.insert(name == "-" ? name : std::filesystem::weakly_canonical(name, none).string()).second)
       throw ParameterError(name, expected_got("a file, or standard output, for one thing", "for two"));
   }
 }

@@ -125,7 +125,8 @@ Json parse_json(const std::string& file, std::string_view text);
 /// A node of the scene that is shown: the default scene, else the first, else all trees of nodes.
 struct ShownNode {
   std::size_t node;
-  Eigen::Matrix4d world;  ///< its space to the scene's
+  Eigen::Matrix4d world;  ///< its space to the scene's, at rest
+  bool moves = false;     ///< an animation moves it or what it hangs on
 };
 /// Depth first. \throws FileError where a node is its own ancestor or has two parents
 std::vector<ShownNode> shown_nodes(const GltfFile& file);

@@ -175,6 +175,25 @@ void append_nodes(const GltfFile& file, const JsonCursor& owner, const char* key
 
 }  // namespace
 
+// Whether an animation moves each node itself.
+static std::vector<bool> animated_nodes(const JsonCursor& root, std::size_t nodes) {
+  std::vector<bool> result(nodes, false);
+  if (!root.has("animations")) return result;
+  const JsonCursor animations = root.at("animations");
+  for (std::size_t a = 0; a < animations.size(); ++a) {
+    const JsonCursor channels = animations.at(a).at("channels");
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      const JsonCursor target = channels.at(c).at("target");
+      // A pointer may name any of them.
+      if (target.extension("KHR_animation_pointer")) result.assign(nodes, true);
+      if (!target.has("node")) continue;
+      const std::uint64_t node = target.at("node").integer();
+      if (node < nodes) result[node] = true;
+    }
+  }
+  return result;
+}
+
 std::vector<ShownNode> shown_nodes(const GltfFile& file) {
   const JsonCursor root = file.root();
   if (!root.has("nodes")) return {};
@@ -201,10 +220,12 @@ std::vector<ShownNode> shown_nodes(const GltfFile& file) {
   struct Visit {
     std::size_t node;
     Eigen::Matrix4d parent;
+    bool moves;
   };
+  const std::vector<bool> animated = animated_nodes(root, count);
   std::vector<Visit> stack;
   for (auto node = roots.rbegin(); node != roots.rend(); ++node)
-    stack.push_back({*node, Eigen::Matrix4d::Identity()});
+    stack.push_back({*node, Eigen::Matrix4d::Identity(), false});
   std::vector<bool> visited(count, false);
   std::size_t visits = 0;
   const auto refuse = [&](std::size_t node) {
@@ -218,10 +239,12 @@ std::vector<ShownNode> shown_nodes(const GltfFile& file) {
     ++visits;
     const JsonCursor node = nodes.at(visit.node);
     const Eigen::Matrix4d world = visit.parent * local_matrix(node);
-    shown.push_back({visit.node, world});
+    const bool moves = visit.moves || animated[visit.node];
+    shown.push_back({visit.node, world, moves});
     std::vector<std::size_t> children;
     append_nodes(file, node, "children", children);
-    for (auto child = children.rbegin(); child != children.rend(); ++child) stack.push_back({*child, world});
+    for (auto child = children.rbegin(); child != children.rend(); ++child)
+      stack.push_back({*child, world, moves});
   }
   // Without scenes every node hangs from a root, unless it is on a cycle.
   if (!has_scenes && visits != count)

@@ -54,12 +54,12 @@ class JsonCursor {
     return json_->is_structured() ? json_->type_name() : json_->dump();
   }
 
-  bool has(const char* key) const {
+  bool has(const std::string& key) const {
     if (!json_->is_object()) fail("an object");
     return json_->contains(key);
   }
-  JsonCursor at(const char* key) const {
-    if (!has(key)) fail(std::string("an object with ") + key, "one without");
+  JsonCursor at(const std::string& key) const {
+    if (!has(key)) fail("an object with " + key, "one without");
     const Json& value = *json_->find(key);
     if (by_pointer_) return pointer_to(value, key);
     return {*file_, value, name_ == "the document" ? key : name_ + "." + key};

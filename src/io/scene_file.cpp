@@ -70,9 +70,8 @@ void expect_keys(const JsonCursor& object, std::initializer_list<const char*> kn
   object.has("");  // refuses what is no object
   for (const auto& [key, value] : object.json().items())
     if (std::find(known.begin(), known.end(), key) == known.end())
-      object.at(key.c_str())
-          .fail("one of the keys " + joined(std::vector<std::string>(known.begin(), known.end())),
-                "an unknown one");
+      object.at(key).fail("one of the keys " + joined(std::vector<std::string>(known.begin(), known.end())),
+                          "an unknown one");
 }
 
 double number_above(const JsonCursor& value, double least) {
@@ -121,7 +120,7 @@ class SceneReader {
     list.has("");
     if (list.json().empty()) list.fail("at least one surface", "none");
     for (const auto& [name, text] : list.json().items()) {
-      const JsonCursor surface = list.at(name.c_str());
+      const JsonCursor surface = list.at(name);
       try {
         file_.scene.surfaces.push_back(make_surface_(surface.text()));
       } catch (const ParameterError& error) {
@@ -135,7 +134,7 @@ class SceneReader {
   void read_materials(const JsonCursor& list) {
     list.has("");
     for (const auto& [name, value] : list.json().items()) {
-      const JsonCursor material = list.at(name.c_str());
+      const JsonCursor material = list.at(name);
       expect_keys(material,
                   {"normal_map", "clearcoat_normal_map", "anisotropy", "double_sided", "displacement"});
       const auto flag = [&](const char* key) { return material.has(key) && material.at(key).boolean(); };
@@ -309,6 +308,8 @@ class SceneReader {
     const JsonCursor farthest_place = value.at("farthest_radii");
     const double farthest = farthest_place.number();
     if (!(farthest >= nearest)) farthest_place.fail("a number not below nearest_radii, " + shortest(nearest));
+    if (!std::isfinite(farthest / nearest))
+      farthest_place.fail("a finite multiple of nearest_radii, " + shortest(nearest));
     const Eigen::Vector3d eye = value.has("eye") ? vector_of(value.at("eye")) : Eigen::Vector3d::Zero();
     const std::vector<std::uint32_t> surfaces = named(value, "surfaces", surface_index_);
     std::vector<std::uint32_t> materials = named(value, "materials", material_index_);

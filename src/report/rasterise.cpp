@@ -140,6 +140,7 @@ Rasteriser::Rasteriser(const Camera& camera)
   const std::size_t count = index(0, camera.height_px);
   picture_.rgb.assign(3 * count, 255);
   depth_.assign(count, infinity);
+  order_.assign(count, 0);
 }
 
 Rasteriser::Corner Rasteriser::corner(const PictureVertex& v) const {
@@ -163,14 +164,15 @@ Rasteriser::Corner Rasteriser::corner(const PictureVertex& v) const {
 }
 
 void Rasteriser::add(std::span<const PictureVertex> vertices, std::span<const std::uint32_t> indices,
-                     const PictureMaterial& material) {
+                     const PictureMaterial& material, std::uint64_t order) {
   corners_.clear();
   for (const PictureVertex& v : vertices) corners_.push_back(corner(v));
   for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
-    draw(corners_[indices[i]], corners_[indices[i + 1]], corners_[indices[i + 2]], material);
+    draw(corners_[indices[i]], corners_[indices[i + 1]], corners_[indices[i + 2]], material, order);
 }
 
-void Rasteriser::draw(const Corner& a, const Corner& b, const Corner& c, const PictureMaterial& material) {
+void Rasteriser::draw(const Corner& a, const Corner& b, const Corner& c, const PictureMaterial& material,
+                      std::uint64_t order) {
   const Corner* const corners[3] = {&a, &b, &c};
   double left = infinity, right = -infinity, top = infinity, bottom = -infinity;
   const auto reach = [&](double x, double y) {
@@ -225,9 +227,10 @@ void Rasteriser::draw(const Corner& a, const Corner& b, const Corner& c, const P
       const double f = weights[0] * facing[0] + weights[1] * facing[1] + weights[2] * facing[2];
       const std::size_t i = index(x, y);
       // What lies behind the eye has a negative depth here.
-      if (!(depth >= near_ && depth <= far_ && depth < depth_[i]) || (!material.double_sided && !(f > 0)))
-        continue;
+      const bool nearer = depth < depth_[i] || (depth == depth_[i] && order < order_[i]);
+      if (!(depth >= near_ && depth <= far_ && nearer) || (!material.double_sided && !(f > 0))) continue;
       depth_[i] = depth;
+      order_[i] = order;
       const Vec3<double> colour = shade(corners, weights, f < 0, material);
       picture_.rgb[3 * i] = encoded(colour.x);
       picture_.rgb[3 * i + 1] = encoded(colour.y);

@@ -48,7 +48,7 @@ Vec3<double> bump(const Vec2<double>& uv);
 /// those of the homogeneous coordinates [Olano1997], which know no plane behind the eye, and near and far are
 /// tested where a pixel is drawn.
 ///
-/// Depth: the nearest wins, of equals the one that was added first.
+/// Depth: the nearest wins, of equals that of the lower order, then the one that was added first.
 ///
 /// Facing: what is not double-sided is drawn where n · (eye - P), interpolated from the corners, is positive.
 /// So nothing of a tile is drawn whose corners all face away, though some of its triangles may not.
@@ -61,8 +61,9 @@ class Rasteriser {
   explicit Rasteriser(const Camera& camera);
 
   /// \param indices three per triangle, into `vertices`
+  /// \param order which of several triangles at one depth is seen: the lower
   void add(std::span<const PictureVertex> vertices, std::span<const std::uint32_t> indices,
-           const PictureMaterial& material);
+           const PictureMaterial& material, std::uint64_t order = 0);
 
   /// What was drawn so far. White is the background.
   const Picture& picture() const { return picture_; }
@@ -82,7 +83,8 @@ class Rasteriser {
            static_cast<std::size_t>(x);
   }
   Corner corner(const PictureVertex& v) const;
-  void draw(const Corner& a, const Corner& b, const Corner& c, const PictureMaterial& material);
+  void draw(const Corner& a, const Corner& b, const Corner& c, const PictureMaterial& material,
+            std::uint64_t order);
   Vec3<double> shade(const Corner* const (&corners)[3], const double (&weights)[3], bool from_behind,
                      const PictureMaterial& material) const;
 
@@ -92,6 +94,7 @@ class Rasteriser {
   Vec3<double> eye_, right_, up_, back_, to_light_;
   Picture picture_;
   std::vector<double> depth_;
+  std::vector<std::uint64_t> order_;
   std::vector<Corner> corners_;
 };
 

@@ -29,7 +29,11 @@ void draw_tiles(Rasteriser& picture, const Scene& scene, const TileSamples& samp
       const Vec3<double> tangent = unit(turned(m, {stored[0], stored[1], stored[2]}));
       v.tangent = {tangent.x, tangent.y, tangent.z, side * stored[3]};
     }
-    picture.add(vertices, samples.triangles(), material(tile));
+    // By instance and place in its chart: the order of the patches depends on what is culled.
+    const Tile place = samples.patch().tile();
+    const auto fixed = [](double x) { return static_cast<std::uint64_t>(std::ldexp(x, 14)); };
+    picture.add(vertices, samples.triangles(), material(tile),
+                std::uint64_t{tile.instance} << 32 | fixed(place.v0) << 16 | fixed(place.u0));
   }
 }
 

@@ -18,8 +18,7 @@ namespace darboux {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int tile_level = 4;  // a tile has no more than 2^4 × 2^4 cells
-constexpr std::uint32_t tile_cells = 1u << tile_level;
+constexpr int tile_level = 4;                             // a tile has no more than 2^4 × 2^4 cells
 constexpr int finest_level = 14;                          // of the cells of a chart
 constexpr std::uint32_t chart_size = 1u << finest_level;  // in whole numbers
 
@@ -98,11 +97,9 @@ double interpolation_angle(const TileRates& r, bool of_tangents, double du, doub
 
 // An instance before a camera.
 struct Placed {
-  const SurfaceTiles* tiles;
   Vec3<double> eye;  // in the surface's own space; of an orthographic camera the direction to it
   std::array<Vec3<double>, 6> normals;
   std::array<double, 6> offsets;
-  std::array<double, 6> normal_lengths;
   bool seen;                 // or wholly outside the frustum, with all that surrounds it
   double smallest, largest;  // by what the placement scales lengths
   double condition;          // their ratio, 1 where it scales all alike
@@ -128,6 +125,7 @@ struct Current {
   double nearest;     // distance from the eye
   TileLevels finest;  // cells that the nearest point needs
   Attributes asked;
+  bool bounds_chord, bounds_frame;  // what is asked for
 };
 
 // The cells of a tile as its place asks for them, whether or not it is seen.
@@ -205,7 +203,7 @@ class ScenePlanner::Planner {
   TileLevels cells_needed(const Placed& placed, double distance, Attributes asked, const TileRates& rates,
                           const TilePlace& place, FrameLevels& kept) const;
   bool bounds_frames(Attributes asked) const {
-    return asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi / 2;
+    return asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi;
   }
   void plan_instance(std::uint32_t instance);
   Resolution resolution(std::uint32_t node) const;
@@ -241,7 +239,6 @@ Placed ScenePlanner::Planner::place(std::uint32_t index, SurfaceTiles& tiles) co
   };
   if (!m.allFinite() || !t.allFinite()) throw wrong("one that is not finite");
   Placed result{};
-  result.tiles = &tiles;
   const Eigen::Matrix3d square = m.transpose() * m;
   const double scale = square.trace() / 3;
   Eigen::Matrix3d inverse;
@@ -251,12 +248,14 @@ Placed ScenePlanner::Planner::place(std::uint32_t index, SurfaceTiles& tiles) co
     result.condition = 1;
     inverse = m.transpose() / scale;
   } else {
-    const Eigen::Vector3d s = m.jacobiSvd().singularValues();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::Vector3d s = svd.singularValues();
     if (!(s[2] > 1e-12 * s[0])) throw wrong("a singular one");
     result.smallest = s[2] * (1 - 1e-13);
     result.largest = s[0] * (1 + 1e-13);
     result.condition = result.largest / result.smallest;
-    inverse = m.inverse();
+    // Cofactors lose the square of the condition.
+    inverse = svd.matrixV() * s.cwiseInverse().asDiagonal() * svd.matrixU().transpose();
   }
   constexpr double rounding = 0x1p-48;
   const double lengths = view_.eye().norm() + t.norm();
@@ -378,8 +377,17 @@ Resolution ScenePlanner::Planner::resolution(std::uint32_t index) const {
   const TileNode& node = tiles[index];
   // The finest is enough everywhere. The bounds of a large tile may ask for more.
   const TileLevels most{current_.finest.u - node.place.level_u, current_.finest.v - node.place.level_v};
-  const Resolution finest{most, tiles.proven()};
+  // A chart is never cut finer than 2^finest_level.
+  const bool limited_u = current_.finest.u == finest_level, limited_v = current_.finest.v == finest_level;
+  const Resolution finest{most, limited_u || limited_v ? Proven{} : tiles.proven()};
   if (!request_.skip.below_error) return finest;
+  // Smaller tiles have bounds where this one has none, but for those at a pole.
+  constexpr int small = 5;
+  const bool bounded =
+      (!current_.bounds_chord || node.proven.chord) && (!current_.bounds_frame || node.proven.frame);
+  if (!bounded && tiles.known() && (node.place.level_u < small || node.place.level_v < small) &&
+      (most.u > tile_level || most.v > tile_level))
+    return finest;
   double distance = current_.nearest;
   if (view_.perspective() && tiles.known()) {
     const double to_box = distance_to_box(placed.eye, node.lo, node.hi);
@@ -388,7 +396,8 @@ Resolution ScenePlanner::Planner::resolution(std::uint32_t index) const {
   }
   const TileLevels cells =
       cells_needed(placed, distance, current_.asked, node.rates, node.place, tiles.frame_levels(index));
-  return cells.u <= most.u && cells.v <= most.v ? Resolution{cells, node.proven} : finest;
+  const bool enough = cells.u <= most.u - limited_u && cells.v <= most.v - limited_v;
+  return enough ? Resolution{cells, node.proven} : finest;
 }
 
 void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
@@ -410,14 +419,17 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
 
   // Every tile of the finest resolution.
   const double nearest = nearest_distance(tiles, placed);
-  const TileLevels finest =
-      cells_needed(placed, nearest, request_.attributes, tiles.finest(), {}, tiles.frame_levels());
+  const auto levels = [&](const TileRates& rates, FrameLevels& kept) {
+    return cells_needed(placed, nearest, request_.attributes, rates, {}, kept);
+  };
+  const TileLevels uniform = levels(tiles.typical(), tiles.typical_frame_levels());
+  const TileLevels finest = skip.below_error ? levels(tiles.finest(), tiles.frame_levels()) : uniform;
   const TileLevels deepest{std::max(finest.u - tile_level, 0), std::max(finest.v - tile_level, 0)};
   const auto tiles_of = [&](const TilePlace& place) {
     return std::uint64_t{1} << (deepest.u - place.level_u + deepest.v - place.level_v);
   };
   plan_.tiles_all += tiles_of({});
-  plan_.samples_full += ((std::uint64_t{1} << finest.u) + 1) * ((std::uint64_t{1} << finest.v) + 1);
+  plan_.samples_full += ((std::uint64_t{1} << uniform.u) + 1) * ((std::uint64_t{1} << uniform.v) + 1);
 
   Attributes asked = request_.attributes;
   if (skip.unread_attributes && !material.reads_tangents()) {
@@ -433,7 +445,7 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
   }
   const bool bounds_chord = std::isfinite(request_.chord) || std::isfinite(request_.chord_px);
   const bool bounds_frame = bounds_frames(asked);
-  current_ = {&tiles, placed, nearest, finest, asked};
+  current_ = {&tiles, placed, nearest, finest, asked, bounds_chord, bounds_frame};
   const bool one_sided = !material.double_sided && material.displacement == 0;
 
   if (skip.outside_frustum && tiles.known() && !placed.seen) {
@@ -593,6 +605,10 @@ void ScenePlanner::Planner::add(std::uint32_t instance, ScenePatch patch) {
     ++plan_.skipped.duplicates;
     plan_.edge_coordinates.resize(patch.first_edge_coordinate);
   }
+  constexpr std::size_t most = std::size_t{1} << 24;
+  if (plan_.tiles.size() == most || plan_.edge_coordinates.size() > 4 * most)
+    throw ParameterError("scene", "expected bounds that at most " + std::to_string(most) +
+                                      " tiles keep, got smaller ones: ask for a larger chord or angle");
   ++plan_.patches[found].tile_count;
   plan_.tiles.push_back({instance, found});
 }

@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
+
+#include <darboux/error.h>
 
 namespace darboux {
 namespace {
+
+constexpr std::size_t most_tiles = std::size_t{1} << 18;  // a quarter of a GB
 
 constexpr double TileRates::*position_rates[] = {&TileRates::position_uu, &TileRates::position_uv,
                                                  &TileRates::position_vv};
@@ -24,12 +29,10 @@ void take_larger(TileRates& a, const TileRates& b) {
   for (auto rate : frame_rates) take(rate);
 }
 
-// Estimates in place of larger bounds, as those next to poles and those on intervals over large tiles. Which
-// are still proven.
+// Estimates where there are no bounds, as next to poles. Which are proven.
 Proven take_estimates(TileRates& bounds, const TileRates& estimates) {
   const auto take = [&](double TileRates::*rate) {
-    constexpr double nothing = 1e-100;  // what rounding makes of 0
-    if (bounds.*rate <= estimates.*rate + nothing) return true;
+    if (std::isfinite(bounds.*rate)) return true;
     bounds.*rate = estimates.*rate;
     return false;
   };
@@ -69,7 +72,7 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
   known_ = whole.known();
   // Closed forms have rates of second order at once, and tight ones.
   if (std::isfinite(whole.rates().frame_uu)) {
-    finest_ = sampled_ = whole.rates();
+    finest_ = typical_ = sampled_ = whole.rates();
     proven_ = {true, true};
   } else {
     sample();
@@ -77,6 +80,9 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
       find_finest();
     else
       finest_ = sampled_;
+    typical_ = finest_;
+    for (auto rate : position_rates) typical_.*rate = std::fmin(typical_.*rate, sampled_.*rate);
+    for (auto rate : frame_rates) typical_.*rate = std::fmin(typical_.*rate, sampled_.*rate);
   }
   nodes_.push_back(make({}));
   const TileNode& all = nodes_.front();
@@ -232,6 +238,10 @@ std::uint32_t SurfaceTiles::parts(std::uint32_t node, Split split) {
       for (std::uint32_t i = 0; i < (along_u ? 2u : 1u); ++i)
         nodes_.push_back(make(place.half(along_u, along_v, i, k)));
     nodes_[node].parts[which] = first;
+    if (nodes_.size() > most_tiles)
+      throw ParameterError("scene",
+                           "expected bounds that at most " + std::to_string(most_tiles) +
+                               " tiles of a surface keep, got smaller ones: ask for a larger chord or angle");
   }
   return nodes_[node].parts[which];
 }

@@ -63,7 +63,10 @@ class SurfaceTiles {
   // The largest rates over the chart.
   const TileRates& finest() const { return finest_; }
   const Proven& proven() const { return proven_; }  // of these
-  double radius() const { return radius_; }         // of a sphere about centre() that holds all of it
+  // The same as samples have them, where these are smaller: bounds on intervals are larger than what they
+  // bound.
+  const TileRates& typical() const { return typical_; }
+  double radius() const { return radius_; }  // of a sphere about centre() that holds all of it
   const Vec3<double>& centre() const { return centre_; }
 
   // From samples, for surfaces without bounds.
@@ -73,6 +76,7 @@ class SurfaceTiles {
   const TileNode& operator[](std::uint32_t node) const { return nodes_[node]; }
   FrameLevels& frame_levels(std::uint32_t node) { return nodes_[node].frame_levels; }
   FrameLevels& frame_levels() { return frame_levels_; }  // of the finest
+  FrameLevels& typical_frame_levels() { return typical_frame_levels_; }
   // The first of the parts.
   std::uint32_t parts(std::uint32_t node, Split split);
 
@@ -85,8 +89,8 @@ class SurfaceTiles {
   TileOrder order_;
   bool known_ = true;
   Proven proven_;
-  TileRates finest_, sampled_;
-  FrameLevels frame_levels_;
+  TileRates finest_, sampled_, typical_;
+  FrameLevels frame_levels_, typical_frame_levels_;
   Vec3<double> centre_{}, lo_{}, hi_{};
   double radius_ = 0;
   std::vector<Vec3<double>> places_;
