@@ -49,8 +49,12 @@ io::NamedCamera camera_of_node(const GltfFile& file, const JsonCursor& node, con
   }
   if (!(aspect > 1e-3 && aspect < 1e3))
     place.fail("a width over height from 0.001 to 1000", shortest(aspect));
-  // Fewer rows show more to the sides.
-  camera.height_px = std::max(1, static_cast<int>(std::floor(camera.width_px / aspect)));
+  camera.height_px = std::max(1, static_cast<int>(std::lround(camera.width_px / aspect)));
+  // Whole pixels show no less than the file's view: where they are too high, a little more above and below.
+  const double more = std::fmax(1, aspect * camera.height_px / camera.width_px);
+  if (more > 1 && camera.projection == Camera::Projection::perspective)
+    camera.vertical_field_of_view_rad = 2 * std::atan(more * std::tan(camera.vertical_field_of_view_rad / 2));
+  camera.view_height *= more;
   // The scale of a node is none of its camera.
   camera.pose.linear() = world.topLeftCorner<3, 3>().colwise().normalized();
   camera.pose.translation() = world.topRightCorner<3, 1>();

@@ -28,7 +28,7 @@ struct ScenePrimitive {
 
 struct ScenePrimitiveInstance {
   std::uint32_t primitive;
-  bool moves;  ///< by a skin: neither box nor placement are known
+  bool moves;  ///< by a skin or an animation: neither box nor placement are known
   Eigen::Affine3d placement;
 };
 
@@ -46,7 +46,8 @@ GltfScene scene_of_gltf(const std::string& path);
 /// A plan without patches. Its tiles are instances of primitives, each of one level; its samples are their
 /// vertices, of which tangent4 counts those whose material reads tangents. Skipped are those outside the
 /// frustum, those that wholly face away and are single-sided, and duplicates, whose vertices another instance
-/// needs already. tiles_unbounded counts those with morph targets or a skin, which are needed always.
+/// needs already. tiles_unbounded counts what morph targets, a skin or an animation moves, which is needed
+/// always.
 ScenePlan plan_primitives(const GltfScene& scene, const Camera& camera);
 
 }  // namespace darboux

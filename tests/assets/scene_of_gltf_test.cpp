@@ -104,6 +104,24 @@ TEST_F(GltfScenes, WhatIsSeenFromBehindOrMovesIsKept) {
   EXPECT_EQ(plan().tiles_unbounded, 1u);
 }
 
+// Whole pixels are never of a narrower view than the file's.
+TEST_F(GltfScenes, NothingAtTheBorderOfTheViewIsLost) {
+  for (const double aspect : {1.3, 1.7777778, 0.77, 800.0, 123.4}) {
+    b_.json["cameras"][0]["perspective"]["aspectRatio"] = aspect;
+    // At z = 0 the view reaches to x = ±aspect; the square's left side is one less.
+    EXPECT_EQ(fate({{"translation", {1 + 0.9999 * aspect, 0, 0}}}), "needed") << aspect;
+  }
+}
+
+TEST_F(GltfScenes, WhatAnAnimationMovesIsKept) {
+  b_.json["animations"] =
+      Json::parse(R"([{"channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}],
+                                           "samplers": [{"input": 0, "output": 0}]}])");
+  EXPECT_EQ(fate({{"translation", {500, 0, 0}}}), "needed");
+  b_.json["animations"][0]["channels"][0]["target"]["node"] = 0;
+  EXPECT_EQ(fate({{"translation", {500, 0, 0}}}), "outside");
+}
+
 TEST_F(GltfScenes, InstancesOfTheExtensionAreInstances) {
   Json& node = b_.json["nodes"][1];
   const std::size_t translations = b_.packed<float>("VEC3", 5126, 3, {0, 0, 0, 0.5f, 0, -1, 50, 0, 0});

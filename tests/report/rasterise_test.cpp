@@ -175,6 +175,19 @@ TEST(Rasteriser, DepthsAreThoseOfTheRays) {
   EXPECT_GT(drawn, 400);
 }
 
+TEST(Rasteriser, OfEqualDepthsTheLowerOrderWins) {
+  const Camera camera = camera_of(8, 8);
+  const Vertices v = facing_us({{-9, -9, -3}, {9, -9, -3}, {0, 20, -3}});
+  const PictureMaterial red{{1, 0, 0}, false, false}, green{{0, 1, 0}, false, false};
+  Rasteriser one(camera), other(camera);
+  one.add(v, Indices{0, 1, 2}, red, 2);
+  one.add(v, Indices{0, 1, 2}, green, 1);
+  other.add(v, Indices{0, 1, 2}, green, 1);
+  other.add(v, Indices{0, 1, 2}, red, 2);
+  EXPECT_EQ(one.picture().rgb, other.picture().rgb);
+  EXPECT_EQ(one.picture().rgb[0], 0);
+}
+
 TEST(Rasteriser, OfEqualDepthsTheFirstWins) {
   const Camera camera = camera_of(8, 8);
   const Vertices v = facing_us({{-9, -9, -3}, {9, -9, -3}, {0, 20, -3}});
