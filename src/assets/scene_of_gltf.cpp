@@ -123,6 +123,27 @@ std::vector<Eigen::Matrix4d> gpu_instances(const GltfFile& file, const JsonCurso
 
 }  // namespace
 
+// Most files have no camera: one that sees all of a scene, from the front, above and to the right.
+static io::NamedCamera camera_before(const GltfScene& scene) {
+  Eigen::AlignedBox3d all;
+  for (const ScenePrimitiveInstance& i : scene.instances) {
+    const Eigen::AlignedBox3d& box = scene.primitives[i.primitive].box;
+    if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) continue;
+    for (int k = 0; k < 8; ++k)
+      all.extend(i.placement * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)));
+  }
+  if (all.isEmpty()) all.extend(Eigen::Vector3d::Zero());
+  const double radius = std::fmax(all.diagonal().norm() / 2, 1e-6 * (1 + all.center().norm()));
+  io::NamedCamera result{"before the scene", {}};
+  Camera& camera = result.camera;
+  const Eigen::Vector3d towards_us = Eigen::Vector3d(0.5, 0.35, 1).normalized();
+  const double distance = 1.05 * radius / std::sin(camera.vertical_field_of_view_rad / 2);
+  camera.pose = Camera::look_at(all.center() + distance * towards_us, all.center(), {0, 1, 0});
+  camera.near_distance = (distance - radius) / 2;
+  camera.far_distance = distance + 2 * radius;
+  return result;
+}
+
 GltfScene scene_of_gltf(const std::string& path) {
   const GltfFile file = io::load_gltf(path, io::read_file(path));
   const JsonCursor root = file.root();
@@ -163,7 +184,7 @@ GltfScene scene_of_gltf(const std::string& path) {
         node.fail("at most " + std::to_string(io::most_scene_instances) + " instances up to here", "more");
     }
   }
-  if (scene.cameras.empty()) throw FileError(path, expected_got("a node with a camera in its scene", "none"));
+  if (scene.cameras.empty()) scene.cameras.push_back(camera_before(scene));
   return scene;
 }
 

@@ -35,7 +35,7 @@ struct ScenePrimitiveInstance {
 struct GltfScene {
   std::vector<ScenePrimitive> primitives;
   std::vector<ScenePrimitiveInstance> instances;
-  std::vector<io::NamedCamera> cameras;  ///< one per node that has one; 1280 pixels wide
+  std::vector<io::NamedCamera> cameras;  ///< one per node that has one, else one that sees all
 };
 
 /// Reads nodes, cameras, EXT_mesh_gpu_instancing, and the triangles with what their materials read.

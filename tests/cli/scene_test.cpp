@@ -159,7 +159,7 @@ TEST_F(SceneCli, PlansThePrimitivesOfAGltf) {
   EXPECT_NE(good("darboux scene made.glb").find("1 of 3 instances are needed"), std::string::npos);
   refused("darboux scene made.glb --render a.png", {"--render", "JSON"});
   refused("darboux scene made.glb --camera 1", {"--camera"});
-  refused("darboux scene data/torus_016.none.glb", {"torus_016.none.glb", "camera"});
+  EXPECT_NE(good("darboux scene data/torus_016.none.glb").find("before the scene"), std::string::npos);
   b.json["nodes"][1]["children"] = {1};
   write_bytes(path("cyclic.glb"), b.glb());
   refused("darboux scene cyclic.glb", {"cyclic.glb", "its own ancestor"});
