@@ -441,8 +441,15 @@ template <std::floating_point S>
 Curvature<S> curvature_of(const WideForms& wide) {
   const Curvature<Multiprecision> c = curvature_of(
       wide.shape, wide.frame, Multiprecision(8 * std::numeric_limits<S>::epsilon()), Multiprecision(1e-36));
-  return {rounded_to<S>(c.gaussian),
-          rounded_to<S>(c.mean),
+  // A sum of which rounding to 40 digits is all that is left is 0.
+  using std::abs;
+  const ShapeOperator<Multiprecision>& s = wide.shape;
+  const Multiprecision rounding(1e-36);
+  const auto sum = [&](const Multiprecision& x, const Multiprecision& size) {
+    return abs(x) <= rounding * size ? S(0) : rounded_to<S>(x);
+  };
+  return {sum(c.gaussian, s.a_size * s.c_size + s.m_size * s.m_size),
+          sum(c.mean, s.a_size + s.c_size),
           {rounded_to<S>(c.principal[0]), rounded_to<S>(c.principal[1])},
           {rounded_to<S>(c.directions[0]), rounded_to<S>(c.directions[1])},
           c.status};
