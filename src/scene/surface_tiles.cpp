@@ -47,6 +47,11 @@ void include(Vec3<double>& lo, Vec3<double>& hi, const Vec3<double>& p) {
   hi = {std::fmax(hi.x, p.x), std::fmax(hi.y, p.y), std::fmax(hi.z, p.z)};
 }
 
+bool has_box(const TileNode& node) {
+  const auto finite = [](const Vec3<double>& a) { return std::isfinite(a.x + a.y + a.z); };
+  return finite(node.lo) && finite(node.hi);
+}
+
 }  // namespace
 
 Tile TilePlace::tile() const {
@@ -85,7 +90,19 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
     for (auto rate : frame_rates) typical_.*rate = std::fmin(typical_.*rate, sampled_.*rate);
   }
   nodes_.push_back(make({}));
-  const TileNode& all = nodes_.front();
+  TileNode& all = nodes_.front();
+  // Bounds on intervals may know no box of the whole, though boxes of its parts.
+  for (std::uint8_t level = 1; level <= 3 && !has_box(all); ++level)
+    for (std::uint32_t i = 0; i < 1u << level; ++i)
+      for (std::uint32_t k = 0; k < 1u << level; ++k) {
+        const TileNode part = make({level, level, i, k});
+        if (i + k == 0) {
+          all.lo = part.lo;
+          all.hi = part.hi;
+        }
+        include(all.lo, all.hi, part.lo);
+        include(all.lo, all.hi, part.hi);
+      }
   centre_ = 0.5 * (all.lo + all.hi);
   radius_ = 0.5 * norm(all.hi - all.lo) * (1 + 0x1p-48);
 }

@@ -516,6 +516,16 @@ TEST(Scene, DuplicatesAreComputedOnce) {
   EXPECT_EQ(apart.tiles_needed, plan.tiles.size());
 }
 
+// Every surface of the catalogue, wholly beside and behind the view.
+TEST(Scene, WhatIsOutsideIsSkippedWhateverItIs) {
+  for (const AnySurface& surface : all_surfaces())
+    for (const Eigen::Vector3d& at : {Eigen::Vector3d(300, 0, -100), Eigen::Vector3d(0, 0, 100)}) {
+      const Scene scene{{surface}, {{}}, {SceneInstance{0, 0, Eigen::Affine3d(Eigen::Translation3d(at))}}};
+      const ScenePlan plan = plan_scene(scene, {}, {});
+      EXPECT_EQ(plan.skipped.outside_frustum, plan.tiles_all) << surface.info().name;
+    }
+}
+
 TEST(Scene, OnlyWhatMaterialsReadIsEvaluated) {
   Scene scene{{make_surface("sphere")}, {{.name = "plain"}, {.name = "bumpy", .normal_map = true}}, {}};
   for (std::uint32_t i = 0; i < 2; ++i) {
