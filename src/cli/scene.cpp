@@ -216,9 +216,9 @@ void print_text(const SceneReport& r) {
       std::cout << share_line(count, plan.tiles_all, reason.text);
   if (plan.tiles_unbounded > 0)
     std::cout << plan.tiles_unbounded
-              << (std::isnan(r.needed_seconds)
-                      ? " of those needed move, and have no bounds\n"
-                      : " of those needed have no tight bounds: their resolution is estimated\n");
+              << (std::isnan(r.needed_seconds) ? " of those needed move, and have no bounds\n"
+                                               : " of those needed have no proven bounds: their resolution "
+                                                 "is an estimate, or the finest there is\n");
   const bool evaluated = !std::isnan(r.needed_seconds);  // else triangles that are there
   std::cout << "of " << plan.samples_full
             << (evaluated ? " samples, each instance as fine as its nearest point needs"
