@@ -103,4 +103,28 @@ struct ConvergeOptions {
 /// range of v are not as above
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
 
+/// The pieces that converge() is made of, for those who run them elsewhere: one mesh of one surface each.
+struct ConvergeJob {
+  std::size_t surface, family;  ///< places in the options
+  int resolution;
+};
+/// All jobs of the options, the finest meshes first. \throws ParameterError as converge()
+std::vector<ConvergeJob> converge_jobs(const ConvergeOptions& options);
+
+/// What one job measured of one method, class and quantity.
+struct LevelSample {
+  std::string_view method;
+  VertexClass vertex_class;
+  std::string_view quantity;
+  Level level;
+  double expected_order;  ///< by the chart as this mesh shows it; the finest mesh decides
+};
+/// The samples of one mesh. Depends on the options' methods, seed and range of v, and on the job alone; jobs
+/// may run on several threads at once, which disturbs `seconds`.
+std::vector<LevelSample> run_converge_job(const ConvergeOptions& options, const ConvergeJob& job);
+
+/// The studies of all samples, of_job[i] being those of jobs[i]: what converge() returns.
+std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::vector<ConvergeJob>& jobs,
+                                    const std::vector<std::vector<LevelSample>>& of_job);
+
 }  // namespace darboux

@@ -5,7 +5,7 @@
 #include <darboux/testing.h>
 
 #include "command.h"
-#include "parallel.h"
+#include "base/parallel_jobs.h"
 
 namespace darboux {
 namespace {

@@ -10,20 +10,21 @@
 
 #include "base/text.h"
 #include "command.h"
+#include "converge_study.h"
 #include "report/converge_report.h"
 #include "report/convergence_picture.h"
 
 namespace darboux {
 namespace {
 
+// As given; what is not given comes from the study file or the preset.
 struct ConvergeArguments {
-  std::vector<std::string> surfaces{"torus:major_radius=1,minor_radius=0.4", "sphere", "cylinder"};
-  std::vector<std::string> methods, meshes{"regular", "sheared", "jittered"};
-  std::string resolutions = "8..128", v_range = "0,1", report, csv, picture;
-  std::uint64_t seed = 1;
+  std::optional<std::vector<std::string>> surfaces, methods, meshes;
+  std::optional<std::string> resolutions, v_range;
+  std::optional<std::uint64_t> seed;
+  std::string preset = "quick", study, results, shard;
+  std::string report, csv, picture, format;
 };
-
-constexpr int finest = 1024;  // 4 million triangles; their frames take a gigabyte
 
 // "torus:major_radius=1,minor_radius=0.4,sphere" or with ';' in between: a piece "name=value" belongs to the
 // surface before it.
@@ -46,8 +47,8 @@ std::vector<std::string> split_surfaces(const std::string& text) {
 int parse_resolution(std::string_view text) {
   int n = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
-  if (error != std::errc{} || end != text.data() + text.size() || n < 2 || n > finest)
-    throw ParameterError("--resolutions", expected_got("numbers from 2 to " + std::to_string(finest) +
+  if (error != std::errc{} || end != text.data() + text.size() || n < 2 || n > finest_rows)
+    throw ParameterError("--resolutions", expected_got("numbers from 2 to " + std::to_string(finest_rows) +
                                                            ", as 8..256 (doubling) or 8,16,32",
                                                        "'" + std::string(text) + "'"));
   return n;
@@ -67,24 +68,45 @@ std::vector<int> parse_resolutions(const std::string& text) {
   return result;
 }
 
+// What is given wins over the study file, and that over the preset.
+ConvergeChoices choose(const ConvergeArguments& arguments) {
+  ConvergeChoices choices = converge_preset(arguments.preset);
+  if (!arguments.study.empty()) read_converge_study(arguments.study, choices);
+  const auto replace = [](std::vector<std::string>& names, const auto& given, auto pieces) {
+    if (!given) return;
+    names.clear();
+    for (const std::string& text : *given)
+      for (const std::string& piece : pieces(text)) names.push_back(piece);
+  };
+  const auto at_commas = [](const std::string& text) { return split(text, ','); };
+  replace(choices.surfaces, arguments.surfaces, split_surfaces);
+  replace(choices.methods, arguments.methods, at_commas);
+  replace(choices.meshes, arguments.meshes, at_commas);
+  if (arguments.resolutions) choices.resolutions = parse_resolutions(*arguments.resolutions);
+  if (arguments.v_range) {
+    const std::vector<std::string> range = split(*arguments.v_range, ',');
+    if (range.size() != 2)
+      throw ParameterError("--v-range",
+                           expected_got("two numbers such as 0.2,0.8", "'" + *arguments.v_range + "'"));
+    choices.v_first = parse_finite("--v-range", range[0]);
+    choices.v_last = parse_finite("--v-range", range[1]);
+  }
+  if (arguments.seed) choices.seed = *arguments.seed;
+  return choices;
+}
+
 ConvergeOptions parse(const ConvergeArguments& arguments) {
+  const ConvergeChoices choices = choose(arguments);
   ConvergeOptions options;
-  for (const std::string& text : arguments.surfaces)
-    for (const std::string& piece : split_surfaces(text)) options.surfaces.push_back(surface_argument(piece));
-  for (const std::string& text : arguments.methods)
-    for (const std::string& piece : split(text, ',')) options.methods.push_back(&find_frame_method(piece));
-  if (arguments.methods.empty())
+  for (const std::string& name : choices.surfaces) options.surfaces.push_back(surface_argument(name));
+  for (const std::string& name : choices.methods) options.methods.push_back(&find_frame_method(name));
+  if (choices.methods.empty())
     for (const FrameMethod& method : frame_methods()) options.methods.push_back(&method);
-  for (const std::string& text : arguments.meshes)
-    for (const std::string& piece : split(text, ',')) options.families.push_back(&find_mesh_family(piece));
-  options.resolutions = parse_resolutions(arguments.resolutions);
-  const std::vector<std::string> range = split(arguments.v_range, ',');
-  if (range.size() != 2)
-    throw ParameterError("--v-range",
-                         expected_got("two numbers such as 0.2,0.8", "'" + arguments.v_range + "'"));
-  options.v_first = parse_finite("--v-range", range[0]);
-  options.v_last = parse_finite("--v-range", range[1]);
-  options.seed = arguments.seed;
+  for (const std::string& name : choices.meshes) options.families.push_back(&find_mesh_family(name));
+  options.resolutions = choices.resolutions;
+  options.v_first = choices.v_first;
+  options.v_last = choices.v_last;
+  options.seed = choices.seed;
   return options;
 }
 
@@ -109,7 +131,10 @@ std::string command_line(const ConvergeOptions& options, const ConvergeArguments
          list(options.methods, name) + " --meshes " + list(options.families, name) + " --resolutions " +
          list(options.resolutions, [](int n) { return std::to_string(n); }) + " --v-range " +
          shortest(options.v_first) + ',' + shortest(options.v_last) + " --seed " +
-         std::to_string(options.seed) + " -o " + quoted(arguments.report);
+         std::to_string(options.seed) +
+         (arguments.results.empty() ? "" : " --results " + quoted(arguments.results)) +
+         (arguments.shard.empty() ? "" : " --shard " + arguments.shard) +
+         (arguments.report.empty() ? "" : " -o " + quoted(arguments.report));
 }
 
 // Orders of the tangents: a block for every surface and mesh, a row per method, a column per class.
@@ -166,19 +191,45 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
         "-", expected_got("one of -o -, --csv -, --picture - and --json for standard output", "more"));
   if (!arguments.report.empty() && arguments.report == arguments.csv)
     throw ParameterError("--csv", expected_got("another file than that of -o", arguments.csv));
+  if (!arguments.shard.empty()) {
+    if (arguments.results.empty())
+      throw ParameterError("--shard", "expected --results FILE beside it, got none");
+    if (!arguments.report.empty() || !arguments.csv.empty() || !arguments.picture.empty())
+      throw ParameterError("--shard",
+                           "expected --results alone, got a page, CSV or picture: merge the shards first");
+  }
   const ConvergeOptions options = parse(arguments);
   // Opened before the work, so that a folder that cannot be written is reported at once.
   std::optional<OutputFile> report, csv, picture;
   if (!arguments.report.empty()) report.emplace(arguments.report);
   if (!arguments.csv.empty()) csv.emplace(arguments.csv);
   if (!arguments.picture.empty()) picture.emplace(arguments.picture);
+  const Provenance origin = provenance(DARBOUX_VERSION, command_line(options, arguments));
+  const StudyIdentity identity{"converge",
+                               DARBOUX_VERSION,
+                               converge_identity(options),
+                               {{"command", origin.command},
+                                {"version", origin.version},
+                                {"compiler", origin.compiler},
+                                {"machine", origin.machine},
+                                {"date", origin.date},
+                                {"threads", common.threads}}};
+  const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard);
+  std::size_t jobs = 0;
   std::vector<Study> studies;
   {
     Progress progress("converge", common);
-    studies = converge(options, [&](double share) { progress.update(share); });
+    studies = run_converge_study(options, identity, {arguments.results, shard, common.threads}, jobs,
+                                 [&](double share) { progress.update(share); });
+  }
+  if (!arguments.shard.empty()) {
+    if (common.json)
+      return print_json({{"shard", arguments.shard}, {"jobs", jobs}, {"results", arguments.results}});
+    std::printf("shard %s: %zu jobs done, in %s\n", arguments.shard.c_str(), jobs, arguments.results.c_str());
+    return;
   }
   if (report) {
-    report->write(converge_page(studies, provenance(DARBOUX_VERSION, command_line(options, arguments))));
+    report->write(converge_page(studies, origin));
     report->commit();
   }
   if (csv) {
@@ -191,7 +242,11 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
   }
   const bool holds = std::all_of(studies.begin(), studies.end(), [](const Study& s) { return s.holds(); });
   common.exit_status = holds ? 0 : 1;
-  if (common.json) return print_json({{"studies", studies_json(studies)}, {"seed", options.seed}});
+  if (common.json)
+    return print_json({{"studies", studies_json(studies)},
+                       {"seed", options.seed},
+                       {"study", identity.study},
+                       {"provenance", identity.provenance}});
   // A page or CSV on standard output stands alone there.
   if (arguments.report == "-" || arguments.csv == "-" || arguments.picture == "-") return;
   if (arguments.report.empty()) print_orders(studies);
@@ -213,20 +268,31 @@ void add_converge(CLI::App& app, Common& common) {
     methods += (methods.empty() ? "" : ", ") + std::string(method.name);
   for (const MeshFamily& family : mesh_families())
     meshes += (meshes.empty() ? "" : ", ") + std::string(family.name);
-  const auto list = [&](const char* name, std::vector<std::string>& values, const std::string& help) {
-    sub.add_option(name, values, help)->allow_extra_args(false);
+  const auto list = [&](const char* name, std::optional<std::vector<std::string>>& values,
+                        const std::string& help) {
+    sub.add_option_function<std::vector<std::string>>(
+           name, [&values](const std::vector<std::string>& given) { values = given; }, help)
+        ->allow_extra_args(false);
   };
   list("--surfaces", arguments->surfaces,
        "SURFACE,SURFACE,... [torus:major_radius=1,minor_radius=0.4,sphere,cylinder]");
   list("--methods", arguments->methods, "some of " + methods + " [all]");
-  list("--meshes", arguments->meshes, "some of " + meshes + " [regular,sheared,jittered]");
+  list("--meshes", arguments->meshes, "some of " + meshes + " [jittered,regular,sheared]");
   sub.add_option("--resolutions", arguments->resolutions,
-                 "rows of the meshes, twice as many columns: 8..256 (doubling) or 8,16,32; at least three")
-      ->capture_default_str();
+                 "rows of the meshes, twice as many columns: 8..256 (doubling) or 8,16,32; at least three "
+                 "[8..128]");
   sub.add_option("--v-range", arguments->v_range,
-                 "the part of the surface that is meshed: FIRST,LAST in [0, 1]")
+                 "the part of the surface that is meshed: FIRST,LAST in [0, 1] [0,1]");
+  sub.add_option("--seed", arguments->seed, "of random meshes [1]")->check(whole_number);
+  sub.add_option("--preset", arguments->preset,
+                 "what is not given otherwise: quick (the defaults), standard (6 surfaces, all meshes, "
+                 "16..512), full (8..1024)")
       ->capture_default_str();
-  sub.add_option("--seed", arguments->seed, "of random meshes")->capture_default_str()->check(whole_number);
+  sub.add_option("--study", arguments->study,
+                 "read the choices from this JSON file; those given on the command line win");
+  sub.add_option("--results", arguments->results,
+                 "append all samples to this file as they come; one that exists is resumed");
+  sub.add_option("--shard", arguments->shard, "I/N: do only this part of the study, for darboux merge");
   sub.add_option("-o,--output", arguments->report, "write an HTML report to this file");
   sub.add_option("--csv", arguments->csv, "write all levels of all studies to this file");
   sub.add_option(

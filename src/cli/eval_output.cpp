@@ -10,7 +10,7 @@
 
 #include "command.h"
 #include "csv_text.h"
-#include "parallel.h"
+#include "base/parallel_jobs.h"
 
 namespace darboux {
 namespace {

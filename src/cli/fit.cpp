@@ -14,7 +14,7 @@
 #include "base/text.h"
 #include "command.h"
 #include "csv_text.h"
-#include "parallel.h"
+#include "base/parallel_jobs.h"
 
 namespace darboux {
 namespace {

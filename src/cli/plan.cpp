@@ -7,7 +7,7 @@
 
 #include <darboux/tangent_need.h>
 
-#include "parallel.h"
+#include "base/parallel_jobs.h"
 #include "sarif.h"
 #include "validate_files.h"
 

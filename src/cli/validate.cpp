@@ -4,7 +4,7 @@
 #include <iostream>
 #include <optional>
 
-#include "parallel.h"
+#include "base/parallel_jobs.h"
 #include "validate_files.h"
 #include "validate_pictures.h"
 

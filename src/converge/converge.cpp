@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include <darboux/converge.h>
@@ -201,9 +202,9 @@ void conclude(Study& study) {
   study.verdict = judge_order(study);
 }
 
-// Adds one level to each class and quantity: studies[class][quantity].
-using StudyGrid = std::array<std::array<Study, quantities.size()>, vertex_class_names.size()>;
-void measure(const Reference& reference, const FrameMethod& method, int n, StudyGrid& studies) {
+// One sample for each class and quantity that has corners.
+void measure(const Reference& reference, const FrameMethod& method, const MeshFamily& family, int n,
+             std::vector<LevelSample>& samples) {
   double seconds;
   const MeshFrames frames = timed_frames(reference.mesh, method, seconds);
   struct Errors {
@@ -241,8 +242,13 @@ void measure(const Reference& reference, const FrameMethod& method, int n, Study
       const Statistics s = summarise(errors.deg[q]);
       const double floor_deg =
           method.single_precision ? single_precision_floor * reference.floor_deg : reference.floor_deg;
-      studies[k][q].levels.push_back(
-          {n, 1.0 / n, s.max, s.rms, s.p95, floor_deg, seconds, errors.corners, errors.fallback, false});
+      const auto vertex_class = static_cast<VertexClass>(k);
+      samples.push_back(
+          {method.name,
+           vertex_class,
+           quantities[q],
+           {n, 1.0 / n, s.max, s.rms, s.p95, floor_deg, seconds, errors.corners, errors.fallback, false},
+           expected_order(method, family, vertex_class, q, reference)});
     }
 }
 
@@ -273,47 +279,76 @@ const MeshFamily& find_mesh_family(std::string_view name) {
   throw ParameterError("meshes", "unknown family '" + std::string(name) + "', known are " + known);
 }
 
-std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress) {
+std::vector<ConvergeJob> converge_jobs(const ConvergeOptions& options) {
   check(options);
-  double work = 0, done = 0;  // in cells
-  for (const int n : options.resolutions) work += 2.0 * n * n;
-  work *= static_cast<double>(options.surfaces.size() * options.families.size() * options.methods.size());
-  std::vector<Study> result;
-  for (const AnySurface& surface : options.surfaces)
-    for (const MeshFamily* family : options.families) {
-      std::vector<StudyGrid> of_method(options.methods.size());
-      for (const int n : options.resolutions) {
-        const Reference reference = make_reference(surface, *family, options, n);
-        for (std::size_t m = 0; m < of_method.size(); ++m) {
-          const FrameMethod& method = *options.methods[m];
-          measure(reference, method, n, of_method[m]);
-          for (std::size_t k = 0; k < vertex_class_names.size(); ++k)
-            for (std::size_t q = 0; q < quantities.size(); ++q) {
-              Study& study = of_method[m][k][q];
-              study.vertex_class = static_cast<VertexClass>(k);
-              study.quantity = quantities[q];
-              study.expected_order = expected_order(method, *family, study.vertex_class, q, reference);
-            }
-          done += 2.0 * n * n;
-          if (progress) progress(done / work);
-        }
+  std::vector<ConvergeJob> jobs;
+  for (auto n = options.resolutions.rbegin(); n != options.resolutions.rend(); ++n)
+    for (std::size_t s = 0; s < options.surfaces.size(); ++s)
+      for (std::size_t f = 0; f < options.families.size(); ++f) jobs.push_back({s, f, *n});
+  return jobs;
+}
+
+std::vector<LevelSample> run_converge_job(const ConvergeOptions& options, const ConvergeJob& job) {
+  const MeshFamily& family = *options.families[job.family];
+  const Reference reference = make_reference(options.surfaces[job.surface], family, options, job.resolution);
+  std::vector<LevelSample> samples;
+  for (const FrameMethod* method : options.methods)
+    measure(reference, *method, family, job.resolution, samples);
+  return samples;
+}
+
+std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::vector<ConvergeJob>& jobs,
+                                    const std::vector<std::vector<LevelSample>>& of_job) {
+  // By surface, family, method, class and quantity, in the order of the options.
+  using Key = std::array<std::size_t, 5>;
+  std::map<Key, Study> studies;
+  std::map<Key, int> finest;
+  for (std::size_t i = 0; i < jobs.size(); ++i)
+    for (const LevelSample& sample : of_job[i]) {
+      const auto method = std::find_if(options.methods.begin(), options.methods.end(),
+                                       [&](const FrameMethod* m) { return m->name == sample.method; });
+      const Key key{
+          jobs[i].surface, jobs[i].family, static_cast<std::size_t>(method - options.methods.begin()),
+          static_cast<std::size_t>(sample.vertex_class),
+          static_cast<std::size_t>(std::find(quantities.begin(), quantities.end(), sample.quantity) -
+                                   quantities.begin())};
+      Study& study = studies[key];
+      study.surface = options.surfaces[jobs[i].surface].specification();
+      study.v_first = options.v_first;
+      study.v_last = options.v_last;
+      study.mesh = options.families[jobs[i].family]->name;
+      study.method = sample.method;
+      study.vertex_class = sample.vertex_class;
+      study.quantity = sample.quantity;
+      study.levels.push_back(sample.level);
+      if (int& n = finest[key]; sample.level.resolution > n) {  // the kind of chart shows best there
+        n = sample.level.resolution;
+        study.expected_order = sample.expected_order;
       }
-      for (std::size_t m = 0; m < of_method.size(); ++m)
-        for (auto& of_quantity : of_method[m])
-          for (Study& study : of_quantity) {
-            if (study.levels.empty()) continue;
-            study.surface = surface.specification();
-            study.v_first = options.v_first;
-            study.v_last = options.v_last;
-            study.mesh = family->name;
-            study.method = options.methods[m]->name;
-            conclude(study);
-            result.push_back(std::move(study));
-          }
     }
-  // Two meshes make no line.
-  std::erase_if(result, [](const Study& s) { return s.levels.size() < 3; });
+  std::vector<Study> result;
+  for (auto& [key, study] : studies) {
+    if (study.levels.size() < fit_least) continue;  // two meshes make no line
+    std::sort(study.levels.begin(), study.levels.end(),
+              [](const Level& a, const Level& b) { return a.resolution < b.resolution; });
+    conclude(study);
+    result.push_back(std::move(study));
+  }
   return result;
+}
+
+std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress) {
+  const std::vector<ConvergeJob> jobs = converge_jobs(options);
+  std::vector<std::vector<LevelSample>> of_job;
+  const auto cells = [](const ConvergeJob& job) { return 2.0 * job.resolution * job.resolution; };
+  double work = 0, done = 0;
+  for (const ConvergeJob& job : jobs) work += cells(job);
+  for (const ConvergeJob& job : jobs) {
+    of_job.push_back(run_converge_job(options, job));
+    done += cells(job);
+    if (progress) progress(done / work);
+  }
+  return conclude_studies(options, jobs, of_job);
 }
 
 }  // namespace darboux

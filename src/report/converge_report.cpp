@@ -63,7 +63,8 @@ Mark mark(const Study& study) {
     case OrderVerdict::slower:
       return {"bad", "▼"};
     case OrderVerdict::does_not_converge:
-      return {study.holds() ? "plain" : "bad", "✕"};
+      if (study.holds()) return {"plain", "–"};
+      return {"bad", "✕"};
     case OrderVerdict::at_the_floor:
       break;
   }

@@ -40,6 +40,7 @@ const std::vector<std::string> ranks{"base",
                                      "scene",
                                      "io",
                                      "assets",
+                                     "study",
                                      "report",
                                      "cli"};
 
@@ -179,7 +180,7 @@ std::vector<Rule> rules(const Includes& tree) {
        "fit/(uv|primitives|catalogue)/.*"},
       {"the command line knows public headers, reports, base, and the faces that rooms show it", "src/cli/.*",
        "",
-       "(?!report/|base/|io/(input|scene_file|scene_tiles)\\.h|assets/scene_of_gltf\\.h|validate/"
+       "(?!report/|base/|study/|io/(input|scene_file|scene_tiles)\\.h|assets/scene_of_gltf\\.h|validate/"
        "findings\\.h)"
        "(surface|mesh|evaluate|any_surface|laws|local_jets|validate|fit|assess|converge|scene|io|assets)/.*"},
       // Other libraries, each behind one room.
@@ -188,7 +189,7 @@ std::vector<Rule> rules(const Includes& tree) {
       {"threads stay behind these", "(?!src/evaluate/evaluate\\.cpp|src/base/parallel\\.h).*", "", "tbb/.*"},
       {"nanoflann stays behind the k-d tree", "(?!src/base/neighbours\\.h).*", "", "nanoflann\\.hpp"},
       {"Ceres stays behind the fit", "(?!src/fit/).*", "", "ceres/.*|glog/.*"},
-      {"JSON stays behind files, reports and the command line", "(?!src/(io|assets|cli|report)/).*", "",
+      {"JSON stays behind files, reports and the command line", "(?!src/(io|assets|study|cli|report)/).*", "",
        "nlohmann/.*"},
       {"the file libraries stay behind io", "(?!src/io/).*", "",
        "assimp/.*|tiny_gltf\\.h|draco/.*|png\\.h|meshoptimizer\\.h|muParser.*"},

@@ -1,4 +1,5 @@
-/// \file parallel.h
+/// \file parallel_jobs.h
+/// Jobs of any size on several threads.
 #pragma once
 
 #include <atomic>

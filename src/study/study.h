@@ -1,0 +1,64 @@
+/// \file study.h
+/// A study: a list of jobs with stable keys, each of which gives one JSON value. Their results go to a file
+/// as they come, so that a study that was killed goes on where it was and parts of it run in many processes.
+/// A results file is JSON lines: a header, {"run": ...} for every process that wrote to it, and
+/// {"job": i, "key": ..., "result": ...} for every job done. docs/howto/run-a-study.md describes it.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace darboux {
+
+/// One piece of work. Its result depends on nothing but its key and the study's identity, times apart.
+struct Job {
+  std::string key;
+  std::function<nlohmann::ordered_json()> run;  ///< called on any thread
+};
+
+/// Which jobs of all one process does: shard I of N has the jobs I-1, I-1+N, ...
+struct Shard {
+  std::size_t index = 1, count = 1;
+  bool has(std::size_t job) const { return job % count == index - 1; }
+  bool operator==(const Shard&) const = default;
+};
+/// "2/7". \throws ParameterError unless 1 <= I <= N
+Shard parse_shard(const std::string& text);
+
+/// What is studied, and by whom.
+struct StudyIdentity {
+  std::string command;               ///< the report command: "converge"
+  std::string version;               ///< of the tool; results of another are refused
+  nlohmann::ordered_json study;      ///< all that the results depend on, with a hash of every file read
+  nlohmann::ordered_json provenance; /**< of this process: command line, compiler, machine, date; not part of
+                                        the identity */
+};
+
+/// 64 bits of FNV-1a as hexadecimal digits: tells studies and input files apart, no more.
+std::string hash_text(std::string_view text);
+
+struct StudyOptions {
+  std::string results;  ///< the file, resumed if it exists; empty: none
+  Shard shard;
+  int threads = 1;
+};
+
+/// Runs the jobs of the shard that the results file lacks, and appends each result as soon as it is there,
+/// with one write. Returns the results by job, null for those of other shards. A last line that was cut short
+/// is done again. Values pass through JSON text also without a file, so that both give the same bits.
+/// \param progress called with the share done, in [0, 1], on the calling thread
+/// \throws FileError for results of another study, version or shard, a broken line, a file that another
+/// process is writing, and a disk that is full: what was written until then stays, and can be resumed
+std::vector<nlohmann::ordered_json> run_study(const StudyIdentity& identity, const std::vector<Job>& jobs,
+                                              const StudyOptions& options,
+                                              const std::function<void(double)>& progress);
+
+/// The text of the results file that one process would have written, jobs in order, from those of all shards.
+/// \throws FileError for a shard that is missing, doubled, incomplete, or of another study or version
+std::string merge_results(const std::vector<std::string>& files, const std::string& version);
+
+}  // namespace darboux
