@@ -20,6 +20,9 @@ TEST_F(Cli, EveryHelpEndsWithAnExampleThatRuns) {
       "cp data/torus_016.none.glb in.glb; cp data/torus_points.xyz points.xyz; cp torus.glb a.glb; cp "
       "torus.glb b.glb");
   fs::copy_file(DARBOUX_SOURCE "/docs/examples/scene.json", path("scene.json"));
+  for (const char* i : {"1", "2"})
+    good("darboux converge --surfaces torus --methods face --resolutions 4,6,8 --shard " + std::string(i) +
+         "/2 --results shard-" + i + ".jsonl");
   std::vector<std::string> names = subcommands();
   ASSERT_GE(names.size(), 7u);
   names.emplace_back("");

@@ -1,0 +1,168 @@
+// Studies of `converge`: results files, resuming, shards, `merge`.
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <random>
+#include <thread>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli.h"
+
+namespace darboux::test {
+namespace {
+
+class StudyCli : public Cli {
+ protected:
+  StudyCli() {
+    write_bytes(path("study.json"),
+                R"({"command": "converge", "surfaces": ["torus", "sphere"], "methods": ["average", "cubic"],)"
+                R"( "meshes": ["jittered", "regular"], "resolutions": [8, 12, 16, 24], "seed": 7})");
+  }
+
+  // What a study found, without its times.
+  std::string numbers(const std::string& options) const {
+    Json document = json("darboux converge --study study.json --json " + options);
+    for (Json& study : document["studies"]) study.erase("seconds");
+    return document["studies"].dump();
+  }
+
+  // Starts the tool, and kills it after so long. Whether it was still running.
+  bool killed(std::chrono::microseconds after) const {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      if (::chdir(path("").c_str()) != 0 || !std::freopen("/dev/null", "w", stdout)) std::_Exit(99);
+      ::execl(DARBOUX_TOOL, "darboux", "converge", "--study", "study.json", "--results", "r.jsonl",
+              "--threads", "2", nullptr);
+      std::_Exit(99);
+    }
+    std::this_thread::sleep_for(after);
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    EXPECT_FALSE(WIFEXITED(status) && WEXITSTATUS(status) == 99);
+    return WIFSIGNALED(status);
+  }
+};
+
+// DARBOUX_KILLS=100 makes it a hundred.
+TEST_F(StudyCli, KilledAtRandomAndResumedTheNumbersAreTheSame) {
+  const std::string expected = numbers("");
+  const char* const wanted = std::getenv("DARBOUX_KILLS");
+  const int kills = wanted ? std::atoi(wanted) : 20;
+  std::mt19937_64 random(1);  // NOLINT: the same times every time
+  int done = 0;
+  for (int i = 0; done < kills && i < 20 * kills; ++i) {
+    done += killed(std::chrono::microseconds(std::uniform_int_distribution<int>(500, 60000)(random)));
+    if (i % 4 == 3) {
+      EXPECT_EQ(numbers("--results r.jsonl"), expected) << "after " << done << " kills";
+      fs::remove(path("r.jsonl"));
+    }
+  }
+  EXPECT_EQ(done, kills);
+  EXPECT_EQ(numbers("--results r.jsonl"), expected);
+}
+
+// Whatever byte the file ends at, the rest is done again.
+TEST_F(StudyCli, ResumesResultsThatEndAnywhere) {
+  const std::string expected = numbers("--results all.jsonl");
+  const std::string all = read_bytes(path("all.jsonl"));
+  for (std::size_t size = 0; size < all.size(); size += all.size() / 23) {
+    write_bytes(path("r.jsonl"), all.substr(0, size));
+    EXPECT_EQ(numbers("--results r.jsonl"), expected) << size;
+  }
+}
+
+TEST_F(StudyCli, ThreadsAndShardsGiveTheBitsOfOneProcess) {
+  const std::string expected = numbers("");
+  EXPECT_EQ(numbers("--threads 3"), expected);
+  std::string files;
+  for (int i = 1; i <= 7; ++i) {
+    const std::string file = "s" + std::to_string(i) + ".jsonl";
+    good("darboux converge --study study.json --shard " + std::to_string(i) + "/7 --results " + file);
+    files = file + ' ' + files;  // in any order
+  }
+  good("darboux merge " + files + " -o merged.jsonl");
+  EXPECT_EQ(numbers("--results merged.jsonl"), expected);
+  // Nothing was left to do: no second header, no run.
+  EXPECT_EQ(good("darboux merge merged.jsonl"), read_bytes(path("merged.jsonl")));
+}
+
+TEST_F(StudyCli, MergeRefusesWhatIsNotOneStudy) {
+  const std::string run = "darboux converge --study study.json ";
+  for (const char* shard : {"1/3", "2/3", "3/3"})
+    good(run + "--shard " + shard + " --results s" + shard[0] + ".jsonl");
+  refused("darboux merge s1.jsonl s3.jsonl", {"s1.jsonl", "all of 3 shards", "shard 2"});
+  refused("darboux merge s1.jsonl s2.jsonl s3.jsonl s2.jsonl", {"every shard once", "2/3"});
+  good(run + "--seed 8 --shard 3/3 --results foreign.jsonl");
+  refused("darboux merge s1.jsonl s2.jsonl foreign.jsonl", {"foreign.jsonl", "expected a shard of converge"});
+  good(run + "--shard 3/4 --results other.jsonl");
+  refused("darboux merge s1.jsonl s2.jsonl other.jsonl", {"other.jsonl", "one of 3 shards", "3/4"});
+  const std::string third = read_bytes(path("s3.jsonl"));
+  write_bytes(path("cut.jsonl"), third.substr(0, third.size() - 9));
+  refused("darboux merge s1.jsonl s2.jsonl cut.jsonl", {"cut.jsonl", "all jobs of shard 3/3", "resume"});
+  refused("darboux merge nowhere.jsonl", {"nowhere.jsonl"});
+  refused("darboux merge study.json", {"study.json"});
+  EXPECT_FALSE(fs::exists(path("merged.jsonl")));
+}
+
+TEST_F(StudyCli, RefusesResultsOfAnotherStudyAndLeavesThem) {
+  const std::string run = "darboux converge --study study.json --results r.jsonl ";
+  good(run);
+  const std::string before = read_bytes(path("r.jsonl"));
+  refused(run + "--seed 8", {"r.jsonl", "expected results of converge"});
+  refused(run + "--shard 1/2", {"r.jsonl", "shard 1/2", "shard 1/1"});
+  EXPECT_EQ(read_bytes(path("r.jsonl")), before);
+  const auto refused_after = [&](const std::string& from, const std::string& to, const std::string& part) {
+    std::string text = before;
+    text.replace(text.find(from), from.size(), to);
+    write_bytes(path("r.jsonl"), text);
+    refused(run, {"r.jsonl", part});
+    EXPECT_EQ(read_bytes(path("r.jsonl")), text);
+  };
+  refused_after(R"("version":")", R"("version":"9)", "results of darboux 0.");
+  refused_after(R"("darboux_results":1)", R"("darboux_results":2)", "results of format 1");
+  refused_after(R"({"job":)", R"({"jab":)", "line 3");
+  refused_after(R"({"job":)", R"({"job:)", "line 3");
+  refused_after(R"("job":0)", R"("job":1)", "every job once");
+  for (const char* text : {"hello", "hello\n"}) {
+    write_bytes(path("r.jsonl"), text);
+    refused(run, {"r.jsonl", "line 1"});
+    EXPECT_EQ(read_bytes(path("r.jsonl")), text);
+  }
+  refused("darboux converge --study study.json --results /dev/full", {"/dev/full", "No space left"});
+}
+
+TEST_F(StudyCli, NamesThePathOfWhatIsWrongInAStudy) {
+  const std::vector<std::pair<const char*, std::vector<std::string>>> wrong{
+      {R"({"command": "converge", "meshs": []})", {"/meshs", "known are", "resolutions"}},
+      {R"({"command": "validate"})", {"/command", "converge"}},
+      {R"({"surfaces": ["torus"]})", {"/command"}},
+      {R"({"command": "converge", "methods": ["face", "nope"]})", {"/methods/1", "nope", "average"}},
+      {R"({"command": "converge", "surfaces": ["nope"]})", {"/surfaces/0", "nope", "torus"}},
+      {R"({"command": "converge", "meshes": ["nope"]})", {"/meshes/0", "nope", "jittered"}},
+      {R"({"command": "converge", "meshes": []})", {"/meshes"}},
+      {R"({"command": "converge", "resolutions": [8, 8, 16]})", {"/resolutions/1", "grow", "got 8"}},
+      {R"({"command": "converge", "resolutions": [8, 16]})", {"/resolutions", "at least three"}},
+      {R"({"command": "converge", "resolutions": [8, 16, 2.5e9]})", {"/resolutions/2"}},
+      {R"({"command": "converge", "v_range": [0.5, 0.5]})", {"/v_range"}},
+      {R"({"command": "converge", "seed": -1})", {"/seed"}},
+      {R"({"command": "converge", "preset": "slow"})", {"/preset", "quick, standard or full"}},
+      {R"([])", {"a JSON object"}},
+      {R"({"command": "converge")", {"JSON"}}};
+  for (const auto& [text, parts] : wrong) {
+    write_bytes(path("wrong.json"), text);
+    std::vector<std::string> all = parts;
+    all.emplace_back("wrong.json");
+    refused("darboux converge --study wrong.json", all);
+  }
+  for (const char* shard : {"0/3", "4/3", "1", "1/0", "a/b", "1/3x"})
+    refused("darboux converge --study study.json --results r.jsonl --shard " + std::string(shard),
+            {"--shard", "1 <= I <= N"});
+  refused("darboux converge --study study.json --shard 1/2", {"--results"});
+  EXPECT_FALSE(fs::exists(path("r.jsonl")));
+}
+
+}  // namespace
+}  // namespace darboux::test
