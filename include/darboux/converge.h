@@ -2,6 +2,7 @@
 /// Orders of convergence of mesh frames towards the truth, and error against run time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -78,6 +79,9 @@ struct Study {
   }
 };
 
+/// What a study may measure.
+inline constexpr std::array<std::string_view, 3> study_quantities{"tangent", "bitangent", "normal"};
+
 /// What to run: every combination of surface, family and method.
 struct ConvergeOptions {
   std::vector<AnySurface> surfaces;
@@ -113,17 +117,19 @@ std::vector<ConvergeJob> converge_jobs(const ConvergeOptions& options);
 
 /// What one job measured of one method, class and quantity.
 struct LevelSample {
-  std::string_view method;
+  std::string_view method;  ///< FrameMethod::name
   VertexClass vertex_class;
-  std::string_view quantity;
-  Level level;
-  double expected_order;  ///< by the chart as this mesh shows it; the finest mesh decides
+  std::string_view quantity;  ///< one of study_quantities
+  Level level;                ///< errors in degrees, time in seconds
+  double expected_order;      ///< by the chart as this mesh shows it; the finest mesh decides
 };
 /// The samples of one mesh. Depends on the options' methods, seed and range of v, and on the job alone; jobs
 /// may run on several threads at once, which disturbs `seconds`.
 std::vector<LevelSample> run_converge_job(const ConvergeOptions& options, const ConvergeJob& job);
 
-/// The studies of all samples, of_job[i] being those of jobs[i]: what converge() returns.
+/// The studies of all samples, of_job[i] being those of jobs[i]: what converge() returns. Those with fewer
+/// than three levels are left out, so that part of the jobs gives part of the studies. The samples are of the
+/// options' methods.
 std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::vector<ConvergeJob>& jobs,
                                     const std::vector<std::vector<LevelSample>>& of_job);
 

@@ -4,8 +4,8 @@
 
 #include <darboux/testing.h>
 
-#include "command.h"
 #include "base/parallel_jobs.h"
+#include "command.h"
 
 namespace darboux {
 namespace {

@@ -70,7 +70,9 @@ std::vector<int> parse_resolutions(const std::string& text) {
 
 // What is given wins over the study file, and that over the preset.
 ConvergeChoices choose(const ConvergeArguments& arguments) {
-  ConvergeChoices choices = converge_preset(arguments.preset);
+  const auto preset = preset_named(arguments.preset);
+  if (!preset) throw ParameterError("--preset", expected_got(preset_names, "'" + arguments.preset + "'"));
+  ConvergeChoices choices = *preset;
   if (!arguments.study.empty()) read_converge_study(arguments.study, choices);
   const auto replace = [](std::vector<std::string>& names, const auto& given, auto pieces) {
     if (!given) return;

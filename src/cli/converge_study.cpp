@@ -1,75 +1,48 @@
 #include "converge_study.h"
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include <darboux/error.h>
 
 #include "base/text.h"
+#include "io/json_cursor.h"
 
 namespace darboux {
 namespace {
 
-std::string read_input(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) throw FileError(file, "expected a readable file, got none");
-  return text.str();
+// Names are looked up here, so that a message says where they stand.
+template <class Find>
+void read_names(const io::JsonCursor& list, std::vector<std::string>& names, Find find) {
+  if (!list.json().is_array() || list.size() == 0) list.fail("a list of names");
+  names.clear();
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    names.push_back(list.at(i).text());
+    try {
+      find(names.back());
+    } catch (const Error& e) {
+      list.at(i).refuse(e.what());
+    }
+  }
 }
 
-// Reads the values of a study file; messages name the path of the key.
-class StudyReader {
- public:
-  explicit StudyReader(const std::string& file) : file_(file) {
-    const std::string text = read_input(file);
-    try {
-      json_ = Json::parse(text);
-    } catch (const Json::parse_error& e) {
-      throw FileError(file, "expected JSON, got an error at byte " + std::to_string(e.byte));
-    }
-    if (!json_.is_object()) throw FileError(file, expected_got("a JSON object", json_.type_name()));
+void read_resolutions(const io::JsonCursor& list, std::vector<int>& resolutions) {
+  if (!list.json().is_array() || list.size() < 3) list.fail("a list of at least three numbers that grow");
+  resolutions.clear();
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto n = static_cast<int>(list.at(i).integer(2, finest_rows));
+    if (i > 0 && n <= resolutions.back()) list.at(i).fail("numbers that grow");
+    resolutions.push_back(n);
   }
-  const Json& json() const { return json_; }
+}
 
-  [[noreturn]] void wrong(const std::string& path, const std::string& expected, const Json& got) const {
-    throw FileError(file_, path + ": " + expected_got(expected, one_line(got.dump()).substr(0, 60)));
-  }
-  void only(const std::vector<std::string>& known) const {
-    for (const auto& [key, value] : json_.items())
-      if (std::find(known.begin(), known.end(), key) == known.end())
-        throw FileError(file_, '/' + one_line(key) + ": unknown key, known are " + joined(known));
-  }
-  template <class Value, class Is>
-  bool list(const char* key, const char* expected, Is is, std::vector<Value>& values) const {
-    if (!json_.contains(key)) return false;
-    const Json& list = json_[key];
-    const std::string path = '/' + std::string(key);
-    if (!list.is_array() || list.empty()) wrong(path, std::string("a list of ") + expected, list);
-    values.clear();
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      if (!is(list[i])) wrong(path + '/' + std::to_string(i), expected, list[i]);
-      values.push_back(list[i].get<Value>());
-    }
-    return true;
-  }
-  // Names are looked up here, so that the message can say where they stand.
-  template <class Find>
-  void names(const char* key, std::vector<std::string>& values, Find find) const {
-    if (!list(
-            key, "names", [](const Json& j) { return j.is_string(); }, values))
-      return;
-    for (std::size_t i = 0; i < values.size(); ++i) try {
-        find(values[i]);
-      } catch (const Error& e) {
-        throw FileError(file_, '/' + std::string(key) + '/' + std::to_string(i) + ": " + e.what());
-      }
-  }
-
- private:
-  std::string file_;
-  Json json_;
-};
+void read_range(const io::JsonCursor& range, ConvergeChoices& choices) {
+  if (!range.json().is_array() || range.size() != 2) range.fail("a list of two numbers");
+  choices.v_first = range.at(std::size_t{0}).number();
+  choices.v_last = range.at(std::size_t{1}).number();
+  if (!(0 <= choices.v_first && choices.v_first < choices.v_last && choices.v_last <= 1))
+    range.fail("two numbers that grow, in [0, 1]",
+               shortest(choices.v_first) + " and " + shortest(choices.v_last));
+}
 
 Json sample_json(const LevelSample& s) {
   return {{"method", s.method},
@@ -90,7 +63,6 @@ LevelSample sample_of(const Json& json, int resolution) {
   const auto number_of = [&](const char* key) {
     return json.at(key).is_null() ? std::nan("") : json.at(key).get<double>();
   };
-  static constexpr std::array<std::string_view, 3> quantities{"tangent", "bitangent", "normal"};
   const auto find = [&](const auto& names, const char* key) {
     const auto at = std::find(names.begin(), names.end(), json.at(key).get<std::string>());
     if (at == names.end()) throw ParameterError(key, "expected a known name, got " + json.at(key).dump());
@@ -99,7 +71,7 @@ LevelSample sample_of(const Json& json, int resolution) {
   LevelSample s{};
   s.method = find_frame_method(json.at("method").get<std::string>()).name;
   s.vertex_class = static_cast<VertexClass>(find(vertex_class_names, "class") - vertex_class_names.begin());
-  s.quantity = *find(quantities, "quantity");
+  s.quantity = *find(study_quantities, "quantity");
   s.level = {resolution,
              number_of("h"),
              number_of("max_deg"),
@@ -116,9 +88,10 @@ LevelSample sample_of(const Json& json, int resolution) {
 
 }  // namespace
 
-ConvergeChoices converge_preset(const std::string& name) {
+std::optional<ConvergeChoices> preset_named(std::string_view name) {
   ConvergeChoices choices;
   if (name == "quick") return choices;
+  if (name != "standard" && name != "full") return std::nullopt;
   choices.surfaces = {"torus:major_radius=1,minor_radius=0.4",
                       "sphere",
                       "cylinder",
@@ -128,60 +101,38 @@ ConvergeChoices converge_preset(const std::string& name) {
   choices.meshes.clear();
   for (const MeshFamily& family : mesh_families()) choices.meshes.emplace_back(family.name);
   choices.resolutions = {16, 32, 64, 128, 256, 512};
-  if (name == "full") {
-    choices.resolutions.insert(choices.resolutions.begin(), 8);
-    choices.resolutions.push_back(1024);
-  } else if (name != "standard") {
-    throw ParameterError("--preset", expected_got("quick, standard or full", "'" + name + "'"));
-  }
+  if (name == "full") choices.resolutions = {8, 16, 32, 64, 128, 256, 512, finest_rows};
   return choices;
 }
 
 void read_converge_study(const std::string& file, ConvergeChoices& choices) {
-  const StudyReader reader(file);
-  const Json& json = reader.json();
-  reader.only(
+  const Json json = io::parse_json(file, io::read_file(file));
+  const auto study = io::JsonCursor::with_pointers(file, json);
+  study.expect_keys(
       {"$schema", "command", "preset", "surfaces", "methods", "meshes", "resolutions", "v_range", "seed"});
-  if (json.value("command", Json()) != "converge")
-    reader.wrong("/command", "\"converge\"", json.value("command", Json()));
-  if (json.contains("preset")) {
-    const Json& preset = json["preset"];
-    if (std::find(study_presets.begin(), study_presets.end(), preset) == study_presets.end())
-      reader.wrong("/preset", "quick, standard or full", preset);
-    choices = converge_preset(preset.get<std::string>());
+  if (const auto command = study.at("command"); command.text() != "converge") command.fail("\"converge\"");
+  if (study.has("preset")) {
+    const auto preset = study.at("preset");
+    const auto choices_of = preset_named(preset.text());
+    if (!choices_of) preset.fail(preset_names);
+    choices = *choices_of;
   }
-  reader.names("surfaces", choices.surfaces, [](const std::string& name) { surface_argument(name); });
-  reader.names("methods", choices.methods, [](const std::string& name) { find_frame_method(name); });
-  reader.names("meshes", choices.meshes, [](const std::string& name) { find_mesh_family(name); });
-  int last = 1;
-  const auto grows = [&](const Json& j) {
-    if (!j.is_number_integer() || j < last + 1 || j > finest_rows) return false;
-    last = j.get<int>();
-    return true;
-  };
-  const bool given =
-      reader.list("resolutions", "whole numbers that grow, from 2 to 1024", grows, choices.resolutions);
-  if (given && choices.resolutions.size() < 3)
-    reader.wrong("/resolutions", "at least three numbers", json["resolutions"]);
-  std::vector<double> range;
-  const auto in_range = [](const Json& j) { return j.is_number() && j >= 0 && j <= 1; };
-  if (reader.list("v_range", "numbers from 0 to 1", in_range, range)) {
-    if (range.size() != 2 || range[0] >= range[1])
-      reader.wrong("/v_range", "two numbers that grow", json["v_range"]);
-    choices.v_first = range[0];
-    choices.v_last = range[1];
-  }
-  if (json.contains("seed")) {
-    if (!json["seed"].is_number_unsigned()) reader.wrong("/seed", "a whole number from 0", json["seed"]);
-    choices.seed = json["seed"].get<std::uint64_t>();
-  }
+  if (study.has("surfaces"))
+    read_names(study.at("surfaces"), choices.surfaces, [](const auto& name) { surface_argument(name); });
+  if (study.has("methods"))
+    read_names(study.at("methods"), choices.methods, [](const auto& name) { find_frame_method(name); });
+  if (study.has("meshes"))
+    read_names(study.at("meshes"), choices.meshes, [](const auto& name) { find_mesh_family(name); });
+  if (study.has("resolutions")) read_resolutions(study.at("resolutions"), choices.resolutions);
+  if (study.has("v_range")) read_range(study.at("v_range"), choices);
+  if (study.has("seed")) choices.seed = study.at("seed").integer();
 }
 
 Json converge_identity(const ConvergeOptions& options) {
   Json surfaces = Json::array(), methods = Json::array(), meshes = Json::array(), inputs = Json::object();
   for (const AnySurface& surface : options.surfaces) {
     surfaces.push_back(surface.specification());
-    if (!surface.file().empty()) inputs[surface.file()] = hash_text(read_input(surface.file()));
+    if (!surface.file().empty()) inputs[surface.file()] = hash_text(io::read_file(surface.file()));
   }
   for (const FrameMethod* method : options.methods) methods.push_back(method->name);
   for (const MeshFamily* family : options.families) meshes.push_back(family->name);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <darboux/converge.h>
@@ -25,9 +27,10 @@ struct ConvergeChoices {
 
 inline constexpr int finest_rows = 1024;  ///< 4 million triangles; their frames take a gigabyte
 
-inline constexpr std::array<const char*, 3> study_presets{"quick", "standard", "full"};
-/// \throws ParameterError for another name
-ConvergeChoices converge_preset(const std::string& name);
+/// quick: the choices as they are; standard: six surfaces, all meshes, 16 to 512 rows; full: 8 to 1024.
+/// Nothing for another name.
+std::optional<ConvergeChoices> preset_named(std::string_view name);
+inline constexpr const char* preset_names = "quick, standard or full";
 
 /// Overrides `choices` by what a study file says: docs/schemas/converge-study.schema.json.
 /// \throws FileError, with the path of the key that is wrong
@@ -38,7 +41,7 @@ void read_converge_study(const std::string& file, ConvergeChoices& choices);
 Json converge_identity(const ConvergeOptions& options);
 
 /// Runs the jobs, or resumes them; the studies are those of the whole when the shard is 1/1.
-/// \param done,of how many jobs of the shard there are results for, and of how many
+/// \param jobs_done how many jobs of the shard have results now
 std::vector<Study> run_converge_study(const ConvergeOptions& options, const StudyIdentity& identity,
                                       const StudyOptions& study, std::size_t& jobs_done,
                                       const std::function<void(double)>& progress);

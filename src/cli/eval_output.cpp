@@ -8,9 +8,9 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/parallel_jobs.h"
 #include "command.h"
 #include "csv_text.h"
-#include "base/parallel_jobs.h"
 
 namespace darboux {
 namespace {

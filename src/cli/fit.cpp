@@ -11,10 +11,10 @@
 #include <darboux/fit_points.h>
 #include <darboux/io.h>
 
+#include "base/parallel_jobs.h"
 #include "base/text.h"
 #include "command.h"
 #include "csv_text.h"
-#include "base/parallel_jobs.h"
 
 namespace darboux {
 namespace {

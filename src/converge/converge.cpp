@@ -32,7 +32,7 @@ constexpr double orthogonal_below =
 // Positions and uvs rounded once to float: an edge errs by 2^-24 |P|, a tangent by twice that over the edge.
 constexpr double single_precision_floor = 0x1p26;
 
-constexpr std::array<std::string_view, 3> quantities{"tangent", "bitangent", "normal"};
+constexpr auto& quantities = study_quantities;
 enum Quantity : std::size_t { tangent, bitangent, normal };
 
 double degrees(double radians) {

@@ -119,9 +119,6 @@ void retire_extension(GltfFile& file, const char* name);
 /// JSON object
 Json parse_extras(const char* subject, const std::string& text);
 
-/// \param text JSON of at most 256 levels \throws FileError with the subject `file`
-Json parse_json(const std::string& file, std::string_view text);
-
 /// A node of the scene that is shown: the default scene, else the first, else all trees of nodes.
 struct ShownNode {
   std::size_t node;

@@ -3,11 +3,15 @@
 /// "accessors[3].count: expected an integer not below 1, got -1", or as a JSON pointer "/accessors/3/count".
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -20,6 +24,9 @@ namespace darboux::io {
 
 /// Keeps the order of keys, so that a rewritten document stays close to the original.
 using Json = nlohmann::ordered_json;
+
+/// \param text JSON of at most 256 levels \throws FileError with the subject `file`
+Json parse_json(const std::string& file, std::string_view text);
 
 /// A value of a document that knows its name there. Every reader throws FileError when the value is not what
 /// is asked for. It refers to the document and must not outlive it.
@@ -69,6 +76,15 @@ class JsonCursor {
   std::optional<JsonCursor> extension(const char* key) const {
     if (!has("extensions") || !at("extensions").has(key)) return std::nullopt;
     return at("extensions").at(key);
+  }
+
+  /// Refuses an object with another key than these.
+  void expect_keys(std::initializer_list<const char*> known) const {
+    if (!json_->is_object()) fail("an object");
+    for (const auto& [key, value] : json_->items())
+      if (std::find(known.begin(), known.end(), key) == known.end())
+        at(key).fail("one of the keys " + joined(std::vector<std::string>(known.begin(), known.end())),
+                     "an unknown one");
   }
 
   std::size_t size() const {

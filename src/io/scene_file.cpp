@@ -66,14 +66,6 @@ class SplitMix {
   std::uint64_t state_;
 };
 
-void expect_keys(const JsonCursor& object, std::initializer_list<const char*> known) {
-  object.has("");  // refuses what is no object
-  for (const auto& [key, value] : object.json().items())
-    if (std::find(known.begin(), known.end(), key) == known.end())
-      object.at(key).fail("one of the keys " + joined(std::vector<std::string>(known.begin(), known.end())),
-                          "an unknown one");
-}
-
 double number_above(const JsonCursor& value, double least) {
   const double x = value.number();
   if (!(x > least)) value.fail("a number above " + shortest(least));
@@ -102,7 +94,7 @@ class SceneReader {
 
   SceneFile read() {
     file_.request.frame_angle_rad = std::numbers::pi / 180;
-    expect_keys(root_, {"$schema", "surfaces", "materials", "cameras", "instances", "scatter", "request"});
+    root_.expect_keys({"$schema", "surfaces", "materials", "cameras", "instances", "scatter", "request"});
     read_surfaces(root_.at("surfaces"));
     if (root_.has("materials")) read_materials(root_.at("materials"));
     read_cameras(root_.at("cameras"));
@@ -135,8 +127,8 @@ class SceneReader {
     list.has("");
     for (const auto& [name, value] : list.json().items()) {
       const JsonCursor material = list.at(name);
-      expect_keys(material,
-                  {"normal_map", "clearcoat_normal_map", "anisotropy", "double_sided", "displacement"});
+      material.expect_keys(
+          {"normal_map", "clearcoat_normal_map", "anisotropy", "double_sided", "displacement"});
       const auto flag = [&](const char* key) { return material.has(key) && material.at(key).boolean(); };
       SceneMaterial m;
       m.name = name;
@@ -159,8 +151,8 @@ class SceneReader {
   }
 
   static NamedCamera camera_of(const JsonCursor& value) {
-    expect_keys(value,
-                {"name", "perspective", "orthographic", "eye", "target", "up", "width_px", "height_px"});
+    value.expect_keys(
+        {"name", "perspective", "orthographic", "eye", "target", "up", "width_px", "height_px"});
     NamedCamera result;
     Camera& camera = result.camera;
     if (value.has("name")) result.name = value.at("name").text();
@@ -170,13 +162,13 @@ class SceneReader {
     const JsonCursor lens = value.at(perspective ? "perspective" : "orthographic");
     const double zero = 0, lowest = std::numeric_limits<double>::lowest();
     if (perspective) {
-      expect_keys(lens, {"vertical_field_of_view_deg", "near", "far"});
+      lens.expect_keys({"vertical_field_of_view_deg", "near", "far"});
       const JsonCursor angle = lens.at("vertical_field_of_view_deg");
       const double degrees = angle.number();
       if (!(degrees > 0 && degrees < 180)) angle.fail("a number above 0 and below 180");
       camera.vertical_field_of_view_rad = degrees * (std::numbers::pi / 180);
     } else {
-      expect_keys(lens, {"height", "near", "far"});
+      lens.expect_keys({"height", "near", "far"});
       camera.projection = Camera::Projection::orthographic;
       camera.view_height = number_above(lens.at("height"), 0);
     }
@@ -225,7 +217,7 @@ class SceneReader {
     file_.scene.instances.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
       const JsonCursor value = list.at(i);
-      expect_keys(value, {"surface", "material", "translation", "rotation", "scale", "matrix"});
+      value.expect_keys({"surface", "material", "translation", "rotation", "scale", "matrix"});
       SceneInstance instance;
       instance.surface = index_in(surface_index_, value.at("surface"), "surfaces");
       instance.material = value.has("material") ? index_in(material_index_, value.at("material"), "materials")
@@ -294,8 +286,8 @@ class SceneReader {
   }
 
   void read_scatter(const JsonCursor& value) {
-    expect_keys(value, {"count", "seed", "eye", "radius", "nearest_radii", "farthest_radii", "scale",
-                        "surfaces", "materials"});
+    value.expect_keys({"count", "seed", "eye", "radius", "nearest_radii", "farthest_radii", "scale",
+                       "surfaces", "materials"});
     const std::size_t before = file_.scene.instances.size();
     const JsonCursor count_place = value.at("count");
     const std::uint64_t count = count_place.integer(1);
@@ -330,7 +322,7 @@ class SceneReader {
   }
 
   void read_request(const JsonCursor& value) {
-    expect_keys(value, {"attributes", "chord_px", "chord", "angle_deg"});
+    value.expect_keys({"attributes", "chord_px", "chord", "angle_deg"});
     SceneRequest& request = file_.request;
     if (value.has("attributes")) {
       const JsonCursor list = value.at("attributes");

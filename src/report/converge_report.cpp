@@ -288,7 +288,8 @@ function draw() {
   $('about-mesh').textContent = 'Mesh: ' + (data.families[$('mesh').value] || '') + '.';
   $('at-floor').textContent = floor.length
     ? 'Not drawn, because their error is nothing but rounding (about ' +
-      plain(Math.max(...floor.map(s => s.floor_deg))) + '° or less): ' + floor.map(s => s.method).join(', ') +
+      plain(Math.max(...floor.map(s => s.floor_deg))) + '° or less): ' +
+      floor.map(s => s.method).join(', ') +
       '.' : '';
   for (const label of document.querySelectorAll('.methods label'))
     label.classList.toggle('absent',

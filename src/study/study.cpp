@@ -4,11 +4,9 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <sstream>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -19,6 +17,7 @@
 
 #include "base/parallel_jobs.h"
 #include "base/text.h"
+#include "io/files.h"
 
 namespace darboux {
 namespace {
@@ -134,14 +133,6 @@ std::optional<Results> parse_results(const std::string& file, const std::string&
   return std::nullopt;
 }
 
-std::string read_whole(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || (stream.peek() != std::ifstream::traits_type::eof() && !(text << stream.rdbuf())))
-    throw FileError(file, expected_got("a readable file", std::strerror(errno)));
-  return text.str();
-}
-
 // A results file that is appended to, a line at a time, by one process.
 class ResultsFile {
  public:
@@ -241,7 +232,7 @@ std::vector<Json> run_study(const StudyIdentity& identity, const std::vector<Job
   if (!options.results.empty()) {
     file.emplace(options.results);
     const auto found = file->regular()
-                           ? parse_results(options.results, read_whole(options.results), identity.version)
+                           ? parse_results(options.results, io::read_file(options.results), identity.version)
                            : std::nullopt;
     if (found) {
       check_same(options.results, *found, header, jobs);
@@ -275,7 +266,7 @@ std::string merge_results(const std::vector<std::string>& files, const std::stri
   std::map<std::size_t, std::pair<std::string, Json>> of_job;
   std::string runs;
   for (const std::string& file : files) {
-    const std::optional<Results> read = parse_results(file, read_whole(file), version);
+    const std::optional<Results> read = parse_results(file, io::read_file(file), version);
     if (!read) throw FileError(file, "expected results, got none");
     const Header& header = read->header;
     if (!first) first = header;

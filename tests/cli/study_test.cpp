@@ -137,9 +137,10 @@ TEST_F(StudyCli, RefusesResultsOfAnotherStudyAndLeavesThem) {
 
 TEST_F(StudyCli, NamesThePathOfWhatIsWrongInAStudy) {
   const std::vector<std::pair<const char*, std::vector<std::string>>> wrong{
-      {R"({"command": "converge", "meshs": []})", {"/meshs", "known are", "resolutions"}},
+      {R"({"command": "converge", "meshs": []})",
+       {"/meshs", "one of the keys", "resolutions", "an unknown one"}},
       {R"({"command": "validate"})", {"/command", "converge"}},
-      {R"({"surfaces": ["torus"]})", {"/command"}},
+      {R"({"surfaces": ["torus"]})", {"an object with command", "one without"}},
       {R"({"command": "converge", "methods": ["face", "nope"]})", {"/methods/1", "nope", "average"}},
       {R"({"command": "converge", "surfaces": ["nope"]})", {"/surfaces/0", "nope", "torus"}},
       {R"({"command": "converge", "meshes": ["nope"]})", {"/meshes/0", "nope", "jittered"}},
@@ -149,8 +150,8 @@ TEST_F(StudyCli, NamesThePathOfWhatIsWrongInAStudy) {
       {R"({"command": "converge", "resolutions": [8, 16, 2.5e9]})", {"/resolutions/2"}},
       {R"({"command": "converge", "v_range": [0.5, 0.5]})", {"/v_range"}},
       {R"({"command": "converge", "seed": -1})", {"/seed"}},
-      {R"({"command": "converge", "preset": "slow"})", {"/preset", "quick, standard or full"}},
-      {R"([])", {"a JSON object"}},
+      {R"({"command": "converge", "preset": "slow"})", {"/preset: expected quick, standard or full"}},
+      {R"([])", {"an object, got array"}},
       {R"({"command": "converge")", {"JSON"}}};
   for (const auto& [text, parts] : wrong) {
     write_bytes(path("wrong.json"), text);

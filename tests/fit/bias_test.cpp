@@ -1,11 +1,11 @@
 // The mean distance that noise gives points of a curved surface.
-#include "fit/common/noise_bias.h"
-
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "fit/common/noise_bias.h"
 
 namespace darboux::test {
 namespace {

@@ -516,8 +516,10 @@ TEST(LocalJets, Refusals) {
   weights.assign(30, 1);
   for (const double w : {0.0, -1.0, infinite, std::nan("")}) {
     weights[3] = w;
-    EXPECT_REFUSED(local_jet(p, p[0], {.weights = weights}), "weights: weight: expected 0 < weight < inf, got ");
-    EXPECT_REFUSED(uv_jet(patch.uvs, p, patch.uv, {.weights = weights}), "weights: weight: expected 0 < weight < inf, got ");
+    EXPECT_REFUSED(local_jet(p, p[0], {.weights = weights}),
+                   "weights: weight: expected 0 < weight < inf, got ");
+    EXPECT_REFUSED(uv_jet(patch.uvs, p, patch.uv, {.weights = weights}),
+                   "weights: weight: expected 0 < weight < inf, got ");
   }
   EXPECT_REFUSED(uv_jet(std::span(patch.uvs).first(3), p, patch.uv),
                  "uvs: expected one per position, 30, got 3");

@@ -1,4 +1,4 @@
-// node check_study.js TOOL DOCS WORK: see check_study.sh. Exit status 1 where a schema and the tool disagree.
+// node check_study.js TOOL DOCS WORK: see check_schemas.sh. Exit status 1 where a schema and the tool disagree.
 const fs = require('fs');
 const path = require('path');
 const { spawnSync } = require('child_process');
