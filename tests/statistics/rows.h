@@ -88,46 +88,6 @@ struct Outcome {
   bool success() const { return usable && mahalanobis < 20; }
 };
 
-// The true frame at a foot (in the surface's own frame, before scaling), as a fit names it: the sign of the
-// axis and the order of an ellipsoid's axes are a convention. Columns t, b, n in the points' space; of plane
-// and sphere only n means something.
-inline Eigen::Matrix3d true_frame(const SyntheticPoints& points, const PlacedSurface& fit,
-                                  const Eigen::Vector3d& foot) {
-  const TrueShape shape(points);
-  const Eigen::Matrix3d rotation = points.truth.placement.linear();
-  const Eigen::Matrix3d turn = rotation.transpose() * fit.placement.linear();
-  const double sign = turn(2, 2) < 0 ? -1 : 1;
-  const Eigen::Vector3d axis(0, 0, shape.kind == "cone" ? 1 : sign);
-  const Eigen::Vector3d radial = Eigen::Vector3d(foot.x(), foot.y(), 0).normalized();
-  Eigen::Vector3d t = axis.cross(radial), n;
-  if (shape.kind == "plane") {
-    n = axis;
-  } else if (shape.kind == "sphere") {
-    n = foot.normalized();
-  } else if (shape.kind == "cylinder") {
-    n = radial;
-  } else if (shape.kind == "cone") {
-    n = (shape.values[1] * radial + shape.values[0] * axis).normalized();
-  } else if (shape.kind == "torus") {
-    n = (foot - shape.values[0] * radial).normalized();
-  } else {
-    Eigen::Matrix3d nearest = Eigen::Matrix3d::Identity();
-    for (const Eigen::Matrix3d& cube : synthetic_detail::cube_turns())
-      if ((turn * cube).trace() > (turn * nearest).trace()) nearest = cube;
-    // turn * nearest is about the identity, so the fit's own axes are the truth's turned by nearest^T.
-    const Eigen::Vector3d axes(shape.values[0], shape.values[1], shape.values[2]);
-    const Eigen::Vector3d named = (nearest * axes).cwiseAbs(), at = nearest * foot;
-    n = (at.array() / named.array().square()).matrix().normalized();
-    t = Eigen::Vector3d(-named.x() * at.y() / named.y(), named.y() * at.x() / named.x(), 0).normalized();
-    n = nearest.transpose() * n;
-    t = nearest.transpose() * t;
-  }
-  t = (t - t.dot(n) * n).normalized();
-  Eigen::Matrix3d frame;
-  frame << t, n.cross(t), n;
-  return rotation * frame;
-}
-
 inline void judge_frame(const SyntheticPoints& points, const PointFit& fit, std::uint64_t seed,
                         Outcome& outcome) {
   Random random(seed);

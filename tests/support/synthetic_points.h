@@ -54,6 +54,14 @@ class Random {
   std::mt19937_64 bits_;
 };
 
+// What of the surface the points cover. patch: 30 degrees of each turn, of a torus's tube a quarter; strip: half
+// of u and a twentieth of v. Others: SyntheticOptions::coverage.
+enum class Region { full, half, quarter, patch, strip };
+
+// cluster: Gaussian, a tenth of the size wide, about a point of the box. second_surface: on a sphere of radius
+// 0.7 about a point of the box, with the same noise.
+enum class OutlierPattern { scattered, cluster, second_surface };
+
 struct SyntheticOptions {
   std::size_t count = 10000;
   // Standard deviation of each coordinate over a size that is 1 before scaling: the radius of sphere and
@@ -64,10 +72,12 @@ struct SyntheticOptions {
   // times as long, and none shorter than a third of the longest: a plane along two axes would else have its
   // outliers within the noise.
   double outlier_share = 0;
+  OutlierPattern outlier_pattern = OutlierPattern::scattered;
   // Share of the chart that the inliers cover: with equal odds its square root along both u and v, or all of
   // it along u and the whole of v; anywhere in the chart, over a seam too. Of a cone's chart only v in [0,
   // 0.8] is used.
   double coverage = 1;
+  Region region = Region::full;  // patch, strip: instead of the coverage
   // false: sphere 1, cylinder of radius 1 and height 3, torus 2 and 0.6, plane 3 x 2, cone of half-angle 30
   // degrees and base 1, ellipsoid 1.5, 1, 0.7. true: the same but for the cone's half-angle, uniform in 10 to
   // 60 degrees, the torus's minor over major radius, uniform in 0.1 to 0.8, and the ellipsoid's semi-axes,
@@ -139,6 +149,27 @@ inline Part random_part(Coordinate coordinate, double whole, double share, Rando
   return {coordinate == Coordinate::turn ? random.uniform() : random.uniform(0, whole - length), length};
 }
 
+// Along u and v.
+inline std::pair<Part, Part> parts_of(std::string_view kind, const SurfaceInfo& info,
+                                      const SyntheticOptions& options, Random& random) {
+  double share_u = 1, share_v = 1;
+  if (options.region == Region::patch) {
+    share_u = info.u == Coordinate::turn ? 1.0 / 12 : 1.0 / 4;
+    share_v = kind == "torus" || kind == "plane" ? 1.0 / 4 : kind == "sphere" || kind == "ellipsoid" ? 1.0 / 6 : 1;
+  } else if (options.region == Region::strip) {
+    share_u = 0.5, share_v = 0.05;
+  } else {
+    const double coverage = options.region == Region::half      ? 0.5
+                            : options.region == Region::quarter ? 0.25
+                                                                : options.coverage;
+    const bool both = coverage < 1 && random.uniform() < 0.5;
+    share_u = both ? std::sqrt(coverage) : coverage;
+    if (both) share_v = share_u;
+  }
+  const Part along_u = random_part(info.u, 1, share_u, random);
+  return {along_u, random_part(info.v, kind == "cone" ? 0.8 : 1, share_v, random)};
+}
+
 }  // namespace synthetic_detail
 
 // \param kind one of found_kinds()
@@ -147,10 +178,7 @@ inline SyntheticPoints make_points(std::string_view kind, const SyntheticOptions
   Random random(options.seed);
   const Shape shape = make_shape(kind, options.random_shape, random);
   const SurfaceInfo& info = shape.surface.info();
-  const bool both = options.coverage < 1 && random.uniform() < 0.5;
-  const double share_u = both ? std::sqrt(options.coverage) : options.coverage;
-  const Part along_u = random_part(info.u, 1, share_u, random);
-  const Part along_v = random_part(info.v, kind == "cone" ? 0.8 : 1, both ? share_u : 1, random);
+  const auto [along_u, along_v] = synthetic_detail::parts_of(kind, info, options, random);
 
   std::vector<double> values;
   for (const ParameterValue& p : shape.surface.parameters()) values.push_back(options.scale * p.value);
@@ -192,9 +220,21 @@ inline SyntheticPoints make_points(std::string_view kind, const SyntheticOptions
     made.push_back({turned + options.sigma * random.normals(), uv, true});
   }
   const Eigen::Vector3d sides = 1.25 * box.sizes().cwiseMax(box.sizes().maxCoeff() / 3);
-  for (std::size_t k = 0; k < outliers; ++k) {
+  const auto in_box = [&] {
     const double x = random.uniform(-1, 1), y = random.uniform(-1, 1), z = random.uniform(-1, 1);
-    made.push_back({box.center() + Eigen::Vector3d(x, y, z).cwiseProduct(sides) / 2, somewhere(), false});
+    return Eigen::Vector3d(box.center() + Eigen::Vector3d(x, y, z).cwiseProduct(sides) / 2);
+  };
+  const Eigen::Vector3d middle =
+      options.outlier_pattern == OutlierPattern::scattered ? Eigen::Vector3d::Zero() : in_box();
+  for (std::size_t k = 0; k < outliers; ++k) {
+    Eigen::Vector3d at;
+    if (options.outlier_pattern == OutlierPattern::scattered)
+      at = in_box();
+    else if (options.outlier_pattern == OutlierPattern::cluster)
+      at = middle + 0.1 * random.normals();
+    else
+      at = middle + 0.7 * random.normals().normalized() + options.sigma * random.normals();
+    made.push_back({at, somewhere(), false});
   }
   random.shuffle(made);
 
@@ -380,6 +420,46 @@ inline double mahalanobis_per_parameter(const SyntheticPoints& points, const Pla
   if (!error.allFinite() || points.sigma == 0) return std::numeric_limits<double>::infinity();
   const Eigen::VectorXd in_sigmas = error / (points.sigma / points.scale);
   return in_sigmas.dot(unit_information(points) * in_sigmas) / static_cast<double>(error.size());
+}
+
+// The true frame at a foot (in the surface's own frame, before scaling), as a fit names it: the sign of the
+// axis and the order of an ellipsoid's axes are a convention. Columns t, b, n in the points' space; of plane
+// and sphere only n means something.
+inline Eigen::Matrix3d true_frame(const SyntheticPoints& points, const PlacedSurface& fit,
+                                  const Eigen::Vector3d& foot) {
+  const TrueShape shape(points);
+  const Eigen::Matrix3d rotation = points.truth.placement.linear();
+  const Eigen::Matrix3d turn = rotation.transpose() * fit.placement.linear();
+  const double sign = turn(2, 2) < 0 ? -1 : 1;
+  const Eigen::Vector3d axis(0, 0, shape.kind == "cone" ? 1 : sign);
+  const Eigen::Vector3d radial = Eigen::Vector3d(foot.x(), foot.y(), 0).normalized();
+  Eigen::Vector3d t = axis.cross(radial), n;
+  if (shape.kind == "plane") {
+    n = axis;
+  } else if (shape.kind == "sphere") {
+    n = foot.normalized();
+  } else if (shape.kind == "cylinder") {
+    n = radial;
+  } else if (shape.kind == "cone") {
+    n = (shape.values[1] * radial + shape.values[0] * axis).normalized();
+  } else if (shape.kind == "torus") {
+    n = (foot - shape.values[0] * radial).normalized();
+  } else {
+    Eigen::Matrix3d nearest = Eigen::Matrix3d::Identity();
+    for (const Eigen::Matrix3d& cube : synthetic_detail::cube_turns())
+      if ((turn * cube).trace() > (turn * nearest).trace()) nearest = cube;
+    // turn * nearest is about the identity, so the fit's own axes are the truth's turned by nearest^T.
+    const Eigen::Vector3d axes(shape.values[0], shape.values[1], shape.values[2]);
+    const Eigen::Vector3d named = (nearest * axes).cwiseAbs(), at = nearest * foot;
+    n = (at.array() / named.array().square()).matrix().normalized();
+    t = Eigen::Vector3d(-named.x() * at.y() / named.y(), named.y() * at.x() / named.x(), 0).normalized();
+    n = nearest.transpose() * n;
+    t = nearest.transpose() * t;
+  }
+  t = (t - t.dot(n) * n).normalized();
+  Eigen::Matrix3d frame;
+  frame << t, n.cross(t), n;
+  return rotation * frame;
 }
 
 }  // namespace darboux

@@ -1,0 +1,225 @@
+// The matrix of docs/reports/fit.md: kinds x parts of the surface x numbers of points x outliers x noise, and
+// what one fit of one of its data sets gives. tests/statistics/matrix.cpp runs all of it, and
+// tests/fit/fit_matrix_test.cpp some.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/math/distributions/binomial.hpp>
+
+#include <darboux/fit_points.h>
+
+#include "synthetic_points.h"
+
+namespace darboux::matrix {
+
+inline constexpr std::array<std::string_view, 6> kinds{"plane", "sphere", "cylinder",
+                                                       "cone",  "torus",  "ellipsoid"};
+inline constexpr std::array<Region, 5> regions{Region::full, Region::half, Region::quarter, Region::patch,
+                                               Region::strip};
+inline constexpr std::array<std::size_t, 4> counts{10, 50, 1000, 10000};
+inline constexpr std::array<double, 3> sigmas{1e-4, 1e-2, 3e-2};
+
+struct Outliers {
+  double share;
+  OutlierPattern pattern;
+};
+inline constexpr std::array<Outliers, 7> outliers{{{0, OutlierPattern::scattered},
+                                                   {0.3, OutlierPattern::scattered},
+                                                   {0.5, OutlierPattern::scattered},
+                                                   {0.3, OutlierPattern::cluster},
+                                                   {0.5, OutlierPattern::cluster},
+                                                   {0.3, OutlierPattern::second_surface},
+                                                   {0.5, OutlierPattern::second_surface}}};
+
+inline std::string_view name_of(Region region) {
+  constexpr std::array<std::string_view, 5> names{"full", "half", "quarter", "30 degree patch", "thin strip"};
+  return names[static_cast<std::size_t>(region)];
+}
+inline std::string_view name_of(OutlierPattern pattern) {
+  constexpr std::array<std::string_view, 3> names{"scattered", "cluster", "second surface"};
+  return names[static_cast<std::size_t>(pattern)];
+}
+
+struct Cell {
+  std::size_t kind, region, count, outliers, sigma;  // indices of the lists above
+
+  std::string key() const {
+    std::string text(kinds[kind]);
+    text += "/";
+    text += name_of(regions[region]);
+    text += "/" + std::to_string(counts[count]) + "/";
+    const Outliers& o = matrix::outliers[outliers];
+    text += std::to_string(static_cast<int>(std::lround(100 * o.share))) + "%";
+    if (o.share > 0) (text += " ") += name_of(o.pattern);
+    constexpr std::array<std::string_view, 3> levels{"1e-4", "1e-2", "3e-2"};
+    text += "/";
+    text += levels[sigma];
+    return text;
+  }
+};
+
+// 10 000 points on the full and the half surface only.
+inline std::vector<Cell> cells() {
+  std::vector<Cell> list;
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    for (std::size_t r = 0; r < regions.size(); ++r)
+      for (std::size_t n = 0; n < counts.size(); ++n)
+        for (std::size_t o = 0; o < outliers.size(); ++o)
+          for (std::size_t s = 0; s < sigmas.size(); ++s)
+            if (counts[n] < 10000 || r < 2) list.push_back({k, r, n, o, s});
+  return list;
+}
+
+inline SyntheticPoints points_of(const Cell& cell, std::uint64_t run) {
+  const Outliers& o = outliers[cell.outliers];
+  SyntheticOptions options;
+  options.count = counts[cell.count];
+  options.sigma = sigmas[cell.sigma];
+  options.outlier_share = o.share;
+  options.outlier_pattern = o.pattern;
+  options.region = regions[cell.region];
+  options.random_shape = kinds[cell.kind] != "torus" || regions[cell.region] != Region::patch;
+  options.seed = 1 + run + 1000 * ((((cell.kind * 8 + cell.region) * 8 + cell.count) * 8 + cell.outliers) * 8 +
+                                   cell.sigma);
+  return make_points(kinds[cell.kind], options);
+}
+
+// What a fit states, and whether the truth lies inside.
+struct Run {
+  bool usable = false;         // fitted as what it is
+  std::string reason{};        // where it is not
+  double mahalanobis = 0;      // squared error over the bound, per parameter
+  double told = 0;             // the same of a fit that is told inliers, noise and truth; 0: not asked
+  int parameters = 0, covered = 0;  // of the intervals of the surface's own parameters
+  std::optional<bool> axis{}, centre{}, normal{};
+  double largest_bound = 0;  // of the standard errors of all parameters: Cramer-Rao, sizes are about 1
+  std::string found{};       // under auto; empty where that is not usable
+  std::string auto_reason{};
+  double seconds = 0;
+};
+
+// The largest bound of a standard error of lengths and, in radians, of angles.
+inline double largest_standard_error(const SyntheticPoints& points) {
+  const Eigen::MatrixXd covariance = unit_information(points).inverse();
+  const double sigma = points.sigma / points.scale;
+  const double largest = covariance.diagonal().maxCoeff();
+  return std::isfinite(largest) && largest > 0 && covariance.diagonal().minCoeff() > 0
+             ? sigma * std::sqrt(largest)
+             : std::numeric_limits<double>::infinity();
+}
+
+inline const ConfidenceInterval* interval_named(const PointFit& fit, std::string_view name) {
+  for (const ConfidenceInterval& i : fit.intervals)
+    if (i.name == name) return &i;
+  return nullptr;
+}
+
+// Of the true surface as the fit names it: its axes in another order or direction are the same surface.
+struct TrueQuantities {
+  std::vector<double> parameters;  // those that the points determine, in the fit's order; else NaN
+  double axis_deg = 0, centre = 0;  // how far the fit is off
+};
+
+inline TrueQuantities true_quantities(const SyntheticPoints& points, const PlacedSurface& fit) {
+  const TrueShape shape(points);
+  const Eigen::Isometry3d& truth = points.truth.placement;
+  const Eigen::Matrix3d turn = truth.linear().transpose() * fit.placement.linear();
+  const Eigen::Vector3d at = truth.inverse() * fit.placement.translation();
+  std::vector<double> values;
+  for (const double x : shape.values) values.push_back(x * points.scale);
+  constexpr double degrees = 180 / std::numbers::pi;
+  TrueQuantities q;
+  Eigen::Vector3d axis = turn.col(2);
+  const double off = std::atan2(axis.head<2>().norm(), shape.kind == "cone" ? axis.z() : std::fabs(axis.z()));
+  q.axis_deg = degrees * off;
+  q.centre = at.norm();
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  if (shape.kind == "plane") {
+    q.parameters = {unknown, unknown};
+    q.centre = std::fabs(at.z());
+  } else if (shape.kind == "cylinder") {
+    q.parameters = {values[0], unknown};
+    q.centre = at.head<2>().norm();
+  } else if (shape.kind == "cone") {
+    const double height = parameter_of(fit.surface, "height");
+    q.parameters = {height * values[0] / values[1], unknown};
+    q.centre = (at - Eigen::Vector3d(0, 0, values[1] - height)).norm();
+  } else if (shape.kind == "ellipsoid") {
+    Eigen::Matrix3d nearest = Eigen::Matrix3d::Identity();
+    for (const Eigen::Matrix3d& cube : synthetic_detail::cube_turns())
+      if ((turn * cube).trace() > (turn * nearest).trace()) nearest = cube;
+    const Eigen::Vector3d named = (nearest * Eigen::Vector3d(values[0], values[1], values[2])).cwiseAbs();
+    q.parameters = {named[0], named[1], named[2]};
+    const Eigen::Vector3d z = (turn * nearest).transpose() * Eigen::Vector3d::Zero() + turn.col(2);
+    q.axis_deg = degrees * std::acos(std::min(1.0, z.cwiseAbs().maxCoeff()));
+  } else {
+    q.parameters = values;
+  }
+  return q;
+}
+
+inline void judge_intervals(const SyntheticPoints& points, const PointFit& fit, std::uint64_t seed, Run& run) {
+  const TrueQuantities truth = true_quantities(points, *fit.surface);
+  const auto names = fit.surface->surface.parameters();
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (const ConfidenceInterval* i = interval_named(fit, names[k].name)) {
+      ++run.parameters;
+      run.covered += i->low <= truth.parameters[k] && truth.parameters[k] <= i->high;
+    }
+  if (const ConfidenceInterval* i = interval_named(fit, "axis_deg")) run.axis = truth.axis_deg <= i->high;
+  if (const ConfidenceInterval* i = interval_named(fit, "centre")) run.centre = truth.centre <= i->high;
+  Random random(seed);
+  const Eigen::Vector3d foot = points.feet[random.below(points.feet.size())];
+  const Eigen::Matrix3d frame_of_truth = true_frame(points, *fit.surface, foot);
+  const UncertainFrame found = frame_near(fit, from_eigen(points.truth.placement * (points.scale * foot)));
+  Eigen::Matrix3d frame;
+  frame << to_eigen(found.t), to_eigen(found.b), to_eigen(found.n);
+  const Eigen::Vector3d n = frame.transpose() * frame_of_truth.col(2);
+  const Eigen::Vector2d tilt(n.y(), -n.x());
+  if (std::isfinite(found.normal_deg))
+    run.normal = tilt.dot(found.covariance.topLeftCorner<2, 2>().inverse() * tilt) <= 5.991464547107979;
+}
+
+struct Asked {
+  bool told = false, automatic = true;
+};
+
+inline Run run_of(const Cell& cell, std::uint64_t number, const Asked& asked = {}) {
+  const SyntheticPoints points = points_of(cell, number);
+  const std::string kind(kinds[cell.kind]);
+  Run run;
+  run.largest_bound = largest_standard_error(points);
+  const PointFit fit = fit_points(points.cloud, {.surface = kind, .seed = number + 1});
+  run.usable = fit.usable;
+  run.reason = fit.reason;
+  run.seconds = fit.seconds;
+  if (fit.usable) {
+    run.mahalanobis = mahalanobis_per_parameter(points, *fit.surface);
+    judge_intervals(points, fit, number, run);
+  }
+  if (asked.automatic) {
+    const PointFit found = fit_points(points.cloud, {.seed = number + 1});
+    if (found.usable) run.found = found.surface->surface.info().name;
+    run.auto_reason = found.reason;
+    run.seconds += found.seconds;
+  }
+  if (asked.told && fit.usable) {
+    PointCloud inliers;
+    for (std::size_t i = 0; i < points.is_inlier.size(); ++i)
+      if (points.is_inlier[i]) inliers.positions.push_back(points.cloud.positions[i]);
+    const PointFit told = fit_points(
+        inliers, {.surface = kind, .noise = points.sigma, .guess = points.truth, .seed = number + 1});
+    if (told.usable) run.told = mahalanobis_per_parameter(points, *told.surface);
+  }
+  return run;
+}
+
+}  // namespace darboux::matrix
