@@ -37,6 +37,14 @@ struct StandardError {
   double value;  ///< in the units of the points, degrees for axis_deg
 };
 
+/// Where a number lies with the probability PointFit::level.
+struct ConfidenceInterval {
+  std::string name;  ///< of its standard error
+  /// In its units. A parameter of the surface: about the fitted one. axis_deg and centre: from 0 to the bound
+  /// of how far the fitted axis is turned from the true one, the fitted centre away from it.
+  double low, high;
+};
+
 /// One kind of surface that was tried.
 struct FitCandidate {
   std::string name;
@@ -72,6 +80,11 @@ struct PointFit : SurfaceUncertainty {
   std::vector<bool> is_inlier;  ///< one entry per point
   bool mirrored = false;        ///< with uvs: they follow the mirror image of the surface; not usable then
   std::vector<StandardError> standard_errors;
+  std::vector<ConfidenceInterval> intervals;  ///< one for each standard error
+  /// How they were found: "t", from the standard errors by Student's t (axis_deg and centre: F), sigma being
+  /// estimated; "linear", the same where the noise is known; empty where there are none.
+  std::string_view interval_method;
+  double level = 0.95;  ///< of the intervals
   std::vector<FitCandidate> candidates;  ///< the chosen one first, then best first
   int iterations = 0;                    ///< of Ceres, over all candidates
   double seconds = 0;

@@ -198,6 +198,11 @@ Json fit_json(const FitArguments& arguments, const PointFit& fit, const Membersh
   json["mirrored"] = fit.mirrored;
   json["standard_errors"] = Json::object();
   for (const StandardError& e : fit.standard_errors) json["standard_errors"][e.name] = number(e.value);
+  json["intervals"] = Json::object();
+  for (const ConfidenceInterval& i : fit.intervals)
+    json["intervals"][i.name] = Json::array({number(i.low), number(i.high)});
+  json["interval_method"] = fit.interval_method.empty() ? Json(nullptr) : Json(fit.interval_method);
+  json["level"] = fit.level;
   json["frame_uncertainty_deg"] = nullptr;
   if (spread)
     json["frame_uncertainty_deg"] = {{"normal", spread_json(spread->normal)},

@@ -6,6 +6,7 @@
 
 #include "base/linear_algebra.h"
 #include "base/text.h"
+#include "fit/common/intervals.h"
 #include "fit/common/kinds.h"
 #include "principal.h"
 
@@ -88,7 +89,9 @@ ReducedNormalEquations information(const Estimate& e, const Positions& points, c
 }
 
 std::string add_covariance(const Estimate& e, const ReducedNormalEquations& known,
-                           const Eigen::VectorXd& units, double noise, PointFit& fit) {
+                           const Eigen::VectorXd& units, double noise, double degrees_of_freedom,
+                           PointFit& fit) {
+  const Intervals intervals(fit, degrees_of_freedom);
   const Eigen::Index n = units.size();
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index k = 0; k < n; ++k)
@@ -108,20 +111,20 @@ std::string add_covariance(const Estimate& e, const ReducedNormalEquations& know
     } else if (unknown(k, k) > 1e-6) {
       combined.push_back(name);
     }
-    fit.standard_errors.push_back({name, std::sqrt(std::fmax(fit.covariance(k, k), 0))});
+    intervals.add_number(name, parameters[static_cast<std::size_t>(k - 6)].value, fit.covariance(k, k));
   }
   std::string held;
   if (!alone.empty()) held += "; " + joined(alone) + " not told by the points, held";
   if (!combined.empty()) held += "; of " + joined(combined) + " only combinations told by the points";
   const Eigen::Vector3d axis = e.shape.placement.linear().col(2), origin = e.shape.placement.translation();
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
-  const double turn = (across * fit.covariance.topLeftCorner<3, 3>() * across).trace();
-  fit.standard_errors.push_back({"axis_deg", std::sqrt(std::fmax(turn, 0)) * 180 / std::numbers::pi});
+  intervals.add_length("axis_deg", across * fit.covariance.topLeftCorner<3, 3>() * across,
+                       180 / std::numbers::pi);
   Eigen::Matrix<double, 3, 6> of_origin;
   of_origin << 0, origin.z(), -origin.y(), 1, 0, 0, -origin.z(), 0, origin.x(), 0, 1, 0, origin.y(),
       -origin.x(), 0, 0, 0, 1;
-  const double move = (of_origin * fit.covariance.topLeftCorner<6, 6>() * of_origin.transpose()).trace();
-  fit.standard_errors.push_back({"centre", std::sqrt(std::fmax(move, 0))});
+  intervals.add_length("centre", of_origin * fit.covariance.topLeftCorner<6, 6>() * of_origin.transpose(), 1);
+  fit.covariance *= intervals.widening();
   return held;
 }
 

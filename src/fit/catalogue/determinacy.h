@@ -15,10 +15,12 @@ namespace darboux::fit::catalogue {
 ReducedNormalEquations information(const Estimate& e, const Positions& points, const Eigen::VectorXd& units,
                                    double size);
 
-// Gives the fit the covariance at this noise over the size, and standard errors. Returns what was held, ";
+// Gives the fit the covariance at this noise over the size, which is known to some degrees of freedom,
+// standard errors and intervals. Returns what was held, ";
 // ..." each.
 std::string add_covariance(const Estimate& e, const ReducedNormalEquations& known,
-                           const Eigen::VectorXd& units, double noise, PointFit& fit);
+                           const Eigen::VectorXd& units, double noise, double degrees_of_freedom,
+                           PointFit& fit);
 
 // The patch's lengths that the points do not tell, and those that may grow together without changing the
 // surface, made such that the patch just encloses the inliers in the coordinates that end. Whether anything

@@ -108,7 +108,7 @@ class PrimitivesFit {
                                  points_.scale * rms_of(tried[i], inliers_of(tried[i]))});
     const PrimitiveFit& best = tried[selection.order.front()];
     const std::vector<bool> is_inlier = inliers_of(best);
-    const double sigma_squared = report_points(best, points_, is_inlier, options_.noise.has_value(), fit_);
+    const NoiseKnowledge noise = report_points(best, points_, is_inlier, options_.noise.has_value(), fit_);
     if (!selection.usable) return selection.reason;
     const auto k = static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true));
     const std::string name = with_article(best.primitive->name);
@@ -125,7 +125,7 @@ class PrimitivesFit {
                "; the surface is of another kind, or that was not found: naming it or a guess help";
       selection.reason += "; " + alike + ": the surface is not quite " + name;
     }
-    report_surface(best, points_, sigma_squared, fit_);
+    report_surface(best, points_, noise, fit_);
     fit_.usable = true;
     return selection.reason;
   }

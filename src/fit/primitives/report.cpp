@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "fit/common/intervals.h"
+
 namespace darboux::fit {
 namespace {
 
@@ -23,27 +25,24 @@ CatalogueSurface catalogue_surface(const PrimitiveFit& fit, const NormalisedPoin
 }
 
 // From the covariance of (rotation vector, movement of `reference`, parameters) in scaled units.
-std::vector<StandardError> standard_errors(const PrimitiveFit& fit, const CatalogueSurface& surface,
-                                           const Eigen::MatrixXd& covariance, double scale) {
-  std::vector<StandardError> result;
-  const auto root = [](double x) { return std::sqrt(std::fmax(x, 0)); };
+void state_numbers(const PrimitiveFit& fit, const CatalogueSurface& surface,
+                   const Eigen::MatrixXd& covariance, double scale, const Intervals& intervals) {
   const std::vector<ParameterValue> parameters = surface.surface.parameters();
-  for (Eigen::Index k = 0; k < surface.by_lengths.rows(); ++k)
+  for (Eigen::Index k = 0; k < surface.by_lengths.rows(); ++k) {
+    const ParameterValue& p = parameters[static_cast<std::size_t>(k)];
     if (!surface.by_lengths.row(k).isZero(0))
-      result.push_back({std::string(parameters[static_cast<std::size_t>(k)].name),
-                        scale * root(covariance(6 + k, 6 + k))});
+      intervals.add_number(std::string(p.name), p.value, scale * scale * covariance(6 + k, 6 + k));
+  }
   const Vector3d axis = surface.frame.col(2);
   const Matrix3d across = Matrix3d::Identity() - axis * axis.transpose();
   if (fit.primitive->orientation != Orientation::none)
-    result.push_back({"axis_deg", root((across * covariance.topLeftCorner<3, 3>() * across).trace()) * 180 /
-                                      std::numbers::pi});
+    intervals.add_length("axis_deg", across * covariance.topLeftCorner<3, 3>() * across,
+                         180 / std::numbers::pi);
   const Vector3d arm = surface.origin - fit.reference;
   Eigen::Matrix<double, 3, 6> moves;  // turn x arm + movement
   moves << 0, arm.z(), -arm.y(), 1, 0, 0, -arm.z(), 0, arm.x(), 0, 1, 0, arm.y(), -arm.x(), 0, 0, 0, 1;
   if (fit.primitive->slides_along_axis) moves = (across * moves).eval();
-  result.push_back(
-      {"centre", scale * root((moves * covariance.topLeftCorner<6, 6>() * moves.transpose()).trace())});
-  return result;
+  intervals.add_length("centre", moves * covariance.topLeftCorner<6, 6>() * moves.transpose(), scale);
 }
 
 }  // namespace
@@ -66,19 +65,22 @@ double rms_of(const PrimitiveFit& fit, const std::vector<bool>& is_inlier) {
                    std::max(1.0, static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true))));
 }
 
-double report_points(const PrimitiveFit& best, const NormalisedPoints& points,
+NoiseKnowledge report_points(const PrimitiveFit& best, const NormalisedPoints& points,
                      const std::vector<bool>& is_inlier, bool noise_is_known, PointFit& to) {
   points.spread(is_inlier, to.is_inlier);
   to.inliers = static_cast<std::size_t>(std::count(to.is_inlier.begin(), to.is_inlier.end(), true));
   to.outliers = points.finite - to.inliers;
   to.rms = points.scale * rms_of(best, is_inlier);
   const auto k = static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true));
-  const double sigma_squared = noise_is_known ? 1 : k / std::max(1.0, k - best.primitive->unknowns);
-  to.sigma = points.scale * best.sigma * std::sqrt(sigma_squared);
-  return sigma_squared;
+  const double freedom = std::max(1.0, k - best.primitive->unknowns);
+  const NoiseKnowledge noise = noise_is_known
+                                   ? NoiseKnowledge{1, std::numeric_limits<double>::infinity()}
+                                   : NoiseKnowledge{k / freedom, freedom};
+  to.sigma = points.scale * best.sigma * std::sqrt(noise.squared_factor);
+  return noise;
 }
 
-void report_surface(const PrimitiveFit& best, const NormalisedPoints& points, double sigma_squared,
+void report_surface(const PrimitiveFit& best, const NormalisedPoints& points, const NoiseKnowledge& noise,
                     PointFit& to) {
   const CatalogueSurface surface = catalogue_surface(best, points, to.is_inlier);
   to.surface = PlacedSurface{surface.surface};
@@ -89,12 +91,13 @@ void report_surface(const PrimitiveFit& best, const NormalisedPoints& points, do
   by.topLeftCorner<3, 3>().setIdentity();
   by.block<3, 3>(3, 3).setIdentity();
   by.bottomRightCorner(parameters, 3) = surface.by_lengths / points.scale;
-  const Eigen::MatrixXd covariance = sigma_squared * by * best.covariance * by.transpose();
+  const Eigen::MatrixXd covariance = noise.squared_factor * by * best.covariance * by.transpose();
   Eigen::VectorXd units = Eigen::VectorXd::Constant(6 + parameters, points.scale);
   units.head<3>().setOnes();
-  to.covariance = units.asDiagonal() * covariance * units.asDiagonal();
+  const Intervals intervals(to, noise.degrees_of_freedom);
+  to.covariance = intervals.widening() * (units.asDiagonal() * covariance * units.asDiagonal());
   to.centre = points.centre + points.scale * best.reference;
-  to.standard_errors = standard_errors(best, surface, covariance, points.scale);
+  state_numbers(best, surface, covariance, points.scale, intervals);
 }
 
 }  // namespace darboux::fit

@@ -17,13 +17,18 @@ std::vector<bool> inliers_of(const PrimitiveFit& fit);
 // Root mean square of their errors.
 double rms_of(const PrimitiveFit& fit, const std::vector<bool>& is_inlier);
 
-// Counts, rms and noise. Returns the factor of sigma squared by which the distances are smaller as the
-// unknowns took some of it up.
-double report_points(const PrimitiveFit& best, const NormalisedPoints& points,
+// How well the noise is known.
+struct NoiseKnowledge {
+  double squared_factor;      // the distances are smaller than the noise, as the unknowns took some of it up
+  double degrees_of_freedom;  // infinite where the noise was given
+};
+
+// Counts, rms and noise.
+NoiseKnowledge report_points(const PrimitiveFit& best, const NormalisedPoints& points,
                      const std::vector<bool>& is_inlier, bool noise_is_known, PointFit& to);
 
-// Surface, covariance and standard errors.
-void report_surface(const PrimitiveFit& best, const NormalisedPoints& points, double sigma_squared,
+// Surface, covariance, standard errors and intervals.
+void report_surface(const PrimitiveFit& best, const NormalisedPoints& points, const NoiseKnowledge& noise,
                     PointFit& to);
 
 }  // namespace darboux::fit

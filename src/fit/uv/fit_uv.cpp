@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <darboux/error.h>
@@ -11,6 +12,7 @@
 #include "base/quantile.h"
 #include "base/text.h"
 #include "fit/common/arguments.h"
+#include "fit/common/intervals.h"
 #include "fit/common/kinds.h"
 #include "starts.h"
 
@@ -279,35 +281,35 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
       trial.model.uncertainty(trial.state, factor * spread.covariance, centre);
   fit.covariance = uncertainty.covariance.topLeftCorner(dimension, dimension);
   fit.centre = uncertainty.centre;
-  const auto deviation = [&](int k) { return std::sqrt(std::fmax(fit.covariance(6 + k, 6 + k), 0)); };
-
+  const fit::Intervals intervals(
+      fit, data.noise ? std::numeric_limits<double>::infinity() : 3 * weights - m);
+  const auto value = [&](int k) {
+    const auto i = static_cast<std::size_t>(k);
+    return trial.state.parameters[i] * (kind.length[i] ? size : 1);
+  };
   for (int k = 0; k < parameters; ++k)
-    fit.standard_errors.push_back(
-        {std::string(kind.parameters[static_cast<std::size_t>(k)].name), deviation(k)});
-  const Eigen::Matrix3d rotation = trial.state.rotation.toRotationMatrix();
-  const Eigen::Vector3d axis = rotation.col(2);
-  const Eigen::Matrix3d turning = fit.covariance.topLeftCorner<3, 3>();
-  fit.standard_errors.push_back(
-      {"axis_deg",
-       std::sqrt(std::fmax(turning.trace() - axis.dot(turning * axis), 0)) * 180 / std::numbers::pi});
-  fit.standard_errors.push_back(
-      {"centre", size * std::sqrt(std::fmax(factor * spread.covariance.block<3, 3>(3, 3).trace(), 0))});
+    intervals.add_number(std::string(kind.parameters[static_cast<std::size_t>(k)].name), value(k),
+                         fit.covariance(6 + k, 6 + k));
+  const Eigen::Vector3d axis = trial.state.rotation.toRotationMatrix().col(2);
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
+  intervals.add_length("axis_deg", across * fit.covariance.topLeftCorner<3, 3>() * across,
+                       180 / std::numbers::pi);
+  intervals.add_length("centre", factor * spread.covariance.block<3, 3>(3, 3), size);
+  fit.covariance *= intervals.widening();
   for (int k = 0; k < parameters; ++k) {
     const ParameterValue& p = kind.parameters[static_cast<std::size_t>(k)];
-    const double value = trial.state.parameters[static_cast<std::size_t>(k)] *
-                         (kind.length[static_cast<std::size_t>(k)] ? size : 1);
     if (kind.may_be_zero[static_cast<std::size_t>(k)]) continue;
-    if (std::fabs(value) < 3 * deviation(k))
+    if (std::fabs(value(k)) < 3 * fit.standard_errors[static_cast<std::size_t>(k)].value)
       return "the points do not tell the " + std::string(p.name) + " of the " + std::string(kind.name) +
              " from zero";
-    if (const double times = std::fabs(value) / fit.sigma;
+    if (const double times = std::fabs(value(k)) / fit.sigma;
         kind.length[static_cast<std::size_t>(k)] && times < 5)
       return "the " + std::string(p.name) + " of the best " + std::string(kind.name) + " is only " +
              rounded(times, 2) + " times the noise: no fit; less noise helps";
   }
   fit.surface = PlacedSurface{*surface_of(trial, size), Eigen::Isometry3d::Identity(),
                               trial.model.whole_convention(trial.state)};
-  fit.surface->placement.linear() = rotation;
+  fit.surface->placement.linear() = trial.state.rotation.toRotationMatrix();
   fit.surface->placement.translation() = size * trial.state.translation + data.all.centre;
   return "";
 }
