@@ -84,8 +84,7 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
   const double movement = primitive.orientation == Orientation::frame
                               ? f.sigma / std::sqrt(k * symmetric_eigenvalues(Eigen::MatrixXd(c))[8])
                               : 1 / (f.largest_deviation * std::sqrt(k));
-  if (!f.covariance.allFinite() || !(movement > 1e-7) ||
-      (primitive.flat_limit != FlatLimit::none && movement < 1.3 * f.sigma))
+  if (!f.covariance.allFinite() || !(movement > 1e-7))
     return unsure("is not determined: " + least_identifiable(f) + " is not observable" + help);
   for (std::size_t j = 0; j < static_cast<std::size_t>(f.primitive->lengths); ++j) {
     const double length = f.surface.lengths[j];

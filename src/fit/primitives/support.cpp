@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -33,49 +34,54 @@ Moments moments(const std::vector<NearPoint>& near, const Eigen::Matrix3Xd& clou
   return m;
 }
 
-// The cells along one coordinate. They lie symmetrically, so that signs do not matter. An interval of evenly
-// spread points is sqrt(12) standard deviations long; it gets half the cells, as half a turn does.
-struct Cells {
-  double origin, width;
-
-  Cells(const std::vector<NearPoint>& near, double SupportCoordinates::*coordinate, double range,
-        double total, int count) {
-    double mean = 0, square = 0;
-    for (const NearPoint& x : near) mean += x.weight * x.at.*coordinate / total;
-    for (const NearPoint& x : near)
-      square += x.weight * (x.at.*coordinate - mean) * (x.at.*coordinate - mean) / total;
-    origin = range > 0 ? 0 : mean;
-    width = range > 0 ? range / count : std::sqrt(12 * square) / (count / 2);
-  }
-  double operator()(double x) const { return std::floor((x - origin) / width) + most / 2; }
-};
-
-// Over the points.
-double median_density(std::vector<std::pair<double, double>> densities, double total) {
-  std::sort(densities.begin(), densities.end());
-  double below = 0, median = 0;
-  for (const auto& [density, weight] : densities) {
-    median = density;
-    below += weight;
-    if (below >= 0.5 * total) break;
-  }
-  return median;
+// The value up to which the sorted (value, weight) weigh so much.
+double weighted_quantile(const std::vector<std::pair<double, double>>& sorted, double weight) {
+  for (const auto& [value, w] : sorted)
+    if ((weight -= w) <= 0) return value;
+  return sorted.back().first;
 }
 
-}  // namespace
-
-void find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
-                  const GeometricParameters& surface, const Mixture& mixture, PointStates& states) {
-  std::vector<NearPoint> near;
-  double total = 0;
-  for (std::size_t i = 0; i < states.d.size(); ++i) {
-    if (!states.regular[i] || std::fabs(states.error(i)) > 20 * mixture.sigma) continue;
-    near.push_back({i, inlier_probability(states.error(i), mixture), {}, 0});
-    total += near.back().weight;
+// The cells along one coordinate, `count` over where the points lie: the middle 70 % of them, and as much
+// more as evenly spread ones have beyond. An angle counts from where most are, and the whole turn is taken
+// where nearly all of it is.
+class Cells {
+ public:
+  Cells(const std::vector<NearPoint>& near, double SupportCoordinates::*coordinate, double range,
+        double total, int count)
+      : turn_(range == turn) {
+    if (turn_) {
+      double cosines = 0, sines = 0;
+      for (const NearPoint& x : near) {
+        cosines += x.weight * std::cos(x.at.*coordinate);
+        sines += x.weight * std::sin(x.at.*coordinate);
+      }
+      zero_ = std::atan2(sines, cosines);
+    }
+    std::vector<std::pair<double, double>> values;
+    for (const NearPoint& x : near) values.emplace_back(from_zero(x.at.*coordinate), x.weight);
+    std::sort(values.begin(), values.end());
+    const double low = weighted_quantile(values, 0.15 * total), high = weighted_quantile(values, 0.85 * total);
+    double length = (high - low) / 0.7;
+    begin_ = low - 0.15 * length;
+    if (turn_ && length > 0.8 * turn) begin_ = -0.5 * turn, length = turn;
+    width_ = length / count;
   }
-  const int cells = std::min(24, 2 * static_cast<int>(std::sqrt(total / 60)));
-  states.in_support = states.regular;
-  if (cells < 4) return;
+  double operator()(double x) const { return std::floor((from_zero(x) - begin_) / width_) + most / 3; }
+
+ private:
+  static constexpr double turn = 2 * std::numbers::pi;
+
+  double from_zero(double x) const { return turn_ ? std::remainder(x - zero_, turn) : x; }
+
+  bool turn_;
+  double zero_ = 0, begin_, width_;
+};
+
+
+void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
+                      const GeometricParameters& surface, std::vector<NearPoint>& near, double total,
+                      PointStates& states) {
+  const int cells = std::min(12, static_cast<int>(std::sqrt(total / 60)));
   const Moments m = moments(near, cloud, total);
   const GeometricParameters frame = primitive.support.frame(surface, m.mean, m.scatter);
   const Matrix3d to_frame = frame.axes.transpose();
@@ -101,9 +107,52 @@ void find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
     count[c] /= area[c] / points[c];
     densities.emplace_back(count[c], count[c] * area[c] / points[c]);
   }
-  const double median = median_density(std::move(densities), total);
+  std::sort(densities.begin(), densities.end());
+  const double median = weighted_quantile(densities, 0.5 * total);
   for (const NearPoint& x : near)
     states.in_support[x.point] = x.cell >= 0 && count[static_cast<std::size_t>(x.cell)] >= 0.3 * median;
+}
+
+// Where there are too few for cells: by the distance within which the others weigh `enough`.
+void keep_points_with_neighbours(const Eigen::Matrix3Xd& cloud, const std::vector<NearPoint>& near,
+                                 double total, PointStates& states) {
+  constexpr double enough = 4, furthest = 2.9;  // times the median: half as dense at an edge, a quarter at a corner
+  std::vector<std::pair<double, double>> reach;  // squared, with the point's weight
+  std::vector<std::pair<double, double>> others;
+  for (const NearPoint& x : near) {
+    others.clear();
+    for (const NearPoint& y : near)
+      if (y.point != x.point)
+        others.emplace_back((cloud.col(static_cast<Eigen::Index>(x.point)) -
+                             cloud.col(static_cast<Eigen::Index>(y.point)))
+                                .squaredNorm(),
+                            y.weight);
+    std::sort(others.begin(), others.end());
+    reach.emplace_back(weighted_quantile(others, enough), x.weight);
+  }
+  auto sorted = reach;
+  std::sort(sorted.begin(), sorted.end());
+  const double median = weighted_quantile(sorted, 0.5 * total);
+  for (std::size_t k = 0; k < near.size(); ++k)
+    states.in_support[near[k].point] = reach[k].first <= furthest * furthest * median;
+}
+
+}  // namespace
+
+void find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
+                  const GeometricParameters& surface, const Mixture& mixture, PointStates& states) {
+  std::vector<NearPoint> near;
+  double total = 0;
+  for (std::size_t i = 0; i < states.d.size(); ++i) {
+    if (!states.regular[i] || std::fabs(states.error(i)) > 20 * mixture.sigma) continue;
+    near.push_back({i, inlier_probability(states.error(i), mixture), {}, 0});
+    total += near.back().weight;
+  }
+  states.in_support = states.regular;
+  if (total >= 240)
+    keep_dense_cells(primitive, cloud, surface, near, total, states);
+  else if (total >= 16)
+    keep_points_with_neighbours(cloud, near, total, states);
 }
 
 }  // namespace darboux::fit
