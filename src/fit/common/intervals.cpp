@@ -48,4 +48,9 @@ double Intervals::widening() const {
          quantile_of_mean_square(2, std::numeric_limits<double>::infinity(), fit_.level);
 }
 
+double greatest_sigma_ratio(double degrees_of_freedom) {
+  return std::sqrt(degrees_of_freedom /
+                   boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), 0.05));
+}
+
 }  // namespace darboux::fit

@@ -33,4 +33,8 @@ class Intervals {
   double degrees_of_freedom_;
 };
 
+// The noise may be so many times its estimate, its distances' root mean square over as many as the degrees of
+// freedom, at 95 % confidence.
+double greatest_sigma_ratio(double degrees_of_freedom);
+
 }  // namespace darboux::fit

@@ -7,6 +7,7 @@
 
 #include "base/linear_algebra.h"
 #include "base/text.h"
+#include "fit/common/intervals.h"
 #include "fit/common/kinds.h"
 #include "geometry.h"
 
@@ -66,6 +67,18 @@ double least_radius(const PrimitiveFit& f) {
   return least;
 }
 
+// Beyond this share of itself a number has no interval that holds: its errors are no longer those of a linear
+// model. Of an angle, in radians.
+constexpr double largest_share = 0.2;
+
+// What the standard errors may be, over those of the covariance: few points estimate the noise badly, and of
+// many such fits those that underestimate it would pass.
+double greatest_error_ratio(const PrimitiveFit& f, double inliers) {
+  if (f.sigma_known) return 1;
+  const double freedom = std::max(0.5, inliers - f.primitive->unknowns);
+  return std::sqrt(inliers / freedom) * greatest_sigma_ratio(freedom);
+}
+
 Determinacy unsure(std::string why) {
   return {Determinacy::Kind::unsure, std::move(why)};
 }
@@ -86,18 +99,21 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
                               : 1 / (f.largest_deviation * std::sqrt(k));
   if (!f.covariance.allFinite() || !(movement > 1e-7))
     return unsure("is not determined: " + least_identifiable(f) + " is not observable" + help);
+  const double ratio = greatest_error_ratio(f, k) / largest_share;
   for (std::size_t j = 0; j < static_cast<std::size_t>(f.primitive->lengths); ++j) {
     const double length = f.surface.lengths[j];
-    if (length > 1e3 || deviation(f, j) > 0.5 * length)
-      return unsure("has a " + std::string(f.primitive->length_names[j]) + " that is not told from infinity" +
-                    help);
+    const std::string name(f.primitive->length_names[j]);
+    if (length > 1e3) return unsure("has a " + name + " that is not told from infinity" + help);
     if (length < 1e-3) return none("shrinks to a point or a line: no fit");
+    if (ratio * deviation(f, j) > length)
+      return unsure("has a " + name + " known to " + rounded(100 * deviation(f, j) / length, 2) +
+                    " % only" + help);
   }
   if (primitive.at_limit)
-    if (const std::string_view why = primitive.at_limit(f.surface, deviation(f, 0)); !why.empty())
+    if (const std::string_view why = primitive.at_limit(f.surface, ratio * deviation(f, 0)); !why.empty())
       return unsure("is " + std::string(why) + help);
   if (primitive.orientation != Orientation::frame &&
-      std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()) > 0.5)
+      ratio * std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()) > 1)
     return unsure("has an axis that is not observable" + help);
   // Noise about a circle lies near many surfaces: such points are one sigma from it, those of a surface that
   // is determined three at least.

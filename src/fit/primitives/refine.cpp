@@ -117,6 +117,7 @@ class Refinement {
     fit.iterations = iterations_;
     fit.surface = primitive_.geometric(model_);
     fit.sigma = mixture_.sigma;
+    fit.sigma_known = mixture_.sigma_known;
     fit.outliers = mixture_.outliers;
     const std::vector<double> weights = inlier_probabilities(states_, mixture_);
     fit.circle_deviation = circle_deviation_of(

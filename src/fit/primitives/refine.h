@@ -18,6 +18,7 @@ struct PrimitiveFit {
   bool converged = false;
   GeometricParameters surface;
   double sigma = 0, outliers = 0;              // see fit/common/mixture.h
+  bool sigma_known = false;
   Covariance covariance = Covariance::Zero();  // of (rotation vector, movement of `reference`, lengths)
   Vector3d reference;
   double largest_deviation = 0;  // standard deviation in the least identifiable direction, at unit noise
