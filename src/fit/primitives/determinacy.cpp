@@ -57,16 +57,6 @@ std::string least_identifiable(const PrimitiveFit& f) {
   return "a turn about " + direction_text(turn);
 }
 
-// The radius of the surface's tightest curve, about.
-double least_radius(const PrimitiveFit& f) {
-  double least = std::numeric_limits<double>::infinity();
-  if (f.primitive->radius_about_axis)
-    least = (f.reference - f.surface.centre).cross(f.surface.axes.col(2)).norm();
-  for (std::size_t k = 0; k < static_cast<std::size_t>(f.primitive->lengths); ++k)
-    least = std::fmin(least, f.surface.lengths[k]);
-  return least;
-}
-
 // Beyond this share of itself a number has no interval that holds: its errors are no longer those of a linear
 // model. Of an angle, in radians.
 constexpr double largest_share = 0.2;
@@ -131,14 +121,18 @@ double least_length(const PrimitiveFit& f, std::size_t k) {
   return length / (1 + 3 * deviation(f, k) / length);
 }
 
-double log_likelihood_ratio(const PrimitiveFit& f) {
+double log_likelihood_ratio(double k, double n, double sigma, int unknowns) {
   constexpr double band =
       4.132731354122493;  // sqrt(2 pi e): a Gaussian's entropy is that of a band so many sigma wide
   const auto x_log_x = [](double x) { return x > 0 ? x * std::log(x) : 0; };
-  const double k = inliers_of(f), n = static_cast<double>(f.error.size());
   // `unknowns` of the inliers lie on the surface because it was laid through them.
-  return std::max(0.0, k - f.primitive->unknowns) * std::log(2 / (band * std::max(f.sigma, exact))) +
-         x_log_x(k) + x_log_x(std::max(0.0, n - k)) - x_log_x(n);
+  return std::max(0.0, k - unknowns) * std::log(2 / (band * std::max(sigma, exact))) + x_log_x(k) +
+         x_log_x(std::max(0.0, n - k)) - x_log_x(n);
+}
+
+double log_likelihood_ratio(const PrimitiveFit& f) {
+  return log_likelihood_ratio(inliers_of(f), static_cast<double>(f.error.size()), f.sigma,
+                              f.primitive->unknowns);
 }
 
 Determinacy determinacy(const PrimitiveFit& f) {
@@ -151,7 +145,7 @@ Determinacy determinacy(const PrimitiveFit& f) {
     return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
   // Curvature and noise are of one size: the model, of first order in their product, and the distances mean
   // nothing.
-  if (const double radius = least_radius(f); radius < 5 * f.sigma)
+  if (const double radius = least_radius(*f.primitive, f.surface, f.reference); radius < 5 * f.sigma)
     return none("has a radius of only " + rounded(radius / f.sigma, 3) +
                 " times the noise: no fit; less noise helps");
   if (log_likelihood_ratio(f) < 0.5 * f.primitive->unknowns * std::log(n) + margin)

@@ -24,6 +24,7 @@ inline constexpr double exact = 1e-12;
 
 // Log likelihood of k inliers in a Gaussian band of distances, the others spread evenly over distances up to
 // the points' size, over that of all spread evenly.
+double log_likelihood_ratio(double inliers, double points, double sigma, int unknowns);
 double log_likelihood_ratio(const PrimitiveFit& fit);
 
 // The least length k of the surface that the points allow: its curvature, three standard errors more.

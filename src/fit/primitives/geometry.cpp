@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/linear_algebra.h"
@@ -140,6 +141,14 @@ GeometricParameters scatter_frame(const GeometricParameters& n, const Vector3d& 
 double turns(double y, double x) {
   const double turn = std::atan2(y, x) / (2 * std::numbers::pi);
   return turn < 0 ? turn + 1 : turn;
+}
+
+double least_radius(const Primitive& primitive, const GeometricParameters& surface, const Vector3d& at) {
+  double least = std::numeric_limits<double>::infinity();
+  if (primitive.radius_about_axis) least = (at - surface.centre).cross(surface.axes.col(2)).norm();
+  for (std::size_t k = 0; k < static_cast<std::size_t>(primitive.lengths); ++k)
+    least = std::fmin(least, surface.lengths[k]);
+  return least;
 }
 
 }  // namespace darboux::fit

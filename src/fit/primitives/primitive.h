@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -143,8 +144,13 @@ struct Primitive {
 
   // Why it is not told from its limits, going on after "is"; empty where it is.
   std::string_view (*at_limit)(const GeometricParameters&, double deviation_of_first) = nullptr;
+  // Other surfaces that are like it about a point on it, to second order; each may be a maximum of its own.
+  std::vector<GeometricParameters> (*alternatives)(const GeometricParameters&, const Vector3d& at) = nullptr;
   // Whether it crosses itself, and so has two sheets near almost any point.
   bool (*crosses_itself)(const GeometricParameters&) = nullptr;
 };
+
+// The radius of the surface's tightest curve, about. \param at a point on it
+double least_radius(const Primitive& primitive, const GeometricParameters& surface, const Vector3d& at);
 
 }  // namespace darboux::fit

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "base/evenly_chosen.h"
+#include "base/linear_algebra.h"
 #include "cost.h"
+#include "determinacy.h"
 
 namespace darboux::fit {
 namespace {
@@ -93,6 +95,12 @@ void localise_in_the_middle(const Primitive& primitive, const Matrix3Xd& part,
   model = primitive.localise(primitive.geometric(model), at);
 }
 
+// Whether the normals are near one plane or one direction: a small patch, or a thin strip.
+bool covers_little(const Matrix3Xd& normals) {
+  const Matrix3d moments = normals * normals.transpose() / static_cast<double>(normals.cols());
+  return closed_form_symmetric_eigen(moments).values[0] < 0.06;
+}
+
 // The robust phase: the mixture by the distances, then weighted least squares by Ceres, until the surface
 // stays about where it is.
 int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candidate,
@@ -118,6 +126,9 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
       break;
   }
   localise_in_the_middle(primitive, part, weights, candidate.model);
+  candidate.score.log_likelihood_ratio =
+      log_likelihood_ratio(std::accumulate(weights.begin(), weights.end(), 0.0),
+                           static_cast<double>(weights.size()), mixture.sigma, primitive.unknowns);
   return iterations;
 }
 
@@ -168,19 +179,34 @@ std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& 
   std::partial_sort(candidates.begin(), end, candidates.end(), better);
   candidates.erase(end, candidates.end());
 
-  Scorer part_scorer(part, primitive);
-  // Three that lead to the same surface are enough.
   const Candidate* best = nullptr;
   double share = 0.3;  // of the work, about
   int same = 0, iterations = 0;
+  const auto follow = [&](Candidate& c) {
+    iterations += descend(primitive, part, c, problem.sigma);
+    // A surface whose curvature and noise are of one size is refused in the end: another may be likely as well.
+    const GeometricParameters found = primitive.geometric(c.model);
+    if (least_radius(primitive, found, c.model.origin) < 5 * c.mixture.sigma) c.score.log_likelihood_ratio -= 1e6;
+    if (best == nullptr || better(c, *best))
+      same = best && c.score.log_likelihood_ratio < best->score.log_likelihood_ratio + 1 ? same + 1 : 1, best = &c;
+    else if (c.score.log_likelihood_ratio > best->score.log_likelihood_ratio - 1)
+      ++same;
+  };
+  // Three that lead to the same surface are enough.
   for (Candidate& c : candidates) {
     problem.progress(share += 0.7 / static_cast<double>(candidates.size()));
-    iterations += descend(primitive, part, c, problem.sigma);
-    c.score = part_scorer(c.model);
-    if (best == nullptr || better(c, *best))
-      best = &c, same = 1;
-    else if (c.score.log_likelihood_ratio == best->score.log_likelihood_ratio && ++same == 3 && repeat == 1)
-      break;
+    follow(c);
+    if (same == 3 && repeat == 1) break;
+  }
+  std::vector<Candidate> others;
+  if (primitive.alternatives && covers_little(problem.oriented.normals)) {
+    for (const GeometricParameters& n :
+         primitive.alternatives(primitive.geometric(best->model), best->model.origin)) {
+      const LocalModel model = primitive.localise(n, best->model.origin);
+      if (model.origin.allFinite() && model.rotation.coeffs().allFinite())
+        others.push_back({model, {0, best->score.band}});
+    }
+    for (Candidate& c : others) follow(c);
   }
   return Hypothesis{&primitive,
                     best->score.log_likelihood_ratio,

@@ -1,4 +1,6 @@
+#include <array>
 #include <numbers>
+#include <vector>
 
 #include <darboux/torus.h>
 
@@ -97,6 +99,46 @@ GeometricParameters geometric(const LocalModel& m) {
           {m.s[2], 1 / m.s[1]}};
 }
 
+// What a small patch or a thin strip may be as well. A patch: tori with the same principal curvatures at the
+// point. Either is that of the tube, 1 / r; the other is cos(phi) / (R + r cos(phi)) at the angle phi of the
+// tube, and so gives phi for any R. A strip: tori about the same axis, with the same normal.
+std::vector<GeometricParameters> alternatives(const GeometricParameters& n, const Vector3d& at) {
+  const LocalModel here = localise(n, at);
+  const double from_axis = n.lengths[0] + n.lengths[1] * std::cos(here.s[3]);
+  const std::array<double, 2> curvatures{1 / n.lengths[1], std::cos(here.s[3]) / from_axis};
+  const Matrix3d frame = here.rotation.matrix();  // along the tube, along the ring, inward
+  std::vector<GeometricParameters> result;
+  const auto add = [&](const Vector3d& outward, const Vector3d& across, double phi, double major, double minor) {
+    const Vector3d e = std::cos(phi) * outward - std::sin(phi) * across,
+                   axis = std::sin(phi) * outward + std::cos(phi) * across;
+    if (auto torus = checked_start({at - minor * outward - major * e, axes_with_z(axis), {major, minor}}))
+      result.push_back(*torus);
+  };
+  for (const int tube : {0, 1}) {
+    const double by_minor = curvatures[static_cast<std::size_t>(tube)];
+    const double minor = 1 / std::fabs(by_minor);
+    const Vector3d outward = (by_minor > 0 ? -1 : 1) * frame.col(2);
+    const double other = curvatures[static_cast<std::size_t>(1 - tube)] * (by_minor > 0 ? 1 : -1);
+    for (const double ratio : {1.2, 2., 3.5, 6., 12., 25.}) {
+      const double major = ratio * minor, cosine = major * other / (1 - minor * other);
+      if (!(std::fabs(cosine) <= 1)) continue;
+      for (const double side : {-1., 1.})
+        add(outward, frame.col(tube), side * std::acos(cosine), major, minor);
+    }
+  }
+  const Vector3d axis = n.axes.col(2), e = radial(n, at);
+  const double radius = (at - n.centre).dot(e);
+  for (const double side : {-1., 1.}) {
+    const Vector3d outward = side * frame.col(2);
+    for (const double ratio : {0.15, 0.35, 0.8}) {
+      const double minor = ratio * radius, major = radius - minor * outward.dot(e);
+      add(outward, (axis - axis.dot(outward) * outward).normalized(), std::atan2(outward.dot(axis), outward.dot(e)),
+          major, minor);
+    }
+  }
+  return result;
+}
+
 GeometricParameters support_frame(const GeometricParameters& n, const Vector3d& mean, const Matrix3d&) {
   return axis_frame(n, mean);
 }
@@ -143,6 +185,7 @@ constinit const Primitive torus_primitive{
     .to_catalogue = to_catalogue,
     .from_catalogue = [](const GeometricParameters& n) { return n; },
     .foot = foot,
+    .alternatives = alternatives,
     .crosses_itself = [](const GeometricParameters& n) { return n.lengths[0] < n.lengths[1]; },
 };
 
