@@ -92,7 +92,6 @@ constinit const Primitive cylinder_primitive{
     .sample_size = 2,
     .distance = distance_functions<CylinderModel>,
     .second_parameter_is_curvature = true,
-    .flat_limit = FlatLimit::first_length_remarked,
     .slides_along_axis = true,
     .lengths = 1,
     .length_names = {"radius"},

@@ -28,11 +28,6 @@ std::string direction_text(const Vector3d& a) {
   return "(" + rounded(unit.x(), 3) + ", " + rounded(unit.y(), 3) + ", " + rounded(unit.z(), 3) + ")";
 }
 
-double deviation(const PrimitiveFit& f, std::size_t k) {
-  const auto at = 6 + static_cast<Eigen::Index>(k);
-  return std::sqrt(std::fmax(f.covariance(at, at), 0));
-}
-
 // The covariance without the turns of a whole frame: where two lengths are equal they change nothing.
 Covariance of_the_surface(const PrimitiveFit& f) {
   Covariance c = f.covariance;
@@ -107,13 +102,18 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
     return unsure("has an axis that is not observable" + help);
   // Noise about a circle lies near many surfaces: such points are one sigma from it, those of a surface that
   // is determined three at least.
-  if (primitive.flat_limit != FlatLimit::is_plane && f.circle_deviation < 2 * f.sigma)
+  if (!primitive.is_plane && f.circle_deviation < 2 * f.sigma)
     return unsure("is not determined: the points are no further than their noise from a circle" + help);
   if (!f.converged) return unsure("did not converge");
   return {};
 }
 
 }  // namespace
+
+double deviation(const PrimitiveFit& f, std::size_t k) {
+  const auto at = 6 + static_cast<Eigen::Index>(k);
+  return std::sqrt(std::fmax(f.covariance(at, at), 0));
+}
 
 double least_length(const PrimitiveFit& f, std::size_t k) {
   // Of 1 / length the standard deviation is deviation / length^2.

@@ -27,6 +27,9 @@ inline constexpr double exact = 1e-12;
 double log_likelihood_ratio(double inliers, double points, double sigma, int unknowns);
 double log_likelihood_ratio(const PrimitiveFit& fit);
 
+// Standard deviation of length k.
+double deviation(const PrimitiveFit& fit, std::size_t k);
+
 // The least length k of the surface that the points allow: its curvature, three standard errors more.
 double least_length(const PrimitiveFit& fit, std::size_t k);
 

@@ -71,7 +71,7 @@ constinit const Primitive plane_primitive{
     .unknowns = 3,
     .sample_size = 1,
     .distance = distance_functions<PlaneModel>,
-    .flat_limit = FlatLimit::is_plane,
+    .is_plane = true,
     .start = start,
     .localise = localise,
     .geometric = geometric,

@@ -105,14 +105,6 @@ struct CatalogueSurface {
 // What of a primitive's axes the points can show.
 enum class Orientation { none, axis, frame };
 
-// How a primitive is nested with the plane.
-enum class FlatLimit {
-  none,
-  is_plane,
-  first_length,          // it becomes a plane where its first length grows
-  first_length_remarked  // and is named beside a plane that it fits nearly as well as
-};
-
 struct Primitive {
   std::string_view name;  // of its surface in the catalogue
   int unknowns;           // that points can determine, the pose included
@@ -120,7 +112,7 @@ struct Primitive {
   DistanceFunctions distance;
   bool second_parameter_is_curvature = false;
   Orientation orientation = Orientation::axis;
-  FlatLimit flat_limit = FlatLimit::none;
+  bool is_plane = false;
   bool slides_along_axis = false;  // into itself
   bool radius_about_axis = false;  // its parallels bound its curvature
   bool has_apex = false;           // a point without normal

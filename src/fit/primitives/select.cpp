@@ -1,9 +1,12 @@
 #include "select.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -14,28 +17,76 @@
 namespace darboux::fit {
 namespace {
 
-// Bayesian information criterion of every candidate, smaller is better [Schwarz1978]. On one footing: the
-// noise, the outliers' density and the support are those of candidate `reference`, so that only the distances
-// differ.
-std::vector<double> criteria(const std::vector<PrimitiveFit>& candidates, std::size_t reference) {
-  const PrimitiveFit& common = candidates[reference];
-  const double sigma = std::max(common.sigma, exact),
-               kept = static_cast<double>(std::count(common.in_support.begin(), common.in_support.end(), 1));
-  std::vector<double> result;
-  for (const PrimitiveFit& f : candidates) {
-    double likelihood = 0;
-    for (std::size_t i = 0; i < f.error.size(); ++i) {
-      if (!common.in_support[i]) continue;
-      const double r = f.error[i] / sigma;
-      likelihood += Mixture{sigma, common.outliers}.log_likelihood_ratio(0.5 * r * r);
-    }
-    result.push_back(-2 * likelihood + f.primitive->unknowns * std::log(std::max(kept, 1.0)));
+// Twice the negative log likelihood of one candidate on another's footing: noise, outliers' density and support,
+// so that only the distances differ.
+double deviance(const PrimitiveFit& f, const PrimitiveFit& footing) {
+  const double sigma = std::max(footing.sigma, exact);
+  double likelihood = 0;
+  for (std::size_t i = 0; i < f.error.size(); ++i) {
+    if (!footing.in_support[i]) continue;
+    const double r = f.error[i] / sigma;
+    likelihood += Mixture{sigma, footing.outliers}.log_likelihood_ratio(0.5 * r * r);
   }
-  return result;
+  return -2 * likelihood;
 }
 
-bool is_plane(const PrimitiveFit& fit) {
-  return fit.primitive->flat_limit == FlatLimit::is_plane;
+// What an unknown costs in the Bayesian information criterion [Schwarz1978].
+double price(const PrimitiveFit& footing) {
+  return std::log(std::max(
+      1.0, static_cast<double>(std::count(footing.in_support.begin(), footing.in_support.end(), 1))));
+}
+
+// By how much `a` is better than `b`, on either one's footing: by how much at least, and at most. Each chose
+// its own support, and fits the outliers in it.
+std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b) {
+  return std::minmax(deviance(b, a) - deviance(a, a), deviance(b, b) - deviance(a, b));
+}
+
+// A kind that is the limit of another. The other always fits as well; how far it may be from that limit is what
+// decides.
+struct Nesting {
+  std::string_view inner, outer;
+  double most;  // beyond, the outer kind is another thing
+  // How far from the limit the points allow the outer kind to be, three standard errors more.
+  double (*departure)(const PrimitiveFit& outer);
+  };
+
+double upper(const PrimitiveFit& f, std::size_t k) {
+  return f.surface.lengths[k] + 3 * deviation(f, k);
+}
+
+// The least semi-axis over the greatest.
+double flattening(const PrimitiveFit& f) {
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return f.surface.lengths[a] < f.surface.lengths[b]; });
+  return upper(f, order[2]) / least_length(f, order[0]) - 1;
+}
+
+// The curvature of the long axis's ends along it over that across, (b / c)^2: normal in its errors near zero.
+double curvature_along(const PrimitiveFit& f) {
+  std::array<double, 3> sorted = f.surface.lengths;
+  std::sort(sorted.begin(), sorted.end());
+  const auto longest = static_cast<std::size_t>(
+      std::max_element(f.surface.lengths.begin(), f.surface.lengths.end()) - f.surface.lengths.begin());
+  const double ratio = sorted[1] / sorted[2];
+  return ratio * ratio * (1 + 6 * deviation(f, longest) / sorted[2]);
+}
+
+constexpr double degrees = 180 / std::numbers::pi;
+constexpr std::array<Nesting, 6> nestings{{
+    {"plane", "sphere", 0.2, [](const PrimitiveFit& f) { return 1 / least_length(f, 0); }},
+    {"plane", "cylinder", 0.2, [](const PrimitiveFit& f) { return 1 / least_length(f, 0); }},
+    {"sphere", "ellipsoid", 0.3, flattening},
+    {"cylinder", "cone", 8 / degrees, [](const PrimitiveFit& f) { return upper(f, 0); }},
+    {"cylinder", "torus", 0.1, [](const PrimitiveFit& f) { return f.surface.lengths[1] / least_length(f, 0); }},
+    {"cylinder", "ellipsoid", 0.15, curvature_along},
+}};
+
+const Nesting* nesting(const PrimitiveFit& inner, const PrimitiveFit& outer) {
+  for (const Nesting& n : nestings)
+    if (n.inner == inner.primitive->name && n.outer == outer.primitive->name) return &n;
+  return nullptr;
 }
 
 struct Choice {
@@ -47,8 +98,7 @@ struct Choice {
 // "plane or cylinder of radius > 3"
 std::string either(const PrimitiveFit& a, const PrimitiveFit& b, double scale) {
   std::string text = std::string(a.primitive->name) + " or " + std::string(b.primitive->name);
-  if (is_plane(a) && (b.primitive->flat_limit == FlatLimit::first_length ||
-                      b.primitive->flat_limit == FlatLimit::first_length_remarked))
+  if (a.primitive->is_plane && nesting(a, b))
     text +=
         " of " + std::string(b.primitive->length_names[0]) + " > " + rounded(scale * least_length(b, 0), 3);
   return text;
@@ -56,7 +106,7 @@ std::string either(const PrimitiveFit& a, const PrimitiveFit& b, double scale) {
 
 // The kind with the smallest criterion, where nothing speaks for another.
 Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determinacy>& determinacies,
-              const std::vector<double>& bic, const std::vector<std::size_t>& best_first, double scale) {
+              const std::vector<std::size_t>& best_first, double scale) {
   const auto is = [&](Determinacy::Kind kind) {
     return [&determinacies, kind](std::size_t i) { return determinacies[i].kind == kind; };
   };
@@ -75,17 +125,23 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
       const PrimitiveFit &a = tried[simpler ? best : i], &b = tried[simpler ? i : best];
       return Choice{best, false, "undetermined: " + either(a, b, scale) + why};
     };
+    constexpr const char* help = "; points over a larger part of it or less noise help";
     // Better, but it is no surface that could be given.
-    if (bic[i] < bic[best] - margin)
+    const PrimitiveFit &chosen = tried[best], &other = tried[i];
+    const auto [least, most] = advantage(chosen, other);
+    if (most + price(chosen) * (other.primitive->unknowns - chosen.primitive->unknowns) < -margin)
       return undetermined(": the points speak for " + with_article(tried[i].primitive->name) + ", which " +
                           determinacies[i].why);
-    // As many unknowns are no simpler, and no less likely beforehand.
-    if (tried[i].primitive->unknowns <= tried[best].primitive->unknowns && bic[i] < bic[best] + margin)
-      return undetermined("; points over a larger part of it or less noise help");
-    if (is_plane(tried[best]) && tried[i].primitive->flat_limit == FlatLimit::first_length_remarked &&
-        tried[i].converged && bic[i] < bic[best] + 4 * margin)
-      remark = "; " + with_article(tried[i].primitive->name) +
-               " fits as well: " + either(tried[best], tried[i], scale);
+    const Nesting* nested = nesting(tried[best], tried[i]);
+    if (!nested) {
+      // Every kind becomes a plane; what the points allow is seen by sphere and cylinder.
+      if (!chosen.primitive->is_plane && least < margin) return undetermined(help);
+      continue;
+    }
+    const double departure = nested->departure(tried[i]);
+    if (!(departure < nested->most)) return undetermined(help);
+    if (remark.empty() && departure > 0.05 * nested->most)
+      remark = "; " + with_article(tried[i].primitive->name) + " cannot be excluded";
   }
   return {best, true, "converged" + remark};
 }
@@ -102,12 +158,13 @@ Selection select(const std::vector<PrimitiveFit>& tried, double scale) {
     if (likely > most) most = likely, reference = i;
   }
   Selection result;
-  result.bic = criteria(tried, reference);
+  for (const PrimitiveFit& f : tried)
+    result.bic.push_back(deviance(f, tried[reference]) + f.primitive->unknowns * price(tried[reference]));
   result.order.resize(tried.size());
   std::iota(result.order.begin(), result.order.end(), 0);
   std::stable_sort(result.order.begin(), result.order.end(),
                    [&](std::size_t a, std::size_t b) { return result.bic[a] < result.bic[b]; });
-  Choice choice = choose(tried, determinacies, result.bic, result.order, scale);
+  Choice choice = choose(tried, determinacies, result.order, scale);
   const auto place = std::find(result.order.begin(), result.order.end(), choice.index);
   std::rotate(result.order.begin(), place, place + 1);
   result.usable = choice.usable;

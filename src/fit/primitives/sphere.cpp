@@ -59,7 +59,6 @@ constinit const Primitive sphere_primitive{
     .distance = distance_functions<SphereModel>,
     .second_parameter_is_curvature = true,
     .orientation = Orientation::none,
-    .flat_limit = FlatLimit::first_length,
     .lengths = 1,
     .length_names = {"radius"},
     .start = start,
