@@ -18,7 +18,10 @@ void update(Mixture& mixture, const PointStates& points, bool robust_phase) {
   for (std::size_t i = 0; i < points.d.size(); ++i)
     if (points.in_support[i] && std::fabs(points.error(i)) < 40 * mixture.sigma)
       near.push_back(points.error(i));
-  if (near.empty()) return;
+  if (near.empty()) {
+    mixture.inliers = 0;
+    return;
+  }
   const auto count = [&](Mixture& at) {
     double others = 0.1;
     for (const double e : near) {

@@ -152,28 +152,37 @@ class Refinement {
   bool step() {
     if (supports_ == 0) states_.in_support = states_.regular;
     update_bias(mixture_, states_);
+    const Mixture mixture_before = mixture_;
     update(mixture_, states_, phase_ == Phase::robust);
+    if (mixture_.inliers < primitive_.unknowns && have_before_) {  // the last step went astray, in a long valley
+      model_ = before_;
+      mixture_ = mixture_before;
+      primitive_.distance.measure(problem_.cloud, model_, states_);
+      states_.in_support = states_.regular;
+      return false;
+    }
     // The biases are those of the sigma before; they go with it, and the distances by as much.
     if (!mixture_.sigma_known) mixture_.sigma = std::max(mixture_.sigma, root_mean_square_of_bias(states_));
     if (phase_ == Phase::robust) weights_ = inlier_probabilities(states_, mixture_);
     BatchedCost cost(primitive_, phase_, problem_.cloud, model_.origin, mixture_, states_, weights_);
-    const LocalModel before = model_;
+    before_ = model_;
+    have_before_ = true;
     const Solved solved = solve(cost, model_, phase_ == Phase::score ? 1 : 12, 1e-15,
                                 phase_ == Phase::robust && near_ == 1 ? 1e-7 : 1e-20);
     iterations_ += solved.iterations;
     if (!solved.usable) return false;
     hessian_ = cost.hessian();
-    return decide(cost.first_step() / std::sqrt(mixture_.inliers), solved.moved, before);
+    return decide(cost.first_step() / std::sqrt(mixture_.inliers), solved.moved);
   }
 
-  // What to do after a step whose first movement was this. False where it converged.
-  bool decide(double movement, bool moved, const LocalModel& before) {
+  // What to do after a step from before_ whose first movement was this. False where it converged.
+  bool decide(double movement, bool moved) {
     // Rounding of the distances moves the surface by 1e-14 at most.
     const double standard_error = mixture_.sigma * std::sqrt(primitive_.unknowns / mixture_.inliers);
     const bool small = movement <= 3 * standard_error + 1e-14;
     since_support_ += movement / (standard_error + 1e-14);
     if (phase_ == Phase::score && !small) {  // too far for a root to be trusted
-      model_ = before;
+      model_ = before_;
       primitive_.distance.measure(problem_.cloud, model_, states_);
       phase_ = Phase::robust;
       near_ *= 0.1;
@@ -196,7 +205,7 @@ class Refinement {
   const Primitive& primitive_;
   PointStates states_;
   Mixture mixture_;
-  LocalModel model_;
+  LocalModel model_, before_;
   Eigen::MatrixXd hessian_;
   Phase phase_ = Phase::robust;
   std::vector<double> weights_;
@@ -206,7 +215,7 @@ class Refinement {
   // How near the root is sought, in standard errors. A root that cannot be stepped to is left to the robust
   // phase.
   double near_ = 1;
-  bool converged_ = false;
+  bool converged_ = false, have_before_ = false;
 };
 
 }  // namespace
