@@ -245,8 +245,15 @@ TEST(AnyKindFit, CovarianceIsThatOfTheStatedNoise) {
   const PointFit held = fit_catalogue(data.points, "one-sheet-hyperboloid", options);
   ASSERT_TRUE(held.usable) << held.reason;
   EXPECT_EQ(free.inliers, 30U);
-  EXPECT_NEAR(free.covariance(6, 6) / held.covariance(6, 6), 1, 0.05);
-  EXPECT_NEAR(free.covariance(7, 7) / held.covariance(7, 7), 1, 0.05);
+  for (const std::size_t k : {0U, 1U}) {
+    const double ratio = free.standard_errors[k].value / held.standard_errors[k].value;
+    EXPECT_NEAR(ratio * ratio, 1, 0.05);
+    // Student's t of 26 degrees of freedom, against the normal: 2.0555 and 1.9600.
+    const auto half = [&](const PointFit& fit) { return fit.intervals[k].high - fit.intervals[k].low; };
+    EXPECT_NEAR(half(free) / half(held) / ratio, 2.0555 / 1.96, 0.003);
+  }
+  EXPECT_EQ(free.interval_method, "t");
+  EXPECT_EQ(held.interval_method, "linear");
 }
 
 // An end is an end: from starts on either side the estimates agree to a small part of their standard errors.

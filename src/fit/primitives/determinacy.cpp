@@ -76,13 +76,13 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
   const Primitive& primitive = *f.primitive;
   const std::string help = "; points over a larger part of it help";
   // Movement of the surface at the points, root mean square, by a unit of the direction that they tell the
-  // least about. The normal equations know its square but for their rounding. The points' own noise along the
-  // surface looks as much like it.
+  // least about. The normal equations know its square but for their rounding. A line's own noise makes it look like a
+  // strip of a plane.
   const Covariance c = of_the_surface(f);
   const double movement = primitive.orientation == Orientation::frame
                               ? f.sigma / std::sqrt(k * symmetric_eigenvalues(Eigen::MatrixXd(c))[8])
                               : 1 / (f.largest_deviation * std::sqrt(k));
-  if (!f.covariance.allFinite() || !(movement > 1e-7))
+  if (!f.covariance.allFinite() || !(movement > 1e-7) || (primitive.is_plane && movement < 1.3 * f.sigma))
     return unsure("is not determined: " + least_identifiable(f) + " is not observable" + help);
   const double ratio = greatest_error_ratio(f, k) / largest_share;
   for (std::size_t j = 0; j < static_cast<std::size_t>(f.primitive->lengths); ++j) {

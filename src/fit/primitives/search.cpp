@@ -172,10 +172,11 @@ std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& 
   const Matrix3Xd part = some(refined_points);
   // Few points are cheap to try more often, and may be all there is.
   const auto repeat = static_cast<int>(std::min<Eigen::Index>(scored_points / scored.cols(), 10));
+  const bool few = repeat > 1;
   std::vector<Candidate> candidates = starts(problem, primitive, scored, repeat, random);
   if (candidates.empty()) return std::nullopt;
   const auto end =
-      candidates.begin() + std::min<std::ptrdiff_t>(repeat * refined_starts, std::ssize(candidates));
+      candidates.begin() + std::min<std::ptrdiff_t>(few ? 5 * repeat * refined_starts : refined_starts, std::ssize(candidates));
   std::partial_sort(candidates.begin(), end, candidates.end(), better);
   candidates.erase(end, candidates.end());
 
@@ -192,11 +193,12 @@ std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& 
     else if (c.score.log_likelihood_ratio > best->score.log_likelihood_ratio - 1)
       ++same;
   };
-  // Three that lead to the same surface are enough.
+  // So many that lead to the same surface are enough. Few points have many maxima.
+  const int enough = few ? 10 : 3;
   for (Candidate& c : candidates) {
     problem.progress(share += 0.7 / static_cast<double>(candidates.size()));
     follow(c);
-    if (same == 3 && repeat == 1) break;
+    if (same == enough) break;
   }
   std::vector<Candidate> others;
   if (primitive.alternatives && covers_little(problem.oriented.normals)) {

@@ -64,7 +64,7 @@ class Cells {
     double length = (high - low) / 0.7;
     begin_ = low - 0.15 * length;
     if (turn_ && length > 0.8 * turn) begin_ = -0.5 * turn, length = turn;
-    width_ = length / count;
+    width_ = length > 0 ? length / count : 1;
   }
   double operator()(double x) const { return std::floor((from_zero(x) - begin_) / width_) + most / 3; }
 
@@ -107,6 +107,7 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
     count[c] /= area[c] / points[c];
     densities.emplace_back(count[c], count[c] * area[c] / points[c]);
   }
+  if (densities.empty()) return;
   std::sort(densities.begin(), densities.end());
   const double median = weighted_quantile(densities, 0.5 * total);
   for (const NearPoint& x : near)
