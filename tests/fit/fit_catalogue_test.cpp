@@ -248,9 +248,9 @@ TEST(AnyKindFit, CovarianceIsThatOfTheStatedNoise) {
   for (const std::size_t k : {0U, 1U}) {
     const double ratio = free.standard_errors[k].value / held.standard_errors[k].value;
     EXPECT_NEAR(ratio * ratio, 1, 0.05);
-    // Student's t of 26 degrees of freedom, against the normal: 2.0555 and 1.9600.
+    // Student's t of 30 - 7 degrees of freedom, against the normal: 2.0687 and 1.9600.
     const auto half = [&](const PointFit& fit) { return fit.intervals[k].high - fit.intervals[k].low; };
-    EXPECT_NEAR(half(free) / half(held) / ratio, 2.0555 / 1.96, 0.003);
+    EXPECT_NEAR(half(free) / half(held) / ratio, 2.0687 / 1.96, 1e-4);
   }
   EXPECT_EQ(free.interval_method, "t");
   EXPECT_EQ(held.interval_method, "linear");

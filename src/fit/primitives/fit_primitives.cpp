@@ -31,8 +31,8 @@ GeometricParameters guess_of(const PlacedSurface& placed, const Primitive& primi
 // One fit of some primitives.
 class PrimitivesFit {
  public:
-  PrimitivesFit(const PointCloud& cloud, const PointFitOptions& options, const Primitive* only)
-      : options_(options), only_(only), points_(normalised(cloud)) {
+  PrimitivesFit(const PointCloud& cloud, const PointFitOptions& options, const Primitive* only, Effort effort)
+      : options_(options), only_(only), effort_(effort), points_(normalised(cloud)) {
     if (only)
       list_ = std::span(&only_, 1);
     else
@@ -71,7 +71,7 @@ class PrimitivesFit {
   std::vector<PrimitiveFit> all_fits() {
     std::mt19937_64 random(options_.seed);
     const OrientedPoints oriented = oriented_points(points_.cloud, points_.normals, random);
-    SearchProblem problem{points_.cloud, oriented, std::nullopt, std::nullopt, options_.seed, {}};
+    SearchProblem problem{points_.cloud, oriented, std::nullopt, std::nullopt, options_.seed, effort_, {}};
     if (options_.noise) problem.sigma = *options_.noise / points_.scale;
     if (options_.guess && only_) problem.guess = guess_of(*options_.guess, *only_, points_);
     double share = 0, span = 0.3 / static_cast<double>(list_.size());
@@ -133,6 +133,7 @@ class PrimitivesFit {
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   const PointFitOptions& options_;
   const Primitive* only_;
+  Effort effort_;
   std::span<const Primitive* const> list_;
   NormalisedPoints points_;
   PointFit fit_;
@@ -140,9 +141,10 @@ class PrimitivesFit {
 
 }  // namespace
 
-PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options, const Primitive* only) {
+PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options, const Primitive* only,
+                        Effort effort) {
   check_arguments(points, options);
-  return PrimitivesFit(points, options, only).run();
+  return PrimitivesFit(points, options, only, effort).run();
 }
 
 }  // namespace fit

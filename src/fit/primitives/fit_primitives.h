@@ -3,11 +3,12 @@
 
 #include <darboux/fit_points.h>
 
-#include "primitive.h"
+#include "search.h"
 
 namespace darboux::fit {
 
 // fit_points() without uvs. \param only null for `auto`: whichever explains the points best
-PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options, const Primitive* only);
+PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options, const Primitive* only,
+                        Effort effort = Effort::full);
 
 }  // namespace darboux::fit

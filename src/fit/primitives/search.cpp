@@ -172,11 +172,11 @@ std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& 
   const Matrix3Xd part = some(refined_points);
   // Few points are cheap to try more often, and may be all there is.
   const auto repeat = static_cast<int>(std::min<Eigen::Index>(scored_points / scored.cols(), 10));
-  const bool few = repeat > 1;
+  const bool thorough = problem.effort == Effort::full;
   std::vector<Candidate> candidates = starts(problem, primitive, scored, repeat, random);
   if (candidates.empty()) return std::nullopt;
   const auto end =
-      candidates.begin() + std::min<std::ptrdiff_t>(few ? 5 * repeat * refined_starts : refined_starts, std::ssize(candidates));
+      candidates.begin() + std::min<std::ptrdiff_t>((thorough && repeat > 1 ? 5 * repeat : repeat) * refined_starts, std::ssize(candidates));
   std::partial_sort(candidates.begin(), end, candidates.end(), better);
   candidates.erase(end, candidates.end());
 
@@ -194,14 +194,14 @@ std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& 
       ++same;
   };
   // So many that lead to the same surface are enough. Few points have many maxima.
-  const int enough = few ? 10 : 3;
+  const int enough = repeat == 1 ? 3 : thorough ? 10 : std::numeric_limits<int>::max();
   for (Candidate& c : candidates) {
     problem.progress(share += 0.7 / static_cast<double>(candidates.size()));
     follow(c);
     if (same == enough) break;
   }
   std::vector<Candidate> others;
-  if (primitive.alternatives && covers_little(problem.oriented.normals)) {
+  if (thorough && primitive.alternatives && covers_little(problem.oriented.normals)) {
     for (const GeometricParameters& n :
          primitive.alternatives(primitive.geometric(best->model), best->model.origin)) {
       const LocalModel model = primitive.localise(n, best->model.origin);

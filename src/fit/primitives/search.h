@@ -13,12 +13,18 @@
 namespace darboux::fit {
 
 // What is asked of the search: points that are centred and scaled to size 1.
+enum class Effort {
+  full,
+  plain  // for points that lie on the surface to rounding, or on none: such a surface is found at once
+};
+
 struct SearchProblem {
   const Eigen::Matrix3Xd& cloud;
   const OrientedPoints& oriented;
   std::optional<double> sigma;  // where it is known
   std::optional<GeometricParameters> guess;
   std::uint64_t seed;
+  Effort effort;
   std::function<void(double)> progress;  // with the share of the work that is done, 0 to 1
 };
 
