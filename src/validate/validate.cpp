@@ -615,8 +615,7 @@ void MeshValidation::diagnose() {
 
 void MeshValidation::add_notes() {
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh_.triangles[t];
-    if (is_degenerate(mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]))
+    if (!under_test_.has_area[t])
       ++report_.degenerate_triangles;
     else if (!mesh_.uvs.empty() && under_test_.raw_sign[t] == 0)
       ++report_.degenerate_uv_triangles;

@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "corner.h"
 #include "creases.h"
+#include "mesh/triangle_signs.h"
 
 namespace darboux {
 
@@ -52,12 +53,18 @@ Rings::Rings(const Mesh& mesh, std::span<const Index> joined) : mesh_(mesh) {
   frames.of_corner.reserve(mesh.corners());
   std::vector<bool> good;
   for (const Triangle& triangle : mesh.triangles) {
-    const Face face(mesh, triangle);
-    count_degenerate(face, frames);
-    good.push_back(face.solved.has_value());
+    const auto& [a, b, c] = triangle;
+    int sign = plain_sign(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]);
+    good.push_back(sign != 0 && !is_degenerate(mesh.positions[a], mesh.positions[b], mesh.positions[c]));
+    if (!good.back()) {
+      const Face face(mesh, triangle);
+      count_degenerate(face, frames);
+      good.back() = face.solved.has_value();
+      sign = face.sign > 0 ? 1 : -1;
+    }
     Triangle& nodes = nodes_.emplace_back();
     for (int k = 0; k < 3; ++k) {
-      nodes[k] = 2 * joined[triangle[k]] + (face.sign > 0 ? 1 : 0);
+      nodes[k] = 2 * joined[triangle[k]] + (sign > 0 ? 1 : 0);
       frames.of_corner.push_back(nodes[k]);
       if (good.back()) ++begin_[nodes[k] + 1];
     }
@@ -103,7 +110,7 @@ void Rings::grow(Walk& walk) const {
     const std::size_t begin = begin_[walk.near[i]], count = begin_[walk.near[i] + 1] - begin,
                       taken = whole ? count : std::min(count, most_triangles);
     for (std::size_t k = 0; k < taken && (whole || walk.near.size() < most_nodes); ++k)
-      for (const Index node : nodes_[triangles_[begin + k * count / taken]]) {
+      for (const Index node : nodes_[triangles_[begin + (taken == count ? k : k * count / taken)]]) {
         if (walk.seen[node] == walk.starts) continue;
         walk.seen[node] = walk.starts;
         walk.near.push_back(node);
