@@ -25,9 +25,8 @@ std::vector<Index> join_equal_vertices(const Mesh& mesh) {
   };
   const auto uv = [&](Index v) -> const Vec2<double>& { return mesh.uvs.empty() ? no_uv : mesh.uvs[v]; };
   std::vector<Index> joined(mesh.positions.size());
-  HashTable distinct;
+  std::vector<std::uint32_t> hashes(joined.size());
   for (Index v = 0; v < joined.size(); ++v) {
-    joined[v] = v;
     const Vec3<double>&p = mesh.positions[v], &n = normal(v);
     const Vec2<double>& q = uv(v);
     std::uint64_t hash = 0;
@@ -35,14 +34,21 @@ std::vector<Index> join_equal_vertices(const Mesh& mesh) {
       hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15;  // -0 is 0
       hash ^= hash >> 32;
     }
-    const auto place = static_cast<std::uint32_t>(hash * 0xd6e8feb86659fd93 >> 32);
+    hashes[v] = static_cast<std::uint32_t>(hash * 0xd6e8feb86659fd93 >> 32);
+  }
+  HashTable distinct;
+  for (Index v = 0; v < joined.size(); ++v) {
+    if (v + HashTable::soon < hashes.size()) distinct.prefetch(hashes[v + HashTable::soon]);
+    joined[v] = v;
+    const Vec3<double>&p = mesh.positions[v], &n = normal(v);
+    const Vec2<double>& q = uv(v);
     const auto joins_its_equal = [&](Index w) {
       if (!(p == mesh.positions[w] && n == normal(w) && q == uv(w))) return false;
       joined[v] = w;
       return true;
     };
     const bool equals_itself = p == p && n == n && q == q;  // as NaN does not
-    if (equals_itself && !distinct.any_of(place, joins_its_equal)) distinct.insert(place, v);
+    if (equals_itself && !distinct.any_of(hashes[v], joins_its_equal)) distinct.insert(hashes[v], v);
   }
   return joined;
 }
