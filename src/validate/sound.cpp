@@ -8,6 +8,7 @@
 #include <darboux/mesh_frames.h>
 
 #include "angles.h"
+#include "base/flatten.h"
 #include "mesh/frames/creases.h"
 #include "rounding.h"
 
@@ -41,7 +42,7 @@ class Planes {
     if (largest > 0) scale_ = std::ldexp(1.0, -std::clamp(std::ilogb(largest) + 1, -1000, 1000));
   }
 
-  Plane operator()(std::uint32_t t) const {
+  DARBOUX_FLATTEN Plane operator()(std::uint32_t t) const {
     const auto& [i, j, k] = mesh_.triangles[t];
     const std::array<Vec3<double>, 3> p{scale_ * mesh_.positions[i], scale_ * mesh_.positions[j],
                                         scale_ * mesh_.positions[k]};
