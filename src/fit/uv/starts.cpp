@@ -38,14 +38,11 @@ Linear linear_problem(const UvModel& model, const Affine& affine, const std::vec
       block.by_parameter.col(with) +=
           at[static_cast<std::size_t>(k)] / at[static_cast<std::size_t>(with)] * block.by_parameter.col(k);
   linear.design.resize(rows, 1 + 3 * static_cast<Eigen::Index>(linear.lengths.size()));
-  linear.targets.resize(rows, 3);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    linear.design(i, 0) = 1;
-    for (std::size_t k = 0; k < linear.lengths.size(); ++k)
-      linear.design.block<1, 3>(i, 1 + 3 * static_cast<Eigen::Index>(k)) =
-          block.by_parameter.block<3, 1>(3 * i, linear.lengths[k]).transpose();
-    linear.targets.row(i) = model.points->cloud.col(i).transpose();
-  }
+  linear.design.col(0).setOnes();
+  for (std::size_t k = 0; k < linear.lengths.size(); ++k)
+    linear.design.middleCols<3>(1 + 3 * static_cast<Eigen::Index>(k)) =
+        block.by_parameter.col(linear.lengths[k]).reshaped(3, rows).transpose();
+  linear.targets = model.points->cloud.transpose();
   return linear;
 }
 
