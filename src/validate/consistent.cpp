@@ -270,6 +270,7 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
   claims_.assign(2 * n, Claim::none);
   std::vector<bool> asked(2 * n, false), vertices(n, false);
   bool any = false;
+  double limit_of_cosine = 0, cosine = 1;  // nearly all vertices have the same
   // Most tangents lie near the direction of some triangle of their own vertex, and so within its cone widened
   // by the limit.
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -282,8 +283,12 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
       asked[place] = true;
       const Vec3<double>&n = mesh.normals[v], a = square_to(along, n),
             b = square_to(mesh.tangents[v].xyz(), n);
-      const double limit = std::cos(std::fmin(limit_deg[v], 90) / degrees_per_radian), product = dot(a, b);
-      if (product > 0 && product * product > limit * limit * dot(a, a) * dot(b, b))
+      if (limit_deg[v] != limit_of_cosine) {
+        limit_of_cosine = limit_deg[v];
+        cosine = std::cos(std::fmin(limit_of_cosine, 90) / degrees_per_radian);
+      }
+      const double product = dot(a, b);
+      if (product > 0 && product * product > cosine * cosine * dot(a, a) * dot(b, b))
         claims_[place] = Claim::within;
     }
   }
