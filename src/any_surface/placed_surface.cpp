@@ -1,7 +1,10 @@
 #include <cmath>
+#include <optional>
 
 #include <darboux/frame.h>
 #include <darboux/placed_surface.h>
+
+#include "base/flatten.h"
 
 namespace darboux {
 namespace {
@@ -38,11 +41,13 @@ Truth PlacedSurface::truth(const Vec2<double>& stored) const {
   return truth(stored, surface.sample(p.x, p.y));
 }
 
-Truth PlacedSurface::truth(const Vec2<double>& stored, const Sample<double>& at) const {
+DARBOUX_FLATTEN Truth PlacedSurface::truth(const Vec2<double>& stored, const Sample<double>& at) const {
   const Vec2<double> p = uv.surface_uv(stored);
   // A uv that misses a pole by a rounding means the pole: beside it dpdu may point either way.
   const Vec2<double> rounded{rounded_to_quarter(p.x), rounded_to_quarter(p.y)};
-  const Sample<double> near = rounded == p ? at : surface.sample(rounded.x, rounded.y);
+  std::optional<Sample<double>> beside;
+  if (rounded != p) beside = surface.sample(rounded.x, rounded.y);
+  const Sample<double>& near = beside ? *beside : at;
   const bool pole = has(near.frame.status, singular);
   const Sample<double>& s = pole ? near : at;
   const Frame<double>& frame = s.frame;

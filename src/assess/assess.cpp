@@ -30,8 +30,8 @@ Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs, 
                           bool part) {
   Recognition result;
   try {
-    MeshFit fit = options.exact_surface ? fit_surface(mesh, *options.exact_surface, options.placement)
-                                        : fit_surface(mesh, *options.surface, options.placement);
+    MeshFit fit = options.exact_surface ? fit_surface(mesh, *options.exact_surface, options.placement, signs)
+                                        : fit_surface(mesh, *options.surface, options.placement, signs);
     result.reason = nearest_fit(fit);
     result.declared = fit.fits;
     if (fit.fits)
@@ -260,7 +260,7 @@ std::vector<Assessment> assess_by_uvs_followed(const Mesh& mesh, const AssessOpt
   check(mesh, options);
   MeshUnderTest own = prepare(mesh, options);
   const std::optional<UvChoice> choice = choose_uvs(own, options);
-  MeshUnderTest under_test = choice ? prepare_with_joins(choice->mesh, std::move(own.joins)) : std::move(own);
+  MeshUnderTest under_test = choice ? prepare_with_uvs_of(choice->mesh, std::move(own)) : std::move(own);
   add_references(under_test, options);
   std::vector<Assessment> assessments = assess_under_test(std::move(under_test));
   if (!choice) return assessments;

@@ -118,6 +118,7 @@ MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part) {
   }
   std::unordered_map<std::int32_t, std::int32_t> island;
   for (const std::uint32_t t : part.triangles) {
+    under_test.has_area.push_back(whole.has_area[t]);
     if (normals) {
       under_test.normals.faceted.push_back(whole.normals.faceted[t]);
       under_test.normals.opposing += whole.normals.opposes[t] ? 3 : 0;

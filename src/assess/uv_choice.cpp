@@ -8,10 +8,11 @@ namespace {
 constexpr double follows = 0.8;
 
 // The share of corners within the cone, of those about which it claims something.
-double share_within(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
+// \param own what is known of the mesh but for its uvs
+double share_within(const Mesh& mesh, std::span<const signed char> raw_sign, const MeshUnderTest& own,
                     double max_angle_deg) {
-  const Cones cones(mesh, raw_sign, joins, std::vector<double>(mesh.positions.size(), max_angle_deg),
-                    max_angle_deg);
+  const Cones cones(mesh, raw_sign, own.has_area, own.joins,
+                    std::vector<double>(mesh.positions.size(), max_angle_deg), max_angle_deg);
   std::size_t within = 0, compared = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) {
@@ -30,11 +31,11 @@ std::optional<UvChoice> choose_uvs(const MeshUnderTest& own, const AssessOptions
   if (mesh.tangents.empty() || mesh.normals.empty() || mesh.uvs.empty()) return std::nullopt;
   if (!options.texture_transform && !other_sets) return std::nullopt;
   const double limit = options.max_angle_deg;
-  if (share_within(mesh, own.raw_sign, own.joins, limit) >= follows) return std::nullopt;
+  if (share_within(mesh, own.raw_sign, own, limit) >= follows) return std::nullopt;
   // The one copy of the mesh, for all that are tried.
   UvChoice choice{mesh, std::nullopt, false};
   const auto is_followed = [&] {
-    return share_within(choice.mesh, triangle_signs(choice.mesh), own.joins, limit) >= follows;
+    return share_within(choice.mesh, triangle_signs(choice.mesh), own, limit) >= follows;
   };
   if (options.texture_transform) {
     const UvConvention transform{"", *options.texture_transform};

@@ -1,5 +1,4 @@
-// The fit through uvs of some kinds under some maps: fit_any_surface() is that of all under any. The callers
-// know the signs of the mesh's triangles, in the sense of triangle_signs().
+// Fits through uvs for callers that know the signs of the mesh's triangles, in the sense of triangle_signs().
 #pragma once
 
 #include <optional>
@@ -13,13 +12,18 @@ namespace darboux {
 
 enum class UvMaps { plain, affine, any };  // flips and swaps; affine maps; the first, then the others
 
-// The first of fitted_kinds() among `kinds` that fits, else the nearest; nothing where none could start.
-// \throws UndeterminedError as fit_any_surface() does
+// Of some kinds under some maps, where fit_any_surface() is that of all under any: the first of
+// fitted_kinds() among `kinds` that fits, else the nearest; nothing where none could start. \throws
+// UndeterminedError as fit_any_surface() does
 std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,
                                  std::span<const std::string_view> kinds, UvMaps maps,
                                  std::span<const signed char> signs);
 
-// The public one.
+// The public ones.
+MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
+                    const std::optional<Eigen::Isometry3d>& placement, std::span<const signed char> signs);
+MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
+                    const std::optional<Eigen::Isometry3d>& placement, std::span<const signed char> signs);
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const signed char> signs);
 
 }  // namespace darboux

@@ -307,10 +307,19 @@ const std::vector<std::string_view>& fitted_kinds() {
 
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
                     const std::optional<Eigen::Isometry3d>& placement) {
+  return fit_surface(mesh, given, placement, triangle_signs(mesh));
+}
+MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
+                    const std::optional<Eigen::Isometry3d>& placement) {
+  return fit_surface(mesh, exact, placement, triangle_signs(mesh));
+}
+
+MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
+                    const std::optional<Eigen::Isometry3d>& placement, std::span<const signed char> signs) {
   const AnySurface surface = make_surface(given);  // refuses unknown names and values out of range
   const UvKind* kind = find_uv_kind(given.name);
-  if (!kind) return fit_surface(mesh, surface, placement);
-  const Data data = usable_vertices(mesh, triangle_signs(mesh));
+  if (!kind) return fit_surface(mesh, surface, placement, signs);
+  const Data data = usable_vertices(mesh, signs);
   const Wanted wanted{*kind, given.parameters, {}, placement};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) {
@@ -328,9 +337,9 @@ MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
 }
 
 MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
-                    const std::optional<Eigen::Isometry3d>& placement) {
+                    const std::optional<Eigen::Isometry3d>& placement, std::span<const signed char> signs) {
   const UvKind kind = rigid_kind(exact);
-  const Data data = usable_vertices(mesh, triangle_signs(mesh));
+  const Data data = usable_vertices(mesh, signs);
   const Wanted wanted{kind, {}, exact, placement};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) keep_better(best, try_affine(data, wanted));

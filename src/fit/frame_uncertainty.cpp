@@ -42,18 +42,11 @@ struct Fitted {
 
   Eigen::Vector3d placed_direction(const Vec3<double>& a) const { return rotation * to_eigen(a); }
 
-  // The variance of one row.
-  double variance(const Turns<N>& turns, int row) const {
-    double result = 0;
-    for (Eigen::Index k = 0; k < turns.cols(); ++k) {
-      double before = 0;
-      for (Eigen::Index i = 0; i < k; ++i) before += covariance(i, k) * turns(row, i);
-      result += (2 * before + covariance(k, k) * turns(row, k)) * turns(row, k);
-    }
-    return result;
-  }
+  // The variances of the rows.
   std::array<double, 4> variances(const Turns<N>& turns) const {
-    return {variance(turns, 0), variance(turns, 1), variance(turns, 2), variance(turns, 3)};
+    const Turns<N> by_covariance = turns.lazyProduct(covariance);
+    const Eigen::Vector4d result = by_covariance.cwiseProduct(turns).rowwise().sum();
+    return {result[0], result[1], result[2], result[3]};
   }
 };
 

@@ -164,9 +164,9 @@ class LeastSquares {
     }
     return sum;
   }
-  // x - v (v·x) factor, v in column k.
+  // x - v (v·x) factor, v in column k. \param sum products(k), not needed any more
   template <int from>
-  void subtract(int k, Sums<from> sum, const S& factor) {
+  void subtract(int k, Sums<from>& sum, const S& factor) {
     S* const head = &system_[static_cast<std::size_t>(k) * width];
     const S v0 = head[k];
 #pragma GCC unroll 24
@@ -181,7 +181,8 @@ class LeastSquares {
   template <int from>
   void subtract_from(int k, const S& factor) {
     if constexpr (from < width) {
-      subtract<from>(k, products<from>(k), factor);
+      Sums<from> sum = products<from>(k);
+      subtract<from>(k, sum, factor);
       subtract_from<from + block<from>>(k, factor);
     }
   }
@@ -191,7 +192,7 @@ class LeastSquares {
   template <int from>
   void reflect(int k) {
     using std::sqrt;
-    const Sums<from> sum = products<from>(k);
+    Sums<from> sum = products<from>(k);
     S* const row = &system_[static_cast<std::size_t>(k) * width];
     const S head = row[k], below = sum.of[k - from];
     const S size = detail::with_sign_of(head, sqrt(S(head * head + below))), v0 = head + size;

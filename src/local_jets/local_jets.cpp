@@ -273,6 +273,8 @@ void uv_jets(std::span<const kernels::UvNeighbours> of, int degree, bool u_perio
   const kernels::UvJetTable* const table = kernels::find_uv_jets(set);
   with_degree(degree, [&](auto constant) {
     std::optional<OneUvFit<constant>> by_itself;
+    std::vector<Vec2<double>> near_uvs;
+    std::vector<Vec3<double>> near_positions;
     for (std::size_t first = 0; first < of.size(); first += jets_at_once) {
       const auto some = of.subspan(first, std::min(jets_at_once, of.size() - first));
       bool done[jets_at_once] = {};
@@ -282,8 +284,11 @@ void uv_jets(std::span<const kernels::UvNeighbours> of, int degree, bool u_perio
       for (std::size_t k = 0; k < some.size(); ++k) {
         if (done[k]) continue;
         if (!by_itself) by_itself.emplace();
-        const auto& [uvs, positions, count, at] = some[k];
-        results[first + k] = (*by_itself)({uvs, count}, {positions, count}, at, {}, u_periodic, v_periodic);
+        const auto& [uvs, positions, near, count, at] = some[k];
+        near_uvs.clear(), near_positions.clear();
+        for (const std::uint32_t i : std::span(near, count))
+          near_uvs.push_back(uvs[i]), near_positions.push_back(positions[i]);
+        results[first + k] = (*by_itself)(near_uvs, near_positions, at, {}, u_periodic, v_periodic);
       }
     }
   });
@@ -314,18 +319,11 @@ std::vector<UvJet> uv_jets(const PointCloud& cloud, const CloudJetOptions& optio
   return at_every_point(cloud, options, no_uv_jet(non_finite, infinite), [&] {
     return [&](std::span<const std::size_t> points, std::span<const std::uint32_t> indices, std::size_t count,
                std::span<UvJet> results) {
-      std::vector<Vec3<double>> positions;
-      std::vector<Vec2<double>> uvs;
-      positions.reserve(indices.size());
-      uvs.reserve(indices.size());
       std::vector<kernels::UvNeighbours> of;
       std::vector<UvJet> some(points.size());
-      for (std::size_t k = 0; k < points.size(); ++k) {
+      for (std::size_t k = 0; k < points.size(); ++k)
         of.push_back(
-            {uvs.data() + uvs.size(), positions.data() + positions.size(), count, cloud.uvs[points[k]]});
-        for (const std::uint32_t j : indices.subspan(k * count, count))
-          positions.push_back(cloud.positions[j]), uvs.push_back(cloud.uvs[j]);
-      }
+            {cloud.uvs.data(), cloud.positions.data(), &indices[k * count], count, cloud.uvs[points[k]]});
       uv_jets(of, options.degree, options.u_periodic, options.v_periodic, some);
       for (std::size_t k = 0; k < points.size(); ++k) results[points[k]] = some[k];
     };

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,21 +45,27 @@ Truth truth_of(const UvJet& jet, double winding) {
 
 // Whether dpdu or dpdv vanishes here or nearly so, that is, changes by more than twice its own length on the
 // way to a neighbour: a pole, next to which it changes by its own length.
-bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<const Vec2<double>> neighbours) {
-  double change_u = 0, change_v = 0;
-  for (const Vec2<double>& near : neighbours) {
-    const double du = near.x - uv.x, dv = near.y - uv.y;
-    change_u = std::fmax(change_u, norm(du * jet.d2pdu2 + dv * jet.d2pduv));
-    change_v = std::fmax(change_v, norm(du * jet.d2pduv + dv * jet.d2pdv2));
-  }
-  return change_u > 2 * norm(jet.dpdu) || change_v > 2 * norm(jet.dpdv);
+bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<const Index> near,
+                 std::span<const Vec2<double>> uvs) {
+  const double by_u = 1 / norm(jet.dpdu), by_v = 1 / norm(jet.dpdv);
+  const auto is_far = [](const Vec3<double>& change) { return !(dot(change, change) <= 4); };
+  return std::any_of(near.begin(), near.end(), [&](Index v) {
+    const double du = uvs[v].x - uv.x, dv = uvs[v].y - uv.y;
+    return is_far(by_u * (du * jet.d2pdu2 + dv * jet.d2pduv)) ||
+           is_far(by_v * (du * jet.d2pduv + dv * jet.d2pdv2));
+  });
 }
 
 // The truth at some nodes, each from the fewest rings that tell how well they know it; of the finest degree
 // where the first leaves more than that.
 class LocalTruth {
  public:
-  explicit LocalTruth(const Rings& rings) : rings_(rings) {}
+  LocalTruth(const Mesh& mesh, const Rings& rings)
+      : mesh_(mesh), rings_(rings), is_finite_(mesh.positions.size()) {
+    for (std::size_t v = 0; v < is_finite_.size(); ++v)
+      is_finite_[v] =
+          detail::finite(mesh.positions[v]) && std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);
+  }
 
   std::span<const Truth> operator()(std::span<const Index> nodes) {
     open_.clear();
@@ -68,8 +73,7 @@ class LocalTruth {
     for (int ring = 2; ring <= most_rings; ++ring)
       for (const int degree : {finest_degree, first_degree}) fit(ring, degree);
     truths_.clear();
-    for (const Open& o : open_)
-      truths_.push_back(o.best && !o.singular ? truth_of(*o.best, Rings::sign(o.node)) : no_truth());
+    for (const Open& o : open_) truths_.push_back(o.best);
     return truths_;
   }
 
@@ -77,10 +81,9 @@ class LocalTruth {
   struct Open {
     Index node;
     int degree = first_degree;  // of its next polynomial, 0 where none is to come
-    std::optional<UvJet> best{};
-    bool singular = false;
+    Truth best = no_truth();
   };
-  // Whose polynomial is asked for, and where its neighbours are.
+  // Whose polynomial is asked for, and where its neighbours are in near_.
   struct Asked {
     Open* open;
     std::size_t begin, end, first_ring_end;
@@ -90,17 +93,12 @@ class LocalTruth {
   void gather(Open& open, int ring) {
     rings_.start(open.node, walk_);
     for (int r = 0; r < ring; ++r) rings_.grow(walk_);
-    Asked asked{&open, uvs_.size(), 0, 0};
-    for (const Index near : walk_.near) {
-      const Vec3<double>& p = rings_.position(near);
-      const Vec2<double>& uv = rings_.uv(near);
-      if (!detail::finite(p) || !std::isfinite(uv.x) || !std::isfinite(uv.y)) continue;
-      positions_.push_back(p);
-      uvs_.push_back(uv);
-    }
-    asked.end = uvs_.size();
+    Asked asked{&open, near_.size(), 0, 0};
+    for (const Index node : walk_.near)
+      if (const Index v = Rings::vertex(node); is_finite_[v]) near_.push_back(v);
+    asked.end = near_.size();
     if (asked.end - asked.begin < jet_coefficients(open.degree + 1) + 3) {  // which would not tell the error
-      positions_.resize(asked.begin), uvs_.resize(asked.begin);
+      near_.resize(asked.begin);
       return;
     }
     asked.first_ring_end = std::min(asked.begin + walk_.ends[1], asked.end);
@@ -108,31 +106,35 @@ class LocalTruth {
   }
 
   void fit(int ring, int degree) {
-    positions_.clear(), uvs_.clear(), asked_.clear(), neighbours_.clear();
+    near_.clear(), asked_.clear(), neighbours_.clear();
     for (Open& open : open_)
       if (open.degree == degree) gather(open, ring);
+    if (asked_.empty()) return;
     for (const Asked& a : asked_)
-      neighbours_.push_back({&uvs_[a.begin], &positions_[a.begin], a.end - a.begin, rings_.uv(a.open->node)});
+      neighbours_.push_back({mesh_.uvs.data(), mesh_.positions.data(), &near_[a.begin], a.end - a.begin,
+                             rings_.uv(a.open->node)});
     jets_.resize(asked_.size());
     uv_jets(neighbours_, degree, false, false, jets_);
     for (std::size_t k = 0; k < asked_.size(); ++k) {
       const auto& [open, begin, end, first_ring_end] = asked_[k];
       const UvJet& jet = jets_[k];
       if (!std::isfinite(jet.normal_error) || !std::isfinite(jet.tangent_error)) continue;
-      open->best = jet;
-      open->singular =
-          is_singular(jet.jet, rings_.uv(open->node), std::span(uvs_).subspan(begin, first_ring_end - begin));
+      const auto first_ring = std::span<const Index>(near_).subspan(begin, first_ring_end - begin);
+      open->best = is_singular(jet.jet, rings_.uv(open->node), first_ring, mesh_.uvs)
+                       ? no_truth()
+                       : truth_of(jet, Rings::sign(open->node));
       const bool enough = degree == finest_degree || std::fmax(jet.normal_error, jet.tangent_error) < close;
       open->degree = enough ? 0 : finest_degree;
     }
   }
 
+  const Mesh& mesh_;
   const Rings& rings_;
+  std::vector<bool> is_finite_;  // vertices: position and uv
   Rings::Walk walk_;
   std::vector<Open> open_;
   std::vector<Asked> asked_;
-  std::vector<Vec3<double>> positions_;
-  std::vector<Vec2<double>> uvs_;
+  std::vector<Index> near_;  // vertices
   std::vector<kernels::UvNeighbours> neighbours_;
   std::vector<UvJet> jets_;
   std::vector<Truth> truths_;
@@ -156,7 +158,7 @@ std::vector<Truth> local_truth(const Mesh& mesh, std::span<const Index> joined) 
       node_of[mesh.triangles[c / 3][c % 3]] = node;
   std::vector<Truth> result(mesh.positions.size(), no_truth());
   std::vector<Index> first(rings.size(), none);  // of each node the vertex that has its truth
-  LocalTruth truth(rings);
+  LocalTruth truth(mesh, rings);
   std::vector<Index> nodes;
   for (Index v = 0; v < node_of.size(); ++v) {
     if (node_of[v] != none && first[node_of[v]] == none) {

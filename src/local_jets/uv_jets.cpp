@@ -3,6 +3,7 @@
 #include "uv_jets.h"
 
 #include <cmath>
+#include <vector>
 
 #include "evaluate/kernels/lanes.h"
 #include "uv_fit.h"
@@ -16,6 +17,10 @@ constexpr std::size_t W = S::lanes;
 struct alignas(64) Tile {
   double of[W];
   operator S() const { return S::load(of); }  // NOLINT: converting
+};
+// A neighbour of each lane's point, relative to it.
+struct Row {
+  Tile root_of_weight, u, v, x, y, z;
 };
 
 double nearest_period(double x, bool periodic) {
@@ -74,6 +79,7 @@ void put(const UvJetWork& work, std::size_t first, const UvFitResult<S>& result)
 template <int degree>
 DARBOUX_FLATTEN void uv_jets(const UvJetWork& work) {
   UvFit<degree, S> fit;
+  std::vector<Row> rows;
   for (std::size_t first = 0; first < work.count; first += W) {
     const UvNeighbours* of[W];  // what is left over at the end is the first again
     Tile count, origin[3];
@@ -82,26 +88,31 @@ DARBOUX_FLATTEN void uv_jets(const UvJetWork& work) {
       of[k] = work.of + (first + k < work.count ? first + k : first);
       most = of[k]->count > most ? of[k]->count : most;
       count.of[k] = static_cast<double>(of[k]->count);
-      origin[0].of[k] = of[k]->positions[0].x;
-      origin[1].of[k] = of[k]->positions[0].y;
-      origin[2].of[k] = of[k]->positions[0].z;
+      const Vec3<double>& p = of[k]->positions[of[k]->near[0]];
+      origin[0].of[k] = p.x, origin[1].of[k] = p.y, origin[2].of[k] = p.z;
+    }
+    // Lane by lane, and all before any is read: what was just written in parts is slow to read as a whole.
+    rows.resize(most);
+    for (std::size_t k = 0; k < W; ++k) {
+      const UvNeighbours& n = *of[k];
+      for (std::size_t i = 0; i < n.count; ++i) {
+        const Vec2<double>& uv = n.uvs[n.near[i]];
+        const Vec3<double>& p = n.positions[n.near[i]];
+        rows[i].root_of_weight.of[k] = 1;
+        rows[i].u.of[k] = nearest_period(uv.x - n.at.x, work.u_periodic);
+        rows[i].v.of[k] = nearest_period(uv.y - n.at.y, work.v_periodic);
+        rows[i].x.of[k] = p.x - origin[0].of[k];
+        rows[i].y.of[k] = p.y - origin[1].of[k];
+        rows[i].z.of[k] = p.z - origin[2].of[k];
+      }
+      for (std::size_t i = n.count; i < most; ++i)
+        for (Tile Row::*const column : {&Row::root_of_weight, &Row::u, &Row::v, &Row::x, &Row::y, &Row::z})
+          (rows[i].*column).of[k] = 0;
     }
     auto* const given = fit.resize(most);
     for (std::size_t i = 0; i < most; ++i) {
-      Tile root_of_weight, u, v, x, y, z;
-      for (std::size_t k = 0; k < W; ++k) {
-        const bool there = i < of[k]->count;
-        const std::size_t at = there ? i : 0;
-        const Vec2<double>& uv = of[k]->uvs[at];
-        const Vec3<double>& p = of[k]->positions[at];
-        root_of_weight.of[k] = there ? 1 : 0;
-        u.of[k] = there ? nearest_period(uv.x - of[k]->at.x, work.u_periodic) : 0;
-        v.of[k] = there ? nearest_period(uv.y - of[k]->at.y, work.v_periodic) : 0;
-        x.of[k] = p.x - origin[0].of[k];
-        y.of[k] = p.y - origin[1].of[k];
-        z.of[k] = p.z - origin[2].of[k];
-      }
-      given[i] = {root_of_weight, u, v, {x, y, z}};
+      const Row& row = rows[i];
+      given[i] = {row.root_of_weight, row.u, row.v, {row.x, row.y, row.z}};
     }
     diverged = false;
     UvFitResult<S> result = fit.solve(count, count);

@@ -5,17 +5,19 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include <darboux/instruction_set.h>
 #include <darboux/local_jets.h>
 
 namespace darboux::kernels {
 
-/// A point, and those near it.
+/// A point, and those near it: some of many.
 struct UvNeighbours {
   const Vec2<double>* uvs = nullptr;
   const Vec3<double>* positions = nullptr;
-  std::size_t count = 0;  ///< at least one
+  const std::uint32_t* near = nullptr;  ///< which of them
+  std::size_t count = 0;                ///< how many; at least one
   Vec2<double> at{};
 };
 

@@ -18,6 +18,7 @@
 #include <darboux/weld.h>
 
 #include "base/text.h"
+#include "triangle_signs.h"
 
 namespace darboux {
 namespace {
@@ -311,7 +312,7 @@ int raw_sign(const Joint& joint, std::uint32_t corner) {
     return Vec2<double>{x[6], x[7]};
   };
   const auto p = uv(corner), q = uv(next(corner)), r = uv(previous(corner));
-  return is_degenerate(p, q, r) ? 0 : signed_uv_area2(p, q, r) > 0 ? 1 : -1;
+  return triangle_sign(p, q, r);
 }
 
 void compare_tangents(const Joint& joint, const Partners& partners, double max_angle_deg,

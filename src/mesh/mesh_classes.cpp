@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include <darboux/mesh_classes.h>
 #include <darboux/triangle.h>
@@ -48,13 +47,14 @@ double position_tolerance(const Mesh& mesh, const std::vector<bool>& in_use) {
 
 double uv_tolerance(const Mesh& mesh) {
   if (mesh.uvs.empty()) return 0;
+  const std::vector<bool> in_use = vertices_in_use(mesh);
   Range u, v;
-  for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t i : triangle) {
-      const Vec2<double>& uv = mesh.uvs[i];
-      if (!detail::finite(mesh.positions[i]) || !std::isfinite(uv.x) || !std::isfinite(uv.y)) continue;
-      u.extend(uv.x), v.extend(uv.y);
-    }
+  for (std::size_t i = 0; i < in_use.size(); ++i) {
+    const Vec2<double>& uv = mesh.uvs[i];
+    if (!in_use[i] || !detail::finite(mesh.positions[i]) || !std::isfinite(uv.x) || !std::isfinite(uv.y))
+      continue;
+    u.extend(uv.x), v.extend(uv.y);
+  }
   return same * std::max(u.size(), v.size());
 }
 
@@ -152,10 +152,16 @@ std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
 void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
                 std::span<const signed char> sign, std::vector<bool>& border, DisjointSets& islands) {
   struct Edge {
-    std::uint32_t greater, uv_low, uv_high;
-    std::int8_t sign;
+    std::uint64_t greater_and_low, high_and_sign;  // its greater place; its two uvs; the triangle's sign
     std::uint32_t triangle;
-    auto key() const { return std::tie(greater, uv_low, uv_high, sign); }
+    std::uint32_t greater() const { return static_cast<std::uint32_t>(greater_and_low >> 32); }
+    bool same(const Edge& b) const {
+      return greater_and_low == b.greater_and_low && high_and_sign == b.high_and_sign;
+    }
+    bool operator<(const Edge& b) const {
+      return greater_and_low != b.greater_and_low ? greater_and_low < b.greater_and_low
+                                                  : high_and_sign < b.high_and_sign;
+    }
   };
   const EdgesByNode by_place(mesh.triangles.size(), place.size(),
                              [&](std::uint32_t t, std::uint32_t k) { return place[mesh.triangles[t][k]]; });
@@ -166,15 +172,17 @@ void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
       const std::uint32_t t = edge / 3, v = mesh.triangles[t][edge % 3],
                           w = mesh.triangles[t][(edge + 1) % 3];
       const auto [low, high] = std::minmax(uv_place[v], uv_place[w]);
-      if (low != high) edges.push_back({std::max(place[v], place[w]), low, high, sign[t], t});
+      if (low == high) continue;
+      edges.push_back({std::uint64_t{std::max(place[v], place[w])} << 32 | low,
+                       std::uint64_t{high} << 2 | static_cast<std::uint64_t>(sign[t] + 1), t});
     }
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.key() < b.key(); });
+    std::sort(edges.begin(), edges.end());
     for (std::size_t i = 0; i < edges.size(); ++i) {
       const Edge& edge = edges[i];
-      const auto shared = [&](std::size_t j) { return j < edges.size() && edges[j].greater == edge.greater; };
-      if (edge.greater != smaller && !shared(i - 1) && !shared(i + 1))
-        border[smaller] = border[edge.greater] = true;
-      if (i > 0 && edges[i - 1].key() == edge.key()) islands.join(edges[i - 1].triangle, edge.triangle);
+      const std::uint32_t greater = edge.greater();
+      const auto shared = [&](std::size_t j) { return j < edges.size() && edges[j].greater() == greater; };
+      if (greater != smaller && !shared(i - 1) && !shared(i + 1)) border[smaller] = border[greater] = true;
+      if (i > 0 && edges[i - 1].same(edge)) islands.join(edges[i - 1].triangle, edge.triangle);
     }
   }
 }

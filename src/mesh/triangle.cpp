@@ -4,6 +4,8 @@
 #include <darboux/frame.h>
 #include <darboux/triangle.h>
 
+#include "triangle_signs.h"
+
 namespace darboux {
 namespace {
 
@@ -21,9 +23,7 @@ bool is_degenerate(const Vec3<double>& p0, const Vec3<double>& p1, const Vec3<do
 }
 
 bool is_degenerate(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2) {
-  const double ax = uv1.x - uv0.x, ay = uv1.y - uv0.y, bx = uv2.x - uv0.x, by = uv2.y - uv0.y;
-  const double plain = ax * by - ay * bx, bound = 0x1p-60 * (ax * ax + ay * ay) * (bx * bx + by * by);
-  if (bound > std::numeric_limits<double>::min() && plain * plain > bound) return false;
+  if (plain_sign(uv0, uv1, uv2) != 0) return false;
   return is_degenerate(Vec3<double>{uv0.x, uv0.y, 0}, {uv1.x, uv1.y, 0}, {uv2.x, uv2.y, 0});
 }
 

@@ -1,13 +1,30 @@
-// Which way a triangle's uvs wind, found once for all that ask.
+// Which triangles have area and which way their uvs wind, found once for all that ask.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include <darboux/mesh.h>
 
 namespace darboux {
 
-// The raw sign of each triangle, 0 without uv area.
+// 1 where the uvs run counter-clockwise, -1 where clockwise, as plain arithmetic tells of nearly all
+// triangles: the product errs by a few u |a| |b|, and is above 2^-30 |a| |b|. Else 0, also where squares
+// under- or overflow: then it takes a closer look.
+inline int plain_sign(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2) {
+  const Vec2<double> a = uv1 - uv0, b = uv2 - uv0;
+  const double plain = a.x * b.y - a.y * b.x, bound = 0x1p-60 * dot(a, a) * dot(b, b);
+  const bool clear = bound > std::numeric_limits<double>::min() && plain * plain > bound;
+  return !clear ? 0 : plain > 0 ? 1 : -1;
+}
+
+// The raw sign of a triangle, 0 without uv area.
+signed char triangle_sign(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2);
+
+// That of each triangle of a mesh; all 0 without uvs.
 std::vector<signed char> triangle_signs(const Mesh& mesh);
+
+// Whether each has area in space.
+std::vector<bool> triangles_with_area(const Mesh& mesh);
 
 }  // namespace darboux

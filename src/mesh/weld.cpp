@@ -163,6 +163,11 @@ std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tol
   const auto first_cell = [&](double x) { return cell(std::max(x - tolerance, -largest)); };
   const auto last_cell = [&](double x) { return cell(std::min(x + tolerance, largest)); };
 
+  std::vector<std::uint32_t> hashes(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (const Vec3<double>& p = points[i]; detail::finite(p))
+      hashes[i] = hash_of_cell(cell(p.x), cell(p.y), cell(p.z));
+
   DisjointSets groups(points.size());
   HashTable distinct;
   std::size_t asked = 0;  // pairs of points
@@ -170,9 +175,10 @@ std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tol
     // Where cells are crowded, as when all but one point lie within the tolerance of each other, boxes are
     // faster.
     if (asked > 32 * (std::size_t{i} + 1000)) return Boxes(points, tolerance).representatives();
+    if (i + HashTable::soon < hashes.size()) distinct.prefetch(hashes[i + HashTable::soon]);
     const Vec3<double>& p = points[i];
     if (!detail::finite(p)) continue;
-    const std::uint32_t hash = hash_of_cell(cell(p.x), cell(p.y), cell(p.z));
+    const std::uint32_t hash = hashes[i];
     const auto joins_its_equal = [&](std::uint32_t j) {
       ++asked;
       if (!(p == points[j])) return false;

@@ -5,10 +5,13 @@
 
 #include <darboux/frame.h>
 
+#include "base/flatten.h"
+
 namespace darboux {
 
-Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, const Truth& truth, bool inward,
-              bool raw) {
+// Flattened, as it is called for every vertex and mostly takes the short way through what it calls.
+DARBOUX_FLATTEN Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks,
+                              const Truth& truth, bool inward, bool raw) {
   Angles result;
   const auto angle = [](const Vec3<double>& stored, const Vec3<double>& of_truth) {
     return degrees_per_radian * angle_between_units(unit(stored), of_truth);
@@ -28,14 +31,14 @@ Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, con
 }
 
 std::vector<bool> inward_vertices(const Mesh& mesh, std::span<const Truth> truth) {
-  std::vector<bool> inward(mesh.positions.size(), false);
-  if (mesh.normals.empty()) return inward;
+  std::vector<bool> inward = opposed_vertices(mesh, truth);
+  if (std::find(inward.begin(), inward.end(), true) == inward.end()) return inward;
   std::vector<std::int32_t> against(mesh.positions.size(), 0);  // less those that agree
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vec3<double> face =
         cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
     for (const std::uint32_t v : {a, b, c})
-      against[v] += dot(mesh.normals[v], truth[v].normal) < 0 && dot(face, truth[v].normal) < 0 ? 1 : -1;
+      if (inward[v]) against[v] += dot(face, truth[v].normal) < 0 ? 1 : -1;
   }
   for (std::size_t v = 0; v < inward.size(); ++v) inward[v] = against[v] > 0;
   return inward;

@@ -264,28 +264,31 @@ class Closely {
 
 }  // namespace
 
-Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
-             std::span<const double> limit_deg, double max_angle_deg) {
+Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std::vector<bool>& has_area,
+             const VertexJoins& joins, std::span<const double> limit_deg, double max_angle_deg) {
   const std::size_t n = mesh.positions.size();
   claims_.assign(2 * n, Claim::none);
   std::vector<bool> asked(2 * n, false), vertices(n, false);
   bool any = false;
+  double limit_of_cosine = 0, cosine = 1;  // nearly all vertices have the same
   // Most tangents lie near the direction of some triangle of their own vertex, and so within its cone widened
   // by the limit.
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (raw_sign[t] == 0) continue;
+    if (raw_sign[t] == 0 || !has_area[t]) continue;
     const Triangle& triangle = mesh.triangles[t];
-    const std::array<Vec3<double>, 3> p = positions_of(mesh, triangle);
-    if (is_degenerate(p[0], p[1], p[2])) continue;
-    const Vec3<double> along = along_u(p, uvs_of(mesh, triangle), raw_sign[t]);
+    const Vec3<double> along = along_u(positions_of(mesh, triangle), uvs_of(mesh, triangle), raw_sign[t]);
     for (const std::uint32_t v : triangle) {
       const std::size_t place = place_of(v, raw_sign[t]);
       if (claims_[place] == Claim::within) continue;
       asked[place] = true;
       const Vec3<double>&n = mesh.normals[v], a = square_to(along, n),
             b = square_to(mesh.tangents[v].xyz(), n);
-      const double limit = std::cos(std::fmin(limit_deg[v], 90) / degrees_per_radian), product = dot(a, b);
-      if (product > 0 && product * product > limit * limit * dot(a, a) * dot(b, b))
+      if (limit_deg[v] != limit_of_cosine) {
+        limit_of_cosine = limit_deg[v];
+        cosine = std::cos(std::fmin(limit_of_cosine, 90) / degrees_per_radian);
+      }
+      const double product = dot(a, b);
+      if (product > 0 && product * product > cosine * cosine * dot(a, a) * dot(b, b))
         claims_[place] = Claim::within;
     }
   }

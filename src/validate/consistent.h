@@ -28,10 +28,10 @@ namespace darboux {
 class Cones {
  public:
   Cones() = default;
-  // \param raw_sign of each triangle, 0 without uv area
+  // \param raw_sign of each triangle, 0 without uv area \param has_area triangles with area in space
   // \param limit_deg of each vertex: how far outside a tangent may lie
-  Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
-        std::span<const double> limit_deg, double max_angle_deg);
+  Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std::vector<bool>& has_area,
+        const VertexJoins& joins, std::span<const double> limit_deg, double max_angle_deg);
 
   bool empty() const { return claims_.empty(); }
   // Of the corners of v whose triangles have that sign; those without uv area take the better of the two

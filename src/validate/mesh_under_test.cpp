@@ -13,11 +13,15 @@ MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options) {
       throw MeshError("mesh", "uv set " + std::to_string(set) + " has " + std::to_string(uvs.size()) +
                                   " uvs for " + std::to_string(mesh.positions.size()) +
                                   " vertices, expected one per vertex");
-  return prepare_with_joins(mesh, join_vertices(mesh));
+  return prepare_with_uvs_of(
+      mesh, {.mesh = mesh, .has_area = triangles_with_area(mesh), .joins = join_vertices(mesh)});
 }
 
-MeshUnderTest prepare_with_joins(const Mesh& mesh, VertexJoins joins) {
-  MeshUnderTest under_test{.mesh = mesh, .raw_sign = triangle_signs(mesh), .joins = std::move(joins)};
+MeshUnderTest prepare_with_uvs_of(const Mesh& mesh, MeshUnderTest other) {
+  MeshUnderTest under_test{.mesh = mesh,
+                           .raw_sign = triangle_signs(mesh),
+                           .has_area = std::move(other.has_area),
+                           .joins = std::move(other.joins)};
   under_test.across_mirror.assign(mesh.positions.size(), false);
   under_test.has_uv_area.assign(mesh.positions.size(), false);
   std::vector<signed char> winds(mesh.positions.size(), 0);
@@ -46,13 +50,14 @@ void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_po
   const Mesh& mesh = under_test.mesh;
   const VertexJoins& joins = under_test.joins;
   under_test.classes = classify(mesh, is_pole, under_test.raw_sign, joins);
-  under_test.normals = check_normals(mesh, joins);
+  under_test.normals = check_normals(mesh, under_test.has_area, joins);
   if (!options.references.triangles || mesh.tangents.empty() || mesh.normals.empty() || mesh.uvs.empty())
     return;
   std::vector<double> limit_deg(mesh.positions.size(), options.max_angle_deg);
   for (std::size_t v = 0; v < limit_deg.size(); ++v)
     if (under_test.classes.of_vertex[v] == VertexClass::border) limit_deg[v] *= 3;
-  under_test.cones = Cones(mesh, under_test.raw_sign, joins, limit_deg, options.max_angle_deg);
+  under_test.cones =
+      Cones(mesh, under_test.raw_sign, under_test.has_area, joins, limit_deg, options.max_angle_deg);
 }
 
 }  // namespace darboux

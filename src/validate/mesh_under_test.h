@@ -17,6 +17,7 @@ namespace darboux {
 struct MeshUnderTest {
   const Mesh& mesh;
   std::vector<signed char> raw_sign{};  // of each triangle, 0 without uv area
+  std::vector<bool> has_area{};         // triangles with area in space
   VertexJoins joins{};                  // of its vertices; empty in a part
   std::vector<std::uint32_t> equal{};   // of each vertex the first that is equal to the bit; empty in a part
   std::vector<bool> across_mirror{};    // vertices that triangles share whose uvs wind differently
@@ -30,12 +31,12 @@ struct MeshUnderTest {
   Cones cones{};  // empty where they are not asked for or the mesh lacks tangents, normals or uvs
 };
 
-// The signs of its triangles and which of its vertices are the same. \param mesh consistent
+// The signs and areas of its triangles and which of its vertices are the same. \param mesh consistent
 // \throws MeshError where a uv set of the options has another number of uvs than the mesh vertices
 MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options);
 
 // The same of a mesh that differs from another in its uvs alone.
-MeshUnderTest prepare_with_joins(const Mesh& mesh, VertexJoins joins);
+MeshUnderTest prepare_with_uvs_of(const Mesh& mesh, MeshUnderTest other);
 
 // The references that need no surface: MikkTSpace's tangents and local truth.
 void add_references(MeshUnderTest& under_test, const ValidateOptions& options);

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <darboux/mesh_frames.h>
-
 namespace darboux {
 
 Signs::Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks)
@@ -25,10 +23,7 @@ Signs::Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> chec
 }
 
 bool Signs::counts(std::uint32_t t) const {
-  const Mesh& mesh = under_test_.mesh;
-  const auto& [a, b, c] = mesh.triangles[t];
-  return under_test_.raw_sign[t] != 0 &&
-         !is_degenerate(mesh.positions[a], mesh.positions[b], mesh.positions[c]);
+  return under_test_.raw_sign[t] != 0 && under_test_.has_area[t];
 }
 
 bool Signs::wrong(std::uint32_t t, std::uint32_t v) const {

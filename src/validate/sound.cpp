@@ -8,6 +8,7 @@
 #include <darboux/mesh_frames.h>
 
 #include "angles.h"
+#include "base/flatten.h"
 #include "mesh/frames/creases.h"
 #include "rounding.h"
 
@@ -26,11 +27,10 @@ bool is_unit(const Vec3<double>& a, double half_step) {
   return std::fabs(1 - dot(a, a)) <= std::fmax(unit_tolerance, rounding);
 }
 
-// The plane of a triangle, and by how much rounding of its positions may turn it.
+// The plane of a triangle with area, and by how much rounding of its positions may turn it.
 struct Plane {
-  Vec3<double> normal{};  // unit
-  double uncertain = 1;   // the sine of that angle; 1: it is not known
-  bool area = false;
+  Vec3<double> normal;  // unit
+  double uncertain;     // the sine of that angle; 1: it is not known
 };
 
 class Planes {
@@ -42,19 +42,17 @@ class Planes {
     if (largest > 0) scale_ = std::ldexp(1.0, -std::clamp(std::ilogb(largest) + 1, -1000, 1000));
   }
 
-  Plane operator()(std::uint32_t t) const {
+  DARBOUX_FLATTEN Plane operator()(std::uint32_t t) const {
     const auto& [i, j, k] = mesh_.triangles[t];
     const std::array<Vec3<double>, 3> p{scale_ * mesh_.positions[i], scale_ * mesh_.positions[j],
                                         scale_ * mesh_.positions[k]};
     const Vec3<double> e1 = p[1] - p[0], e2 = p[2] - p[0], across = cross(e1, e2);
     const double twice_area = norm(across);
-    if (!std::isfinite(twice_area) || is_degenerate(p[0], p[1], p[2])) return {};
     double size = 0;
-    for (const Vec3<double>& q : p)
-      size = std::fmax(size, std::fmax(std::fabs(q.x), std::fmax(std::fabs(q.y), std::fabs(q.z))));
+    for (const Vec3<double>& q : p) size = std::max({size, std::fabs(q.x), std::fabs(q.y), std::fabs(q.z)});
     const double step = half_step(scale_ * mesh_.half_steps.position, size);
     const double error = 2 * std::numbers::sqrt3 * step * (norm(e1) + norm(e2) + 2 * step);
-    return {across / twice_area, std::fmin(error / twice_area, 1), true};
+    return {across / twice_area, std::min(error / twice_area, 1.0)};
   }
 
  private:
@@ -63,8 +61,8 @@ class Planes {
 };
 
 // Which candidates have a neighbour that turns by more and has other normals at the edge they share.
-void keep_faceted(const Mesh& mesh, const VertexJoins& joins, const Planes& planes,
-                  std::vector<bool>& candidates) {
+void keep_faceted(const Mesh& mesh, const std::vector<bool>& has_area, const VertexJoins& joins,
+                  const Planes& planes, std::vector<bool>& candidates) {
   // Only what touches a candidate is looked at.
   std::vector<bool> near(mesh.positions.size(), false);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
@@ -92,8 +90,8 @@ void keep_faceted(const Mesh& mesh, const VertexJoins& joins, const Planes& plan
         if (normal_at(a, e.node[0]) == normal_at(b, e.node[0]) &&
             normal_at(a, e.node[1]) == normal_at(b, e.node[1]))
           return;
+        if (!has_area[a] || !has_area[b]) return;
         const Plane p = planes(a), q = planes(b);
-        if (!p.area || !q.area) return;
         const double turn = angle_between(p.normal, q.normal),
                      allowed = faceted_deg / degrees_per_radian + p.uncertain + q.uncertain + rounding;
         if (!(turn > allowed)) return;
@@ -130,27 +128,27 @@ VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
   return c;
 }
 
-NormalChecks check_normals(const Mesh& mesh, const VertexJoins& joins) {
+NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, const VertexJoins& joins) {
   NormalChecks result;
   if (mesh.normals.empty()) return result;
   const std::size_t n = mesh.positions.size();
   const Planes planes(mesh);
   const double least = std::cos(supported_deg / degrees_per_radian),
                rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
-  std::vector<bool> asked(n, false), supported(n, false), has_area(mesh.triangles.size(), false);
+  std::vector<bool> asked(n, false), supported(n, false);
   result.drawn.assign(n, false);
   result.faceted.assign(mesh.triangles.size(), false);
   result.opposes.assign(mesh.triangles.size(), false);
   bool any_candidate = false;
   std::size_t corners = 0, against = 0;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!has_area[t]) continue;
     const Plane plane = planes(t);
-    if (!plane.area) continue;
-    has_area[t] = true;
     int opposing = 0;
-    bool candidate = true;
-    const double own =
-        std::cos(std::fmin(faceted_deg / degrees_per_radian + plane.uncertain + rounding, 1.0));
+    // How far from the plane's normal is its own. The cosine's square is no less than 1 - own², and nearly
+    // always that tells.
+    const double own = std::min(faceted_deg / degrees_per_radian + plane.uncertain + rounding, 1.0);
+    bool candidate = plane.uncertain < 1;
     for (const std::uint32_t v : mesh.triangles[t]) {
       result.drawn[v] = true;
       const Vec3<double>& m = mesh.normals[v];
@@ -168,13 +166,18 @@ NormalChecks check_normals(const Mesh& mesh, const VertexJoins& joins) {
           (along >= 0 && (enough <= 0 || along * along >= enough * enough * square)) ||
           (along < 0 && enough < 0 && along * along <= enough * enough * square))
         supported[v] = true;
-      candidate = candidate && along > 0 && along * along >= own * own * square;
+      candidate = candidate && along > 0 && along * along >= (1 - own * own) * square;
     }
     against += static_cast<std::size_t>(opposing);
     result.opposes[t] = opposing == 3;
     result.opposing += opposing == 3 ? 3 : 0;
-    if (!candidate || plane.uncertain >= 1) continue;
-    result.faceted[t] = any_candidate = true;
+    if (!candidate) continue;
+    const double cosine = std::cos(own);
+    if (std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::uint32_t v) {
+          const double along = dot(mesh.normals[v], plane.normal);
+          return along * along >= cosine * cosine * dot(mesh.normals[v], mesh.normals[v]);
+        }))
+      result.faceted[t] = any_candidate = true;
   }
   result.all_oppose =
       corners > 0 && static_cast<double>(against) >= most_against * static_cast<double>(corners);
@@ -187,7 +190,7 @@ NormalChecks check_normals(const Mesh& mesh, const VertexJoins& joins) {
   }
   result.faceted_vertices.assign(n, false);
   if (!any_candidate) return result;
-  keep_faceted(mesh, joins, planes, result.faceted);
+  keep_faceted(mesh, has_area, joins, planes, result.faceted);
   for (const bool faceted : {true, false})
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
       if (has_area[t] && result.faceted[t] == faceted)

@@ -40,7 +40,8 @@ struct NormalChecks {
   std::size_t opposing = 0;            // corners of these
   bool all_oppose = false;  // at least 99 % of corners oppose the winding; then none is unsupported
 };
-// \param joins of vertices that triangles use; the result is empty where the mesh has no normals
-NormalChecks check_normals(const Mesh& mesh, const VertexJoins& joins);
+// \param has_area triangles with area \param joins of vertices that triangles use; the result is empty where
+// the mesh has no normals
+NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, const VertexJoins& joins);
 
 }  // namespace darboux

@@ -12,6 +12,7 @@
 #include <darboux/validate.h>
 
 #include "accurate.h"
+#include "base/flatten.h"
 #include "base/text.h"
 #include "diagnose.h"
 #include "findings.h"
@@ -33,7 +34,7 @@ float kept(double angle) {
 }
 
 // Whether two references are the same as far as either is known.
-bool agree(const Truth& a, const Truth& b, double floor_deg) {
+DARBOUX_FLATTEN bool agree(const Truth& a, const Truth& b, double floor_deg) {
   const auto within = [&](double angle, double one, double other) {
     return degrees_per_radian * angle <= certain * std::hypot(one, other) + floor_deg;
   };
@@ -492,7 +493,7 @@ MikkVariant MeshValidation::variant(std::size_t equal, std::size_t near) const {
 }
 
 // Beside MikkTSpace's tangent, which there is.
-Angles MeshValidation::angles_to(const Vec4<float>& m, std::uint32_t v) const {
+DARBOUX_FLATTEN Angles MeshValidation::angles_to(const Vec4<float>& m, std::uint32_t v) const {
   const Vec4<double>& t = mesh_.tangents[v];
   const Vec3<double> direction{m.x, m.y, m.z};
   Angles a;
@@ -615,8 +616,7 @@ void MeshValidation::diagnose() {
 
 void MeshValidation::add_notes() {
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh_.triangles[t];
-    if (is_degenerate(mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]))
+    if (!under_test_.has_area[t])
       ++report_.degenerate_triangles;
     else if (!mesh_.uvs.empty() && under_test_.raw_sign[t] == 0)
       ++report_.degenerate_uv_triangles;

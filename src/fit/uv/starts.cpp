@@ -16,36 +16,43 @@ struct Linear {
   Eigen::MatrixXd design, targets;
   Eigen::MatrixXd solution;
   std::vector<double> distances;
+  // Of its making, kept for the next.
+  std::vector<Vec2<double>> uvs;
+  UvBlock block;
 };
 
-Linear linear_problem(const UvModel& model, const Affine& affine, const std::vector<double>& at) {
+// Makes `linear` that problem.
+void set_up(Linear& linear, const UvModel& model, const Affine& affine, const std::vector<double>& at) {
   const UvKind& kind = *model.kind;
   const std::size_t n = model.points->count();
-  Linear linear;
+  linear.lengths.clear();
   for (int k = 0; k < kind.parameter_count(); ++k)
     if (kind.length[static_cast<std::size_t>(k)] && kind.tied_to[static_cast<std::size_t>(k)] == k)
       linear.lengths.push_back(k);
   const UvConvention map{"", affine};
-  std::vector<Vec2<double>> uvs(n);
+  std::vector<Vec2<double>>& uvs = linear.uvs;
+  uvs.resize(n);
   for (std::size_t i = 0; i < n; ++i)
     uvs[i] = map.surface_uv(model.convention.surface_uv(model.points->uvs[i]));
   const auto rows = static_cast<Eigen::Index>(n);
-  UvBlock block{Eigen::VectorXd(3 * rows), Eigen::MatrixXd(3 * rows, kind.parameter_count()),
-                Eigen::MatrixXd()};
+  UvBlock& block = linear.block;
+  block.position.resize(3 * rows);
+  block.by_parameter.resize(3 * rows, kind.parameter_count());
   kind.evaluate(at.data(), uvs, block);
   for (int k = 0; k < kind.parameter_count(); ++k)
     if (const int with = kind.tied_to[static_cast<std::size_t>(k)]; with != k)
       block.by_parameter.col(with) +=
           at[static_cast<std::size_t>(k)] / at[static_cast<std::size_t>(with)] * block.by_parameter.col(k);
   linear.design.resize(rows, 1 + 3 * static_cast<Eigen::Index>(linear.lengths.size()));
-  linear.targets.resize(rows, 3);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    linear.design(i, 0) = 1;
-    for (std::size_t k = 0; k < linear.lengths.size(); ++k)
-      linear.design.block<1, 3>(i, 1 + 3 * static_cast<Eigen::Index>(k)) =
-          block.by_parameter.block<3, 1>(3 * i, linear.lengths[k]).transpose();
-    linear.targets.row(i) = model.points->cloud.col(i).transpose();
-  }
+  linear.design.col(0).setOnes();
+  for (std::size_t k = 0; k < linear.lengths.size(); ++k)
+    linear.design.middleCols<3>(1 + 3 * static_cast<Eigen::Index>(k)) =
+        block.by_parameter.col(linear.lengths[k]).reshaped(3, rows).transpose();
+  linear.targets = model.points->cloud.transpose();
+}
+Linear linear_problem(const UvModel& model, const Affine& affine, const std::vector<double>& at) {
+  Linear linear;
+  set_up(linear, model, affine, at);
   return linear;
 }
 
@@ -75,8 +82,8 @@ bool solve(Linear& linear, int rounds) {
 }
 
 // The rms distance that least squares would leave, without a solution: what of the targets is across all
-// columns of the design. Infinite where solve() says false.
-double residual(Linear linear) {
+// columns of the design. Infinite where solve() says false. The problem is used up.
+double residual(Linear& linear) {
   Eigen::MatrixXd& a = linear.design;
   const double least = 1e-6 * std::sqrt(a.colwise().squaredNorm().maxCoeff());
   if (!std::isfinite(least)) return std::numeric_limits<double>::infinity();
@@ -343,7 +350,12 @@ class AffineSearch {
     const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, is_free(5) ? from_v : 0};
     for (const auto& at : kind_.starts) {
       Candidate c{model_.convention, affine, &at, 0};
-      c.distance = robust_ ? distance(c) : residual(linear_problem(model_, affine, at));
+      if (robust_) {
+        c.distance = distance(c);
+      } else {
+        set_up(linear_, model_, affine, at);
+        c.distance = residual(linear_);
+      }
       if (std::isfinite(c.distance)) candidates_.push_back(c);
     }
   }
@@ -410,6 +422,7 @@ class AffineSearch {
   UvModel model_;  // of the points that are looked at
   std::vector<int> free_;
   std::vector<Candidate> candidates_;
+  Linear linear_;  // of the candidate at hand
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "corner.h"
 #include "creases.h"
+#include "mesh/triangle_signs.h"
 
 namespace darboux {
 
@@ -24,9 +25,8 @@ std::vector<Index> join_equal_vertices(const Mesh& mesh) {
   };
   const auto uv = [&](Index v) -> const Vec2<double>& { return mesh.uvs.empty() ? no_uv : mesh.uvs[v]; };
   std::vector<Index> joined(mesh.positions.size());
-  HashTable distinct;
+  std::vector<std::uint32_t> hashes(joined.size());
   for (Index v = 0; v < joined.size(); ++v) {
-    joined[v] = v;
     const Vec3<double>&p = mesh.positions[v], &n = normal(v);
     const Vec2<double>& q = uv(v);
     std::uint64_t hash = 0;
@@ -34,14 +34,21 @@ std::vector<Index> join_equal_vertices(const Mesh& mesh) {
       hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15;  // -0 is 0
       hash ^= hash >> 32;
     }
-    const auto place = static_cast<std::uint32_t>(hash * 0xd6e8feb86659fd93 >> 32);
+    hashes[v] = static_cast<std::uint32_t>(hash * 0xd6e8feb86659fd93 >> 32);
+  }
+  HashTable distinct;
+  for (Index v = 0; v < joined.size(); ++v) {
+    if (v + HashTable::soon < hashes.size()) distinct.prefetch(hashes[v + HashTable::soon]);
+    joined[v] = v;
+    const Vec3<double>&p = mesh.positions[v], &n = normal(v);
+    const Vec2<double>& q = uv(v);
     const auto joins_its_equal = [&](Index w) {
       if (!(p == mesh.positions[w] && n == normal(w) && q == uv(w))) return false;
       joined[v] = w;
       return true;
     };
     const bool equals_itself = p == p && n == n && q == q;  // as NaN does not
-    if (equals_itself && !distinct.any_of(place, joins_its_equal)) distinct.insert(place, v);
+    if (equals_itself && !distinct.any_of(hashes[v], joins_its_equal)) distinct.insert(hashes[v], v);
   }
   return joined;
 }
@@ -52,12 +59,18 @@ Rings::Rings(const Mesh& mesh, std::span<const Index> joined) : mesh_(mesh) {
   frames.of_corner.reserve(mesh.corners());
   std::vector<bool> good;
   for (const Triangle& triangle : mesh.triangles) {
-    const Face face(mesh, triangle);
-    count_degenerate(face, frames);
-    good.push_back(face.solved.has_value());
+    const auto& [a, b, c] = triangle;
+    int sign = plain_sign(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]);
+    good.push_back(sign != 0 && !is_degenerate(mesh.positions[a], mesh.positions[b], mesh.positions[c]));
+    if (!good.back()) {
+      const Face face(mesh, triangle);
+      count_degenerate(face, frames);
+      good.back() = face.solved.has_value();
+      sign = face.sign > 0 ? 1 : -1;
+    }
     Triangle& nodes = nodes_.emplace_back();
     for (int k = 0; k < 3; ++k) {
-      nodes[k] = 2 * joined[triangle[k]] + (face.sign > 0 ? 1 : 0);
+      nodes[k] = 2 * joined[triangle[k]] + (sign > 0 ? 1 : 0);
       frames.of_corner.push_back(nodes[k]);
       if (good.back()) ++begin_[nodes[k] + 1];
     }
@@ -103,7 +116,7 @@ void Rings::grow(Walk& walk) const {
     const std::size_t begin = begin_[walk.near[i]], count = begin_[walk.near[i] + 1] - begin,
                       taken = whole ? count : std::min(count, most_triangles);
     for (std::size_t k = 0; k < taken && (whole || walk.near.size() < most_nodes); ++k)
-      for (const Index node : nodes_[triangles_[begin + k * count / taken]]) {
+      for (const Index node : nodes_[triangles_[begin + (taken == count ? k : k * count / taken)]]) {
         if (walk.seen[node] == walk.starts) continue;
         walk.seen[node] = walk.starts;
         walk.near.push_back(node);

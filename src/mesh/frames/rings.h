@@ -25,8 +25,9 @@ class Rings {
 
   std::size_t size() const { return 2 * mesh_.positions.size(); }
   bool used(Index node) const { return begin_[node] != begin_[node + 1]; }
-  const Vec3<double>& position(Index node) const { return mesh_.positions[node / 2]; }
-  const Vec2<double>& uv(Index node) const { return mesh_.uvs[node / 2]; }
+  static Index vertex(Index node) { return node / 2; }  // the first of those joined
+  const Vec3<double>& position(Index node) const { return mesh_.positions[vertex(node)]; }
+  const Vec2<double>& uv(Index node) const { return mesh_.uvs[vertex(node)]; }
   static double sign(Index node) { return node % 2 == 1 ? 1 : -1; }
 
   // Nodes up to so many edges away from `near.front()`, appended ring by ring; ends[r] is where ring r ends.
