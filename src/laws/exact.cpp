@@ -160,12 +160,13 @@ double magnified(const Exact& exact, const PartialScales& scales) {
 
 template <class S>
 std::optional<std::array<Comparison, 3>> compare_frame(const AnySurface& surface, const Exact& exact,
-                                                       const PartialScales& scales, const Sample<S>& sample) {
+                                                       const PartialScales& scales, const Sample<S>& sample,
+                                                       bool closed) {
   constexpr double roundoff = std::numeric_limits<S>::epsilon() / 2;
   const Frame<S>& f = sample.frame;
   if (has(f.status, Status::no_frame)) return std::nullopt;
   const SurfaceInfo& info = surface.info();
-  const bool closed = surface.has_closed_frame(), limit = has(f.status, Status::limit_frame);
+  const bool limit = has(f.status, Status::limit_frame);
   std::array<double, 3> errors{infinity, infinity, infinity};
   double condition = 0, of_40_digits = 0;
   if (limit) {
@@ -199,9 +200,11 @@ std::optional<std::array<Comparison, 3>> compare_frame(const AnySurface& surface
                     Comparison{errors[2], bound, condition}};
 }
 template std::optional<std::array<Comparison, 3>> compare_frame(const AnySurface&, const Exact&,
-                                                                const PartialScales&, const Sample<double>&);
+                                                                const PartialScales&, const Sample<double>&,
+                                                                bool);
 template std::optional<std::array<Comparison, 3>> compare_frame(const AnySurface&, const Exact&,
-                                                                const PartialScales&, const Sample<float>&);
+                                                                const PartialScales&, const Sample<float>&,
+                                                                bool);
 
 // ---- curvatures and forms ---------------------------------------------------------------------------------
 
@@ -291,16 +294,22 @@ std::array<std::optional<Comparison>, form_names.size()> compare_forms(const Any
   for (std::size_t q = 0; q < form_names.size(); ++q) {
     const double size = length(exact[q]);
     const double scale = q == k_gaussian ? k * k : q == k_mean ? k : 0;
-    if (!(condition[q] < 1e12 * size) || !(size > 1e-34 * scale)) continue;
+    // Beyond the range of double nothing can be asked.
+    if (!(size < std::numeric_limits<double>::max() / 64 &&
+          size > std::numeric_limits<double>::min() / unit_roundoff))
+      continue;
+    if (own[q].empty() || !(condition[q] < 1e12 * size) || !(size > 1e-34 * scale)) continue;
     double times = 1 + condition[q] / size;
     if (q <= k_principal) times += 0.5;  // the frame's own 4u
     if (q == k_directions) {
       if (!(apart > 1e-12 * k)) continue;
       times += std::fmin(k / apart, detail::cancellation_of_directions);
     }
-    result[q] =
-        Comparison{length(difference(own[q], exact[q], q)) / size,
-                   (data ? 8 : 2) * surface.info().frame_error * unit_roundoff * times, condition[q] / size};
+    // What 40 digits leave of a sum that cancels.
+    const double of_40_digits = 1e-37 * scale / size;
+    result[q] = Comparison{length(difference(own[q], exact[q], q)) / size,
+                           (data ? 8 : 2) * surface.info().frame_error * unit_roundoff * times + of_40_digits,
+                           condition[q] / size};
   }
   return result;
 }

@@ -55,10 +55,11 @@ std::optional<Comparison> compare_partial(const Exact& exact, const PartialScale
                                           const Sample<S>& sample, int k);
 
 // t, b, n of a sample. A limit is compared with the nearest that 40 digits show. Nothing where they show
-// none.
+// none. \param closed whether it is in closed form, or made of partials
 template <class S>
 std::optional<std::array<Comparison, 3>> compare_frame(const AnySurface& surface, const Exact& exact,
-                                                       const PartialScales& scales, const Sample<S>& sample);
+                                                       const PartialScales& scales, const Sample<S>& sample,
+                                                       bool closed);
 
 // How much the errors of dpdu and dpdv, roundings times (1 + condition) of their scale, are magnified in t
 // and n made of them.
@@ -80,7 +81,8 @@ using AllNumbers = std::array<Numbers<S>, form_names.size()>;
 AllNumbers<double> form_numbers(const AnySurface& surface, const Sample<double>& sample);
 
 // Against 40 digits, at a point where the surface is regular and n lies on the side of `normal`. Nothing for
-// what vanishes, or so nearly that 40 digits leave no condition: it has no relative error.
+// what is not given, and for what vanishes, or so nearly that 40 digits leave no condition: it has no
+// relative error.
 std::array<std::optional<Comparison>, form_names.size()> compare_forms(const AnySurface& surface,
                                                                        const Exact& exact,
                                                                        const Vec3<double>& normal,

@@ -112,7 +112,7 @@ class HighPrecision {
       // Of every frame, whatever the oracle can say of its directions.
       orthonormality_.compare(deviation_from_orthonormal(sample.frame),
                               (surface.has_closed_frame() ? 8 : 16) * roundoff, u, v, of);
-      if (const auto frame = compare_frame(surface, exact, scales, sample))
+      if (const auto frame = compare_frame(surface, exact, scales, sample, surface.has_closed_frame()))
         for (const auto& [law, c] :
              {std::pair{&tangent_, (*frame)[0]}, {&bitangent_, (*frame)[1]}, {&normal_, (*frame)[2]}})
           law->compare(c.error, c.bound, u, v, of);

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
-#include <ctime>
-#include <fstream>
 #include <string_view>
-#include <thread>
 #include <tuple>
 
 #include "base/text.h"
+#include "csv.h"
 #include "html.h"
 
 namespace darboux {
@@ -26,19 +23,6 @@ std::string_view class_name(const Study& study) {
 }
 std::string_view verdict_name(const Study& study) {
   return name_in(order_verdict_names, study.verdict);
-}
-
-// ---- CSV --------------------------------------------------------------------------------------------------
-
-std::string csv_text(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
-std::string csv_number(double x) {
-  return std::isfinite(x) ? shortest(x) : std::string();
 }
 
 // ---- HTML -------------------------------------------------------------------------------------------------
@@ -429,29 +413,6 @@ std::string verdict_summary(const std::vector<Study>& studies) {
   add(OrderVerdict::slower, false, "slower than expected");
   add(OrderVerdict::does_not_converge, false, "not converging, though expected to");
   return text;
-}
-
-Provenance provenance(std::string version, std::string command) {
-  std::string processor = "unknown processor";
-  std::ifstream cpuinfo("/proc/cpuinfo");
-  for (std::string line; std::getline(cpuinfo, line);)
-    if (line.starts_with("model name") && line.find(": ") != std::string::npos) {
-      processor = line.substr(line.find(": ") + 2);
-      break;
-    }
-  const unsigned cores = std::thread::hardware_concurrency();
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char date[32];
-  std::strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", &utc);
-#ifdef __clang__
-  const std::string compiler = __VERSION__;
-#else
-  const std::string compiler = std::string("g++ ") + __VERSION__;
-#endif
-  return {processor + ", " + std::to_string(cores) + (cores == 1 ? " core" : " cores"), compiler, date,
-          std::move(version), std::move(command)};
 }
 
 std::string converge_page(const std::vector<Study>& studies, const Provenance& p) {
