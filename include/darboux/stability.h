@@ -102,8 +102,8 @@ struct StabilityOptions {
   std::vector<AnySurface> surfaces;
   std::vector<const StabilitySweep*> sweeps;
   std::vector<const StabilityRoute*> routes;
-  int points = 20;  ///< values of x in each sweep, from..to
-  int samples = 2;  ///< random points at each
+  int points = 24;  ///< values of x in each sweep, from..to
+  int samples = 3;  ///< random points at each
   std::uint64_t seed = 1;
 };
 

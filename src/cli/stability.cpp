@@ -21,7 +21,17 @@ struct StabilityArguments {
   std::optional<int> points, samples;
   std::optional<std::uint64_t> seed;
   ReportArguments report;
+  std::string format;
 };
+
+// The format of -o: as --format says, else by the file's extension.
+std::string format_of(const StabilityArguments& arguments) {
+  if (!arguments.format.empty()) return arguments.format;
+  const std::string name = lower(arguments.report.output);
+  for (const char* format : {"html", "md", "svg", "json"})
+    if (name.ends_with(std::string(".") + format)) return format;
+  return "html";
+}
 
 // What is given wins over the study file, and that over the preset.
 StabilityChoices choose(const StabilityArguments& arguments) {
@@ -74,9 +84,12 @@ std::string command_line(const StabilityOptions& options, const StabilityArgumen
 void run_stability(const StabilityArguments& arguments, Common& common) {
   const ReportArguments& to = arguments.report;
   check(to, common);
+  if (!arguments.format.empty() && to.output.empty())
+    throw ParameterError("--format", "expected -o FILE with it, got none");
   const StabilityOptions options = parse(arguments);
   // Opened before the work, so that a folder that cannot be written is reported at once.
-  std::optional<OutputFile> csv;
+  std::optional<OutputFile> output, csv;
+  if (!to.output.empty()) output.emplace(to.output);
   if (!to.csv.empty()) csv.emplace(to.csv);
   const Provenance origin = provenance(DARBOUX_VERSION, command_line(options, arguments));
   const StudyIdentity identity{"stability", DARBOUX_VERSION, stability_identity(options),
@@ -89,21 +102,31 @@ void run_stability(const StabilityArguments& arguments, Common& common) {
                                  [&](double share) { progress.update(share); });
   }
   if (!to.shard.empty()) return print_shard(to, jobs, common);
+  const bool holds =
+      std::all_of(curves.begin(), curves.end(), [](const StabilityCurve& c) { return c.holds(); });
+  common.exit_status = holds ? 0 : 1;
+  const Json document{{"curves", curves_json(curves)},
+                      {"holds", holds},
+                      {"seed", options.seed},
+                      {"study", identity.study},
+                      {"provenance", identity.provenance}};
+  if (output) {
+    const std::string format = format_of(arguments);
+    output->write(format == "md"     ? stability_markdown(curves, origin)
+                  : format == "svg"  ? stability_picture(curves)
+                  : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
+                                     : stability_page(curves, origin));
+    output->commit();
+  }
   if (csv) {
     csv->write(curves_csv(curves));
     csv->commit();
   }
-  const bool holds =
-      std::all_of(curves.begin(), curves.end(), [](const StabilityCurve& c) { return c.holds(); });
-  common.exit_status = holds ? 0 : 1;
-  if (common.json)
-    return print_json({{"curves", curves_json(curves)},
-                       {"holds", holds},
-                       {"seed", options.seed},
-                       {"study", identity.study},
-                       {"provenance", identity.provenance}});
-  if (to.csv == "-") return;
+  if (common.json) return print_json(document);
+  // A page or CSV on standard output stands alone there.
+  if (to.output == "-" || to.csv == "-") return;
   std::fputs(stability_text(curves).c_str(), stdout);
+  if (!to.output.empty()) std::printf("report: %s\n", to.output.c_str());
   if (!to.csv.empty()) std::printf("CSV: %s\n", to.csv.c_str());
 }
 
@@ -125,12 +148,18 @@ void add_stability(CLI::App& app, Common& common) {
   sub.add_option("--routes", arguments->routes,
                  "comma-separated, some of " + names(stability_routes()) + " [all]")
       ->delimiter(',');
-  sub.add_option("--points", arguments->points, "values of x in each sweep [20]")
+  sub.add_option("--points", arguments->points, "values of x in each sweep [24]")
       ->check(CLI::Range(2, 10000));
-  sub.add_option("--samples", arguments->samples, "random points at each x [2]")->check(CLI::Range(1, 10000));
+  sub.add_option("--samples", arguments->samples, "random points at each x [3]")->check(CLI::Range(1, 10000));
   sub.add_option("--seed", arguments->seed, "of the random points [1]")->check(whole_number);
   add_report_options(sub, arguments->report,
                      "quick (the defaults), standard (61 values of x, 8 points at each), full (301, 16)");
+  sub.add_option("-o,--output", arguments->report.output, "write a report to this file");
+  sub.add_option(
+         "--format", arguments->format,
+         "of the report: html (a page), md (tables), svg (the curves of the first surface) or json; else "
+         "by the file's extension")
+      ->check(CLI::IsMember({"html", "md", "svg", "json"}));
   sub.add_option("--csv", arguments->report.csv, "write every point of every curve to this file");
   add_common(sub, common, "darboux stability sphere torus --sweeps pole_distance,scale");
   sub.callback([arguments, &common] { run_stability(*arguments, common); });

@@ -19,7 +19,7 @@ namespace darboux {
 /// all.
 struct StabilityChoices {
   std::vector<std::string> surfaces, sweeps, routes;
-  int points = 20, samples = 2;
+  int points = 24, samples = 3;
   std::uint64_t seed = 1;
 };
 

@@ -268,25 +268,37 @@ AllNumbers<double> form_numbers(const AnySurface& surface, const Sample<double>&
 std::array<std::optional<Comparison>, form_names.size()> compare_forms(const AnySurface& surface,
                                                                        const Exact& at,
                                                                        const Vec3<double>& normal,
-                                                                       const AllNumbers<double>& own) {
+                                                                       const AllNumbers<double>& own,
+                                                                       const PartialScales* partials) {
   const bool data = made_of_data(surface);
   const Jet2<Multiprecision>& j = at.jet;
   const double side = dot(rounded(unit(cross(j.dpdu, j.dpdv))), normal) < 0 ? -1 : 1;
   const AllNumbers<Multiprecision> exact = numbers_of(j, side);
   std::array<double, form_names.size()> condition{};
-  const auto add = [&](const Jet2<Multiprecision>& moved) {
+  const auto add = [&](std::array<double, form_names.size()>& sum, const Jet2<Multiprecision>& moved) {
     const AllNumbers<Multiprecision> there = numbers_of(moved, side);
     for (std::size_t q = 0; q < form_names.size(); ++q)
-      condition[q] += length(difference(there[q], exact[q], q)) / relative_change;
+      sum[q] += length(difference(there[q], exact[q], q)) / relative_change;
   };
-  for (const Jet2<Multiprecision>& moved : at.neighbours) add(moved);
+  for (const Jet2<Multiprecision>& moved : at.neighbours) add(condition, moved);
+  constexpr std::array axes{&Vec3<Multiprecision>::x, &Vec3<Multiprecision>::y, &Vec3<Multiprecision>::z};
+  std::array<double, form_names.size()> of_partials{};
+  if (partials)
+    for (std::size_t k = 1; k < 6; ++k)
+      for (Multiprecision Vec3<Multiprecision>::*axis : axes) {
+        Jet2<Multiprecision> moved = j;
+        const std::array<Vec3<Multiprecision>*, 6> all{&moved.position, &moved.dpdu,   &moved.dpdv,
+                                                       &moved.d2pdu2,   &moved.d2pduv, &moved.d2pdv2};
+        all[k]->*axis = all[k]->*axis + Multiprecision(partials->scale[k] * (1 + partials->condition[k])) *
+                                            Multiprecision(relative_change);
+        add(of_partials, moved);
+      }
   if (data)
-    for (Multiprecision Vec3<Multiprecision>::*axis :
-         {&Vec3<Multiprecision>::x, &Vec3<Multiprecision>::y, &Vec3<Multiprecision>::z}) {
+    for (Multiprecision Vec3<Multiprecision>::*axis : axes) {
       Jet2<Multiprecision> moved = j;
       for (Vec3<Multiprecision>* p : {&moved.dpdu, &moved.dpdv, &moved.d2pdu2, &moved.d2pduv, &moved.d2pdv2})
         p->*axis = p->*axis + p->*axis * Multiprecision(relative_change);
-      add(moved);
+      add(condition, moved);
     }
   const double k = length(exact[k_principal]),
                apart = static_cast<double>(exact[k_principal][0] - exact[k_principal][1]);
@@ -308,7 +320,8 @@ std::array<std::optional<Comparison>, form_names.size()> compare_forms(const Any
     // What 40 digits leave of a sum that cancels.
     const double of_40_digits = 1e-37 * scale / size;
     result[q] = Comparison{length(difference(own[q], exact[q], q)) / size,
-                           (data ? 8 : 2) * surface.info().frame_error * unit_roundoff * times + of_40_digits,
+                           (data ? 8 : 2) * surface.info().frame_error * unit_roundoff * times +
+                               8 * unit_roundoff * of_partials[q] / size + of_40_digits,
                            condition[q] / size};
   }
   return result;

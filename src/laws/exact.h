@@ -82,10 +82,10 @@ AllNumbers<double> form_numbers(const AnySurface& surface, const Sample<double>&
 
 // Against 40 digits, at a point where the surface is regular and n lies on the side of `normal`. Nothing for
 // what is not given, and for what vanishes, or so nearly that 40 digits leave no condition: it has no
-// relative error.
-std::array<std::optional<Comparison>, form_names.size()> compare_forms(const AnySurface& surface,
-                                                                       const Exact& exact,
-                                                                       const Vec3<double>& normal,
-                                                                       const AllNumbers<double>& own);
+// relative error. \param partials where given, that of partials which err as far as compare_partial lets them
+// is added to the bound
+std::array<std::optional<Comparison>, form_names.size()> compare_forms(
+    const AnySurface& surface, const Exact& exact, const Vec3<double>& normal, const AllNumbers<double>& own,
+    const PartialScales* partials = nullptr);
 
 }  // namespace darboux::laws

@@ -477,14 +477,7 @@ rounding alone may cause there; a study that reaches it has no order. Angles in 
 <th scope=col>verdict</tr></thead>
 )html";
   page += table(studies);
-  page +=
-      "</table>\n</div>\n</section>\n<section class=card>\n<h2>Where these numbers come from</h2>\n<dl>\n";
-  for (const auto& [name, value] : {std::pair<std::string_view, const std::string&>{"Machine", p.machine},
-                                    {"Compiler", p.compiler},
-                                    {"Date", p.date},
-                                    {"Darboux", p.version}})
-    page += "<dt>" + std::string(name) + "<dd>" + escape(value) + "\n";
-  page += "<dt>Again<dd><code>" + escape(p.command) + "</code>\n</dl>\n</section>\n</main>\n";
+  page += "</table>\n</div>\n</section>\n" + provenance_html(p) + "</main>\n";
   page += "<script type=\"application/json\" id=data>" + script_json(page_data(studies)) + "</script>\n";
   page +=
       "<script>addEventListener('error', e => { document.body.dataset.error = e.message; "

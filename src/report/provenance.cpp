@@ -3,7 +3,11 @@
 #include <chrono>
 #include <ctime>
 #include <fstream>
+#include <string_view>
 #include <thread>
+#include <utility>
+
+#include "html.h"
 
 namespace darboux {
 
@@ -28,6 +32,16 @@ Provenance provenance(std::string version, std::string command) {
 #endif
   return {processor + ", " + std::to_string(cores) + (cores == 1 ? " core" : " cores"), compiler, date,
           std::move(version), std::move(command)};
+}
+
+std::string provenance_html(const Provenance& p) {
+  std::string text = "<section class=card>\n<h2>Where these numbers come from</h2>\n<dl>\n";
+  for (const auto& [name, value] : {std::pair<std::string_view, const std::string&>{"Machine", p.machine},
+                                    {"Compiler", p.compiler},
+                                    {"Date", p.date},
+                                    {"Darboux", p.version}})
+    text += "<dt>" + std::string(name) + "<dd>" + escape(value) + "\n";
+  return text + "<dt>Again<dd><code>" + escape(p.command) + "</code>\n</dl>\n</section>\n";
 }
 
 }  // namespace darboux

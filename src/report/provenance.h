@@ -16,5 +16,7 @@ struct Provenance {
 };
 /// Of this process, now. The processor is read from /proc/cpuinfo, "unknown processor" where there is none.
 Provenance provenance(std::string version, std::string command);
+/// The section that ends a page.
+std::string provenance_html(const Provenance& provenance);
 
 }  // namespace darboux

@@ -104,10 +104,10 @@ StabilityCurve curve_of(const nlohmann::ordered_json& json) {
   c.bound_u = numbers_of(json.at("bound_u"), not_stated);
   c.within_bound = json.at("within_bound").get<bool>();
   const Json& w = json.at("worst");
-  c.worst = {number_of(w.at("x"), not_stated),           number_of(w.at("error_u"), endless),
-             number_of(w.at("bound_u"), not_stated),     number_of(w.at("condition"), not_stated),
-             number_of(w.at("factor"), endless), w.at("member").get<std::string>(),
-             number_of(w.at("u"), not_stated),           number_of(w.at("v"), not_stated),
+  c.worst = {number_of(w.at("x"), not_stated),       number_of(w.at("error_u"), endless),
+             number_of(w.at("bound_u"), not_stated), number_of(w.at("condition"), not_stated),
+             number_of(w.at("factor"), endless),     w.at("member").get<std::string>(),
+             number_of(w.at("u"), not_stated),       number_of(w.at("v"), not_stated),
              w.at("surface").get<std::string>()};
   return c;
 }

@@ -9,6 +9,8 @@
 
 #include <darboux/stability.h>
 
+#include "provenance.h"
+
 namespace darboux {
 
 /// The curves as `darboux stability --json` prints them; an error without end, a bound that is not stated are
@@ -23,6 +25,19 @@ std::string curves_csv(const std::vector<StabilityCurve>& curves);
 /// For a terminal: a line per surface and sweep with the point where Darboux's double comes nearest to its
 /// bound and how the naive formulas fare, then every curve that leaves its bound, then a sentence.
 std::string stability_text(const std::vector<StabilityCurve>& curves);
+
+/// The same as Markdown, for docs: a table of surfaces by sweeps with the largest error and the share of its
+/// bound that is nearest to it, and one of what the naive formulas lose.
+std::string stability_markdown(const std::vector<StabilityCurve>& curves, const Provenance& provenance);
+
+/// A self-contained HTML page: surfaces by sweeps as a table of colours, the curves of the one chosen as a
+/// picture, everything beyond its bound as a list. Opens from a file, without a network; without scripts the
+/// tables remain.
+std::string stability_page(const std::vector<StabilityCurve>& curves, const Provenance& provenance);
+
+/// A picture: the curves of the first surface, a panel per sweep, a line per route, of the quantity in which
+/// the naive formulas lose most.
+std::string stability_picture(const std::vector<StabilityCurve>& curves);
 
 /// "312 curves with a bound, all within it; the naive formulas lose all digits in 41 of 120"
 std::string stability_summary(const std::vector<StabilityCurve>& curves);

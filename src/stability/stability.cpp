@@ -229,7 +229,8 @@ class Comparer {
     const bool forms = std::any_of(answer_.forms.begin(), answer_.forms.end(),
                                    [](const std::vector<double>& f) { return !f.empty(); });
     if (!forms || q_.own.status != Status::regular) return;
-    const auto of_forms = laws::compare_forms(q_.c.surface, q_.exact, q_.own.n, answer_.forms);
+    const auto of_forms = laws::compare_forms(q_.c.surface, q_.exact, q_.own.n, answer_.forms,
+                                              q_.c.closed_frame ? nullptr : &q_.scales);
     for (std::size_t k = 0; k < of_forms.size(); ++k)
       if (of_forms[k] && !answer_.forms[k].empty())
         add(quantity_of_form[k], laws::form_names[k], *of_forms[k]);
