@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <map>
 #include <string_view>
 
@@ -76,29 +77,42 @@ std::string words(std::string_view name) {
   return text;
 }
 
-// Two digits are what a picture shows.
-Json two_digits(const std::vector<double>& values) {
+// Decimal logarithms to a hundredth are what a picture shows; null: no number, or nothing left of it.
+Json logarithms(const std::vector<double>& values) {
   Json list = Json::array();
   for (const double x : values) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2e", x);
-    list.push_back(std::isfinite(x) ? Json(std::stod(text)) : Json(nullptr));
+    const double log = std::round(100 * std::log10(std::fmax(x, 0.1))) / 100;
+    list.push_back(std::isfinite(log) && !std::isnan(x) ? Json(log) : Json(nullptr));
   }
   return list;
 }
 
+// x are places in `grids`, all values of x that the curves of a sweep have.
 Json page_data(const std::vector<StabilityCurve>& curves) {
   Json list = Json::array(), sweeps = Json::object(), routes = Json::object();
-  for (const StabilityCurve& c : curves)
-    list.push_back({{"surface", c.surface},
-                    {"sweep", c.sweep},
-                    {"route", c.route},
-                    {"quantity", c.quantity},
-                    {"x", two_digits(c.x)},
-                    {"error", two_digits(c.error_u)},
-                    {"bound", two_digits(c.bound_u)}});
+  std::map<std::string_view, std::vector<double>> grids;
+  for (const StabilityCurve& c : curves) {
+    std::vector<double>& grid = grids[c.sweep];
+    std::vector<double> all;
+    const bool grows = find_stability_sweep(c.sweep).from < find_stability_sweep(c.sweep).to;
+    std::set_union(grid.begin(), grid.end(), c.x.begin(), c.x.end(), std::back_inserter(all),
+                   [grows](double a, double b) { return grows ? a < b : a > b; });
+    grid = std::move(all);
+  }
+  for (const StabilityCurve& c : curves) {
+    const std::vector<double>& grid = grids[c.sweep];
+    Json curve{{"surface", c.surface}, {"sweep", c.sweep}, {"route", c.route}, {"quantity", c.quantity}};
+    if (c.x.size() < grid.size()) {
+      Json places = Json::array();
+      for (const double x : c.x) places.push_back(std::find(grid.begin(), grid.end(), x) - grid.begin());
+      curve["at"] = places;
+    }
+    curve["error"] = logarithms(c.error_u);
+    if (c.route == "double") curve["bound"] = logarithms(c.bound_u);
+    list.push_back(curve);
+  }
   for (const StabilitySweep& s : stability_sweeps())
-    sweeps[std::string(s.name)] = {{"unit", s.unit}, {"summary", s.summary}};
+    sweeps[std::string(s.name)] = {{"unit", s.unit}, {"summary", s.summary}, {"x", grids[s.name]}};
   for (const StabilityRoute& r : stability_routes()) routes[std::string(r.name)] = r.summary;
   return {{"curves", list}, {"sweeps", sweeps}, {"routes", routes}, {"quantities", stability_quantities}};
 }

@@ -19,8 +19,9 @@ const least = -1, most = 16.5;
 const superscript = e => String(e).replace(/./g, c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]);
 const power = e => e === 0 ? '1' : '10' + superscript(e);
 const log_x = x => Math.log10(x);
-const log_error = e => e === null ? most : e > 0 ? Math.min(most, Math.max(least, Math.log10(e))) : least;
-const plain = x => x === null ? 'no number' : x >= 0.001 && x < 10000 ? String(+x.toPrecision(3)) : x.toExponential(1);
+const log_error = e => e === null ? most : Math.min(most, e);
+const roundings = e => e === null ? 'no digit' : e <= least ? 'at most 0.1' : plain(10 ** e);
+const plain = x => x >= 0.001 && x < 10000 ? String(+x.toPrecision(3)) : x.toExponential(1);
 
 const dark = matchMedia('(prefers-color-scheme: dark)');
 const ink = () => getComputedStyle(document.body).getPropertyValue('--soft');
@@ -37,36 +38,37 @@ const chart = new Chart($('plot'), {
               legend: {labels: {color: ink(), usePointStyle: true}},
               tooltip: {callbacks: {
                 title: items => items.length ? 'x = ' + plain(items[0].raw.value) : '',
-                label: item => item.dataset.label + ': ' + plain(item.raw.error) + ' roundings' +
-                  (item.raw.bound ? ', bound ' + plain(item.raw.bound) : '')}}}}});
+                label: item => item.dataset.label + ': ' + roundings(item.raw.error) + ' roundings'}}}}});
 
 const chosen = () => data.curves.filter(c => c.surface === $('surface').value && c.sweep === $('sweep').value &&
                                              c.quantity === $('quantity').value);
 function draw() {
   const curves = chosen(), lines = [];
+  const grid = data.sweeps[$('sweep').value].x;
+  const points = (c, values) => values.map((e, i) => {
+    const x = grid[c.at ? c.at[i] : i];
+    return {x: log_x(x), y: log_error(e), value: x, error: e};
+  });
   for (const c of curves) {
     const [colour, symbol] = looks[c.route] || ['#000', 'circle'];
     lines.push({label: c.route, borderColor: colour, backgroundColor: colour, pointStyle: symbol, pointRadius: 4,
                 borderWidth: c.route === 'double' ? 3 : 1.5,
-                data: c.x.map((x, i) => ({x: log_x(x), y: log_error(c.error[i]), value: x, error: c.error[i],
-                                          bound: c.bound[i]}))});
+                data: points(c, c.error)});
     if (c.route !== 'double') continue;
     lines.push({label: 'bound of double', borderColor: ink(), borderDash: [6, 5], pointRadius: 0, borderWidth: 1.5,
                 pointStyle: 'line',
-                data: c.x.map((x, i) => ({x: log_x(x), y: log_error(c.bound[i]), value: x, error: c.bound[i]}))
-                        .filter(p => p.error !== null)});
+                data: points(c, c.bound).filter(p => p.error !== null)});
   }
   const sweep = data.sweeps[$('sweep').value];
   chart.data.datasets = lines;
   chart.options.scales.x.title.text = sweep.unit;
   // From easy, at the left, to hard.
-  const xs = curves.flatMap(c => c.x);
   chart.options.scales.x.reverse = ['pole_distance', 'seam_distance', 'edge_distance', 'knot_distance'].includes($('sweep').value);
   chart.update();
   $('what').textContent = 'Curves: ' + short($('surface').value) + ', ' + words($('sweep').value);
   $('about').textContent = sweep.summary[0].toUpperCase() + sweep.summary.slice(1) + '. ' +
     unique(curves.map(c => c.route)).map(r => r + ': ' + data.routes[r]).join('; ') + '.';
-  $('plot').setAttribute('aria-label', 'Error in roundings against ' + sweep.unit + ', ' + xs.length + ' points.');
+  $('plot').setAttribute('aria-label', 'Error in roundings against ' + sweep.unit + ', ' + curves.length + ' curves.');
   for (const cell of document.querySelectorAll('#map button'))
     cell.parentElement.classList.toggle('chosen',
       cell.dataset.surface === $('surface').value && cell.dataset.sweep === $('sweep').value);
