@@ -42,8 +42,7 @@ Overview overview_of(const std::vector<StabilityCurve>& curves) {
     note(result.surfaces, c.surface);
     note(result.sweeps, c.sweep);
     SweepCell& cell = result.cells[{c.surface, c.sweep}];
-    double largest = 0;
-    for (const double error : c.error_u) largest = std::fmax(largest, error);
+    const double largest = largest_error(c);
     if (c.route == "naive") cell.naive = std::fmax(cell.naive, largest);
     if (c.route == "double") {
       cell.double_asked = true;
@@ -269,7 +268,8 @@ std::string stability_markdown(const std::vector<StabilityCurve>& curves, const 
     text += "| " + words(s.name) + " | " + shortest(s.from) + " | " + shortest(s.to) + " | " +
             std::string(s.unit) + " | " + std::string(s.summary) + " |\n";
   }
-  return text + "\nDarboux " + p.version + ", " + p.compiler + ", " + p.machine + ", " + p.date + ".\n";
+  return text + "\nMade by `" + p.command + "`: Darboux " + p.version + ", " + p.compiler + ", " + p.machine +
+         ", " + p.date + ".\n";
 }
 
 // ---- the picture ------------------------------------------------------------------------------------------
@@ -338,13 +338,17 @@ std::string stability_picture(const std::vector<StabilityCurve>& curves) {
   std::vector<std::string_view> routes;
   if (!curves.empty())
     for (const StabilitySweep& sweep : stability_sweeps()) {
-      // The quantity in which the naive formulas, or whichever route came first, err most.
+      // The quantity in which some route errs most.
       const StabilityCurve* worst = nullptr;
-      for (const StabilityCurve& c : curves)
-        if (c.surface == curves.front().surface && c.sweep == sweep.name &&
-            (!worst ||
-             (c.route == "naive" && (worst->route != "naive" || !(c.worst.factor <= worst->worst.factor)))))
-          worst = &c;
+      double largest = -1;
+      for (const StabilityCurve& c : curves) {
+        if (c.surface != curves.front().surface || c.sweep != sweep.name) continue;
+        for (const double error : c.error_u)
+          if (!(error <= largest)) {
+            worst = &c;
+            largest = error;
+          }
+      }
       if (!worst) continue;
       auto& chosen = panels.emplace_back();
       for (const StabilityCurve& c : curves)

@@ -33,11 +33,6 @@ Json json_of(double x) {
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr double not_stated = std::numeric_limits<double>::quiet_NaN();
 
-// The largest error of a curve, in roundings.
-double largest_error(const StabilityCurve& curve) {
-  return curve.error_u.empty() ? 0 : *std::max_element(curve.error_u.begin(), curve.error_u.end());
-}
-
 // "3.1", "4.5e+09"; "all digits" where nothing is left.
 std::string roundings(double error) {
   if (!(error < 0x1p53)) return "all digits";
@@ -123,6 +118,13 @@ std::string curves_csv(const std::vector<StabilityCurve>& curves) {
       text += c.error_u[i] > c.bound_u[i] ? ",false\r\n" : ",true\r\n";
     }
   return text;
+}
+
+double largest_error(const StabilityCurve& c) {
+  double largest = 0;
+  for (std::size_t i = 0; i < c.x.size(); ++i)
+    if (c.bound_u[i] > 0) largest = std::fmax(largest, c.error_u[i]);
+  return largest;
 }
 
 std::string stability_summary(const std::vector<StabilityCurve>& curves) {
