@@ -121,7 +121,8 @@ TEST_F(StudyCli, StabilityIsResumedAndMergedToTheBit) {
     write_bytes(path("wrong.json"), std::string(R"({"command": "stability", )") + text + "}");
     refused("darboux stability --study wrong.json", {"wrong.json", part});
   }
-  refused("darboux stability --study study.json", {"/command", "stability"});
+  write_bytes(path("wrong.json"), R"({"command": "converge"})");
+  refused("darboux stability --study wrong.json", {"/command", "stability"});
 }
 
 // Within its bounds: status 0, and every format says so; an unknown name lists the known.
