@@ -17,25 +17,33 @@
 
 namespace darboux {
 
+/// Who answers: surfaces at points, methods over meshes, fits to points.
+enum class StabilityDomain : std::uint8_t { evaluation, meshes, fits };
+
 /// What makes a question hard, by degrees: x from `from`, where it is easy, to `to`, on a logarithmic scale.
 struct StabilitySweep {
   std::string_view name, unit, summary;
   double from, to;
+  StabilityDomain domain = StabilityDomain::evaluation;
 };
-/// pole_distance, seam_distance, edge_distance, knot_distance, scale, aspect, offset, turns, uv_scale,
-/// uv_shift, condition, weights.
+/// Of evaluation: pole_distance, seam_distance, edge_distance, knot_distance, scale, aspect, offset, turns,
+/// uv_scale, uv_shift, condition, weights. Of meshes: float_offset, quantisation, uv_quantisation,
+/// normal_quantisation, jitter, slivers. Of fits: points, outliers, coverage, noise.
 std::span<const StabilitySweep> stability_sweeps();
 /// \throws ParameterError listing the known names
 const StabilitySweep& find_stability_sweep(std::string_view name);
 
 /// What is compared, as JSON names it; each is the worst of several members.
-inline constexpr std::array<std::string_view, 6> stability_quantities{
-    "position",         // P
-    "partials",         // dpdu, dpdv
-    "second_partials",  // d2pdu2, d2pduv, d2pdv2
-    "frame",            // tangent, bitangent, normal
-    "curvatures",       // gaussian, mean, principal curvatures and directions
-    "forms"};           // first and second form, derivatives of the normal, Christoffel symbols
+inline constexpr std::array<std::string_view, 9> stability_quantities{
+    "position",            // P
+    "partials",            // dpdu, dpdv
+    "second_partials",     // d2pdu2, d2pduv, d2pdv2
+    "frame",               // tangent, bitangent, normal
+    "curvatures",          // gaussian, mean, principal curvatures and directions
+    "forms",               // first and second form, derivatives of the normal, Christoffel symbols
+    "mesh_tangents",       // t at the corners of a mesh
+    "mesh_normals",        // n there, of methods that make it
+    "fitted_parameters"};  // of a surface fitted to points
 
 /// A point at which a route is asked.
 struct StabilityPoint {
@@ -66,11 +74,13 @@ struct StabilityRoute {
   std::string_view name, summary;
   StabilityBound bound;
   double roundoff;  ///< u: 2^-53, or 2^-24 where points and parameters are rounded to float first
-  StabilityAnswer (*answer)(const StabilityPoint&);
+  StabilityAnswer (*answer)(const StabilityPoint&);  ///< of evaluation alone
+  StabilityDomain domain = StabilityDomain::evaluation;
 
   bool own() const { return bound != StabilityBound::none; }
 };
-/// double, float, naive, dual, central2, central4, central6, central8, ridders.
+/// double, float, naive, dual, central2, central4, central6, central8, ridders; the methods of
+/// frame_methods(), for meshes; fit.
 std::span<const StabilityRoute> stability_routes();
 /// \throws ParameterError listing the known names
 const StabilityRoute& find_stability_route(std::string_view name);

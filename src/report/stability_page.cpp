@@ -21,10 +21,10 @@ using Json = nlohmann::ordered_json;
 
 // What is said of one surface in one sweep.
 struct SweepCell {
-  double error = 0;   // the largest, in double
-  double factor = 0;  // error / bound where it is largest, in double
+  double error = 0;   // the largest, of curves that lead
+  double factor = 0;  // error / bound where it is largest, of these
   double naive = -1;  // the largest of the naive formulas; negative: not asked
-  bool double_asked = false, beyond = false;
+  bool asked = false, beyond = false;
 };
 
 struct Overview {
@@ -44,8 +44,8 @@ Overview overview_of(const std::vector<StabilityCurve>& curves) {
     SweepCell& cell = result.cells[{c.surface, c.sweep}];
     const double largest = largest_error(c);
     if (c.route == "naive") cell.naive = std::fmax(cell.naive, largest);
-    if (c.route == "double") {
-      cell.double_asked = true;
+    if (leads(c)) {
+      cell.asked = true;
       cell.error = std::fmax(cell.error, largest);
       cell.factor = std::fmax(cell.factor, c.worst.factor);
     }
@@ -86,6 +86,13 @@ Json logarithms(const std::vector<double>& values) {
   return list;
 }
 
+// What errors are counted in.
+std::string_view error_unit(const StabilitySweep& sweep) {
+  if (sweep.domain == StabilityDomain::fits) return "error in standard errors";
+  if (sweep.name == "jitter" || sweep.name == "slivers") return "error in mesh widths";
+  return sweep.domain == StabilityDomain::meshes ? "error in half steps" : "error in roundings";
+}
+
 // x are places in `grids`, all values of x that the curves of a sweep have.
 Json page_data(const std::vector<StabilityCurve>& curves) {
   Json list = Json::array(), sweeps = Json::object(), routes = Json::object();
@@ -107,11 +114,12 @@ Json page_data(const std::vector<StabilityCurve>& curves) {
       curve["at"] = places;
     }
     curve["error"] = logarithms(c.error_u);
-    if (c.route == "double") curve["bound"] = logarithms(c.bound_u);
+    if (leads(c)) curve["bound"] = logarithms(c.bound_u);
     list.push_back(curve);
   }
   for (const StabilitySweep& s : stability_sweeps())
-    sweeps[std::string(s.name)] = {{"unit", s.unit}, {"summary", s.summary}, {"x", grids[s.name]}};
+    sweeps[std::string(s.name)] = {
+        {"unit", s.unit}, {"summary", s.summary}, {"error", error_unit(s)}, {"x", grids[s.name]}};
   for (const StabilityRoute& r : stability_routes()) routes[std::string(r.name)] = r.summary;
   return {{"curves", list}, {"sweeps", sweeps}, {"routes", routes}, {"quantities", stability_quantities}};
 }
@@ -148,7 +156,7 @@ std::string map_table(const Overview& overview) {
     text += "<tr><th scope=row>" + escape(surface.substr(0, surface.find(':')));
     for (const std::string_view sweep : overview.sweeps) {
       const auto cell = overview.cells.find({surface, sweep});
-      if (cell == overview.cells.end() || !cell->second.double_asked) {
+      if (cell == overview.cells.end() || !cell->second.asked) {
         text += "<td>";
         continue;
       }
@@ -202,7 +210,8 @@ float. All numbers are compared with the same formulas in 40 digits, beside the 
           escape(stability_summary(curves)) + R"html(.</p>
 <section class=card>
 <h2>Surfaces by sweeps</h2>
-<p class=soft>The largest error of Darboux in double, in roundings. The darker, the nearer to its bound: a tenth, a
+<p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in roundings, in
+steps of the stored data, in standard errors. The darker, the nearer to its bound: a tenth, a
 quarter, half, all of it; red is beyond. Large errors within their bound are the condition's: no formula in these
 inputs does better. A click shows the curves.</p>
 <div class=scroll><table class=map id=map>
@@ -256,7 +265,7 @@ std::string stability_markdown(const std::vector<StabilityCurve>& curves, const 
       ".\n\n## Darboux in double\n\nThe largest error in roundings (2^-53), and the share of its "
       "bound that is nearest to it.\n\n" +
       table([](const SweepCell& c) {
-        return c.double_asked ? digits_or_all(c.error) + ", " + percent(c.factor) : std::string();
+        return c.asked ? digits_or_all(c.error) + ", " + percent(c.factor) : std::string();
       });
   text +=
       "## The naive formulas\n\nTheir largest error in roundings; all: no digit is left, or no number "
@@ -316,7 +325,7 @@ std::string panel(const std::vector<const StabilityCurve*>& curves, double left,
     out += "<text x=\"" + coordinate(at_x(x)) + "\" y=\"" + coordinate(top + panel_height + 18) +
            "\" text-anchor=\"" + anchor + "\">" + rounded(x, 2) + "</text>\n";
   for (const StabilityCurve* c : curves) {
-    const auto colour = std::find_if(route_colours.begin(), route_colours.end(),
+    const auto colour = std::find_if(route_colours.begin(), route_colours.end() - 1,
                                      [&](const auto& r) { return r.first == c->route; });
     const auto path = [&](const std::vector<double>& values, const std::string& attributes) {
       std::string d;
@@ -325,7 +334,7 @@ std::string panel(const std::vector<const StabilityCurve*>& curves, double left,
           d += (d.empty() ? "M" : "L") + coordinate(at_x(c->x[i])) + ' ' + coordinate(at_y(values[i]));
       return d.empty() ? d : "<path " + attributes + " d=\"" + d + "\"/>\n";
     };
-    if (c->route == "double") out += path(c->bound_u, "class=\"b\"");
+    if (leads(*c)) out += path(c->bound_u, "class=\"b\"");
     out += path(c->error_u, "class=\"l\" stroke=\"" + std::string(colour->second) + '"');
   }
   return out;
@@ -342,7 +351,9 @@ std::string stability_picture(const std::vector<StabilityCurve>& curves) {
       const StabilityCurve* worst = nullptr;
       double largest = -1;
       for (const StabilityCurve& c : curves) {
-        if (c.surface != curves.front().surface || c.sweep != sweep.name) continue;
+        if (c.surface != curves.front().surface || c.sweep != sweep.name ||
+            sweep.domain != StabilityDomain::evaluation)
+          continue;
         for (const double error : c.error_u)
           if (!(error <= largest)) {
             worst = &c;

@@ -23,7 +23,12 @@ addEventListener('error', e => {
     ridders: ['#8c6d31', 'star']
   };
 
-  // ---- logarithms as numbers: 600 decades are more than a logarithmic axis takes
+  // The methods over meshes: the same colours again, another symbol for each round.
+const rounds = ['circle', 'triangle', 'rectRot', 'star'], colours = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#56b4e9', '#7f7f7f'];
+const others = Object.keys(data.routes).filter(r => !looks[r]);
+const look_of = route => looks[route] || (i => [colours[i % colours.length], rounds[Math.floor(i / colours.length) % rounds.length]])(others.indexOf(route));
+
+// ---- logarithms as numbers: 600 decades are more than a logarithmic axis takes
   const least = -1, most = 16.5;
   const superscript = e => String(e).replace(/./g, c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]);
   const power = e => e === 0 ? '1' : '10' + superscript(e);
@@ -73,7 +78,7 @@ addEventListener('error', e => {
       return {x: log_x(x), y: log_error(e), value: x, error: e};
     });
     for (const c of curves) {
-      const [colour, symbol] = looks[c.route] || ['#000', 'circle'];
+      const [colour, symbol] = look_of(c.route);
       lines.push({
         label: c.route,
         borderColor: colour,
@@ -99,9 +104,10 @@ addEventListener('error', e => {
     chart.options.scales.x.title.text = sweep.unit;
     // From easy, at the left, to hard.
     chart.options.scales.x.reverse =
-        ['pole_distance', 'seam_distance', 'edge_distance', 'knot_distance'].includes($('sweep').value);
+        ['pole_distance', 'seam_distance', 'edge_distance', 'knot_distance', 'slivers', 'points', 'coverage'].includes($('sweep').value);
     chart.update();
-    $('what').textContent = 'Curves: ' + short($('surface').value) + ', ' + words($('sweep').value);
+    chart.options.scales.y.title.text = sweep.error;
+  $('what').textContent = 'Curves: ' + short($('surface').value) + ', ' + words($('sweep').value);
     $('about').textContent = sweep.summary[0].toUpperCase() + sweep.summary.slice(1) + '. ' +
         unique(curves.map(c => c.route)).map(r => r + ': ' + data.routes[r]).join('; ') + '.';
     $('plot').setAttribute(

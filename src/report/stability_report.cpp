@@ -121,10 +121,15 @@ std::string curves_csv(const std::vector<StabilityCurve>& curves) {
 }
 
 double largest_error(const StabilityCurve& c) {
+  const bool stated = std::any_of(c.bound_u.begin(), c.bound_u.end(), [](double b) { return b > 0; });
   double largest = 0;
   for (std::size_t i = 0; i < c.x.size(); ++i)
-    if (c.bound_u[i] > 0) largest = std::fmax(largest, c.error_u[i]);
+    if (!stated || c.bound_u[i] > 0) largest = std::fmax(largest, c.error_u[i]);
   return largest;
+}
+
+bool leads(const StabilityCurve& c) {
+  return c.route == "double" || find_stability_sweep(c.sweep).domain != StabilityDomain::evaluation;
 }
 
 std::string stability_summary(const std::vector<StabilityCurve>& curves) {
@@ -148,7 +153,7 @@ std::string stability_text(const std::vector<StabilityCurve>& curves) {
       "to\nit and where, and the largest of the naive formulas.\n\n" +
       line({{"surface", 22},
             {"sweep", 14},
-            {"double", 11},
+            {"largest", 11},
             {"of its bound", 13},
             {"in", 24},
             {"at x =", 10},
@@ -161,7 +166,7 @@ std::string stability_text(const std::vector<StabilityCurve>& curves) {
     double error = 0, naive = -1;
     for (auto c = begin; c != end; ++c) {
       if (c->route == "naive") naive = std::fmax(naive, largest_error(*c));
-      if (c->route != "double") continue;
+      if (!leads(*c)) continue;
       error = std::fmax(error, largest_error(*c));
       if (!worst || c->worst.factor > worst->worst.factor) worst = &*c;
     }

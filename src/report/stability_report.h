@@ -22,8 +22,11 @@ StabilityCurve curve_of(const nlohmann::ordered_json& json);
 /// One row per point of a curve, with a header.
 std::string curves_csv(const std::vector<StabilityCurve>& curves);
 
-/// The largest error of a curve in roundings, where a bound is stated.
+/// The largest error of a curve in roundings, where a bound is stated; anywhere, where none is.
 double largest_error(const StabilityCurve& curve);
+
+/// Whether a curve counts in overviews: Darboux in double; every method over meshes, every fit.
+bool leads(const StabilityCurve& curve);
 
 /// For a terminal: a line per surface and sweep with the point where Darboux's double comes nearest to its
 /// bound and how the naive formulas fare, then every curve that leaves its bound, then a sentence.
@@ -38,8 +41,8 @@ std::string stability_markdown(const std::vector<StabilityCurve>& curves, const 
 /// tables remain.
 std::string stability_page(const std::vector<StabilityCurve>& curves, const Provenance& provenance);
 
-/// A picture: the curves of the first surface, a panel per sweep, a line per route, of the quantity in which
-/// the naive formulas lose most.
+/// A picture: the curves of the first surface, a panel per sweep of evaluation, a line per route, of the
+/// quantity in which the naive formulas lose most.
 std::string stability_picture(const std::vector<StabilityCurve>& curves);
 
 /// "312 curves with a bound, all within it; the naive formulas leave Darboux's bound in 41 of 120"

@@ -1,10 +1,12 @@
 // The ways from (u, v) to numbers.
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include <darboux/differentiate.h>
 #include <darboux/error.h>
 #include <darboux/forms.h>
+#include <darboux/mesh_frames.h>
 #include <darboux/stability.h>
 
 #include "base/text.h"
@@ -155,7 +157,7 @@ StabilityAnswer by_ridders(const StabilityPoint& p) {
 }
 
 constexpr double of_double = 0x1p-53, of_float = 0x1p-24;
-constexpr StabilityRoute routes[] = {
+constexpr StabilityRoute routes_of_evaluation[] = {
     {"double", "Darboux in double: partials, closed-form frames, curvatures and forms",
      StabilityBound::stated, of_double, in_double},
     {"float", "Darboux in float, of the point and parameters that float holds", StabilityBound::stated,
@@ -175,12 +177,21 @@ constexpr StabilityRoute routes[] = {
 }  // namespace
 
 std::span<const StabilityRoute> stability_routes() {
-  return routes;
+  static const std::vector<StabilityRoute> all = [] {
+    std::vector<StabilityRoute> list(std::begin(routes_of_evaluation), std::end(routes_of_evaluation));
+    for (const FrameMethod& method : frame_methods())
+      list.push_back(
+          {method.name, method.summary, StabilityBound::stated, of_double, nullptr, StabilityDomain::meshes});
+    list.push_back({"fit", "surfaces fitted to points by fit_points()", StabilityBound::stated, of_double,
+                    nullptr, StabilityDomain::fits});
+    return list;
+  }();
+  return all;
 }
 
 const StabilityRoute& find_stability_route(std::string_view name) {
   std::vector<std::string> known;
-  for (const StabilityRoute& route : routes) {
+  for (const StabilityRoute& route : stability_routes()) {
     if (route.name == name) return route;
     known.emplace_back(route.name);
   }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <darboux/error.h>
@@ -7,6 +8,7 @@
 
 #include "base/text.h"
 #include "laws/exact.h"
+#include "measure.h"
 #include "sweeps.h"
 
 namespace darboux {
@@ -15,18 +17,13 @@ namespace {
 using laws::Comparison;
 using laws::Exact;
 using sweeps::Case;
+using sweeps::Found;
+using sweeps::Measurement;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = laws::infinity;
 
 // ---- one point, one route ---------------------------------------------------------------------------------
-
-// A member of a quantity, compared.
-struct Found {
-  std::size_t quantity;
-  std::string_view member;
-  Comparison comparison;
-};
 
 constexpr std::array<std::size_t, 6> quantity_of_partial{0, 1, 1, 2, 2, 2};
 constexpr std::array<std::size_t, 9> quantity_of_form{4, 4, 4, 4, 5, 5, 5, 5, 5};
@@ -247,35 +244,18 @@ double factor(const Comparison& c) {
   return c.bound > 0 ? c.error / c.bound : 0;
 }
 
-// What is found at one x, of one quantity: the point where error / bound is largest.
-struct Worst {
-  std::optional<Found> found;
-  double u = 0, v = 0;
-  std::string surface;
-};
-
-void extend(StabilityCurve& curve, double x, const Worst& worst, double roundoff) {
-  const Comparison& c = worst.found->comparison;
-  curve.x.push_back(x);
-  curve.error_u.push_back(c.error / roundoff);
-  curve.bound_u.push_back(c.bound / roundoff);
+// Of one x, route and quantity: where error / bound is largest.
+void extend(StabilityCurve& curve, const Measurement& m) {
+  const Comparison& c = m.found.comparison;
+  curve.x.push_back(m.x);
+  curve.error_u.push_back(c.error / m.unit);
+  curve.bound_u.push_back(c.bound / m.unit);
   curve.condition.push_back(c.condition);
   if (c.error > c.bound) curve.within_bound = false;
   if (curve.x.size() == 1 || factor(c) > curve.worst.factor)
-    curve.worst = {x,
-                   c.error / roundoff,
-                   c.bound / roundoff,
-                   c.condition,
-                   factor(c),
-                   std::string(worst.found->member),
-                   worst.u,
-                   worst.v,
-                   worst.surface};
-}
-
-double x_at(const StabilitySweep& sweep, int i, int points) {
-  if (i == points - 1) return sweep.to;
-  return std::exp(std::log(sweep.from) + (std::log(sweep.to) - std::log(sweep.from)) * i / (points - 1));
+    curve.worst = {
+        m.x, c.error / m.unit, c.bound / m.unit, c.condition, factor(c), std::string(m.found.member), m.u,
+        m.v, m.surface};
 }
 
 // The questions at x, of the surface as `roundoff` holds it.
@@ -315,6 +295,28 @@ std::vector<Question> questions(const StabilityOptions& options, const Stability
   return result;
 }
 
+std::vector<Measurement> measure_evaluation(const StabilityOptions& options, const StabilitySweep& sweep,
+                                            const AnySurface& surface) {
+  std::vector<Measurement> result;
+  for (int i = 0; i < options.points; ++i) {
+    const double x = sweeps::x_at(sweep, i, options.points);
+    std::array<std::optional<std::vector<Question>>, 2> asked;  // in double, in float
+    for (std::size_t r = 0; r < options.routes.size(); ++r) {
+      const StabilityRoute& route = *options.routes[r];
+      if (route.domain != StabilityDomain::evaluation) continue;
+      const bool in_float = route.roundoff > 0x1p-53;
+      auto& list = asked[in_float ? 1 : 0];
+      if (!list) list = questions(options, sweep, surface, x, i, in_float);
+      for (const Question& q : *list) {
+        const StabilityAnswer answer = route.answer({q.c.surface, q.c.u, q.c.v, q.length});
+        for (const Found& f : Comparer(q, route, answer).found)
+          result.push_back({r, x, f, route.roundoff, q.c.u, q.c.v, q.c.description});
+      }
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 std::vector<StabilityJob> stability_jobs(const StabilityOptions& options) {
@@ -325,9 +327,14 @@ std::vector<StabilityJob> stability_jobs(const StabilityOptions& options) {
   std::vector<StabilityJob> jobs;
   for (std::size_t s = 0; s < options.surfaces.size(); ++s)
     for (std::size_t k = 0; k < options.sweeps.size(); ++k) {
+      const StabilitySweep& sweep = *options.sweeps[k];
+      const AnySurface& surface = options.surfaces[s];
+      const bool asked = std::any_of(options.routes.begin(), options.routes.end(),
+                                     [&](const StabilityRoute* r) { return r->domain == sweep.domain; });
       sweeps::Random random(1);
-      if (!sweeps::cases(options.sweeps[k]->name, options.surfaces[s], options.sweeps[k]->from, random)
-               .empty())
+      if (asked && (sweep.domain == StabilityDomain::meshes ||
+                    (sweep.domain == StabilityDomain::fits && sweeps::is_fitted(surface)) ||
+                    !sweeps::cases(sweep.name, surface, sweep.from, random).empty()))
         jobs.push_back({s, k});
     }
   return jobs;
@@ -336,39 +343,29 @@ std::vector<StabilityJob> stability_jobs(const StabilityOptions& options) {
 std::vector<StabilityCurve> run_stability_job(const StabilityOptions& options, const StabilityJob& job) {
   const AnySurface& surface = options.surfaces[job.surface];
   const StabilitySweep& sweep = *options.sweeps[job.sweep];
-  const std::size_t quantities = stability_quantities.size();
+  const std::vector<Measurement> all =
+      sweep.domain == StabilityDomain::meshes ? sweeps::measure_meshes(options, sweep, surface)
+      : sweep.domain == StabilityDomain::fits ? sweeps::measure_fits(options, sweep, surface)
+                                              : measure_evaluation(options, sweep, surface);
+  const auto harder = [&](double a, double b) { return sweep.from < sweep.to ? a < b : a > b; };
   std::vector<StabilityCurve> curves;
-  for (const StabilityRoute* route : options.routes)
-    for (std::size_t q = 0; q < quantities; ++q) {
+  for (std::size_t r = 0; r < options.routes.size(); ++r)
+    for (std::size_t q = 0; q < stability_quantities.size(); ++q) {
+      std::map<double, const Measurement*, decltype(harder)> worst(harder);
+      for (const Measurement& m : all)
+        if (m.route == r && m.found.quantity == q) {
+          const auto [at, added] = worst.try_emplace(m.x, &m);
+          if (!added && factor(m.found.comparison) > factor(at->second->found.comparison)) at->second = &m;
+        }
+      if (worst.empty()) continue;
       StabilityCurve& curve = curves.emplace_back();
       curve.surface = surface.specification();
       curve.sweep = sweep.name;
-      curve.route = route->name;
+      curve.route = options.routes[r]->name;
       curve.quantity = stability_quantities[q];
-      curve.own = route->own();
+      curve.own = options.routes[r]->own();
+      for (const auto& [x, m] : worst) extend(curve, *m);
     }
-  for (int i = 0; i < options.points; ++i) {
-    const double x = x_at(sweep, i, options.points);
-    std::array<std::optional<std::vector<Question>>, 2> asked;  // in double, in float
-    for (std::size_t r = 0; r < options.routes.size(); ++r) {
-      const StabilityRoute& route = *options.routes[r];
-      const bool in_float = route.roundoff > 0x1p-53;
-      auto& list = asked[in_float ? 1 : 0];
-      if (!list) list = questions(options, sweep, surface, x, i, in_float);
-      std::vector<Worst> worst(quantities);
-      for (const Question& q : *list) {
-        const StabilityAnswer answer = route.answer({q.c.surface, q.c.u, q.c.v, q.length});
-        for (const Found& f : Comparer(q, route, answer).found) {
-          Worst& w = worst[f.quantity];
-          if (!w.found || factor(f.comparison) > factor(w.found->comparison))
-            w = {f, q.c.u, q.c.v, q.c.description};
-        }
-      }
-      for (std::size_t k = 0; k < quantities; ++k)
-        if (worst[k].found) extend(curves[r * quantities + k], x, worst[k], route.roundoff);
-    }
-  }
-  std::erase_if(curves, [](const StabilityCurve& c) { return c.x.empty(); });
   return curves;
 }
 

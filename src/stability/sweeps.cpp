@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "held.h"
+#include "measure.h"
 
 namespace darboux {
 namespace sweeps {
@@ -254,6 +255,31 @@ constexpr Entry entries[] = {
        return mapped(s, {1, x, 0, 1}, {0, 0}, r);
      }},
     {{"weights", "times one weight", "weights of rational splines far apart", 1e-12, 1e12}, weighted},
+    {{"float_offset", "units from the origin", "meshes far from the origin, positions in float32", 1, 1e7,
+      StabilityDomain::meshes},
+     nullptr},
+    {{"quantisation", "step of positions over the size of the box",
+      "positions in steps: float32 is 2^-24, int16 2^-16, float16 2^-11, int8 2^-8", 0x1p-24, 0x1p-6,
+      StabilityDomain::meshes},
+     nullptr},
+    {{"uv_quantisation", "step of u and v", "uvs in steps", 0x1p-24, 0x1p-7, StabilityDomain::meshes},
+     nullptr},
+    {{"normal_quantisation", "step of each of two numbers in [-1, 1]", "octahedral normals in steps", 0x1p-24,
+      0x1p-6, StabilityDomain::meshes},
+     nullptr},
+    {{"jitter", "share of a cell", "vertices moved within the surface; errors in units of the mesh width",
+      1e-3, 0.45, StabilityDomain::meshes},
+     nullptr},
+    {{"slivers", "height over width of a cell, times the usual",
+      "long thin triangles; errors in units of the mesh width", 1, 1e-9, StabilityDomain::meshes},
+     nullptr},
+    {{"points", "points", "few points, noise 1e-3", 1e4, 30, StabilityDomain::fits}, nullptr},
+    {{"outliers", "share", "points that lie anywhere, noise 1e-3", 0.01, 0.5, StabilityDomain::fits},
+     nullptr},
+    {{"coverage", "share of the chart", "a small patch of the surface, noise 1e-4", 1, 3e-3,
+      StabilityDomain::fits},
+     nullptr},
+    {{"noise", "standard deviation of a coordinate", "noise", 1e-12, 0.1, StabilityDomain::fits}, nullptr},
 };
 constexpr auto all_sweeps = [] {
   std::array<StabilitySweep, std::size(entries)> result{};
@@ -263,9 +289,14 @@ constexpr auto all_sweeps = [] {
 
 }  // namespace
 
+double x_at(const StabilitySweep& sweep, int i, int points) {
+  if (i == points - 1) return sweep.to;
+  return std::exp(std::log(sweep.from) + (std::log(sweep.to) - std::log(sweep.from)) * i / (points - 1));
+}
+
 std::vector<Case> cases(std::string_view sweep, const AnySurface& surface, double x, Random& random) {
   for (const Entry& entry : entries)
-    if (entry.sweep.name == sweep) return entry.cases(surface, x, random);
+    if (entry.sweep.name == sweep && entry.cases) return entry.cases(surface, x, random);
   return {};
 }
 

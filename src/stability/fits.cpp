@@ -1,0 +1,122 @@
+// Fits to points: the errors of parameters against the standard errors that the fit states.
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <darboux/fit_points.h>
+
+#include "measure.h"
+
+namespace darboux::sweeps {
+namespace {
+
+constexpr std::size_t parameters_quantity = 8;
+constexpr double most_standard_errors = 6;
+
+// The same numbers with every standard library, which its distributions do not promise.
+class Numbers {
+ public:
+  explicit Numbers(std::uint64_t seed) : bits_(seed) {}
+  double uniform(double low, double high) {
+    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
+  }
+  double normal() {  // Marsaglia's polar method
+    for (;;) {
+      const double x = uniform(-1, 1), y = uniform(-1, 1), s = x * x + y * y;
+      if (s > 0 && s < 1) return x * std::sqrt(-2 * std::log(s) / s);
+    }
+  }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+struct Cloud {
+  int points = 1000;
+  double outliers = 0, coverage = 1, noise = 1e-3;
+};
+
+Cloud cloud_at(std::string_view sweep, double x) {
+  Cloud cloud;
+  if (sweep == "points") cloud.points = static_cast<int>(std::lround(x));
+  if (sweep == "outliers") cloud.outliers = x;
+  if (sweep == "coverage") {
+    cloud.coverage = x;
+    cloud.noise = 1e-4;
+  }
+  if (sweep == "noise") cloud.noise = x;
+  return cloud;
+}
+
+// Points on the surface, uniform by area over the middle of its chart, with noise; outliers in the box about
+// them.
+PointCloud points_on(const AnySurface& surface, const Cloud& cloud, Numbers& random) {
+  PointCloud result;
+  const double half = std::sqrt(cloud.coverage) / 2;
+  const auto area = [&](double u, double v) {
+    const Jet2<double> j = surface.jet(u, v);
+    return norm(cross(j.dpdu, j.dpdv));
+  };
+  double largest = 0;
+  for (int i = 0; i <= 32; ++i)
+    for (int k = 0; k <= 32; ++k)
+      largest = std::fmax(largest, area(0.5 + half * (i / 16.0 - 1), 0.5 + half * (k / 16.0 - 1)));
+  const int good = cloud.points - static_cast<int>(std::lround(cloud.outliers * cloud.points));
+  Vec3<double> low{laws::infinity, laws::infinity, laws::infinity}, high = -low;
+  while (static_cast<int>(result.positions.size()) < good) {
+    const double u = random.uniform(0.5 - half, 0.5 + half), v = random.uniform(0.5 - half, 0.5 + half);
+    if (random.uniform(0, 1.1 * largest) > area(u, v)) continue;
+    const Vec3<double> p = surface.jet(u, v).position;
+    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
+    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+    result.positions.push_back(p +
+                               cloud.noise * Vec3<double>{random.normal(), random.normal(), random.normal()});
+  }
+  const Vec3<double> margin = 0.125 * (high - low);
+  while (static_cast<int>(result.positions.size()) < cloud.points)
+    result.positions.push_back({random.uniform(low.x - margin.x, high.x + margin.x),
+                                random.uniform(low.y - margin.y, high.y + margin.y),
+                                random.uniform(low.z - margin.z, high.z + margin.z)});
+  return result;
+}
+
+}  // namespace
+
+bool is_fitted(const AnySurface& surface) {
+  const auto& kinds = found_kinds();
+  return std::find(kinds.begin(), kinds.end(), surface.info().name) != kinds.end();
+}
+
+std::vector<Measurement> measure_fits(const StabilityOptions& options, const StabilitySweep& sweep,
+                                      const AnySurface& surface) {
+  std::vector<Measurement> result;
+  const std::vector<ParameterValue> truth = surface.parameters();
+  for (std::size_t r = 0; r < options.routes.size(); ++r) {
+    if (options.routes[r]->domain != StabilityDomain::fits) continue;
+    for (int i = 0; i < options.points; ++i) {
+      const double x = x_at(sweep, i, options.points);
+      Numbers random(options.seed * 7919 + static_cast<std::uint64_t>(i));
+      PointFitOptions fit_options;
+      fit_options.surface = std::string(surface.info().name);
+      const PointFit fit = fit_points(points_on(surface, cloud_at(sweep.name, x), random), fit_options);
+      if (!fit.usable) continue;  // it says so
+      const std::vector<ParameterValue> found = fit.surface->surface.parameters();
+      for (std::size_t k = 0; k < truth.size(); ++k)
+        for (const StandardError& e : fit.standard_errors)
+          if (e.name == truth[k].name && e.value > 0)
+            result.push_back({r,
+                              x,
+                              {parameters_quantity,
+                               truth[k].name,
+                               {std::fabs(found[k].value - truth[k].value) / e.value, most_standard_errors,
+                                e.value / std::fabs(truth[k].value)}},
+                              1,
+                              0,
+                              0,
+                              surface.specification()});
+    }
+  }
+  return result;
+}
+
+}  // namespace darboux::sweeps
