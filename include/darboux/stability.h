@@ -34,16 +34,17 @@ std::span<const StabilitySweep> stability_sweeps();
 const StabilitySweep& find_stability_sweep(std::string_view name);
 
 /// What is compared, as JSON names it; each is the worst of several members.
-inline constexpr std::array<std::string_view, 9> stability_quantities{
-    "position",            // P
-    "partials",            // dpdu, dpdv
-    "second_partials",     // d2pdu2, d2pduv, d2pdv2
-    "frame",               // tangent, bitangent, normal
-    "curvatures",          // gaussian, mean, principal curvatures and directions
-    "forms",               // first and second form, derivatives of the normal, Christoffel symbols
-    "mesh_tangents",       // t at the corners of a mesh
-    "mesh_normals",        // n there, of methods that make it
-    "fitted_parameters"};  // of a surface fitted to points
+inline constexpr std::array<std::string_view, 10> stability_quantities{
+    "position",           // P
+    "partials",           // dpdu, dpdv
+    "second_partials",    // d2pdu2, d2pduv, d2pdv2
+    "frame",              // tangent, bitangent, normal
+    "curvatures",         // gaussian, mean, principal curvatures and directions
+    "forms",              // first and second form, derivatives of the normal, Christoffel symbols
+    "mesh_tangents",      // t at the corners of a mesh
+    "mesh_normals",       // n there, of methods that make it
+    "fitted_parameters",  // of a closed surface fitted to points
+    "fitted_frames"};     // its normals
 
 /// A point at which a route is asked.
 struct StabilityPoint {
@@ -85,10 +86,16 @@ std::span<const StabilityRoute> stability_routes();
 /// \throws ParameterError listing the known names
 const StabilityRoute& find_stability_route(std::string_view name);
 
-/// One error as x grows harder. Errors, bounds are in units of the route's roundoff, relative to the
-/// quantity's scale: of a partial its largest magnitude over the surface, or its own where that is larger; 1
-/// of a frame; the quantity itself of curvatures and forms. Condition: how many times a relative change of
-/// all inputs it is.
+/// One error as x grows harder, with its bound and its condition, all in one unit.
+/// Of evaluation: in units of the route's roundoff, relative to the quantity's scale: of a partial its
+/// largest magnitude over the surface, or its own where that is larger; 1 of a frame; the quantity itself of
+/// curvatures and forms. Condition: how many times a relative change of all inputs it is. Of meshes: angles
+/// in units of half the step to which the data are rounded, between what a method makes of the rounded mesh
+/// and of the exact one; the bound is 16 times the condition, the size of what is rounded over the lowest
+/// altitude of a triangle; none is stated of polynomials through many vertices. In jitter and slivers angles
+/// to the truth in units of the mesh width, without a bound. Of fits: errors in units of the standard error
+/// that the fit states, the bound being 6; the condition is that standard error over the parameter, or in
+/// radians. Fits that are not usable say nothing.
 struct StabilityCurve {
   std::string surface;  ///< as AnySurface::specification() writes it
   std::string_view sweep, route, quantity;
@@ -112,7 +119,7 @@ struct StabilityOptions {
   std::vector<AnySurface> surfaces;
   std::vector<const StabilitySweep*> sweeps;
   std::vector<const StabilityRoute*> routes;
-  int points = 24;  ///< values of x in each sweep, from..to
+  int points = 24;  ///< values of x in each sweep, from..to; a third of that of meshes and fits
   int samples = 3;  ///< random points at each
   std::uint64_t seed = 1;
 };

@@ -1,16 +1,18 @@
 // Fits to points: the errors of parameters against the standard errors that the fit states.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include <darboux/fit_points.h>
+#include <darboux/frame.h>
 
 #include "measure.h"
 
 namespace darboux::sweeps {
 namespace {
 
-constexpr std::size_t parameters_quantity = 8;
+constexpr std::size_t parameters_quantity = 8, frames_quantity = 9;
 constexpr double most_standard_errors = 6;
 
 // The same numbers with every standard library, which its distributions do not promise.
@@ -43,6 +45,7 @@ Cloud cloud_at(std::string_view sweep, double x) {
   if (sweep == "coverage") {
     cloud.coverage = x;
     cloud.noise = 1e-4;
+    cloud.points = 4000;
   }
   if (sweep == "noise") cloud.noise = x;
   return cloud;
@@ -80,6 +83,31 @@ PointCloud points_on(const AnySurface& surface, const Cloud& cloud, Numbers& ran
   return result;
 }
 
+// Of closed surfaces: those of others bound the patch of points as well.
+void compare_parameters(const AnySurface& surface, const PointFit& fit, auto add) {
+  if (!surface.info().euler_characteristic) return;
+  const std::vector<ParameterValue> truth = surface.parameters(), found = fit.surface->surface.parameters();
+  for (std::size_t k = 0; k < truth.size(); ++k)
+    for (const StandardError& e : fit.standard_errors)
+      if (e.name == truth[k].name)
+        add(parameters_quantity, truth[k].name, std::fabs(found[k].value - truth[k].value), e.value,
+            std::fabs(truth[k].value), Vec2<double>{});
+}
+
+// The fitted normal beside points of the patch against the true one.
+void compare_normals(const AnySurface& surface, const PointFit& fit, double half, auto add) {
+  for (const double a : {-0.6, 0.1, 0.7})
+    for (const double b : {-0.5, 0.2, 0.6}) {
+      const Vec2<double> uv{0.5 + half * a, 0.5 + half * b};
+      const Sample<double> truth = surface.sample(uv.x, uv.y);
+      const UncertainFrame found = frame_near(fit, truth.jet.position);
+      const double angle = angle_between_units(truth.frame.n, found.n) * 180 / std::numbers::pi;
+      // The side of a fitted surface is its own affair.
+      add(frames_quantity, "normal", std::fmin(angle, 180 - angle), found.normal_deg, 180 / std::numbers::pi,
+          uv);
+    }
+}
+
 }  // namespace
 
 bool is_fitted(const AnySurface& surface) {
@@ -90,30 +118,29 @@ bool is_fitted(const AnySurface& surface) {
 std::vector<Measurement> measure_fits(const StabilityOptions& options, const StabilitySweep& sweep,
                                       const AnySurface& surface) {
   std::vector<Measurement> result;
-  const std::vector<ParameterValue> truth = surface.parameters();
   for (std::size_t r = 0; r < options.routes.size(); ++r) {
     if (options.routes[r]->domain != StabilityDomain::fits) continue;
-    for (int i = 0; i < options.points; ++i) {
-      const double x = x_at(sweep, i, options.points);
-      Numbers random(options.seed * 7919 + static_cast<std::uint64_t>(i));
+    std::uint64_t seed = options.seed * 7919;
+    for (const double x : values_of_x(options, sweep)) {
+      Numbers random(seed++);
+      const Cloud cloud = cloud_at(sweep.name, x);
       PointFitOptions fit_options;
       fit_options.surface = std::string(surface.info().name);
-      const PointFit fit = fit_points(points_on(surface, cloud_at(sweep.name, x), random), fit_options);
+      const PointFit fit = fit_points(points_on(surface, cloud, random), fit_options);
       if (!fit.usable) continue;  // it says so
-      const std::vector<ParameterValue> found = fit.surface->surface.parameters();
-      for (std::size_t k = 0; k < truth.size(); ++k)
-        for (const StandardError& e : fit.standard_errors)
-          if (e.name == truth[k].name && e.value > 0)
-            result.push_back({r,
-                              x,
-                              {parameters_quantity,
-                               truth[k].name,
-                               {std::fabs(found[k].value - truth[k].value) / e.value, most_standard_errors,
-                                e.value / std::fabs(truth[k].value)}},
-                              1,
-                              0,
-                              0,
-                              surface.specification()});
+      const auto add = [&](std::size_t quantity, std::string_view member, double error, double deviation,
+                           double size, const Vec2<double>& uv) {
+        if (deviation > 0 && std::isfinite(deviation))
+          result.push_back({r,
+                            x,
+                            {quantity, member, {error / deviation, most_standard_errors, deviation / size}},
+                            1,
+                            uv.x,
+                            uv.y,
+                            surface.specification()});
+      };
+      compare_parameters(surface, fit, add);
+      compare_normals(surface, fit, std::sqrt(cloud.coverage) / 2, add);
     }
   }
   return result;

@@ -27,8 +27,8 @@ struct Measurement {
   std::string surface;  // as it was there
 };
 
-// The i-th x of so many.
-double x_at(const StabilitySweep& sweep, int i, int points);
+// The values of x: options.points of evaluation, a third of that of meshes and fits, which take longer.
+std::vector<double> values_of_x(const StabilityOptions& options, const StabilitySweep& sweep);
 
 // The sweeps of meshes and of fits, all x. Nothing where the surface cannot be meshed.
 std::vector<Measurement> measure_meshes(const StabilityOptions& options, const StabilitySweep& sweep,

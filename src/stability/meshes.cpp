@@ -14,8 +14,10 @@ namespace darboux::sweeps {
 namespace {
 
 constexpr double not_stated = std::numeric_limits<double>::quiet_NaN();
-constexpr int columns = 24, rows = 12;
+constexpr int columns = 16, rows = 8;
 constexpr std::size_t tangents_quantity = 6, normals_quantity = 7;
+// A position errs by a unit in each coordinate, an edge by twice that, and a tangent is made of two edges. Of
+// polynomials through many vertices nothing is stated.
 constexpr double times_condition = 16;
 
 // Away from poles, where tangents turn within a cell.
@@ -142,8 +144,7 @@ class Measure {
       if (options_.routes[r]->domain != StabilityDomain::meshes) continue;
       const FrameMethod& method = find_frame_method(options_.routes[r]->name);
       const MeshFrames of_exact = rounding ? mesh_frames(exact, method) : MeshFrames{};
-      for (int i = 0; i < options_.points; ++i) {
-        const double x = x_at(sweep_, i, options_.points);
+      for (const double x : values_of_x(options_, sweep_)) {
         if (rounding)
           compare_rounded(r, method, exact, of_exact, x);
         else
@@ -186,7 +187,7 @@ class Measure {
       t.note(angle_between(a.t, b.t), c);
       n.note(angle_between(a.n, b.n), c);
     }
-    const double bound = times_condition * condition * unit;
+    const double bound = method.reach > 1 ? not_stated : times_condition * condition * unit;
     add(r, x, tangents_quantity, t, exact, unit, bound, condition);
     if (!method.needs_normals) add(r, x, normals_quantity, n, exact, unit, bound, condition);
   }

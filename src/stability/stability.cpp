@@ -260,7 +260,7 @@ void extend(StabilityCurve& curve, const Measurement& m) {
 
 // The questions at x, of the surface as `roundoff` holds it.
 std::vector<Question> questions(const StabilityOptions& options, const StabilitySweep& sweep,
-                                const AnySurface& surface, double x, int i, bool in_float) {
+                                const AnySurface& surface, double x, std::size_t i, bool in_float) {
   std::vector<Question> result;
   std::optional<AnySurface> held = in_float ? rounded_to_float(surface) : surface;
   if (in_float) {
@@ -271,8 +271,7 @@ std::vector<Question> questions(const StabilityOptions& options, const Stability
   }
   if (!held || x == 0) return {};
   for (int k = 0; k < options.samples; ++k) {
-    sweeps::Random random(options.seed * 1000003 + static_cast<std::uint64_t>(i) * 131 +
-                          static_cast<std::uint64_t>(k));
+    sweeps::Random random(options.seed * 1000003 + i * 131 + static_cast<std::uint64_t>(k));
     for (Case& c : sweeps::cases(sweep.name, *held, x, random)) {
       if (in_float) {
         const auto narrow = rounded_to_float(c.surface);
@@ -298,8 +297,9 @@ std::vector<Question> questions(const StabilityOptions& options, const Stability
 std::vector<Measurement> measure_evaluation(const StabilityOptions& options, const StabilitySweep& sweep,
                                             const AnySurface& surface) {
   std::vector<Measurement> result;
-  for (int i = 0; i < options.points; ++i) {
-    const double x = sweeps::x_at(sweep, i, options.points);
+  const std::vector<double> xs = sweeps::values_of_x(options, sweep);
+  for (std::size_t i = 0; i < xs.size(); ++i) {
+    const double x = xs[i];
     std::array<std::optional<std::vector<Question>>, 2> asked;  // in double, in float
     for (std::size_t r = 0; r < options.routes.size(); ++r) {
       const StabilityRoute& route = *options.routes[r];

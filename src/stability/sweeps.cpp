@@ -276,7 +276,7 @@ constexpr Entry entries[] = {
     {{"points", "points", "few points, noise 1e-3", 1e4, 30, StabilityDomain::fits}, nullptr},
     {{"outliers", "share", "points that lie anywhere, noise 1e-3", 0.01, 0.5, StabilityDomain::fits},
      nullptr},
-    {{"coverage", "share of the chart", "a small patch of the surface, noise 1e-4", 1, 3e-3,
+    {{"coverage", "share of the chart", "a small patch of the surface, noise 1e-4", 1, 5e-3,
       StabilityDomain::fits},
      nullptr},
     {{"noise", "standard deviation of a coordinate", "noise", 1e-12, 0.1, StabilityDomain::fits}, nullptr},
@@ -289,9 +289,16 @@ constexpr auto all_sweeps = [] {
 
 }  // namespace
 
-double x_at(const StabilitySweep& sweep, int i, int points) {
-  if (i == points - 1) return sweep.to;
-  return std::exp(std::log(sweep.from) + (std::log(sweep.to) - std::log(sweep.from)) * i / (points - 1));
+std::vector<double> values_of_x(const StabilityOptions& options, const StabilitySweep& sweep) {
+  const int points =
+      sweep.domain == StabilityDomain::evaluation ? options.points : std::max(2, options.points / 3);
+  std::vector<double> result;
+  for (int i = 0; i < points; ++i)
+    result.push_back(
+        std::exp(std::log(sweep.from) + (std::log(sweep.to) - std::log(sweep.from)) * i / (points - 1)));
+  result.front() = sweep.from;
+  result.back() = sweep.to;
+  return result;
 }
 
 std::vector<Case> cases(std::string_view sweep, const AnySurface& surface, double x, Random& random) {
