@@ -148,11 +148,13 @@ std::string stability_summary(const std::vector<StabilityCurve>& curves) {
 
 std::string stability_text(const std::vector<StabilityCurve>& curves) {
   std::string text =
-      "Errors in roundings (2^-53 in double): the largest of each sweep, the share of its bound that is "
-      "nearest "
-      "to\nit and where, and the largest of the naive formulas.\n\n" +
+      "Errors in roundings (2^-53 in double), over meshes in half steps of the stored data, of fits in "
+      "standard\n"
+      "errors: the largest of each sweep, the share of its bound that is nearest to it and where, and the "
+      "largest\n"
+      "of the naive formulas.\n\n" +
       line({{"surface", 22},
-            {"sweep", 14},
+            {"sweep", 20},
             {"largest", 11},
             {"of its bound", 13},
             {"in", 24},
@@ -176,7 +178,7 @@ std::string stability_text(const std::vector<StabilityCurve>& curves) {
                     100 * worst->worst.factor);
       std::snprintf(x, sizeof x, "%.2g", worst->worst.x);
       text += line({{short_surface(worst->surface), 22},
-                    {std::string(worst->sweep), 14},
+                    {std::string(worst->sweep), 20},
                     {roundings(error), 11},
                     {share, 13},
                     {worst->worst.member, 24},

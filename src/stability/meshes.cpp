@@ -78,6 +78,19 @@ double altitude_in_uv(const Mesh& mesh) {
   });
 }
 
+// The least cosine between a triangle's normal and those stored at its corners: T is projected along them, or
+// solved for with them.
+double least_cosine(const Mesh& mesh) {
+  double least = 1;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3<double> a = mesh.positions[t[1]] - mesh.positions[t[0]],
+                       b = mesh.positions[t[2]] - mesh.positions[t[0]];
+    for (const std::uint32_t corner : t)
+      least = std::fmin(least, dot(unit(cross(a, b)), mesh.normals[corner]));
+  }
+  return std::fmax(least, 0);
+}
+
 // The mesh as it is stored, half the step that was rounded to, and how many times an error of that size turns
 // a tangent at most.
 struct Stored {
@@ -140,6 +153,7 @@ class Measure {
   std::vector<Measurement> run() {
     const bool rounding = sweep_.name != "jitter" && sweep_.name != "slivers";
     const Mesh exact = rounding ? mesh_of(surface_, 0.1, 1, options_.seed) : Mesh{};
+    cosine_ = least_cosine(exact);
     for (std::size_t r = 0; r < options_.routes.size(); ++r) {
       if (options_.routes[r]->domain != StabilityDomain::meshes) continue;
       const FrameMethod& method = find_frame_method(options_.routes[r]->name);
@@ -175,8 +189,9 @@ class Measure {
     // What the method itself rounds to float counts as a rounding of the data.
     double unit = s.half_step;
     if (method.single_precision) unit = std::fmax(unit, 0x1p-24);
-    const double condition =
+    double condition =
         method.single_precision ? std::fmax(s.condition, 1 / altitude_in_uv(exact)) : s.condition;
+    if (method.needs_normals) condition /= cosine_ * cosine_;
     // A perturbation as large as the triangles has no bound.
     if (!(condition * unit < 0.05)) return;
     const MeshFrames found = mesh_frames(s.mesh, method);
@@ -208,6 +223,7 @@ class Measure {
   const StabilitySweep& sweep_;
   const AnySurface& surface_;
   std::vector<Measurement> result_;
+  double cosine_ = 1;  // between triangles and stored normals, the least
 };
 
 }  // namespace

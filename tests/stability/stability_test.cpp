@@ -175,6 +175,26 @@ TEST(Stability, EachPlantedFaultIsFoundAndNamed) {
   for (const StabilityCurve& c : by(in_double)) EXPECT_TRUE(c.holds()) << text_of(c);
 }
 
+// Every method is asked in every sweep of meshes; a bound a sixteenth as large would be broken, so that it is
+// not idle; and the fit keeps what it states.
+TEST(Stability, MeshesAndFitsAreJudgedToo) {
+  StabilityOptions options = everything({make_surface("torus")});
+  std::set<std::pair<std::string_view, std::string_view>> asked;
+  double nearest = 0;
+  for (const StabilityCurve& c : stability(options)) {
+    asked.insert({c.sweep, c.route});
+    if (c.quantity == "mesh_tangents") nearest = std::fmax(nearest, c.worst.factor);
+    EXPECT_TRUE(c.route != "fit" || c.worst.factor < 1) << text_of(c);
+  }
+  for (const StabilitySweep& sweep : stability_sweeps())
+    for (const StabilityRoute& route : stability_routes()) {
+      const bool expected = sweep.domain == route.domain && sweep.domain != StabilityDomain::evaluation &&
+                            sweep.name != "normal_quantisation";  // some methods take no normals
+      EXPECT_TRUE(!expected || asked.contains({sweep.name, route.name})) << sweep.name << ' ' << route.name;
+    }
+  EXPECT_GT(nearest, 1.0 / 16);
+}
+
 // ---- what it found ----------------------------------------------------------------------------------------
 
 // On a sheared chart the terms of K cancel, and it is taken again in 40 digits: all of them.
@@ -188,6 +208,20 @@ TEST(Stability, CurvatureOfAShearedChartIsThatOfTheSurface) {
     const double exact = static_cast<double>(gaussian_curvature(first_form(j), second_form(j, n)));
     const detail::WideForms wide(chart, u, v, frame(chart, u, v));
     EXPECT_NEAR(detail::curvature_of<double>(wide).gaussian / exact, 1, 1e-14) << K << ' ' << u << ' ' << v;
+  }
+}
+
+// A patch on the inner side of a torus is nearly that of another torus, tube and axis exchanged.
+TEST(Stability, TheFitOfASmallPatchIsNotTheTwinTorus) {
+  StabilityOptions options = everything({make_surface("torus")});
+  options.sweeps = {&find_stability_sweep("coverage")};
+  options.routes = {&find_stability_route("fit")};
+  options.points = 60;
+  const Curves curves = stability(options);
+  EXPECT_EQ(curves.size(), 2u);  // parameters and frames
+  for (const StabilityCurve& c : curves) {
+    EXPECT_GE(c.x.size(), 18u);
+    EXPECT_TRUE(c.holds()) << text_of(c);
   }
 }
 
@@ -218,6 +252,10 @@ TEST(Stability, RefusesWhatIsNotThere) {
   for (const StabilityJob& job : stability_jobs(options)) {
     const std::string_view sweep = options.sweeps[job.sweep]->name;
     EXPECT_TRUE(sweep != "pole_distance" && sweep != "turns" && sweep != "weights") << sweep;
+  }
+  for (const StabilityJob& job : stability_jobs(everything({make_surface("helicoid")}))) {
+    const std::string_view sweep = options.sweeps[job.sweep]->name;
+    EXPECT_TRUE(sweep != "coverage" && sweep != "noise") << sweep;  // no kind that is found
   }
   options.points = 1;
   EXPECT_THROW(stability_jobs(options), ParameterError);
