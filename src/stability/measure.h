@@ -36,7 +36,7 @@ std::vector<Measurement> measure_meshes(const StabilityOptions& options, const S
 std::vector<Measurement> measure_fits(const StabilityOptions& options, const StabilitySweep& sweep,
                                       const AnySurface& surface);
 
-// Whether fit_points() finds surfaces of this kind.
+// Whether fit_points() finds surfaces of this kind, and fast enough.
 bool is_fitted(const AnySurface& surface);
 
 }  // namespace darboux::sweeps
