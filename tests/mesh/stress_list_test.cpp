@@ -97,7 +97,6 @@ const std::vector<Stress> stress_list{
     {24, "sliver of 1 to 1e8",
      [](Mesh& m) {
        for (Vec3<double>& p : m.positions) p.y *= 1e-8;
-       for (Vec2<double>& uv : m.uvs) uv.y *= 1e-8;
      },
      Right::exact},
     {25, "a vertex that no triangle uses",
@@ -163,7 +162,9 @@ TEST_P(StressList, EveryMethodGivesTheRightAnswerOrTheRightRefusal) {
       const bool zero_normal = s.group == 26 && method.needs_normals && mesh.triangles[c / 3][c % 3] == 0;
       EXPECT_TRUE(zero_normal || f.fallback || orthonormal(f))
           << "corner " << c << ": " << f.t.x << ' ' << f.t.y << ' ' << f.t.z;
-      if (s.right == Right::exact && in_range) {
+      // On the sliver lengths along u and v differ.
+      const bool suits = s.group != 24 || method.tangent_chart != Chart::conformal;
+      if (s.right == Right::exact && in_range && suits) {
         EXPECT_FALSE(f.fallback) << c;
         EXPECT_NEAR(f.t.x, 1, method.single_precision ? 1e-6 : 1e-12) << c;
       }
