@@ -19,7 +19,7 @@ const {status, stderr, stdout} = spawnSync(tool, ['stability', ...surfaces, '--p
                                            {encoding: 'utf8', maxBuffer: 1 << 28});
 check(status === 0, 'status ' + status + ': ' + stderr);
 const document = JSON.parse(stdout);
-const cells = new Set(document.curves.filter(c => c.route === 'double').map(c => c.surface + ' ' + c.sweep)).size;
+const cells = new Set(document.curves.filter(c => c.route === 'double' || /^(mesh|fitted)/.test(c.quantity)).map(c => c.surface + ' ' + c.sweep)).size;
 check(statSync(page).size < 3e6, 'the page has ' + statSync(page).size + ' bytes');
 
 for (const [name, width, dark] of [['wide', 1280, false], ['dark', 1280, true], ['narrow', 400, false]]) {
