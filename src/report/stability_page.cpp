@@ -131,7 +131,7 @@ constexpr std::string_view stability_style = R"css(
 .controls label{display:flex;flex-direction:column;font-size:.85rem;color:var(--soft)}
 select{font:inherit;color:var(--ink);background:var(--card);border:1px solid #9aa6b4;border-radius:.35rem;
   padding:.25rem .5rem;max-width:24rem}
-.plot{position:relative;height:28rem}
+.plot{position:relative;height:28rem;overflow:hidden}
 .map td{text-align:right;font-variant-numeric:tabular-nums;padding:0;border:1px solid var(--card)}
 .map td button{all:unset;display:block;box-sizing:border-box;width:100%;padding:.3rem .5rem;cursor:pointer;
   text-align:right}
@@ -228,7 +228,7 @@ inputs does better. A click shows the curves.</p>
 <label>Quantity <select id=quantity></select></label>
 </div>
 <figure><div class=plot><canvas id=plot role=img></canvas></div>
-<figcaption>Error in roundings against x. Dashed: the bound of Darboux in double. A point at the upper edge is no
+<figcaption>Error against x. Dashed: the bound of Darboux in double, or of the first method that has one. A point at the upper edge is no
 number, or no digit right. A route in the legend is shown or hidden by a click.</figcaption></figure>
 </section>
 <section class=card>

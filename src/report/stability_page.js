@@ -77,6 +77,8 @@ const look_of = route => looks[route] || (i => [colours[i % colours.length], rou
       const x = grid[c.at ? c.at[i] : i];
       return {x: log_x(x), y: log_error(e), value: x, error: e};
     });
+    // The bound of double, else of the first curve that has one.
+    const judged = curves.find(c => c.bound && c.bound.some(b => b !== null));
     for (const c of curves) {
       const [colour, symbol] = look_of(c.route);
       lines.push({
@@ -88,9 +90,9 @@ const look_of = route => looks[route] || (i => [colours[i % colours.length], rou
         borderWidth: c.route === 'double' ? 3 : 1.5,
         data: points(c, c.error)
       });
-      if (c.route !== 'double') continue;
+      if (c !== judged) continue;
       lines.push({
-        label: 'bound of double',
+        label: 'bound of ' + c.route,
         borderColor: ink(),
         borderDash: [6, 5],
         pointRadius: 0,
@@ -101,15 +103,18 @@ const look_of = route => looks[route] || (i => [colours[i % colours.length], rou
     }
     const sweep = data.sweeps[$('sweep').value];
     chart.data.datasets = lines;
+    chart.options.scales.y.title.text = sweep.error;
+    const heights = lines.flatMap(l => l.data.map(p => Math.ceil(p.y) + 0.5));
+    chart.options.scales.y.max = Math.min(most, Math.max(4, ...heights));
     chart.options.scales.x.title.text = sweep.unit;
     // From easy, at the left, to hard.
     chart.options.scales.x.reverse =
         ['pole_distance', 'seam_distance', 'edge_distance', 'knot_distance', 'slivers', 'points', 'coverage'].includes($('sweep').value);
     chart.update();
-    chart.options.scales.y.title.text = sweep.error;
-  $('what').textContent = 'Curves: ' + short($('surface').value) + ', ' + words($('sweep').value);
+    $('what').textContent = 'Curves: ' + short($('surface').value) + ', ' + words($('sweep').value);
+    const named = unique(curves.map(c => c.route)).filter(r => looks[r]).map(r => r + ': ' + data.routes[r]);
     $('about').textContent = sweep.summary[0].toUpperCase() + sweep.summary.slice(1) + '. ' +
-        unique(curves.map(c => c.route)).map(r => r + ': ' + data.routes[r]).join('; ') + '.';
+        (named.length ? named.join('; ') + '.' : 'The methods are those of darboux tangents --list, and fit.');
     $('plot').setAttribute(
         'aria-label', 'Error in roundings against ' + sweep.unit + ', ' + curves.length + ' curves.');
     for (const cell of document.querySelectorAll('#map button'))
