@@ -44,19 +44,20 @@ struct Reparametrised {
   Jet2<S> jet(const S& u, const S& v) const {
     const auto [pu, pv] = inside(u, v);
     const Jet2<S> j = base.jet(pu, pv);
-    const T a = M[0], b = M[1], c = M[2], d = M[3];
+    // Products of entries are taken in S: of more digits than T where curvatures are.
+    const S a = lift<S>(M[0]), b = lift<S>(M[1]), c = lift<S>(M[2]), d = lift<S>(M[3]);
     // A term with the factor 0 is left out: the partial may be infinite.
-    const auto add = [](Vec3<S>& sum, const T& factor, const Vec3<S>& x) {
-      if (factor != T(0)) sum = sum + lift<S>(factor) * x;
+    const auto add = [](Vec3<S>& sum, const S& factor, const Vec3<S>& x) {
+      if (!(factor == lift<S>(0.0))) sum = sum + factor * x;
     };
-    const auto first = [&](const T& by_u, const T& by_v) {
+    const auto first = [&](const S& by_u, const S& by_v) {
       const S zero = lift<S>(0.0);
       Vec3<S> sum{zero, zero, zero};
       add(sum, by_u, j.dpdu);
       add(sum, by_v, j.dpdv);
       return sum;
     };
-    const auto second = [&](const T& u1, const T& v1, const T& u2, const T& v2) {
+    const auto second = [&](const S& u1, const S& v1, const S& u2, const S& v2) {
       const S zero = lift<S>(0.0);
       Vec3<S> sum{zero, zero, zero};
       add(sum, u1 * u2, j.d2pdu2);

@@ -13,6 +13,7 @@
 #include "converge_study.h"
 #include "report/converge_report.h"
 #include "report/convergence_picture.h"
+#include "report_command.h"
 
 namespace darboux {
 namespace {
@@ -22,8 +23,8 @@ struct ConvergeArguments {
   std::optional<std::vector<std::string>> surfaces, methods, meshes;
   std::optional<std::string> resolutions, v_range;
   std::optional<std::uint64_t> seed;
-  std::string preset = "quick", study, results, shard;
-  std::string report, csv, picture, format;
+  ReportArguments report;
+  std::string picture;
 };
 
 // "torus:major_radius=1,minor_radius=0.4,sphere" or with ';' in between: a piece "name=value" belongs to the
@@ -70,10 +71,11 @@ std::vector<int> parse_resolutions(const std::string& text) {
 
 // What is given wins over the study file, and that over the preset.
 ConvergeChoices choose(const ConvergeArguments& arguments) {
-  const auto preset = preset_named(arguments.preset);
-  if (!preset) throw ParameterError("--preset", expected_got(preset_names, "'" + arguments.preset + "'"));
+  const auto preset = preset_named(arguments.report.preset);
+  if (!preset)
+    throw ParameterError("--preset", expected_got(preset_names, "'" + arguments.report.preset + "'"));
   ConvergeChoices choices = *preset;
-  if (!arguments.study.empty()) read_converge_study(arguments.study, choices);
+  if (!arguments.report.study.empty()) read_converge_study(arguments.report.study, choices);
   const auto replace = [](std::vector<std::string>& names, const auto& given, auto pieces) {
     if (!given) return;
     names.clear();
@@ -119,24 +121,13 @@ std::string command_line(const ConvergeOptions& options, const ConvergeArguments
     for (const auto& item : items) result += (result.empty() ? "" : ",") + std::string(text(item));
     return result;
   };
-  const auto quoted = [](const std::string& text) {
-    if (text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/") ==
-        std::string::npos)
-      return text;
-    std::string result = "'";
-    for (const char c : text) result += c == '\'' ? "'\\''" : std::string(1, c);
-    return result + "'";
-  };
   const auto name = [](const auto* item) { return item->name; };
   return "darboux converge --surfaces " +
          list(options.surfaces, [](const AnySurface& s) { return s.specification(); }) + " --methods " +
          list(options.methods, name) + " --meshes " + list(options.families, name) + " --resolutions " +
          list(options.resolutions, [](int n) { return std::to_string(n); }) + " --v-range " +
          shortest(options.v_first) + ',' + shortest(options.v_last) + " --seed " +
-         std::to_string(options.seed) +
-         (arguments.results.empty() ? "" : " --results " + quoted(arguments.results)) +
-         (arguments.shard.empty() ? "" : " --shard " + arguments.shard) +
-         (arguments.report.empty() ? "" : " -o " + quoted(arguments.report));
+         std::to_string(options.seed) + command_line_of(arguments.report);
 }
 
 // Orders of the tangents: a block for every surface and mesh, a row per method, a column per class.
@@ -188,48 +179,25 @@ void print_summary(const std::vector<Study>& studies) {
 }
 
 void run_converge(const ConvergeArguments& arguments, Common& common) {
-  if ((arguments.report == "-") + (arguments.csv == "-") + (arguments.picture == "-") + common.json > 1)
-    throw ParameterError(
-        "-", expected_got("one of -o -, --csv -, --picture - and --json for standard output", "more"));
-  if (!arguments.report.empty() && arguments.report == arguments.csv)
-    throw ParameterError("--csv", expected_got("another file than that of -o", arguments.csv));
-  if (!arguments.shard.empty()) {
-    if (arguments.results.empty())
-      throw ParameterError("--shard", "expected --results FILE beside it, got none");
-    if (!arguments.report.empty() || !arguments.csv.empty() || !arguments.picture.empty())
-      throw ParameterError("--shard",
-                           "expected --results alone, got a page, CSV or picture: merge the shards first");
-  }
+  const ReportArguments& to = arguments.report;
+  check(to, common, {{"--picture", arguments.picture}});
   const ConvergeOptions options = parse(arguments);
   // Opened before the work, so that a folder that cannot be written is reported at once.
   std::optional<OutputFile> report, csv, picture;
-  if (!arguments.report.empty()) report.emplace(arguments.report);
-  if (!arguments.csv.empty()) csv.emplace(arguments.csv);
+  if (!to.output.empty()) report.emplace(to.output);
+  if (!to.csv.empty()) csv.emplace(to.csv);
   if (!arguments.picture.empty()) picture.emplace(arguments.picture);
   const Provenance origin = provenance(DARBOUX_VERSION, command_line(options, arguments));
-  const StudyIdentity identity{"converge",
-                               DARBOUX_VERSION,
-                               converge_identity(options),
-                               {{"command", origin.command},
-                                {"version", origin.version},
-                                {"compiler", origin.compiler},
-                                {"machine", origin.machine},
-                                {"date", origin.date},
-                                {"threads", common.threads}}};
-  const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard);
+  const StudyIdentity identity{"converge", DARBOUX_VERSION, converge_identity(options),
+                               provenance_json(origin, common.threads)};
   std::size_t jobs = 0;
   std::vector<Study> studies;
   {
     Progress progress("converge", common);
-    studies = run_converge_study(options, identity, {arguments.results, shard, common.threads}, jobs,
+    studies = run_converge_study(options, identity, to.study_options(common.threads), jobs,
                                  [&](double share) { progress.update(share); });
   }
-  if (!arguments.shard.empty()) {
-    if (common.json)
-      return print_json({{"shard", arguments.shard}, {"jobs", jobs}, {"results", arguments.results}});
-    std::printf("shard %s: %zu jobs done, in %s\n", arguments.shard.c_str(), jobs, arguments.results.c_str());
-    return;
-  }
+  if (!to.shard.empty()) return print_shard(to, jobs, common);
   if (report) {
     report->write(converge_page(studies, origin));
     report->commit();
@@ -250,11 +218,11 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
                        {"study", identity.study},
                        {"provenance", identity.provenance}});
   // A page or CSV on standard output stands alone there.
-  if (arguments.report == "-" || arguments.csv == "-" || arguments.picture == "-") return;
-  if (arguments.report.empty()) print_orders(studies);
+  if (to.output == "-" || to.csv == "-" || arguments.picture == "-") return;
+  if (to.output.empty()) print_orders(studies);
   print_summary(studies);
-  if (!arguments.report.empty()) std::printf("report: %s\n", arguments.report.c_str());
-  if (!arguments.csv.empty()) std::printf("CSV: %s\n", arguments.csv.c_str());
+  if (!to.output.empty()) std::printf("report: %s\n", to.output.c_str());
+  if (!to.csv.empty()) std::printf("CSV: %s\n", to.csv.c_str());
   if (!arguments.picture.empty()) std::printf("picture: %s\n", arguments.picture.c_str());
 }
 
@@ -286,17 +254,10 @@ void add_converge(CLI::App& app, Common& common) {
   sub.add_option("--v-range", arguments->v_range,
                  "the part of the surface that is meshed: FIRST,LAST in [0, 1] [0,1]");
   sub.add_option("--seed", arguments->seed, "of random meshes [1]")->check(whole_number);
-  sub.add_option("--preset", arguments->preset,
-                 "what is not given otherwise: quick (the defaults), standard (6 surfaces, all meshes, "
-                 "16..512), full (8..1024)")
-      ->capture_default_str();
-  sub.add_option("--study", arguments->study,
-                 "read the choices from this JSON file; those given on the command line win");
-  sub.add_option("--results", arguments->results,
-                 "append all samples to this file as they come; one that exists is resumed");
-  sub.add_option("--shard", arguments->shard, "I/N: do only this part of the study, for darboux merge");
-  sub.add_option("-o,--output", arguments->report, "write an HTML report to this file");
-  sub.add_option("--csv", arguments->csv, "write all levels of all studies to this file");
+  add_report_options(sub, arguments->report,
+                     "quick (the defaults), standard (6 surfaces, all meshes, 16..512), full (8..1024)");
+  sub.add_option("-o,--output", arguments->report.output, "write an HTML report to this file");
+  sub.add_option("--csv", arguments->report.csv, "write all levels of all studies to this file");
   sub.add_option(
       "--picture", arguments->picture,
       "write the first surface's mesh, coloured by the first method's tangent error, beside the convergence "

@@ -10,21 +10,6 @@
 namespace darboux {
 namespace {
 
-// Names are looked up here, so that a message says where they stand.
-template <class Find>
-void read_names(const io::JsonCursor& list, std::vector<std::string>& names, Find find) {
-  if (!list.json().is_array() || list.size() == 0) list.fail("a list of names");
-  names.clear();
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    names.push_back(list.at(i).text());
-    try {
-      find(names.back());
-    } catch (const Error& e) {
-      list.at(i).refuse(e.what());
-    }
-  }
-}
-
 void read_resolutions(const io::JsonCursor& list, std::vector<int>& resolutions) {
   if (!list.json().is_array() || list.size() < 3) list.fail("a list of at least three numbers that grow");
   resolutions.clear();
@@ -129,20 +114,15 @@ void read_converge_study(const std::string& file, ConvergeChoices& choices) {
 }
 
 Json converge_identity(const ConvergeOptions& options) {
-  Json surfaces = Json::array(), methods = Json::array(), meshes = Json::array(), inputs = Json::object();
-  for (const AnySurface& surface : options.surfaces) {
-    surfaces.push_back(surface.specification());
-    if (!surface.file().empty()) inputs[surface.file()] = hash_text(io::read_file(surface.file()));
-  }
+  Json study = surfaces_identity(options.surfaces), methods = Json::array(), meshes = Json::array();
   for (const FrameMethod* method : options.methods) methods.push_back(method->name);
   for (const MeshFamily* family : options.families) meshes.push_back(family->name);
-  return {{"surfaces", surfaces},
-          {"methods", methods},
-          {"meshes", meshes},
-          {"resolutions", options.resolutions},
-          {"v_range", {options.v_first, options.v_last}},
-          {"seed", options.seed},
-          {"inputs", inputs}};
+  study.update({{"methods", methods},
+                {"meshes", meshes},
+                {"resolutions", options.resolutions},
+                {"v_range", {options.v_first, options.v_last}},
+                {"seed", options.seed}});
+  return study;
 }
 
 std::vector<Study> run_converge_study(const ConvergeOptions& options, const StudyIdentity& identity,

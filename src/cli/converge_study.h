@@ -11,7 +11,7 @@
 #include <darboux/converge.h>
 
 #include "command.h"
-#include "study/study.h"
+#include "report_command.h"
 
 namespace darboux {
 
@@ -30,7 +30,6 @@ inline constexpr int finest_rows = 1024;  ///< 4 million triangles; their frames
 /// quick: the choices as they are; standard: six surfaces, all meshes, 16 to 512 rows; full: 8 to 1024.
 /// Nothing for another name.
 std::optional<ConvergeChoices> preset_named(std::string_view name);
-inline constexpr const char* preset_names = "quick, standard or full";
 
 /// Overrides `choices` by what a study file says: docs/schemas/converge-study.schema.json.
 /// \throws FileError, with the path of the key that is wrong

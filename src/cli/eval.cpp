@@ -28,24 +28,26 @@ struct EvalArguments {
 
 std::vector<std::string> attribute_names() {
   std::vector<std::string> names;
-  for (const AttributeInfo& a : attribute_infos) names.emplace_back(a.name);
+  for (const EvalAttribute& a : eval_attributes()) names.emplace_back(a.name);
   return names;
 }
 
-std::vector<Attribute> choose(const std::string& names, FrameFormat format) {
+std::vector<const EvalAttribute*> choose(const std::string& names, FrameFormat format) {
   const std::vector<std::string> known = attribute_names();
   std::vector<std::string> asked = split(names, ',');
   if (names.empty()) {
-    asked = known;
+    // CSV and bare numbers: as many columns as there always were.
+    asked.assign(known.begin(),
+                 known.begin() + (format == FrameFormat::json ? known.size() : attribute_count));
     if (format == FrameFormat::table) asked = {"position", "tangent", "bitangent", "normal", "handedness"};
     if (format == FrameFormat::json) std::erase(asked, "tangent4");
   }
-  std::vector<Attribute> chosen;
+  std::vector<const EvalAttribute*> chosen;
   for (const std::string& name : asked) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end())
       throw ParameterError("--attributes", "unknown attribute '" + name + "', known are " + joined(known));
-    const auto attribute = static_cast<Attribute>(found - known.begin());
+    const EvalAttribute* attribute = &eval_attributes()[static_cast<std::size_t>(found - known.begin())];
     if (std::find(chosen.begin(), chosen.end(), attribute) != chosen.end())
       throw ParameterError("--attributes", expected_got("each attribute once", "'" + name + "' twice"));
     chosen.push_back(attribute);

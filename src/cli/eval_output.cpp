@@ -17,10 +17,33 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary frames are copied as they are");
 
-std::size_t components(const std::vector<Attribute>& attributes) {
+std::size_t components(const std::vector<const EvalAttribute*>& attributes) {
   std::size_t sum = 0;
-  for (const Attribute a : attributes) sum += info_of(a).components;
+  for (const EvalAttribute* a : attributes) sum += a->components;
   return sum;
+}
+
+// What batches do not give, each to its place in the first point's numbers; points lie `stride` numbers
+// apart.
+struct PointByPoint {
+  const EvalAttribute* attribute;
+  double* to;
+  std::size_t stride;
+};
+void compute(const AnySurface& surface, const Points<double>& points, const std::vector<PointByPoint>& wanted,
+             int threads) {
+  if (wanted.empty()) return;
+  constexpr std::size_t piece = 256;
+  parallel_for((points.size() + piece - 1) / piece, threads,
+               [&](std::size_t k) {
+                 for (std::size_t i = k * piece; i < std::min((k + 1) * piece, points.size()); ++i) {
+                   const Vec2<double> at = points[i];
+                   const Sample<double> sample = surface.sample(at.x, at.y);
+                   for (const PointByPoint& w : wanted)
+                     w.attribute->compute(surface, sample, w.to + i * w.stride);
+                 }
+               },
+               [](double) {});
 }
 
 // ---- bare numbers -----------------------------------------------------------------------------------------
@@ -35,10 +58,13 @@ class BinaryWriter final : public FrameWriter {
     evaluate_.threads = options.threads;
     evaluate_.stores = Stores::cached;  // they are read at once
     std::size_t at = 0;
-    for (const Attribute a : options.attributes) {
-      outputs_.member(a, rows_.data() + at, options.room,
-                      static_cast<std::ptrdiff_t>(width_ * sizeof(double)));
-      at += info_of(a).components;
+    for (const EvalAttribute* a : options.attributes) {
+      if (a->batch)
+        outputs_.member(*a->batch, rows_.data() + at, options.room,
+                        static_cast<std::ptrdiff_t>(width_ * sizeof(double)));
+      else
+        point_by_point_.push_back({a, rows_.data() + at, width_});
+      at += a->components;
     }
     if (options.format == FrameFormat::npy) file_.write(npy_header(options.points, width_));
   }
@@ -53,6 +79,7 @@ class BinaryWriter final : public FrameWriter {
  private:
   void write(const Points<double>& points) {
     surface_.evaluate(points, outputs_, evaluate_);
+    compute(surface_, points, point_by_point_, evaluate_.threads);
     const std::span<const double> numbers(rows_.data(), points.size() * width_);
     if constexpr (std::same_as<T, double>) {
       write(numbers);
@@ -82,6 +109,7 @@ class BinaryWriter final : public FrameWriter {
   std::vector<double> rows_;
   std::vector<T> stored_;
   Outputs<double> outputs_;
+  std::vector<PointByPoint> point_by_point_;
   EvaluateOptions evaluate_;
 };
 
@@ -102,18 +130,18 @@ class TextWriter final : public FrameWriter {
         threads_(options.threads) {
     evaluate_.threads = options.threads;
     evaluate_.stores = Stores::cached;  // they are read at once
-    Attributes asked;
-    const auto ask = [&](Attribute a) {
-      if (asked.has(a)) return;
-      asked |= a;
-      std::vector<double>& values = values_[static_cast<std::size_t>(a)];
-      values.resize(options.room * info_of(a).components);
-      outputs_.packed(a, values);
+    const auto ask = [&](const EvalAttribute& a) {
+      std::vector<double>& values = values_[place_of(a)];
+      if (!values.empty()) return;
+      values.resize(options.room * a.components);
+      if (a.batch)
+        outputs_.packed(*a.batch, values);
+      else
+        point_by_point_.push_back({&a, values.data(), a.components});
     };
-    for (const Attribute a : chosen_) ask(a);
-    for (const Attribute a : {Attribute::position, Attribute::dpdu, Attribute::dpdv, Attribute::d2pdu2,
-                              Attribute::d2pduv, Attribute::d2pdv2})
-      ask(a);
+    for (const EvalAttribute* a : chosen_) ask(*a);
+    for (const EvalAttribute& a : eval_attributes())
+      if (a.batch && partial_attributes.has(*a.batch)) ask(a);
     outputs_.status(status_);
 
     if (json_) {
@@ -122,9 +150,8 @@ class TextWriter final : public FrameWriter {
           ",\n \"samples\": [");
     } else if (options.format == FrameFormat::csv) {
       std::string header = "u,v";
-      for (const Attribute a : chosen_)
-        for (const std::string_view column : columns(a))
-          header.append(",").append(info_of(a).name).append(column);
+      for (const EvalAttribute* a : chosen_)
+        for (const std::string_view column : a->columns) header.append(",").append(a->name).append(column);
       file_.write(header + ",status\n");
     }
   }
@@ -140,19 +167,14 @@ class TextWriter final : public FrameWriter {
   }
 
  private:
-  // What follows an attribute's name in a CSV header.
-  static std::vector<std::string_view> columns(Attribute a) {
-    if (a == Attribute::principal_curvatures) return {"_1", "_2"};
-    if (a == Attribute::principal_directions) return {"_1_x", "_1_y", "_1_z", "_2_x", "_2_y", "_2_z"};
-    if (info_of(a).components == 1) return {""};
-    std::vector<std::string_view> names{"_x", "_y", "_z", "_w"};
-    names.resize(info_of(a).components);
-    return names;
+  static std::size_t place_of(const EvalAttribute& a) {
+    return static_cast<std::size_t>(&a - eval_attributes().data());
   }
 
   // Pieces of a block are put into words at once, each by one thread, and written in their order.
   void write(const Points<double>& points) {
     surface_.evaluate(points, outputs_, evaluate_);
+    compute(surface_, points, point_by_point_, threads_);
     constexpr std::size_t piece = 1024;
     const std::size_t pieces = (points.size() + piece - 1) / piece;
     texts_.resize(std::max(texts_.size(), pieces));
@@ -169,9 +191,8 @@ class TextWriter final : public FrameWriter {
     if (points.size() > 0) first_ = false;
   }
 
-  std::span<const double> values(Attribute a, std::size_t i) const {
-    const std::size_t n = info_of(a).components;
-    return std::span(values_[static_cast<std::size_t>(a)]).subspan(n * i, n);
+  std::span<const double> values(const EvalAttribute& a, std::size_t i) const {
+    return std::span(values_[place_of(a)]).subspan(a.components * i, a.components);
   }
 
   static void append_json(std::string& text, std::span<const double> values) {
@@ -193,14 +214,14 @@ class TextWriter final : public FrameWriter {
       separator = "\",\"";
     });
     text += "\"]";
-    for (const Attribute a : chosen_) {
-      text.append(",\"").append(info_of(a).name).append("\":");
-      const std::span<const double> x = values(a, i);
-      if (a == Attribute::principal_directions) {
-        text += '[';
-        append_json(text, x.first(3));
-        text += ',';
-        append_json(text, x.last(3));
+    for (const EvalAttribute* a : chosen_) {
+      text.append(",\"").append(a->name).append("\":");
+      const std::span<const double> x = values(*a, i);
+      if (a->row > 0) {
+        for (std::size_t k = 0; k < x.size(); k += a->row) {
+          text += k == 0 ? '[' : ',';
+          append_json(text, x.subspan(k, a->row));
+        }
         text += ']';
       } else if (x.size() == 1) {
         text += number(x[0]).dump();
@@ -215,8 +236,8 @@ class TextWriter final : public FrameWriter {
     append_shortest(text, at.x);
     text += ',';
     append_shortest(text, at.y);
-    for (const Attribute a : chosen_)
-      for (const double x : values(a, i)) {
+    for (const EvalAttribute* a : chosen_)
+      for (const double x : values(*a, i)) {
         text += ',';
         append_shortest(text, x);
       }
@@ -229,10 +250,9 @@ class TextWriter final : public FrameWriter {
     text.append("u = ").append(shortest(at.x)).append(", v = ").append(shortest(at.y)).append("    ");
     append_joined_status(text, status_[i]);
     text += '\n';
-    for (const Attribute a : chosen_) {
-      const std::string_view name = info_of(a).name;
-      text.append("    ").append(name).append(22 - name.size(), ' ');
-      for (const double x : values(a, i)) {
+    for (const EvalAttribute* a : chosen_) {
+      text.append("    ").append(a->name).append(22 - a->name.size(), ' ');
+      for (const double x : values(*a, i)) {
         std::array<char, 32> digits;
         std::snprintf(digits.data(), digits.size(), " %12.8g",
                       std::isnan(x) ? std::numeric_limits<double>::quiet_NaN() : x);
@@ -246,8 +266,9 @@ class TextWriter final : public FrameWriter {
   const AnySurface& surface_;
   void (TextWriter::*format_)(std::string&, std::size_t, const Vec2<double>&) const;
   bool json_, first_ = true;
-  std::vector<Attribute> chosen_;
-  std::array<std::vector<double>, attribute_count> values_;
+  std::vector<const EvalAttribute*> chosen_;
+  std::vector<PointByPoint> point_by_point_;
+  std::vector<std::vector<double>> values_{eval_attributes().size()};  // by place in eval_attributes()
   std::vector<Status> status_;
   std::vector<std::string> texts_;
   Outputs<double> outputs_;

@@ -12,8 +12,9 @@
 #include <vector>
 
 #include <darboux/any_surface.h>
-#include <darboux/attributes.h>
 #include <darboux/io.h>
+
+#include "eval_attributes.h"
 
 namespace darboux {
 
@@ -40,8 +41,8 @@ class FrameWriter {
 
 struct FrameWriterOptions {
   FrameFormat format = FrameFormat::table;
-  std::vector<Attribute> attributes;  ///< in the order written
-  std::size_t room = 4096;            ///< points per call
+  std::vector<const EvalAttribute*> attributes;  ///< in the order written, each once
+  std::size_t room = 4096;                       ///< points per call
   int threads = 1;
   std::uint64_t points = 0;  ///< all of them together; npy alone needs it
 };

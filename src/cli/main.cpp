@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   darboux::add_compare(app, common);
   darboux::add_plan(app, common);
   darboux::add_scene(app, common);
+  darboux::add_stability(app, common);
   darboux::add_merge(app, common);
   const auto finish = [](int status) {
     std::cout.flush();

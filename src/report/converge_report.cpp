@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
-#include <ctime>
-#include <fstream>
 #include <string_view>
-#include <thread>
 #include <tuple>
 
 #include "base/text.h"
+#include "csv.h"
 #include "html.h"
 
 namespace darboux {
@@ -26,19 +23,6 @@ std::string_view class_name(const Study& study) {
 }
 std::string_view verdict_name(const Study& study) {
   return name_in(order_verdict_names, study.verdict);
-}
-
-// ---- CSV --------------------------------------------------------------------------------------------------
-
-std::string csv_text(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
-std::string csv_number(double x) {
-  return std::isfinite(x) ? shortest(x) : std::string();
 }
 
 // ---- HTML -------------------------------------------------------------------------------------------------
@@ -431,29 +415,6 @@ std::string verdict_summary(const std::vector<Study>& studies) {
   return text;
 }
 
-Provenance provenance(std::string version, std::string command) {
-  std::string processor = "unknown processor";
-  std::ifstream cpuinfo("/proc/cpuinfo");
-  for (std::string line; std::getline(cpuinfo, line);)
-    if (line.starts_with("model name") && line.find(": ") != std::string::npos) {
-      processor = line.substr(line.find(": ") + 2);
-      break;
-    }
-  const unsigned cores = std::thread::hardware_concurrency();
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char date[32];
-  std::strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", &utc);
-#ifdef __clang__
-  const std::string compiler = __VERSION__;
-#else
-  const std::string compiler = std::string("g++ ") + __VERSION__;
-#endif
-  return {processor + ", " + std::to_string(cores) + (cores == 1 ? " core" : " cores"), compiler, date,
-          std::move(version), std::move(command)};
-}
-
 std::string converge_page(const std::vector<Study>& studies, const Provenance& p) {
   std::string page = R"html(<!DOCTYPE html>
 <html lang="en">
@@ -516,14 +477,7 @@ rounding alone may cause there; a study that reaches it has no order. Angles in 
 <th scope=col>verdict</tr></thead>
 )html";
   page += table(studies);
-  page +=
-      "</table>\n</div>\n</section>\n<section class=card>\n<h2>Where these numbers come from</h2>\n<dl>\n";
-  for (const auto& [name, value] : {std::pair<std::string_view, const std::string&>{"Machine", p.machine},
-                                    {"Compiler", p.compiler},
-                                    {"Date", p.date},
-                                    {"Darboux", p.version}})
-    page += "<dt>" + std::string(name) + "<dd>" + escape(value) + "\n";
-  page += "<dt>Again<dd><code>" + escape(p.command) + "</code>\n</dl>\n</section>\n</main>\n";
+  page += "</table>\n</div>\n</section>\n" + provenance_html(p) + "</main>\n";
   page += "<script type=\"application/json\" id=data>" + script_json(page_data(studies)) + "</script>\n";
   page +=
       "<script>addEventListener('error', e => { document.body.dataset.error = e.message; "

@@ -9,6 +9,8 @@
 
 #include <darboux/converge.h>
 
+#include "provenance.h"
+
 namespace darboux {
 
 /// The studies as `darboux converge --json` prints them; numbers that do not exist are null.
@@ -20,17 +22,6 @@ std::string studies_csv(const std::vector<Study>& studies);
 
 /// "405 studies: 269 as expected, 3 faster, 91 at the floor, 42 not converging, as expected".
 std::string verdict_summary(const std::vector<Study>& studies);
-
-/// Where and how the numbers came about.
-struct Provenance {
-  std::string machine;   ///< processor and its cores
-  std::string compiler;  ///< name and version
-  std::string date;      ///< UTC
-  std::string version;   ///< of the tool
-  std::string command;   ///< the line that runs it again
-};
-/// Of this process, now. The processor is read from /proc/cpuinfo, "unknown processor" where there is none.
-Provenance provenance(std::string version, std::string command);
 
 /// A self-contained HTML page: error against mesh width and against run time as pictures, all studies as a
 /// table. Opens from a file, without a network; without scripts the table remains.

@@ -2,6 +2,8 @@
 #include <array>
 #include <cstring>
 
+#include <darboux/forms.h>
+
 #include "cli.h"
 
 namespace darboux::test {
@@ -110,6 +112,59 @@ TEST_F(Cli, EvalPrintsTheLibrarysNumbers) {
     ASSERT_EQ(s["principal_directions"].size(), 2u);
     EXPECT_EQ(s["principal_directions"][1].size(), 3u);
   }
+}
+
+// Forms, derivatives of the normal, Christoffel symbols and the condition: the library's bits in every
+// format, and the equations that tie them together.
+TEST_F(Cli, EvalPrintsTheForms) {
+  const std::string names = "dndu,dndv,first_form,second_form,christoffel,condition";
+  for (const AnySurface& surface : all_surfaces()) {
+    const std::string name(surface.info().name);
+    SCOPED_TRACE(name);
+    const std::string eval = "darboux eval " + name + " --at 0.37,0.41 ";
+    const Json s = json(eval + "--json")["samples"][0];
+    const Sample<double> at = surface.sample(0.37, 0.41);
+    const auto d = normal_derivatives(surface, at.u, at.v, at.jet, at.frame);
+    const auto I = first_form(at.jet);
+    const auto II = second_form(surface, at.u, at.v, at.jet, at.frame);
+    const auto g = christoffel(surface, at.u, at.v, at.jet, at.frame);
+    EXPECT_EQ(s["dndu"], Json::array({d.dndu.x, d.dndu.y, d.dndu.z}));
+    EXPECT_EQ(s["dndv"], Json::array({d.dndv.x, d.dndv.y, d.dndv.z}));
+    EXPECT_EQ(s["first_form"], Json::array({I.E, I.F, I.G}));
+    EXPECT_EQ(s["second_form"], Json::array({II.L, II.M, II.N}));
+    EXPECT_EQ(s["christoffel"],
+              Json::array({Json::array({g.u[0], g.u[1], g.u[2]}), Json::array({g.v[0], g.v[1], g.v[2]})}));
+    const double sine = norm(cross(unit(at.jet.dpdu), unit(at.jet.dpdv)));
+    EXPECT_NEAR(s["condition"].get<double>() * sine, 1, 1e-12);
+    // The same in CSV and as bare numbers.
+    const auto csv = lines(good(eval + "--format csv --attributes " + names));
+    const auto header = fields(csv[0]), row = fields(csv[1]);
+    ASSERT_EQ(header,
+              fields("u,v,dndu_x,dndu_y,dndu_z,dndv_x,dndv_y,dndv_z,first_form_E,first_form_F,first_form_G,"
+                     "second_form_L,second_form_M,second_form_N,christoffel_u_uu,christoffel_u_uv,"
+                     "christoffel_u_vv,christoffel_v_uu,christoffel_v_uv,christoffel_v_vv,condition,status"));
+    const std::string numbers = good(eval + "--format f64 --attributes " + names);
+    ASSERT_EQ(numbers.size(), 19 * sizeof(double));
+    std::size_t k = 0;
+    for (const Json& list : {s["dndu"], s["dndv"], s["first_form"], s["second_form"], s["christoffel"][0],
+                             s["christoffel"][1], Json::array({s["condition"]})})
+      for (const Json& x : list) {
+        double bare = 0;
+        std::memcpy(&bare, numbers.data() + k * sizeof(double), sizeof bare);
+        EXPECT_TRUE(same_bits(bare, x)) << k;
+        EXPECT_TRUE(same_bits(to_double(row[2 + k]), x)) << k;
+        ++k;
+      }
+    // Weingarten: L = -dndu · dpdu, M = -dndu · dpdv, N = -dndv · dpdv; and n turns within the tangent plane.
+    const double size = norm(at.jet.d2pdu2) + norm(at.jet.d2pduv) + norm(at.jet.d2pdv2);
+    EXPECT_NEAR(II.L, -dot(d.dndu, at.jet.dpdu), 1e-12 * size);
+    EXPECT_NEAR(II.M, -dot(d.dndu, at.jet.dpdv), 1e-12 * size);
+    EXPECT_NEAR(II.N, -dot(d.dndv, at.jet.dpdv), 1e-12 * size);
+    EXPECT_NEAR(dot(d.dndu, at.frame.n), 0, 1e-12 * norm(d.dndu));
+  }
+  // CSV without --attributes has the columns that it always had.
+  EXPECT_EQ(good("darboux eval torus --at 0.3,0.7 --format csv").find("first_form"), std::string::npos);
+  EXPECT_EQ(json("darboux eval sphere --at 0.2,0 --json")["samples"][0]["condition"], nullptr);
 }
 
 TEST_F(Cli, EvalReportsStatusAndNull) {

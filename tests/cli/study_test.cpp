@@ -1,4 +1,4 @@
-// Studies of `converge`: results files, resuming, shards, `merge`.
+// Studies of `converge` and `stability`: results files, resuming, shards, `merge`.
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -88,6 +88,69 @@ TEST_F(StudyCli, ThreadsAndShardsGiveTheBitsOfOneProcess) {
   EXPECT_EQ(numbers("--results merged.jsonl"), expected);
   // Nothing was left to do: no second header, no run.
   EXPECT_EQ(good("darboux merge merged.jsonl"), read_bytes(path("merged.jsonl")));
+}
+
+TEST_F(StudyCli, StabilityIsResumedAndMergedToTheBit) {
+  write_bytes(path("sweeps.json"),
+              R"({"command": "stability", "surfaces": ["cone", "bezier-patch"], "points": 5})");
+  const std::string run = "darboux stability --study sweeps.json ";
+  const auto curves = [&](const std::string& options) {
+    return json(run + "--json " + options)["curves"].dump();
+  };
+  const std::string expected = curves("");
+  EXPECT_GT(expected.size(), 10000u);
+  EXPECT_EQ(curves("--threads 3"), expected);
+  std::string files;
+  for (int i = 1; i <= 3; ++i) {
+    const std::string file = "s" + std::to_string(i) + ".jsonl";
+    good(run + "--shard " + std::to_string(i) + "/3 --results " + file);
+    files += file + ' ';
+  }
+  good("darboux merge " + files + " -o merged.jsonl");
+  EXPECT_EQ(curves("--results merged.jsonl"), expected);
+  const std::string all = read_bytes(path("merged.jsonl"));
+  write_bytes(path("cut.jsonl"), all.substr(0, all.size() / 2));
+  EXPECT_EQ(curves("--results cut.jsonl"), expected);
+  refused("darboux converge --study study.json --results merged.jsonl",
+          {"merged.jsonl", "results of converge"});
+  for (const auto& [text, part] : {std::pair{R"("sweeps": ["poles"])", "/sweeps/0"},
+                                   {R"("routes": ["single"])", "/routes/0"},
+                                   {R"("points": 1)", "/points"},
+                                   {R"("samples": 0)", "/samples"},
+                                   {R"("meshes": ["jittered"])", "/meshes"}}) {
+    write_bytes(path("wrong.json"), std::string(R"({"command": "stability", )") + text + "}");
+    refused("darboux stability --study wrong.json", {"wrong.json", part});
+  }
+  write_bytes(path("wrong.json"), R"({"command": "converge"})");
+  refused("darboux stability --study wrong.json", {"/command", "stability"});
+}
+
+// Within its bounds: status 0, and every format says so; an unknown name lists the known.
+TEST_F(StudyCli, StabilityWritesWhatIsAskedFor) {
+  const std::string run = "darboux stability sphere --points 4 --samples 1 --sweeps scale,turns ";
+  EXPECT_NE(good(run).find("all within it"), std::string::npos);
+  const Json document = json(run + "--json");
+  EXPECT_TRUE(document["holds"].get<bool>());
+  expect_keys(document["curves"][0], {"surface", "sweep", "route", "quantity", "x", "error_u", "condition",
+                                      "bound_u", "within_bound", "worst"});
+  const std::string csv = good(run + "--csv -");
+  std::size_t rows = 0;
+  for (const Json& curve : document["curves"]) rows += curve["x"].size();
+  EXPECT_EQ(lines(csv).size(), rows + 1);
+  good(run + "-o page.html");
+  good(run + "-o picture.svg");
+  good(run + "-o tables.md");
+  good(run + "-o same --format json");
+  EXPECT_NE(read_bytes(path("page.html")).find("<!DOCTYPE html>"), std::string::npos);
+  EXPECT_NE(read_bytes(path("picture.svg")).find("</svg>"), std::string::npos);
+  EXPECT_NE(read_bytes(path("tables.md")).find("| sphere |"), std::string::npos);
+  EXPECT_EQ(Json::parse(read_bytes(path("same")))["curves"], document["curves"]);
+  refused("darboux stability --sweeps poles", {"poles", "pole_distance"});
+  refused("darboux stability --routes single", {"single", "naive"});
+  refused("darboux stability nope", {"nope", "torus"});
+  refused("darboux stability --format svg", {"--format", "-o"});
+  refused("darboux stability --preset slow", {"quick, standard or full"});
+  refused(run + "--json --csv -", {"standard output"});
 }
 
 TEST_F(StudyCli, MergeRefusesWhatIsNotOneStudy) {

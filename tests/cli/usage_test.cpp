@@ -8,8 +8,8 @@ namespace {
 
 TEST_F(Cli, KnowsTheContractsSubcommands) {
   const auto names = subcommands();
-  for (const char* name :
-       {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge", "fit", "compare", "scene"})
+  for (const char* name : {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge",
+                           "stability", "fit", "compare", "scene"})
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
 }
 
@@ -210,7 +210,9 @@ TEST_F(Cli, RefusesOutputsThatCannotBeWritten) {
        {"eval sphere --grid 4x4 --format csv -o OUT", "mesh sphere --grid 8x4 -o OUT",
         "tangents data/torus_016.none.glb --method average -o OUT",
         "converge --surfaces torus --methods face --meshes regular --resolutions 4,6,8 -o OUT",
-        "converge --surfaces torus --methods face --meshes regular --resolutions 4,6,8 --csv OUT"}) {
+        "converge --surfaces torus --methods face --meshes regular --resolutions 4,6,8 --csv OUT",
+        "stability sphere --sweeps turns --points 2 -o OUT",
+        "stability sphere --sweeps turns --points 2 --csv OUT"}) {
     const auto to = [&](const std::string& out) {
       std::string text = command;
       return "darboux " + text.replace(text.find("OUT"), 3, out);

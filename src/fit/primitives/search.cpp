@@ -210,6 +210,19 @@ std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& 
     }
     for (Candidate& c : others) follow(c);
   }
+  Candidate twin;
+  if (const auto n = primitive.twin ? primitive.twin(primitive.geometric(best->model), best->model.origin)
+                                    : std::nullopt) {
+    twin.model = primitive.localise(*n, best->model.origin);
+    twin.score = part_scorer(twin.model);
+    // Worth a descent where the points lie within some four times the band about it.
+    const double four_bands = static_cast<double>(part.cols()) * 2 * std::numbers::ln2;
+    if (twin.score.log_likelihood_ratio > best->score.log_likelihood_ratio - four_bands) {
+      iterations += descend(primitive, part, twin, problem.sigma);
+      twin.score = part_scorer(twin.model);
+      if (better(twin, *best)) best = &twin;
+    }
+  }
   return Hypothesis{&primitive,
                     best->score.log_likelihood_ratio,
                     primitive.geometric(best->model),

@@ -75,6 +75,18 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
                         {std::fmax(circle->centre.x(), 0), circle->radius}});
 }
 
+// The torus whose tube bends here as this one bends about its axis, and the other way round: to second order
+// the same on both equators. A small patch tells them apart by third order alone.
+std::optional<GeometricParameters> twin(const GeometricParameters& n, const Vector3d& at) {
+  const Vector3d e = radial(n, at), tube_centre = n.centre + n.lengths[0] * e;
+  const Vector3d outward = (at - tube_centre).normalized();
+  const double about_axis = outward.dot(e) / (n.lengths[0] + n.lengths[1] * outward.dot(e));
+  if (!(std::fabs(about_axis) * n.lengths[1] > 1e-3)) return std::nullopt;
+  return checked_start({tube_centre,
+                        axes_with_z(n.axes.col(2).cross(e)),
+                        {std::fabs(n.lengths[1] - 1 / about_axis), std::fabs(1 / about_axis)}});
+}
+
 LocalModel localise(const GeometricParameters& n, const Vector3d& at) {
   const Vector3d a = n.axes.col(2), q = at - n.centre;
   Vector3d e = radial(n, at);
@@ -179,6 +191,7 @@ constinit const Primitive torus_primitive{
     .lengths = 2,
     .length_names = {"major radius", "minor radius"},
     .start = start,
+    .twin = twin,
     .localise = localise,
     .geometric = geometric,
     .support = {support_frame, coordinates, 2 * std::numbers::pi, 2 * std::numbers::pi},

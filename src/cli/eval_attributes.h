@@ -1,0 +1,30 @@
+/// \file eval_attributes.h
+/// What `eval` can write of a point: the attributes of batches, and the forms, point by point.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <darboux/any_surface.h>
+#include <darboux/attributes.h>
+
+namespace darboux {
+
+struct EvalAttribute {
+  std::string_view name;
+  std::size_t components;
+  std::vector<std::string_view> columns;  ///< what follows the name in a CSV header, a column each
+  std::size_t row;                        ///< JSON: numbers in an inner list; 0: no inner lists
+  std::optional<Attribute> batch;         ///< none: made of the sample, by compute
+  /// From a sample of the surface, to `components` numbers.
+  void (*compute)(const AnySurface&, const Sample<double>&, double* to);
+};
+
+/// All: those of attributes.h in their order, then dndu, dndv, first_form (E, F, G), second_form (L, M, N),
+/// christoffel (Γ^u_uu, Γ^u_uv, Γ^u_vv, the same of Γ^v), condition (1 / sine of the angle between dpdu and
+/// dpdv: by what a frame made of them magnifies their rounding). NaN where there is none.
+std::span<const EvalAttribute> eval_attributes();
+
+}  // namespace darboux

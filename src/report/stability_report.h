@@ -1,0 +1,51 @@
+/// \file stability_report.h
+/// The curves of `darboux stability` as JSON, CSV and text.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <darboux/stability.h>
+
+#include "provenance.h"
+
+namespace darboux {
+
+/// The curves as `darboux stability --json` prints them; an error without end, a bound that is not stated are
+/// null.
+nlohmann::ordered_json curves_json(const std::vector<StabilityCurve>& curves);
+/// The same back. \throws nlohmann::json::exception, ParameterError for another document
+StabilityCurve curve_of(const nlohmann::ordered_json& json);
+
+/// One row per point of a curve, with a header.
+std::string curves_csv(const std::vector<StabilityCurve>& curves);
+
+/// The largest error of a curve in roundings, where a bound is stated; anywhere, where none is.
+double largest_error(const StabilityCurve& curve);
+
+/// Whether a curve counts in overviews: Darboux in double; every method over meshes, every fit.
+bool leads(const StabilityCurve& curve);
+
+/// For a terminal: a line per surface and sweep with the point where Darboux's double comes nearest to its
+/// bound and how the naive formulas fare, then every curve that leaves its bound, then a sentence.
+std::string stability_text(const std::vector<StabilityCurve>& curves);
+
+/// The same as Markdown, for docs: a table of surfaces by sweeps with the largest error and the share of its
+/// bound that is nearest to it, and one of what the naive formulas lose.
+std::string stability_markdown(const std::vector<StabilityCurve>& curves, const Provenance& provenance);
+
+/// A self-contained HTML page: surfaces by sweeps as a table of colours, the curves of the one chosen as a
+/// picture, everything beyond its bound as a list. Opens from a file, without a network; without scripts the
+/// tables remain.
+std::string stability_page(const std::vector<StabilityCurve>& curves, const Provenance& provenance);
+
+/// A picture: the curves of the first surface, a panel per sweep of evaluation, a line per route, of the
+/// quantity in which the naive formulas lose most.
+std::string stability_picture(const std::vector<StabilityCurve>& curves);
+
+/// "312 curves with a bound, all within it; the naive formulas leave Darboux's bound in 41 of 120"
+std::string stability_summary(const std::vector<StabilityCurve>& curves);
+
+}  // namespace darboux

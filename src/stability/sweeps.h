@@ -1,0 +1,55 @@
+// What makes a question hard: from a surface and x to points.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <darboux/stability.h>
+
+namespace darboux::sweeps {
+
+using Random = std::mt19937_64;
+
+// One question of a sweep.
+struct Case {
+  AnySurface surface;
+  double u, v;
+  std::string description;  // of the surface as it is here
+  bool closed_frame;        // of the surface below its adaptors
+  double data_condition;    // of what is no parameter: control points
+  // The coordinate (0: u, 1: v) that lies x from `centre`, in sweeps over a distance.
+  struct Distance {
+    int along;
+    double centre;
+  };
+  std::optional<Distance> distance{};
+  // (u, v) of the surface below its adaptors = M (u, v) + offset.
+  std::array<double, 4> M{1, 0, 0, 1};
+  std::array<double, 2> offset{0, 0};
+  bool mapped = false;
+
+  // The coordinates here of a point of the surface below.
+  Vec2<double> coordinates(const Vec2<double>& below) const {
+    const double determinant = M[0] * M[3] - M[1] * M[2], x = below.x - offset[0], y = below.y - offset[1];
+    return {(M[3] * x - M[1] * y) / determinant, (M[0] * y - M[2] * x) / determinant};
+  }
+  // Whether coordinates that `roundoff` rounds still mean a point within the surface below: linear conditions
+  // reach no farther.
+  bool within(double roundoff) const {
+    const auto good = [&](double a, double b, double c) {
+      const double x = std::fma(a, u, std::fma(b, v, c));
+      return 0 <= x && x <= 1 && roundoff * (std::fabs(a * u) + std::fabs(b * v) + std::fabs(c)) < 1e-3;
+    };
+    return !mapped || (good(M[0], M[1], offset[0]) && good(M[2], M[3], offset[1]));
+  }
+};
+
+// The questions of a sweep at x: one or more for each place where the surface has what is swept; none where
+// it has none.
+std::vector<Case> cases(std::string_view sweep, const AnySurface& surface, double x, Random& random);
+
+}  // namespace darboux::sweeps
