@@ -1,11 +1,23 @@
 #include <algorithm>
+#include <cstdlib>
 #include <iostream>
 #include <new>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "base/keep_freed_memory.h"
 #include "command.h"
 
 namespace {
+
+// A standard stream that is closed would give its number, and what is printed, to the next file that is
+// opened. Here it gets what can be neither read nor written, so that whoever uses it is told.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
+      std::abort();
+}
 
 int report(const std::string& message, int status) {
   darboux::print_error(message);
@@ -15,6 +27,7 @@ int report(const std::string& message, int status) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   darboux::keep_freed_memory();
   CLI::App app{"Tangent frames of parametric surfaces and meshes, exact and checked.", "darboux"};
   app.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
