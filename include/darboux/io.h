@@ -233,12 +233,21 @@ PointCloud distinct_points(const PointFile& file);
 /// one point is expected
 PointFile read_points(const std::string& path, const std::function<void(double)>& progress = {});
 
-/// A file that is written whole or not at all, piece by piece: to a temporary beside it, renamed by commit(),
-/// so that an old file stays until the new one is complete (a process that is killed leaves the temporary). A
-/// symbolic link stays, the file it names is replaced. The path
-/// "-" is standard output; devices, pipes and links of /dev and /proc are written to directly. Without
-/// commit() nothing is left. Every member throws FileError: the path is a folder, its folder is missing or
-/// not writable, the disk is full.
+/// Whether a path names standard output: "-", /dev/stdout, /dev/fd/1 or a link to one of them.
+bool is_standard_output(const std::string& path);
+
+/// A file that is written whole or not at all, piece by piece: without a name, which commit() gives it, so
+/// that an old file stays until the new one is complete. Without commit() nothing is left. Where the file
+/// system knows no files without a name, it is a hidden one beside the target until then (.darboux-*.tmp);
+/// a process that is killed leaves it.
+///
+/// A file that exists is replaced: its mode is kept, and its owner and group where that is permitted; other
+/// hard links keep the old content; a symbolic link stays, and what it names is replaced or made. A file that
+/// is read-only is refused. What names a descriptor of this process ("-" is standard output, /dev/stdout,
+/// /dev/fd/N), a device or a pipe is written to directly, from where it stands.
+///
+/// Every member throws FileError: the path is a folder, its folder is missing or not writable, the file is
+/// read-only, the disk is full.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path);
@@ -250,7 +259,11 @@ class OutputFile {
 
  private:
   void flush();
-  std::string path_, target_, temporary_, buffer_;
+  void give_name();
+  std::string path_;       // as messages name it
+  std::string target_;     // what is replaced; empty where descriptor_ is the target itself
+  std::string temporary_;  // the hidden name, while there is one
+  std::string buffer_;
   int descriptor_ = -1;
 };
 

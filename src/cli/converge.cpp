@@ -188,7 +188,9 @@ void print_summary(const std::vector<Study>& studies) {
 }
 
 void run_converge(const ConvergeArguments& arguments, Common& common) {
-  if ((arguments.report == "-") + (arguments.csv == "-") + (arguments.picture == "-") + common.json > 1)
+  const int to_stdout = is_standard_output(arguments.report) + is_standard_output(arguments.csv) +
+                        is_standard_output(arguments.picture);
+  if (to_stdout + common.json > 1)
     throw ParameterError(
         "-", expected_got("one of -o -, --csv -, --picture - and --json for standard output", "more"));
   if (!arguments.report.empty() && arguments.report == arguments.csv)
@@ -250,7 +252,7 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
                        {"study", identity.study},
                        {"provenance", identity.provenance}});
   // A page or CSV on standard output stands alone there.
-  if (arguments.report == "-" || arguments.csv == "-" || arguments.picture == "-") return;
+  if (to_stdout > 0) return;
   if (arguments.report.empty()) print_orders(studies);
   print_summary(studies);
   if (!arguments.report.empty()) std::printf("report: %s\n", arguments.report.c_str());

@@ -287,7 +287,7 @@ void print_text(const FitArguments& arguments, const PointFit& fit, const Member
 
 void run_fit(const FitArguments& arguments, Common& common) {
   PointFitOptions options = parse_options(arguments);
-  if (arguments.frames == "-")
+  if (is_standard_output(arguments.frames))
     throw ParameterError("--frames",
                          expected_got("the name of a file", "-: standard output holds the report"));
   std::optional<OutputFile> frames;

@@ -8,6 +8,7 @@
 
 #include "base/keep_freed_memory.h"
 #include "command.h"
+#include "io/unfinished.h"
 
 namespace {
 
@@ -28,6 +29,7 @@ int report(const std::string& message, int status) {
 
 int main(int argc, char** argv) {
   open_standard_streams();
+  darboux::io::remove_unfinished_on_signals();
   darboux::keep_freed_memory();
   CLI::App app{"Tangent frames of parametric surfaces and meshes, exact and checked.", "darboux"};
   app.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);

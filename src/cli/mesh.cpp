@@ -71,7 +71,7 @@ Mesh make(const AnySurface& surface, const SampleMeshOptions& o) try {
 }
 
 void run_mesh(const MeshArguments& arguments, const Common& common) {
-  if (arguments.output == "-" && common.json)
+  if (is_standard_output(arguments.output) && common.json)
     throw ParameterError("-", expected_got("one of -o - and --json for standard output", "both"));
   check_glb_name(arguments.output);
   const AnySurface surface = surface_argument(arguments.surface);
@@ -101,7 +101,7 @@ void run_mesh(const MeshArguments& arguments, const Common& common) {
                 {"surface", surface_json(surface)},
                 {"vertices", mesh.positions.size()},
                 {"triangles", mesh.triangles.size()}});
-  else if (!common.quiet && arguments.output != "-")
+  else if (!common.quiet && !is_standard_output(arguments.output))
     std::cout << arguments.output << ": " << mesh.positions.size() << " vertices, " << mesh.triangles.size()
               << " triangles\n";
 }

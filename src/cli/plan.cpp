@@ -261,7 +261,7 @@ void plan(PlannedFile& file, const PlanArguments& arguments, const std::optional
 
 void run(const PlanArguments& arguments, Common& common) {
   if (arguments.files.empty()) throw ParameterError("plan", "needs FILES or folders to read");
-  if (arguments.sarif == "-")
+  if (is_standard_output(arguments.sarif))
     throw ParameterError("--sarif", expected_got("the name of a file", "-: standard output is taken"));
   std::vector<PlannedFile> files = files_to_plan(arguments.files);
   std::optional<TangentNeeds> before;

@@ -252,7 +252,8 @@ void check_outputs(const SceneArguments& arguments, const Common& common) {
     std::error_code none;
     if (std::filesystem::equivalent(name, arguments.file, none))
       throw ParameterError(name, expected_got("the name of another file", "that of the scene"));
-    if (!seen.insert(name == "-" ? name : std::filesystem::weakly_canonical(name, none).string()).second)
+    if (!seen.insert(is_standard_output(name) ? "-" : std::filesystem::weakly_canonical(name, none).string())
+             .second)
       throw ParameterError(name, expected_got("a file, or standard output, for one thing", "for two"));
   }
 }
@@ -364,8 +365,8 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
   if (png_of_skipped) png_of_skipped->write(png_of(picture_of_fates(scene, camera.camera, request, common)));
   for (OutputFile* output : {glb.get(), png.get(), png_of_skipped.get()})
     if (output) output->commit();
-  const bool to_stdout =
-      arguments.output == "-" || arguments.render == "-" || arguments.render_skipped == "-";
+  const bool to_stdout = is_standard_output(arguments.output) || is_standard_output(arguments.render) ||
+                         is_standard_output(arguments.render_skipped);
   if (!to_stdout) print_report(report, common);
 }
 

@@ -138,7 +138,7 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
     throw ParameterError("tangents", expected_got("a .glb or .gltf to read, or --list", "neither"));
   if (arguments.output.empty()) throw ParameterError("tangents", expected_got("-o OUT.glb", "none"));
   check_glb_name(arguments.output);
-  const bool to_stdout = arguments.output == "-";
+  const bool to_stdout = is_standard_output(arguments.output);
   if (to_stdout && common.json)
     throw ParameterError("-", expected_got("one of -o - and --json for standard output", "both"));
   FileTangentOptions options;

@@ -128,7 +128,7 @@ void run(const Arguments& arguments, Common& common) {
   if (arguments.github && common.json)
     throw ParameterError("--github", "expected text on standard output, got --json, which takes it");
   for (const auto& [option, file] : {std::pair{"--sarif", &arguments.sarif}, {"--junit", &arguments.junit}})
-    if (*file == "-")
+    if (is_standard_output(*file))
       throw ParameterError(option, expected_got("the name of a file", "-: standard output is taken"));
   AssessOptions options;
   options.max_angle_deg = arguments.max_angle;

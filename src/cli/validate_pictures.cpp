@@ -80,7 +80,7 @@ void add_pictures(CLI::App& sub, Pictures& pictures) {
 }
 
 void check_pictures(const Pictures& pictures, std::size_t files) {
-  if (pictures.paint == "-" || pictures.page == "-")
+  if (is_standard_output(pictures.paint) || is_standard_output(pictures.page))
     throw ParameterError("-", expected_got("the name of a file", "-: standard output has the verdict"));
   if (!pictures.page.empty()) OutputFile{pictures.page};
   if (pictures.paint.empty()) return;

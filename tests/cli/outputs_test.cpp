@@ -47,5 +47,64 @@ TEST_F(Cli, AClosedStandardOutputIsAnErrorWhereItIsWrittenTo) {
   EXPECT_EQ(sh("darboux eval sphere --input - <&-").status, 2);
 }
 
+// ---- documents on standard output
+// -----------------------------------------------------------------------------
+
+// By whatever name: the document is added to what stands there, and nothing else is.
+TEST_F(Cli, OnStandardOutputStandsTheDocumentAlone) {
+  fs::copy_file(DARBOUX_SOURCE "/docs/examples/scene.json", path("scene.json"));
+  good("darboux converge --surfaces torus --methods face --resolutions 4,6,8 --results results.jsonl");
+  const std::vector<std::string> commands{
+      "darboux eval sphere --grid 4x4 --format csv -o OUT",
+      "darboux mesh torus --grid 8x8 -o OUT",
+      "darboux tangents data/torus_016.none.glb -o OUT",
+      "darboux tangents data/torus_016.none.glb --only needed --drop-idle -o OUT",
+      "darboux scene scene.json -o OUT",
+      "darboux scene scene.json --render OUT",
+      "darboux converge --surfaces torus --methods face --resolutions 4,6,8 --picture OUT",
+      "darboux merge results.jsonl -o OUT"};
+  for (const std::string& command : commands) {
+    const auto to = [&](const std::string& output) {
+      std::string text = command;
+      return text.replace(text.find("OUT"), 3, output);
+    };
+    SCOPED_TRACE(command);
+    sh("rm -f file; " + to("file"));
+    const std::string document = read_bytes(path("file"));
+    ASSERT_GT(document.size(), 100u);
+    good("ln -sf /dev/stdout link");
+    for (const std::string output : {"-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1", "link"}) {
+      good("echo before > out; { " + to(output) + "; } 2>/dev/null >> out; echo after >> out");
+      EXPECT_TRUE(read_bytes(path("out")) == "before\n" + document + "after\n") << output;
+    }
+    good("{ " + to("/dev/stdout") + "; } 2>/dev/null | cmp - file");
+  }
+}
+
+TEST_F(Cli, StandardOutputIsRefusedWhereItIsTaken) {
+  for (const std::string output : {"-", "/dev/stdout", "/dev/fd/1"})
+    for (const std::string command :
+         {"mesh sphere --grid 4x4 --json -o ", "tangents data/torus_016.none.glb --json -o ",
+          "validate data/torus_016.three.glb --sarif ", "validate data/torus_016.three.glb --junit ",
+          "validate data/torus_016.three.glb --paint ", "validate data/torus_016.three.glb --report ",
+          "plan data/torus_016.three.glb --sarif ", "fit data/torus_points.xyz --frames ",
+          "converge --surfaces torus --json -o "})
+      refused("darboux " + command + output);
+}
+
+// ---- files that exist -------------------------------------------------------------------------------------
+
+TEST_F(Cli, AFileThatIsReadOnlyIsKept) {
+  for (const std::string command :
+       {"mesh sphere --grid 4x4 -o out", "eval sphere --at 0,0 -o out",
+        "tangents data/torus_016.none.glb -o out", "validate data/torus_016.three.glb --sarif out",
+        "fit data/torus_points.xyz --frames out", "plan data/torus_016.three.glb --sarif out",
+        "converge --surfaces torus --methods face --resolutions 4,6,8 --csv out"}) {
+    good("rm -f out; echo old > out; chmod 444 out");
+    refused("darboux " + command, {"out: cannot be replaced", "read-only"});
+    EXPECT_EQ(read_bytes(path("out")), "old\n");
+  }
+}
+
 }  // namespace
 }  // namespace darboux::test
