@@ -51,22 +51,19 @@ std::string followed(std::string path) {
   return path;
 }
 
-// Beside the target, and hidden.
-std::string temporary_name(const std::string& target, int attempt) {
-  const std::string name = ".darboux-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".tmp";
-  return (fs::path(target).parent_path() / name).string();
-}
-
-// Calls `make` with temporary names until one is free. \returns the name, which is unfinished; or none, and
-// errno says why
+// Calls `make` with names beside the target, hidden and never tried before, until one is free. \returns the
+// name, which is unfinished; or none, and errno says why
 template <class F>
 std::string make_temporary(const std::string& target, const F& make) {
-  for (int attempt = 0;; ++attempt) {
-    std::string name = temporary_name(target, attempt);
-    io::add_unfinished(name);
-    if (make(name.c_str()) >= 0) return name;
+  static std::size_t count = 0;  // Uninterrupted guards it
+  while (true) {
+    const std::string name =
+        ".darboux-" + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".tmp";
+    std::string path = (fs::path(target).parent_path() / name).string();
+    io::add_unfinished(path);
+    if (make(path.c_str()) >= 0) return path;
     const int error = errno;
-    io::drop_unfinished(name);
+    io::drop_unfinished(path);
     errno = error;
     if (error != EEXIST) return {};
   }
