@@ -154,9 +154,8 @@ AnySurface surface_argument(std::string_view text) {
   return formula ? read_formula_surface(file, parameters) : read_surface_file(name, file);
 }
 
-void print_error(std::string message) {
-  while (message.ends_with('\n') || message.ends_with(' ')) message.pop_back();
-  std::cerr << "darboux: " << one_line(std::move(message)) << '\n';
+void print_error(std::string_view message) {
+  std::cerr << "darboux: " << message_line(message) << '\n';
 }
 
 void print_json(const Json& json) {

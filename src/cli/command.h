@@ -101,7 +101,7 @@ Json surface_json(const AnySurface& surface);
 Json spread_json(const Spread& spread);
 
 /// Prints "darboux: MESSAGE" as one line on stderr, whatever a library or a file put into the message.
-void print_error(std::string message);
+void print_error(std::string_view message);
 
 /// Prints one JSON document to stdout.
 void print_json(const Json& json);

@@ -10,6 +10,7 @@
 #include "command.h"
 #include "io/unfinished.h"
 
+namespace darboux {
 namespace {
 
 // A standard stream that is closed would give its number, and what is printed, to the next file that is
@@ -20,15 +21,26 @@ void open_standard_streams() {
       std::abort();
 }
 
+// An empty value is a variable of a script that is not set; it is no choice, and no file.
+void refuse_empty_values(CLI::App& app) {
+  const auto check = [](const std::string& text) {
+    return text.empty() ? expected_got("a value", "an empty one") : std::string();
+  };
+  for (CLI::App* sub : app.get_subcommands({}))
+    for (CLI::Option* option : sub->get_options())
+      if (!option->get_positional() && option->get_items_expected_max() > 0) option->check(check);
+}
+
 int report(const std::string& message, int status) {
-  darboux::print_error(message);
+  print_error(message);
   return status;
 }
 
 }  // namespace
+}  // namespace darboux
 
 int main(int argc, char** argv) {
-  open_standard_streams();
+  darboux::open_standard_streams();
   darboux::io::remove_unfinished_on_signals();
   darboux::keep_freed_memory();
   CLI::App app{"Tangent frames of parametric surfaces and meshes, exact and checked.", "darboux"};
@@ -54,10 +66,12 @@ int main(int argc, char** argv) {
   darboux::add_plan(app, common);
   darboux::add_scene(app, common);
   darboux::add_merge(app, common);
+  darboux::refuse_empty_values(app);
   const auto finish = [](int status) {
     std::cout.flush();
     return std::cout ? status
-                     : report("standard output: expected an open file or pipe, got an error on writing", 2);
+                     : darboux::report(
+                           "standard output: expected an open file or pipe, got an error on writing", 2);
   };
   try {
     std::vector<std::string> known;
@@ -71,10 +85,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::CallForVersion& e) {
     return finish(app.exit(e));
   } catch (const CLI::ParseError& e) {
-    return report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
+    return darboux::report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
   } catch (const std::bad_alloc&) {
-    return report("memory: expected enough for this input, got less", 2);
+    return darboux::report("memory: expected enough for this input, got less", 2);
   } catch (const std::exception& e) {
-    return report(e.what(), 2);
+    return darboux::report(e.what(), 2);
   }
 }

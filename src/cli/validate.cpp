@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <sstream>
 
 #include "base/parallel_jobs.h"
+#include "io/json_cursor.h"
 #include "validate_files.h"
 #include "validate_pictures.h"
 
@@ -205,8 +207,9 @@ void read_configuration(CLI::App& sub, const std::string& path) {
       if (name != "help" && name != "version" && name != "config" && name != "findings")
         known.push_back(name);
   known.push_back("files");
+  std::istringstream text(io::read_file(path));
   try {
-    for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_file(path)) {
+    for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(text)) {
       if (!item.parents.empty())
         throw FileError(path, expected_got("options alone", "a section [" + item.parents.front() + "]"));
       const std::string& name = item.name;
@@ -218,8 +221,6 @@ void read_configuration(CLI::App& sub, const std::string& path) {
       option.add_result(item.inputs);
       option.run_callback();
     }
-  } catch (const CLI::FileError&) {
-    throw FileError(path, "cannot be read, expected a file of options like max-angle = 2");
   } catch (const CLI::ParseError& e) {
     throw FileError(path, e.what());
   }

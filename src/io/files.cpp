@@ -102,7 +102,7 @@ std::string read_file(const std::string& path) {
 
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 80;
-  return '"' + one_line(std::string(text.substr(0, longest))) + (text.size() > longest ? "...\"" : "\"");
+  return '"' + shortened(one_line(text), longest) + '"';
 }
 
 bool is_data_uri(std::string_view uri) {
@@ -129,7 +129,7 @@ std::string load_uri(const std::string& base, const std::string& name, const std
   try {
     return read_file((std::filesystem::path(base).parent_path() / relative).string());
   } catch (const FileError& error) {
-    throw FileError(base, name + ": " + one_line(error.what()));
+    throw FileError(base, name + ": " + error.what());
   }
 }
 

@@ -13,8 +13,7 @@ void expect_regular_file(const std::string& path);
 /// The bytes of a regular file. \throws FileError
 std::string read_file(const std::string& path);
 
-/// Text of the file or the user made fit for a one-line message: quoted, control characters replaced, cut
-/// short.
+/// Text of the file or the user made fit for a one-line message: quoted, on one line, shortened.
 std::string in_quotes(std::string_view text);
 
 /// Whether a URI begins "data:".

@@ -180,15 +180,22 @@ void check_nesting(const std::string& file, std::string_view text) {
 
 }  // namespace
 
+void refuse_json(const std::string& file, const nlohmann::detail::exception& error) {
+  if (const auto* parse = dynamic_cast<const Json::parse_error*>(&error))
+    throw FileError(
+        file, expected_got("JSON in UTF-8",
+                           "something else at byte " + std::to_string(parse->byte) + " of the document"));
+  const std::string_view text = error.what();  // which ends with the number, in quotes
+  throw FileError(file, expected_got("JSON with numbers in the range of double",
+                                     text.substr(std::min(text.find('\''), text.size()))));
+}
+
 Json parse_json(const std::string& file, std::string_view text) {
   check_nesting(file, text);
   try {
     return Json::parse(text.begin(), text.end());
-  } catch (const Json::parse_error& error) {
-    throw FileError(file, expected_got("JSON in UTF-8", "something else at byte " +
-                                                            std::to_string(error.byte) + " of the document"));
-  } catch (const Json::exception& error) {  // a number beyond the range of double
-    throw FileError(file, expected_got("JSON with numbers in the range of double", in_quotes(error.what())));
+  } catch (const Json::exception& error) {
+    refuse_json(file, error);
   }
 }
 

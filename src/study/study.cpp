@@ -67,7 +67,7 @@ struct Results {
 
 Header read_header(const std::string& file, const Json& line, const std::string& version) {
   if (!line.is_object() || !line.contains("darboux_results"))
-    broken(file, 1, expected_got("the header of a results file", one_line(dump(line)).substr(0, 60)));
+    broken(file, 1, expected_got("the header of a results file", shortened(dump(line), 60)));
   if (line["darboux_results"] != format)
     broken(file, 1,
            expected_got("results of format " + std::to_string(format), dump(line["darboux_results"])));
@@ -198,8 +198,8 @@ void check_same(const std::string& file, const Results& found, const Header& wan
                                            std::to_string(found.header.jobs)));
   for (const auto& [job, result] : found.of_job)
     if (result.first != jobs[job].key)
-      throw FileError(file, expected_got("job " + std::to_string(job) + " to be " + jobs[job].key,
-                                         one_line(result.first)));
+      throw FileError(file,
+                      expected_got("job " + std::to_string(job) + " to be " + jobs[job].key, result.first));
 }
 
 }  // namespace

@@ -49,7 +49,6 @@ const std::map<std::string, std::string> folder_of_header{{"attributes", "base"}
                                                           {"binary", "base"},
                                                           {"ceres_jet", "fit/common"},
                                                           {"elementary", "base"},
-                                                          {"error", "base"},
                                                           {"scalar", "base"},
                                                           {"vector", "base"},
                                                           {"adaptor", "surface"},
