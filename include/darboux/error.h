@@ -9,7 +9,7 @@ namespace darboux {
 
 /// Base of everything the library throws. what() is one line, "SUBJECT: expected X, got Y", where
 /// what is wrong may stand before it: "SUBJECT: what is wrong: expected X, got Y". It is UTF-8 of at most 480
-/// bytes: a subject of more than 240, and what is longer as a whole, is shortened in the middle ("...");
+/// bytes: a subject of more than 200, and what is longer as a whole, is shortened in the middle ("...");
 /// bytes that are no UTF-8 and control characters are escaped (\xFF).
 class Error : public std::runtime_error {
  public:

@@ -5,6 +5,6 @@
 namespace darboux {
 
 Error::Error(const std::string& subject, const std::string& message)
-    : std::runtime_error(message_line(message_name(subject) + ": " + message)) {}
+    : std::runtime_error(message_line(subject, message)) {}
 
 }  // namespace darboux

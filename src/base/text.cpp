@@ -36,6 +36,11 @@ bool is_control(std::uint32_t code) {
          (code >= 0x2066 && code <= 0x2069);
 }
 
+std::string_view trimmed_end(std::string_view text) {
+  while (text.ends_with('\n') || text.ends_with(' ')) text.remove_suffix(1);
+  return text;
+}
+
 }  // namespace
 
 std::string one_line(std::string_view text) {
@@ -70,9 +75,13 @@ std::string message_name(std::string_view name) {
   return name.empty() ? "\"\"" : shortened(one_line(name), longest_name);
 }
 
+std::string message_line(std::string_view name, std::string_view text) {
+  const std::string begin = message_name(name) + ": ";
+  return begin + shortened(one_line(trimmed_end(text)), longest_message - begin.size());
+}
+
 std::string message_line(std::string_view text) {
-  while (text.ends_with('\n') || text.ends_with(' ')) text.remove_suffix(1);
-  return shortened(one_line(text), longest_message);
+  return shortened(one_line(trimmed_end(text)), longest_message);
 }
 
 }  // namespace darboux

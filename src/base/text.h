@@ -63,12 +63,13 @@ std::string one_line(std::string_view text);
 std::string shortened(std::string text, std::size_t most);
 
 /// In bytes, of messages and of the names in them. With "darboux: " before it a message has at most 500.
-inline constexpr std::size_t longest_message = 480, longest_name = 240;
+inline constexpr std::size_t longest_message = 480, longest_name = 200;
 
 /// A name as messages begin with it: one line, shortened; "" where it is empty.
 std::string message_name(std::string_view name);
 
-/// A whole message: one line, shortened, without blanks at its end.
+/// "NAME: TEXT", and a text alone: one line, shortened, without blanks at its end.
+std::string message_line(std::string_view name, std::string_view text);
 std::string message_line(std::string_view text);
 
 }  // namespace darboux
