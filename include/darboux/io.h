@@ -24,6 +24,13 @@
 
 namespace darboux {
 
+/// What a file may do while it is read.
+struct ReadOptions {
+  /// Whether files that a document names may lie outside of its folder, by ../ or by a symbolic link.
+  /// Without, one that is to be opened and does is an error.
+  bool allow_outside = false;
+};
+
 /// One drawable piece of a file: a primitive of a glTF mesh, a group of polygons of a COLLADA geometry, a
 /// mesh of an OBJ or FBX, a solid of an STL, a PLY.
 struct Primitive {
@@ -107,7 +114,7 @@ struct Asset {
 ///
 /// Nothing is allocated by a count the file states before the count is checked against the bytes it has.
 /// \throws FileError naming the file, the place in it, what is expected there and what it has
-Asset read_asset(const std::string& path);
+Asset read_asset(const std::string& path, const ReadOptions& options = {});
 
 /// The extensions of the files that read_asset() reads: ".glb".
 std::span<const std::string_view> asset_extensions();
@@ -122,7 +129,7 @@ struct GltfFile;  // the JSON document and its buffers: src/io/gltf_file.h
 class GltfDocument {
  public:
   /// \throws FileError as read_asset does; errors in meshes and nodes are found by asset()
-  static GltfDocument load(const std::string& path);
+  static GltfDocument load(const std::string& path, const ReadOptions& options = {});
   /// A new one, with a mesh and a node for each primitive, in their order, as write_glb() writes them.
   /// \param path what messages call it \throws MeshError as write_glb() does
   static GltfDocument of(const Asset& asset, const std::string& path);
@@ -169,7 +176,7 @@ class GltfDocument {
   /// Writes a self-contained GLB, whole or not at all. The bytes of buffer 0 begin the binary chunk, all that
   /// was added follows. Files that other buffers and images name by relative URI are embedded as data URIs,
   /// so that no bufferView moves; an image that cannot be read, or whose kind is unknown, keeps its URI.
-  /// \throws FileError
+  /// \throws FileError, also for an image that ReadOptions::allow_outside would have to permit
   void save_glb(const std::string& path) const;
 
   /// What it holds, for darboux's own functions.
@@ -231,7 +238,8 @@ PointCloud distinct_points(const PointFile& file);
 /// \param progress called now and then with the share that is read
 /// \throws FileError naming the file, its line or vertex, what is expected there and what it has; at least
 /// one point is expected
-PointFile read_points(const std::string& path, const std::function<void(double)>& progress = {});
+PointFile read_points(const std::string& path, const std::function<void(double)>& progress = {},
+                      const ReadOptions& options = {});
 
 /// Whether a path names standard output: "-", /dev/stdout, /dev/fd/1 or a link to one of them.
 bool is_standard_output(const std::string& path);

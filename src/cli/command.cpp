@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <new>
 
 #include <unistd.h>
 
@@ -24,6 +25,11 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
   sub.footer("\nExample:\n  " + example + "\n");
+}
+
+void add_read_options(CLI::App& sub, Common& common) {
+  sub.add_flag("--allow-outside", common.read.allow_outside,
+               "open files that a .gltf names outside of its folder, by ../ or by a symbolic link");
 }
 
 CLI::Validator whole_number_up_to(std::uint64_t most) {
@@ -156,6 +162,18 @@ AnySurface surface_argument(std::string_view text) {
 
 void print_error(std::string_view message) {
   std::cerr << "darboux: " << message_line(message) << '\n';
+}
+
+std::string error_of(const std::string& file) {
+  try {
+    throw;
+  } catch (const FileError& e) {
+    return e.what();
+  } catch (const std::bad_alloc&) {
+    return FileError(file, "needs more memory than there is").what();
+  } catch (const std::exception& e) {
+    return FileError(file, e.what()).what();
+  }
 }
 
 void print_json(const Json& json) {

@@ -286,7 +286,7 @@ void run_gltf(const SceneArguments& arguments, const Common& common) {
   for (const auto& [option, given] : of_surfaces)
     if (given)
       throw ParameterError(option, expected_got("a scene of surfaces in JSON", "triangles of a glTF"));
-  const GltfScene scene = scene_of_gltf(arguments.file);
+  const GltfScene scene = scene_of_gltf(arguments.file, common.read);
   const io::NamedCamera& camera = chosen_camera(arguments, scene.cameras);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   SceneRequest request;
@@ -415,6 +415,7 @@ void add_scene(CLI::App& app, Common& common) {
          "also evaluate what is out of view or faces away, as fine as its distance needs; the picture stays "
          "the same, bit for bit")
       ->excludes("--no-skip");
+  add_read_options(sub, common);
   add_common(sub, common, "darboux scene scene.json --render scene.png");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

@@ -154,7 +154,7 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
   {
     Progress progress("tangents", common);
     options.progress = [&](double share) { progress.update(share); };
-    GltfDocument document = GltfDocument::load(arguments.input);
+    GltfDocument document = GltfDocument::load(arguments.input, common.read);
     if (arguments.drop_idle) dropped = drop_idle_tangents(document);
     result = add_tangents(document, options);
     document.save_glb(arguments.output);
@@ -205,6 +205,7 @@ void add_tangents(CLI::App& app, Common& common) {
   sub.add_flag("--drop-idle", arguments->drop_idle,
                "with --only needed: take away the tangents that nothing reads, and their bytes");
   sub.add_flag("--list", arguments->list, "name and explain the methods");
+  add_read_options(sub, common);
   add_common(sub, common, "darboux tangents in.glb -o out.glb");
   sub.callback([arguments, &common] { run_tangents(*arguments, common); });
 }

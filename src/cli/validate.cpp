@@ -174,7 +174,8 @@ void run(const Arguments& arguments, Common& common) {
   {
     Progress progress("validate", common);
     parallel_for(
-        files.size(), common.threads, [&](std::size_t i) { assess_file(files[i], options, policy); },
+        files.size(), common.threads,
+        [&](std::size_t i) { assess_file(files[i], options, policy, common.read); },
         [&](double share) { progress.update(share); });
   }
   if (with_baseline) compare_with_baseline(files, arguments.baseline, baseline);
@@ -196,7 +197,7 @@ void run(const Arguments& arguments, Common& common) {
     junit_file->write(junit(files, with_baseline));
     junit_file->commit();
   }
-  write_pictures(arguments.pictures, files, arguments.max_angle);
+  write_pictures(arguments.pictures, files, arguments.max_angle, common.read);
 }
 
 // Options from a file, TOML's NAME = VALUE; what the command line says goes before.
@@ -289,6 +290,7 @@ void add_validate(CLI::App& app, Common& common) {
   sub.add_flag("--details", arguments->details,
                "a table for every mesh and part, also where there are more than a dozen");
   sub.add_flag("--findings", arguments->findings, "name and explain all findings");
+  add_read_options(sub, common);
   add_common(sub, common, "darboux validate torus.glb --surface torus --max-angle 2 --json");
   sub.callback([arguments, &common, &sub] {
     if (!arguments->configuration.empty()) read_configuration(sub, arguments->configuration);

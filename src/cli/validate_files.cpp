@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <new>
 #include <numeric>
 
 #include <fnmatch.h>
@@ -254,9 +253,10 @@ void skip_unneeded(Asset& asset, std::vector<SkippedPrimitive>& skipped) {
 
 }  // namespace
 
-void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy) {
+void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy,
+                 const ReadOptions& read) {
   if (file.readable()) try {
-      Asset asset = read_asset(file.path);
+      Asset asset = read_asset(file.path, read);
       file.skipped = asset.skipped;
       if (policy.only_needed) skip_unneeded(asset, file.skipped);
       const std::vector<std::size_t> first = first_of(asset.primitives);
@@ -278,12 +278,8 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
         primitive.other_uvs = {};
         file.primitives.push_back({std::move(primitive), std::move(assessments), std::move(own)});
       }
-    } catch (const FileError& e) {
-      file.error = e.what();
-    } catch (const Error& e) {
-      file.error = FileError(file.path, e.what()).what();
-    } catch (const std::bad_alloc&) {
-      file.error = FileError(file.path, "needs more memory than there is").what();
+    } catch (const std::exception&) {
+      file.error = error_of(file.path);
     }
   if (!file.readable()) {
     file.primitives.clear();

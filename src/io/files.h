@@ -5,6 +5,12 @@
 #include <string>
 #include <string_view>
 
+#include <darboux/error.h>
+
+namespace darboux {
+struct ReadOptions;
+}
+
 namespace darboux::io {
 
 /// \throws FileError for what does not exist, folders, devices and pipes
@@ -19,10 +25,17 @@ std::string in_quotes(std::string_view text);
 /// Whether a URI begins "data:".
 bool is_data_uri(std::string_view uri);
 
+/// A document names a file outside of its folder, and may not.
+class OutsideError : public FileError {
+  using FileError::FileError;
+};
+
 /// The bytes a URI stands for: those of a base64 data URI, or of a file relative to the folder of `base`.
 /// \param name what a message calls the URI
 /// \throws FileError with the subject `base`, on absolute paths, other schemes and broken base64
-std::string load_uri(const std::string& base, const std::string& name, const std::string& uri);
+/// \throws OutsideError for a file that is there, but neither in that folder nor below it
+std::string load_uri(const std::string& base, const std::string& name, const std::string& uri,
+                     const ReadOptions& options);
 
 /// data:MEDIA_TYPE;base64,...
 std::string make_data_uri(std::string_view media_type, std::string_view bytes);

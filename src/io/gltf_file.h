@@ -22,6 +22,7 @@ struct Accessor;
 
 struct GltfFile {
   std::string path;  ///< named in messages, and relative URIs start from its folder
+  ReadOptions options;
   io::Json json;
   /// One for each entry of "buffers". Buffer 0 is what becomes the binary chunk, padding included. One that
   /// has neither a uri nor the chunk has no bytes.
@@ -85,11 +86,11 @@ constexpr int vertex_target = 34962, index_target = 34963;
 
 /// Reads the container, parses the document, loads its buffers, and undoes EXT_meshopt_compression and
 /// KHR_draco_mesh_compression: what is left is a document without them. \throws FileError
-GltfFile load_gltf(const std::string& path, std::string bytes);
+GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions& options = {});
 
 /// The document alone: nothing of its buffers, images and compressed data is read, and none need be there.
 /// Reads as many bytes as the JSON has. \throws FileError
-GltfFile load_gltf_json(const std::string& path);
+GltfFile load_gltf_json(const std::string& path, const ReadOptions& options = {});
 
 /// Buffers that are read one by one, of a document that was loaded without them.
 using ReadBuffers = std::map<std::size_t, std::optional<std::string>>;

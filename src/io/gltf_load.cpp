@@ -134,7 +134,7 @@ std::optional<std::string> load_buffer(const GltfFile& file, const JsonCursor& b
   const bool fallback = meshopt && meshopt->has("fallback") && meshopt->at("fallback").boolean();
   if (buffer.has("uri")) {
     const JsonCursor uri = buffer.at("uri");
-    if (!fallback) bytes = load_uri(file.path, uri.name(), uri.text());
+    if (!fallback) bytes = load_uri(file.path, uri.name(), uri.text(), file.options);
   } else if (is_first) {
     bytes = std::move(chunk);
   }
@@ -220,8 +220,9 @@ void check_document(const GltfFile& file) {
 
 }  // namespace
 
-GltfFile load_gltf(const std::string& path, std::string bytes) {
+GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions& options) {
   GltfFile file;
+  file.options = options;
   file.path = path;
   std::optional<std::string> chunk;
   if (bytes.starts_with("glTF")) {
@@ -245,13 +246,14 @@ GltfFile load_gltf(const std::string& path, std::string bytes) {
   return file;
 }
 
-GltfFile load_gltf_json(const std::string& path) {
+GltfFile load_gltf_json(const std::string& path, const ReadOptions& options) {
   expect_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
   std::string bytes(header_bytes + chunk_header_bytes, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
   GltfFile file;
+  file.options = options;
   file.path = path;
   if (bytes.starts_with("glTF") && bytes.size() == header_bytes + chunk_header_bytes) {
     const std::size_t length = read_u32(bytes, header_bytes);
@@ -279,7 +281,8 @@ GltfFile load_gltf_json(const std::string& path) {
 }
 
 std::string image_bytes(const GltfFile& file, const JsonCursor& image, ReadBuffers& read) {
-  if (image.has("uri")) return load_uri(file.path, image.at("uri").name(), image.at("uri").text());
+  if (image.has("uri"))
+    return load_uri(file.path, image.at("uri").name(), image.at("uri").text(), file.options);
   const JsonCursor view = file.element("bufferViews", image.at("bufferView"));
   if (!file.buffers.empty()) return std::string(file.view_bytes(view));
   const JsonCursor index = view.at("buffer"), buffer = file.element("buffers", index);
