@@ -154,7 +154,7 @@ void load_buffers(GltfFile& file, std::optional<std::string> chunk) {
 /// Refuses what would take the parser's stack or its time: deep nesting, and objects of very many keys, each
 /// of which is looked for among the ones before it.
 void check_nesting(const std::string& file, std::string_view text) {
-  constexpr std::size_t most_levels = 256, most_keys = 10000;
+  constexpr std::size_t most_levels = 256, most_keys = 2000;
   std::array<std::size_t, most_levels + 1> keys{};
   std::size_t level = 0;
   bool in_text = false;

@@ -18,6 +18,7 @@
 #include "base/parallel_jobs.h"
 #include "base/text.h"
 #include "io/files.h"
+#include "io/json_cursor.h"
 
 namespace darboux {
 namespace {
@@ -115,8 +116,8 @@ std::optional<Results> parse_results(const std::string& file, const std::string&
   for (std::size_t end; (end = text.find('\n', results.complete)) != std::string::npos;
        results.complete = end + 1) {
     ++number;
-    const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(results.complete),
-                                  text.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
+    const Json line = io::parse_json(file + ": line " + std::to_string(number),
+                                     std::string_view(text).substr(results.complete, end - results.complete));
     if (!line.is_object()) broken(file, number, expected_got("a JSON object", "a line that is none"));
     if (number == 1)
       results.header = read_header(file, line, version);
