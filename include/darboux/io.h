@@ -29,6 +29,11 @@ struct ReadOptions {
   /// Whether files that a document names may lie outside of its folder, by ../ or by a symbolic link.
   /// Without, one that is to be opened and does is an error.
   bool allow_outside = false;
+  /// Bytes that the content of a glTF may take, decoded: vertices and triangles of all primitives, instances,
+  /// morph targets, Draco's streams. They are counted one by one, so that a file that asks for more is an
+  /// error at once. Without: 4 GiB, and 512 MiB for files of less than 10 MB, which may ask for much more
+  /// than they hold.
+  std::optional<std::uint64_t> max_memory = std::nullopt;
 };
 
 /// One drawable piece of a file: a primitive of a glTF mesh, a group of polygons of a COLLADA geometry, a

@@ -30,6 +30,17 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
 void add_read_options(CLI::App& sub, Common& common) {
   sub.add_flag("--allow-outside", common.read.allow_outside,
                "open files that a .gltf names outside of its folder, by ../ or by a symbolic link");
+  sub.add_option_function<std::uint64_t>(
+         "--max-memory", [&common](const std::uint64_t& bytes) { common.read.max_memory = bytes; },
+         "how much the decoded content of a glTF may take, such as 8GiB [4GiB; 512MiB for files of less than "
+         "10 MB]")
+      ->transform(CLI::AsSizeValue(false))
+      ->transform(CLI::Validator(
+          [](std::string& text) {
+            const bool number = !text.empty() && text[0] >= '0' && text[0] <= '9';
+            return number ? std::string() : expected_got("a size such as 8GiB", "'" + text + "'");
+          },
+          ""));
 }
 
 CLI::Validator whole_number_up_to(std::uint64_t most) {

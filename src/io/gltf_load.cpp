@@ -228,6 +228,7 @@ GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions
   if (bytes.starts_with("glTF")) {
     const Chunks chunks = split_chunks(path, bytes);
     file.json = parse_json(path, chunks.json);
+    file.json_bytes = chunks.json.size();
     file.other_chunks = chunks.others;
     if (chunks.has_bin) {
       bytes.resize(chunks.bin_begin + chunks.bin_size);
@@ -236,6 +237,7 @@ GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions
     }
   } else {
     file.json = parse_json(path, json_text(path, bytes));
+    file.json_bytes = bytes.size();
   }
   check_document(file);
   check_extensions(file.root());
@@ -314,6 +316,12 @@ void retire_extension(GltfFile& file, const char* name) {
 }
 
 }  // namespace io
+
+std::uint64_t GltfFile::bytes() const {
+  std::uint64_t sum = json_bytes;
+  for (const auto& buffer : buffers) sum += buffer ? buffer->size() : 0;
+  return sum;
+}
 
 io::JsonCursor GltfFile::element(const char* array, const io::JsonCursor& index) const {
   const std::size_t size = root().has(array) ? root().at(array).size() : 0;
