@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include <darboux/io.h>
 #include <darboux/scene.h>
 
 #include "io/scene_file.h"
