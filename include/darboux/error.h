@@ -8,13 +8,14 @@
 namespace darboux {
 
 /// Base of everything the library throws. what() is one line, "SUBJECT: expected X, got Y", where
-/// what is wrong may stand before it: "SUBJECT: what is wrong: expected X, got Y".
+/// what is wrong may stand before it: "SUBJECT: what is wrong: expected X, got Y". It is UTF-8 of at most 480
+/// bytes: a subject of more than 200, and what is longer as a whole, is shortened in the middle ("...");
+/// bytes that are no UTF-8 and control characters are escaped (\xFF).
 class Error : public std::runtime_error {
  public:
   /// \param subject the file, argument or parameter that is at fault
   /// \param message "expected X, got Y"
-  Error(const std::string& subject, const std::string& message)
-      : std::runtime_error(subject + ": " + message) {}
+  Error(const std::string& subject, const std::string& message);
 };
 
 /// A parameter of a surface or of an algorithm lies outside its range, or is unknown.

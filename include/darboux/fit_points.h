@@ -84,7 +84,7 @@ struct PointFit : SurfaceUncertainty {
   /// How they were found: "t", from the standard errors by Student's t (axis_deg and centre: F), sigma being
   /// estimated; "linear", the same where the noise is known; empty where there are none.
   std::string_view interval_method;
-  double level = 0.95;  ///< of the intervals
+  double level = 0.95;                   ///< of the intervals
   std::vector<FitCandidate> candidates;  ///< the chosen one first, then best first
   int iterations = 0;                    ///< of Ceres, over all candidates
   double seconds = 0;

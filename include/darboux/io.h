@@ -24,6 +24,18 @@
 
 namespace darboux {
 
+/// What a file may do while it is read.
+struct ReadOptions {
+  /// Whether files that a document names may lie outside of its folder, by ../ or by a symbolic link.
+  /// Without, one that is to be opened and does is an error.
+  bool allow_outside = false;
+  /// Bytes that the content of a glTF may take, decoded: vertices and triangles of all primitives, instances,
+  /// morph targets, Draco's streams. They are counted one by one, so that a file that asks for more is an
+  /// error at once. Without: 4 GiB, and 512 MiB for files of less than 10 MB, which may ask for much more
+  /// than they hold.
+  std::optional<std::uint64_t> max_memory = std::nullopt;
+};
+
 /// One drawable piece of a file: a primitive of a glTF mesh, a group of polygons of a COLLADA geometry, a
 /// mesh of an OBJ or FBX, a solid of an STL, a PLY.
 struct Primitive {
@@ -107,7 +119,7 @@ struct Asset {
 ///
 /// Nothing is allocated by a count the file states before the count is checked against the bytes it has.
 /// \throws FileError naming the file, the place in it, what is expected there and what it has
-Asset read_asset(const std::string& path);
+Asset read_asset(const std::string& path, const ReadOptions& options = {});
 
 /// The extensions of the files that read_asset() reads: ".glb".
 std::span<const std::string_view> asset_extensions();
@@ -122,7 +134,7 @@ struct GltfFile;  // the JSON document and its buffers: src/io/gltf_file.h
 class GltfDocument {
  public:
   /// \throws FileError as read_asset does; errors in meshes and nodes are found by asset()
-  static GltfDocument load(const std::string& path);
+  static GltfDocument load(const std::string& path, const ReadOptions& options = {});
   /// A new one, with a mesh and a node for each primitive, in their order, as write_glb() writes them.
   /// \param path what messages call it \throws MeshError as write_glb() does
   static GltfDocument of(const Asset& asset, const std::string& path);
@@ -169,7 +181,7 @@ class GltfDocument {
   /// Writes a self-contained GLB, whole or not at all. The bytes of buffer 0 begin the binary chunk, all that
   /// was added follows. Files that other buffers and images name by relative URI are embedded as data URIs,
   /// so that no bufferView moves; an image that cannot be read, or whose kind is unknown, keeps its URI.
-  /// \throws FileError
+  /// \throws FileError, also for an image that ReadOptions::allow_outside would have to permit
   void save_glb(const std::string& path) const;
 
   /// What it holds, for darboux's own functions.
@@ -231,14 +243,24 @@ PointCloud distinct_points(const PointFile& file);
 /// \param progress called now and then with the share that is read
 /// \throws FileError naming the file, its line or vertex, what is expected there and what it has; at least
 /// one point is expected
-PointFile read_points(const std::string& path, const std::function<void(double)>& progress = {});
+PointFile read_points(const std::string& path, const std::function<void(double)>& progress = {},
+                      const ReadOptions& options = {});
 
-/// A file that is written whole or not at all, piece by piece: to a temporary beside it, renamed by commit(),
-/// so that an old file stays until the new one is complete (a process that is killed leaves the temporary). A
-/// symbolic link stays, the file it names is replaced. The path
-/// "-" is standard output; devices, pipes and links of /dev and /proc are written to directly. Without
-/// commit() nothing is left. Every member throws FileError: the path is a folder, its folder is missing or
-/// not writable, the disk is full.
+/// Whether a path names standard output: "-", /dev/stdout, /dev/fd/1 or a link to one of them.
+bool is_standard_output(const std::string& path);
+
+/// A file that is written whole or not at all, piece by piece: without a name, which commit() gives it, so
+/// that an old file stays until the new one is complete. Without commit() nothing is left. Where the file
+/// system knows no files without a name, it is a hidden one beside the target until then (.darboux-*.tmp);
+/// a process that is killed leaves it.
+///
+/// A file that exists is replaced: its mode is kept, and its owner and group where that is permitted; other
+/// hard links keep the old content; a symbolic link stays, and what it names is replaced or made. A file that
+/// is read-only is refused. What names a descriptor of this process ("-" is standard output, /dev/stdout,
+/// /dev/fd/N), a device or a pipe is written to directly, from where it stands.
+///
+/// Every member throws FileError: the path is a folder, its folder is missing or not writable, the file is
+/// read-only, the disk is full.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path);
@@ -250,7 +272,11 @@ class OutputFile {
 
  private:
   void flush();
-  std::string path_, target_, temporary_, buffer_;
+  void give_name();
+  std::string path_;       // as messages name it
+  std::string target_;     // what is replaced; empty where descriptor_ is the target itself
+  std::string temporary_;  // the hidden name, while there is one
+  std::string buffer_;
   int descriptor_ = -1;
 };
 

@@ -95,10 +95,14 @@ struct SampleMeshOptions {
 /// the first one's. Such a triangle has vertices of its own: positions, normals and tangents stay those of
 /// the place, the uvs do not name it.
 ///
+/// \param dropped_cells of a grid: cells that are not whole because a triangle with a corner at infinity is
+/// left out, as at a pole of a formula, or because no triangle of them has area
+///
 /// Cost: linear in the triangles, three evaluations each and one per vertex. Options that a topology does not
 /// have are refused: pole, jitter, random_diagonals, mirror for all but grid, shared_seam and a part of v for
 /// the two spheres. \throws ParameterError naming the option, what is expected and what was given: for a grid
 /// too that leaves no triangle, as 1x1 on a torus
-Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& options);
+Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& options,
+                 std::size_t* dropped_cells = nullptr);
 
 }  // namespace darboux

@@ -78,11 +78,13 @@ TangentNeeds tangent_need(const GltfDocument& document, NeedLevel level = NeedLe
 
 /// The same of a file: its JSON is read and nothing else, at NeedLevel::pixels the normal maps too. Buffers
 /// and images may be absent.
-TangentNeeds tangent_need(const std::string& path, NeedLevel level = NeedLevel::spec);
+TangentNeeds tangent_need(const std::string& path, NeedLevel level = NeedLevel::spec,
+                          const ReadOptions& options = {});
 
 /// How many vertices MikkTSpace's tangents would add to each primitive that needs them, as add_tangents()
 /// splits them. Reads the geometry of the file. \throws FileError, MeshError as add_tangents() does
-void count_splits(const std::string& path, TangentNeeds& needs, int threads = 1);
+void count_splits(const std::string& path, TangentNeeds& needs, int threads = 1,
+                  const ReadOptions& options = {});
 
 /// A primitive that had the TANGENT it needs, and has it no more, or has lost NORMAL, without which viewers
 /// ignore it. The pointers are into what dropped_tangents() was given.

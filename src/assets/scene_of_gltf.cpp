@@ -144,8 +144,8 @@ static io::NamedCamera camera_before(const GltfScene& scene) {
   return result;
 }
 
-GltfScene scene_of_gltf(const std::string& path) {
-  const GltfFile file = io::load_gltf(path, io::read_file(path));
+GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options) {
+  const GltfFile file = io::load_gltf(path, io::read_file(path), options);
   const JsonCursor root = file.root();
   GltfScene scene;
   std::map<std::size_t, std::vector<std::uint32_t>> of_mesh;

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include <darboux/io.h>
 #include <darboux/scene.h>
 
 #include "io/scene_file.h"
@@ -41,7 +42,7 @@ struct GltfScene {
 /// Reads nodes, cameras, EXT_mesh_gpu_instancing, and the triangles with what their materials read.
 /// \throws FileError for a file that contradicts itself, cyclic nodes, a camera that sees nothing, more than
 /// 10^7 instances
-GltfScene scene_of_gltf(const std::string& path);
+GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options = {});
 
 /// A plan without patches. Its tiles are instances of primitives, each of one level; its samples are their
 /// vertices, of which tangent4 counts those whose material reads tangents. Skipped are those outside the

@@ -229,17 +229,17 @@ TangentNeeds tangent_need(const GltfDocument& document, NeedLevel level) {
   return Planner(document.file(), level).plan();
 }
 
-TangentNeeds tangent_need(const std::string& path, NeedLevel level) {
-  const GltfFile file = io::load_gltf_json(path);
+TangentNeeds tangent_need(const std::string& path, NeedLevel level, const ReadOptions& options) {
+  const GltfFile file = io::load_gltf_json(path, options);
   return Planner(file, level).plan();
 }
 
-void count_splits(const std::string& path, TangentNeeds& needs, int threads) {
-  GltfDocument document = GltfDocument::load(path);
-  FileTangentOptions options;
-  options.only_needed = true;
-  options.threads = threads;
-  const FileTangents made = add_tangents(document, options);
+void count_splits(const std::string& path, TangentNeeds& needs, int threads, const ReadOptions& options) {
+  GltfDocument document = GltfDocument::load(path, options);
+  FileTangentOptions needed;
+  needed.only_needed = true;
+  needed.threads = threads;
+  const FileTangents made = add_tangents(document, needed);
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> added;
   for (const PrimitiveTangents& p : made.primitives)
     added[{p.mesh, p.primitive}] = p.vertices - std::min(p.vertices, p.old_vertices);

@@ -55,11 +55,21 @@ inline std::string lower(std::string_view text) {
   return result;
 }
 
-/// Safe on one line of a terminal: control characters become '?'.
-inline std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-  return text;
-}
+/// Safe on one line of a terminal: UTF-8, where control characters, those that change the direction of text,
+/// and bytes that are no UTF-8 are escaped: \xFF.
+std::string one_line(std::string_view text);
+
+/// At most `most` bytes, `most` >= 3, of UTF-8: of what is longer, "..." stands for the middle.
+std::string shortened(std::string text, std::size_t most);
+
+/// In bytes, of messages and of the names in them. With "darboux: " before it a message has at most 500.
+inline constexpr std::size_t longest_message = 480, longest_name = 200;
+
+/// A name as messages begin with it: one line, shortened; "" where it is empty.
+std::string message_name(std::string_view name);
+
+/// "NAME: TEXT", and a text alone: one line, shortened, without blanks at its end.
+std::string message_line(std::string_view name, std::string_view text);
+std::string message_line(std::string_view text);
 
 }  // namespace darboux

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <new>
 
 #include <unistd.h>
 
@@ -24,6 +25,22 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
   sub.footer("\nExample:\n  " + example + "\n");
+}
+
+void add_read_options(CLI::App& sub, Common& common) {
+  sub.add_flag("--allow-outside", common.read.allow_outside,
+               "open files that a .gltf names outside of its folder, by ../ or by a symbolic link");
+  sub.add_option_function<std::uint64_t>(
+         "--max-memory", [&common](const std::uint64_t& bytes) { common.read.max_memory = bytes; },
+         "how much the decoded content of a glTF may take, such as 8GiB [4GiB; 512MiB for files of less than "
+         "10 MB]")
+      ->transform(CLI::AsSizeValue(false))
+      ->transform(CLI::Validator(
+          [](std::string& text) {
+            const bool number = !text.empty() && text[0] >= '0' && text[0] <= '9';
+            return number ? std::string() : expected_got("a size such as 8GiB", "'" + text + "'");
+          },
+          ""));
 }
 
 CLI::Validator whole_number_up_to(std::uint64_t most) {
@@ -154,9 +171,20 @@ AnySurface surface_argument(std::string_view text) {
   return formula ? read_formula_surface(file, parameters) : read_surface_file(name, file);
 }
 
-void print_error(std::string message) {
-  while (message.ends_with('\n') || message.ends_with(' ')) message.pop_back();
-  std::cerr << "darboux: " << one_line(std::move(message)) << '\n';
+void print_error(std::string_view message) {
+  std::cerr << "darboux: " << message_line(message) << '\n';
+}
+
+std::string error_of(const std::string& file) {
+  try {
+    throw;
+  } catch (const FileError& e) {
+    return e.what();
+  } catch (const std::bad_alloc&) {
+    return FileError(file, "needs more memory than there is").what();
+  } catch (const std::exception& e) {
+    return FileError(file, e.what()).what();
+  }
 }
 
 void print_json(const Json& json) {

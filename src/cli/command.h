@@ -16,6 +16,7 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/error.h>
+#include <darboux/io.h>
 #include <darboux/statistics.h>
 #include <darboux/vector.h>
 
@@ -29,12 +30,16 @@ using Json = nlohmann::ordered_json;
 /// the verdict is fail or undetermined, 2 usage error or unreadable input.
 struct Common {
   bool json = false, quiet = false;
+  ReadOptions read;
   int threads = 1;
   int exit_status = 0;
 };
 
 /// Adds --json, --quiet, --threads to a subcommand, and the example that ends its help.
 void add_common(CLI::App& sub, Common& common, const std::string& example);
+
+/// Adds --allow-outside to a subcommand that reads glTF.
+void add_read_options(CLI::App& sub, Common& common);
 
 /// A choice on the command line: its names, in the order of the enumeration.
 template <class E, std::size_t N>
@@ -102,7 +107,10 @@ Json surface_json(const AnySurface& surface);
 Json spread_json(const Spread& spread);
 
 /// Prints "darboux: MESSAGE" as one line on stderr, whatever a library or a file put into the message.
-void print_error(std::string message);
+void print_error(std::string_view message);
+
+/// The error that is being handled, of a file: with the file's name, also where a library does not know it.
+std::string error_of(const std::string& file);
 
 /// Prints one JSON document to stdout.
 void print_json(const Json& json);

@@ -227,7 +227,7 @@ void print_skipped(const char* file, const Asset& asset) {
 void run_compare(const CompareArguments& arguments, Common& common) {
   if (!(arguments.max_angle >= 0 && arguments.max_angle <= 180))
     throw ParameterError("--max-angle", expected_got("0 <= degrees <= 180", shortest(arguments.max_angle)));
-  const Asset a = read_asset(arguments.a), b = read_asset(arguments.b);
+  const Asset a = read_asset(arguments.a, common.read), b = read_asset(arguments.b, common.read);
   const std::vector<NamedMesh> pieces_a = named(a), pieces_b = named(b);
   const MeshPairs found = pair_meshes(pieces_a, pieces_b);
   bool same = !found.pairs.empty() && found.only_a.empty() && found.only_b.empty();
@@ -277,6 +277,7 @@ void add_compare(CLI::App& app, Common& common) {
                  "those of the "
                  "same bits")
       ->capture_default_str();
+  add_read_options(sub, common);
   add_common(sub, common, "darboux compare a.glb b.glb");
   sub.callback([arguments, &common] { run_compare(*arguments, common); });
 }

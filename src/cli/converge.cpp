@@ -218,7 +218,8 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
                        {"study", identity.study},
                        {"provenance", identity.provenance}});
   // A page or CSV on standard output stands alone there.
-  if (to.output == "-" || to.csv == "-" || arguments.picture == "-") return;
+  if (is_standard_output(to.output) || is_standard_output(to.csv) || is_standard_output(arguments.picture))
+    return;
   if (to.output.empty()) print_orders(studies);
   print_summary(studies);
   if (!to.output.empty()) std::printf("report: %s\n", to.output.c_str());

@@ -19,6 +19,7 @@
 #include "base/text.h"
 #include "command.h"
 #include "io/input.h"
+#include "io/json_cursor.h"
 
 namespace darboux {
 namespace {
@@ -131,8 +132,7 @@ class SampleListener final : public nlohmann::json_sax<Json> {
     return true;
   }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override {
-    throw FileError(bytes_.path(), expected_got("one JSON document",
-                                                std::string("what cannot be read (") + error.what() + ")"));
+    io::refuse_json(bytes_.path(), error);
   }
 
   void finish() const {

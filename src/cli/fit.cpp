@@ -292,7 +292,7 @@ void print_text(const FitArguments& arguments, const PointFit& fit, const Member
 
 void run_fit(const FitArguments& arguments, Common& common) {
   PointFitOptions options = parse_options(arguments);
-  if (arguments.frames == "-")
+  if (is_standard_output(arguments.frames))
     throw ParameterError("--frames",
                          expected_got("the name of a file", "-: standard output holds the report"));
   std::optional<OutputFile> frames;
@@ -307,7 +307,7 @@ void run_fit(const FitArguments& arguments, Common& common) {
     const auto part = [&progress](double from, double to) {
       return [&progress, from, to](double share) { progress.update(from + (to - from) * share); };
     };
-    points = read_points(arguments.file, part(0, 0.2));
+    points = read_points(arguments.file, part(0, 0.2), common.read);
     if (options.with_uv && points.cloud.uvs.empty())
       throw FileError(arguments.file,
                       expected_got("points with u and v for --with-uv",
@@ -363,6 +363,7 @@ void add_fit(CLI::App& app, Common& common) {
       ->check(whole_number);
   sub.add_option("--frames", arguments->frames,
                  "CSV file to write: the frame at each point and its uncertainty");
+  add_read_options(sub, common);
   add_common(sub, common, "darboux fit points.xyz --frames frames.csv");
   sub.callback([arguments, &common] { run_fit(*arguments, common); });
 }

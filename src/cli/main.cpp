@@ -1,20 +1,47 @@
 #include <algorithm>
+#include <cstdlib>
 #include <iostream>
 #include <new>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include "base/keep_freed_memory.h"
 #include "command.h"
+#include "io/unfinished.h"
 
+namespace darboux {
 namespace {
 
+// A standard stream that is closed would give its number, and what is printed, to the next file that is
+// opened. Here it gets what can be neither read nor written, so that whoever uses it is told.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
+      std::abort();
+}
+
+// An empty value is a variable of a script that is not set; it is no choice, and no file.
+void refuse_empty_values(CLI::App& app) {
+  const auto check = [](const std::string& text) {
+    return text.empty() ? expected_got("a value", "an empty one") : std::string();
+  };
+  for (CLI::App* sub : app.get_subcommands({}))
+    for (CLI::Option* option : sub->get_options())
+      if (!option->get_positional() && option->get_items_expected_max() > 0) option->check(check);
+}
+
 int report(const std::string& message, int status) {
-  darboux::print_error(message);
+  print_error(message);
   return status;
 }
 
 }  // namespace
+}  // namespace darboux
 
 int main(int argc, char** argv) {
+  darboux::open_standard_streams();
+  darboux::io::remove_unfinished_on_signals();
   darboux::keep_freed_memory();
   CLI::App app{"Tangent frames of parametric surfaces and meshes, exact and checked.", "darboux"};
   app.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
@@ -40,10 +67,12 @@ int main(int argc, char** argv) {
   darboux::add_scene(app, common);
   darboux::add_stability(app, common);
   darboux::add_merge(app, common);
+  darboux::refuse_empty_values(app);
   const auto finish = [](int status) {
     std::cout.flush();
     return std::cout ? status
-                     : report("standard output: expected an open file or pipe, got an error on writing", 2);
+                     : darboux::report(
+                           "standard output: expected an open file or pipe, got an error on writing", 2);
   };
   try {
     std::vector<std::string> known;
@@ -57,10 +86,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::CallForVersion& e) {
     return finish(app.exit(e));
   } catch (const CLI::ParseError& e) {
-    return report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
+    return darboux::report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
   } catch (const std::bad_alloc&) {
-    return report("memory: expected enough for this input, got less", 2);
+    return darboux::report("memory: expected enough for this input, got less", 2);
   } catch (const std::exception& e) {
-    return report(e.what(), 2);
+    return darboux::report(e.what(), 2);
   }
 }

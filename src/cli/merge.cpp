@@ -22,7 +22,7 @@ void add_merge(CLI::App& app, Common& common) {
   add_common(sub, common, "darboux merge shard-1.jsonl shard-2.jsonl -o results.jsonl");
   sub.callback([arguments, &common] {
     const std::string text = merge_results(arguments->results, DARBOUX_VERSION);
-    if (common.json && arguments->output == "-")
+    if (common.json && is_standard_output(arguments->output))
       throw ParameterError("--json", "expected -o FILE for the results beside it, got none");
     write_file(arguments->output, text);
     if (common.json) print_json({{"results", arguments->output}, {"shards", arguments->results.size()}});

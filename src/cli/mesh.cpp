@@ -64,19 +64,20 @@ SampleMeshOptions parse(const MeshArguments& arguments) {
 }
 
 // The library's errors name the option, here with the dashes that it was typed with.
-Mesh make(const AnySurface& surface, const SampleMeshOptions& o) try {
-  return sample_mesh(surface, o);
+Mesh make(const AnySurface& surface, const SampleMeshOptions& o, std::size_t& dropped_cells) try {
+  return sample_mesh(surface, o, &dropped_cells);
 } catch (const ParameterError& error) {
   throw std::invalid_argument(std::string("--") + error.what());
 }
 
 void run_mesh(const MeshArguments& arguments, const Common& common) {
-  if (arguments.output == "-" && common.json)
+  if (is_standard_output(arguments.output) && common.json)
     throw ParameterError("-", expected_got("one of -o - and --json for standard output", "both"));
   check_glb_name(arguments.output);
   const AnySurface surface = surface_argument(arguments.surface);
   const SampleMeshOptions o = parse(arguments);
-  Mesh mesh = make(surface, o);
+  std::size_t dropped = 0;
+  Mesh mesh = make(surface, o, dropped);
   if (arguments.no_tangents) mesh.tangents.clear();
   Json how{{"surface", surface.specification()}, {"topology", arguments.topology}};
   if (arguments.grid.empty())
@@ -96,12 +97,19 @@ void run_mesh(const MeshArguments& arguments, const Common& common) {
               {"sign", arguments.sign}});
   write_glb(arguments.output, mesh, std::string(surface.info().name),
             Json{{"darboux", how}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  if (dropped > 0 && !common.quiet)
+    print_error(std::string(surface.info().name) +
+                ": expected all cells of the grid to be finite and to have area, got " +
+                std::to_string(dropped) + " of " +
+                std::to_string(static_cast<std::size_t>(o.columns) * static_cast<std::size_t>(o.rows)) +
+                " that are left out or have one triangle left");
   if (common.json)
     print_json({{"file", arguments.output},
                 {"surface", surface_json(surface)},
                 {"vertices", mesh.positions.size()},
-                {"triangles", mesh.triangles.size()}});
-  else if (!common.quiet && arguments.output != "-")
+                {"triangles", mesh.triangles.size()},
+                {"dropped_cells", dropped}});
+  else if (!common.quiet && !is_standard_output(arguments.output))
     std::cout << arguments.output << ": " << mesh.positions.size() << " vertices, " << mesh.triangles.size()
               << " triangles\n";
 }

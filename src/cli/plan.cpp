@@ -243,15 +243,16 @@ std::vector<PlannedFile> files_to_plan(const std::vector<std::string>& arguments
   return result;
 }
 
-void plan(PlannedFile& file, const PlanArguments& arguments, const std::optional<TangentNeeds>& before) {
+void plan(PlannedFile& file, const PlanArguments& arguments, const std::optional<TangentNeeds>& before,
+          const ReadOptions& read) {
   file.ok = file.error.empty();
   if (!file.ok) return;
   try {
-    file.needs = tangent_need(file.path, levels.of(arguments.level));
+    file.needs = tangent_need(file.path, levels.of(arguments.level), read);
     if (before) file.dropped = dropped_tangents(*before, file.needs);
-    if (arguments.splits) count_splits(file.path, file.needs);
-  } catch (const std::exception& e) {
-    file.error = e.what();  // what was planned before the geometry could not be read stays
+    if (arguments.splits) count_splits(file.path, file.needs, 1, read);
+  } catch (const std::exception&) {
+    file.error = error_of(file.path);  // what was planned before the geometry could not be read stays
   }
   file.ok = file.error.empty() && file.dropped.empty() &&
             std::none_of(file.needs.primitives.begin(), file.needs.primitives.end(), [&](const auto& p) {
@@ -261,14 +262,14 @@ void plan(PlannedFile& file, const PlanArguments& arguments, const std::optional
 
 void run(const PlanArguments& arguments, Common& common) {
   if (arguments.files.empty()) throw ParameterError("plan", "needs FILES or folders to read");
-  if (arguments.sarif == "-")
+  if (is_standard_output(arguments.sarif))
     throw ParameterError("--sarif", expected_got("the name of a file", "-: standard output is taken"));
   std::vector<PlannedFile> files = files_to_plan(arguments.files);
   std::optional<TangentNeeds> before;
   if (!arguments.against.empty()) {
     if (files.size() != 1)
       throw ParameterError("--against", expected_got("one file to plan", std::to_string(files.size())));
-    before = tangent_need(arguments.against, levels.of(arguments.level));
+    before = tangent_need(arguments.against, levels.of(arguments.level), common.read);
   }
   const auto check_sarif = [&](const std::string& read) {
     std::error_code none;
@@ -284,7 +285,7 @@ void run(const PlanArguments& arguments, Common& common) {
   {
     Progress progress("plan", common);
     parallel_for(
-        files.size(), common.threads, [&](std::size_t i) { plan(files[i], arguments, before); },
+        files.size(), common.threads, [&](std::size_t i) { plan(files[i], arguments, before, common.read); },
         [&](double share) { progress.update(share); });
   }
   for (const PlannedFile& file : files) {
@@ -320,6 +321,7 @@ void add_plan(CLI::App& app, Common& common) {
                "count the vertices that MikkTSpace would split; reads the geometry too");
   sub.add_flag("--strict", arguments->strict,
                "fail where TANGENT is missing, even where viewers can make it");
+  add_read_options(sub, common);
   add_common(sub, common, "darboux plan in.glb");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

@@ -18,11 +18,11 @@ void add_report_options(CLI::App& sub, ReportArguments& arguments, const std::st
 void check(const ReportArguments& arguments, const Common& common,
            const std::vector<std::pair<const char*, std::string>>& others) {
   std::string names = "-o -, --csv -";
-  int to_stdout = (arguments.output == "-") + (arguments.csv == "-") + common.json;
+  int to_stdout = is_standard_output(arguments.output) + is_standard_output(arguments.csv) + common.json;
   bool writes = !arguments.output.empty() || !arguments.csv.empty();
   for (const auto& [option, file] : others) {
     names += std::string(", ") + option + " -";
-    to_stdout += file == "-";
+    to_stdout += is_standard_output(file);
     writes = writes || !file.empty();
   }
   if (to_stdout > 1)

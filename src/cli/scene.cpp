@@ -252,7 +252,8 @@ void check_outputs(const SceneArguments& arguments, const Common& common) {
     std::error_code none;
     if (std::filesystem::equivalent(name, arguments.file, none))
       throw ParameterError(name, expected_got("the name of another file", "that of the scene"));
-    if (!seen.insert(name == "-" ? name : std::filesystem::weakly_canonical(name, none).string()).second)
+    if (!seen.insert(is_standard_output(name) ? "-" : std::filesystem::weakly_canonical(name, none).string())
+             .second)
       throw ParameterError(name, expected_got("a file, or standard output, for one thing", "for two"));
   }
 }
@@ -285,7 +286,7 @@ void run_gltf(const SceneArguments& arguments, const Common& common) {
   for (const auto& [option, given] : of_surfaces)
     if (given)
       throw ParameterError(option, expected_got("a scene of surfaces in JSON", "triangles of a glTF"));
-  const GltfScene scene = scene_of_gltf(arguments.file);
+  const GltfScene scene = scene_of_gltf(arguments.file, common.read);
   const io::NamedCamera& camera = chosen_camera(arguments, scene.cameras);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   SceneRequest request;
@@ -364,8 +365,8 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
   if (png_of_skipped) png_of_skipped->write(png_of(picture_of_fates(scene, camera.camera, request, common)));
   for (OutputFile* output : {glb.get(), png.get(), png_of_skipped.get()})
     if (output) output->commit();
-  const bool to_stdout =
-      arguments.output == "-" || arguments.render == "-" || arguments.render_skipped == "-";
+  const bool to_stdout = is_standard_output(arguments.output) || is_standard_output(arguments.render) ||
+                         is_standard_output(arguments.render_skipped);
   if (!to_stdout) print_report(report, common);
 }
 
@@ -414,6 +415,7 @@ void add_scene(CLI::App& app, Common& common) {
          "also evaluate what is out of view or faces away, as fine as its distance needs; the picture stays "
          "the same, bit for bit")
       ->excludes("--no-skip");
+  add_read_options(sub, common);
   add_common(sub, common, "darboux scene scene.json --render scene.png");
   sub.callback([arguments, &common] { run(*arguments, common); });
 }

@@ -124,7 +124,7 @@ void run_stability(const StabilityArguments& arguments, Common& common) {
   }
   if (common.json) return print_json(document);
   // A page or CSV on standard output stands alone there.
-  if (to.output == "-" || to.csv == "-") return;
+  if (is_standard_output(to.output) || is_standard_output(to.csv)) return;
   std::fputs(stability_text(curves).c_str(), stdout);
   if (!to.output.empty()) std::printf("report: %s\n", to.output.c_str());
   if (!to.csv.empty()) std::printf("CSV: %s\n", to.csv.c_str());

@@ -84,11 +84,8 @@ void add_surfaces(CLI::App& app, Common& common) {
   add_common(sub, common, "darboux surfaces --json");
   auto pages = std::make_shared<std::string>();
   sub.add_option(
-         "--pages", *pages,
-         "a folder: write a page and a picture of each surface there instead, each whole or not at all")
-      ->check([](const std::string& text) {
-        return text.empty() ? std::string("needs the name of a folder") : "";
-      });
+      "--pages", *pages,
+      "a folder: write a page and a picture of each surface there instead, each whole or not at all");
   sub.callback([pages, &common] { pages->empty() ? list_surfaces(common) : write_pages(*pages, common); });
 }
 

@@ -138,7 +138,7 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
     throw ParameterError("tangents", expected_got("a .glb or .gltf to read, or --list", "neither"));
   if (arguments.output.empty()) throw ParameterError("tangents", expected_got("-o OUT.glb", "none"));
   check_glb_name(arguments.output);
-  const bool to_stdout = arguments.output == "-";
+  const bool to_stdout = is_standard_output(arguments.output);
   if (to_stdout && common.json)
     throw ParameterError("-", expected_got("one of -o - and --json for standard output", "both"));
   FileTangentOptions options;
@@ -154,7 +154,7 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
   {
     Progress progress("tangents", common);
     options.progress = [&](double share) { progress.update(share); };
-    GltfDocument document = GltfDocument::load(arguments.input);
+    GltfDocument document = GltfDocument::load(arguments.input, common.read);
     if (arguments.drop_idle) dropped = drop_idle_tangents(document);
     result = add_tangents(document, options);
     document.save_glb(arguments.output);
@@ -205,6 +205,7 @@ void add_tangents(CLI::App& app, Common& common) {
   sub.add_flag("--drop-idle", arguments->drop_idle,
                "with --only needed: take away the tangents that nothing reads, and their bytes");
   sub.add_flag("--list", arguments->list, "name and explain the methods");
+  add_read_options(sub, common);
   add_common(sub, common, "darboux tangents in.glb -o out.glb");
   sub.callback([arguments, &common] { run_tangents(*arguments, common); });
 }

@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <sstream>
 
 #include "base/parallel_jobs.h"
+#include "io/json_cursor.h"
 #include "validate_files.h"
 #include "validate_pictures.h"
 
@@ -128,7 +130,7 @@ void run(const Arguments& arguments, Common& common) {
   if (arguments.github && common.json)
     throw ParameterError("--github", "expected text on standard output, got --json, which takes it");
   for (const auto& [option, file] : {std::pair{"--sarif", &arguments.sarif}, {"--junit", &arguments.junit}})
-    if (*file == "-")
+    if (is_standard_output(*file))
       throw ParameterError(option, expected_got("the name of a file", "-: standard output is taken"));
   AssessOptions options;
   options.max_angle_deg = arguments.max_angle;
@@ -172,7 +174,8 @@ void run(const Arguments& arguments, Common& common) {
   {
     Progress progress("validate", common);
     parallel_for(
-        files.size(), common.threads, [&](std::size_t i) { assess_file(files[i], options, policy); },
+        files.size(), common.threads,
+        [&](std::size_t i) { assess_file(files[i], options, policy, common.read); },
         [&](double share) { progress.update(share); });
   }
   if (with_baseline) compare_with_baseline(files, arguments.baseline, baseline);
@@ -194,7 +197,7 @@ void run(const Arguments& arguments, Common& common) {
     junit_file->write(junit(files, with_baseline));
     junit_file->commit();
   }
-  write_pictures(arguments.pictures, files, arguments.max_angle);
+  write_pictures(arguments.pictures, files, arguments.max_angle, common.read);
 }
 
 // Options from a file, TOML's NAME = VALUE; what the command line says goes before.
@@ -205,8 +208,9 @@ void read_configuration(CLI::App& sub, const std::string& path) {
       if (name != "help" && name != "version" && name != "config" && name != "findings")
         known.push_back(name);
   known.push_back("files");
+  std::istringstream text(io::read_file(path));
   try {
-    for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_file(path)) {
+    for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(text)) {
       if (!item.parents.empty())
         throw FileError(path, expected_got("options alone", "a section [" + item.parents.front() + "]"));
       const std::string& name = item.name;
@@ -218,8 +222,6 @@ void read_configuration(CLI::App& sub, const std::string& path) {
       option.add_result(item.inputs);
       option.run_callback();
     }
-  } catch (const CLI::FileError&) {
-    throw FileError(path, "cannot be read, expected a file of options like max-angle = 2");
   } catch (const CLI::ParseError& e) {
     throw FileError(path, e.what());
   }
@@ -288,6 +290,7 @@ void add_validate(CLI::App& app, Common& common) {
   sub.add_flag("--details", arguments->details,
                "a table for every mesh and part, also where there are more than a dozen");
   sub.add_flag("--findings", arguments->findings, "name and explain all findings");
+  add_read_options(sub, common);
   add_common(sub, common, "darboux validate torus.glb --surface torus --max-angle 2 --json");
   sub.callback([arguments, &common, &sub] {
     if (!arguments->configuration.empty()) read_configuration(sub, arguments->configuration);

@@ -26,10 +26,10 @@ Json result_json(const AssessedFile& file, const FindingKind& kind, const std::s
   return sarif_result(file.path, kind.code, kind.severity, kind.severity, message, "");
 }
 
-// Without what XML 1.0 does not have, whatever a file put into it: control characters become '?', U+FFFE and
+// Without what XML 1.0 does not have, whatever a file put into it: control characters are escaped, U+FFFE and
 // U+FFFF U+FFFD.
 std::string xml_text(const std::string& text) {
-  std::string result = utf8(one_line(text));
+  std::string result = one_line(text);
   for (const char* none : {"\xEF\xBF\xBE", "\xEF\xBF\xBF"})
     for (std::size_t at = 0; (at = result.find(none, at)) != std::string::npos;) result[at + 2] = '\xBD';
   return result;

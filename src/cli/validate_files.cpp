@@ -4,11 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <new>
 #include <numeric>
 
 #include <fnmatch.h>
+
+#include "io/json_cursor.h"
 
 namespace darboux {
 namespace {
@@ -73,8 +73,10 @@ bool list_folder(const fs::path& folder, const fs::path& root, Excluded& exclude
       found.push_back({.path = i->path().string()});
   }
   if (error)
-    found.push_back({.path = folder.string(),
-                     .error = folder.string() + ": expected a folder that can be read: " + error.message()});
+    found.push_back(
+        {.path = folder.string(),
+         .error =
+             FileError(folder.string(), expected_got("a folder that can be read", error.message())).what()});
   return left_out;
 }
 
@@ -85,9 +87,10 @@ void list_folder(const std::string& folder, Excluded& excluded, std::vector<Asse
   if (found.empty())
     found.push_back(
         {.path = folder,
-         .error = folder +
-                  (left_out ? ": expected mesh files that --exclude leaves, got none (of " + extensions + ")"
-                            : ": expected mesh files (" + extensions + "), got none")});
+         .error = FileError(folder, left_out ? "expected mesh files that --exclude leaves, got none (of " +
+                                                   extensions + ")"
+                                             : "expected mesh files (" + extensions + "), got none")
+                      .what()});
   std::sort(found.begin(), found.end(),
             [](const AssessedFile& a, const AssessedFile& b) { return a.path < b.path; });
   files.insert(files.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
@@ -250,9 +253,10 @@ void skip_unneeded(Asset& asset, std::vector<SkippedPrimitive>& skipped) {
 
 }  // namespace
 
-void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy) {
+void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy,
+                 const ReadOptions& read) {
   if (file.readable()) try {
-      Asset asset = read_asset(file.path);
+      Asset asset = read_asset(file.path, read);
       file.skipped = asset.skipped;
       if (policy.only_needed) skip_unneeded(asset, file.skipped);
       const std::vector<std::size_t> first = first_of(asset.primitives);
@@ -274,12 +278,8 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
         primitive.other_uvs = {};
         file.primitives.push_back({std::move(primitive), std::move(assessments), std::move(own)});
       }
-    } catch (const FileError& e) {
-      file.error = e.what();
-    } catch (const Error& e) {
-      file.error = file.path + ": " + e.what();
-    } catch (const std::bad_alloc&) {
-      file.error = file.path + ": needs more memory than there is";
+    } catch (const std::exception&) {
+      file.error = error_of(file.path);
     }
   if (!file.readable()) {
     file.primitives.clear();
@@ -289,48 +289,39 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
 }
 
 Json read_baseline(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) throw FileError(path, "cannot be read, expected a report of darboux validate --json");
-  try {
-    return Json::parse(stream);
-  } catch (const Json::exception& e) {
-    throw FileError(path,
-                    "is not JSON, expected a report of darboux validate --json: " + std::string(e.what()));
-  }
+  return io::parse_json(path, io::read_file(path));
 }
 
 namespace {
 
-Verdict verdict_of(const Json& entry, const std::string& path) {
-  const std::string verdict = entry.at("verdict");
-  const auto found = std::find(verdict_names.begin(), verdict_names.end(), verdict);
-  if (found == verdict_names.end())
-    throw FileError(path, "expected a verdict of " + joined({verdict_names.begin(), verdict_names.end()}) +
-                              ", got '" + verdict + "'");
-  return static_cast<Verdict>(found - verdict_names.begin());
+using io::JsonCursor;
+
+// The enumerator that a text names.
+template <class E, std::size_t N>
+E enumerator(const JsonCursor& name, const std::array<std::string_view, N>& names) {
+  const auto found = std::find(names.begin(), names.end(), name.text());
+  if (found == names.end()) name.fail("one of " + joined({names.begin(), names.end()}));
+  return static_cast<E>(found - names.begin());
 }
 
-Severity severity_of(const Json& name, const std::string& path) {
-  const auto found = std::find(severity_names.begin(), severity_names.end(), name.get<std::string>());
-  if (found == severity_names.end())
-    throw FileError(path, "expected a severity of " + joined({severity_names.begin(), severity_names.end()}) +
-                              ", got " + name.dump());
-  return static_cast<Severity>(found - severity_names.begin());
+Verdict verdict_of(const JsonCursor& entry) {
+  return enumerator<Verdict>(entry.at("verdict"), verdict_names);
 }
 
 // What the baseline says of a mesh or part.
-void add_known(AssessedPrimitive& p, const Json& mesh, const std::string& path) {
-  const Verdict verdict = verdict_of(mesh, path);
+void add_known(AssessedPrimitive& p, const JsonCursor& mesh) {
+  const Verdict verdict = verdict_of(mesh);
   p.known_not_pass += verdict > Verdict::pass;
   bool says_undetermined = false;
-  for (const Json& finding : mesh.at("findings")) {
-    if (!finding.at("count").is_number_unsigned())
-      throw FileError(path, expected_got("counts that are whole numbers from 0", finding.at("count").dump()));
-    const std::optional<Code> code = code_named(finding.at("code").get<std::string>());
-    const Severity own =
-        severity_of(finding.at(finding.contains("own_severity") ? "own_severity" : "severity"), path);
+  const JsonCursor findings = mesh.at("findings");
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    const JsonCursor finding = findings.at(i);
+    const std::uint64_t count = finding.at("count").integer();
+    const std::optional<Code> code = code_named(finding.at("code").text());
+    const auto own = enumerator<Severity>(
+        finding.at(finding.has("own_severity") ? "own_severity" : "severity"), severity_names);
     if (!code) continue;  // of another version
-    p.known[{*code, own}] += finding.at("count").get<std::size_t>();
+    p.known[{*code, own}] += count;
     says_undetermined |= *code == Code::undetermined;
   }
   // Reports of earlier versions say it by the verdict alone.
@@ -338,8 +329,8 @@ void add_known(AssessedPrimitive& p, const Json& mesh, const std::string& path) 
     ++p.known[{Code::undetermined, Severity::warning}];
 }
 
-void compare(AssessedFile& file, const Json& entry, const std::string& path) {
-  const bool was_unreadable = entry.contains("error");
+void compare(AssessedFile& file, const JsonCursor& entry) {
+  const bool was_unreadable = entry.has("error");
   if (!file.readable() || was_unreadable) {
     file.worse = file.worse && !was_unreadable;
     if (was_unreadable)  // whatever it is now was no better then
@@ -353,15 +344,16 @@ void compare(AssessedFile& file, const Json& entry, const std::string& path) {
   }
   std::map<std::pair<std::size_t, std::size_t>, AssessedPrimitive*> by_number;
   for (AssessedPrimitive& p : file.primitives) by_number[{p.primitive.mesh, p.primitive.primitive}] = &p;
-  for (const Json& mesh : entry.at("meshes")) {
-    const auto p =
-        by_number.find({mesh.at("mesh").get<std::size_t>(), mesh.at("primitive").get<std::size_t>()});
-    if (p != by_number.end()) add_known(*p->second, mesh, path);
+  const JsonCursor meshes = entry.at("meshes");
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const JsonCursor mesh = meshes.at(i);
+    const auto p = by_number.find({mesh.at("mesh").integer(), mesh.at("primitive").integer()});
+    if (p != by_number.end()) add_known(*p->second, mesh);
   }
   // What fails has an error, which counts; what is undetermined has none.
   const bool left_out = std::any_of(file.skipped.begin(), file.skipped.end(),
                                     [](const SkippedPrimitive& s) { return s.reason == unneeded_reason; });
-  file.lost = verdict_of(entry, path) == Verdict::pass && file.verdict == Verdict::nothing && !left_out;
+  file.lost = verdict_of(entry) == Verdict::pass && file.verdict == Verdict::nothing && !left_out;
   file.worse = file.lost;
   for (const AssessedPrimitive& p : file.primitives) {
     file.worse |= p.less_determined();
@@ -374,14 +366,11 @@ void compare(AssessedFile& file, const Json& entry, const std::string& path) {
 }  // namespace
 
 void compare_with_baseline(std::vector<AssessedFile>& files, const std::string& path, const Json& baseline) {
-  try {
-    std::map<std::string, const Json*> then;
-    for (const Json& entry : baseline.at("files")) then[entry.at("file").get<std::string>()] = &entry;
-    for (AssessedFile& file : files)
-      if (const auto old = then.find(utf8(file.path)); old != then.end()) compare(file, *old->second, path);
-  } catch (const Json::exception& e) {
-    throw FileError(path, "is no report of darboux validate --json: " + std::string(e.what()));
-  }
+  const JsonCursor then = JsonCursor::with_pointers(path, baseline).at("files");
+  std::map<std::string, std::size_t> place;
+  for (std::size_t i = 0; i < then.size(); ++i) place[then.at(i).at("file").text()] = i;
+  for (AssessedFile& file : files)
+    if (const auto old = place.find(utf8(file.path)); old != place.end()) compare(file, then.at(old->second));
 }
 
 std::string uv_convention(const MeshFit& fit) {

@@ -81,7 +81,8 @@ struct Policy {
 inline constexpr std::string_view unneeded_reason = "the material reads no tangents (--only needed)";
 
 /// Reads and assesses one file. What is undetermined has the finding UNDETERMINED.
-void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy);
+void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy,
+                 const ReadOptions& read);
 
 /// An earlier report, `darboux validate --json`. \throws FileError
 Json read_baseline(const std::string& path);

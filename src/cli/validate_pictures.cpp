@@ -40,9 +40,9 @@ std::string legend(const AssessedFile& file, std::size_t mesh, double max_angle_
       .dump();
 }
 
-void paint(const AssessedFile& file, double max_angle_deg, const std::string& path) {
+void paint(const AssessedFile& file, double max_angle_deg, const std::string& path, const ReadOptions& read) {
   GltfDocument document = [&] {
-    if (is_gltf(file.path)) return GltfDocument::load(file.path);
+    if (is_gltf(file.path)) return GltfDocument::load(file.path, read);
     Asset asset;
     for (const AssessedPrimitive& p : file.primitives) asset.primitives.push_back(p.primitive);
     return GltfDocument::of(asset, file.path);
@@ -80,7 +80,7 @@ void add_pictures(CLI::App& sub, Pictures& pictures) {
 }
 
 void check_pictures(const Pictures& pictures, std::size_t files) {
-  if (pictures.paint == "-" || pictures.page == "-")
+  if (is_standard_output(pictures.paint) || is_standard_output(pictures.page))
     throw ParameterError("-", expected_got("the name of a file", "-: standard output has the verdict"));
   if (!pictures.page.empty()) OutputFile{pictures.page};
   if (pictures.paint.empty()) return;
@@ -89,9 +89,10 @@ void check_pictures(const Pictures& pictures, std::size_t files) {
   if (files != 1) throw ParameterError("--paint", expected_got("one file to colour", std::to_string(files)));
 }
 
-void write_pictures(const Pictures& pictures, const std::vector<AssessedFile>& files, double max_angle_deg) {
+void write_pictures(const Pictures& pictures, const std::vector<AssessedFile>& files, double max_angle_deg,
+                    const ReadOptions& read) {
   if (!pictures.paint.empty() && files.front().readable())
-    paint(files.front(), max_angle_deg, pictures.paint);
+    paint(files.front(), max_angle_deg, pictures.paint, read);
   if (!pictures.page.empty()) write_file(pictures.page, validate_page(files, max_angle_deg));
 }
 

@@ -23,7 +23,8 @@ void check_pictures(const Pictures& pictures, std::size_t files);
 
 /// Writes them. Of files whose assessments keep errors and whose primitives have their data.
 /// \throws FileError, MeshError
-void write_pictures(const Pictures& pictures, const std::vector<AssessedFile>& files, double max_angle_deg);
+void write_pictures(const Pictures& pictures, const std::vector<AssessedFile>& files, double max_angle_deg,
+                    const ReadOptions& read);
 
 /// The error at each vertex: the largest at its corners, NaN where none is compared.
 std::vector<float> vertex_errors(const AssessedPrimitive& assessed);

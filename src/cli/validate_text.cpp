@@ -215,8 +215,8 @@ bool has_something(const AssessedFile& file) {
 
 // "is not JSON, expected ...": of the reason why a file cannot be read the first sentence, without its path.
 std::string first_sentence(const AssessedFile& file) {
-  std::string text = one_line(file.error);
-  const std::string path = one_line(file.path) + ": ";
+  std::string text = file.error;
+  const std::string path = message_name(file.path) + ": ";
   if (text.starts_with(path)) text.erase(0, path.size());
   return text.substr(0, std::min(text.find(". "), text.size()));
 }

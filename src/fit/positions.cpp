@@ -127,8 +127,8 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<Surfa
   const double size = box.isEmpty() ? 0 : box.diagonal().stableNorm();
   for (const fit::Primitive* primitive : fit::primitives()) {
     if (only && only->name != primitive->name) continue;
-    PointFit found = fit::fit_primitives(cloud, {.surface = std::string(primitive->name)}, primitive,
-                                         fit::Effort::plain);
+    PointFit found =
+        fit::fit_primitives(cloud, {.surface = std::string(primitive->name)}, primitive, fit::Effort::plain);
     if (!found.usable || !(found.rms <= fits_below * size) || !hold(only, placement, found)) continue;
     double squares = 0, farthest = 0;
     for (const std::uint32_t v : vertices) {

@@ -10,6 +10,9 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -51,10 +54,17 @@ bool write_all(int descriptor, const void* from, std::size_t count) {
   return true;
 }
 
+// However the parent ends, this process ends with it.
+void end_with(pid_t parent) {
+#ifdef __linux__
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+  if (::getppid() != parent) ::_exit(EXIT_FAILURE);  // it ended before
+}
+
 // The answer is its length, then its bytes.
 [[noreturn]] void run_child(int pipe, const std::function<std::string()>& work, const ChildLimits& limits) {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU, SIGPIPE, SIGTERM, SIGINT})
-    ::signal(signal, SIG_DFL);
+  for (int signal = 1; signal < NSIG; ++signal) ::signal(signal, SIG_DFL);
   if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) {
     ::dup2(nowhere, STDOUT_FILENO);
     ::dup2(nowhere, STDERR_FILENO);
@@ -115,8 +125,13 @@ std::string in_child(const std::function<std::string()>& work, const ChildLimits
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) throw ChildFailure("has no pipe to answer through");
     from_child.value = ends[0];
+    const pid_t parent = ::getpid();
     child = ::fork();
-    if (child == 0) run_child(ends[1], work, limits);
+    if (child == 0) {
+      ::close(ends[0]);  // or it would wait for itself to read, were the parent gone
+      end_with(parent);
+      run_child(ends[1], work, limits);
+    }
     ::close(ends[1]);
   }
   if (child < 0) throw ChildFailure("cannot have a process of its own");

@@ -11,31 +11,15 @@
 #include <draco/core/varint_decoding.h>
 
 #include "accessor.h"
+#include "budget.h"
 
 namespace darboux::io {
 namespace {
 
 constexpr const char* draco_extension = "KHR_draco_mesh_compression";
 
-/// Bytes that may still be decoded. A stream's size bounds nothing: a plane grid of two million triangles
-/// takes 2330 bytes.
-class Budget {
- public:
-  explicit Budget(const GltfFile& file) {
-    for (const auto& buffer : file.buffers) left_ += buffer ? buffer->size() << 10 : 0;
-  }
-  void take(const JsonCursor& compressed, std::uint64_t count, std::uint64_t bytes, const std::string& what) {
-    if (count > left_ / bytes)
-      compressed.fail("a stream of at most " + std::to_string(left_) + " bytes for a file of this size",
-                      std::to_string(count) + what);
-    left_ -= count * bytes;
-  }
-
- private:
-  std::uint64_t left_ = std::uint64_t{1} << 28;
-};
-
-/// One of Draco's decoders that looks at the counts in the stream before anything is allocated by them.
+/// One of Draco's decoders that looks at the counts in the stream before anything is allocated by them. A
+/// stream's size bounds nothing: a plane grid of two million triangles takes 2330 bytes.
 template <class Decoder>
 class BoundedDecoder final : public Decoder {
  public:
@@ -50,7 +34,8 @@ class BoundedDecoder final : public Decoder {
     if (!DecodeVarint(&first, &ahead) || !DecodeVarint(&second, &ahead)) return false;
     constexpr bool vertices_first = std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>;
     constexpr std::uint64_t face_bytes = 64;  // of indices, neighbours and what it takes to find them
-    budget_.take(compressed_, vertices_first ? second : first, face_bytes, " triangles of 64 bytes");
+    const std::uint64_t faces = vertices_first ? second : first;
+    budget_.take(faces * face_bytes, compressed_, std::to_string(faces) + " triangles of 64 bytes");
     return Decoder::DecodeConnectivity();
   }
   bool DecodeAllAttributes() override {
@@ -60,8 +45,9 @@ class BoundedDecoder final : public Decoder {
       const int size = std::max(draco::DataTypeLength(attribute.data_type()), 4);  // Draco works in 32 bits
       bytes += attribute.num_components() * static_cast<std::uint64_t>(size);
     }
-    budget_.take(compressed_, this->mesh()->num_points(), bytes,
-                 " vertices of " + std::to_string(bytes) + " bytes");
+    const std::uint64_t points = this->mesh()->num_points();
+    budget_.take(points * bytes, compressed_,
+                 std::to_string(points) + " vertices of " + std::to_string(bytes) + " bytes");
     return Decoder::DecodeAllAttributes();
   }
 
@@ -240,7 +226,7 @@ void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_in
 }  // namespace
 
 void decompress_draco(GltfFile& file) {
-  Budget budget(file);
+  Budget budget(file.options, file.bytes());
   const std::size_t meshes = file.root().has("meshes") ? file.root().at("meshes").size() : 0;
   for (std::size_t m = 0; m < meshes; ++m) {
     const JsonCursor mesh = file.root().at("meshes").at(m);

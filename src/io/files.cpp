@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include <darboux/error.h>
+#include <darboux/io.h>
 
 #include "base/base64.h"
 #include "base/text.h"
@@ -74,6 +75,15 @@ bool has_scheme(std::string_view uri) {
   return colon != std::string_view::npos && uri.substr(0, colon).find('/') == std::string_view::npos;
 }
 
+// Whether a file that exists lies neither in a folder nor below it, wherever symbolic links lead.
+bool lies_outside(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  std::error_code error;
+  const std::filesystem::path file = std::filesystem::canonical(path, error);
+  if (error) return false;
+  const std::filesystem::path root = std::filesystem::canonical(folder, error);
+  return error || std::mismatch(root.begin(), root.end(), file.begin(), file.end()).first != root.end();
+}
+
 }  // namespace
 
 void expect_regular_file(const std::string& path) {
@@ -102,7 +112,7 @@ std::string read_file(const std::string& path) {
 
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 80;
-  return '"' + one_line(std::string(text.substr(0, longest))) + (text.size() > longest ? "...\"" : "\"");
+  return '"' + shortened(one_line(text), longest) + '"';
 }
 
 bool is_data_uri(std::string_view uri) {
@@ -113,7 +123,8 @@ bool is_data_uri(std::string_view uri) {
   return true;
 }
 
-std::string load_uri(const std::string& base, const std::string& name, const std::string& uri) {
+std::string load_uri(const std::string& base, const std::string& name, const std::string& uri,
+                     const ReadOptions& options) {
   const auto refuse = [&] {
     throw FileError(base, name + ": " + expected_got("a relative path or a base64 data URI", in_quotes(uri)));
   };
@@ -126,10 +137,16 @@ std::string load_uri(const std::string& base, const std::string& name, const std
   if (relative.empty() || has_scheme(uri) || relative.front() == '/' || relative.front() == '\\' ||
       relative.find('\0') != std::string::npos)
     refuse();
+  const std::filesystem::path folder = std::filesystem::path(base).parent_path(), path = folder / relative;
+  if (!options.allow_outside && lies_outside(path, folder.empty() ? "." : folder))
+    throw OutsideError(base,
+                       name + ": " +
+                           expected_got("a file in the folder of this one, unless --allow-outside is given",
+                                        in_quotes(uri) + ", which leads out of it"));
   try {
-    return read_file((std::filesystem::path(base).parent_path() / relative).string());
+    return read_file(path.string());
   } catch (const FileError& error) {
-    throw FileError(base, name + ": " + one_line(error.what()));
+    throw FileError(base, name + ": " + error.what());
   }
 }
 

@@ -5,6 +5,12 @@
 #include <string>
 #include <string_view>
 
+#include <darboux/error.h>
+
+namespace darboux {
+struct ReadOptions;
+}
+
 namespace darboux::io {
 
 /// \throws FileError for what does not exist, folders, devices and pipes
@@ -13,17 +19,23 @@ void expect_regular_file(const std::string& path);
 /// The bytes of a regular file. \throws FileError
 std::string read_file(const std::string& path);
 
-/// Text of the file or the user made fit for a one-line message: quoted, control characters replaced, cut
-/// short.
+/// Text of the file or the user made fit for a one-line message: quoted, on one line, shortened.
 std::string in_quotes(std::string_view text);
 
 /// Whether a URI begins "data:".
 bool is_data_uri(std::string_view uri);
 
+/// A document names a file outside of its folder, and may not.
+class OutsideError : public FileError {
+  using FileError::FileError;
+};
+
 /// The bytes a URI stands for: those of a base64 data URI, or of a file relative to the folder of `base`.
 /// \param name what a message calls the URI
 /// \throws FileError with the subject `base`, on absolute paths, other schemes and broken base64
-std::string load_uri(const std::string& base, const std::string& name, const std::string& uri);
+/// \throws OutsideError for a file that is there, but neither in that folder nor below it
+std::string load_uri(const std::string& base, const std::string& name, const std::string& uri,
+                     const ReadOptions& options);
 
 /// data:MEDIA_TYPE;base64,...
 std::string make_data_uri(std::string_view media_type, std::string_view bytes);

@@ -22,6 +22,8 @@ struct Accessor;
 
 struct GltfFile {
   std::string path;  ///< named in messages, and relative URIs start from its folder
+  ReadOptions options;
+  std::uint64_t json_bytes = 0;
   io::Json json;
   /// One for each entry of "buffers". Buffer 0 is what becomes the binary chunk, padding included. One that
   /// has neither a uri nor the chunk has no bytes.
@@ -31,6 +33,9 @@ struct GltfFile {
   std::string other_chunks;  ///< chunks of the GLB that glTF 2.0 does not define, headers included
 
   io::JsonCursor root() const { return {path, json, "the document"}; }
+
+  /// Of the document as it was read, and of the buffers that are in memory.
+  std::uint64_t bytes() const;
 
   /// The entry of a top-level array that `index` names.
   io::JsonCursor element(const char* array, const io::JsonCursor& index) const;
@@ -85,11 +90,11 @@ constexpr int vertex_target = 34962, index_target = 34963;
 
 /// Reads the container, parses the document, loads its buffers, and undoes EXT_meshopt_compression and
 /// KHR_draco_mesh_compression: what is left is a document without them. \throws FileError
-GltfFile load_gltf(const std::string& path, std::string bytes);
+GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions& options = {});
 
 /// The document alone: nothing of its buffers, images and compressed data is read, and none need be there.
 /// Reads as many bytes as the JSON has. \throws FileError
-GltfFile load_gltf_json(const std::string& path);
+GltfFile load_gltf_json(const std::string& path, const ReadOptions& options = {});
 
 /// Buffers that are read one by one, of a document that was loaded without them.
 using ReadBuffers = std::map<std::size_t, std::optional<std::string>>;
@@ -105,8 +110,7 @@ void decompress_meshopt(GltfFile& file);
 
 /// Decodes the primitives that KHR_draco_mesh_compression compresses into new accessors, appended to buffer
 /// 0, and takes the extension off the document. Such a primitive is a list of triangles afterwards. Decoded
-/// data are at most 2^28 bytes and 2^10 for each byte of the buffers, a triangle counted as 64 bytes. \throws
-/// FileError
+/// data count against the budget of the file, a triangle as 64 bytes. \throws FileError
 void decompress_draco(GltfFile& file);
 
 /// Takes an extension off one object of the document.

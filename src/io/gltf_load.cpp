@@ -134,7 +134,7 @@ std::optional<std::string> load_buffer(const GltfFile& file, const JsonCursor& b
   const bool fallback = meshopt && meshopt->has("fallback") && meshopt->at("fallback").boolean();
   if (buffer.has("uri")) {
     const JsonCursor uri = buffer.at("uri");
-    if (!fallback) bytes = load_uri(file.path, uri.name(), uri.text());
+    if (!fallback) bytes = load_uri(file.path, uri.name(), uri.text(), file.options);
   } else if (is_first) {
     bytes = std::move(chunk);
   }
@@ -154,7 +154,7 @@ void load_buffers(GltfFile& file, std::optional<std::string> chunk) {
 /// Refuses what would take the parser's stack or its time: deep nesting, and objects of very many keys, each
 /// of which is looked for among the ones before it.
 void check_nesting(const std::string& file, std::string_view text) {
-  constexpr std::size_t most_levels = 256, most_keys = 10000;
+  constexpr std::size_t most_levels = 256, most_keys = 2000;
   std::array<std::size_t, most_levels + 1> keys{};
   std::size_t level = 0;
   bool in_text = false;
@@ -180,15 +180,22 @@ void check_nesting(const std::string& file, std::string_view text) {
 
 }  // namespace
 
+void refuse_json(const std::string& file, const nlohmann::detail::exception& error) {
+  if (const auto* parse = dynamic_cast<const Json::parse_error*>(&error))
+    throw FileError(
+        file, expected_got("JSON in UTF-8",
+                           "something else at byte " + std::to_string(parse->byte) + " of the document"));
+  const std::string_view text = error.what();  // which ends with the number, in quotes
+  throw FileError(file, expected_got("JSON with numbers in the range of double",
+                                     text.substr(std::min(text.find('\''), text.size()))));
+}
+
 Json parse_json(const std::string& file, std::string_view text) {
   check_nesting(file, text);
   try {
     return Json::parse(text.begin(), text.end());
-  } catch (const Json::parse_error& error) {
-    throw FileError(file, expected_got("JSON in UTF-8", "something else at byte " +
-                                                            std::to_string(error.byte) + " of the document"));
-  } catch (const Json::exception& error) {  // a number beyond the range of double
-    throw FileError(file, expected_got("JSON with numbers in the range of double", in_quotes(error.what())));
+  } catch (const Json::exception& error) {
+    refuse_json(file, error);
   }
 }
 
@@ -213,13 +220,15 @@ void check_document(const GltfFile& file) {
 
 }  // namespace
 
-GltfFile load_gltf(const std::string& path, std::string bytes) {
+GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions& options) {
   GltfFile file;
+  file.options = options;
   file.path = path;
   std::optional<std::string> chunk;
   if (bytes.starts_with("glTF")) {
     const Chunks chunks = split_chunks(path, bytes);
     file.json = parse_json(path, chunks.json);
+    file.json_bytes = chunks.json.size();
     file.other_chunks = chunks.others;
     if (chunks.has_bin) {
       bytes.resize(chunks.bin_begin + chunks.bin_size);
@@ -228,6 +237,7 @@ GltfFile load_gltf(const std::string& path, std::string bytes) {
     }
   } else {
     file.json = parse_json(path, json_text(path, bytes));
+    file.json_bytes = bytes.size();
   }
   check_document(file);
   check_extensions(file.root());
@@ -238,13 +248,14 @@ GltfFile load_gltf(const std::string& path, std::string bytes) {
   return file;
 }
 
-GltfFile load_gltf_json(const std::string& path) {
+GltfFile load_gltf_json(const std::string& path, const ReadOptions& options) {
   expect_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
   std::string bytes(header_bytes + chunk_header_bytes, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
   GltfFile file;
+  file.options = options;
   file.path = path;
   if (bytes.starts_with("glTF") && bytes.size() == header_bytes + chunk_header_bytes) {
     const std::size_t length = read_u32(bytes, header_bytes);
@@ -272,7 +283,8 @@ GltfFile load_gltf_json(const std::string& path) {
 }
 
 std::string image_bytes(const GltfFile& file, const JsonCursor& image, ReadBuffers& read) {
-  if (image.has("uri")) return load_uri(file.path, image.at("uri").name(), image.at("uri").text());
+  if (image.has("uri"))
+    return load_uri(file.path, image.at("uri").name(), image.at("uri").text(), file.options);
   const JsonCursor view = file.element("bufferViews", image.at("bufferView"));
   if (!file.buffers.empty()) return std::string(file.view_bytes(view));
   const JsonCursor index = view.at("buffer"), buffer = file.element("buffers", index);
@@ -304,6 +316,12 @@ void retire_extension(GltfFile& file, const char* name) {
 }
 
 }  // namespace io
+
+std::uint64_t GltfFile::bytes() const {
+  std::uint64_t sum = json_bytes;
+  for (const auto& buffer : buffers) sum += buffer ? buffer->size() : 0;
+  return sum;
+}
 
 io::JsonCursor GltfFile::element(const char* array, const io::JsonCursor& index) const {
   const std::size_t size = root().has(array) ? root().at(array).size() : 0;

@@ -9,6 +9,7 @@
 #include <darboux/error.h>
 
 #include "accessor.h"
+#include "budget.h"
 #include "mesh_files.h"
 #include "tangent_space.h"
 
@@ -28,10 +29,6 @@ Accessor read_attribute(const GltfFile& file, const JsonCursor& attributes, cons
                std::to_string(accessor.count));
   return accessor;
 }
-
-// Primitives and morph targets may share accessors, so that the file's size does not bound their sum. This is
-// what a GLB of 4 GiB holds at 16 bytes per element.
-constexpr std::size_t most_elements = std::size_t{1} << 28;
 
 std::vector<std::uint32_t> read_indices(const GltfFile& file, const JsonCursor& primitive,
                                         std::uint64_t vertices) {
@@ -269,8 +266,22 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, s
 
 }  // namespace
 
+namespace {
+
+/// In bytes. One primitive takes a few times what the file holds at most, but many may share that.
+std::uint64_t size_of(const Primitive& primitive) {
+  const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
+  const Mesh& mesh = primitive.data;
+  std::uint64_t sum = bytes(mesh.positions) + bytes(mesh.normals) + bytes(mesh.uvs) + bytes(mesh.tangents) +
+                      bytes(mesh.triangles);
+  for (const auto& [set, uvs] : primitive.other_uvs) sum += bytes(uvs);
+  return sum;
+}
+
+}  // namespace
+
 Asset read_gltf(const GltfFile& file) {
-  std::size_t elements = 0;
+  Budget budget(file.options, file.bytes());
   Asset asset;
   const JsonCursor root = file.root();
   const std::size_t mesh_count = root.has("meshes") ? root.at("meshes").size() : 0;
@@ -295,12 +306,9 @@ Asset read_gltf(const GltfFile& file) {
       primitive.primitive = p;
       if (mesh.has("name")) primitive.name = mesh.at("name").text();
       read_triangles(file, place, mode, primitive);
+      budget.take(size_of(primitive), place, "its vertices and triangles");
+      budget.take(instances[m].size() * sizeof(Eigen::Matrix4d), place, "its instances");
       primitive.instances = instances[m];
-      elements += primitive.data.positions.size() * (1 + primitive.other_uvs.size()) +
-                  primitive.data.triangles.size();
-      if (elements > most_elements)
-        place.fail("at most " + std::to_string(most_elements) + " vertices and triangles up to here",
-                   std::to_string(elements));
     }
   }
   return asset;
@@ -310,13 +318,13 @@ std::vector<MorphTarget> read_targets(const GltfFile& file, const JsonCursor& pr
                                       std::size_t vertices) {
   if (!primitive.has("targets")) return {};
   const JsonCursor targets = primitive.at("targets");
-  if (targets.size() > most_elements / vertices)
-    targets.fail("at most " + std::to_string(most_elements) + " vertices in all",
-                 std::to_string(targets.size()) + " targets of " + std::to_string(vertices) + " vertices");
+  Budget budget(file.options, file.bytes());
   std::vector<MorphTarget> result(targets.size());
   const std::string uvs = "TEXCOORD_" + std::to_string(texcoord);
   for (std::size_t i = 0; i < result.size(); ++i) {
     const JsonCursor target = targets.at(i);
+    // Positions, normals and uvs, and the tangents that are made of them, twice.
+    budget.take(vertices * 4 * sizeof(Vec3<double>), target, "a morph target");
     const auto read = [&](const std::string& name, const char* type, auto& into) {
       if (target.has(name.c_str()))
         into = gather<typename std::remove_reference_t<decltype(into)>::value_type>(

@@ -58,9 +58,11 @@ void embed_image(const GltfFile& file, Json& image) {
       io::is_data_uri(image["uri"].get_ref<const std::string&>()))
     return;
   try {
-    const std::string bytes = io::load_uri(file.path, "an image", image["uri"]);
+    const std::string bytes = io::load_uri(file.path, "an image", image["uri"], file.options);
     const std::string type = image_type(bytes);
     if (!type.empty()) image["uri"] = io::make_data_uri(type, bytes);
+  } catch (const io::OutsideError&) {
+    throw;
   } catch (const FileError&) {
     // Tangents do not depend on images: one that is missing is no reason to fail.
   }
@@ -212,8 +214,8 @@ GltfDocument::GltfDocument(GltfDocument&&) noexcept = default;
 GltfDocument& GltfDocument::operator=(GltfDocument&&) noexcept = default;
 GltfDocument::~GltfDocument() = default;
 
-GltfDocument GltfDocument::load(const std::string& path) {
-  return GltfDocument(std::make_unique<GltfFile>(io::load_gltf(path, io::read_file(path))));
+GltfDocument GltfDocument::load(const std::string& path, const ReadOptions& options) {
+  return GltfDocument(std::make_unique<GltfFile>(io::load_gltf(path, io::read_file(path), options)));
 }
 
 const std::string& GltfDocument::path() const {

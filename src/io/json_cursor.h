@@ -25,6 +25,9 @@ namespace darboux::io {
 /// Keeps the order of keys, so that a rewritten document stays close to the original.
 using Json = nlohmann::ordered_json;
 
+/// \param error what the parser says \throws FileError with the subject `file`, in the words of this tool
+[[noreturn]] void refuse_json(const std::string& file, const nlohmann::detail::exception& error);
+
 /// \param text JSON of at most 256 levels \throws FileError with the subject `file`
 Json parse_json(const std::string& file, std::string_view text);
 

@@ -28,8 +28,8 @@ const std::vector<Group> groups{{{"x", "y", "z"}, 0},
                                 {{"s", "t"}, 6},
                                 {{"texture_u", "texture_v"}, 6}};
 
-PointFile read_gltf_points(const std::string& path) {
-  const Asset asset = read_asset(path);
+PointFile read_gltf_points(const std::string& path, const ReadOptions& options) {
+  const Asset asset = read_asset(path, options);
   PointFile result;
   bool normals = true, uvs = true;
   for (const Primitive& p : asset.primitives) {
@@ -163,9 +163,10 @@ PointCloud distinct_points(const PointFile& file) {
   return {kept(file.cloud.positions), kept(file.cloud.normals), kept(file.cloud.uvs)};
 }
 
-PointFile read_points(const std::string& path, const std::function<void(double)>& progress) {
+PointFile read_points(const std::string& path, const std::function<void(double)>& progress,
+                      const ReadOptions& options) {
   const std::string extension = lower(std::filesystem::path(path).extension().string());
-  if (extension == ".glb" || extension == ".gltf") return io::read_gltf_points(path);
+  if (extension == ".glb" || extension == ".gltf") return io::read_gltf_points(path, options);
   struct Format {
     std::vector<std::string_view> extensions;
     const char* kind;

@@ -50,13 +50,13 @@ bool is_text(const std::string& path) {
   return extension == ".stl" && lower(begin.substr(0, 5)) == "solid" && begin.find('\0') == std::string::npos;
 }
 
-Asset read_any(const std::string& path) {
+Asset read_any(const std::string& path, const ReadOptions& options) {
   io::expect_regular_file(path);
   std::string magic(4, '\0');
   std::ifstream(path, std::ios::binary).read(magic.data(), 4);
   const std::string extension = lower(std::filesystem::path(path).extension().string());
   if (magic == "glTF" || extension == ".glb" || extension == ".gltf")
-    return io::read_gltf(io::load_gltf(path, io::read_file(path)));
+    return io::read_gltf(io::load_gltf(path, io::read_file(path), options));
   if (extension == ".ply") return io::read_ply(path);
   if (extension == ".stl") return io::read_stl(path);
   if (extension == ".dae") return io::read_collada(path, io::read_file(path));
@@ -70,8 +70,8 @@ Asset read_any(const std::string& path) {
 
 }  // namespace
 
-Asset read_asset(const std::string& path) {
-  Asset asset = read_any(path);
+Asset read_asset(const std::string& path, const ReadOptions& options) {
+  Asset asset = read_any(path, options);
   if (!is_text(path)) return asset;
   for (Primitive& p : asset.primitives) {
     if (p.data.half_steps.normal == 0) p.data.half_steps.normal = half_step_of_decimals(p.data.normals);

@@ -27,17 +27,9 @@ Json parse(const std::string& path) {
   };
   if (std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) <= ' '; }))
     refuse("an empty file");
-  try {
-    Json json = Json::parse(text);
-    if (!json.is_object()) refuse(std::string("a JSON ") + json.type_name());
-    return json;
-  } catch (const Json::parse_error& error) {
-    refuse("what is not JSON at byte " + std::to_string(error.byte));
-  } catch (const Json::out_of_range&) {
-    throw FileError(path,
-                    expected_got("numbers of magnitudes up to 1.79e308", "one beyond the range of double"));
-  }
-  return {};
+  Json json = io::parse_json(path, text);
+  if (!json.is_object()) refuse(std::string("a JSON ") + json.type_name());
+  return json;
 }
 
 void refuse_other_keys(const JsonCursor& document, const std::vector<std::string>& known) {

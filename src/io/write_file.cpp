@@ -1,7 +1,9 @@
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include <fcntl.h>
@@ -12,6 +14,7 @@
 #include <darboux/io.h>
 
 #include "base/text.h"
+#include "unfinished.h"
 
 namespace darboux {
 namespace {
@@ -23,44 +26,125 @@ namespace fs = std::filesystem;
                                                              std::strerror(error)));
 }
 
+// The descriptor of this process that a path is another name of.
+std::optional<int> descriptor_named(const std::string& path) {
+  if (path == "-" || path == "/dev/stdout") return STDOUT_FILENO;
+  if (path == "/dev/stderr") return STDERR_FILENO;
+  for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
+    if (!path.starts_with(folder)) continue;
+    const char *const first = path.data() + folder.size(), *const end = path.data() + path.size();
+    int number = -1;
+    const auto [last, error] = std::from_chars(first, end, number);
+    if (error == std::errc{} && last == end && number >= 0) return number;
+  }
+  return std::nullopt;
+}
+
+// Where symbolic links lead, be there a file or not; no further than to a descriptor's name.
+std::string followed(std::string path) {
+  std::error_code error;
+  for (int links = 0; links < 40 && !descriptor_named(path); ++links) {
+    const fs::path to = fs::read_symlink(path, error);
+    if (error) break;
+    path = (fs::path(path).parent_path() / to).string();
+  }
+  return path;
+}
+
+// Calls `make` with names beside the target, hidden and never tried before, until one is free. \returns the
+// name, which is unfinished; or none, and errno says why
+template <class F>
+std::string make_temporary(const std::string& target, const F& make) {
+  static std::size_t count = 0;  // Uninterrupted guards it
+  while (true) {
+    const std::string name =
+        ".darboux-" + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".tmp";
+    std::string path = (fs::path(target).parent_path() / name).string();
+    io::add_unfinished(path);
+    if (make(path.c_str()) >= 0) return path;
+    const int error = errno;
+    io::drop_unfinished(path);
+    errno = error;
+    if (error != EEXIST) return {};
+  }
+}
+
+// Where the system shows the name of an open file, by which it can be given others.
+std::string name_in_proc(int descriptor) {
+  return "/proc/self/fd/" + std::to_string(descriptor);
+}
+
+// A file that has no name yet, which nothing can leave behind; -1 where the file system has none.
+int open_without_name(const std::string& target) {
+#ifdef O_TMPFILE
+  const fs::path folder = fs::path(target).parent_path();
+  const int descriptor =
+      ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  if (descriptor < 0 || ::access(name_in_proc(descriptor).c_str(), F_OK) == 0) return descriptor;
+  ::close(descriptor);
+#else
+  static_cast<void>(target);
+#endif
+  return -1;
+}
+
+// Mode and, where permitted, owner and group.
+void keep_attributes(int descriptor, const struct stat& old) {
+  struct stat now {};
+  ::fstat(descriptor, &now);
+  if ((now.st_uid != old.st_uid || now.st_gid != old.st_gid) &&
+      ::fchown(descriptor, old.st_uid, old.st_gid) != 0) {
+    // Not permitted: it belongs to whoever writes it, as a new file would.
+  }
+  ::fchmod(descriptor, old.st_mode & 07777);
+}
+
 }  // namespace
 
+bool is_standard_output(const std::string& path) {
+  return descriptor_named(followed(path)) == STDOUT_FILENO;
+}
+
 OutputFile::OutputFile(const std::string& path) : path_(path) {
-  if (path == "-") {
-    path_ = "standard output";
-    descriptor_ = ::dup(STDOUT_FILENO);
+  const std::string target = followed(path);
+  if (const std::optional<int> named = descriptor_named(target)) {
+    if (*named == STDOUT_FILENO) path_ = "standard output";
+    descriptor_ = ::fcntl(*named, F_DUPFD_CLOEXEC, 0);
     if (descriptor_ < 0) fail(path_, errno);
     return;
   }
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  if (fs::is_directory(status) || path.empty() || path.ends_with('/'))
+  struct stat old {};
+  const bool exists = ::stat(target.c_str(), &old) == 0;
+  if (path.empty() || target.ends_with('/') || (exists && S_ISDIR(old.st_mode)))
     throw FileError(path.empty() ? "\"\"" : path, expected_got("the name of a file", "that of a folder"));
-  const bool link = fs::is_symlink(fs::symlink_status(path, ignored));
-  // /dev/stdout and the like may lead to a regular file, yet must not be replaced by one.
-  const bool system_link = link && (path.starts_with("/dev/") || path.starts_with("/proc/"));
-  if (system_link || (fs::exists(status) && !fs::is_regular_file(status))) {
-    descriptor_ = ::open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+  if (!exists && errno != ENOENT) fail(path_, errno);
+  if (exists && !S_ISREG(old.st_mode)) {
+    descriptor_ = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
     if (descriptor_ < 0) fail(path_, errno);
     return;
   }
-  const fs::path target = link && fs::exists(status) ? fs::canonical(path) : fs::path(path);
-  target_ = target.string();
-  for (int attempt = 0; descriptor_ < 0; ++attempt) {
-    const std::string name =
-        ".darboux-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".tmp";
-    temporary_ = (target.parent_path() / name).string();
-    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) {
-      temporary_.clear();
-      fail(path_, errno);
-    }
+  // A folder may permit to replace what may not be written to. That is not what its owner wanted.
+  if (exists && ((old.st_mode & 0222) == 0 || ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0))
+    throw FileError(
+        path, "cannot be replaced: " + expected_got("a file that may be written to", "a read-only one"));
+  target_ = target;
+  descriptor_ = open_without_name(target_);
+  if (descriptor_ < 0) {
+    const io::Uninterrupted uninterrupted;
+    temporary_ = make_temporary(target_, [&](const char* name) {
+      return descriptor_ = ::open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    });
   }
+  if (descriptor_ < 0) fail(path_, errno);
+  if (exists) keep_attributes(descriptor_, old);
 }
 
 OutputFile::~OutputFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (temporary_.empty()) return;
+  const io::Uninterrupted uninterrupted;
+  ::unlink(temporary_.c_str());
+  io::drop_unfinished(temporary_);
 }
 
 void OutputFile::flush() {
@@ -83,11 +167,27 @@ void OutputFile::write(std::string_view content) {
 
 void OutputFile::commit() {
   flush();
-  if (!temporary_.empty() && ::fsync(descriptor_) != 0) fail(path_, errno);
+  if (!target_.empty()) {
+    if (::fsync(descriptor_) != 0) fail(path_, errno);
+    give_name();
+  }
   if (::close(std::exchange(descriptor_, -1)) != 0) fail(path_, errno);
-  if (temporary_.empty()) return;
+}
+
+void OutputFile::give_name() {
+  const io::Uninterrupted uninterrupted;  // nothing but SIGKILL comes between two names
+  if (temporary_.empty()) {
+    const std::string unnamed = name_in_proc(descriptor_);
+    const auto link_to = [&](const char* name) {
+      return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW);
+    };
+    if (link_to(target_.c_str()) == 0) return;
+    if (errno != EEXIST) fail(path_, errno);
+    temporary_ = make_temporary(target_, link_to);
+    if (temporary_.empty()) fail(path_, errno);
+  }
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(path_, errno);
-  temporary_.clear();
+  io::drop_unfinished(std::exchange(temporary_, {}));
 }
 
 void write_file(const std::string& path, std::string_view content) {

@@ -18,6 +18,7 @@
 #include "base/parallel_jobs.h"
 #include "base/text.h"
 #include "io/files.h"
+#include "io/json_cursor.h"
 
 namespace darboux {
 namespace {
@@ -67,7 +68,7 @@ struct Results {
 
 Header read_header(const std::string& file, const Json& line, const std::string& version) {
   if (!line.is_object() || !line.contains("darboux_results"))
-    broken(file, 1, expected_got("the header of a results file", one_line(dump(line)).substr(0, 60)));
+    broken(file, 1, expected_got("the header of a results file", shortened(dump(line), 60)));
   if (line["darboux_results"] != format)
     broken(file, 1,
            expected_got("results of format " + std::to_string(format), dump(line["darboux_results"])));
@@ -115,8 +116,8 @@ std::optional<Results> parse_results(const std::string& file, const std::string&
   for (std::size_t end; (end = text.find('\n', results.complete)) != std::string::npos;
        results.complete = end + 1) {
     ++number;
-    const Json line = Json::parse(text.begin() + static_cast<std::ptrdiff_t>(results.complete),
-                                  text.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
+    const Json line = io::parse_json(file + ": line " + std::to_string(number),
+                                     std::string_view(text).substr(results.complete, end - results.complete));
     if (!line.is_object()) broken(file, number, expected_got("a JSON object", "a line that is none"));
     if (number == 1)
       results.header = read_header(file, line, version);
@@ -198,8 +199,8 @@ void check_same(const std::string& file, const Results& found, const Header& wan
                                            std::to_string(found.header.jobs)));
   for (const auto& [job, result] : found.of_job)
     if (result.first != jobs[job].key)
-      throw FileError(file, expected_got("job " + std::to_string(job) + " to be " + jobs[job].key,
-                                         one_line(result.first)));
+      throw FileError(file,
+                      expected_got("job " + std::to_string(job) + " to be " + jobs[job].key, result.first));
 }
 
 }  // namespace

@@ -82,8 +82,9 @@ TEST(MakeSurface, ListsTheKnownSurfacesForAnUnknownOne) {
   EXPECT_EQ(message_of("klein"), "klein: unknown surface, known are " + known);
   EXPECT_EQ(message_of(""), "surface: unknown surface, known are " + known);
   EXPECT_EQ(message_of(":radius=1"), "surface: unknown surface, known are " + known);
-  for (const char* text : {"Torus", "torus ", " torus", "torus,major_radius=1", "torus\n"})
+  for (const char* text : {"Torus", "torus ", " torus", "torus,major_radius=1"})
     EXPECT_EQ(message_of(text), std::string(text) + ": unknown surface, known are " + known);
+  EXPECT_EQ(message_of("torus\n"), "torus\\x0A: unknown surface, known are " + known);
 }
 
 TEST(MakeSurface, ListsTheKnownParametersForAnUnknownOne) {

@@ -254,7 +254,7 @@ std::size_t triangles_in(const Json& picture) {
 TEST_F(Cli, ReportIsOnePageAndChangesNothingElse) {
   const std::string files = "data/torus_016.three.glb data/mirrortorus_016.mikk.glb data/sphere_016.obj";
   const Result plain = sh("darboux validate --json " + files);
-  const Result reported = sh("darboux validate --json " + files + " --report out.html --paint ''");
+  const Result reported = sh("darboux validate --json " + files + " --report out.html");
   EXPECT_EQ(reported.out, plain.out);
   EXPECT_EQ(reported.status, plain.status);
   const std::string page = read_bytes(path("out.html"));

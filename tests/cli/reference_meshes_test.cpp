@@ -127,5 +127,21 @@ TEST_F(ReferenceMeshes, RefuseWrongUsageInOneLine) {
   EXPECT_FALSE(fs::exists(path("x.glb")));
 }
 
+// Cells of a grid that are not whole: those about an infinity of a formula. Triangles without area at a pole
+// of the chart leave the other half of their cell, and are not counted.
+TEST_F(Cli, SaysHowManyCellsAMeshDropped) {
+  write_bytes(path("pole.surface"), "x = u\ny = v\nz = 1/((u-0.5)*(u-0.5) + (v-0.5)*(v-0.5))\n");
+  const std::string mesh = "darboux mesh formula:file=pole.surface --grid 8x8 -o out.glb ";
+  const Result r = sh(mesh);
+  EXPECT_EQ(r.status, 0);
+  expect_one_line(r.err);
+  EXPECT_NE(r.err.find("got 4 of 64"), std::string::npos) << r.err;  // those about (0.5, 0.5)
+  good(mesh + "--quiet");
+  EXPECT_EQ(json(mesh + "--quiet --json")["dropped_cells"], 4);
+  for (const char* surface : {"sphere", "cone", "torus"})
+    EXPECT_EQ(json("darboux mesh " + std::string(surface) + " --grid 8x8 -o out.glb --json")["dropped_cells"],
+              0);
+}
+
 }  // namespace
 }  // namespace darboux::test

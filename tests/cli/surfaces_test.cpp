@@ -149,7 +149,7 @@ TEST_F(Cli, RefusesBadSurfaceFilesInOneLine) {
     refused(command + "bezier-patch:radius=2", {"unknown parameter 'radius'", "file"});
     refused(command + "torus:file=net.json", {"unknown parameter 'file'", "major_radius"});
   }
-  refused("darboux eval \"$(printf 'formula:file=a\\nb')\" --at 0,0", {"a?b: expected a readable file"});
+  refused("darboux eval \"$(printf 'formula:file=a\\nb')\" --at 0,0", {"a\\x0Ab: expected a readable file"});
   // A path that is not UTF-8 still makes valid JSON.
   json(
       "name=$(printf '\\377.surface'); cp my.surface \"$name\"; darboux eval \"formula:file=$name\" --at 0,0 "

@@ -134,9 +134,9 @@ TEST_F(CliMany, OnlyWhatGotWorseThanTheBaselineCounts) {
 }
 
 TEST_F(CliMany, RefusesABaselineThatIsNone) {
-  refused("darboux validate assets --baseline gone.json", {"gone.json", "--json"});
+  refused("darboux validate assets --baseline gone.json", {"gone.json", "no file"});
   write("text.json", "no json");
-  refused("darboux validate assets --baseline text.json", {"text.json", "--json"});
+  refused("darboux validate assets --baseline text.json", {"text.json", "JSON"});
   for (const char* wrong :
        {"[]", "{}", R"({"files": 3})", R"({"files": [{"file": 1}]})",
         R"({"files": [{"file": "assets/good.glb", "verdict": "perhaps", "meshes": []}]})",
@@ -169,7 +169,7 @@ TEST_F(CliMany, OptionsComeFromAFileToo) {
     write("wrong.toml", text + '\n');
     refused("darboux validate assets/good.glb --config wrong.toml", {part});
   }
-  refused("darboux validate assets --config gone.toml", {"gone.toml", "cannot be read"});
+  refused("darboux validate assets --config gone.toml", {"gone.toml", "no file"});
 }
 
 TEST_F(CliMany, SarifNamesEveryFindingToActOn) {

@@ -116,7 +116,7 @@ TEST(BadFiles, NotGltf) {
                          "expected JSON in UTF-8, got something else at byte", name);
     expect_bytes_refused("{\"asset\": {\"version\": \"\xC3\"}}",
                          "expected JSON in UTF-8, got something else at byte", name);
-    expect_bytes_refused("{\"a\": 1e999}", "number overflow", name);
+    expect_bytes_refused("{\"a\": 1e999}", "got '1e999'", name);
     expect_bytes_refused("{}", "the document: expected an object with asset, got one without", name);
     expect_bytes_refused("{\"asset\": 3}", "asset: expected an object, got 3", name);
     expect_bytes_refused("{\"asset\": {\"version\": 2.0}}", "asset.version: expected a text, got 2.0", name);
@@ -214,7 +214,7 @@ TEST(BadFiles, NestingBombs) {
                        "expected JSON of at most 256 levels, got more", "bomb.gltf");
   std::string keys = "{";
   for (int i = 0; i < 20000; ++i) keys += "\"" + std::to_string(i) + "\": 0,";
-  expect_bytes_refused(keys, "expected JSON objects of at most 10000 keys, got one of more", "bomb.gltf");
+  expect_bytes_refused(keys, "expected JSON objects of at most 2000 keys, got one of more", "bomb.gltf");
 
   const TempFolder folder;
   const std::string path = test::write_bytes(folder / "fine.gltf", deep(200, "[", "]"));
@@ -397,7 +397,7 @@ TEST(BadFiles, Uris) {
   refuse("line\nbreak.bin\n", "buffers[0].uri: ");
   refuse("missing.bin", "missing.bin: expected a readable file");
   refuse("folder.bin", "folder.bin: expected a file, got a folder");
-  refuse("../../../../../../../../dev/zero", "expected a regular file, got a device or a pipe");
+  refuse("../../../../../../../../dev/zero", "unless --allow-outside is given, got");
   refuse("short.bin", "expected at most the 4 bytes there are");
   refuse("data:application/octet-stream,abc", "expected a relative path or a base64 data URI");
   refuse("data:;base64", "expected a relative path or a base64 data URI");

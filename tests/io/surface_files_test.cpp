@@ -394,11 +394,11 @@ TEST_F(SurfaceFiles, RefusesBadJsonInOneLine) {
   for (const char* kind : {bezier, bspline, turned}) {
     refused(kind, "", {"got an empty file", "expected a JSON object"});
     refused(kind, " \n", {"got an empty file"});
-    refused(kind, "{\"points\": [[0, 1],", {"what is not JSON at byte", "expected a JSON object"});
+    refused(kind, "{\"points\": [[0, 1],", {"expected JSON in UTF-8", "something else at byte"});
     refused(kind, "[1, 2]", {"got a JSON array", "expected a JSON object"});
     refused(kind, "{\"point\": []}", {"got \"point\"", "expected keys among points, weights"});
     refused(kind, "{\"points\": [[1e999, 0, 0]]}", {"range of double"});
-    refused(kind, "\xff\xfe", {"what is not JSON"});
+    refused(kind, "\xff\xfe", {"expected JSON in UTF-8"});
   }
   refused(bezier, "{}", {"expected an object with points"});
   refused(bezier, "{\"points\": 7}", {"points: expected an array, got 7"});

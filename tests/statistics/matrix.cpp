@@ -1,17 +1,16 @@
 // The matrix of docs/reports/fit.md, for matrix.sh:
 //   fit_matrix [--cells PART-OF-KEY]... [--usable N] [--tries N] [--results FILE.jsonl [--shard I/N]] [--list]
-// A results file is resumed; `darboux merge` joins those of shards. Prints the pooled rows and every cell that is
-// outside.
+// A results file is resumed; `darboux merge` joins those of shards. Prints the pooled rows and every cell
+// that is outside.
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <map>
 #include <thread>
 
-#include "study/study.h"
-
 #include "fit_matrix.h"
 #include "intervals.h"
+#include "study/study.h"
 
 namespace darboux::matrix {
 namespace {
@@ -49,14 +48,16 @@ Arguments parse(int count, char** values) {
     else if (name == "--threads")
       a.study.threads = std::stoi(value);
     else
-      throw std::runtime_error("expected --cells, --usable, --tries, --results, --shard, --threads or --list, got " + name);
+      throw std::runtime_error(
+          "expected --cells, --usable, --tries, --results, --shard, --threads or --list, got " + name);
   }
   return a;
 }
 
 bool wanted(const std::string& key, const std::vector<std::string>& parts) {
-  return std::all_of(parts.begin(), parts.end(),
-                     [&](const std::string& part) { return ("/" + key + "/").find(part) != std::string::npos; });
+  return std::all_of(parts.begin(), parts.end(), [&](const std::string& part) {
+    return ("/" + key + "/").find(part) != std::string::npos;
+  });
 }
 
 Json run_cell(const Cell& cell, const Arguments& arguments) {
@@ -78,10 +79,11 @@ int main_of(int count, char** values) {
   }
   for (const Cell& cell : chosen)
     jobs.push_back({cell.key(), [cell, &arguments] { return run_cell(cell, arguments); }});
-  const StudyIdentity identity{"fit_matrix",
-                               DARBOUX_VERSION,
-                               {{"cells", arguments.parts}, {"usable", arguments.usable}, {"tries", arguments.tries}},
-                               Json::object()};
+  const StudyIdentity identity{
+      "fit_matrix",
+      DARBOUX_VERSION,
+      {{"cells", arguments.parts}, {"usable", arguments.usable}, {"tries", arguments.tries}},
+      Json::object()};
   double shown = 0;
   const std::vector<Json> results = run_study(identity, jobs, arguments.study, [&](double share) {
     if (share >= shown + 0.05) std::fprintf(stderr, "%.0f %%\n", 100 * (shown = share));
@@ -94,11 +96,12 @@ int main_of(int count, char** values) {
     const Tally tally = Tally::of(results[k]);
     const Cell& cell = chosen[k];
     const std::string kind(kinds[cell.kind]);
-    rows[kind + ", " + std::string(name_of(regions[cell.region])) + ", " + std::to_string(counts[cell.count])] +=
-        tally;
+    rows[kind + ", " + std::string(name_of(regions[cell.region])) + ", " +
+         std::to_string(counts[cell.count])] += tally;
     const std::string what = tally.outside(cell);
     outside += !what.empty();
-    if (!what.empty() || chosen.size() < 50) std::cout << tally.row(cell.key()) << ' ' << what << '\n' << tally.reasons_text();
+    if (!what.empty() || chosen.size() < 50)
+      std::cout << tally.row(cell.key()) << ' ' << what << '\n' << tally.reasons_text();
   }
   std::cout << '\n';
   for (const auto& [name, tally] : rows) std::cout << tally.row(name) << '\n';

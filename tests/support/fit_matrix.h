@@ -91,17 +91,18 @@ inline SyntheticPoints points_of(const Cell& cell, std::uint64_t run) {
   options.outlier_pattern = o.pattern;
   options.region = regions[cell.region];
   options.random_shape = kinds[cell.kind] != "torus" || regions[cell.region] != Region::patch;
-  options.seed = 1 + run + 1000 * ((((cell.kind * 8 + cell.region) * 8 + cell.count) * 8 + cell.outliers) * 8 +
-                                   cell.sigma);
+  options.seed =
+      1 + run +
+      1000 * ((((cell.kind * 8 + cell.region) * 8 + cell.count) * 8 + cell.outliers) * 8 + cell.sigma);
   return make_points(kinds[cell.kind], options);
 }
 
 // What a fit states, and whether the truth lies inside.
 struct Run {
-  bool usable = false;         // fitted as what it is
-  std::string reason{};        // where it is not
-  double mahalanobis = 0;      // squared error over the bound, per parameter
-  double told = 0;             // the same of a fit that is told inliers, noise and truth; 0: not asked
+  bool usable = false;              // fitted as what it is
+  std::string reason{};             // where it is not
+  double mahalanobis = 0;           // squared error over the bound, per parameter
+  double told = 0;                  // the same of a fit that is told inliers, noise and truth; 0: not asked
   int parameters = 0, covered = 0;  // of the intervals of the surface's own parameters
   std::optional<bool> axis{}, centre{}, normal{};
   double largest_bound = 0;  // of the standard errors of all parameters: Cramer-Rao, sizes are about 1
@@ -128,7 +129,7 @@ inline const ConfidenceInterval* interval_named(const PointFit& fit, std::string
 
 // Of the true surface as the fit names it: its axes in another order or direction are the same surface.
 struct TrueQuantities {
-  std::vector<double> parameters;  // those that the points determine, in the fit's order; else NaN
+  std::vector<double> parameters;   // those that the points determine, in the fit's order; else NaN
   double axis_deg = 0, centre = 0;  // how far the fit is off
 };
 
@@ -170,7 +171,8 @@ inline TrueQuantities true_quantities(const SyntheticPoints& points, const Place
   return q;
 }
 
-inline void judge_intervals(const SyntheticPoints& points, const PointFit& fit, std::uint64_t seed, Run& run) {
+inline void judge_intervals(const SyntheticPoints& points, const PointFit& fit, std::uint64_t seed,
+                            Run& run) {
   const TrueQuantities truth = true_quantities(points, *fit.surface);
   const auto names = fit.surface->surface.parameters();
   for (std::size_t k = 0; k < names.size(); ++k)
@@ -232,16 +234,14 @@ struct Hits {
   void add(bool hit) { k += hit, ++n; }
   void operator+=(const Hits& other) { k += other.k, n += other.n; }
   // Whether the odds of so few, or so many, are below one in a million where the true share is p.
-  bool below(double p) const {
-    return n > 0 && boost::math::cdf(binomial(p), static_cast<double>(k)) < 1e-6;
-  }
+  bool below(double p) const { return n > 0 && boost::math::cdf(binomial(p), static_cast<double>(k)) < 1e-6; }
   bool above(double p) const {
-    return k > 0 &&
-           boost::math::cdf(boost::math::complement(binomial(p), static_cast<double>(k) - 1)) < 1e-6;
+    return k > 0 && boost::math::cdf(boost::math::complement(binomial(p), static_cast<double>(k) - 1)) < 1e-6;
   }
   std::string text() const {
     if (n == 0) return "-";
-    return std::to_string(static_cast<int>(std::lround(100.0 * static_cast<double>(k) / static_cast<double>(n))));
+    return std::to_string(
+        static_cast<int>(std::lround(100.0 * static_cast<double>(k) / static_cast<double>(n))));
   }
 
  private:
@@ -252,13 +252,14 @@ struct Hits {
 
 // All runs of a cell, or of several.
 struct Tally {
-  static constexpr std::array<const char*, 8> names{"usable",    "usable_where_bound", "parameters", "axis",
-                                                    "centre", "normals", "wrong_kind", "auto_usable"};
+  static constexpr std::array<const char*, 8> names{
+      "usable", "usable_where_bound", "parameters", "axis", "centre", "normals", "wrong_kind", "auto_usable"};
   std::array<Hits, 8> hits{};
   double squares = 0, told = 0, told_of = 0, seconds = 0;  // told_of: the squares of the same runs
   std::size_t asked = 0;
   std::size_t usable = 0;
-  std::map<std::string, std::size_t> reasons{};  // why not usable, its first words; under auto: what was found
+  std::map<std::string, std::size_t>
+      reasons{};  // why not usable, its first words; under auto: what was found
 
   void add(const Run& run, const Cell& cell) {
     hits[0].add(run.usable);
@@ -334,7 +335,8 @@ struct Tally {
     // A mean of N chi squared of p degrees of freedom, over p.
     const double unknowns = std::array{3., 4., 5., 6., 7., 9.}[cell.kind];
     const double limit = n >= 1000 ? 1.1 : n >= 50 ? 1.25 : 0;
-    const double spread = 1 + 4.75 * std::sqrt(2 / (unknowns * std::max<double>(1, static_cast<double>(usable))));
+    const double spread =
+        1 + 4.75 * std::sqrt(2 / (unknowns * std::max<double>(1, static_cast<double>(usable))));
     if (usable && limit > 0 && cell.sigma < 2 && error() > limit * std::sqrt(spread))
       text += "error " + std::to_string(error()) + ", ";
     if (seconds > 2) text += "slowest " + std::to_string(seconds) + " s, ";
@@ -342,7 +344,8 @@ struct Tally {
   }
 
   static std::string header() {
-    return "| cell | usable | of bound < 0.1 | parameters | axis | centre | normals | wrong | auto usable | error | over told | slowest |";
+    return "| cell | usable | of bound < 0.1 | parameters | axis | centre | normals | wrong | auto usable | "
+           "error | over told | slowest |";
   }
   std::string row(const std::string& name) const {
     std::string text = "| " + name + " |";

@@ -54,12 +54,12 @@ class Random {
   std::mt19937_64 bits_;
 };
 
-// What of the surface the points cover. patch: 30 degrees of each turn, of a torus's tube a quarter; strip: half
-// of u and a twentieth of v. Others: SyntheticOptions::coverage.
+// What of the surface the points cover. patch: 30 degrees of each turn, of a torus's tube a quarter; strip:
+// half of u and a twentieth of v. Others: SyntheticOptions::coverage.
 enum class Region { full, half, quarter, patch, strip };
 
-// cluster: Gaussian, a tenth of the size wide, about a point of the box. second_surface: on a sphere of radius
-// 0.7 about a point of the box, with the same noise.
+// cluster: Gaussian, a tenth of the size wide, about a point of the box. second_surface: on a sphere of
+// radius 0.7 about a point of the box, with the same noise.
 enum class OutlierPattern { scattered, cluster, second_surface };
 
 struct SyntheticOptions {
@@ -155,7 +155,9 @@ inline std::pair<Part, Part> parts_of(std::string_view kind, const SurfaceInfo& 
   double share_u = 1, share_v = 1;
   if (options.region == Region::patch) {
     share_u = info.u == Coordinate::turn ? 1.0 / 12 : 1.0 / 4;
-    share_v = kind == "torus" || kind == "plane" ? 1.0 / 4 : kind == "sphere" || kind == "ellipsoid" ? 1.0 / 6 : 1;
+    share_v = kind == "torus" || kind == "plane"        ? 1.0 / 4
+              : kind == "sphere" || kind == "ellipsoid" ? 1.0 / 6
+                                                        : 1;
   } else if (options.region == Region::strip) {
     share_u = 0.5, share_v = 0.05;
   } else {

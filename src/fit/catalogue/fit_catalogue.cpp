@@ -228,9 +228,9 @@ class CatalogueFit {
                                -2 * best.log_likelihood + (numbers + (options_.noise ? 1 : 2)) *
                                                               std::log(static_cast<double>(points_.size())),
                                fit_.rms});
-    const std::string held = add_covariance(
-        best, known, units, fit_.sigma / size_,
-        options_.noise ? std::numeric_limits<double>::infinity() : n - numbers, fit_);
+    const std::string held =
+        add_covariance(best, known, units, fit_.sigma / size_,
+                       options_.noise ? std::numeric_limits<double>::infinity() : n - numbers, fit_);
     if (const std::string why = against(best, fit_, known, units, lengths_, size_); !why.empty())
       return found + why;
     fit_.surface = PlacedSurface{best.shape.surface, best.shape.placement};

@@ -11,8 +11,8 @@
 namespace darboux::fit {
 namespace {
 
-// Of the mean of `dimensions` squares of normal numbers over their estimated variance: F, and chi squared over
-// its dimensions where the variance is known.
+// Of the mean of `dimensions` squares of normal numbers over their estimated variance: F, and chi squared
+// over its dimensions where the variance is known.
 double quantile_of_mean_square(double dimensions, double degrees_of_freedom, double level) {
   // Beyond, F is that limit to six digits, and its own quantile would be found slowly.
   if (degrees_of_freedom > 1e7)
@@ -37,8 +37,7 @@ void Intervals::add_number(std::string name, double value, double variance) cons
 void Intervals::add_length(std::string name, const Eigen::MatrixXd& covariance, double unit) const {
   const double sum = std::fmax(covariance.trace(), 0), squares = covariance.squaredNorm();
   const double dimensions = squares > 0 ? sum * sum / squares : 1;
-  const double bound =
-      std::sqrt(sum * quantile_of_mean_square(dimensions, degrees_of_freedom_, fit_.level));
+  const double bound = std::sqrt(sum * quantile_of_mean_square(dimensions, degrees_of_freedom_, fit_.level));
   fit_.standard_errors.push_back({name, unit * std::sqrt(sum)});
   fit_.intervals.push_back({std::move(name), 0, unit * bound});
 }

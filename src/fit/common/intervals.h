@@ -18,10 +18,10 @@ class Intervals {
   // A number with its variance: Student's t.
   void add_number(std::string name, double value, double variance) const;
 
-  // The length of a vector that is zero at the truth, times a unit. The sum of squares l1 x1^2 + l2 x2^2 + ...
-  // with l the eigenvalues of its covariance is taken for (sum l) / h times a chi squared of h = (sum l)^2 /
-  // sum l^2 degrees of freedom, which has its mean and variance [Satterthwaite1946]; over the estimated
-  // variance that makes an F.
+  // The length of a vector that is zero at the truth, times a unit. The sum of squares l1 x1^2 + l2 x2^2 +
+  // ... with l the eigenvalues of its covariance is taken for (sum l) / h times a chi squared of h = (sum
+  // l)^2 / sum l^2 degrees of freedom, which has its mean and variance [Satterthwaite1946]; over the
+  // estimated variance that makes an F.
   void add_length(std::string name, const Eigen::MatrixXd& covariance, double unit) const;
 
   // What widens a covariance so that the normal region of two dimensions at the level, that of a direction,

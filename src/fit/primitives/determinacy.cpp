@@ -76,8 +76,8 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
   const Primitive& primitive = *f.primitive;
   const std::string help = "; points over a larger part of it help";
   // Movement of the surface at the points, root mean square, by a unit of the direction that they tell the
-  // least about. The normal equations know its square but for their rounding. A line's own noise makes it look like a
-  // strip of a plane.
+  // least about. The normal equations know its square but for their rounding. A line's own noise makes it
+  // look like a strip of a plane.
   const Covariance c = of_the_surface(f);
   const double movement = primitive.orientation == Orientation::frame
                               ? f.sigma / std::sqrt(k * symmetric_eigenvalues(Eigen::MatrixXd(c))[8])
@@ -91,8 +91,8 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
     if (length > 1e3) return unsure("has a " + name + " that is not told from infinity" + help);
     if (length < 1e-3) return none("shrinks to a point or a line: no fit");
     if (ratio * deviation(f, j) > length)
-      return unsure("has a " + name + " known to " + rounded(100 * deviation(f, j) / length, 2) +
-                    " % only" + help);
+      return unsure("has a " + name + " known to " + rounded(100 * deviation(f, j) / length, 2) + " % only" +
+                    help);
   }
   if (primitive.at_limit)
     if (const std::string_view why = primitive.at_limit(f.surface, ratio * deviation(f, 0)); !why.empty())

@@ -123,9 +123,6 @@ struct Primitive {
 
   // The surface that fits a sample best in the sense of linear equations; nothing where they determine none.
   std::optional<GeometricParameters> (*start)(const OrientedPoints& sample);
-  // Another of its surfaces that is nearly the same about the point `at`, and a maximum of the likelihood of
-  // its own there; nothing where there is none.
-  std::optional<GeometricParameters> (*twin)(const GeometricParameters&, const Vector3d& at) = nullptr;
   // The local model at the surface point nearest to `at`; an inverse of geometric(). Not finite where there
   // is no such point.
   LocalModel (*localise)(const GeometricParameters&, const Vector3d& at);

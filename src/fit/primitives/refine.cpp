@@ -154,7 +154,8 @@ class Refinement {
     update_bias(mixture_, states_);
     const Mixture mixture_before = mixture_;
     update(mixture_, states_, phase_ == Phase::robust);
-    if (mixture_.inliers < primitive_.unknowns && have_before_) {  // the last step went astray, in a long valley
+    if (mixture_.inliers < primitive_.unknowns &&
+        have_before_) {  // the last step went astray, in a long valley
       model_ = before_;
       mixture_ = mixture_before;
       primitive_.distance.measure(problem_.cloud, model_, states_);

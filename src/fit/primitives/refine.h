@@ -17,7 +17,7 @@ struct PrimitiveFit {
   bool given_up = false;  // as another kind explains far more; then only measured
   bool converged = false;
   GeometricParameters surface;
-  double sigma = 0, outliers = 0;              // see fit/common/mixture.h
+  double sigma = 0, outliers = 0;  // see fit/common/mixture.h
   bool sigma_known = false;
   Covariance covariance = Covariance::Zero();  // of (rotation vector, movement of `reference`, lengths)
   Vector3d reference;

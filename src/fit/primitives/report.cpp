@@ -66,16 +66,15 @@ double rms_of(const PrimitiveFit& fit, const std::vector<bool>& is_inlier) {
 }
 
 NoiseKnowledge report_points(const PrimitiveFit& best, const NormalisedPoints& points,
-                     const std::vector<bool>& is_inlier, bool noise_is_known, PointFit& to) {
+                             const std::vector<bool>& is_inlier, bool noise_is_known, PointFit& to) {
   points.spread(is_inlier, to.is_inlier);
   to.inliers = static_cast<std::size_t>(std::count(to.is_inlier.begin(), to.is_inlier.end(), true));
   to.outliers = points.finite - to.inliers;
   to.rms = points.scale * rms_of(best, is_inlier);
   const auto k = static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true));
   const double freedom = std::max(1.0, k - best.primitive->unknowns);
-  const NoiseKnowledge noise = noise_is_known
-                                   ? NoiseKnowledge{1, std::numeric_limits<double>::infinity()}
-                                   : NoiseKnowledge{k / freedom, freedom};
+  const NoiseKnowledge noise = noise_is_known ? NoiseKnowledge{1, std::numeric_limits<double>::infinity()}
+                                              : NoiseKnowledge{k / freedom, freedom};
   to.sigma = points.scale * best.sigma * std::sqrt(noise.squared_factor);
   return noise;
 }

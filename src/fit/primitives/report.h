@@ -25,7 +25,7 @@ struct NoiseKnowledge {
 
 // Counts, rms and noise.
 NoiseKnowledge report_points(const PrimitiveFit& best, const NormalisedPoints& points,
-                     const std::vector<bool>& is_inlier, bool noise_is_known, PointFit& to);
+                             const std::vector<bool>& is_inlier, bool noise_is_known, PointFit& to);
 
 // Surface, covariance, standard errors and intervals.
 void report_surface(const PrimitiveFit& best, const NormalisedPoints& points, const NoiseKnowledge& noise,

@@ -175,8 +175,9 @@ std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& 
   const bool thorough = problem.effort == Effort::full;
   std::vector<Candidate> candidates = starts(problem, primitive, scored, repeat, random);
   if (candidates.empty()) return std::nullopt;
-  const auto end =
-      candidates.begin() + std::min<std::ptrdiff_t>((thorough && repeat > 1 ? 5 * repeat : repeat) * refined_starts, std::ssize(candidates));
+  const auto end = candidates.begin() +
+                   std::min<std::ptrdiff_t>((thorough && repeat > 1 ? 5 * repeat : repeat) * refined_starts,
+                                            std::ssize(candidates));
   std::partial_sort(candidates.begin(), end, candidates.end(), better);
   candidates.erase(end, candidates.end());
 
@@ -185,11 +186,14 @@ std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& 
   int same = 0, iterations = 0;
   const auto follow = [&](Candidate& c) {
     iterations += descend(primitive, part, c, problem.sigma);
-    // A surface whose curvature and noise are of one size is refused in the end: another may be likely as well.
+    // A surface whose curvature and noise are of one size is refused in the end: another may be likely as
+    // well.
     const GeometricParameters found = primitive.geometric(c.model);
-    if (least_radius(primitive, found, c.model.origin) < 5 * c.mixture.sigma) c.score.log_likelihood_ratio -= 1e6;
+    if (least_radius(primitive, found, c.model.origin) < 5 * c.mixture.sigma)
+      c.score.log_likelihood_ratio -= 1e6;
     if (best == nullptr || better(c, *best))
-      same = best && c.score.log_likelihood_ratio < best->score.log_likelihood_ratio + 1 ? same + 1 : 1, best = &c;
+      same = best && c.score.log_likelihood_ratio < best->score.log_likelihood_ratio + 1 ? same + 1 : 1,
+      best = &c;
     else if (c.score.log_likelihood_ratio > best->score.log_likelihood_ratio - 1)
       ++same;
   };
@@ -209,19 +213,6 @@ std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& 
         others.push_back({model, {0, best->score.band}});
     }
     for (Candidate& c : others) follow(c);
-  }
-  Candidate twin;
-  if (const auto n = primitive.twin ? primitive.twin(primitive.geometric(best->model), best->model.origin)
-                                    : std::nullopt) {
-    twin.model = primitive.localise(*n, best->model.origin);
-    twin.score = part_scorer(twin.model);
-    // Worth a descent where the points lie within some four times the band about it.
-    const double four_bands = static_cast<double>(part.cols()) * 2 * std::numbers::ln2;
-    if (twin.score.log_likelihood_ratio > best->score.log_likelihood_ratio - four_bands) {
-      iterations += descend(primitive, part, twin, problem.sigma);
-      twin.score = part_scorer(twin.model);
-      if (better(twin, *best)) best = &twin;
-    }
   }
   return Hypothesis{&primitive,
                     best->score.log_likelihood_ratio,

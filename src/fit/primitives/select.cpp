@@ -17,8 +17,8 @@
 namespace darboux::fit {
 namespace {
 
-// Twice the negative log likelihood of one candidate on another's footing: noise, outliers' density and support,
-// so that only the distances differ.
+// Twice the negative log likelihood of one candidate on another's footing: noise, outliers' density and
+// support, so that only the distances differ.
 double deviance(const PrimitiveFit& f, const PrimitiveFit& footing) {
   const double sigma = std::max(footing.sigma, exact);
   double likelihood = 0;
@@ -42,14 +42,14 @@ std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b
   return std::minmax(deviance(b, a) - deviance(a, a), deviance(b, b) - deviance(a, b));
 }
 
-// A kind that is the limit of another. The other always fits as well; how far it may be from that limit is what
-// decides.
+// A kind that is the limit of another. The other always fits as well; how far it may be from that limit is
+// what decides.
 struct Nesting {
   std::string_view inner, outer;
   double most;  // beyond, the outer kind is another thing
   // How far from the limit the points allow the outer kind to be, three standard errors more.
   double (*departure)(const PrimitiveFit& outer);
-  };
+};
 
 double upper(const PrimitiveFit& f, std::size_t k) {
   return f.surface.lengths[k] + 3 * deviation(f, k);
@@ -79,7 +79,8 @@ constexpr std::array<Nesting, 6> nestings{{
     {"plane", "cylinder", 0.2, [](const PrimitiveFit& f) { return 1 / least_length(f, 0); }},
     {"sphere", "ellipsoid", 0.3, flattening},
     {"cylinder", "cone", 8 / degrees, [](const PrimitiveFit& f) { return upper(f, 0); }},
-    {"cylinder", "torus", 0.1, [](const PrimitiveFit& f) { return f.surface.lengths[1] / least_length(f, 0); }},
+    {"cylinder", "torus", 0.1,
+     [](const PrimitiveFit& f) { return f.surface.lengths[1] / least_length(f, 0); }},
     {"cylinder", "ellipsoid", 0.15, curvature_along},
 }};
 

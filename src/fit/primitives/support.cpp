@@ -60,7 +60,8 @@ class Cells {
     std::vector<std::pair<double, double>> values;
     for (const NearPoint& x : near) values.emplace_back(from_zero(x.at.*coordinate), x.weight);
     std::sort(values.begin(), values.end());
-    const double low = weighted_quantile(values, 0.15 * total), high = weighted_quantile(values, 0.85 * total);
+    const double low = weighted_quantile(values, 0.15 * total),
+                 high = weighted_quantile(values, 0.85 * total);
     double length = (high - low) / 0.7;
     begin_ = low - 0.15 * length;
     if (turn_ && length > 0.8 * turn) begin_ = -0.5 * turn, length = turn;
@@ -76,7 +77,6 @@ class Cells {
   bool turn_;
   double zero_ = 0, begin_, width_;
 };
-
 
 void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
                       const GeometricParameters& surface, std::vector<NearPoint>& near, double total,
@@ -117,17 +117,18 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
 // Where there are too few for cells: by the distance within which the others weigh `enough`.
 void keep_points_with_neighbours(const Eigen::Matrix3Xd& cloud, const std::vector<NearPoint>& near,
                                  double total, PointStates& states) {
-  constexpr double enough = 4, furthest = 2.9;  // times the median: half as dense at an edge, a quarter at a corner
+  constexpr double enough = 4,
+                   furthest = 2.9;  // times the median: half as dense at an edge, a quarter at a corner
   std::vector<std::pair<double, double>> reach;  // squared, with the point's weight
   std::vector<std::pair<double, double>> others;
   for (const NearPoint& x : near) {
     others.clear();
     for (const NearPoint& y : near)
       if (y.point != x.point)
-        others.emplace_back((cloud.col(static_cast<Eigen::Index>(x.point)) -
-                             cloud.col(static_cast<Eigen::Index>(y.point)))
-                                .squaredNorm(),
-                            y.weight);
+        others.emplace_back(
+            (cloud.col(static_cast<Eigen::Index>(x.point)) - cloud.col(static_cast<Eigen::Index>(y.point)))
+                .squaredNorm(),
+            y.weight);
     std::sort(others.begin(), others.end());
     reach.emplace_back(weighted_quantile(others, enough), x.weight);
   }

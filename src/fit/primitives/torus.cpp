@@ -120,7 +120,9 @@ std::vector<GeometricParameters> alternatives(const GeometricParameters& n, cons
   const std::array<double, 2> curvatures{1 / n.lengths[1], std::cos(here.s[3]) / from_axis};
   const Matrix3d frame = here.rotation.matrix();  // along the tube, along the ring, inward
   std::vector<GeometricParameters> result;
-  const auto add = [&](const Vector3d& outward, const Vector3d& across, double phi, double major, double minor) {
+  if (const auto other = twin(n, at)) result.push_back(*other);
+  const auto add = [&](const Vector3d& outward, const Vector3d& across, double phi, double major,
+                       double minor) {
     const Vector3d e = std::cos(phi) * outward - std::sin(phi) * across,
                    axis = std::sin(phi) * outward + std::cos(phi) * across;
     if (auto torus = checked_start({at - minor * outward - major * e, axes_with_z(axis), {major, minor}}))
@@ -144,8 +146,8 @@ std::vector<GeometricParameters> alternatives(const GeometricParameters& n, cons
     const Vector3d outward = side * frame.col(2);
     for (const double ratio : {0.15, 0.35, 0.8}) {
       const double minor = ratio * radius, major = radius - minor * outward.dot(e);
-      add(outward, (axis - axis.dot(outward) * outward).normalized(), std::atan2(outward.dot(axis), outward.dot(e)),
-          major, minor);
+      add(outward, (axis - axis.dot(outward) * outward).normalized(),
+          std::atan2(outward.dot(axis), outward.dot(e)), major, minor);
     }
   }
   return result;
@@ -191,7 +193,6 @@ constinit const Primitive torus_primitive{
     .lengths = 2,
     .length_names = {"major radius", "minor radius"},
     .start = start,
-    .twin = twin,
     .localise = localise,
     .geometric = geometric,
     .support = {support_frame, coordinates, 2 * std::numbers::pi, 2 * std::numbers::pi},

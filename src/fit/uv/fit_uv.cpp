@@ -281,8 +281,7 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
       trial.model.uncertainty(trial.state, factor * spread.covariance, centre);
   fit.covariance = uncertainty.covariance.topLeftCorner(dimension, dimension);
   fit.centre = uncertainty.centre;
-  const fit::Intervals intervals(
-      fit, data.noise ? std::numeric_limits<double>::infinity() : 3 * weights - m);
+  const fit::Intervals intervals(fit, data.noise ? std::numeric_limits<double>::infinity() : 3 * weights - m);
   const auto value = [&](int k) {
     const auto i = static_cast<std::size_t>(k);
     return trial.state.parameters[i] * (kind.length[i] ? size : 1);

@@ -20,6 +20,7 @@ struct ChartVertex {
 struct ChartMesh {
   std::vector<ChartVertex> vertices;
   std::vector<Triangle> triangles;
+  std::size_t dropped_cells = 0;  ///< as sample_mesh() counts them
 };
 
 /// Whether a triangle that is counter-clockwise in uv is clockwise seen along n: where the chart turns over.

@@ -54,6 +54,7 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
     return known;
   };
 
+  // \returns false for a triangle that is left out because it reaches infinity
   const auto add = [&](std::array<std::array<int, 2>, 3> corners, int column) {
     std::array<Vec3<double>, 3> p;
     Vec2<double> centre{};
@@ -64,23 +65,23 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
     }
     const double scale = std::fmax(largest(p[0]), std::fmax(largest(p[1]), largest(p[2])));
     const auto together = [&](int k, int l) { return same_place(p[k], p[l], scale); };
-    if (together(0, 1) || together(1, 2) || together(2, 0)) return;  // at a pole
+    if (together(0, 1) || together(1, 2) || together(2, 0)) return std::isfinite(scale);  // at a pole
     if (turned_over(surface, centre)) std::swap(corners[1], corners[2]);
     Triangle triangle;
     for (int k = 0; k < 3; ++k) triangle[k] = vertex(corners[k][0], corners[k][1], column);
     mesh.triangles.push_back(triangle);
+    return true;
   };
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
       // A lantern's triangles stand on a segment of one row and point to a vertex of the other.
       const bool rising = staggered ? j % 2 == 1 : o.random_diagonals && uniform(random) < 0;
-      if (rising) {
-        add({{{i, j}, {i + 1, j}, {i + 1, j + 1}}}, i);
-        add({{{i, j}, {i + 1, j + 1}, {i, j + 1}}}, i);
-      } else {
-        add({{{i, j}, {i + 1, j}, {i, j + 1}}}, i);
-        add({{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}}, i);
-      }
+      const std::size_t before = mesh.triangles.size();
+      const bool lower = rising ? add({{{i, j}, {i + 1, j}, {i + 1, j + 1}}}, i)
+                                : add({{{i, j}, {i + 1, j}, {i, j + 1}}}, i);
+      const bool upper = rising ? add({{{i, j}, {i + 1, j + 1}, {i, j + 1}}}, i)
+                                : add({{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}}, i);
+      mesh.dropped_cells += !lower || !upper || mesh.triangles.size() == before;
     }
   return mesh;
 }

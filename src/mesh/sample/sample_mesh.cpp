@@ -136,10 +136,11 @@ void VertexMaker::append(Mesh& mesh, const ChartVertex& vertex) const {
   mesh.tangents.push_back(tangent4(frame, o.sign));
 }
 
-Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
+Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& o, std::size_t* dropped_cells) {
   check(surface, o);
   const VertexMaker make(surface, o);
   ChartMesh chart = is_sphere(o) ? sphere_mesh(surface, o) : grid_mesh(surface, o);
+  if (dropped_cells != nullptr) *dropped_cells = chart.dropped_cells;
   if (chart.triangles.empty())
     throw ParameterError(
         "grid", expected_got("one fine enough for triangles with area on " + std::string(surface.info().name),

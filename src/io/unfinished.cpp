@@ -1,0 +1,73 @@
+#include "unfinished.h"
+
+#include <atomic>
+#include <set>
+
+#include <unistd.h>
+
+namespace darboux::io {
+namespace {
+
+// Whoever holds it has signals blocked, so that the handler, which takes it for good, never waits for its own
+// thread.
+std::atomic_flag busy;
+pid_t owner = 0;  // a child removes nothing of its parent's
+
+// Never destroyed: a signal may come after main() has returned.
+std::set<std::string>& names() {
+  static auto& set = *new std::set<std::string>;
+  return set;
+}
+
+void take() {
+  while (busy.test_and_set(std::memory_order_acquire)) {
+  }
+}
+
+// Nothing here but what POSIX allows in a handler: the set is read and not changed.
+void end_process(int signal) {
+  if (::getpid() == owner) {
+    take();
+    for (const std::string& name : names()) ::unlink(name.c_str());
+  }
+  ::raise(signal);  // waits until the handler returns; its action is the default again
+}
+
+}  // namespace
+
+Uninterrupted::Uninterrupted() {
+  sigset_t all;
+  ::sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before_);
+  take();
+}
+
+Uninterrupted::~Uninterrupted() {
+  busy.clear(std::memory_order_release);
+  ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
+void add_unfinished(const std::string& name) {
+  names().insert(name);
+}
+
+void drop_unfinished(const std::string& name) {
+  names().erase(name);
+}
+
+void remove_unfinished_on_signals() {
+  owner = ::getpid();
+  names();
+  struct sigaction action {};
+  action.sa_handler = end_process;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  ::sigfillset(&action.sa_mask);
+  for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGPIPE, SIGTERM, SIGXCPU}) {
+    struct sigaction before {};
+    if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
+      ::sigaction(signal, &action, nullptr);
+  }
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+}  // namespace darboux::io

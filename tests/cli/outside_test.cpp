@@ -1,0 +1,80 @@
+// Files that a document names outside of its folder are opened only where that is allowed.
+#include "cli.h"
+
+namespace darboux::test {
+namespace {
+
+class Outside : public Cli {
+ protected:
+  Outside() {
+    fs::create_directories(path("asset/sub"));
+    const std::string glb = read_bytes(path("data/torus_016.three.glb"));
+    Glb parts = split_glb(glb);
+    json_ = parts.json;
+    bin_ = parts.bin;
+    for (const char* name : {"secret.bin", "asset/in.bin", "asset/sub/in.bin"}) write_bytes(path(name), bin_);
+    fs::create_symlink("../secret.bin", path("asset/link.bin"));
+    fs::create_symlink("in.bin", path("asset/link-inside.bin"));
+    fs::create_directory_symlink("..", path("asset/up"));
+    write_bytes(path("secret.png"), "\x89PNG\r\n\x1a\n and more");
+  }
+
+  void write_document(const std::string& buffer, const std::string& image = "") {
+    Json json = json_;
+    json["buffers"][0]["uri"] = buffer;
+    if (!image.empty()) json["images"] = Json::array({{{"uri", image}}});
+    write_bytes(path("asset/m.gltf"), json.dump());
+  }
+
+  Json json_;
+  std::string bin_;
+};
+
+TEST_F(Outside, BuffersAreRefusedUnlessAllowed) {
+  good("cp data/torus_016.three.glb other.glb; cd asset && ln -s . here");
+  for (const std::string uri : {"../secret.bin", "%2e%2e/secret.bin", "sub/../../secret.bin", "link.bin",
+                                "up/secret.bin", "here/../secret.bin"}) {
+    write_document(uri);
+    for (const std::string command :
+         {"validate asset/m.gltf", "tangents asset/m.gltf -o out.glb", "compare asset/m.gltf other.glb",
+          "compare other.glb asset/m.gltf", "plan --splits asset/m.gltf", "scene asset/m.gltf"}) {
+      SCOPED_TRACE(command + " with " + uri);
+      const Result r = sh("darboux " + command);
+      EXPECT_EQ(r.status, 2);
+      expect_one_line(r.err);
+      EXPECT_NE(r.err.find("asset/m.gltf: buffers[0].uri: "), std::string::npos) << r.err;
+      EXPECT_NE(r.err.find("--allow-outside"), std::string::npos) << r.err;
+      EXPECT_FALSE(fs::exists(path("out.glb")));
+      const Result allowed = sh("darboux " + command + " --allow-outside");
+      EXPECT_NE(allowed.status, 2) << allowed.err;
+      fs::remove(path("out.glb"));
+    }
+  }
+}
+
+TEST_F(Outside, WhatLiesInTheFolderIsRead) {
+  for (const std::string uri : {"in.bin", "./in.bin", "sub/in.bin", "sub/../in.bin", "../asset/in.bin",
+                                "link-inside.bin", "up/asset/in.bin"}) {
+    write_document(uri);
+    good("darboux validate asset/m.gltf");
+    good("cd asset && darboux validate m.gltf && cd sub && darboux validate ../m.gltf");
+  }
+}
+
+// Only `tangents` opens images, to embed them; elsewhere their names are no more than texts.
+TEST_F(Outside, ImagesAreRefusedWhereTheyAreOpened) {
+  write_document("in.bin", "../secret.png");
+  good("darboux validate asset/m.gltf");
+  good("darboux plan asset/m.gltf");
+  refused("darboux tangents asset/m.gltf -o out.glb", {"an image", "../secret.png", "--allow-outside"});
+  EXPECT_FALSE(fs::exists(path("out.glb")));
+  good("darboux tangents asset/m.gltf -o out.glb --allow-outside --quiet");
+  EXPECT_NE(read_bytes(path("out.glb")).find("data:image/png;base64,"), std::string::npos);
+  // One that is not there keeps its name.
+  write_document("in.bin", "../missing.png");
+  good("darboux tangents asset/m.gltf -o out.glb --quiet");
+  EXPECT_NE(read_bytes(path("out.glb")).find("../missing.png"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace darboux::test
