@@ -104,9 +104,10 @@ const std::vector<std::string_view>& found_kinds();
 /// the axis, in that order, projected. Cost: linear in the points.
 ///
 /// auto takes the kind with the smallest Bayesian information criterion [Schwarz1978], all on the footing of
-/// the likeliest one's noise, outliers and inliers, and must have two fifths of the points. It must beat each
-/// kind of as many or fewer parameters by 10, odds of exp(5). Otherwise the fit is not usable, "undetermined:
-/// ..."; so it is where a kind that did not converge or is not determined does better by 10, and where the
+/// the likeliest one's noise, outliers and inliers, and must have two fifths of the points. Every
+/// other kind must be less likely by odds of exp(5), or be kept by the points near a limit that is the chosen
+/// one: a cone of a small half-angle beside a cylinder. Otherwise the fit is not usable, "undetermined: ...";
+/// so it is where a kind that did not converge or is not determined does better, and where the
 /// distances of neighbouring points are alike (another surface). A torus that crosses itself is not among the
 /// choices. A named kind may be any of the catalogue but those without parameters, with more than 12, and the
 /// superellipsoid. Those beside found_kinds(), and elliptic-paraboloid, whose semi-axes may differ then, are
@@ -121,9 +122,9 @@ const std::vector<std::string_view>& found_kinds();
 /// and
 ///   elliptic-paraboloid 6, torus 7, ellipsoid 9; that many are always fitted exactly), or points on a line
 /// - a radius below 5 sigma, or no more inliers than chance has
-/// - a movement of the surface that the points do not identify, or a length with a standard error above its
-/// half
-///   or beyond 1e-3 to 1e3 of the points' size (their median distance from their median)
+/// - a movement of the surface that the points do not identify, or a length or angle whose standard error
+///   may be above a fifth of it: intervals of a linear model hold below
+/// - a length beyond 1e-3 to 1e3 of the points' size (their median distance from their median)
 /// - points of a size beyond 1e-152 to 1e152
 ///
 /// \throws ParameterError for an unknown kind, a noise that is not positive, a guess of another kind or not

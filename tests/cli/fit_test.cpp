@@ -32,8 +32,23 @@ TEST_F(Cli, FitFindsTheTorusAndPrintsTheContractsKeys) {
   const Json fit = json("darboux fit " + torus + " --json");
   expect_keys(fit, {"surface", "usable", "reason", "sigma", "inliers", "outliers", "standard_errors",
                     "frame_uncertainty_deg", "candidates", "iterations", "seconds", "ignored", "rms", "seed",
-                    "file"});
+                    "file", "intervals", "interval_method", "level"});
   EXPECT_EQ(fit["usable"], true);
+  EXPECT_EQ(fit["interval_method"], "t");
+  EXPECT_EQ(fit["level"], 0.95);
+  for (const auto& [name, error] : fit["standard_errors"].items()) {
+    const double low = fit["intervals"][name][0], high = fit["intervals"][name][1];
+    // 270 points less 7 unknowns: Student's t is 1.969. Of a turn and a movement the bound is that of 1 to 3
+    // dimensions with this sum of variances.
+    if (name == "axis_deg" || name == "centre") {
+      EXPECT_EQ(low, 0);
+      EXPECT_GT(high, 1.5 * error.get<double>());
+      EXPECT_LT(high, 1.97 * error.get<double>());
+    } else {
+      EXPECT_NEAR((high - low) / 2, 1.969 * error.get<double>(), 0.002 * error.get<double>());
+      EXPECT_NEAR((high + low) / 2, fit["surface"]["parameters"][name], 1e-12);
+    }
+  }
   ASSERT_EQ(fit["surface"]["name"], "torus");
   expect_keys(fit["surface"], {"name", "parameters", "placement"});
   expect_keys(fit["standard_errors"], {"major_radius", "minor_radius", "axis_deg", "centre"});

@@ -319,8 +319,9 @@ struct Tally {
   double error() const { return usable ? std::sqrt(squares / static_cast<double>(usable)) : 0; }
   double error_over_told() const { return told > 0 ? std::sqrt(told_of / told) : 0; }
 
+  enum class Judge { all, no_times };
   // What is beyond chance; empty where nothing is.
-  std::string outside(const Cell& cell) const {
+  std::string outside(const Cell& cell, Judge judge = Judge::all) const {
     std::string text;
     for (std::size_t k = 2; k < 6; ++k) {
       if (hits[k].below(0.92)) text += std::string(names[k]) + " " + hits[k].text() + " %, ";
@@ -339,7 +340,7 @@ struct Tally {
         1 + 4.75 * std::sqrt(2 / (unknowns * std::max<double>(1, static_cast<double>(usable))));
     if (usable && limit > 0 && cell.sigma < 2 && error() > limit * std::sqrt(spread))
       text += "error " + std::to_string(error()) + ", ";
-    if (seconds > 2) text += "slowest " + std::to_string(seconds) + " s, ";
+    if (judge == Judge::all && seconds > 2) text += "slowest " + std::to_string(seconds) + " s, ";
     return text;
   }
 

@@ -1,0 +1,61 @@
+// Some sixty cells of the matrix of fits, tests/statistics/matrix.cpp, twelve data sets each: what is stated holds
+// in every one, up to chance of one in a million. All of the matrix: tests/statistics/matrix.sh.
+#include "fit_matrix.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace darboux::test {
+namespace {
+
+struct Cells {
+  std::size_t count;
+  std::string_view outliers_and_sigma;
+  std::vector<std::string_view> regions;
+};
+
+std::vector<matrix::Cell> cells_of(std::string_view kind) {
+  std::vector<Cells> groups{{50, "/0%/1e-2", {"full", "half"}},
+                            {1000, "/0%/3e-2", {"half"}},
+                            {1000, "/30% scattered/1e-4", {"full", "half"}},
+                            {1000, "/30% scattered/1e-2", {"full", "half", "quarter"}}};
+  if (kind != "cone") groups[0].regions.push_back("quarter");
+  // Small patches, where outliers beyond them have a long lever, and few points.
+  if (kind == "plane" || kind == "sphere" || kind == "cylinder")
+    groups[3].regions.push_back("30 degree patch");
+  if (kind == "plane" || kind == "sphere") {
+    groups[0].regions.push_back("30 degree patch");
+    groups.push_back({10, "/0%/1e-2", {"full", "half"}});
+  }
+  std::vector<matrix::Cell> result;
+  for (const matrix::Cell& cell : matrix::cells())
+    for (const Cells& group : groups)
+      for (const std::string_view region : group.regions)
+        if (cell.key() == std::string(kind) + "/" + std::string(region) + "/" + std::to_string(group.count) +
+                              std::string(group.outliers_and_sigma))
+          result.push_back(cell);
+  return result;
+}
+
+class FitMatrix : public testing::TestWithParam<std::string_view> {};
+
+TEST_P(FitMatrix, WhatIsStatedHolds) {
+  const std::vector<matrix::Cell> cells = cells_of(GetParam());
+  ASSERT_GE(cells.size(), 8U);
+  for (const matrix::Cell& cell : cells) {
+    matrix::Tally tally;
+    for (std::uint64_t run = 0; run < 12; ++run) tally.add(matrix::run_of(cell, run), cell);
+    EXPECT_EQ(tally.outside(cell, matrix::Tally::Judge::no_times), "")
+        << cell.key() << ", data sets 0 to 11\n"
+        << tally.reasons_text();
+    EXPECT_GT(tally.usable, 8U) << cell.key() << '\n' << tally.reasons_text();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, FitMatrix, testing::ValuesIn(matrix::kinds),
+                         [](const auto& each) { return std::string(each.param); });
+
+}  // namespace
+}  // namespace darboux::test
