@@ -180,7 +180,8 @@ inline SyntheticPoints make_points(std::string_view kind, const SyntheticOptions
   Random random(options.seed);
   const Shape shape = make_shape(kind, options.random_shape, random);
   const SurfaceInfo& info = shape.surface.info();
-  const auto [along_u, along_v] = synthetic_detail::parts_of(kind, info, options, random);
+  const std::pair<Part, Part> parts = parts_of(kind, info, options, random);
+  const Part &along_u = parts.first, &along_v = parts.second;  // clang 14 captures no structured bindings
 
   std::vector<double> values;
   for (const ParameterValue& p : shape.surface.parameters()) values.push_back(options.scale * p.value);
