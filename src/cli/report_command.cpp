@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <map>
 
 namespace darboux {
 
@@ -27,8 +29,19 @@ void check(const ReportArguments& arguments, const Common& common,
   }
   if (to_stdout > 1)
     throw ParameterError("-", expected_got("one of " + names + " and --json for standard output", "more"));
-  if (!arguments.output.empty() && arguments.output == arguments.csv)
-    throw ParameterError("--csv", expected_got("another file than that of -o", arguments.csv));
+  std::vector<std::pair<const char*, std::string>> files = others;
+  files.insert(files.begin(), {{"--study", arguments.study},
+                               {"--results", arguments.results},
+                               {"-o", arguments.output},
+                               {"--csv", arguments.csv}});
+  std::map<std::string, std::string> option_of;
+  for (const auto& [option, file] : files) {
+    if (file.empty() || is_standard_output(file)) continue;
+    std::error_code none;
+    const auto [at, added] = option_of.emplace(
+        std::filesystem::weakly_canonical(std::filesystem::absolute(file), none).string(), option);
+    if (!added) throw ParameterError(option, expected_got("another file than that of " + at->second, file));
+  }
   if (arguments.shard.empty()) return;
   if (arguments.results.empty())
     throw ParameterError("--shard", "expected --results FILE beside it, got none");

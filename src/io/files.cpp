@@ -138,7 +138,10 @@ std::string load_uri(const std::string& base, const std::string& name, const std
       relative.find('\0') != std::string::npos)
     refuse();
   const std::filesystem::path folder = std::filesystem::path(base).parent_path(), path = folder / relative;
-  if (!options.allow_outside && lies_outside(path, folder.empty() ? "." : folder))
+  std::error_code none;
+  // An asset that is a link belongs to either folder: stores of files are made of links.
+  if (!options.allow_outside && lies_outside(path, folder.empty() ? "." : folder) &&
+      lies_outside(path, std::filesystem::canonical(base, none).parent_path()))
     throw OutsideError(base,
                        name + ": " +
                            expected_got("a file in the folder of this one, unless --allow-outside is given",

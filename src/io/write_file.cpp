@@ -92,11 +92,13 @@ int open_without_name(const std::string& target) {
 void keep_attributes(int descriptor, const struct stat& old) {
   struct stat now {};
   ::fstat(descriptor, &now);
+  mode_t mode = old.st_mode & 07777;
   if ((now.st_uid != old.st_uid || now.st_gid != old.st_gid) &&
-      ::fchown(descriptor, old.st_uid, old.st_gid) != 0) {
-    // Not permitted: it belongs to whoever writes it, as a new file would.
-  }
-  ::fchmod(descriptor, old.st_mode & 07777);
+      ::fchown(descriptor, old.st_uid, old.st_gid) != 0)
+    // Not permitted: it belongs to whoever writes it, as a new file would. Another group gets no more than
+    // all had, and no one the rights of another owner.
+    mode = (mode & 0707) | (mode & 0070 & (mode << 3));
+  ::fchmod(descriptor, mode);
 }
 
 }  // namespace

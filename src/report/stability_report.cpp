@@ -134,12 +134,17 @@ bool leads(const StabilityCurve& c) {
 
 std::string stability_summary(const std::vector<StabilityCurve>& curves) {
   const auto count = [&](auto which) { return std::count_if(curves.begin(), curves.end(), which); };
-  const auto own = count([](const StabilityCurve& c) { return c.own; });
+  const auto has_bound = [](const StabilityCurve& c) {
+    return std::any_of(c.bound_u.begin(), c.bound_u.end(), [](double bound) { return bound > 0; });
+  };
+  const auto own = count([&](const StabilityCurve& c) { return c.own && has_bound(c); });
+  const auto unbounded = count([&](const StabilityCurve& c) { return c.own && !has_bound(c); });
   const auto broken = count([](const StabilityCurve& c) { return !c.holds(); });
   const auto others = count([](const StabilityCurve& c) { return !c.own; });
   const auto lost = count([](const StabilityCurve& c) { return !c.own && !c.within_bound; });
   std::string text = std::to_string(own) + (own == 1 ? " curve" : " curves") + " with a bound, " +
                      (broken == 0 ? "all within it" : std::to_string(broken) + " beyond it");
+  if (unbounded > 0) text += "; " + std::to_string(unbounded) + " without one";
   if (others > 0)
     text += "; the naive formulas leave Darboux's bound in " + std::to_string(lost) + " of " +
             std::to_string(others);

@@ -244,6 +244,11 @@ double factor(const Comparison& c) {
   return c.bound > 0 ? c.error / c.bound : 0;
 }
 
+// By the share of the bound, and where there is none by the error.
+bool is_worse(const Comparison& a, const Comparison& b) {
+  return factor(a) != factor(b) ? factor(a) > factor(b) : a.error > b.error;
+}
+
 // Of one x, route and quantity: where error / bound is largest.
 void extend(StabilityCurve& curve, const Measurement& m) {
   const Comparison& c = m.found.comparison;
@@ -252,7 +257,8 @@ void extend(StabilityCurve& curve, const Measurement& m) {
   curve.bound_u.push_back(c.bound / m.unit);
   curve.condition.push_back(c.condition);
   if (c.error > c.bound) curve.within_bound = false;
-  if (curve.x.size() == 1 || factor(c) > curve.worst.factor)
+  if (curve.x.size() == 1 || factor(c) > curve.worst.factor ||
+      (factor(c) == curve.worst.factor && c.error / m.unit > curve.worst.error_u))
     curve.worst = {
         m.x, c.error / m.unit, c.bound / m.unit, c.condition, factor(c), std::string(m.found.member), m.u,
         m.v, m.surface};
@@ -355,7 +361,7 @@ std::vector<StabilityCurve> run_stability_job(const StabilityOptions& options, c
       for (const Measurement& m : all)
         if (m.route == r && m.found.quantity == q) {
           const auto [at, added] = worst.try_emplace(m.x, &m);
-          if (!added && factor(m.found.comparison) > factor(at->second->found.comparison)) at->second = &m;
+          if (!added && is_worse(m.found.comparison, at->second->found.comparison)) at->second = &m;
         }
       if (worst.empty()) continue;
       StabilityCurve& curve = curves.emplace_back();

@@ -61,6 +61,18 @@ TEST_F(Outside, WhatLiesInTheFolderIsRead) {
   }
 }
 
+// A link to an asset: what lies beside the link is read, and what lies beside the asset.
+TEST_F(Outside, ALinkBelongsToBothFolders) {
+  write_document("in.bin");
+  good(
+      "mkdir links mixed && ln -s ../asset/m.gltf links && ln -s ../asset/in.bin links && ln -s "
+      "../asset/m.gltf mixed");
+  good("darboux validate links/m.gltf");
+  good("cp asset/in.bin mixed && darboux validate mixed/m.gltf");
+  good("rm mixed/in.bin && ln -s ../secret.bin mixed/in.bin");
+  EXPECT_EQ(sh("darboux validate mixed/m.gltf").status, 2);
+}
+
 // Only `tangents` opens images, to embed them; elsewhere their names are no more than texts.
 TEST_F(Outside, ImagesAreRefusedWhereTheyAreOpened) {
   write_document("in.bin", "../secret.png");

@@ -198,6 +198,22 @@ TEST_F(StudyCli, RefusesResultsOfAnotherStudyAndLeavesThem) {
   refused("darboux converge --study study.json --results /dev/full", {"/dev/full", "No space left"});
 }
 
+// No output may replace another, nor what is read.
+TEST_F(StudyCli, RefusesTwoThingsInOneFile) {
+  const std::string study = read_bytes(path("study.json"));
+  for (const std::string options :
+       {"--results r.jsonl -o r.jsonl", "--results r.jsonl --csv ./r.jsonl", "-o study.json",
+        "--csv study.json", "-o p.svg --picture ./p.svg", "--results study.json"}) {
+    SCOPED_TRACE(options);
+    const Result r = sh("darboux converge --study study.json " + options);
+    EXPECT_EQ(r.status, 2);
+    expect_one_line(r.err);
+    EXPECT_NE(r.err.find("expected another file than that of -"), std::string::npos) << r.err;
+    EXPECT_EQ(read_bytes(path("study.json")), study);
+    EXPECT_FALSE(fs::exists(path("r.jsonl")) || fs::exists(path("p.svg")));
+  }
+}
+
 TEST_F(StudyCli, NamesThePathOfWhatIsWrongInAStudy) {
   const std::vector<std::pair<const char*, std::vector<std::string>>> wrong{
       {R"({"command": "converge", "meshs": []})",
