@@ -14,6 +14,7 @@
 #include <darboux/any_surface.h>
 #include <darboux/mesh_classes.h>
 #include <darboux/mesh_frames.h>
+#include <darboux/sample_mesh.h>
 
 namespace darboux {
 
@@ -28,6 +29,9 @@ struct MeshFamily {
 std::span<const MeshFamily> mesh_families();
 /// \throws ParameterError listing the known names
 const MeshFamily& find_mesh_family(std::string_view name);
+/// The mesh of a family with so many rows and twice as many columns, for sample_mesh().
+SampleMeshOptions mesh_options(const MeshFamily& family, int rows, std::uint64_t seed, double v_first = 0,
+                               double v_last = 1);
 
 /// What became of the order that was expected.
 enum class OrderVerdict : std::uint8_t {

@@ -78,14 +78,7 @@ Chart chart_at(const Sample<double>& sample, const Vec3<double>& along_v) {
 Reference make_reference(const AnySurface& surface, const MeshFamily& family, const ConvergeOptions& options,
                          int n) {
   Reference r;
-  r.mesh = sample_mesh(surface, {.columns = 2 * n,
-                                 .rows = n,
-                                 .jitter = family.jitter,
-                                 .random_diagonals = family.random_diagonals,
-                                 .seed = options.seed,
-                                 .shear = family.shear,
-                                 .v_first = options.v_first,
-                                 .v_last = options.v_last});
+  r.mesh = sample_mesh(surface, mesh_options(family, n, options.seed, options.v_first, options.v_last));
   std::vector<bool> is_pole;
   for (const Vec2<double>& stored : r.mesh.uvs) {
     const double u = stored.x - family.shear * stored.y, v = stored.y;
@@ -277,6 +270,18 @@ const MeshFamily& find_mesh_family(std::string_view name) {
     known += (known.empty() ? "" : ", ") + std::string(family.name);
   }
   throw ParameterError("meshes", "unknown family '" + std::string(name) + "', known are " + known);
+}
+
+SampleMeshOptions mesh_options(const MeshFamily& family, int rows, std::uint64_t seed, double v_first,
+                               double v_last) {
+  return {.columns = 2 * rows,
+          .rows = rows,
+          .jitter = family.jitter,
+          .random_diagonals = family.random_diagonals,
+          .seed = seed,
+          .shear = family.shear,
+          .v_first = v_first,
+          .v_last = v_last};
 }
 
 std::vector<ConvergeJob> converge_jobs(const ConvergeOptions& options) {
