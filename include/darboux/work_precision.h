@@ -67,9 +67,9 @@ std::size_t find_work_metric(std::string_view name);
 /// One method on one surface or mesh.
 struct WorkSample {
   std::string surface;  ///< as AnySurface::specification() writes it
-  std::string_view method, family;
+  std::string method, family;
   WorkDomain domain;
-  std::string_view mesh;                           ///< a family of meshes; empty of evaluation
+  std::string mesh;                                ///< a family of meshes; empty of evaluation
   int resolution = 0;                              ///< n rows, 2n columns; 0 of evaluation
   std::size_t points = 0;                          ///< in a call: points, or corners
   std::string failure;                             ///< why there are no times and no errors; empty: there are
@@ -141,7 +141,8 @@ struct WorkComparison {
   TimeRatio time{1, 0, std::numeric_limits<double>::infinity()};  ///< after / before
   std::string_view worst_metric;  ///< the error that grew most; empty: none to compare
   double error_ratio = 1;         ///< after / before there
-  /// "faster", "slower": the whole interval lies beyond 1 by more than the tolerance; "same" otherwise;
+  /// "faster", "slower": the whole interval lies beyond 1 by more than the tolerance, and so does the
+  /// quotient of the fastest rounds, since what else runs on a machine only adds time; "same" otherwise;
   /// "failed" now and not before; "less exact": the error grew by more than the tolerance.
   std::string_view verdict;
 

@@ -25,13 +25,20 @@ constexpr bool keeps_failures = requires(Item& item) {
   item.failure = std::string();
 };
 
-/// Calls f, which returns seconds, unless the item has failed.
+struct TimedOut : std::runtime_error {
+  explicit TimedOut(double seconds)
+      : std::runtime_error("timed out: a call took " + std::to_string(seconds) + " s") {}
+};
+
+/// Calls f unless the item has failed.
 template <class Item, class F>
 void guarded(Item& item, F f) {
   if constexpr (keeps_failures<Item>) {
     if (!item.failure.empty()) return;
     try {
       f();
+    } catch (const TimedOut& e) {
+      item.failure = e.what();
     } catch (const std::bad_alloc&) {
       item.failure = "failed: needs more memory than there is";
     } catch (const std::exception& e) {
@@ -65,7 +72,7 @@ void time_in_rounds(std::vector<Item>& items, int count, double timeout, After a
     rounds::guarded(items[k], [&] {
       double once = seconds(items[k], 1);
       if (once <= timeout) once = seconds(items[k], 1);
-      if (once > timeout) throw std::runtime_error("timed out: a call took " + std::to_string(once) + " s");
+      if (once > timeout) throw rounds::TimedOut(once);
       calls[k] = std::clamp(static_cast<int>(0.5e-3 / std::max(once, 1e-7)), 1, 200);
     });
   for (int round = 0; round < count; ++round) {

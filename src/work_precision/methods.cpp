@@ -124,15 +124,24 @@ constexpr WorkMethod of_evaluation[] = {
     {"many-digits", "many-digits", "everything in 40 digits, rounded at the end", points, many_digits},
 };
 
-// What is an average of the corners' triangles, a fragment's derivative, a polynomial.
+// The families of methods over meshes; of others the method itself.
+struct Member {
+  std::string_view method, family;
+};
+constexpr Member members[] = {{"mikktspace", "mikktspace"},
+                              {"mikktspace-bitangent", "mikktspace"},
+                              {"average", "averages"},
+                              {"unit", "averages"},
+                              {"area", "averages"},
+                              {"angle", "averages"},
+                              {"max", "averages"},
+                              {"fragment-gradient", "fragment"},
+                              {"fragment-solve", "fragment"},
+                              {"quadratic", "polynomials"},
+                              {"cubic", "polynomials"}};
 std::string_view family_of(std::string_view method) {
-  for (const auto& [family, members] : {std::pair<std::string_view, std::initializer_list<std::string_view>>{
-                                            "averages", {"average", "unit", "area", "angle", "max"}},
-                                        {"mikktspace", {"mikktspace", "mikktspace-bitangent"}},
-                                        {"fragment", {"fragment-gradient", "fragment-solve"}},
-                                        {"polynomials", {"quadratic", "cubic"}}})
-    for (const std::string_view member : members)
-      if (member == method) return family;
+  for (const Member& member : members)
+    if (member.method == method) return member.family;
   return method;
 }
 
