@@ -50,7 +50,7 @@ struct WorkMethod {
 /// Of meshes: frame_methods() by their names. The loops naive, dual and differences go through the types of
 /// the catalogue; other surfaces have none.
 std::span<const WorkMethod> work_methods();
-/// Those whose name or family it is. \throws ParameterError listing the known names
+/// The one of that name, else those of that family. \throws ParameterError listing the known names
 std::vector<const WorkMethod*> find_work_methods(std::string_view name);
 
 /// What can be set against what. Times: nanoseconds per point or corner, and seconds for all. Errors, the

@@ -1,6 +1,7 @@
 #include "report_command.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -82,6 +83,34 @@ std::string command_line_of(const ReportArguments& arguments,
   for (const auto& [option, value] : options)
     if (!value.empty()) (line += std::string(" ") + option + ' ') += shell_quoted(value);
   return line;
+}
+
+namespace {
+
+int parse_resolution(std::string_view text, int finest) {
+  int n = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+  if (error != std::errc{} || end != text.data() + text.size() || n < 2 || n > finest)
+    throw ParameterError("--resolutions", expected_got("numbers from 2 to " + std::to_string(finest) +
+                                                           ", as 8..256 (doubling) or 8,16,32",
+                                                       "'" + std::string(text) + "'"));
+  return n;
+}
+
+}  // namespace
+
+std::vector<int> parse_resolutions(const std::string& text, int finest) {
+  std::vector<int> result;
+  if (const std::size_t dots = text.find(".."); dots != std::string::npos) {
+    const int last = parse_resolution(std::string_view(text).substr(dots + 2), finest);
+    for (int n = parse_resolution(std::string_view(text).substr(0, dots), finest); n <= last; n *= 2)
+      result.push_back(n);
+  } else {
+    for (const std::string& piece : split(text, ',')) result.push_back(parse_resolution(piece, finest));
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
 }
 
 std::string shell_quoted(const std::string& text) {

@@ -18,11 +18,10 @@ namespace {
 // As given; what is not given comes from the study file or the preset.
 struct WorkArguments {
   std::vector<std::string> surfaces, methods, meshes, compare;
-  std::vector<int> resolutions;
   std::optional<int> rounds, points, checked;
   std::optional<double> timeout;
   std::optional<std::uint64_t> seed;
-  std::string x, y;
+  std::string x, y, resolutions;
   double tolerance = 0.1;
   ReportArguments report;
 };
@@ -37,7 +36,8 @@ WorkChoices choose(const WorkArguments& arguments) {
   if (!arguments.surfaces.empty()) choices.surfaces = arguments.surfaces;
   if (!arguments.methods.empty()) choices.methods = arguments.methods;
   if (!arguments.meshes.empty()) choices.meshes = arguments.meshes;
-  if (!arguments.resolutions.empty()) choices.resolutions = arguments.resolutions;
+  if (!arguments.resolutions.empty())
+    choices.resolutions = parse_resolutions(arguments.resolutions, finest_work_rows);
   if (arguments.rounds) choices.rounds = *arguments.rounds;
   if (arguments.points) choices.points = *arguments.points;
   if (arguments.checked) choices.checked = *arguments.checked;
@@ -180,9 +180,7 @@ void add_choices(CLI::App& sub, WorkArguments& arguments) {
   sub.add_option("--meshes", arguments.meshes, "comma-separated, some of " + joined(meshes) + " [jittered]")
       ->delimiter(',');
   sub.add_option("--resolutions", arguments.resolutions,
-                 "rows of the meshes, twice as many columns, comma-separated [8,16,32]")
-      ->delimiter(',')
-      ->check(CLI::Range(2, finest_work_rows));
+                 "rows of the meshes, twice as many columns: 8..64 (doubling) or 8,16,32 [8..32]");
   sub.add_option("--rounds", arguments.rounds, "each times every method once, in turns [11]")
       ->check(CLI::Range(3, most_rounds));
   sub.add_option("--points", arguments.points, "random points in a call [4096]")

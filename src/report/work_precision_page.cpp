@@ -17,7 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Okabe and Ito's palette, which colour-blind readers can tell apart, and a shape for every family.
+// Okabe and Ito's palette, which colour-blind readers can tell apart; no two families have both colour and
+// shape in common.
 struct FamilyLook {
   std::string_view family;
   const char *colour, *shape;  // as Chart.js names it
@@ -28,12 +29,12 @@ constexpr std::array<FamilyLook, 13> family_looks{{{"darboux", "#0072b2", "circl
                                                    {"differences", "#cc79a7", "rect"},
                                                    {"ridders", "#8c6d31", "star"},
                                                    {"many-digits", "#7f7f7f", "crossRot"},
-                                                   {"mikktspace", "#d55e00", "triangle"},
-                                                   {"averages", "#009e73", "rectRot"},
-                                                   {"face", "#7f7f7f", "rect"},
-                                                   {"fragment", "#cc79a7", "star"},
-                                                   {"procrustes", "#8c6d31", "crossRot"},
-                                                   {"polynomials", "#0072b2", "circle"},
+                                                   {"mikktspace", "#0072b2", "triangle"},
+                                                   {"averages", "#d55e00", "rect"},
+                                                   {"face", "#7f7f7f", "circle"},
+                                                   {"fragment", "#009e73", "star"},
+                                                   {"procrustes", "#cc79a7", "crossRot"},
+                                                   {"polynomials", "#8c6d31", "rectRot"},
                                                    {"", "#000000", "cross"}}};
 const FamilyLook& look_of(std::string_view family) {
   for (const FamilyLook& look : family_looks)
@@ -169,7 +170,7 @@ the legend is shown or hidden by a click.</figcaption></figure>
 
 namespace {
 
-constexpr double work_panel_width = 300, work_panel_height = 210, work_gap = 70;
+constexpr double work_panel_width = 300, work_panel_height = 210, work_gap = 85;
 constexpr std::size_t work_columns = 3, most_panels = 12;
 constexpr double least_error = 1e-17;  // what is below it is drawn there
 
@@ -228,7 +229,9 @@ std::string work_panel(const WorkGroup& group, const WorkAxes& axes, double left
   for (int d = up.low; d <= up.high; d += step)
     out += svg::line(left, up.at(std::pow(10, d)), right, up.at(std::pow(10, d)), "class=\"g\"") +
            svg::label(left - 5, up.at(std::pow(10, d)) + 4, svg::decade(d), "text-anchor=\"end\"");
-  out += svg::label((left + right) / 2, bottom + 32, work_axis(x, group.domain), "text-anchor=\"middle\"");
+  out += svg::label((left + right) / 2, bottom + 32, work_axis(x, group.domain), "text-anchor=\"middle\"") +
+         svg::label((left + right) / 2, bottom + 47, "upwards: " + work_axis(y, group.domain),
+                    "text-anchor=\"middle\"");
   std::vector<const WorkSample*> front;
   for (const WorkSample* s : drawn)
     if (s->on_front) front.push_back(s);
@@ -262,8 +265,6 @@ std::string work_picture(const std::vector<WorkSample>& samples, const WorkAxes&
                     lines = (of_family.size() + in_line) / in_line;
   const double top = 60 + 22 * static_cast<double>(lines) + 20,
                height = top + static_cast<double>(rows) * (work_panel_height + work_gap) + 10;
-  const std::string error =
-      groups.empty() ? "error" : work_axis(axes.y_of(groups.front().domain), groups.front().domain);
   std::string out =
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + svg::tenths(width) + "\" height=\"" +
       svg::tenths(height) + "\" viewBox=\"0 0 " + svg::tenths(width) + ' ' + svg::tenths(height) +
@@ -271,7 +272,7 @@ std::string work_picture(const std::vector<WorkSample>& samples, const WorkAxes&
       "method</title>\n<style>.t{font-size:14px;font-weight:bold}.g{stroke:#e2e7ed;fill:none}"
       ".f{stroke:#5a6675;stroke-dasharray:5 4;fill:none}</style>\n<path fill=\"#fff\" d=\"M0 0h" +
       svg::tenths(width) + 'v' + svg::tenths(height) + "h-" + svg::tenths(width) + "z\"/>\n" +
-      svg::label(20, 24, "Time against the " + error, "class=\"t\"") +
+      svg::label(20, 24, "Work against precision", "class=\"t\"") +
       svg::label(20, 42, "Down and to the left is better; dashed: the front; hollow: single precision");
   for (std::size_t k = 0; k < of_family.size(); ++k) {
     const double x = 30 + 130 * static_cast<double>(k % in_line),

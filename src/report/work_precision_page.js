@@ -15,11 +15,11 @@ addEventListener('error', e => {
   const dark = matchMedia('(prefers-color-scheme: dark)');
   const ink = () => getComputedStyle(document.body).getPropertyValue('--soft');
 
+  const is_decade = x => Math.abs(Math.log10(x) - Math.round(Math.log10(x))) < 1e-9;
   const axis = () => ({
     type: 'logarithmic',
-    title: {display: true, text: '', color: ink()},
-    grid: {color: dark.matches ? '#2b343d' : '#e4e8ee'},
-    ticks: {color: ink(), callback: x => /^[1]0*$|^1e|^0\.0*1$/.test(String(x)) ? plain(x) : ''}
+    title: {display: true, text: ''},
+    ticks: {maxRotation: 0, callback: x => is_decade(x) ? plain(x).replace('.0e', 'e') : ''}
   });
   const chart = new Chart($('plot'), {
     type: 'scatter',
@@ -30,10 +30,27 @@ addEventListener('error', e => {
       maintainAspectRatio: false,
       scales: {x: axis(), y: axis()},
       plugins: {
-        legend: {labels: {color: ink(), usePointStyle: true}},
+        legend: {labels: {usePointStyle: true}},
         tooltip: {callbacks: {label: item => item.raw.text || ''}}
       }
     }
+  });
+
+  function paint() {
+    chart.options.plugins.legend.labels.color = ink();
+    for (const scale of [chart.options.scales.x, chart.options.scales.y]) {
+      scale.title.color = scale.ticks.color = ink();
+      scale.grid = {color: context => context.tick && is_decade(context.tick.value) ? (dark.matches ? '#33404b' : '#dfe4ea') : 'transparent'};
+    }
+  }
+  dark.addEventListener('change', () => {
+    paint();
+    draw();
+  });
+  // Whole decades about the values.
+  const about = values => ({
+    min: 10 ** Math.floor(Math.log10(Math.min(...values)) - 1e-9),
+    max: 10 ** Math.ceil(Math.log10(Math.max(...values)) + 1e-9)
   });
 
   const group = () => data.groups[$('group').selectedIndex];
@@ -84,6 +101,10 @@ addEventListener('error', e => {
       borderColor: ink(),
       pointStyle: 'line'
     });
+    if (points.length) {
+      Object.assign(chart.options.scales.x, about(points.map(p => p.x)));
+      Object.assign(chart.options.scales.y, about(points.map(p => p.y)));
+    }
     chart.options.scales.x.title.text = g.labels[$('x').value];
     chart.options.scales.y.title.text = g.labels[$('y').value];
     chart.update();
@@ -145,6 +166,7 @@ addEventListener('error', e => {
       draw();
     });
   $('interactive').hidden = false;
+  paint();
   if (data.groups.length) choose();
   chart.resize();
   document.body.dataset.charts = chart.width > 0 ? 1 : 0;

@@ -171,7 +171,8 @@ std::vector<const WorkMethod*> find_work_methods(std::string_view name) {
   std::vector<const WorkMethod*> found;
   std::vector<std::string> known;
   for (const WorkMethod& method : work_methods()) {
-    if (method.name == name || method.family == name) found.push_back(&method);
+    if (method.name == name) return {&method};
+    if (method.family == name) found.push_back(&method);
     known.emplace_back(method.name);
   }
   if (found.empty())

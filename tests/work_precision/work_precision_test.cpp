@@ -377,6 +377,7 @@ TEST(WorkPrecision, ADisturbedRunIsNoSlowerOne) {
 TEST(WorkPrecision, RefusesWhatIsNotThere) {
   EXPECT_THROW(find_work_methods("simd"), ParameterError);
   EXPECT_THROW(find_work_metric("time"), ParameterError);
+  EXPECT_EQ(find_work_methods("naive").size(), 1u);
   EXPECT_EQ(find_work_methods("averages").size(), 5u);
   EXPECT_EQ(find_work_methods("differences").size(), 8u);
   const auto refused = [](auto change) {
