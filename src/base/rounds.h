@@ -51,8 +51,8 @@ void guarded(Item& item, F f) {
 
 }  // namespace rounds
 
-/// Times all items one after the other, so many rounds. Each is called once untimed directly before it is
-/// timed, and then as often as takes half a millisecond, at most 200 times. An item has
+/// Times all items one after the other, so many rounds. Each is called as often as takes half a millisecond,
+/// at most 200 times; those whose call takes less than 10 ms once untimed directly before. An item has
 ///   run()                  what is timed
 ///   std::size_t points     in a call
 ///   std::vector<double> ns nanoseconds per point, one is added in each round
@@ -68,17 +68,19 @@ void time_in_rounds(std::vector<Item>& items, int count, double timeout, After a
     return rounds::now() - from;
   };
   std::vector<int> calls(items.size(), 1);
+  std::vector<bool> warmed(items.size());
   for (std::size_t k = 0; k < items.size(); ++k)
     rounds::guarded(items[k], [&] {
       double once = seconds(items[k], 1);
       if (once <= timeout) once = seconds(items[k], 1);
       if (once > timeout) throw rounds::TimedOut(once);
+      warmed[k] = once < 10e-3;
       calls[k] = std::clamp(static_cast<int>(0.5e-3 / std::max(once, 1e-7)), 1, 200);
     });
   for (int round = 0; round < count; ++round) {
     for (std::size_t k = 0; k < items.size(); ++k)
       rounds::guarded(items[k], [&] {
-        items[k].run();
+        if (warmed[k]) items[k].run();
         items[k].ns.push_back(seconds(items[k], calls[k]) * 1e9 / calls[k] /
                               static_cast<double>(items[k].points));
       });
