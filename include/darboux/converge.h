@@ -14,6 +14,7 @@
 #include <darboux/any_surface.h>
 #include <darboux/mesh_classes.h>
 #include <darboux/mesh_frames.h>
+#include <darboux/sample_mesh.h>
 
 namespace darboux {
 
@@ -23,11 +24,17 @@ struct MeshFamily {
   double shear = 0;   ///< K: stored uvs are (u + K v, v)
   double jitter = 0;  ///< interior vertices move by up to ± this share of a cell
   bool random_diagonals = false;
+  bool mirror = false;  ///< stored u is 1 - |2u - 1|: the second half's uvs are those of the first, mirrored
+  double grading = 0;   ///< SampleMeshOptions::grading
 };
-/// regular, sheared (K = 0.5), jittered (0.15 of a cell: no triangle is inverted), jittered-diagonals.
+/// regular, sheared (K = 0.5), jittered (0.15 of a cell: no triangle is inverted), jittered-diagonals,
+/// mirrored, graded (0.5: cells from half to one and a half times the average).
 std::span<const MeshFamily> mesh_families();
 /// \throws ParameterError listing the known names
 const MeshFamily& find_mesh_family(std::string_view name);
+/// The mesh of a family with so many rows and twice as many columns, for sample_mesh().
+SampleMeshOptions mesh_options(const MeshFamily& family, int rows, std::uint64_t seed, double v_first = 0,
+                               double v_last = 1);
 
 /// What became of the order that was expected.
 enum class OrderVerdict : std::uint8_t {
@@ -101,8 +108,9 @@ struct ConvergeOptions {
 /// On a mesh with poles the other classes converge more slowly, since the rows next to a pole are a share h
 /// of all: interior at most half an order faster than pole_ring, 0 where that is 0; seam and border half an
 /// order less than 2 or 3, as measured, and at most half an order faster than pole_ring on irregular meshes.
-/// Where a method is not made for the chart 0 is expected. A family's shear vanishes at the poles: pole and
-/// pole_ring go by the chart without it, with at most 1 where the method is not made for the sheared one.
+/// On graded meshes with poles polynomials are expected to have no more in the interior than on irregular
+/// ones. Where a method is not made for the chart 0 is expected. A family's shear vanishes at the poles: pole
+/// and pole_ring go by the chart without it, with at most 1 where the method is not made for the sheared one.
 /// \param progress called with the share done, in [0, 1] \throws ParameterError when the resolutions or the
 /// range of v are not as above
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});

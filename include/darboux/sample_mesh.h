@@ -41,6 +41,9 @@ struct SampleMeshOptions {
   /// a mirrored mesh in v alone.
   double jitter = 0;
   bool random_diagonals = false;
+  /// In [0, 1): a grid's coordinates x run as x + grading sin(2πx)/2π, so that cells are 1 + grading times as
+  /// wide at the ends of u and v as on average, and 1 - grading times in the middle.
+  double grading = 0;
   std::uint64_t seed = 1;          ///< of jitter and diagonals
   double shear = 0;                ///< K: stores (u + K v, v), |K| <= 1000
   bool mirror = false;             ///< stores 1 - |2u - 1|; columns even; vertices on the fold are doubled
@@ -99,9 +102,9 @@ struct SampleMeshOptions {
 /// left out, as at a pole of a formula, or because no triangle of them has area
 ///
 /// Cost: linear in the triangles, three evaluations each and one per vertex. Options that a topology does not
-/// have are refused: pole, jitter, random_diagonals, mirror for all but grid, shared_seam and a part of v for
-/// the two spheres. \throws ParameterError naming the option, what is expected and what was given: for a grid
-/// too that leaves no triangle, as 1x1 on a torus
+/// have are refused: pole, jitter, random_diagonals, grading, mirror for all but grid, shared_seam and a part
+/// of v for the two spheres. \throws ParameterError naming the option, what is expected and what was given:
+/// for a grid too that leaves no triangle, as 1x1 on a torus
 Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& options,
                  std::size_t* dropped_cells = nullptr);
 

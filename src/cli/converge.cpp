@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <optional>
 
@@ -45,30 +43,6 @@ std::vector<std::string> split_surfaces(const std::string& text) {
   return result;
 }
 
-int parse_resolution(std::string_view text) {
-  int n = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
-  if (error != std::errc{} || end != text.data() + text.size() || n < 2 || n > finest_rows)
-    throw ParameterError("--resolutions", expected_got("numbers from 2 to " + std::to_string(finest_rows) +
-                                                           ", as 8..256 (doubling) or 8,16,32",
-                                                       "'" + std::string(text) + "'"));
-  return n;
-}
-
-std::vector<int> parse_resolutions(const std::string& text) {
-  std::vector<int> result;
-  if (const std::size_t dots = text.find(".."); dots != std::string::npos) {
-    const int last = parse_resolution(std::string_view(text).substr(dots + 2));
-    for (int n = parse_resolution(std::string_view(text).substr(0, dots)); n <= last; n *= 2)
-      result.push_back(n);
-  } else {
-    for (const std::string& piece : split(text, ',')) result.push_back(parse_resolution(piece));
-  }
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
-  return result;
-}
-
 // What is given wins over the study file, and that over the preset.
 ConvergeChoices choose(const ConvergeArguments& arguments) {
   const auto preset = preset_named(arguments.report.preset);
@@ -86,7 +60,7 @@ ConvergeChoices choose(const ConvergeArguments& arguments) {
   replace(choices.surfaces, arguments.surfaces, split_surfaces);
   replace(choices.methods, arguments.methods, at_commas);
   replace(choices.meshes, arguments.meshes, at_commas);
-  if (arguments.resolutions) choices.resolutions = parse_resolutions(*arguments.resolutions);
+  if (arguments.resolutions) choices.resolutions = parse_resolutions(*arguments.resolutions, finest_rows);
   if (arguments.v_range) {
     const std::vector<std::string> range = split(*arguments.v_range, ',');
     if (range.size() != 2)
@@ -122,60 +96,15 @@ std::string command_line(const ConvergeOptions& options, const ConvergeArguments
     return result;
   };
   const auto name = [](const auto* item) { return item->name; };
-  return "darboux converge --surfaces " +
-         list(options.surfaces, [](const AnySurface& s) { return s.specification(); }) + " --methods " +
+  // What lies between two semicolons may hold commas.
+  std::string surfaces;
+  for (const AnySurface& surface : options.surfaces)
+    surfaces += (surfaces.empty() ? "" : ";") + surface.specification();
+  return "darboux converge --surfaces " + shell_quoted(surfaces) + " --methods " +
          list(options.methods, name) + " --meshes " + list(options.families, name) + " --resolutions " +
          list(options.resolutions, [](int n) { return std::to_string(n); }) + " --v-range " +
          shortest(options.v_first) + ',' + shortest(options.v_last) + " --seed " +
-         std::to_string(options.seed) + command_line_of(arguments.report);
-}
-
-// Orders of the tangents: a block for every surface and mesh, a row per method, a column per class.
-void print_orders(const std::vector<Study>& studies) {
-  std::puts("Order of convergence of the tangents, with its 95 % interval:");
-  for (auto begin = studies.begin(); begin != studies.end();) {
-    const auto end = std::find_if(begin, studies.end(), [&](const Study& s) {
-      return s.surface != begin->surface || s.mesh != begin->mesh;
-    });
-    std::vector<std::string_view> methods;
-    std::map<VertexClass, std::map<std::string_view, const Study*>, std::greater<>> columns;
-    for (auto s = begin; s != end; ++s) {
-      if (s->quantity != "tangent") continue;
-      if (std::find(methods.begin(), methods.end(), s->method) == methods.end()) methods.push_back(s->method);
-      columns[s->vertex_class][s->method] = &*s;
-    }
-    std::printf("\n%s, %s\n  %-18s", begin->surface.c_str(), std::string(begin->mesh).c_str(), "");
-    for (const auto& [vertex_class, column] : columns)
-      std::printf(" %-20s", std::string(name_in(vertex_class_names, vertex_class)).c_str());
-    for (const std::string_view method : methods) {
-      std::printf("\n  %-18s", std::string(method).c_str());
-      for (const auto& [vertex_class, column] : columns) {
-        const auto found = column.find(method);
-        char cell[32] = "";
-        if (found != column.end() && found->second->verdict == OrderVerdict::at_the_floor)
-          std::snprintf(cell, sizeof cell, "at the floor");
-        else if (found != column.end())
-          std::snprintf(cell, sizeof cell, "%.2f [%.2f, %.2f]%s", found->second->order,
-                        found->second->order_low, found->second->order_high,
-                        found->second->holds() ? "" : " !");
-        std::printf(" %-20s", cell);
-      }
-    }
-    std::puts("");
-    begin = end;
-  }
-  std::puts("");
-}
-
-void print_summary(const std::vector<Study>& studies) {
-  std::printf("%s\n", verdict_summary(studies).c_str());
-  for (const Study& s : studies)
-    if (!s.holds())
-      std::printf("%s: %s, %s mesh, %s, %s of the %s: order %.2f [%.2f, %.2f], expected %g\n",
-                  std::string(name_in(order_verdict_names, s.verdict)).c_str(), s.surface.c_str(),
-                  std::string(s.mesh).c_str(), std::string(s.method).c_str(), std::string(s.quantity).c_str(),
-                  std::string(name_in(vertex_class_names, s.vertex_class)).c_str(), s.order, s.order_low,
-                  s.order_high, s.expected_order);
+         std::to_string(options.seed) + command_line_of(arguments.report, {{"--picture", arguments.picture}});
 }
 
 void run_converge(const ConvergeArguments& arguments, Common& common) {
@@ -198,8 +127,18 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
                                  [&](double share) { progress.update(share); });
   }
   if (!to.shard.empty()) return print_shard(to, jobs, common);
+  const bool holds = std::all_of(studies.begin(), studies.end(), [](const Study& s) { return s.holds(); });
+  common.exit_status = holds ? 0 : 1;
+  const Json document{{"studies", studies_json(studies)},
+                      {"seed", options.seed},
+                      {"study", identity.study},
+                      {"provenance", identity.provenance}};
   if (report) {
-    report->write(converge_page(studies, origin));
+    const std::string format = format_of(to);
+    report->write(format == "md"     ? converge_markdown(studies, origin)
+                  : format == "svg"  ? convergence_picture(options, studies)
+                  : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
+                                     : converge_page(studies, origin));
     report->commit();
   }
   if (csv) {
@@ -210,18 +149,13 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
     picture->write(convergence_picture(options, studies));
     picture->commit();
   }
-  const bool holds = std::all_of(studies.begin(), studies.end(), [](const Study& s) { return s.holds(); });
-  common.exit_status = holds ? 0 : 1;
-  if (common.json)
-    return print_json({{"studies", studies_json(studies)},
-                       {"seed", options.seed},
-                       {"study", identity.study},
-                       {"provenance", identity.provenance}});
+  if (common.json) return print_json(document);
   // A page or CSV on standard output stands alone there.
   if (is_standard_output(to.output) || is_standard_output(to.csv) || is_standard_output(arguments.picture))
     return;
-  if (to.output.empty()) print_orders(studies);
-  print_summary(studies);
+  if (to.output.empty()) std::fputs(orders_text(studies).c_str(), stdout);
+  std::printf("%s\n", verdict_summary(studies).c_str());
+  for (const std::string& line : unexpected(studies)) std::printf("%s\n", line.c_str());
   if (!to.output.empty()) std::printf("report: %s\n", to.output.c_str());
   if (!to.csv.empty()) std::printf("CSV: %s\n", to.csv.c_str());
   if (!arguments.picture.empty()) std::printf("picture: %s\n", arguments.picture.c_str());
@@ -257,8 +191,7 @@ void add_converge(CLI::App& app, Common& common) {
   sub.add_option("--seed", arguments->seed, "of random meshes [1]")->check(whole_number);
   add_report_options(sub, arguments->report,
                      "quick (the defaults), standard (6 surfaces, all meshes, 16..512), full (8..1024)");
-  sub.add_option("-o,--output", arguments->report.output, "write an HTML report to this file");
-  sub.add_option("--csv", arguments->report.csv, "write all levels of all studies to this file");
+  add_output_options(sub, arguments->report, "the picture of --picture", "all levels of all studies");
   sub.add_option(
       "--picture", arguments->picture,
       "write the first surface's mesh, coloured by the first method's tangent error, beside the convergence "

@@ -66,6 +66,7 @@ int main(int argc, char** argv) {
   darboux::add_plan(app, common);
   darboux::add_scene(app, common);
   darboux::add_stability(app, common);
+  darboux::add_work_precision(app, common);
   darboux::add_merge(app, common);
   darboux::refuse_empty_values(app);
   const auto finish = [](int status) {

@@ -1,6 +1,7 @@
 #include "report_command.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -15,6 +16,24 @@ void add_report_options(CLI::App& sub, ReportArguments& arguments, const std::st
   sub.add_option("--results", arguments.results,
                  "append all samples to this file as they come; one that exists is resumed");
   sub.add_option("--shard", arguments.shard, "I/N: do only this part of the study, for darboux merge");
+}
+
+void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::string& svg,
+                        const std::string& csv) {
+  sub.add_option("-o,--output", arguments.output, "write a report to this file");
+  sub.add_option(
+         "--format", arguments.format,
+         "of the report: html (a page), md (tables), svg (" + svg + ") or json; else by the file's extension")
+      ->check(CLI::IsMember({"html", "md", "svg", "json"}));
+  sub.add_option("--csv", arguments.csv, "write " + csv + " to this file");
+}
+
+std::string format_of(const ReportArguments& arguments) {
+  if (!arguments.format.empty()) return arguments.format;
+  const std::string name = lower(arguments.output);
+  for (const char* format : {"html", "md", "svg", "json"})
+    if (name.ends_with(std::string(".") + format)) return format;
+  return "html";
 }
 
 void check(const ReportArguments& arguments, const Common& common,
@@ -42,6 +61,8 @@ void check(const ReportArguments& arguments, const Common& common,
         std::filesystem::weakly_canonical(std::filesystem::absolute(file), none).string(), option);
     if (!added) throw ParameterError(option, expected_got("another file than that of " + at->second, file));
   }
+  if (!arguments.format.empty() && arguments.output.empty())
+    throw ParameterError("--format", "expected -o FILE with it, got none");
   if (arguments.shard.empty()) return;
   if (arguments.results.empty())
     throw ParameterError("--shard", "expected --results FILE beside it, got none");
@@ -50,14 +71,46 @@ void check(const ReportArguments& arguments, const Common& common,
                          "expected --results alone, got a page, CSV or picture: merge the shards first");
 }
 
-std::string command_line_of(const ReportArguments& arguments) {
+std::string command_line_of(const ReportArguments& arguments,
+                            const std::vector<std::pair<const char*, std::string>>& others) {
+  std::vector<std::pair<const char*, std::string>> options{{"--results", arguments.results},
+                                                           {"--shard", arguments.shard},
+                                                           {"-o", arguments.output},
+                                                           {"--format", arguments.format},
+                                                           {"--csv", arguments.csv}};
+  options.insert(options.end(), others.begin(), others.end());
   std::string line;
-  for (const auto& [option, value] :
-       {std::pair<const char*, const std::string&>{"--results", arguments.results},
-        {"--shard", arguments.shard},
-        {"-o", arguments.output}})
+  for (const auto& [option, value] : options)
     if (!value.empty()) (line += std::string(" ") + option + ' ') += shell_quoted(value);
   return line;
+}
+
+namespace {
+
+int parse_resolution(std::string_view text, int finest) {
+  int n = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+  if (error != std::errc{} || end != text.data() + text.size() || n < 2 || n > finest)
+    throw ParameterError("--resolutions", expected_got("numbers from 2 to " + std::to_string(finest) +
+                                                           ", as 8..256 (doubling) or 8,16,32",
+                                                       "'" + std::string(text) + "'"));
+  return n;
+}
+
+}  // namespace
+
+std::vector<int> parse_resolutions(const std::string& text, int finest) {
+  std::vector<int> result;
+  if (const std::size_t dots = text.find(".."); dots != std::string::npos) {
+    const int last = parse_resolution(std::string_view(text).substr(dots + 2), finest);
+    for (int n = parse_resolution(std::string_view(text).substr(0, dots), finest); n <= last; n *= 2)
+      result.push_back(n);
+  } else {
+    for (const std::string& piece : split(text, ',')) result.push_back(parse_resolution(piece, finest));
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
 }
 
 std::string shell_quoted(const std::string& text) {

@@ -15,7 +15,7 @@ namespace darboux {
 
 struct ReportArguments {
   std::string preset = "quick", study, results, shard;
-  std::string output, csv;
+  std::string output, csv, format;
 
   StudyOptions study_options(int threads) const {
     return {results, shard.empty() ? Shard{} : parse_shard(shard), threads};
@@ -27,13 +27,26 @@ inline constexpr const char* preset_names = "quick, standard or full";
 /// Adds --preset, --study, --results and --shard. \param presets what each preset is
 void add_report_options(CLI::App& sub, ReportArguments& arguments, const std::string& presets);
 
+/// Adds -o, --format and --csv. \param svg, csv what these hold
+void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::string& svg,
+                        const std::string& csv);
+
+/// The format of -o: as --format says, else by the file's extension: html, md, svg or json.
+std::string format_of(const ReportArguments& arguments);
+
 /// \param others options that write a file too, and their files
-/// \throws ParameterError where two of these write to one place, or a shard is to write more than its results
+/// \throws ParameterError where two of these write to one place, a format is asked for without -o, or a shard
+/// is to write more than its results
 void check(const ReportArguments& arguments, const Common& common,
            const std::vector<std::pair<const char*, std::string>>& others = {});
 
 /// These as they stand in the line that runs the same again: " --results FILE -o FILE".
-std::string command_line_of(const ReportArguments& arguments);
+std::string command_line_of(const ReportArguments& arguments,
+                            const std::vector<std::pair<const char*, std::string>>& others = {});
+
+/// "8..256" (doubling) or "8,16,32", of --resolutions; in order, each once. \param finest the largest number
+/// \throws ParameterError
+std::vector<int> parse_resolutions(const std::string& text, int finest);
 
 /// Text as a shell reads it.
 std::string shell_quoted(const std::string& text);

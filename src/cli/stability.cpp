@@ -21,17 +21,7 @@ struct StabilityArguments {
   std::optional<int> points, samples;
   std::optional<std::uint64_t> seed;
   ReportArguments report;
-  std::string format;
 };
-
-// The format of -o: as --format says, else by the file's extension.
-std::string format_of(const StabilityArguments& arguments) {
-  if (!arguments.format.empty()) return arguments.format;
-  const std::string name = lower(arguments.report.output);
-  for (const char* format : {"html", "md", "svg", "json"})
-    if (name.ends_with(std::string(".") + format)) return format;
-  return "html";
-}
 
 // What is given wins over the study file, and that over the preset.
 StabilityChoices choose(const StabilityArguments& arguments) {
@@ -84,8 +74,6 @@ std::string command_line(const StabilityOptions& options, const StabilityArgumen
 void run_stability(const StabilityArguments& arguments, Common& common) {
   const ReportArguments& to = arguments.report;
   check(to, common);
-  if (!arguments.format.empty() && to.output.empty())
-    throw ParameterError("--format", "expected -o FILE with it, got none");
   const StabilityOptions options = parse(arguments);
   // Opened before the work, so that a folder that cannot be written is reported at once.
   std::optional<OutputFile> output, csv;
@@ -111,7 +99,7 @@ void run_stability(const StabilityArguments& arguments, Common& common) {
                       {"study", identity.study},
                       {"provenance", identity.provenance}};
   if (output) {
-    const std::string format = format_of(arguments);
+    const std::string format = format_of(to);
     output->write(format == "md"     ? stability_markdown(curves, origin)
                   : format == "svg"  ? stability_picture(curves)
                   : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
@@ -154,13 +142,7 @@ void add_stability(CLI::App& app, Common& common) {
   sub.add_option("--seed", arguments->seed, "of the random points [1]")->check(whole_number);
   add_report_options(sub, arguments->report,
                      "quick (the defaults), standard (61 values of x, 8 points at each), full (301, 16)");
-  sub.add_option("-o,--output", arguments->report.output, "write a report to this file");
-  sub.add_option(
-         "--format", arguments->format,
-         "of the report: html (a page), md (tables), svg (the curves of the first surface) or json; else "
-         "by the file's extension")
-      ->check(CLI::IsMember({"html", "md", "svg", "json"}));
-  sub.add_option("--csv", arguments->report.csv, "write every point of every curve to this file");
+  add_output_options(sub, arguments->report, "the curves of the first surface", "every point of every curve");
   add_common(sub, common, "darboux stability sphere torus --sweeps pole_distance,scale");
   sub.callback([arguments, &common] { run_stability(*arguments, common); });
 }

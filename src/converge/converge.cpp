@@ -21,6 +21,11 @@ constexpr MeshFamily families[] = {
     {"sheared", "the same grid, its uvs sheared: u + v/2 is stored in place of u", 0.5, 0, false},
     {"jittered", "a grid whose inner vertices are moved at random by up to 0.15 of a cell", 0, 0.15, false},
     {"jittered-diagonals", "the same, every cell cut along a diagonal chosen at random", 0, 0.15, true},
+    {"mirrored", "a grid whose second half has the uvs of the first, mirrored: 1 - |2u - 1| is stored", 0, 0,
+     false, true},
+    {"graded",
+     "a grid whose cells grow smoothly from half the average in the middle to one and a half at the ends", 0,
+     0, false, false, 0.5},
 };
 
 constexpr double above_floor = 10;    // a level is used where its rms is this many times its floor
@@ -69,38 +74,44 @@ double floor_deg(const Mesh& mesh) {
   return degrees(16 * 0x1p-53 * std::max(largest / shortest, largest_uv / shortest_uv));
 }
 
-Chart chart_at(const Sample<double>& sample, const Vec3<double>& along_v) {
+Chart chart_at(const Sample<double>& sample, double du_dstored, const Vec3<double>& along_v) {
   if (std::fabs(dot(sample.frame.t, unit(along_v))) > orthogonal_below) return Chart::any;
-  return std::fabs(norm(along_v) / norm(sample.jet.dpdu) - 1) > orthogonal_below ? Chart::orthogonal
-                                                                                 : Chart::conformal;
+  const double along_u = std::fabs(du_dstored) * norm(sample.jet.dpdu);
+  return std::fabs(norm(along_v) / along_u - 1) > orthogonal_below ? Chart::orthogonal : Chart::conformal;
+}
+
+// The sample at a vertex of a mirrored mesh, and du by its stored u, which does not tell the two halves
+// apart: the sign of the stored tangent does.
+std::pair<Sample<double>, double> unmirrored(const AnySurface& surface, const Mesh& mesh,
+                                             std::size_t vertex) {
+  const auto [stored, v] = mesh.uvs[vertex];
+  const Sample<double> first = surface.sample(stored / 2, v);
+  if (tangent4(first.frame).w == mesh.tangents[vertex].w) return {first, 0.5};
+  return {surface.sample(1 - stored / 2, v), -0.5};
 }
 
 Reference make_reference(const AnySurface& surface, const MeshFamily& family, const ConvergeOptions& options,
                          int n) {
   Reference r;
-  r.mesh = sample_mesh(surface, {.columns = 2 * n,
-                                 .rows = n,
-                                 .jitter = family.jitter,
-                                 .random_diagonals = family.random_diagonals,
-                                 .seed = options.seed,
-                                 .shear = family.shear,
-                                 .v_first = options.v_first,
-                                 .v_last = options.v_last});
+  r.mesh = sample_mesh(surface, mesh_options(family, n, options.seed, options.v_first, options.v_last));
   std::vector<bool> is_pole;
-  for (const Vec2<double>& stored : r.mesh.uvs) {
-    const double u = stored.x - family.shear * stored.y, v = stored.y;
-    const Sample<double> sample = surface.sample(u, v);
+  for (std::size_t i = 0; i < r.mesh.uvs.size(); ++i) {
+    const Vec2<double>& stored = r.mesh.uvs[i];
+    const auto [sample, du_dstored] =
+        family.mirror ? unmirrored(surface, r.mesh, i)
+                      : std::pair{surface.sample(stored.x - family.shear * stored.y, stored.y), 1.0};
     const Status status = sample.frame.status;
-    // By the stored (u + K v, v): d/du is dpdu, d/dv is dpdv - K dpdu. Along dpdu runs t, also in the limit.
+    // By the stored (u + K v, v): d/du is dpdu, d/dv is dpdv - K dpdu. Along dpdu runs t, also in the limit;
+    // against it where the uvs are mirrored.
     const Vec3<double> along_v = sample.jet.dpdv - family.shear * sample.jet.dpdu;
     r.truth.push_back(
-        {{sample.frame.t, along_v, sample.frame.n},
+        {{du_dstored < 0 ? -sample.frame.t : sample.frame.t, along_v, sample.frame.n},
          !has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero)});
     is_pole.push_back(has(status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel));
     r.has_pole = r.has_pole || is_pole.back();
     if (is_pole.back()) continue;
-    r.chart = std::min(r.chart, chart_at(sample, along_v));
-    r.unsheared_chart = std::min(r.unsheared_chart, chart_at(sample, sample.jet.dpdv));
+    r.chart = std::min(r.chart, chart_at(sample, du_dstored, along_v));
+    r.unsheared_chart = std::min(r.unsheared_chart, chart_at(sample, du_dstored, sample.jet.dpdv));
   }
   r.vertex_class = classify(r.mesh, is_pole).of_vertex;
   r.floor_deg = floor_deg(r.mesh);
@@ -165,6 +176,8 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   const bool one_sided = vertex_class != VertexClass::interior;
   if (one_sided && order > 1) order -= 0.5;
   if (beside_poles == 0) return 0;
+  // Where cells are widest at a seam that ends in poles, it shows in the interior: a share h sees beyond it.
+  if (family.grading > 0 && method.reach > 1) order = std::min(order, method.direction.jittered);
   // So does what lies next to a pole there: it has the order of irregular meshes.
   return std::min(order, (one_sided ? std::min(beside_poles, at_poles.jittered) : beside_poles) + 0.5);
 }
@@ -277,6 +290,20 @@ const MeshFamily& find_mesh_family(std::string_view name) {
     known += (known.empty() ? "" : ", ") + std::string(family.name);
   }
   throw ParameterError("meshes", "unknown family '" + std::string(name) + "', known are " + known);
+}
+
+SampleMeshOptions mesh_options(const MeshFamily& family, int rows, std::uint64_t seed, double v_first,
+                               double v_last) {
+  return {.columns = 2 * rows,
+          .rows = rows,
+          .jitter = family.jitter,
+          .random_diagonals = family.random_diagonals,
+          .grading = family.grading,
+          .seed = seed,
+          .shear = family.shear,
+          .mirror = family.mirror,
+          .v_first = v_first,
+          .v_last = v_last};
 }
 
 std::vector<ConvergeJob> converge_jobs(const ConvergeOptions& options) {

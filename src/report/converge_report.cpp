@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <functional>
+#include <map>
 #include <string_view>
 #include <tuple>
 
@@ -413,6 +416,107 @@ std::string verdict_summary(const std::vector<Study>& studies) {
   add(OrderVerdict::slower, false, "slower than expected");
   add(OrderVerdict::does_not_converge, false, "not converging, though expected to");
   return text;
+}
+
+namespace {
+
+// Orders of the tangents on one family of meshes of one surface.
+struct OrderTable {
+  std::string surface, mesh;
+  std::vector<std::string_view> classes, methods;
+  std::map<std::pair<std::string_view, std::string_view>, std::string> cells;  // of method and class
+
+  std::string cell(std::string_view method, std::string_view of_class) const {
+    const auto found = cells.find({method, of_class});
+    return found == cells.end() ? "" : found->second;
+  }
+};
+
+// "2.00 [1.99, 2.01] !"
+std::string order_cell(const Study& s) {
+  if (s.verdict == OrderVerdict::at_the_floor) return "at the floor";
+  char cell[48];
+  std::snprintf(cell, sizeof cell, "%.2f [%.2f, %.2f]%s", s.order, s.order_low, s.order_high,
+                s.holds() ? "" : " !");
+  return cell;
+}
+
+std::vector<OrderTable> order_tables(const std::vector<Study>& studies) {
+  std::vector<OrderTable> tables;
+  std::vector<std::map<VertexClass, bool, std::greater<>>> classes;
+  for (const Study& s : studies) {
+    if (tables.empty() || s.surface != tables.back().surface || s.mesh != tables.back().mesh) {
+      tables.push_back({s.surface, std::string(s.mesh), {}, {}, {}});
+      classes.emplace_back();
+    }
+    if (s.quantity != "tangent") continue;
+    OrderTable& table = tables.back();
+    if (std::find(table.methods.begin(), table.methods.end(), s.method) == table.methods.end())
+      table.methods.push_back(s.method);
+    classes.back()[s.vertex_class] = true;
+    table.cells[{s.method, class_name(s)}] = order_cell(s);
+  }
+  for (std::size_t i = 0; i < tables.size(); ++i)
+    for (const auto& [of_class, there] : classes[i])
+      tables[i].classes.push_back(name_in(vertex_class_names, of_class));
+  return tables;
+}
+
+}  // namespace
+
+std::string orders_text(const std::vector<Study>& studies) {
+  std::string text = "Order of convergence of the tangents, with its 95 % interval:\n";
+  const auto padded = [](std::string cell, std::size_t width) {
+    if (cell.size() < width) cell.append(width - cell.size(), ' ');
+    return cell;
+  };
+  for (const OrderTable& table : order_tables(studies)) {
+    text += '\n' + table.surface + ", " + table.mesh + "\n  " + std::string(18, ' ');
+    for (const std::string_view of_class : table.classes) text += ' ' + padded(std::string(of_class), 20);
+    for (const std::string_view method : table.methods) {
+      text += "\n  " + padded(std::string(method), 18);
+      for (const std::string_view of_class : table.classes)
+        text += ' ' + padded(table.cell(method, of_class), 20);
+    }
+    text += '\n';
+  }
+  return text + '\n';
+}
+
+std::vector<std::string> unexpected(const std::vector<Study>& studies) {
+  std::vector<std::string> lines;
+  for (const Study& s : studies) {
+    if (s.holds()) continue;
+    char numbers[80];
+    std::snprintf(numbers, sizeof numbers, "order %.2f [%.2f, %.2f], expected %g", s.order, s.order_low,
+                  s.order_high, s.expected_order);
+    lines.push_back(std::string(verdict_name(s)) + ": " + s.surface + ", " + std::string(s.mesh) + " mesh, " +
+                    std::string(s.method) + ", " + std::string(s.quantity) + " of the " +
+                    std::string(class_name(s)) + ": " + numbers);
+  }
+  return lines;
+}
+
+std::string converge_markdown(const std::vector<Study>& studies, const Provenance& p) {
+  std::string text = "# Orders of convergence\n\n" + verdict_summary(studies) +
+                     ".\n\nOf the tangents, with their 95 % intervals; !: below what is expected.\n";
+  for (const OrderTable& table : order_tables(studies)) {
+    text += "\n## " + table.surface + ", " + table.mesh + "\n\n| method |";
+    for (const std::string_view of_class : table.classes) text += ' ' + std::string(of_class) + " |";
+    text += "\n|---|";
+    for (std::size_t i = 0; i < table.classes.size(); ++i) text += "---|";
+    for (const std::string_view method : table.methods) {
+      text += "\n| " + std::string(method) + " |";
+      for (const std::string_view of_class : table.classes) text += ' ' + table.cell(method, of_class) + " |";
+    }
+    text += '\n';
+  }
+  if (const auto lines = unexpected(studies); !lines.empty()) {
+    text += "\n## Not as expected\n\n";
+    for (const std::string& line : lines) text += "- " + line + '\n';
+  }
+  return text + "\nMade by `" + p.command + "`: Darboux " + p.version + ", " + p.compiler + ", " + p.machine +
+         ", " + p.date + ".\n";
 }
 
 std::string converge_page(const std::vector<Study>& studies, const Provenance& p) {

@@ -23,6 +23,14 @@ std::string studies_csv(const std::vector<Study>& studies);
 /// "405 studies: 269 as expected, 3 faster, 91 at the floor, 42 not converging, as expected".
 std::string verdict_summary(const std::vector<Study>& studies);
 
+/// Orders of the tangents for a terminal: a block for every surface and mesh, a row per method, a column per
+/// class.
+std::string orders_text(const std::vector<Study>& studies);
+/// The same as Markdown, with what is not as expected behind it.
+std::string converge_markdown(const std::vector<Study>& studies, const Provenance& provenance);
+/// What is not as expected: "slower: torus, jittered mesh, ..."; a line each.
+std::vector<std::string> unexpected(const std::vector<Study>& studies);
+
 /// A self-contained HTML page: error against mesh width and against run time as pictures, all studies as a
 /// table. Opens from a file, without a network; without scripts the table remains.
 std::string converge_page(const std::vector<Study>& studies, const Provenance& provenance);

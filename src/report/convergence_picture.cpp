@@ -14,6 +14,7 @@
 
 #include "base/text.h"
 #include "colour_map.h"
+#include "svg.h"
 #include "view.h"
 
 namespace darboux {
@@ -22,24 +23,6 @@ namespace {
 constexpr double width = 1000, height = 420;
 constexpr std::array<const char*, 8> line_colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                   "#56b4e9", "#e69f00", "#000000", "#7f7f7f"};
-
-// A number with at most one decimal, as pictures need them: the same text on every machine.
-std::string tenths(double x) {
-  const long t = std::lround(10 * x);
-  std::string text = std::to_string(t / 10);
-  if (t < 0 && t > -10) text = "-0";
-  return t % 10 == 0 ? text : text + '.' + std::to_string(std::labs(t % 10));
-}
-
-std::string label(double x, double y, const std::string& text, const std::string& attributes = "") {
-  return "<text x=\"" + tenths(x) + "\" y=\"" + tenths(y) + "\"" +
-         (attributes.empty() ? "" : " " + attributes) + ">" + text + "</text>\n";
-}
-
-std::string line(double x1, double y1, double x2, double y2, const std::string& attributes) {
-  return "<path d=\"M" + tenths(x1) + ' ' + tenths(y1) + 'L' + tenths(x2) + ' ' + tenths(y2) + "\" " +
-         attributes + "/>\n";
-}
 
 // ---- the mesh
 // -------------------------------------------------------------------------------------------------
@@ -53,14 +36,8 @@ struct ColouredMesh {
 ColouredMesh coloured_mesh(const ConvergeOptions& options, int rows) {
   const MeshFamily& family = *options.families.front();
   ColouredMesh result;
-  result.mesh = sample_mesh(options.surfaces.front(), {.columns = 2 * rows,
-                                                       .rows = rows,
-                                                       .jitter = family.jitter,
-                                                       .random_diagonals = family.random_diagonals,
-                                                       .seed = options.seed,
-                                                       .shear = family.shear,
-                                                       .v_first = options.v_first,
-                                                       .v_last = options.v_last});
+  result.mesh = sample_mesh(options.surfaces.front(),
+                            mesh_options(family, rows, options.seed, options.v_first, options.v_last));
   const MeshFrames frames = mesh_frames(result.mesh, *options.methods.front());
   for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t) {
     double sum = 0;
@@ -101,7 +78,7 @@ std::string mesh_panel(const ColouredMesh& coloured, const std::string& title, c
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const Drawn& a, const Drawn& b) { return a.depth < b.depth; });
-  std::string out = label(20, 30, title, "class=\"t\"") + label(20, 50, subtitle);
+  std::string out = svg::label(20, 30, title, "class=\"t\"") + svg::label(20, 50, subtitle);
   for (const Drawn& drawn : order) {
     const Triangle& triangle = mesh.triangles[drawn.triangle];
     const std::string colour =
@@ -109,7 +86,7 @@ std::string mesh_panel(const ColouredMesh& coloured, const std::string& title, c
     out += "<path fill=\"" + colour + "\" d=\"M";
     for (std::size_t k = 0; k < 3; ++k) {
       const PicturePoint p = view(mesh.positions[triangle[k]]);
-      out += (k > 0 ? "L" : "") + tenths(p.x) + ' ' + tenths(p.y);
+      out += (k > 0 ? "L" : "") + svg::tenths(p.x) + ' ' + svg::tenths(p.y);
     }
     out += "z\"/>\n";
   }
@@ -119,11 +96,11 @@ std::string mesh_panel(const ColouredMesh& coloured, const std::string& title, c
   for (int k = 0; k < steps; ++k)
     out += "<path stroke=\"none\" fill=\"" +
            css_colour(colour_of(static_cast<float>((k + 0.5) / steps * coloured.largest), coloured.largest)) +
-           "\" d=\"M" + tenths(90 + bar * k / steps) + ' ' + tenths(y) + 'h' + tenths(bar / steps + 0.5) +
-           "v12h-" + tenths(bar / steps + 0.5) + "z\"/>\n";
-  return out + label(90, y + 30, "0°", "text-anchor=\"middle\"") +
-         label(90 + bar, y + 30, rounded(coloured.largest, 2) + "°", "text-anchor=\"middle\"") +
-         label(90 + bar / 2, y + 30, "error of the tangent", "text-anchor=\"middle\"");
+           "\" d=\"M" + svg::tenths(90 + bar * k / steps) + ' ' + svg::tenths(y) + 'h' +
+           svg::tenths(bar / steps + 0.5) + "v12h-" + svg::tenths(bar / steps + 0.5) + "z\"/>\n";
+  return out + svg::label(90, y + 30, "0°", "text-anchor=\"middle\"") +
+         svg::label(90 + bar, y + 30, rounded(coloured.largest, 2) + "°", "text-anchor=\"middle\"") +
+         svg::label(90 + bar / 2, y + 30, "error of the tangent", "text-anchor=\"middle\"");
 }
 
 // ---- the plot
@@ -144,24 +121,24 @@ class Plot {
   }
 
   std::string svg() const {
-    std::string out = label(480, 30, "How fast the error falls", "class=\"t\"") +
-                      label(480, 50, "rms error of the tangent at interior corners, degrees");
+    std::string out = svg::label(480, 30, "How fast the error falls", "class=\"t\"") +
+                      svg::label(480, 50, "rms error of the tangent at interior corners, degrees");
     for (int d = first_decade_; d <= last_decade_; ++d)
-      out += line(left, y(std::pow(10.0, d)), right, y(std::pow(10.0, d)), "class=\"g\"") +
-             label(left - 6, y(std::pow(10.0, d)) + 4, decade(d), "text-anchor=\"end\"");
+      out += svg::line(left, y(std::pow(10.0, d)), right, y(std::pow(10.0, d)), "class=\"g\"") +
+             svg::label(left - 6, y(std::pow(10.0, d)) + 4, svg::decade(d), "text-anchor=\"end\"");
     for (const Level& level : studies_.front()->levels)
-      out +=
-          line(x(level.h), top, x(level.h), bottom, "class=\"g\"") +
-          label(x(level.h), bottom + 18, "1/" + std::to_string(level.resolution), "text-anchor=\"middle\"");
-    out +=
-        label((left + right) / 2, bottom + 38, "mesh width h, finer to the left", "text-anchor=\"middle\"");
+      out += svg::line(x(level.h), top, x(level.h), bottom, "class=\"g\"") +
+             svg::label(x(level.h), bottom + 18, "1/" + std::to_string(level.resolution),
+                        "text-anchor=\"middle\"");
+    out += svg::label((left + right) / 2, bottom + 38, "mesh width h, finer to the left",
+                      "text-anchor=\"middle\"");
     for (const int slope : {1, 2}) out += slope_line(slope);
     std::vector<std::pair<double, std::size_t>> ends;  // where each line's name would stand
     for (std::size_t k = 0; k < studies_.size(); ++k) {
       std::string path;
       for (const Level& level : studies_[k]->levels)
         if (level.rms_deg > 0)
-          path += (path.empty() ? "M" : "L") + tenths(x(level.h)) + ' ' + tenths(y(level.rms_deg));
+          path += (path.empty() ? "M" : "L") + svg::tenths(x(level.h)) + ' ' + svg::tenths(y(level.rms_deg));
       out += "<path class=\"l\" stroke=\"" + std::string(line_colours[k % line_colours.size()]) + "\" d=\"" +
              path + "\"/>\n";
       ends.emplace_back(y(studies_[k]->levels.front().rms_deg), k);
@@ -170,8 +147,8 @@ class Plot {
     double last = -100;
     for (const auto& [at, k] : ends) {
       last = std::max(at, last + 16);
-      out += label(right + 8, last + 4, std::string(studies_[k]->method) + order_text(*studies_[k]),
-                   "fill=\"" + std::string(line_colours[k % line_colours.size()]) + "\"");
+      out += svg::label(right + 8, last + 4, std::string(studies_[k]->method) + order_text(*studies_[k]),
+                        "fill=\"" + std::string(line_colours[k % line_colours.size()]) + "\"");
     }
     return out;
   }
@@ -179,11 +156,8 @@ class Plot {
  private:
   static constexpr double left = 535, right = 850, top = 70, bottom = 360;
 
-  static std::string decade(int d) {
-    return d >= 0 && d < 4 ? std::to_string(std::lround(std::pow(10.0, d))) : "1e" + std::to_string(d);
-  }
   static std::string order_text(const Study& study) {
-    return std::isfinite(study.order) ? ", h^" + tenths(study.order) : std::string();
+    return std::isfinite(study.order) ? ", h^" + svg::tenths(study.order) : std::string();
   }
   double x(double h) const {
     return h_high_ == h_low_ ? left
@@ -199,8 +173,8 @@ class Plot {
     const double lowest = std::pow(10.0, first_decade_);
     const double h = std::max(h_low_, h_high_ * std::pow(lowest / from, 1.0 / slope));
     const double error = from * std::pow(h / h_high_, slope);
-    return line(x(h_high_), y(from), x(h), y(error), "class=\"s\"") +
-           label(x(h) + 4, y(error) - 6, slope == 1 ? "h" : "h²", "class=\"i\"");
+    return svg::line(x(h_high_), y(from), x(h), y(error), "class=\"s\"") +
+           svg::label(x(h) + 4, y(error) - 6, slope == 1 ? "h" : "h²", "class=\"i\"");
   }
 
   std::vector<const Study*> studies_;
@@ -217,8 +191,9 @@ std::string convergence_picture(const ConvergeOptions& options, const std::vecto
     if (s.surface == studies.front().surface && s.mesh == studies.front().mesh && s.quantity == "tangent" &&
         s.vertex_class == VertexClass::interior)
       drawn.push_back(&s);
-  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + tenths(width) + "\" height=\"" +
-                    tenths(height) + "\" viewBox=\"0 0 " + tenths(width) + ' ' + tenths(height) +
+  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + svg::tenths(width) +
+                    "\" height=\"" + svg::tenths(height) + "\" viewBox=\"0 0 " + svg::tenths(width) + ' ' +
+                    svg::tenths(height) +
                     "\" font-family=\"sans-serif\" font-size=\"13\" fill=\"#1b2a3a\">\n"
                     "<title>Tangent error on a mesh, and its convergence</title>\n"
                     "<style>.t{font-size:17px;font-weight:bold}.g{stroke:#d5dbe2;fill:none}"

@@ -21,9 +21,9 @@ using Json = nlohmann::ordered_json;
 
 // What is said of one surface in one sweep.
 struct SweepCell {
-  double error = 0;   // the largest, of curves that lead
-  double factor = 0;  // error / bound where it is largest, of these
-  double naive = -1;  // the largest of the naive formulas; negative: not asked
+  double error = 0;    // the largest, of curves that lead
+  double factor = -1;  // error / bound where it is largest, of these; negative: no bound is stated
+  double naive = -1;   // the largest of the naive formulas; negative: not asked
   bool asked = false, beyond = false;
 };
 
@@ -47,7 +47,7 @@ Overview overview_of(const std::vector<StabilityCurve>& curves) {
     if (leads(c)) {
       cell.asked = true;
       cell.error = std::fmax(cell.error, largest);
-      cell.factor = std::fmax(cell.factor, c.worst.factor);
+      if (has_bound(c)) cell.factor = std::fmax(cell.factor, c.worst.factor);
     }
     cell.beyond = cell.beyond || !c.holds();
   }
@@ -61,12 +61,6 @@ std::string digits_or_all(double error) {
   if (!(error < 0x1p53)) return "all";
   char text[32];
   std::snprintf(text, sizeof text, error < 1000 ? "%.2g" : "%.0e", error);
-  return text;
-}
-
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, share < 10 ? "%.0f %%" : "%.0e %%", 100 * share);
   return text;
 }
 
@@ -145,6 +139,7 @@ select{font:inherit;color:var(--ink);background:var(--card);border:1px solid #9a
 // How near to the bound, in five steps: to a tenth, a quarter, a half, all of it, beyond.
 std::string_view step_of(const SweepCell& cell) {
   if (cell.beyond) return "s4";
+  if (cell.factor < 0) return "unbounded";
   return cell.factor < 0.1 ? "s0" : cell.factor < 0.25 ? "s1" : cell.factor < 0.5 ? "s2" : "s3";
 }
 
@@ -162,8 +157,8 @@ std::string map_table(const Overview& overview) {
       }
       const SweepCell& c = cell->second;
       text += "<td class=" + std::string(step_of(c)) + "><button data-surface=\"" + escape(surface) +
-              "\" data-sweep=" + std::string(sweep) + " title=\"" + percent(c.factor) + " of the bound\">" +
-              digits_or_all(c.error) + "</button>";
+              "\" data-sweep=" + std::string(sweep) + " title=\"" + share_text(c.factor) +
+              (c.factor < 0 ? "\">" : " of the bound\">") + digits_or_all(c.error) + "</button>";
     }
     text += "</tr>\n";
   }
@@ -212,7 +207,7 @@ float. All numbers are compared with the same formulas in 40 digits, beside the 
 <h2>Surfaces by sweeps</h2>
 <p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in roundings, in
 steps of the stored data, in standard errors. The darker, the nearer to its bound: a tenth, a
-quarter, half, all of it; red is beyond. Large errors within their bound are the condition's: no formula in these
+quarter, half, all of it; red is beyond, white has no bound. Large errors within their bound are the condition's: no formula in these
 inputs does better. A click shows the curves.</p>
 <div class=scroll><table class=map id=map>
 )html" + map_table(overview_of(curves)) +
@@ -265,7 +260,7 @@ std::string stability_markdown(const std::vector<StabilityCurve>& curves, const 
       ".\n\n## Darboux in double\n\nThe largest error in roundings (2^-53), and the share of its "
       "bound that is nearest to it.\n\n" +
       table([](const SweepCell& c) {
-        return c.asked ? digits_or_all(c.error) + ", " + percent(c.factor) : std::string();
+        return c.asked ? digits_or_all(c.error) + ", " + share_text(c.factor) : std::string();
       });
   text +=
       "## The naive formulas\n\nTheir largest error in roundings; all: no digit is left, or no number "

@@ -24,11 +24,14 @@ addEventListener('error', e => {
   };
 
   // The methods over meshes: the same colours again, another symbol for each round.
-const rounds = ['circle', 'triangle', 'rectRot', 'star'], colours = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#56b4e9', '#7f7f7f'];
-const others = Object.keys(data.routes).filter(r => !looks[r]);
-const look_of = route => looks[route] || (i => [colours[i % colours.length], rounds[Math.floor(i / colours.length) % rounds.length]])(others.indexOf(route));
+  const rounds = ['circle', 'triangle', 'rectRot', 'star'],
+        colours = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#56b4e9', '#7f7f7f'];
+  const others = Object.keys(data.routes).filter(r => !looks[r]);
+  const look_of = route => looks[route] ||
+      (i => [colours[i % colours.length], rounds[Math.floor(i / colours.length) % rounds.length]])(
+                               others.indexOf(route));
 
-// ---- logarithms as numbers: 600 decades are more than a logarithmic axis takes
+  // ---- logarithms as numbers: 600 decades are more than a logarithmic axis takes
   const least = -1, most = 16.5;
   const superscript = e => String(e).replace(/./g, c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]);
   const power = e => e === 0 ? '1' : '10' + superscript(e);
@@ -108,13 +111,15 @@ const look_of = route => looks[route] || (i => [colours[i % colours.length], rou
     chart.options.scales.y.max = Math.min(most, Math.max(4, ...heights));
     chart.options.scales.x.title.text = sweep.unit;
     // From easy, at the left, to hard.
-    chart.options.scales.x.reverse =
-        ['pole_distance', 'seam_distance', 'edge_distance', 'knot_distance', 'slivers', 'points', 'coverage'].includes($('sweep').value);
+    chart.options.scales.x.reverse = [
+      'pole_distance', 'seam_distance', 'edge_distance', 'knot_distance', 'slivers', 'points', 'coverage'
+    ].includes($('sweep').value);
     chart.update();
     $('what').textContent = 'Curves: ' + short($('surface').value) + ', ' + words($('sweep').value);
     const named = unique(curves.map(c => c.route)).filter(r => looks[r]).map(r => r + ': ' + data.routes[r]);
     $('about').textContent = sweep.summary[0].toUpperCase() + sweep.summary.slice(1) + '. ' +
-        (named.length ? named.join('; ') + '.' : 'The methods are those of darboux tangents --list, and fit.');
+        (named.length ? named.join('; ') + '.' :
+                        'The methods are those of darboux tangents --list, and fit.');
     $('plot').setAttribute(
         'aria-label', 'Error in roundings against ' + sweep.unit + ', ' + curves.length + ' curves.');
     for (const cell of document.querySelectorAll('#map button'))

@@ -120,8 +120,19 @@ std::string curves_csv(const std::vector<StabilityCurve>& curves) {
   return text;
 }
 
+bool has_bound(const StabilityCurve& c) {
+  return std::any_of(c.bound_u.begin(), c.bound_u.end(), [](double b) { return b > 0; });
+}
+
+std::string share_text(double factor) {
+  if (factor < 0) return "no bound";
+  char text[32];
+  std::snprintf(text, sizeof text, factor < 10 ? "%.0f %%" : "%.1g %%", 100 * factor);
+  return text;
+}
+
 double largest_error(const StabilityCurve& c) {
-  const bool stated = std::any_of(c.bound_u.begin(), c.bound_u.end(), [](double b) { return b > 0; });
+  const bool stated = has_bound(c);
   double largest = 0;
   for (std::size_t i = 0; i < c.x.size(); ++i)
     if (!stated || c.bound_u[i] > 0) largest = std::fmax(largest, c.error_u[i]);
@@ -134,9 +145,6 @@ bool leads(const StabilityCurve& c) {
 
 std::string stability_summary(const std::vector<StabilityCurve>& curves) {
   const auto count = [&](auto which) { return std::count_if(curves.begin(), curves.end(), which); };
-  const auto has_bound = [](const StabilityCurve& c) {
-    return std::any_of(c.bound_u.begin(), c.bound_u.end(), [](double bound) { return bound > 0; });
-  };
   const auto own = count([&](const StabilityCurve& c) { return c.own && has_bound(c); });
   const auto unbounded = count([&](const StabilityCurve& c) { return c.own && !has_bound(c); });
   const auto broken = count([](const StabilityCurve& c) { return !c.holds(); });
@@ -178,9 +186,8 @@ std::string stability_text(const std::vector<StabilityCurve>& curves) {
       if (!worst || c->worst.factor > worst->worst.factor) worst = &*c;
     }
     if (worst) {
-      char share[32], x[32];
-      std::snprintf(share, sizeof share, worst->worst.factor < 10 ? "%.0f %%" : "%.1g %%",
-                    100 * worst->worst.factor);
+      const std::string share = share_text(has_bound(*worst) ? worst->worst.factor : -1);
+      char x[32];
       std::snprintf(x, sizeof x, "%.2g", worst->worst.x);
       text += line({{short_surface(worst->surface), 22},
                     {std::string(worst->sweep), 20},

@@ -25,6 +25,12 @@ std::string curves_csv(const std::vector<StabilityCurve>& curves);
 /// The largest error of a curve in roundings, where a bound is stated; anywhere, where none is.
 double largest_error(const StabilityCurve& curve);
 
+/// Whether a bound is stated anywhere on the curve.
+bool has_bound(const StabilityCurve& curve);
+
+/// The share of a bound for people: "29 %"; "no bound" where none is stated: `factor` is negative.
+std::string share_text(double factor);
+
 /// Whether a curve counts in overviews: Darboux in double; every method over meshes, every fit.
 bool leads(const StabilityCurve& curve);
 

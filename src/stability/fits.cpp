@@ -35,7 +35,8 @@ class Numbers {
 
 struct Cloud {
   int points = 1000;
-  double outliers = 0, coverage = 1, noise = 1e-3;
+  double outliers = 0, coverage = 1;
+  double noise = 1e-3;  // of a coordinate, over the size of the surface
 };
 
 Cloud cloud_at(std::string_view sweep, double x) {
@@ -51,11 +52,24 @@ Cloud cloud_at(std::string_view sweep, double x) {
   return cloud;
 }
 
+// Half the largest extent, as a power of two, so that a scaled surface has scaled points.
+double size_of(const AnySurface& surface) {
+  Vec3<double> low{laws::infinity, laws::infinity, laws::infinity}, high = -low;
+  for (int i = 0; i <= 16; ++i)
+    for (int k = 0; k <= 16; ++k) {
+      const Vec3<double> p = surface.jet(i / 16.0, k / 16.0).position;
+      low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
+      high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+    }
+  const double extent = std::fmax(high.x - low.x, std::fmax(high.y - low.y, high.z - low.z));
+  return std::exp2(std::round(std::log2(extent / 2)));
+}
+
 // Points on the surface, uniform by area over the middle of its chart, with noise; outliers in the box about
 // them.
 PointCloud points_on(const AnySurface& surface, const Cloud& cloud, Numbers& random) {
   PointCloud result;
-  const double half = std::sqrt(cloud.coverage) / 2;
+  const double half = std::sqrt(cloud.coverage) / 2, noise = cloud.noise * size_of(surface);
   const auto area = [&](double u, double v) {
     const Jet2<double> j = surface.jet(u, v);
     return norm(cross(j.dpdu, j.dpdv));
@@ -72,8 +86,7 @@ PointCloud points_on(const AnySurface& surface, const Cloud& cloud, Numbers& ran
     const Vec3<double> p = surface.jet(u, v).position;
     low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
     high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
-    result.positions.push_back(p +
-                               cloud.noise * Vec3<double>{random.normal(), random.normal(), random.normal()});
+    result.positions.push_back(p + noise * Vec3<double>{random.normal(), random.normal(), random.normal()});
   }
   const Vec3<double> margin = 0.125 * (high - low);
   while (static_cast<int>(result.positions.size()) < cloud.points)

@@ -1,13 +1,12 @@
 #include "baselines.h"
 
 #include <cmath>
-#include <limits>
 #include <type_traits>
-
-#include <Eigen/Dense>
 
 #include <darboux/catalogue.h>
 #include <darboux/point.h>
+
+#include "work_precision/loops.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -21,19 +20,7 @@
 namespace darboux::bench {
 namespace {
 
-template <class T>
-using Vector = Eigen::Matrix<T, 3, 1>;
-
-template <class T>
-struct Numbers {
-  Vector<T> position, dpdu, dpdv, t, b, n;
-};
-
-template <class T>
-Numbers<T> with_frame(const Vector<T>& position, const Vector<T>& dpdu, const Vector<T>& dpdv) {
-  const Vector<T> t = dpdu.normalized(), n = dpdu.cross(dpdv).normalized();
-  return {position, dpdu, dpdv, t, n.cross(t), n};
-}
+using namespace loops;
 
 // f(u, v) at all points. What is not wanted is not computed: the compiler sees that nobody reads it.
 template <Layout layout, Wanted wanted, class T, class F>
@@ -148,50 +135,6 @@ struct SphereByHand {
 #endif
 };
 
-// Weights of f(x + k h) - f(x - k h), k = 1 ..., over h, for the first derivative.
-template <int order>
-constexpr std::array<double, order / 2> weights() {
-  if constexpr (order == 2)
-    return {1. / 2};
-  else if constexpr (order == 4)
-    return {2. / 3, -1. / 12};
-  else if constexpr (order == 6)
-    return {3. / 4, -3. / 20, 1. / 60};
-  else
-    return {4. / 5, -1. / 5, 4. / 105, -1. / 280};
-}
-// The step at which rounding and truncation are about equal for a function that is like sin 2πx, a power of
-// two.
-template <class T, int order>
-T step() {
-  constexpr double truncation = order == 2 ? 1. / 6 : order == 4 ? 1. / 30 : order == 6 ? 1. / 140 : 1. / 630;
-  const double angle =
-      std::pow(static_cast<double>(std::numeric_limits<T>::epsilon()) / truncation, 1.0 / (order + 1));
-  return static_cast<T>(std::exp2(std::round(std::log2(angle / (2 * M_PI)))));
-}
-
-template <int order, class T, class P>
-Numbers<T> by_differences(const P& position, T u, T v, T h) {
-  constexpr auto w = weights<order>();
-  Vector<T> dpdu = Vector<T>::Zero(), dpdv = Vector<T>::Zero();
-  for (int k = 1; k <= order / 2; ++k) {
-    const T x = static_cast<T>(k) * h, weight = static_cast<T>(w[static_cast<std::size_t>(k - 1)]);
-    dpdu += weight * (position(u + x, v) - position(u - x, v));
-    dpdv += weight * (position(u, v + x) - position(u, v - x));
-  }
-  return with_frame<T>(position(u, v), dpdu / h, dpdv / h);
-}
-
-template <class T, class P>
-Numbers<T> by_dual(const P& position, T u, T v) {
-  using D = Dual<T, 2>;
-  const Vec3<D> p = position(D::variable(u, 0), D::variable(v, 1));
-  const auto part = [&](std::size_t k) {
-    return Vector<T>{p.x.derivative[k], p.y.derivative[k], p.z.derivative[k]};
-  };
-  return with_frame<T>({p.x.value, p.y.value, p.z.value}, part(0), part(1));
-}
-
 #if defined(DARBOUX_BENCHMARK_OCCT)
 template <class Surface>
 Numbers<double> by_occt(const Handle(Geom_Surface) & surface, bool second, double u, double v) {
@@ -236,10 +179,11 @@ void by_hand(Method method, Layout layout, Wanted wanted, const T* u, const T* v
           },
           u, v, n, to);
     case Method::differences: {
-      const T h = step<T, 2>();
+      const T h = difference_step<T>(2);
       return loop<separate, all>(
           [h](T x, T y) {
-            return by_differences<2, T>([](T a, T b) { return Surface::position_at(a, b); }, x, y, h);
+            return by_differences<T>(
+                2, [](T a, T b) { return Surface::position_at(a, b); }, x, y, h);
           },
           u, v, n, to);
     }
@@ -259,64 +203,16 @@ void by_hand(Method method, Layout layout, Wanted wanted, const T* u, const T* v
 
 // ---- through the types of the catalogue -------------------------------------------------------------------
 
-// A coordinate as prepare() hands it to formulas, by the sines of the C++ library.
-template <Coordinate kind, class T>
-auto prepare_naively(T x) {
-  if constexpr (kind == Coordinate::linear) {
-    return x;
-  } else {
-    const T angle = T(kind == Coordinate::turn ? 2 * M_PI : M_PI) * x;
-    return Turn<T>{std::sin(angle), std::cos(angle)};
-  }
-}
-
 template <class X, class T>
 const auto& instance() {
   static const auto surface = rebind<T>(X{});
   return surface;
 }
 
-template <class T>
-Vector<T> eigen(const Vec3<T>& a) {
-  return {a.x, a.y, a.z};
-}
-
 template <class X, class T>
 void naive_through(const T* u, const T* v, std::size_t n, const Destination& to) {
   const auto& surface = instance<X, T>();
-  loop<Layout::separate, Wanted::all>(
-      [&surface](T x, T y) {
-        const Jet2<T> j = surface.jet(prepare_naively<X::info.u>(x), prepare_naively<X::info.v>(y));
-        return with_frame<T>(eigen(j.position), eigen(j.dpdu), eigen(j.dpdv));
-      },
-      u, v, n, to);
-}
-
-template <class X, class T>
-void dual_through(const T* u, const T* v, std::size_t n, const Destination& to) {
-  const auto& surface = instance<X, T>();
-  loop<Layout::separate, Wanted::all>(
-      [&surface](T x, T y) {
-        return by_dual<T>([&surface](const auto& a, const auto& b) { return jet(surface, a, b).position; }, x,
-                          y);
-      },
-      u, v, n, to);
-}
-
-template <int order, class X, class T>
-void differences_through(const T* u, const T* v, std::size_t n, const Destination& to) {
-  const auto& surface = instance<X, T>();
-  const T h = step<T, order>();
-  loop<Layout::separate, Wanted::all>(
-      [&surface, h](T x, T y) {
-        return by_differences<order, T>(
-            [&surface](T a, T b) {
-              return eigen(Jet2<T>(surface.jet(prepare_naively<X::info.u>(a), prepare_naively<X::info.v>(b)))
-                               .position);
-            },
-            x, y, h);
-      },
-      u, v, n, to);
+  loop<Layout::separate, Wanted::all>([&surface](T x, T y) { return naive<T>(surface, x, y); }, u, v, n, to);
 }
 
 // ---- limits -----------------------------------------------------------------------------------------------
@@ -403,12 +299,7 @@ const std::vector<CatalogueLoops<T>>& catalogue_loops() {
   static const std::vector<CatalogueLoops<T>> list = [] {
     std::vector<CatalogueLoops<T>> loops;
     Catalogue::for_each([&]<class X>(const X&) {
-      loops.push_back({X::info.name,
-                       detail::in_lanes<X>,
-                       naive_through<X, T>,
-                       dual_through<X, T>,
-                       {differences_through<2, X, T>, differences_through<4, X, T>,
-                        differences_through<6, X, T>, differences_through<8, X, T>}});
+      loops.push_back({X::info.name, detail::in_lanes<X>, naive_through<X, T>});
     });
     return loops;
   }();

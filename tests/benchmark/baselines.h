@@ -78,10 +78,8 @@ template <class T>
 struct CatalogueLoops {
   using Loop = void (*)(const T* u, const T* v, std::size_t n, const Destination& to);
   std::string_view surface;
-  bool in_lanes;                    ///< whether the library's batches go over SIMD lanes
-  Loop naive;                       ///< the type's own formula at std::sin and std::cos, the frame by Eigen
-  Loop dual;                        ///< partials by dual numbers through the type's formula
-  std::array<Loop, 4> differences;  ///< of order 2, 4, 6, 8
+  bool in_lanes;  ///< whether the library's batches go over SIMD lanes
+  Loop naive;     ///< the type's own formula at std::sin and std::cos, the frame by Eigen
 };
 /// In the catalogue's order.
 template <class T>

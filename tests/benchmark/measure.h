@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -15,6 +14,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "base/rounds.h"
 
 namespace darboux::bench {
 
@@ -84,29 +85,9 @@ inline double ratio(const Timing& a, const Timing& b) {
   return median(all);
 }
 
-/// Times all of them one after the other, so many rounds. Each is called once untimed directly before it is
-/// timed, and then as often as takes half a millisecond.
+/// Times all of them in turns, so many rounds.
 inline void measure(std::vector<Timing>& timings, int rounds) {
-  using Clock = std::chrono::steady_clock;
-  const auto seconds = [](auto&& f) {
-    const auto from = Clock::now();
-    f();
-    return std::chrono::duration<double>(Clock::now() - from).count();
-  };
-  std::vector<int> calls;
-  for (Timing& timing : timings) {
-    timing.run();
-    calls.push_back(std::clamp(static_cast<int>(0.5e-3 / std::max(seconds(timing.run), 1e-7)), 1, 200));
-  }
-  for (int round = 0; round < rounds; ++round)
-    for (std::size_t k = 0; k < timings.size(); ++k) {
-      Timing& timing = timings[k];
-      timing.run();
-      const double time = seconds([&] {
-        for (int i = 0; i < calls[k]; ++i) timing.run();
-      });
-      timing.ns.push_back(time * 1e9 / calls[k] / static_cast<double>(timing.points));
-    }
+  time_in_rounds(timings, rounds, std::numeric_limits<double>::infinity(), [] {});
 }
 
 }  // namespace darboux::bench

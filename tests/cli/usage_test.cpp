@@ -9,7 +9,7 @@ namespace {
 TEST_F(Cli, KnowsTheContractsSubcommands) {
   const auto names = subcommands();
   for (const char* name : {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge",
-                           "stability", "fit", "compare", "scene"})
+                           "stability", "work-precision", "fit", "compare", "scene"})
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
 }
 
@@ -212,7 +212,9 @@ TEST_F(Cli, RefusesOutputsThatCannotBeWritten) {
         "converge --surfaces torus --methods face --meshes regular --resolutions 4,6,8 -o OUT",
         "converge --surfaces torus --methods face --meshes regular --resolutions 4,6,8 --csv OUT",
         "stability sphere --sweeps turns --points 2 -o OUT",
-        "stability sphere --sweeps turns --points 2 --csv OUT"}) {
+        "stability sphere --sweeps turns --points 2 --csv OUT",
+        "work-precision sphere --rounds 3 --methods naive -o OUT",
+        "work-precision sphere --rounds 3 --methods naive --csv OUT"}) {
     const auto to = [&](const std::string& out) {
       std::string text = command;
       return "darboux " + text.replace(text.find("OUT"), 3, out);

@@ -144,6 +144,43 @@ TEST(Converge, ExpectationsHoldOnTheWholeSphere) {
                            << ", expected " << s.expected_order;
 }
 
+// Mirrored and graded meshes do as expected, poles too. The uvs of a mirrored mesh are those of a regular one
+// of half as many columns, so that the truth turns round at the fold: an error beyond 90 degrees would be a
+// wrong half.
+TEST(Converge, MirroredAndGradedMeshesDoAsExpected) {
+  for (const char* surface : {"torus", "sphere", "ellipsoid", "cone", "one-sheet-hyperboloid"}) {
+    ConvergeOptions o = options(surface, {"mirrored", "graded"});
+    o.resolutions = {16, 32, 64, 128};
+    std::size_t converge_at_the_fold = 0;
+    for (const Study& s : converge(o)) {
+      EXPECT_TRUE(s.holds()) << s.surface << ' ' << s.mesh << ' ' << s.method << ' ' << s.quantity << ' '
+                             << vertex_class_names[static_cast<std::size_t>(s.vertex_class)] << ' ' << s.order
+                             << ", expected " << s.expected_order;
+      if (s.mesh != "mirrored" || s.quantity != "tangent") continue;
+      if (s.vertex_class == VertexClass::interior || s.vertex_class == VertexClass::seam) {
+        EXPECT_LT(s.levels.back().max_deg, 91) << s.surface << ' ' << s.method;
+      }
+      converge_at_the_fold += s.vertex_class == VertexClass::seam && s.order > 0.85;
+    }
+    EXPECT_GT(converge_at_the_fold, 8u) << surface;
+  }
+}
+
+// On a torus a mirrored mesh is a regular one whose second half is turned round: the same errors in the
+// interior.
+TEST(Converge, TheInteriorOfAMirroredTorusIsThatOfARegularOne) {
+  ConvergeOptions o = options("torus", {"regular", "mirrored"}, {"face", "area", "angle"});
+  const auto studies = converge(o);
+  for (const FrameMethod* method : o.methods) {
+    const Study &regular = find(studies, "regular", method->name, VertexClass::interior),
+                &mirrored = find(studies, "mirrored", method->name, VertexClass::interior);
+    for (std::size_t i = 0; i < regular.levels.size(); ++i)
+      EXPECT_NEAR(mirrored.levels[i].max_deg, regular.levels[i].max_deg,
+                  1e-9 * regular.levels[i].max_deg + 10 * mirrored.levels[i].floor_deg)
+          << method->name << ' ' << regular.levels[i].resolution;
+  }
+}
+
 // No orthonormal frame follows an oblique chart; the gradients of u and v are not along dpdu and dpdv on it
 // either.
 TEST(Converge, ObliqueChart) {

@@ -133,6 +133,33 @@ TEST(SampleMesh, AMirroredMeshStoresUBelowOne) {
   }
 }
 
+// x + grading sin(2πx)/2π: monotone, 0, 1/2 and 1 to the bit, cells from 1 - grading to 1 + grading of the
+// average.
+TEST(SampleMesh, GradedCellsAreAsWideAsTheyShould) {
+  for (const double grading : {0.0, 0.5, 0.9})
+    for (const bool mirror : {false, true}) {
+      SampleMeshOptions o = grid(64, 32);
+      o.grading = grading;
+      o.mirror = mirror;
+      std::set<double> u, v;
+      for (const auto& uv : sample_mesh(Torus{1.0, 0.4}, o).uvs) u.insert(uv.x), v.insert(uv.y);
+      EXPECT_TRUE(mirror || u.size() == 65);  // the halves of a mirrored one differ by roundings
+      EXPECT_EQ(v.size(), 33u);
+      for (const double exact : {0.0, 0.5, 1.0})
+        EXPECT_TRUE(v.contains(exact) && (mirror || u.contains(exact)));
+      EXPECT_TRUE(u.contains(0) && u.contains(1));
+      double least = 1, most = 0;
+      for (auto at = std::next(v.begin()); at != v.end(); ++at) {
+        const double cells = 32 * (*at - *std::prev(at));
+        least = std::min(least, cells);
+        most = std::max(most, cells);
+      }
+      // The mean of 1 + grading cos 2πx over a cell of 1/32 is off its extreme by grading (2π/32)²/6.
+      EXPECT_NEAR(least, 1 - grading, 0.0065 * grading + 1e-12);
+      EXPECT_NEAR(most, 1 + grading, 0.0065 * grading + 1e-12);
+    }
+}
+
 TEST(SampleMesh, RefusesBadOptions) {
   const auto refused = [](auto change) {
     SampleMeshOptions o = grid(8, 8);
@@ -144,6 +171,9 @@ TEST(SampleMesh, RefusesBadOptions) {
   refused([](auto& o) { o.jitter = 0.5; });
   refused([](auto& o) { o.jitter = NAN; });
   refused([](auto& o) { o.shear = INFINITY; });
+  refused([](auto& o) { o.grading = 1; });
+  refused([](auto& o) { o.grading = -0.1; });
+  refused([](auto& o) { o.grading = 0.5, o.topology = MeshTopology::lantern; });
   refused([](auto& o) { o.mirror = true, o.columns = 7; });
   refused([](auto& o) { o.shared_seam = true, o.columns = 2; });
   refused([](auto& o) { o.v_first = 0.8, o.v_last = 0.2; });

@@ -225,6 +225,27 @@ TEST(Stability, TheFitOfASmallPatchIsNotTheTwinTorus) {
   }
 }
 
+// What is fitted to is as noisy as the surface is large: the same fits of a scaled surface, whatever its
+// size.
+TEST(Stability, FitsAreJudgedAtEverySize) {
+  const auto fits = [](double radius) {
+    StabilityOptions options = everything({make_surface("sphere").with(std::vector{radius})});
+    options.routes = {&find_stability_route("fit")};
+    options.points = 12;
+    return stability(options);
+  };
+  const Curves of_one = fits(1);
+  EXPECT_EQ(of_one.size(), 8u);  // points, outliers, coverage, noise: parameters and frames
+  for (const double radius : {0x1p-30, 0x1p-10, 0x1p20}) {
+    const Curves curves = fits(radius);
+    ASSERT_EQ(curves.size(), of_one.size()) << radius;
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+      EXPECT_TRUE(curves[i].holds()) << text_of(curves[i]);
+      EXPECT_EQ(curves[i].x, of_one[i].x) << text_of(curves[i]);
+    }
+  }
+}
+
 // ---- options ----------------------------------------------------------------------------------------------
 
 TEST(Stability, DependsOnItsOptionsAlone) {

@@ -33,7 +33,7 @@ for (const line of lines)
     check(!permits_line({ ...line, more: 1 }), 'the schema permits another key');
   }
 // What both permit.
-for (const more of [{ $schema: 'x' }, { preset: 'quick' }, { seed: 0 }, { meshes: ['regular', 'sheared', 'jittered-diagonals'] }]) {
+for (const more of [{ $schema: 'x' }, { preset: 'quick' }, { seed: 0 }, { meshes: ['regular', 'sheared', 'jittered-diagonals', 'mirrored', 'graded'] }]) {
   const right = { ...study, ...more };
   check(permits_study(right), `the schema refuses ${JSON.stringify(more)}`);
   const { status, stderr } = run(right);

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "chart_mesh.h"
@@ -17,6 +18,10 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
   std::mt19937_64 random(o.seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
 
+  const auto graded = [&](double x) {  // 0, 1/2 and 1 stay where they are, to the bit
+    return o.grading == 0 ? x : x + o.grading * sincos_turns(x).sin / (2 * std::numbers::pi);
+  };
+
   // The grid of (u, v), before any vertex is doubled.
   const auto at = [&](int i, int j) { return static_cast<std::size_t>(j) * (columns + 1) + i; };
   std::vector<Vec2<double>> grid(static_cast<std::size_t>(columns + 1) * (rows + 1));
@@ -27,8 +32,8 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
       const double turned = staggered && j % 2 == 1 ? 0.5 : 0;
       const double du = moves && !on_fold ? o.jitter * uniform(random) : turned;
       const double dv = moves ? o.jitter * uniform(random) : 0;
-      const double share = j == rows ? 1 : (j + dv) / rows;  // the last row is v_last to the bit
-      grid[at(i, j)] = {(i + du) / columns, o.v_first + (o.v_last - o.v_first) * share};
+      const double share = j == rows ? 1 : graded((j + dv) / rows);  // the last row is v_last to the bit
+      grid[at(i, j)] = {graded((i + du) / columns), o.v_first + (o.v_last - o.v_first) * share};
       if (j == rows) grid[at(i, j)].y = o.v_last;
     }
 
@@ -43,7 +48,7 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
     if ((first_is_pole && j == 0) || (last_is_pole && j == rows)) {
       const bool shared = o.pole == PolePlacement::shared;
       gi = shared ? 0 : column;
-      uv.x = shared ? 0.5 : (column + 0.5) / columns;
+      uv.x = shared ? 0.5 : graded((column + 0.5) / columns);
     }
     const bool second_half = o.mirror && 2 * column >= columns;
     std::uint32_t& known = index[2 * at(gi, gj) + second_half];

@@ -71,6 +71,7 @@ void check_topology(const AnySurface& surface, const SampleMeshOptions& o) {
     expect(o.jitter == 0, "a grid for jitter", name_of(o.topology));
     expect(!o.random_diagonals, "a grid for random diagonals", name_of(o.topology));
     expect(!o.mirror, "a grid for a mirrored half", name_of(o.topology));
+    expect(o.grading == 0, "a grid for grading", name_of(o.topology));
   } else if (o.pole != PolePlacement::per_column && !is_pole(surface, o.v_first) &&
              !is_pole(surface, o.v_last)) {
     throw ParameterError("pole", expected_got("a surface with a pole, such as sphere",
@@ -84,6 +85,7 @@ void check(const AnySurface& surface, const SampleMeshOptions& o) {
         "grid",
         expected_got("at least 1 segment each way and at most 5e7 cells (a GLB holds 4 GiB)", grid_text(o)));
   require(o.jitter >= 0 && o.jitter < 0.5, "jitter", o.jitter, "0 <= jitter < 0.5");
+  require(o.grading >= 0 && o.grading < 1, "grading", o.grading, "0 <= grading < 1");
   require(std::fabs(o.shear) <= 1000, "shear", o.shear, "-1000 <= shear <= 1000");
   require(o.v_first >= 0 && o.v_first < o.v_last && o.v_last <= 1, "v range", o.v_first,
           "0 <= first < last <= 1");

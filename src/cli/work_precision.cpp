@@ -1,0 +1,226 @@
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include <darboux/io.h>
+#include <darboux/work_precision.h>
+
+#include "base/text.h"
+#include "command.h"
+#include "report/work_precision_report.h"
+#include "report_command.h"
+#include "work_precision_study.h"
+
+namespace darboux {
+namespace {
+
+// As given; what is not given comes from the study file or the preset.
+struct WorkArguments {
+  std::vector<std::string> surfaces, methods, meshes, compare;
+  std::optional<int> rounds, points, checked;
+  std::optional<double> timeout;
+  std::optional<std::uint64_t> seed;
+  std::string x, y, resolutions;
+  double tolerance = 0.1;
+  ReportArguments report;
+};
+
+// What is given wins over the study file, and that over the preset.
+WorkChoices choose(const WorkArguments& arguments) {
+  const auto preset = work_preset(arguments.report.preset);
+  if (!preset)
+    throw ParameterError("--preset", expected_got(preset_names, "'" + arguments.report.preset + "'"));
+  WorkChoices choices = *preset;
+  if (!arguments.report.study.empty()) read_work_study(arguments.report.study, choices);
+  if (!arguments.surfaces.empty()) choices.surfaces = arguments.surfaces;
+  if (!arguments.methods.empty()) choices.methods = arguments.methods;
+  if (!arguments.meshes.empty()) choices.meshes = arguments.meshes;
+  if (!arguments.resolutions.empty())
+    choices.resolutions = parse_resolutions(arguments.resolutions, finest_work_rows);
+  if (arguments.rounds) choices.rounds = *arguments.rounds;
+  if (arguments.points) choices.points = *arguments.points;
+  if (arguments.checked) choices.checked = *arguments.checked;
+  if (arguments.timeout) choices.timeout = *arguments.timeout;
+  if (arguments.seed) choices.seed = *arguments.seed;
+  return choices;
+}
+
+WorkOptions parse(const WorkArguments& arguments) {
+  const WorkChoices choices = choose(arguments);
+  WorkOptions options;
+  for (const std::string& name : choices.surfaces) options.surfaces.push_back(surface_argument(name));
+  if (choices.surfaces.empty()) options.surfaces = all_surfaces();
+  for (const std::string& name : choices.methods)
+    for (const WorkMethod* method : find_work_methods(name))
+      if (std::find(options.methods.begin(), options.methods.end(), method) == options.methods.end())
+        options.methods.push_back(method);
+  if (choices.methods.empty())
+    for (const WorkMethod& method : work_methods()) options.methods.push_back(&method);
+  for (const std::string& name : choices.meshes) options.families.push_back(&find_mesh_family(name));
+  options.resolutions = choices.resolutions;
+  options.rounds = choices.rounds;
+  options.points = choices.points;
+  options.checked = choices.checked;
+  options.timeout = choices.timeout;
+  options.seed = choices.seed;
+  return options;
+}
+
+WorkAxes axes_of(const WorkArguments& arguments) {
+  WorkAxes axes;
+  if (!arguments.x.empty()) axes.x = work_metrics[find_work_metric(arguments.x)];
+  if (!arguments.y.empty()) axes.y = work_metrics[find_work_metric(arguments.y)];
+  return axes;
+}
+
+// The line that runs the same again, every choice spelt out.
+std::string command_line(const WorkOptions& options, const WorkArguments& arguments) {
+  std::string line = "darboux work-precision";
+  for (const AnySurface& surface : options.surfaces) line += ' ' + shell_quoted(surface.specification());
+  const auto list = [&](const char* option, const auto& items, auto text) {
+    for (std::size_t i = 0; i < items.size(); ++i)
+      line += (i == 0 ? std::string(" ") + option + ' ' : ",") + std::string(text(items[i]));
+  };
+  const auto name = [](const auto* item) { return item->name; };
+  list("--methods", options.methods, name);
+  list("--meshes", options.families, name);
+  list("--resolutions", options.resolutions, [](int n) { return std::to_string(n); });
+  line += " --rounds " + std::to_string(options.rounds) + " --points " + std::to_string(options.points) +
+          " --checked " + std::to_string(options.checked) + " --timeout " + shortest(options.timeout) +
+          " --seed " + std::to_string(options.seed);
+  return line + command_line_of(arguments.report, {{"--x", arguments.x}, {"--y", arguments.y}});
+}
+
+void run_compare(const WorkArguments& arguments, Common& common) {
+  if (!arguments.report.output.empty() || !arguments.report.csv.empty() ||
+      !arguments.report.results.empty() || !arguments.surfaces.empty())
+    throw ParameterError("--compare",
+                         "expected two files alone, got something to measure or to write beside");
+  const std::vector<WorkSample> before = read_work_document(arguments.compare[0]),
+                                after = read_work_document(arguments.compare[1]);
+  const std::vector<WorkComparison> pairs = compare_work(before, after, arguments.tolerance);
+  if (pairs.empty())
+    throw FileError(arguments.compare[1],
+                    expected_got("measurements that " + arguments.compare[0] + " has too", "none"));
+  const bool holds =
+      std::all_of(pairs.begin(), pairs.end(), [](const WorkComparison& c) { return c.holds(); });
+  common.exit_status = holds ? 0 : 1;
+  if (common.json)
+    return print_json({{"pairs", comparisons_json(pairs)},
+                       {"only_before", before.size() - pairs.size()},
+                       {"only_after", after.size() - pairs.size()},
+                       {"tolerance", arguments.tolerance},
+                       {"holds", holds}});
+  std::fputs(comparisons_text(pairs, arguments.tolerance).c_str(), stdout);
+  if (before.size() != pairs.size() || after.size() != pairs.size())
+    std::printf("%zu only before, %zu only after\n", before.size() - pairs.size(),
+                after.size() - pairs.size());
+}
+
+void run_work_precision(const WorkArguments& arguments, Common& common) {
+  const ReportArguments& to = arguments.report;
+  check(to, common);
+  if (!arguments.compare.empty()) return run_compare(arguments, common);
+  const WorkOptions options = parse(arguments);
+  const WorkAxes axes = axes_of(arguments);
+  // Opened before the work, so that a folder that cannot be written is reported at once.
+  std::optional<OutputFile> output, csv;
+  if (!to.output.empty()) output.emplace(to.output);
+  if (!to.csv.empty()) csv.emplace(to.csv);
+  const Provenance origin = provenance(DARBOUX_VERSION, command_line(options, arguments));
+  const StudyIdentity identity{"work-precision", DARBOUX_VERSION, work_identity(options),
+                               provenance_json(origin, common.threads)};
+  std::size_t jobs = 0;
+  std::vector<WorkSample> samples;
+  {
+    Progress progress("work-precision", common);
+    samples = run_work_study(options, identity, to.study_options(common.threads), jobs,
+                             [&](double share) { progress.update(share); });
+  }
+  if (!to.shard.empty()) return print_shard(to, jobs, common);
+  mark_fronts(samples, axes);
+  const bool holds =
+      std::all_of(samples.begin(), samples.end(), [](const WorkSample& s) { return s.failure.empty(); });
+  common.exit_status = holds ? 0 : 1;
+  const Json document{{"samples", work_json(samples)},
+                      {"holds", holds},
+                      {"seed", options.seed},
+                      {"study", identity.study},
+                      {"provenance", identity.provenance}};
+  if (output) {
+    const std::string format = format_of(to);
+    output->write(format == "md"     ? work_markdown(samples, axes, origin)
+                  : format == "svg"  ? work_picture(samples, axes)
+                  : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
+                                     : work_page(samples, axes, origin));
+    output->commit();
+  }
+  if (csv) {
+    csv->write(work_csv(samples));
+    csv->commit();
+  }
+  if (common.json) return print_json(document);
+  // A page or CSV on standard output stands alone there.
+  if (is_standard_output(to.output) || is_standard_output(to.csv)) return;
+  std::fputs(work_text(samples, axes).c_str(), stdout);
+  if (!to.output.empty()) std::printf("report: %s\n", to.output.c_str());
+  if (!to.csv.empty()) std::printf("CSV: %s\n", to.csv.c_str());
+}
+
+void add_choices(CLI::App& sub, WorkArguments& arguments) {
+  std::vector<std::string> methods, meshes, metrics(work_metrics.begin(), work_metrics.end());
+  for (const WorkMethod& method : work_methods()) methods.emplace_back(method.name);
+  for (const MeshFamily& family : mesh_families()) meshes.emplace_back(family.name);
+  sub.add_option("SURFACE", arguments.surfaces,
+                 std::string(surface_help) + " [torus sphere klein-bottle bspline-patch]");
+  sub.add_option("--methods", arguments.methods,
+                 "comma-separated, some of " + joined(methods) + ", or a family: darboux [all]")
+      ->delimiter(',');
+  sub.add_option("--meshes", arguments.meshes, "comma-separated, some of " + joined(meshes) + " [jittered]")
+      ->delimiter(',');
+  sub.add_option("--resolutions", arguments.resolutions,
+                 "rows of the meshes, twice as many columns: 8..64 (doubling) or 8,16,32 [8..32]");
+  sub.add_option("--rounds", arguments.rounds, "each times every method once, in turns [11]")
+      ->check(CLI::Range(3, most_rounds));
+  sub.add_option("--points", arguments.points, "random points in a call [4096]")
+      ->check(CLI::Range(16, most_work_points));
+  sub.add_option("--checked", arguments.checked, "of them compared with 40 digits [1000]")
+      ->check(CLI::Range(1, most_work_points));
+  sub.add_option(
+         "--timeout", arguments.timeout,
+         "seconds that a call may take; a method that takes longer is recorded, not called again [10]")
+      ->check(CLI::PositiveNumber);
+  sub.add_option("--seed", arguments.seed, "of points and meshes [1]")->check(whole_number);
+  sub.add_option("--x", arguments.x,
+                 "what fronts and pictures have across, one of " + joined(metrics) +
+                     " [time_ns at points, seconds on meshes]")
+      ->check(CLI::IsMember(metrics));
+  sub.add_option("--y", arguments.y, "and upwards [frame_max at points, frame_rms on meshes]")
+      ->check(CLI::IsMember(metrics));
+  sub.add_option("--compare", arguments.compare,
+                 "compare two documents that --json printed, before and after; exit status 1 where a time or "
+                 "an error grew")
+      ->expected(2);
+  sub.add_option("--tolerance", arguments.tolerance, "of --compare: 0.1 is a tenth")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+}
+
+}  // namespace
+
+void add_work_precision(CLI::App& app, Common& common) {
+  CLI::App& sub = *app.add_subcommand(
+      "work-precision", "Measure run time against error: every way to a frame, at points and on meshes");
+  auto arguments = std::make_shared<WorkArguments>();
+  add_choices(sub, *arguments);
+  add_report_options(sub, arguments->report,
+                     "quick (the defaults), standard (the catalogue, 21 rounds, 8 to 64 rows), full (51 "
+                     "rounds, 8 to 256 rows)");
+  add_output_options(sub, arguments->report, "time against error, a panel per surface and mesh",
+                     "every measurement");
+  add_common(sub, common, "darboux work-precision torus --rounds 5 --resolutions 8,16 -o work.html");
+  sub.callback([arguments, &common] { run_work_precision(*arguments, common); });
+}
+
+}  // namespace darboux

@@ -1,0 +1,125 @@
+#include "work_precision_study.h"
+
+#include <algorithm>
+
+#include <darboux/error.h>
+
+#include "report/work_precision_report.h"
+
+namespace darboux {
+
+std::optional<WorkChoices> work_preset(std::string_view name) {
+  WorkChoices choices;
+  if (name == "quick") return choices;
+  if (name != "standard" && name != "full") return std::nullopt;
+  choices.surfaces.clear();
+  choices.rounds = name == "full" ? 51 : 21;
+  choices.resolutions.push_back(64);
+  if (name == "full") choices.resolutions.insert(choices.resolutions.end(), {128, 256});
+  return choices;
+}
+
+void read_work_study(const std::string& file, WorkChoices& choices) {
+  const Json json = io::parse_json(file, io::read_file(file));
+  const auto study = io::JsonCursor::with_pointers(file, json);
+  study.expect_keys({"$schema", "command", "preset", "surfaces", "methods", "meshes", "resolutions", "rounds",
+                     "points", "checked", "timeout", "seed"});
+  if (const auto command = study.at("command"); command.text() != "work-precision")
+    command.fail("\"work-precision\"");
+  if (study.has("preset")) {
+    const auto preset = study.at("preset");
+    const auto choices_of = work_preset(preset.text());
+    if (!choices_of) preset.fail(preset_names);
+    choices = *choices_of;
+  }
+  if (study.has("surfaces"))
+    read_names(study.at("surfaces"), choices.surfaces, [](const auto& name) { surface_argument(name); });
+  if (study.has("methods"))
+    read_names(study.at("methods"), choices.methods, [](const auto& name) { find_work_methods(name); });
+  if (study.has("meshes"))
+    read_names(study.at("meshes"), choices.meshes, [](const auto& name) { find_mesh_family(name); });
+  if (study.has("resolutions")) {
+    const auto list = study.at("resolutions");
+    if (!list.json().is_array() || list.size() == 0) list.fail("a list of numbers that grow");
+    choices.resolutions.clear();
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const auto n = static_cast<int>(list.at(i).integer(2, finest_work_rows));
+      if (i > 0 && n <= choices.resolutions.back()) list.at(i).fail("numbers that grow");
+      choices.resolutions.push_back(n);
+    }
+  }
+  if (study.has("rounds")) choices.rounds = static_cast<int>(study.at("rounds").integer(3, most_rounds));
+  if (study.has("points"))
+    choices.points = static_cast<int>(study.at("points").integer(16, most_work_points));
+  if (study.has("checked"))
+    choices.checked = static_cast<int>(study.at("checked").integer(1, most_work_points));
+  if (study.has("timeout")) {
+    choices.timeout = study.at("timeout").number();
+    if (!(choices.timeout > 0)) study.at("timeout").fail("seconds above 0");
+  }
+  if (study.has("seed")) choices.seed = study.at("seed").integer();
+}
+
+Json work_identity(const WorkOptions& options) {
+  Json study = surfaces_identity(options.surfaces), methods = Json::array(), meshes = Json::array();
+  for (const WorkMethod* method : options.methods) methods.push_back(method->name);
+  for (const MeshFamily* family : options.families) meshes.push_back(family->name);
+  study.update({{"methods", methods},
+                {"meshes", meshes},
+                {"resolutions", options.resolutions},
+                {"rounds", options.rounds},
+                {"points", options.points},
+                {"checked", options.checked},
+                {"timeout", options.timeout},
+                {"seed", options.seed}});
+  return study;
+}
+
+std::vector<WorkSample> run_work_study(const WorkOptions& options, const StudyIdentity& identity,
+                                       const StudyOptions& study, std::size_t& jobs_done,
+                                       const std::function<void(double)>& progress) {
+  std::vector<Job> jobs;
+  for (const WorkJob& piece : work_jobs(options)) {
+    const bool evaluation = piece.family == options.families.size();
+    jobs.push_back({options.surfaces[piece.surface].specification() + ' ' +
+                        (evaluation ? "evaluation" : std::string(options.families[piece.family]->name)),
+                    [&options, piece] {
+                      std::vector<WorkSample> samples = run_work_job(options, piece);
+                      mark_fronts(samples);
+                      return work_json(samples);
+                    }});
+  }
+  const std::vector<Json> results = run_study(identity, jobs, study, progress);
+  jobs_done = 0;
+  std::vector<WorkSample> samples;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (results[i].is_null()) continue;
+    ++jobs_done;
+    try {
+      for (const Json& sample : results[i]) samples.push_back(work_sample_of(sample));
+    } catch (const Json::exception&) {
+      throw FileError(study.results,
+                      "job " + std::to_string(i) + ": expected samples of work-precision, got others");
+    }
+  }
+  return samples;
+}
+
+std::vector<WorkSample> read_work_document(const std::string& file) {
+  const Json json = io::parse_json(file, io::read_file(file));
+  const std::string wanted = "what darboux work-precision --json prints";
+  if (!json.is_object() || !json.contains("samples"))
+    throw FileError(file, expected_got(wanted, "a document without samples"));
+  std::vector<WorkSample> samples;
+  try {
+    for (const Json& sample : json["samples"]) samples.push_back(work_sample_of(sample));
+  } catch (const Error& e) {
+    throw FileError(file, "sample " + std::to_string(samples.size()) + ": " + e.what());
+  } catch (const Json::exception&) {
+    throw FileError(file, expected_got(wanted, "sample " + std::to_string(samples.size()) +
+                                                   " with a key that is missing or of another type"));
+  }
+  return samples;
+}
+
+}  // namespace darboux
