@@ -19,5 +19,6 @@ read_only=build/clang-syntax
 cmake --preset clang -B "$read_only" -DDARBOUX_BUILD_TESTS=OFF
 # A second time: CMake must find a compiler that works. Nothing is left to archive.
 cmake -B "$read_only" -DCMAKE_CXX_FLAGS=-fsyntax-only -DCMAKE_CXX_ARCHIVE_CREATE=true -DCMAKE_CXX_ARCHIVE_FINISH=true
-ninja -C "$read_only" -t targets all | sed -n 's/^\(.*\.o\): .*/\1/p' | xargs ninja -C "$read_only"
+# Not the public headers alone: a test of the release build compiles those.
+ninja -C "$read_only" -t targets all | sed -n '/verify_interface_header_sets/d; s/^\(.*\.o\): .*/\1/p' | xargs ninja -C "$read_only"
 check release

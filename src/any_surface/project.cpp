@@ -9,6 +9,9 @@ namespace darboux {
 namespace {
 
 constexpr int grid = 33;
+constexpr std::size_t node_at(int row, int column) {
+  return std::size_t{grid} * static_cast<std::size_t>(row) + static_cast<std::size_t>(column);
+}
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rounding = std::numeric_limits<double>::epsilon();
 
@@ -73,16 +76,15 @@ Projector::Projector(const AnySurface& surface, Extent extent) : surface_(surfac
     if (detail::finite(node.position)) size_ = std::max(size_, detail::largest_component(node.position));
   for (int row = 0; row < grid; ++row)
     for (int column = 0; column < grid; ++column) {
-      Node& node = nodes_[static_cast<std::size_t>(row * grid + column)];
+      Node& node = nodes_[node_at(row, column)];
       for (int r = std::max(row - 1, 0); r <= std::min(row + 1, grid - 1); ++r)
         for (int c = std::max(column - 1, 0); c <= std::min(column + 1, grid - 1); ++c)
-          node.reach = std::fmax(
-              node.reach, norm(nodes_[static_cast<std::size_t>(r * grid + c)].position - node.position));
+          node.reach = std::fmax(node.reach, norm(nodes_[node_at(r, c)].position - node.position));
     }
   // Whether a side of the grid is one point.
   const auto collapsed = [&](bool along_u, int line) {
     const auto node = [&](int k) -> const Node& {
-      return nodes_[static_cast<std::size_t>(along_u ? line * grid + k : k * grid + line)];
+      return nodes_[along_u ? node_at(line, k) : node_at(k, line)];
     };
     for (int k = 1; k < grid; ++k)
       if (!(norm(node(k).position - node(0).position) <= 64 * rounding * size_)) return false;
@@ -234,11 +236,11 @@ Projection Projector::operator()(const Vec3<double>& p) const {
   std::vector<Start> starts;
   for (int row = 0; row < grid; ++row)
     for (int column = 0; column < grid; ++column) {
-      const auto at = static_cast<std::size_t>(row * grid + column);
+      const auto at = node_at(row, column);
       bool least = std::isfinite(distance[at]);
       for (int r = std::max(row - 1, 0); r <= std::min(row + 1, grid - 1) && least; ++r)
         for (int c = std::max(column - 1, 0); c <= std::min(column + 1, grid - 1) && least; ++c)
-          least = !(distance[static_cast<std::size_t>(r * grid + c)] < distance[at]);
+          least = !(distance[node_at(r, c)] < distance[at]);
       if (least) starts.push_back({distance[at], at});
     }
   std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) {

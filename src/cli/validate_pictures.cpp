@@ -59,6 +59,11 @@ void paint(const AssessedFile& file, double max_angle_deg, const std::string& pa
   document.save_glb(path);
 }
 
+// \throws what an output file there would throw
+void check_writable(const std::string& path) {
+  const OutputFile opened_and_dropped{path};
+}
+
 }  // namespace
 
 std::vector<float> vertex_errors(const AssessedPrimitive& assessed) {
@@ -82,9 +87,9 @@ void add_pictures(CLI::App& sub, Pictures& pictures) {
 void check_pictures(const Pictures& pictures, std::size_t files) {
   if (is_standard_output(pictures.paint) || is_standard_output(pictures.page))
     throw ParameterError("-", expected_got("the name of a file", "-: standard output has the verdict"));
-  if (!pictures.page.empty()) OutputFile{pictures.page};
+  if (!pictures.page.empty()) check_writable(pictures.page);
   if (pictures.paint.empty()) return;
-  OutputFile{pictures.paint};
+  check_writable(pictures.paint);
   check_glb_name(pictures.paint);
   if (files != 1) throw ParameterError("--paint", expected_got("one file to colour", std::to_string(files)));
 }

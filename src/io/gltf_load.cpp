@@ -124,9 +124,9 @@ void check_arrays(const JsonCursor& document) {
 }
 
 /// The bytes of one buffer, nothing where none are to be read. \param chunk the binary chunk where there is
-/// one
+/// one; a first buffer without a uri takes it
 std::optional<std::string> load_buffer(const GltfFile& file, const JsonCursor& buffer, bool is_first,
-                                       std::optional<std::string>&& chunk) {
+                                       std::optional<std::string>& chunk) {
   const std::uint64_t length = buffer.at("byteLength").integer(1);
   std::optional<std::string> bytes;
   // A fallback is for readers that do not know the extension.
@@ -148,7 +148,7 @@ void load_buffers(GltfFile& file, std::optional<std::string> chunk) {
   if (!file.root().has("buffers")) return;
   const JsonCursor buffers = file.root().at("buffers");
   for (std::size_t i = 0; i < buffers.size(); ++i)
-    file.buffers.push_back(load_buffer(file, buffers.at(i), i == 0, std::move(chunk)));
+    file.buffers.push_back(load_buffer(file, buffers.at(i), i == 0, chunk));
 }
 
 /// Refuses what would take the parser's stack or its time: deep nesting, and objects of very many keys, each
@@ -295,7 +295,7 @@ std::string image_bytes(const GltfFile& file, const JsonCursor& image, ReadBuffe
         bytes.starts_with("glTF"))
       if (const Chunks chunks = split_chunks(file.path, bytes); chunks.has_bin)
         chunk = bytes.substr(chunks.bin_begin, chunks.bin_size);
-    read.emplace(number, load_buffer(file, buffer, number == 0, std::move(chunk)));
+    read.emplace(number, load_buffer(file, buffer, number == 0, chunk));
   }
   return std::string(file.view_bytes(view, read.at(number)));
 }

@@ -389,9 +389,11 @@ std::string stability_picture(const std::vector<StabilityCurve>& curves) {
   }
   out += "<path class=\"b\" d=\"M" + coordinate(x) + " 44h22\"/><text x=\"" + coordinate(x + 28) +
          "\" y=\"48\">bound of double</text>\n";
-  for (std::size_t i = 0; i < panels.size(); ++i)
-    out += panel(panels[i], 50 + static_cast<double>(i % columns) * (panel_width + gap),
-                 90 + static_cast<double>(i / columns) * (panel_height + gap));
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const std::size_t row = i / columns, column = i % columns;
+    out += panel(panels[i], 50 + static_cast<double>(column) * (panel_width + gap),
+                 90 + static_cast<double>(row) * (panel_height + gap));
+  }
   return out + "</svg>\n";
 }
 

@@ -190,6 +190,12 @@ struct EdgeSearch {
   }
 };
 
+// Tiles of the finest resolution that a tile is made of.
+std::uint64_t tiles_within(const TilePlace& place, const TileLevels& finest) {
+  const TileLevels deepest{std::max(finest.u - tile_level, 0), std::max(finest.v - tile_level, 0)};
+  return std::uint64_t{1} << (deepest.u - place.level_u + deepest.v - place.level_v);
+}
+
 }  // namespace
 
 class ScenePlanner::Planner {
@@ -206,6 +212,8 @@ class ScenePlanner::Planner {
     return asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi;
   }
   void plan_instance(std::uint32_t instance);
+  void visit_tiles(bool one_sided);
+  void add_patches(std::uint32_t instance);
   Resolution resolution(std::uint32_t node) const;
   bool outside(const Placed& placed, const TileNode& node, std::uint8_t& planes) const;
   bool faces_away(const Placed& placed, const TileNode& node) const;
@@ -424,11 +432,8 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
   };
   const TileLevels uniform = levels(tiles.typical(), tiles.typical_frame_levels());
   const TileLevels finest = skip.below_error ? levels(tiles.finest(), tiles.frame_levels()) : uniform;
-  const TileLevels deepest{std::max(finest.u - tile_level, 0), std::max(finest.v - tile_level, 0)};
-  const auto tiles_of = [&](const TilePlace& place) {
-    return std::uint64_t{1} << (deepest.u - place.level_u + deepest.v - place.level_v);
-  };
-  plan_.tiles_all += tiles_of({});
+  const std::uint64_t all_tiles = tiles_within({}, finest);
+  plan_.tiles_all += all_tiles;
   plan_.samples_full += ((std::uint64_t{1} << uniform.u) + 1) * ((std::uint64_t{1} << uniform.v) + 1);
 
   Attributes asked = request_.attributes;
@@ -439,19 +444,26 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
       if (request_.attributes.has(attribute) && !tangent_attributes.has(attribute)) asked |= attribute;
     }
     if (asked.empty()) {
-      plan_.skipped.no_normal_map += tiles_of({});
+      plan_.skipped.no_normal_map += all_tiles;
       return;
     }
   }
   const bool bounds_chord = std::isfinite(request_.chord) || std::isfinite(request_.chord_px);
   const bool bounds_frame = bounds_frames(asked);
   current_ = {&tiles, placed, nearest, finest, asked, bounds_chord, bounds_frame};
-  const bool one_sided = !material.double_sided && material.displacement == 0;
-
   if (skip.outside_frustum && tiles.known() && !placed.seen) {
-    plan_.skipped.outside_frustum += tiles_of({});
+    plan_.skipped.outside_frustum += all_tiles;
     return;
   }
+  visit_tiles(!material.double_sided && material.displacement == 0);
+  add_patches(index);
+}
+
+// The tiles that the current instance needs, of the coarsest resolution that is enough, and those above them.
+void ScenePlanner::Planner::visit_tiles(bool one_sided) {
+  SurfaceTiles& tiles = *current_.tiles;
+  const Placed& placed = current_.placed;
+  const SceneRequest::Skip& skip = request_.skip;
   visited_.clear();
   visited_.push_back({SurfaceTiles::root,
                       0,
@@ -463,7 +475,7 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
   for (std::size_t i = 0; i < visited_.size(); ++i) {
     Visited here = visited_[i];
     const TileNode& node = tiles[here.node];
-    const std::uint64_t all = tiles_of(node.place);
+    const std::uint64_t all = tiles_within(node.place, current_.finest);
     if (here.planes != 0 && outside(placed, node, here.planes)) {
       plan_.skipped.outside_frustum += all;
       continue;
@@ -484,25 +496,30 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
       here.needed = true;
       ++leaves;
       const Proven& proven = needed.proven;
-      if ((bounds_chord && !proven.chord) || (bounds_frame && !proven.frame)) ++plan_.tiles_unbounded;
+      if ((current_.bounds_chord && !proven.chord) || (current_.bounds_frame && !proven.frame))
+        ++plan_.tiles_unbounded;
       plan_.skipped.below_error += all - 1;
     }
     visited_[i] = here;
   }
   if (leaves > 0) ++plan_.instances_needed;
+}
+
+// A patch for each tile that is needed.
+void ScenePlanner::Planner::add_patches(std::uint32_t index) {
   for (std::size_t i = 0; i < visited_.size(); ++i) {
     const Visited& tile = visited_[i];
     if (!tile.needed) continue;
-    const TilePlace& at = tiles[tile.node].place;
+    const TilePlace& at = (*current_.tiles)[tile.node].place;
     ScenePatch patch;
-    patch.surface = instance.surface;
+    patch.surface = scene_.instances[index].surface;
     patch.level_u = at.level_u;
     patch.level_v = at.level_v;
     patch.cells_u = static_cast<std::uint16_t>(1u << tile.cells.u);
     patch.cells_v = static_cast<std::uint16_t>(1u << tile.cells.v);
     patch.column = at.column;
     patch.row = at.row;
-    patch.attributes = asked;
+    patch.attributes = current_.asked;
     patch.first_edge_coordinate = static_cast<std::uint32_t>(plan_.edge_coordinates.size());
     if (visited_.size() > 1) find_edges(tile, patch);
     add(index, patch);

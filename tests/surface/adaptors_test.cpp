@@ -20,7 +20,7 @@ namespace darboux::test {
 namespace {
 
 class EveryAdaptor : public ::testing::TestWithParam<Adapted> {};
-INSTANTIATE_TEST_SUITE_P(Adaptors, EveryAdaptor, ::testing::ValuesIn(everything()),
+INSTANTIATE_TEST_SUITE_P(Adaptors, EveryAdaptor, ::testing::ValuesIn(every_adapted()),
                          [](const auto& info) { return info.param.name; });
 
 TEST_P(EveryAdaptor, ObeysAllLaws) {

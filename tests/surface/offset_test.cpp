@@ -16,7 +16,7 @@ namespace darboux::test {
 namespace {
 
 std::vector<Adapted> every_offset() {
-  std::vector<Adapted> all = everything();
+  std::vector<Adapted> all = every_adapted();
   std::erase_if(all, [](const Adapted& x) { return x.distance == 0; });
   return all;
 }

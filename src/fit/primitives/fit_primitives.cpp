@@ -56,8 +56,8 @@ class PrimitivesFit {
   bool automatic() const { return only_ == nullptr; }
 
   std::string reason() {
-    if (const std::string why = against_points(points_, static_cast<std::size_t>(list_.front()->unknowns) + 1,
-                                               list_.front()->name);
+    if (std::string why = against_points(points_, static_cast<std::size_t>(list_.front()->unknowns) + 1,
+                                         list_.front()->name);
         !why.empty())
       return why;
     const std::vector<PrimitiveFit> tried = all_fits();

@@ -67,10 +67,11 @@ class Cells {
     if (turn_ && length > 0.8 * turn) begin_ = -0.5 * turn, length = turn;
     width_ = length > 0 ? length / count : 1;
   }
-  double operator()(double x) const { return std::floor((from_zero(x) - begin_) / width_) + most / 3; }
+  double operator()(double x) const { return std::floor((from_zero(x) - begin_) / width_) + first; }
 
  private:
   static constexpr double turn = 2 * std::numbers::pi;
+  static constexpr int first = most / 3;  // the cell at the begin: coordinates below it have cells too
 
   double from_zero(double x) const { return turn_ ? std::remainder(x - zero_, turn) : x; }
 

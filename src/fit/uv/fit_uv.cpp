@@ -340,7 +340,7 @@ class UvFit {
   }
 
   std::string reason() {
-    const std::string against = prepare(cloud_, options_, data_);
+    std::string against = prepare(cloud_, options_, data_);
     fit_.ignored = cloud_.positions.size() - data_.all.finite;
     if (!against.empty()) return against;
     count_ = static_cast<double>(data_.all.count());
