@@ -77,7 +77,7 @@ TEST_F(CliBudget, SoDoMorphTargets) {
 // Each key is looked for among those before it: time grows with the square of their number.
 TEST_F(CliBudget, ObjectsOfVeryManyKeysAreRefusedByAllReaders) {
   std::string keys;
-  for (int i = 0; i < 2000; ++i) keys += "\"key" + std::to_string(i) + "\": 0,";
+  for (int i = 0; i < 10000; ++i) keys += "\"key" + std::to_string(i) + "\": 0,";
   write_bytes(path("f.gltf"), R"({"asset": {"version": "2.0"}, "extras": {)" + keys + "\"\": 0}}");
   write_bytes(path("f.json"), "{" + keys + "\"files\": []}\n");
   for (const std::string command :
@@ -85,13 +85,24 @@ TEST_F(CliBudget, ObjectsOfVeryManyKeysAreRefusedByAllReaders) {
         "scene f.gltf", "validate data/torus_016.three.glb --baseline f.json",
         "eval bezier-patch:file=f.json --at 0,0", "eval bspline-patch:file=f.json --at 0,0", "scene f.json",
         "converge --study f.json", "merge f.json"})
-    refused("darboux " + command, {"f.", "JSON objects of at most 2000 keys, got one of more"});
+    refused("darboux " + command, {"f.", "the object at byte ", "expected at most 10000 keys, got 10001"});
   const auto in = [](std::string text, const std::string& what) {
     return text.erase(text.find(what), what.size());
   };
   write_bytes(path("f.gltf"),
               R"({"asset": {"version": "2.0"}, "extras": {)" + in(keys, "\"key7\": 0,") + "\"\": 0}}");
-  good("darboux validate f.gltf");  // 2000
+  good("darboux validate f.gltf");  // 10 000
+}
+
+// The arrays of a document are looked for again for each of their elements.
+TEST_F(CliBudget, DocumentsOfVeryManyKeysAreRefused) {
+  std::string keys, nodes = "{}";
+  for (int i = 0; i < 9000; ++i) keys += "\"key" + std::to_string(i) + "\": 0,";
+  for (int i = 1; i < 300000; ++i) nodes += ",{}";
+  write_bytes(path("f.gltf"), "{" + keys + R"("asset": {"version": "2.0"}, "nodes": [)" + nodes + "]}");
+  for (const std::string command :
+       {"validate f.gltf", "plan f.gltf", "tangents f.gltf -o out.glb", "scene f.gltf"})
+    refused("darboux " + command, {"f.gltf: the document", "at most 1000 keys", "got 9002"});
 }
 
 TEST_F(CliBudget, IsTheUsersToSet) {
