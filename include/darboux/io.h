@@ -251,8 +251,8 @@ bool is_standard_output(const std::string& path);
 
 /// A file that is written whole or not at all, piece by piece: without a name, which commit() gives it, so
 /// that an old file stays until the new one is complete. Without commit() nothing is left. Where the file
-/// system knows no files without a name, it is a hidden one beside the target until then (.darboux-*.tmp);
-/// a process that is killed leaves it.
+/// system knows no files without a name, or gives them none, it is a hidden one beside the target until then
+/// (.darboux-*.tmp); a process that is killed leaves it.
 ///
 /// A file that exists is replaced: its mode is kept, and its owner and group where that is permitted; other
 /// hard links keep the old content; a symbolic link stays, and what it names is replaced or made. A file that
@@ -273,6 +273,9 @@ class OutputFile {
  private:
   void flush();
   void give_name();
+  bool link_name();  // false where the file system gives it none
+  void copy_to_temporary();
+  void rename_temporary();
   std::string path_;       // as messages name it
   std::string target_;     // what is replaced; empty where descriptor_ is the target itself
   std::string temporary_;  // the hidden name, while there is one
