@@ -29,10 +29,11 @@ struct ReadOptions {
   /// Whether files that a document names may lie outside of its folder, by ../ or by a symbolic link.
   /// Without, one that is to be opened and does is an error.
   bool allow_outside = false;
-  /// Bytes that the content of a glTF may take, decoded: vertices and triangles of all primitives, instances,
-  /// morph targets, Draco's streams. They are counted one by one, so that a file that asks for more is an
-  /// error at once. Without: 4 GiB, and 512 MiB for files of less than 10 MB, which may ask for much more
-  /// than they hold.
+  /// Bytes that the content of a glTF, COLLADA or PLY may take, decoded: vertices of all primitives,
+  /// triangles (128 bytes each, with what judging them takes), instances, morph targets, compressed streams.
+  /// They are counted one by one, so that a file that asks for more is an error at once. Without: 512 MiB for
+  /// files of less than 10 MB, which may ask for much more than they hold; for others 4 GiB, or 16 times the
+  /// file where that is more.
   std::optional<std::uint64_t> max_memory = std::nullopt;
 };
 

@@ -259,6 +259,7 @@ GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions
   check_extensions(file.root());
   check_arrays(file.root());
   load_buffers(file, std::move(chunk));
+  file.stored_bytes = file.bytes();
   decompress_meshopt(file);
   decompress_draco(file);
   return file;

@@ -23,10 +23,10 @@ enum class AssimpFormat { obj, fbx };
 Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format);
 
 /// COLLADA.
-Asset read_collada(const std::string& path, const std::string& bytes);
+Asset read_collada(const std::string& path, const std::string& bytes, const ReadOptions& options);
 
 // These are read in pieces.
-Asset read_ply(const std::string& path);
+Asset read_ply(const std::string& path, const ReadOptions& options);
 Asset read_stl(const std::string& path);
 
 }  // namespace darboux::io
