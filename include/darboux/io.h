@@ -29,6 +29,10 @@ struct ReadOptions {
   /// Whether files that a document names may lie outside of its folder, by ../ or by a symbolic link.
   /// Without, one that is to be opened and does is an error.
   bool allow_outside = false;
+  /// Whether the process that reads an OBJ or FBX, by a library that is not this one, is confined: it opens
+  /// no file, has no network and starts nothing. Where the kernel cannot do that (it needs Linux with seccomp
+  /// on x86-64 or AArch64), such a file is an error.
+  bool sandbox = true;
   /// Bytes that the content of a glTF, COLLADA or PLY may take, decoded: vertices of all primitives,
   /// triangles (128 bytes each, with what judging them takes), instances, morph targets, compressed streams.
   /// They are counted one by one, so that a file that asks for more is an error at once. Without: 512 MiB for

@@ -246,7 +246,8 @@ std::optional<unsigned> fbx_version(std::string_view bytes) {
 
 }  // namespace
 
-Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format) {
+Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format,
+                       const ReadOptions& options) {
   const std::string wanted =
       std::string("an ") + (format == AssimpFormat::obj ? "OBJ" : "FBX") + " with faces";
   if (bytes.empty()) throw FileError(path, expected_got(wanted, "an empty file"));
@@ -258,7 +259,7 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, Assimp
   // For each byte assimp has some 50 of its own, most for FBX in ASCII, of which it reads 1 MB in a second at
   // least.
   const ChildLimits limits{(std::uint64_t{1} << 30) + 256 * bytes.size(),
-                           static_cast<unsigned>(20 + bytes.size() / 500000)};
+                           static_cast<unsigned>(20 + bytes.size() / 500000), options.sandbox};
   Imported result;
   try {
     const std::string answer = in_child(

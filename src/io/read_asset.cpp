@@ -62,7 +62,7 @@ Asset read_any(const std::string& path, const ReadOptions& options) {
   if (extension == ".dae") return io::read_collada(path, io::read_file(path), options);
   if (extension == ".obj" || extension == ".fbx")
     return io::read_with_assimp(path, io::read_file(path),
-                                extension == ".obj" ? io::AssimpFormat::obj : io::AssimpFormat::fbx);
+                                extension == ".obj" ? io::AssimpFormat::obj : io::AssimpFormat::fbx, options);
   throw FileError(path, expected_got("a GLB by its content, or one of the extensions " +
                                          joined({asset_extensions().begin(), asset_extensions().end()}),
                                      io::in_quotes(extension)));
