@@ -4,6 +4,7 @@
 // process that read it.
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdarg>
 #include <cstdint>
 #include <cstdio>
@@ -27,7 +28,7 @@ char kind[16];
 unsigned long at = 0;
 std::atomic<unsigned long> count{0};
 pid_t owner = 0;
-std::uintptr_t tool_begin = 0, tool_end = 0;
+std::uintptr_t tool_base = 0, tool_begin = 0, tool_end = 0;
 bool wants = false, ready = false;
 thread_local bool inside = false;
 
@@ -80,6 +81,7 @@ __attribute__((constructor)) void begin() {
       [](dl_phdr_info* info, std::size_t, void*) {
         for (int i = 0; i < info->dlpi_phnum; ++i)
           if (info->dlpi_phdr[i].p_type == PT_LOAD && (info->dlpi_phdr[i].p_flags & PF_X) != 0) {
+            tool_base = info->dlpi_addr;
             tool_begin = info->dlpi_addr + info->dlpi_phdr[i].p_vaddr;
             tool_end = tool_begin + info->dlpi_phdr[i].p_memsz;
           }
@@ -134,6 +136,25 @@ namespace {
 using Main = int(int, char**, char**);
 Main* main_of_tool = nullptr;
 
+struct sigaction action_of_tool {};
+
+void write_stack(int signal) {
+  ready = false;
+  if (const char* const file = std::getenv("DARBOUX_FAULT_STACK"); file != nullptr) {
+    void* frames[64];
+    const int n = ::backtrace(frames, 64);
+    const long to = ::syscall(SYS_openat, AT_FDCWD, file, O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    for (int i = 0; i < n; ++i) {
+      const auto place = reinterpret_cast<std::uintptr_t>(frames[i]);
+      if (place < tool_begin || place >= tool_end) continue;
+      char text[32];
+      ::syscall(SYS_write, to, text, std::snprintf(text, sizeof text, "%#lx ", place - tool_base - 1));
+    }
+    ::syscall(SYS_close, to);
+  }
+  action_of_tool.sa_handler(signal);
+}
+
 int counted_main(int argc, char** argv, char** environment) {
   ready = wants;
   return main_of_tool(argc, argv, environment);
@@ -142,6 +163,17 @@ int counted_main(int argc, char** argv, char** environment) {
 }  // namespace
 
 extern "C" {
+
+// Where the process crashes: the places in the tool, from the innermost, go to the file DARBOUX_FAULT_STACK.
+int sigaction(int signal, const struct sigaction* action, struct sigaction* before) {
+  static const auto real = next<int(int, const struct sigaction*, struct sigaction*)>("sigaction");
+  if (!ready || action == nullptr || (signal != SIGSEGV && signal != SIGABRT))
+    return real(signal, action, before);
+  action_of_tool = *action;
+  struct sigaction ours = *action;
+  ours.sa_handler = write_stack;
+  return real(signal, &ours, before);
+}
 
 // What is allocated before main() cannot be refused in words.
 int __libc_start_main(Main* main, int argc, char** argv, void (*init)(), void (*fini)(),
