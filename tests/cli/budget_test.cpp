@@ -149,6 +149,21 @@ TEST_F(CliBudget, SoDoFacesOfPly) {
   good("darboux validate m.ply");
 }
 
+// Polygons of an OBJ are cut into triangles in a time that grows with the square of their corners.
+TEST_F(CliBudget, PolygonsOfVeryManyCornersAreRefused) {
+  const auto write = [&](int corners) {
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+    for (int i = 0; i < corners; ++i) text += ' ' + std::to_string(i % 3 + 1);
+    write_bytes(path("m.obj"), text + '\n');
+  };
+  write(30000);
+  for (const std::string command : {"validate m.obj", "compare m.obj m.obj"})
+    refused("darboux " + command,
+            {"m.obj: line 4: expected polygons whose corners", "got 900000000 with this one of 30000"});
+  write(1000);
+  good("darboux validate m.obj");
+}
+
 // Each key is looked for among those before it: time grows with the square of their number.
 TEST_F(CliBudget, ObjectsOfVeryManyKeysAreRefusedByAllReaders) {
   std::string keys;
