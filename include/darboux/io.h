@@ -29,10 +29,15 @@ struct ReadOptions {
   /// Whether files that a document names may lie outside of its folder, by ../ or by a symbolic link.
   /// Without, one that is to be opened and does is an error.
   bool allow_outside = false;
-  /// Bytes that the content of a glTF may take, decoded: vertices and triangles of all primitives, instances,
-  /// morph targets, Draco's streams. They are counted one by one, so that a file that asks for more is an
-  /// error at once. Without: 4 GiB, and 512 MiB for files of less than 10 MB, which may ask for much more
-  /// than they hold.
+  /// Whether the process that reads an OBJ or FBX, by a library that is not this one, is confined: it opens
+  /// no file, has no network and starts nothing. Where the kernel cannot do that (it needs Linux with seccomp
+  /// on x86-64 or AArch64), such a file is an error.
+  bool sandbox = true;
+  /// Bytes that the content of a glTF, COLLADA or PLY may take, decoded: vertices of all primitives,
+  /// triangles (128 bytes each, with what judging them takes), instances, morph targets, compressed streams.
+  /// They are counted one by one, so that a file that asks for more is an error at once. Without: 512 MiB for
+  /// files of less than 10 MB, which may ask for much more than they hold; for others 4 GiB, or 16 times the
+  /// file where that is more.
   std::optional<std::uint64_t> max_memory = std::nullopt;
 };
 
@@ -251,8 +256,8 @@ bool is_standard_output(const std::string& path);
 
 /// A file that is written whole or not at all, piece by piece: without a name, which commit() gives it, so
 /// that an old file stays until the new one is complete. Without commit() nothing is left. Where the file
-/// system knows no files without a name, it is a hidden one beside the target until then (.darboux-*.tmp);
-/// a process that is killed leaves it.
+/// system knows no files without a name, or gives them none, it is a hidden one beside the target until then
+/// (.darboux-*.tmp); a process that is killed leaves it.
 ///
 /// A file that exists is replaced: its mode is kept, and its owner and group where that is permitted; other
 /// hard links keep the old content; a symbolic link stays, and what it names is replaced or made. A file that
@@ -273,6 +278,9 @@ class OutputFile {
  private:
   void flush();
   void give_name();
+  bool link_name();  // false where the file system gives it none
+  void copy_to_temporary();
+  void rename_temporary();
   std::string path_;       // as messages name it
   std::string target_;     // what is replaced; empty where descriptor_ is the target itself
   std::string temporary_;  // the hidden name, while there is one

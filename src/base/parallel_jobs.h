@@ -6,15 +6,14 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 #include <vector>
 
 namespace darboux {
 
 /// Calls work(i) for each i below n on `threads` threads (this one among them) and progress(share) after
-/// each, on this thread only. Results must not depend on the order. The first exception is thrown on when all
-/// have stopped.
+/// each, on this thread only. Results must not depend on the order. The first exception, of either, is thrown
+/// on when all have stopped.
 template <class Work, class Progress>
 void parallel_for(std::size_t n, int threads, Work work, Progress progress) {
   std::atomic<std::size_t> next{0};
@@ -24,23 +23,23 @@ void parallel_for(std::size_t n, int threads, Work work, Progress progress) {
     for (std::size_t i = next++; i < n; i = next++) {
       try {
         work(i);
+        if (report) progress(static_cast<double>(i + 1) / static_cast<double>(n));
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!error) error = std::current_exception();
         next = n;
       }
-      if (report) progress(static_cast<double>(i + 1) / static_cast<double>(n));
     }
   };
-  std::vector<std::thread> pool;
+  std::vector<std::jthread> pool;
   try {
     for (std::size_t t = 1; t < static_cast<std::size_t>(threads) && t < n; ++t)
       pool.emplace_back(run, false);
-  } catch (const std::system_error&) {
-    // Fewer threads than asked for do the same work.
+  } catch (const std::exception&) {
+    // No thread or no memory for one: fewer threads than asked for do the same work.
   }
   run(true);
-  for (std::thread& thread : pool) thread.join();
+  pool.clear();  // waits for each
   if (error) std::rethrow_exception(error);
 }
 

@@ -30,10 +30,13 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
 void add_read_options(CLI::App& sub, Common& common) {
   sub.add_flag("--allow-outside", common.read.allow_outside,
                "open files that a .gltf names outside of its folder, by ../ or by a symbolic link");
+  sub.add_flag("!--no-sandbox", common.read.sandbox,
+               "read OBJ and FBX also where the kernel cannot confine the process that does, and without");
   sub.add_option_function<std::uint64_t>(
          "--max-memory", [&common](const std::uint64_t& bytes) { common.read.max_memory = bytes; },
-         "how much the decoded content of a glTF may take, such as 8GiB [4GiB; 512MiB for files of less than "
-         "10 MB]")
+         "how much the decoded content of a glTF, COLLADA or PLY may take, such as 8GiB [4GiB, or 16 times "
+         "the "
+         "file; 512MiB for files of less than 10 MB]")
       ->transform(CLI::AsSizeValue(false))
       ->transform(CLI::Validator(
           [](std::string& text) {

@@ -39,7 +39,9 @@ int report(const std::string& message, int status) {
 }  // namespace
 }  // namespace darboux
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   darboux::open_standard_streams();
   darboux::io::remove_unfinished_on_signals();
   darboux::keep_freed_memory();
@@ -88,6 +90,14 @@ int main(int argc, char** argv) {
     return finish(app.exit(e));
   } catch (const CLI::ParseError& e) {
     return darboux::report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
   } catch (const std::bad_alloc&) {
     return darboux::report("memory: expected enough for this input, got less", 2);
   } catch (const std::exception& e) {

@@ -225,6 +225,28 @@ std::string without_missing(const std::string& text) {
   return result;
 }
 
+/// Refuses an OBJ whose polygons take long to cut into triangles: assimp looks at all corners for each of
+/// them.
+void check_polygons(const std::string& path, std::string_view text) {
+  constexpr std::uint64_t most = 100'000'000;  // about a second
+  std::uint64_t steps = 0, line_number = 0;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    ++line_number;
+    if (!line.starts_with("f ") && !line.starts_with("f\t")) continue;
+    std::uint64_t corners = 0;
+    for (std::size_t i = 1; i < line.size(); ++i) corners += line[i] > ' ' && line[i - 1] <= ' ';
+    if (corners < 5) continue;
+    steps += corners * corners;
+    if (steps > most)
+      throw FileError(
+          path, "line " + std::to_string(line_number) + ": " +
+                    expected_got("polygons whose corners, squared, sum to at most " + std::to_string(most),
+                                 std::to_string(steps) + " with this one of " + std::to_string(corners)));
+  }
+}
+
 /// The version of an FBX, 7400 for 7.4, where it states one.
 std::optional<unsigned> fbx_version(std::string_view bytes) {
   constexpr std::string_view magic = "Kaydara FBX Binary  ";
@@ -246,7 +268,8 @@ std::optional<unsigned> fbx_version(std::string_view bytes) {
 
 }  // namespace
 
-Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format) {
+Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format,
+                       const ReadOptions& options) {
   const std::string wanted =
       std::string("an ") + (format == AssimpFormat::obj ? "OBJ" : "FBX") + " with faces";
   if (bytes.empty()) throw FileError(path, expected_got(wanted, "an empty file"));
@@ -255,10 +278,11 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, Assimp
       throw FileError(path, "expected FBX 7.1 (2011) or later, got " + std::to_string(*version / 1000) + "." +
                                 std::to_string(*version / 100 % 10) +
                                 ": Autodesk's FBX Converter 2013 reads it and writes it anew");
+  if (format == AssimpFormat::obj) check_polygons(path, bytes);
   // For each byte assimp has some 50 of its own, most for FBX in ASCII, of which it reads 1 MB in a second at
   // least.
   const ChildLimits limits{(std::uint64_t{1} << 30) + 256 * bytes.size(),
-                           static_cast<unsigned>(20 + bytes.size() / 500000)};
+                           static_cast<unsigned>(20 + bytes.size() / 500000), options.sandbox};
   Imported result;
   try {
     const std::string answer = in_child(

@@ -12,16 +12,27 @@ std::string mebibytes(std::uint64_t bytes) {
   return rounded(static_cast<double>(bytes) / (1 << 20), 4) + " MiB";
 }
 
+// Of a large file: so many times its bytes. An indexed triangle is stored in 12 bytes at least, if it is not
+// compressed.
+constexpr std::uint64_t honest_expansion = 16;
+
 }  // namespace
 
-Budget::Budget(const ReadOptions& options, std::uint64_t file_bytes)
-    : most_(options.max_memory.value_or(file_bytes < small_file ? small_memory : default_memory)) {}
+Budget::Budget(const ReadOptions& options, std::uint64_t file_bytes, std::uint64_t taken)
+    : most_(options.max_memory.value_or(
+          file_bytes < small_file ? small_memory : std::max(default_memory, honest_expansion * file_bytes))),
+      taken_(taken) {}
 
-void Budget::take(std::uint64_t bytes, const JsonCursor& place, const std::string& what) {
-  if (bytes > most_ - taken_)
-    place.fail("at most " + mebibytes(most_) + " of content (--max-memory raises it)",
-               mebibytes(taken_) + " before and " + mebibytes(bytes) + " for " + what);
-  taken_ += bytes;
+Budget::Budget(const GltfFile& file)
+    : Budget(file.options, file.stored_bytes > 0 ? file.stored_bytes : file.bytes(),
+             file.stored_bytes > 0 ? file.bytes() - std::min(file.bytes(), file.stored_bytes) : 0) {}
+
+std::string Budget::expected() const {
+  return "at most " + mebibytes(most_) + " of content (--max-memory raises it)";
+}
+
+std::string Budget::got(std::uint64_t bytes, const std::string& what) const {
+  return mebibytes(taken_) + " before and " + mebibytes(bytes) + " for " + what;
 }
 
 }  // namespace darboux::io

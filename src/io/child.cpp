@@ -17,16 +17,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "confine.h"
 #include "input.h"
 
 namespace darboux::io {
 namespace {
 
-constexpr int out_of_memory = 3;  // exit status
+constexpr int out_of_memory = 3, not_confined = 4;  // exit status
 
-// A child that waits, or shares its processor, has ten times as long.
+// A child may share its processor with another; what waits for nothing needs no more.
 std::chrono::seconds patience(const ChildLimits& limits) {
-  return std::chrono::seconds(10) * limits.seconds;
+  return std::chrono::seconds(10) + std::chrono::seconds(2) * limits.seconds;
 }
 
 void limit(decltype(RLIMIT_CPU) resource, std::uint64_t most) {
@@ -73,6 +74,7 @@ void end_with(pid_t parent) {
   limit(RLIMIT_CPU, limits.seconds);
   if (const std::uint64_t now = address_space(); now > 0) limit(RLIMIT_AS, now + limits.bytes);
   int status = EXIT_FAILURE;
+  if (limits.confined && !confine_process()) ::_exit(not_confined);
   try {
     const std::string answer = work();
     const std::uint64_t size = answer.size();
@@ -110,6 +112,8 @@ std::string why(int status, bool in_time, const ChildLimits& limits) {
   if (WIFSIGNALED(status)) return std::string("crashes (") + ::strsignal(WTERMSIG(status)) + ")";
   if (WEXITSTATUS(status) == out_of_memory)
     return "asks for more than " + std::to_string(limits.bytes >> 20) + " MiB";
+  if (WEXITSTATUS(status) == not_confined)
+    return "cannot be confined by this kernel (--no-sandbox reads the file without)";
   return "fails";
 }
 

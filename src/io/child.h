@@ -12,7 +12,9 @@ namespace darboux::io {
 /// What a child process may use.
 struct ChildLimits {
   std::uint64_t bytes;  ///< of address space beyond what this process has
-  unsigned seconds;     ///< of processor time; ten times as many on the clock
+  unsigned seconds;     ///< of processor time; twice as many and ten on the clock
+  /// Whether it can do nothing but compute and answer: confine.h. Where the kernel cannot, it is not started.
+  bool confined = true;
 };
 
 /// Why a child process gave no answer: "crashes (Segmentation fault)".

@@ -118,19 +118,16 @@ const std::vector<double>& Collada::array(const pugi::xml_node& at) const {
   return place->second;
 }
 
-Asset read_collada(const std::string& path, const std::string& bytes) {
+Asset read_collada(const std::string& path, const std::string& bytes, const ReadOptions& options) {
   const Collada file(path, bytes);
   std::vector<pugi::xml_node> geometries;
   for (const pugi::xml_node library : file.root().children("library_geometries"))
     for (const pugi::xml_node geometry : library.children("geometry")) geometries.push_back(geometry);
   const auto instances = read_instances(file, geometries);
+  Budget budget(options, bytes.size());
   Asset asset;
-  for (std::size_t g = 0; g < geometries.size(); ++g) {
-    const std::size_t first = asset.primitives.size();
-    read_geometry(file, geometries[g], g, asset);
-    for (std::size_t i = first; i < asset.primitives.size(); ++i)
-      asset.primitives[i].instances = instances[g];
-  }
+  for (std::size_t g = 0; g < geometries.size(); ++g)
+    read_geometry(file, geometries[g], g, instances[g], budget, asset);
   return asset;
 }
 

@@ -12,6 +12,8 @@
 
 #include <darboux/io.h>
 
+#include "budget.h"
+
 namespace darboux::io {
 
 class Collada {
@@ -47,9 +49,19 @@ class Collada {
   mutable std::unordered_map<const void*, std::vector<double>> arrays_;
 };
 
+/// An element, for messages.
+struct ColladaPlace {
+  const Collada& file;
+  const pugi::xml_node& element;
+  [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
+    file.fail(element, expected, got);
+  }
+};
+
 /// The groups of polygons of a <geometry>, one primitive each, and what was passed over. \param number of the
-/// geometry
-void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::size_t number, Asset& asset);
+/// geometry \param instances of each of them
+void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::size_t number,
+                   const std::vector<Eigen::Matrix4d>& instances, Budget& budget, Asset& asset);
 
 /// World matrices of the nodes that show each of these. \throws FileError
 std::vector<std::vector<Eigen::Matrix4d>> read_instances(const Collada& file,

@@ -37,11 +37,11 @@ struct Inputs {
 
 class GeometryReader {
  public:
-  explicit GeometryReader(const Collada& file) : file_(file) {}
+  GeometryReader(const Collada& file, Budget& budget) : file_(file), budget_(budget) {}
 
   void read(const pugi::xml_node& group, Primitive& primitive) {
     const Inputs inputs = read_inputs(group);
-    const std::vector<std::vector<std::uint64_t>> polygons = read_polygons(group, inputs.stride);
+    const std::vector<std::vector<std::uint64_t>> polygons = read_polygons(group, inputs);
     Mesh& mesh = primitive.data;
     const bool tangents = inputs.normal && inputs.tangent && inputs.bitangent;
     if (tangents)
@@ -128,8 +128,21 @@ class GeometryReader {
     return inputs;
   }
 
-  // The indices of each polygon, `stride` a corner.
-  std::vector<std::vector<std::uint64_t>> read_polygons(const pugi::xml_node& group, std::uint64_t stride) {
+  // Polygons of so many corners in all, and the triangles that they become.
+  void take(const pugi::xml_node& group, const Inputs& inputs, std::uint64_t triangles,
+            std::uint64_t corners) {
+    const std::uint64_t list = sizeof(std::vector<std::uint64_t>) + 16;  // with the allocator's own
+    std::uint64_t corner = inputs.stride * sizeof(std::uint64_t) + sizeof(Vec3<double>);
+    if (inputs.normal) corner += sizeof(Vec3<double>);
+    if (inputs.tangent) corner += sizeof(Vec4<double>);
+    corner += inputs.uvs.size() * sizeof(Vec2<double>);
+    budget_.take(triangles * (triangle_bytes + list) + corners * corner, ColladaPlace{file_, group},
+                 std::to_string(triangles) + " triangles of " + std::to_string(corners) + " corners");
+  }
+
+  // The indices of each polygon, as many per corner as the inputs' stride.
+  std::vector<std::vector<std::uint64_t>> read_polygons(const pugi::xml_node& group, const Inputs& inputs) {
+    const std::uint64_t stride = inputs.stride;
     const std::string_view kind = group.name();
     std::vector<std::vector<std::uint64_t>> polygons;
     const auto add = [&](const std::vector<std::uint64_t>& from,
@@ -145,6 +158,10 @@ class GeometryReader {
       if (indices.size() % stride != 0)
         file_.fail(p, "a multiple of " + std::to_string(stride) + " indices", std::to_string(indices.size()));
       const std::uint64_t corners = indices.size() / stride;
+      const bool shares = kind == "tristrips" || kind == "trifans";  // corners, which become several
+      const std::uint64_t triangles =
+          kind == "triangles" ? corners / 3 : corners - std::min<std::uint64_t>(corners, 2);
+      take(group, inputs, triangles, shares ? 3 * triangles : corners);
       if (kind == "triangles") {
         if (corners % 3 != 0) file_.fail(p, "a multiple of 3 corners", std::to_string(corners));
         for (std::uint64_t c = 0; c < corners; c += 3) add(indices, {c, c + 1, c + 2});
@@ -220,17 +237,19 @@ class GeometryReader {
   }
 
   const Collada& file_;
+  Budget& budget_;
 };
 
 }  // namespace
 
-void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::size_t number, Asset& asset) {
+void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::size_t number,
+                   const std::vector<Eigen::Matrix4d>& instances, Budget& budget, Asset& asset) {
   const pugi::xml_node mesh = geometry.child("mesh");
   if (!mesh) {
     asset.skipped.push_back({number, 0, "a geometry without <mesh> has no triangles"});
     return;
   }
-  GeometryReader reader(file);
+  GeometryReader reader(file, budget);
   std::size_t group_number = 0;
   for (const pugi::xml_node group : mesh.children()) {
     const std::string_view kind = group.name();
@@ -249,10 +268,13 @@ void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::siz
     primitive.primitive = p;
     primitive.name = geometry.attribute(geometry.attribute("name") ? "name" : "id").value();
     reader.read(group, primitive);
-    if (primitive.data.triangles.empty())
+    if (primitive.data.triangles.empty()) {
       asset.skipped.push_back({number, p, "no polygons have no triangles"});
-    else
-      asset.primitives.push_back(std::move(primitive));
+      continue;
+    }
+    budget.take(instances.size() * sizeof(Eigen::Matrix4d), ColladaPlace{file, group}, "its instances");
+    primitive.instances = instances;
+    asset.primitives.push_back(std::move(primitive));
   }
 }
 

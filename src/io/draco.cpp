@@ -226,7 +226,7 @@ void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_in
 }  // namespace
 
 void decompress_draco(GltfFile& file) {
-  Budget budget(file.options, file.bytes());
+  Budget budget(file);
   const std::size_t meshes = file.root().has("meshes") ? file.root().at("meshes").size() : 0;
   for (std::size_t m = 0; m < meshes; ++m) {
     const JsonCursor mesh = file.root().at("meshes").at(m);

@@ -24,6 +24,8 @@ struct GltfFile {
   std::string path;  ///< named in messages, and relative URIs start from its folder
   ReadOptions options;
   std::uint64_t json_bytes = 0;
+  /// Of the document and its buffers as they are stored, before anything is decoded; 0: not from a file.
+  std::uint64_t stored_bytes = 0;
   io::Json json;
   /// One for each entry of "buffers". Buffer 0 is what becomes the binary chunk, padding included. One that
   /// has neither a uri nor the chunk has no bytes.
@@ -105,7 +107,7 @@ std::string image_bytes(const GltfFile& file, const JsonCursor& image, ReadBuffe
 
 /// Decodes the bufferViews that EXT_meshopt_compression compresses, appends them to buffer 0 and takes the
 /// extension off the document, with the buffers that only stood for decoded data. Nothing is allocated beyond
-/// 64 times the bytes of the buffers: a stream holds no more. \throws FileError
+/// 64 times the bytes of the buffers, a stream holds no more, nor beyond the budget. \throws FileError
 void decompress_meshopt(GltfFile& file);
 
 /// Decodes the primitives that KHR_draco_mesh_compression compresses into new accessors, appended to buffer

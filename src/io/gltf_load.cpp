@@ -154,10 +154,21 @@ void load_buffers(GltfFile& file, std::optional<std::string> chunk) {
 /// Refuses what would take the parser's stack or its time: deep nesting, and objects of very many keys, each
 /// of which is looked for among the ones before it.
 void check_nesting(const std::string& file, std::string_view text) {
-  constexpr std::size_t most_levels = 256, most_keys = 2000;
-  std::array<std::size_t, most_levels + 1> keys{};
+  constexpr std::size_t most_levels = 256, most_keys = 10000;
+  struct Level {
+    std::size_t begin = 0, keys = 0;
+  };
+  std::array<Level, most_levels + 1> levels{};
   std::size_t level = 0;
   bool in_text = false;
+  const auto leave = [&] {
+    const Level& left = levels[level];
+    if (left.keys > most_keys)
+      throw FileError(file, "the object at byte " + std::to_string(left.begin) + " of the document: " +
+                                expected_got("at most " + std::to_string(most_keys) + " keys",
+                                             std::to_string(left.keys)));
+    if (level > 0) --level;
+  };
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (c == '"') in_text = !in_text;
@@ -167,15 +178,15 @@ void check_nesting(const std::string& file, std::string_view text) {
     }
     if (c == '{' || c == '[') {
       if (++level > most_levels)
-        throw FileError(file,
-                        expected_got("JSON of at most " + std::to_string(most_levels) + " levels", "more"));
-      keys[level] = 0;
+        throw FileError(
+            file, "byte " + std::to_string(i) + " of the document: " +
+                      expected_got("JSON of at most " + std::to_string(most_levels) + " levels", "one more"));
+      levels[level] = {i, 0};
     }
-    if ((c == '}' || c == ']') && level > 0) --level;
-    if (c == ':' && ++keys[level] > most_keys)
-      throw FileError(file, expected_got("JSON objects of at most " + std::to_string(most_keys) + " keys",
-                                         "one of more"));
+    if (c == '}' || c == ']') leave();
+    if (c == ':') ++levels[level].keys;
   }
+  while (level > 0) leave();  // of a document that is cut off
 }
 
 }  // namespace
@@ -215,6 +226,11 @@ std::string_view json_text(const std::string& path, std::string_view bytes) {
 void check_document(const GltfFile& file) {
   if (!file.json.is_object())
     throw FileError(file.path, expected_got("glTF 2.0, a JSON object", "another JSON value"));
+  // Its arrays are looked for again for each element of them.
+  constexpr std::size_t most_keys = 1000;
+  if (file.json.size() > most_keys)
+    file.root().fail("an object of at most " + std::to_string(most_keys) + " keys, of which glTF defines 19",
+                     std::to_string(file.json.size()));
   check_version(file.root());
 }
 
@@ -243,6 +259,7 @@ GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions
   check_extensions(file.root());
   check_arrays(file.root());
   load_buffers(file, std::move(chunk));
+  file.stored_bytes = file.bytes();
   decompress_meshopt(file);
   decompress_draco(file);
   return file;

@@ -268,12 +268,13 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, s
 
 namespace {
 
-/// In bytes. One primitive takes a few times what the file holds at most, but many may share that.
+/// In bytes, with what it takes to judge it. One primitive takes a few times what the file holds at most, but
+/// many may share that.
 std::uint64_t size_of(const Primitive& primitive) {
   const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
   const Mesh& mesh = primitive.data;
   std::uint64_t sum = bytes(mesh.positions) + bytes(mesh.normals) + bytes(mesh.uvs) + bytes(mesh.tangents) +
-                      bytes(mesh.triangles);
+                      triangle_bytes * mesh.triangles.size();
   for (const auto& [set, uvs] : primitive.other_uvs) sum += bytes(uvs);
   return sum;
 }
@@ -281,7 +282,7 @@ std::uint64_t size_of(const Primitive& primitive) {
 }  // namespace
 
 Asset read_gltf(const GltfFile& file) {
-  Budget budget(file.options, file.bytes());
+  Budget budget(file);
   Asset asset;
   const JsonCursor root = file.root();
   const std::size_t mesh_count = root.has("meshes") ? root.at("meshes").size() : 0;
@@ -318,7 +319,7 @@ std::vector<MorphTarget> read_targets(const GltfFile& file, const JsonCursor& pr
                                       std::size_t vertices) {
   if (!primitive.has("targets")) return {};
   const JsonCursor targets = primitive.at("targets");
-  Budget budget(file.options, file.bytes());
+  Budget budget(file);
   std::vector<MorphTarget> result(targets.size());
   const std::string uvs = "TEXCOORD_" + std::to_string(texcoord);
   for (std::size_t i = 0; i < result.size(); ++i) {

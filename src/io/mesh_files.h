@@ -20,13 +20,14 @@ inline Vec4<double> with_side(const Vec3<double>& n, const Vec3<double>& t, cons
 /// What assimp reads.
 enum class AssimpFormat { obj, fbx };
 /// OBJ and FBX, by assimp in a process of its own.
-Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format);
+Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format,
+                       const ReadOptions& options);
 
 /// COLLADA.
-Asset read_collada(const std::string& path, const std::string& bytes);
+Asset read_collada(const std::string& path, const std::string& bytes, const ReadOptions& options);
 
 // These are read in pieces.
-Asset read_ply(const std::string& path);
+Asset read_ply(const std::string& path, const ReadOptions& options);
 Asset read_stl(const std::string& path);
 
 }  // namespace darboux::io

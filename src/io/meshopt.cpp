@@ -6,6 +6,7 @@
 
 #include <meshoptimizer.h>
 
+#include "budget.h"
 #include "gltf_file.h"
 
 namespace darboux::io {
@@ -55,7 +56,7 @@ const auto& find_kind(const Kinds& kinds, const JsonCursor& name) {
 
 /// \param left bytes that may still be decoded, decoded ones are taken off
 std::string decode(const GltfFile& file, const JsonCursor& view, const JsonCursor& compressed,
-                   std::uint64_t& left) {
+                   std::uint64_t& left, Budget& budget) {
   const Mode& mode = find_kind(modes, compressed.at("mode"));
   const Filter& filter =
       compressed.has("filter") ? find_kind(filters, compressed.at("filter")) : filters.front();
@@ -87,6 +88,7 @@ std::string decode(const GltfFile& file, const JsonCursor& view, const JsonCurso
     view.at("byteLength")
         .fail("the bytes of the " + std::to_string(count) + " elements of " + std::to_string(stride) +
               " bytes of its " + meshopt_extension);
+  budget.take(count * stride, compressed, "its decoded bytes");
 
   std::string bytes(count * stride, '\0');
   if (mode.decode(bytes.data(), count, stride, data(stream), stream.size()) != 0)
@@ -136,12 +138,13 @@ void decompress_meshopt(GltfFile& file) {
     if (file.root().at("bufferViews").at(i).extension(meshopt_extension)) compressed.push_back(i);
   if (!compressed.empty()) remove_placeholders(file);
 
+  Budget budget(file);
   std::uint64_t left = 0;
   for (const auto& buffer : file.buffers) left += buffer ? most_expansion * buffer->size() : 0;
   for (const std::size_t i : compressed) {
     const JsonCursor view = file.root().at("bufferViews").at(i);
     const std::size_t offset =
-        file.append_bytes(decode(file, view, *view.extension(meshopt_extension), left));
+        file.append_bytes(decode(file, view, *view.extension(meshopt_extension), left, budget));
     Json& json = file.json["bufferViews"][i];
     json["buffer"] = 0u;
     json["byteOffset"] = offset;

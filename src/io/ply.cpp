@@ -7,6 +7,7 @@
 #include <darboux/error.h>
 
 #include "base/text.h"
+#include "budget.h"
 #include "files.h"
 #include "mesh_files.h"
 #include "rows.h"
@@ -109,14 +110,27 @@ void read_vertices(RowReader& rows, const Table& table, const std::string& path,
   }
 }
 
+// A face, for messages.
+struct FacePlace {
+  const std::string& path;
+  std::uint64_t number;
+  [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
+    throw FileError(path, "face " + std::to_string(number) + ": " + expected_got(expected, got));
+  }
+};
+
 // \param corner_uvs gets those of the triangles' corners, where faces have their own
 void read_faces(RowReader& rows, const Table& table, const std::string& path, std::uint64_t vertices,
-                Mesh& mesh, std::vector<Vec2<double>>& corner_uvs) {
+                Budget& budget, Mesh& mesh, std::vector<Vec2<double>>& corner_uvs) {
   const std::size_t corners_at = list_named(table, {"vertex_indices", "vertex_index"}),
                     uvs_at = list_named(table, {"texcoord"});
   const bool with_uvs = uvs_at != table.fields.size();
   if (corners_at == table.fields.size())
     throw FileError(path, expected_got("faces with a list vertex_indices", "faces without corners"));
+  // Corners with uvs of their own become vertices.
+  const std::uint64_t corner_bytes = with_uvs ? sizeof mesh.positions[0] + sizeof mesh.uvs[0] +
+                                                    (mesh.normals.empty() ? 0 : sizeof mesh.normals[0])
+                                              : 0;
   std::vector<double> corners, uvs;
   for (std::uint64_t i = 0; i < table.rows; ++i) {
     corners.clear();
@@ -125,18 +139,17 @@ void read_faces(RowReader& rows, const Table& table, const std::string& path, st
       if (field == corners_at) corners.push_back(value);
       if (field == uvs_at) uvs.push_back(value);
     });
-    const std::string face = "face " + std::to_string(i);
+    const FacePlace face{path, i};
     for (const double c : corners)
       if (!(c >= 0 && c < static_cast<double>(vertices)) || c != std::floor(c))
-        throw FileError(path, face + ": " +
-                                  expected_got("corners that are whole numbers below its " +
-                                                   std::to_string(vertices) + " vertices",
-                                               shortest(c)));
+        face.fail("corners that are whole numbers below its " + std::to_string(vertices) + " vertices",
+                  shortest(c));
     if (with_uvs && uvs.size() != 2 * corners.size())
-      throw FileError(path, face + ": " +
-                                expected_got("a texcoord of two numbers for each of its " +
-                                                 std::to_string(corners.size()) + " corners",
-                                             std::to_string(uvs.size())));
+      face.fail("a texcoord of two numbers for each of its " + std::to_string(corners.size()) + " corners",
+                std::to_string(uvs.size()));
+    if (corners.size() > 2)
+      budget.take((corners.size() - 2) * (triangle_bytes + 3 * corner_bytes), face,
+                  "its " + std::to_string(corners.size() - 2) + " triangles");
     for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
       Triangle triangle;
       for (std::size_t j = 0; j < 3; ++j) {
@@ -182,7 +195,7 @@ PointFile read_ply_points(PointReader& reader) {
   return result;
 }
 
-Asset read_ply(const std::string& path) {
+Asset read_ply(const std::string& path, const ReadOptions& options) {
   InputBytes bytes(path, "PLY file");
   Lines lines(bytes, ply_lines);
   const PlyHeader header = read_header(lines, path);
@@ -190,13 +203,14 @@ Asset read_ply(const std::string& path) {
   if (vertices->rows > UINT32_MAX)
     throw FileError(path, expected_got("at most 4294967295 vertices", std::to_string(vertices->rows)));
   RowReader rows(bytes, lines, header.encoding);
+  Budget budget(options, bytes.size().value_or(0));
   Primitive primitive;
   std::vector<Vec2<double>> corner_uvs;
   for (auto t = header.tables.begin(); t != header.tables.end(); ++t)
     if (t == vertices)
       read_vertices(rows, *t, path, primitive.data);
     else if (t == faces)
-      read_faces(rows, *t, path, vertices->rows, primitive.data, corner_uvs);
+      read_faces(rows, *t, path, vertices->rows, budget, primitive.data, corner_uvs);
     else
       rows.pass_over(*t);
   rows.expect_end(header.tables.back());

@@ -57,12 +57,12 @@ Asset read_any(const std::string& path, const ReadOptions& options) {
   const std::string extension = lower(std::filesystem::path(path).extension().string());
   if (magic == "glTF" || extension == ".glb" || extension == ".gltf")
     return io::read_gltf(io::load_gltf(path, io::read_file(path), options));
-  if (extension == ".ply") return io::read_ply(path);
+  if (extension == ".ply") return io::read_ply(path, options);
   if (extension == ".stl") return io::read_stl(path);
-  if (extension == ".dae") return io::read_collada(path, io::read_file(path));
+  if (extension == ".dae") return io::read_collada(path, io::read_file(path), options);
   if (extension == ".obj" || extension == ".fbx")
     return io::read_with_assimp(path, io::read_file(path),
-                                extension == ".obj" ? io::AssimpFormat::obj : io::AssimpFormat::fbx);
+                                extension == ".obj" ? io::AssimpFormat::obj : io::AssimpFormat::fbx, options);
   throw FileError(path, expected_got("a GLB by its content, or one of the extensions " +
                                          joined({asset_extensions().begin(), asset_extensions().end()}),
                                      io::in_quotes(extension)));

@@ -62,9 +62,13 @@ void remove_unfinished_on_signals() {
   action.sa_handler = end_process;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   ::sigfillset(&action.sa_mask);
-  for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGPIPE, SIGTERM, SIGXCPU}) {
+  // Signals that end no process, and the one that nobody can catch.
+  const std::set<int> others{SIGKILL, SIGXFSZ, SIGCHLD, SIGCONT, SIGSTOP,
+                             SIGTSTP, SIGTTIN, SIGTTOU, SIGURG,  SIGWINCH};
+  for (int signal = 1; signal < NSIG; ++signal) {
     struct sigaction before {};
-    if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
+    if (!others.contains(signal) && ::sigaction(signal, nullptr, &before) == 0 &&
+        before.sa_handler == SIG_DFL)
       ::sigaction(signal, &action, nullptr);
   }
   std::signal(SIGXFSZ, SIG_IGN);

@@ -25,9 +25,10 @@ class Uninterrupted {
 void add_unfinished(const std::string& name);
 void drop_unfinished(const std::string& name);
 
-/// For the whole process: SIGHUP, SIGINT, SIGQUIT, SIGPIPE, SIGTERM and SIGXCPU, where they are not ignored,
-/// remove what is unfinished and then end it as they would have done. SIGXFSZ is ignored, so that a file that
-/// gets too large is an error of write().
+/// For the whole process: all signals that would end it (SIGHUP, SIGINT, SIGTERM, SIGALRM, SIGUSR1, SIGABRT,
+/// those of crashes, real-time signals, ...; not SIGKILL), where they are neither ignored nor handled, remove
+/// what is unfinished and then end it as they would have done. SIGXFSZ is ignored, so that a file that gets
+/// too large is an error of write().
 void remove_unfinished_on_signals();
 
 }  // namespace darboux::io

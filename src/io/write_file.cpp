@@ -78,8 +78,7 @@ std::string name_in_proc(int descriptor) {
 int open_without_name(const std::string& target) {
 #ifdef O_TMPFILE
   const fs::path folder = fs::path(target).parent_path();
-  const int descriptor =
-      ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (descriptor < 0 || ::access(name_in_proc(descriptor).c_str(), F_OK) == 0) return descriptor;
   ::close(descriptor);
 #else
@@ -99,6 +98,32 @@ void keep_attributes(int descriptor, const struct stat& old) {
     // all had, and no one the rights of another owner.
     mode = (mode & 0707) | (mode & 0070 & (mode << 3));
   ::fchmod(descriptor, mode);
+}
+
+// Writes all of it. \returns 0, or what went wrong
+int write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written >= 0)
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    else if (errno != EINTR)
+      return errno;
+  }
+  return 0;
+}
+
+// The whole of a file into another, and onto the disk. \returns 0, or what went wrong
+int copy_bytes(int from, int to) {
+  std::string buffer(std::size_t{1} << 20, '\0');
+  for (off_t at = 0;;) {
+    const ssize_t count = ::pread(from, buffer.data(), buffer.size(), at);
+    if (count < 0 && errno != EINTR) return errno;
+    if (count == 0) return ::fsync(to) == 0 ? 0 : errno;
+    if (count < 0) continue;
+    const auto bytes = static_cast<std::size_t>(count);
+    if (const int error = write_all(to, std::string_view(buffer).substr(0, bytes)); error != 0) return error;
+    at += count;
+  }
 }
 
 }  // namespace
@@ -150,14 +175,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::flush() {
-  std::string_view rest = buffer_;
-  while (!rest.empty()) {
-    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
-    if (written >= 0)
-      rest.remove_prefix(static_cast<std::size_t>(written));
-    else if (errno != EINTR)
-      fail(path_, errno);
-  }
+  if (const int error = write_all(descriptor_, buffer_); error != 0) fail(path_, error);
   buffer_.clear();
 }
 
@@ -176,20 +194,51 @@ void OutputFile::commit() {
   if (::close(std::exchange(descriptor_, -1)) != 0) fail(path_, errno);
 }
 
-void OutputFile::give_name() {
-  const io::Uninterrupted uninterrupted;  // nothing but SIGKILL comes between two names
-  if (temporary_.empty()) {
-    const std::string unnamed = name_in_proc(descriptor_);
-    const auto link_to = [&](const char* name) {
-      return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW);
-    };
-    if (link_to(target_.c_str()) == 0) return;
-    if (errno != EEXIST) fail(path_, errno);
-    temporary_ = make_temporary(target_, link_to);
-    if (temporary_.empty()) fail(path_, errno);
-  }
+void OutputFile::rename_temporary() {
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(path_, errno);
   io::drop_unfinished(std::exchange(temporary_, {}));
+}
+
+bool OutputFile::link_name() {
+  const io::Uninterrupted uninterrupted;  // nothing but SIGKILL comes between two names
+  const std::string unnamed = name_in_proc(descriptor_);
+  const auto link_to = [&](const char* name) {
+    return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW);
+  };
+  if (link_to(target_.c_str()) == 0) return true;
+  if (errno != EEXIST) return false;
+  temporary_ = make_temporary(target_, link_to);
+  if (temporary_.empty()) return false;
+  rename_temporary();
+  return true;
+}
+
+void OutputFile::copy_to_temporary() {
+  struct stat old {};
+  ::fstat(descriptor_, &old);
+  const int from = std::exchange(descriptor_, -1);
+  {
+    const io::Uninterrupted uninterrupted;
+    temporary_ = make_temporary(target_, [&](const char* name) {
+      return descriptor_ = ::open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    });
+  }
+  int error = descriptor_ < 0 ? errno : 0;
+  if (error == 0) {
+    keep_attributes(descriptor_, old);
+    error = copy_bytes(from, descriptor_);
+  }
+  ::close(from);
+  if (error != 0) fail(path_, error);
+}
+
+void OutputFile::give_name() {
+  if (temporary_.empty()) {
+    if (link_name()) return;
+    copy_to_temporary();  // some file systems have files without a name, and give them none
+  }
+  const io::Uninterrupted uninterrupted;
+  rename_temporary();
 }
 
 void write_file(const std::string& path, std::string_view content) {

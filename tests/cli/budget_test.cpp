@@ -74,10 +74,100 @@ TEST_F(CliBudget, SoDoMorphTargets) {
     EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
 }
 
+TEST_F(CliBudget, SoDoInstancesOfCollada) {
+  std::string nodes, groups;
+  for (int i = 0; i < 100000; ++i) nodes += "<node><instance_geometry url='#g'/></node>";
+  for (int i = 0; i < 100; ++i)
+    groups += "<triangles><input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles>";
+  write_bytes(
+      path("m.dae"),
+      "<COLLADA><library_geometries><geometry id='g'><mesh><source id='s'><float_array id='a' count='9'>0 0 "
+      "0 1 0 0 "
+      "0 1 0</float_array><technique_common><accessor source='#a' count='3' stride='3'/></technique_common>"
+      "</source><vertices id='v'><input semantic='POSITION' source='#s'/></vertices>" +
+          groups + "</mesh></geometry></library_geometries><library_visual_scenes><visual_scene>" + nodes +
+          "</visual_scene></library_visual_scenes></COLLADA>");
+  for (const std::string command : {"validate m.dae", "compare m.dae m.dae"}) {
+    SCOPED_TRACE(command);
+    const Result r = within_a_gibibyte(command);
+    EXPECT_EQ(r.status, 2);
+    expect_one_line(r.err);
+    for (const char* part : {"m.dae: <triangles> at byte ", "--max-memory", " for its instances"})
+      EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
+  }
+}
+
+// Two bytes of a fan are a triangle, of three vertices.
+TEST_F(CliBudget, SoDoFansOfCollada) {
+  std::string corners = "0 1";
+  for (int i = 0; i < 4000000; ++i) corners += " 2";
+  write_bytes(
+      path("m.dae"),
+      "<COLLADA><library_geometries><geometry id='g'><mesh><source id='s'><float_array id='a' count='9'>0 0 "
+      "0 1 0 0 "
+      "0 1 0</float_array><technique_common><accessor source='#a' count='3' stride='3'/></technique_common>"
+      "</source><vertices id='v'><input semantic='POSITION' source='#s'/></vertices><trifans>"
+      "<input semantic='VERTEX' source='#v' offset='0'/><p>" +
+          corners + "</p></trifans></mesh></geometry></library_geometries></COLLADA>");
+  const Result r = within_a_gibibyte("validate m.dae");
+  EXPECT_EQ(r.status, 2);
+  expect_one_line(r.err);
+  for (const char* part :
+       {"m.dae: <trifans> at byte ", "--max-memory", " for 4000000 triangles of 12000000 corners"})
+    EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
+}
+
+// One face of very many corners, a byte each.
+TEST_F(CliBudget, SoDoFacesOfPly) {
+  const std::uint32_t corners = 9000000;
+  const auto write = [&](bool with_uvs, std::uint32_t n) {
+    std::string bytes =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float "
+        "y\nproperty "
+        "float z\nelement face 1\nproperty list uint uchar vertex_indices\n";
+    if (with_uvs) bytes += "property list uint uchar texcoord\n";
+    bytes += "end_header\n" + test::pack<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}) + test::pack<std::uint32_t>({n});
+    for (std::uint32_t i = 0; i < n; ++i) bytes += static_cast<char>(i % 3);
+    if (with_uvs) bytes += test::pack<std::uint32_t>({2 * n}) + std::string(2 * std::size_t{n}, '\1');
+    write_bytes(path("m.ply"), bytes);
+  };
+  const auto expect = [&](const char* what) {
+    for (const std::string command : {"validate m.ply", "compare m.ply m.ply"}) {
+      SCOPED_TRACE(command);
+      const Result r = within_a_gibibyte(command);
+      EXPECT_EQ(r.status, 2);
+      expect_one_line(r.err);
+      for (const char* part : {"m.ply: face 0: expected at most 512 MiB", "--max-memory", what})
+        EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
+    }
+  };
+  write(false, corners);
+  expect("1099 MiB for its 8999998 triangles");
+  write(true, 3000000);  // corners with uvs of their own become vertices
+  expect("709.5 MiB for its 2999998 triangles");
+  write(false, 1000000);
+  good("darboux validate m.ply");
+}
+
+// Polygons of an OBJ are cut into triangles in a time that grows with the square of their corners.
+TEST_F(CliBudget, PolygonsOfVeryManyCornersAreRefused) {
+  const auto write = [&](int corners) {
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+    for (int i = 0; i < corners; ++i) text += ' ' + std::to_string(i % 3 + 1);
+    write_bytes(path("m.obj"), text + '\n');
+  };
+  write(30000);
+  for (const std::string command : {"validate m.obj", "compare m.obj m.obj"})
+    refused("darboux " + command,
+            {"m.obj: line 4: expected polygons whose corners", "got 900000000 with this one of 30000"});
+  write(1000);
+  good("darboux validate m.obj");
+}
+
 // Each key is looked for among those before it: time grows with the square of their number.
 TEST_F(CliBudget, ObjectsOfVeryManyKeysAreRefusedByAllReaders) {
   std::string keys;
-  for (int i = 0; i < 2000; ++i) keys += "\"key" + std::to_string(i) + "\": 0,";
+  for (int i = 0; i < 10000; ++i) keys += "\"key" + std::to_string(i) + "\": 0,";
   write_bytes(path("f.gltf"), R"({"asset": {"version": "2.0"}, "extras": {)" + keys + "\"\": 0}}");
   write_bytes(path("f.json"), "{" + keys + "\"files\": []}\n");
   for (const std::string command :
@@ -85,19 +175,30 @@ TEST_F(CliBudget, ObjectsOfVeryManyKeysAreRefusedByAllReaders) {
         "scene f.gltf", "validate data/torus_016.three.glb --baseline f.json",
         "eval bezier-patch:file=f.json --at 0,0", "eval bspline-patch:file=f.json --at 0,0", "scene f.json",
         "converge --study f.json", "merge f.json"})
-    refused("darboux " + command, {"f.", "JSON objects of at most 2000 keys, got one of more"});
+    refused("darboux " + command, {"f.", "the object at byte ", "expected at most 10000 keys, got 10001"});
   const auto in = [](std::string text, const std::string& what) {
     return text.erase(text.find(what), what.size());
   };
   write_bytes(path("f.gltf"),
               R"({"asset": {"version": "2.0"}, "extras": {)" + in(keys, "\"key7\": 0,") + "\"\": 0}}");
-  good("darboux validate f.gltf");  // 2000
+  good("darboux validate f.gltf");  // 10 000
+}
+
+// The arrays of a document are looked for again for each of their elements.
+TEST_F(CliBudget, DocumentsOfVeryManyKeysAreRefused) {
+  std::string keys, nodes = "{}";
+  for (int i = 0; i < 9000; ++i) keys += "\"key" + std::to_string(i) + "\": 0,";
+  for (int i = 1; i < 300000; ++i) nodes += ",{}";
+  write_bytes(path("f.gltf"), "{" + keys + R"("asset": {"version": "2.0"}, "nodes": [)" + nodes + "]}");
+  for (const std::string command :
+       {"validate f.gltf", "plan f.gltf", "tangents f.gltf -o out.glb", "scene f.gltf"})
+    refused("darboux " + command, {"f.gltf: the document", "at most 1000 keys", "got 9002"});
 }
 
 TEST_F(CliBudget, IsTheUsersToSet) {
-  write_shared(10, 3000, true);  // 10 * (3000 * 24 + 1000 * 12) bytes
-  good("darboux validate m.glb --max-memory 840000");
-  refused("darboux validate m.glb --max-memory 839999", {"meshes[0].primitives[9]", "0.8011 MiB of content"});
+  write_shared(10, 3000, true);  // 10 * (3000 * 24 + 1000 * 128) bytes
+  good("darboux validate m.glb --max-memory 2000000");
+  refused("darboux validate m.glb --max-memory 1999999", {"meshes[0].primitives[9]", "1.907 MiB of content"});
   good("darboux validate m.glb --max-memory 2MiB");
   refused("darboux validate m.glb --max-memory much", {"--max-memory"});
   refused("darboux validate m.glb --max-memory -1", {"--max-memory"});

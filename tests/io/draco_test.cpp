@@ -410,6 +410,18 @@ TEST(BadDraco, CountsThatLie) {
   test::expect_bytes_refused(b.glb(), "of content (--max-memory raises it), got");
 }
 
+// What a small file may ask for does not grow by what its streams decode to.
+TEST(BadDraco, DecodedBytesGiveNoBudget) {
+  Source s = quantised(bump(600));
+  s.attributes.resize(1);
+  const std::string stream = encode(s, draco::MESH_EDGEBREAKER_ENCODING, 10);
+  Builder b = compressed_file(decoded(s, stream), stream);
+  const Json one = b.json["meshes"][0]["primitives"][0];
+  for (int i = 1; i < 5; ++i) b.json["meshes"][0]["primitives"].push_back(one);
+  ASSERT_LT(b.glb().size(), 10000000u);
+  test::expect_bytes_refused(b.glb(), "meshes[0].primitives[4]: expected at most 512 MiB of content");
+}
+
 TEST(BadDraco, NotANumber) {
   // As they are: the verdict names them.
   Source s = bump(2);

@@ -205,16 +205,26 @@ TEST(BadFiles, NestingBombs) {
     for (std::size_t i = 0; i < levels; ++i) text += close;
     return text + "}";
   };
-  expect_bytes_refused(deep(1000000, "[", "]"), "expected JSON of at most 256 levels, got more", "bomb.gltf");
-  expect_bytes_refused(deep(300, "{\"a\": ", "}"), "expected JSON of at most 256 levels, got more",
+  expect_bytes_refused(deep(1000000, "[", "]"), "expected JSON of at most 256 levels, got one more",
+                       "bomb.gltf");
+  expect_bytes_refused(deep(300, "{\"a\": ", "}"), "expected JSON of at most 256 levels, got one more",
                        "bomb.gltf");
   expect_bytes_refused(std::string(1000000, '['),
                        "expected a GLB, which begins \"glTF\", or a JSON object, got neither", "bomb.gltf");
   expect_bytes_refused(R"({"a": )" + std::string(1000000, '['),
-                       "expected JSON of at most 256 levels, got more", "bomb.gltf");
+                       "expected JSON of at most 256 levels, got one more", "bomb.gltf");
   std::string keys = "{";
   for (int i = 0; i < 20000; ++i) keys += "\"" + std::to_string(i) + "\": 0,";
-  expect_bytes_refused(keys, "expected JSON objects of at most 2000 keys, got one of more", "bomb.gltf");
+  expect_bytes_refused(keys, "the object at byte 0 of the document: expected at most 10000 keys, got 20000",
+                       "bomb.gltf");
+  expect_bytes_refused(
+      R"({"asset": {"version": "2.0"}, "extras": {"a\\": )" + keys.substr(0, keys.size() - 1) + "}}}",
+      "the object at byte 48 of the document: expected at most 10000 keys, got 20000", "bomb.gltf");
+  // Of a document, whose arrays are looked for most often.
+  expect_bytes_refused(
+      R"({"asset": {"version": "2.0"},)" + keys.substr(1, keys.find("\"1000\"") - 2) + "}",
+      "the document: expected an object of at most 1000 keys, of which glTF defines 19, got 1001",
+      "bomb.gltf");
 
   const TempFolder folder;
   const std::string path = test::write_bytes(folder / "fine.gltf", deep(200, "[", "]"));

@@ -1,12 +1,17 @@
 // Broken and hostile PLY, STL, COLLADA and FBX: each is refused by a FileError of one line that names the
 // file, what was expected and what it has, or read as something sound. No crash of assimp is one of ours.
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <random>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <darboux/sample_mesh.h>
 
@@ -332,7 +337,7 @@ TEST(InAChild, AnswersAndFailures) {
                   return "";
                 },
                 {1u << 30, 1}),
-            "does not answer within 10 seconds");
+            "does not answer within 12 seconds");
   EXPECT_EQ(failure_of([]() -> std::string {
               ::raise(SIGKILL);
               return "";
@@ -342,6 +347,37 @@ TEST(InAChild, AnswersAndFailures) {
   EXPECT_EQ(failure_of([] { return std::string(std::size_t{1} << 28, 'x'); }, {1u << 26, 20}),
             "asks for more than 64 MiB");
 #endif
+}
+
+// What the process may do: compute, allocate, answer. Each of these is an error there, and none without the
+// fence.
+TEST(InAChild, IsConfined) {
+  const std::string file = __FILE__;
+  const auto tried = [&](int what) -> std::string {
+    switch (what) {
+      case 0:
+        return ::open(file.c_str(), O_RDONLY) >= 0 ? "done" : std::strerror(errno);
+      case 1:
+        return ::socket(AF_INET, SOCK_STREAM, 0) >= 0 ? "done" : std::strerror(errno);
+      case 2:
+        return ::socket(AF_UNIX, SOCK_DGRAM, 0) >= 0 ? "done" : std::strerror(errno);
+      case 3: {
+        const pid_t child = ::fork();
+        if (child == 0) ::_exit(0);
+        return child > 0 ? "done" : std::strerror(errno);
+      }
+      case 4:
+        return ::kill(::getppid(), 0) == 0 ? "done" : std::strerror(errno);
+      case 5:
+        return ::access(file.c_str(), R_OK) == 0 ? "done" : std::strerror(errno);
+      default:
+        return ::execl("/bin/true", "true", nullptr) == 0 ? "" : std::strerror(errno);
+    }
+  };
+  for (int what = 0; what <= 6; ++what)
+    EXPECT_EQ(io::in_child([&] { return tried(what); }, {1u << 30, 20}), "Operation not permitted") << what;
+  for (int what = 0; what <= 5; ++what)
+    EXPECT_EQ(io::in_child([&] { return tried(what); }, {1u << 30, 20, false}), "done") << what;
 }
 
 }  // namespace

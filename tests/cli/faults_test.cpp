@@ -1,0 +1,226 @@
+// Every call that can fail fails once, in turn, over each command on small inputs: an error of one line and
+// exit 2, or the whole output where the tool can do without; never a part of it, and nothing else is left.
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/personality.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cli.h"
+
+namespace darboux::test {
+namespace {
+
+struct Command {
+  std::vector<std::string> arguments;
+  std::vector<std::string> outputs;
+};
+
+const std::vector<Command> commands{
+    {{"eval", "torus", "--grid", "8x8", "--format", "csv", "-o", "o.csv"}, {"o.csv"}},
+    {{"mesh", "torus", "--grid", "8x8", "-o", "o.glb"}, {"o.glb"}},
+    {{"tangents", "in.glb", "-o", "o.glb"}, {"o.glb"}},
+    {{"validate", "in.glb", "--sarif", "o.sarif", "--junit", "o.xml"}, {"o.sarif", "o.xml"}},
+    {{"validate", "in.glb", "--paint", "o.glb", "--report", "o.html"}, {"o.glb", "o.html"}},
+    {{"validate", "in.obj"}, {}},
+    {{"compare", "in.glb", "in.glb"}, {}},
+    {{"plan", "in.glb", "--sarif", "o.sarif"}, {"o.sarif"}},
+    {{"scene", "scene.json", "-o", "o.glb", "--render", "o.png"}, {"o.glb", "o.png"}},
+    {{"fit", "points.xyz", "--frames", "o.csv"}, {"o.csv"}},
+    {{"merge", "results.jsonl", "-o", "o.jsonl"}, {"o.jsonl"}},
+};
+
+// Why a process ended.
+struct End {
+  bool by_signal = false;
+  int status = 0;
+  std::string err;
+};
+
+class Faults : public Cli {
+ protected:
+  Faults() {
+    fs::copy_file(DARBOUX_SOURCE "/docs/examples/scene.json", path("scene.json"));
+    good("darboux mesh sphere --grid 8x6 -o in.glb --quiet");
+    good("darboux eval sphere --grid 6x6 --attributes position --format csv -o points.csv");
+    write_bytes(path("in.obj"),
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\n");
+    std::string points;
+    for (int i = 0; i < 40; ++i) {
+      const double a = 0.7 * i, z = (i % 9 - 4) / 5.0, r = std::sqrt(1 - z * z);
+      points += std::to_string(r * std::cos(a)) + ' ' + std::to_string(r * std::sin(a)) + ' ' +
+                std::to_string(z) + '\n';
+    }
+    write_bytes(path("points.xyz"), points);
+    good(
+        "darboux converge --surfaces torus --methods face --meshes regular --resolutions 6,8,10 --results "
+        "results.jsonl");
+    fs::remove(path("points.csv"));
+    given_ = names();
+  }
+
+  std::set<std::string> names() const {
+    std::set<std::string> result;
+    for (const auto& entry : fs::directory_iterator(path("")))
+      result.insert(entry.path().filename().string());
+    return result;
+  }
+  std::map<std::string, std::string> outputs() const {
+    std::map<std::string, std::string> result;
+    for (const std::string& name : names())
+      if (!given_.contains(name) && name != "count" && name != "err" && name != "stack")
+        result[name] = read_bytes(path(name));
+    return result;
+  }
+  void remove_outputs() const {
+    for (const auto& [name, content] : outputs()) fs::remove(path(name));
+  }
+
+  // Runs the command with the fault, on one processor and without address randomisation: stacks are the same
+  // every time.
+  End run(const Command& command, const std::string& fault) const {
+    std::fflush(stdout);  // or the child prints it too
+    const pid_t child = ::fork();
+    if (child == 0) {
+      cpu_set_t one;
+      CPU_ZERO(&one);
+      CPU_SET(0, &one);
+      ::sched_setaffinity(0, sizeof one, &one);
+      ::personality(ADDR_NO_RANDOMIZE);
+      if (::chdir(path("").c_str()) != 0 || !std::freopen("/dev/null", "w", stdout) ||
+          !std::freopen("err", "w", stderr))
+        std::_Exit(99);
+      ::setenv("LD_PRELOAD", DARBOUX_FAULTS_LIBRARY, 1);
+      ::setenv("DARBOUX_FAULT", fault.c_str(), 1);
+      ::setenv("DARBOUX_FAULT_COUNT", path("count").c_str(), 1);
+      ::setenv("DARBOUX_FAULT_STACK", path("stack").c_str(), 1);
+      std::vector<char*> arguments{const_cast<char*>("darboux")};
+      for (const std::string& text : command.arguments) arguments.push_back(const_cast<char*>(text.c_str()));
+      arguments.push_back(nullptr);
+      ::execv(DARBOUX_TOOL, arguments.data());
+      std::_Exit(99);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return {WIFSIGNALED(status), WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status),
+            read_bytes(path("err"))};
+  }
+
+  // The innermost functions that the tool was in when it crashed.
+  std::string crash_stack() const {
+    return sh("addr2line -f -C -e " DARBOUX_TOOL " $(cat stack) | head -4").out;
+  }
+  // Two end the program. The destructor of nlohmann::json allocates and must not throw, and its operator[] of
+  // null leaves an object behind that cannot be destroyed. The timers of Ceres allocate in their destructors.
+  bool crashed_in_a_library() const {
+    const std::string functions = crash_stack();
+    return functions.find("nlohmann::") != std::string::npos ||
+           functions.find("ceres::") != std::string::npos;
+  }
+
+  // An output is what it should be; reports of files that could not be read say so, in whole.
+  static void expect_whole(const std::string& name, const std::string& content, const std::string& wanted,
+                           bool after_error) {
+    if (content == wanted) return;
+    const std::string extension = fs::path(name).extension();
+    EXPECT_TRUE(after_error && (extension == ".sarif" || extension == ".xml" || extension == ".html"))
+        << name << " of " << content.size() << " bytes in place of " << wanted.size();
+    if (extension == ".sarif") {
+      EXPECT_FALSE(Json::parse(content, nullptr, false).is_discarded()) << name;
+    } else {
+      const std::string end = wanted.substr(wanted.rfind("</"));
+      EXPECT_TRUE(content.ends_with(end)) << name << " ends with " << content.substr(content.size() - 20);
+    }
+  }
+
+  // \param most points of each command that fail, spread evenly \returns how many there were
+  void each_fails(const std::string& kind, std::size_t most) const {
+    std::size_t points = 0, failed = 0, errors = 0, crashes = 0;
+    for (const Command& command : commands) {
+      const End clean = run(command, kind + ":0");
+      ASSERT_FALSE(clean.by_signal);
+      ASSERT_LT(clean.status, 2) << command.arguments[0] << ": " << clean.err;
+      const std::size_t there = std::stoul(read_bytes(path("count")));
+      const auto whole = outputs();
+      ASSERT_EQ(whole.size(), command.outputs.size());
+      remove_outputs();
+      const std::size_t step = std::max<std::size_t>(1, (there + most - 1) / most);
+      points += there;
+      for (std::size_t k = 1; k <= there; k += step) {
+        SCOPED_TRACE(command.arguments[0] + " " + command.arguments[1] + ", " + kind + " " +
+                     std::to_string(k) + " of " + std::to_string(there));
+        const End end = run(command, kind + ":" + std::to_string(k));
+        ++failed;
+        if (end.by_signal) {
+          EXPECT_TRUE(crashed_in_a_library()) << "signal " << end.status << ' ' << end.err << crash_stack();
+          EXPECT_TRUE(outputs().empty());
+          remove_outputs();
+          ++crashes;
+          continue;
+        }
+        if (end.status == 2) {
+          ++errors;
+          // A library that is linked in may speak before.
+          const std::size_t last = end.err.rfind('\n', end.err.size() - 2);
+          expect_one_line(last == std::string::npos ? end.err : end.err.substr(last + 1));
+        } else {
+          EXPECT_EQ(end.status, clean.status) << end.err;
+        }
+        for (const auto& [name, content] : outputs()) {
+          EXPECT_TRUE(whole.contains(name)) << name << " is left";
+          if (whole.contains(name)) expect_whole(name, content, whole.at(name), end.status == 2);
+        }
+        if (end.status < 2) {
+          EXPECT_EQ(outputs().size(), whole.size()) << "an output is lost";
+        }
+        remove_outputs();
+      }
+    }
+    std::printf(
+        "%s: %zu points, %zu failed once, %zu errors of one line, %zu ends in nlohmann::json or Ceres\n",
+        kind.c_str(), points, failed, errors, crashes);
+    EXPECT_GT(points, 0u);
+  }
+
+ private:
+  std::set<std::string> given_;
+};
+
+// DARBOUX_FAULTS=100000: every one.
+std::size_t wanted() {
+  const char* const text = std::getenv("DARBOUX_FAULTS");
+  return text ? static_cast<std::size_t>(std::atoi(text)) : 8;
+}
+
+TEST_F(Faults, Allocations) {
+  each_fails("new", wanted());
+}
+TEST_F(Faults, AllocationsOfC) {
+  each_fails("malloc", wanted());
+}
+TEST_F(Faults, Writes) {
+  each_fails("write", wanted());
+}
+TEST_F(Faults, Reads) {
+  each_fails("read", wanted());
+}
+TEST_F(Faults, Opens) {
+  each_fails("open", wanted());
+}
+TEST_F(Faults, Links) {
+  each_fails("linkat", wanted());
+}
+TEST_F(Faults, Syncs) {
+  each_fails("fsync", wanted());
+}
+TEST_F(Faults, Processes) {
+  for (const char* kind : {"fork", "pipe2"}) each_fails(kind, wanted());
+}
+
+}  // namespace
+}  // namespace darboux::test
