@@ -163,7 +163,7 @@ inline TrueQuantities true_quantities(const SyntheticPoints& points, const Place
       if ((turn * cube).trace() > (turn * nearest).trace()) nearest = cube;
     const Eigen::Vector3d named = (nearest * Eigen::Vector3d(values[0], values[1], values[2])).cwiseAbs();
     q.parameters = {named[0], named[1], named[2]};
-    const Eigen::Vector3d z = (turn * nearest).transpose() * Eigen::Vector3d::Zero() + turn.col(2);
+    const Eigen::Vector3d z = turn.col(2);
     q.axis_deg = degrees * std::acos(std::min(1.0, z.cwiseAbs().maxCoeff()));
   } else {
     q.parameters = values;

@@ -87,7 +87,8 @@ class PrimitivesFit {
         const double others = other.log_likelihood_ratio();
         const bool simpler = other.primitive().unknowns < search.primitive().unknowns;
         return other.is_settled() && others > far_likelier &&
-               (others > own + 100 || (simpler && std::fabs(others - own) < 0.05 * others));
+               (others > own + 100 ||
+                (simpler && others > own - 0.5 * margin && others - own < 0.05 * others));
       });
     };
     std::vector<Hypothesis> result;
@@ -101,7 +102,8 @@ class PrimitivesFit {
 
   std::vector<PrimitiveFit> all_fits() {
     std::mt19937_64 random(options_.seed);
-    const OrientedPoints oriented = oriented_points(points_.cloud, points_.normals, random);
+    const OrientedPoints oriented =
+        oriented_points(points_.cloud, points_.normals, effort_ == Effort::full, random);
     SearchProblem problem{points_.cloud, oriented, std::nullopt, std::nullopt, options_.seed, effort_, {}};
     if (options_.noise) problem.sigma = *options_.noise / points_.scale;
     if (options_.guess && only_) problem.guess = guess_of(*options_.guess, *only_, points_);

@@ -42,9 +42,9 @@ std::optional<OrientedPoints> with_own_normals(const Matrix3Xd& cloud, const Mat
 // them that are near one plane, so that outliers among them do not turn it.
 class LocalPlane {
  public:
-  void fit(const Matrix3Xd& points, std::mt19937_64& random) {
+  void fit(const Matrix3Xd& points, bool outliers, std::mt19937_64& random) {
     set_axes(points);
-    if (flatness > flat && points.cols() > 4 && find_nearest(points, random))
+    if (outliers && flatness > flat && points.cols() > 4 && find_nearest(points, random))
       set_axes(points(Eigen::all, nearest_));
   }
 
@@ -94,7 +94,7 @@ class LocalPlane {
   std::vector<Eigen::Index> nearest_;
 };
 
-OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, std::mt19937_64& random) {
+OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, bool outliers, std::mt19937_64& random) {
   std::vector<Vec3<double>> chosen;
   for (const Eigen::Index i : evenly_chosen(cloud.cols(), tree_points, random))
     chosen.push_back(from_eigen(cloud.col(i)));
@@ -111,7 +111,7 @@ OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, std::mt19937_64& r
     Matrix3Xd near(3, static_cast<Eigen::Index>(tree.nearest(at, nearest, squares)));
     for (Eigen::Index j = 0; j < near.cols(); ++j)
       near.col(j) = to_eigen(chosen[nearest[static_cast<std::size_t>(j)]]);
-    plane.fit(near, random);
+    plane.fit(near, outliers, random);
     // The mean has less noise; among few points it is off the surface.
     all.points.col(i) = nearest.size() > 6 ? plane.mean : to_eigen(at);
     all.normals.col(i) = plane.normal;
@@ -130,9 +130,10 @@ OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, std::mt19937_64& r
 
 }  // namespace
 
-OrientedPoints oriented_points(const Matrix3Xd& cloud, const Matrix3Xd& normals, std::mt19937_64& random) {
+OrientedPoints oriented_points(const Matrix3Xd& cloud, const Matrix3Xd& normals, bool outliers,
+                               std::mt19937_64& random) {
   if (auto own = with_own_normals(cloud, normals, random)) return std::move(*own);
-  return with_estimated_normals(cloud, random);
+  return with_estimated_normals(cloud, outliers, random);
 }
 
 }  // namespace darboux::fit
