@@ -190,8 +190,8 @@ TEST(MikkTSpace, LengthsAreThoseOfTheDerivatives) {
     EXPECT_EQ(std::vector<float>(all[c].t, all[c].t + 3), std::vector<float>(&four[4 * c], &four[4 * c] + 3));
 }
 
-// dpdu of 2^130 is infinite, and NaN where the triangle has no angle: its edges are parallel as seen along the
-// normal.
+// dpdu of 2^130 is infinite, and NaN where the triangle has no angle: its edges are parallel as seen along
+// the normal.
 TEST(MikkTSpace, LengthsBeyondTheRangeAreInfiniteOrNaN) {
   const float far = 0x1p100F, near = 0x1p-30F;
   for (const bool flat : {false, true}) {
