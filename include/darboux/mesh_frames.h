@@ -15,7 +15,7 @@ namespace darboux {
 
 /// A frame that a method gives to corners of triangles.
 struct CornerFrame {
-  Vec3<double> t, b, n;   ///< unit, of MikkTSpace to 2e-7; orthogonality is the method's
+  Vec3<double> t, b, n;   ///< unit, of MikkTSpace to 3e-7; orthogonality is the method's
   double sign = 1;        ///< MikkTSpace's raw sign, ±1
   bool fallback = false;  ///< no triangle served, or none gave a direction: t is an arbitrary one
 };

@@ -60,10 +60,10 @@ struct MikkTangent {
 ///
 /// t and b are unit and across the normal, or zero where their sum is, with these exceptions, which are the
 /// original's. Where s or t is along n to rounding, s' or t' is rounding: unit, of any direction, even along
-/// n. Where a vector to be made unit is not zero but has no component above 2^-75, its square vanishes: t or
-/// b has infinities or NaN; where it has none above 2^-126, it is left as short as it is, and t or b may be.
-/// Either takes a normal or a direction some of whose components are not zero but about 2^-50 or less of the
-/// others, or sums that cancel down to such.
+/// n. A vector to be made unit that is not zero, but has no component above 2^-75, has a square of 0: t or b
+/// gets infinities or NaN. With none above 2^-126 it is left as short as it is. With none above 2^-63 its
+/// square has few bits: t or b is 0.7 to 1.23 long. Each takes a normal or a direction some of whose
+/// components are not zero but 2^-36 or less of the others, or sums that cancel down to such.
 ///
 /// The lengths are sum(angle |dpdu|) / sum(angle) and the same of dpdv, zero where the angles are, and never
 /// negative. Where |dpdu| or angle |dpdu| summed is beyond float's range, above 3.4e38, the length is

@@ -39,7 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       for (std::size_t c = 0; c < mesh.corners(); ++c) {
         const CornerFrame& f = frames.corner(c);
         fuzz::expect(f.sign == 1 || f.sign == -1, "signs are 1 or -1");
-        const double tolerance = method.single_precision ? 4e-7 : 1e-14;
+        const double tolerance = method.single_precision ? 3e-7 : 1e-14;
         for (const Vec3<double>& a : {f.t, f.b, f.n})
           if (!(std::fabs(norm(a) - 1) < tolerance))
             fuzz::found("unit vectors: " + std::string(method.name) + " gives " + std::to_string(a.x) + ' ' +

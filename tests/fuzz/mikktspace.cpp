@@ -15,12 +15,14 @@ namespace {
 
 using namespace darboux;
 
-// Unit, or zero; of any numbers also not finite, or with no component above the least normal float.
+// Unit, or zero; of any numbers also not finite, with no component above the least normal float, or, where
+// few bits of a square are left, of a length from 0.7 to 1.23.
 bool is_direction(const float (&a)[3], bool small) {
   const double length = std::hypot(a[0], a[1], a[2]);
-  if (std::fabs(length - 1) < 1e-3 || length == 0) return true;
-  return !small &&
-         (!std::isfinite(length) || std::all_of(a, a + 3, [](float x) { return std::fabs(x) <= FLT_MIN; }));
+  if (std::fabs(length - 1) < 3e-7 || length == 0) return true;
+  if (small) return false;
+  return !std::isfinite(length) || (length > 0.7 && length < 1.23) ||
+         std::all_of(a, a + 3, [](float x) { return std::fabs(x) <= FLT_MIN; });
 }
 
 // The largest |dpdu| and |dpdv| of the triangles, for uv areas as small as rounding may have them.

@@ -38,10 +38,11 @@ std::vector<float> to_floats(const std::vector<Vector>& values, const char* name
   return result;
 }
 
-// MikkTSpace's t and b are zero, next to it or not finite where it has no direction.
+// MikkTSpace's t and b are zero, of any length or not finite where squares vanish. The others are unit to 4.5
+// roundings: of a sum of squares, halved by the root, the root, the division, the product.
 Vec3<double> unit_or_zero(const float (&x)[3]) {
   const Vec3<double> a{x[0], x[1], x[2]};
-  return std::fabs(dot(a, a) - 1) < 1e-3 ? a : Vec3<double>{};
+  return std::fabs(norm(a) - 1) < 3e-7 ? a : Vec3<double>{};
 }
 
 MeshFrames compute(const Mesh& mesh, int threads, bool own_bitangent) {
