@@ -15,9 +15,9 @@ namespace darboux {
 
 /// A frame that a method gives to corners of triangles.
 struct CornerFrame {
-  Vec3<double> t, b, n;   ///< unit; orthogonality is the method's
+  Vec3<double> t, b, n;   ///< unit, of MikkTSpace to 3e-7; orthogonality is the method's
   double sign = 1;        ///< MikkTSpace's raw sign, ±1
-  bool fallback = false;  ///< no triangle served: t is an arbitrary direction across n
+  bool fallback = false;  ///< no triangle served, or none gave a direction: t is an arbitrary one
 };
 
 /// The result of a method. Corner c (of triangle c / 3) has frames[of_corner[c]].
@@ -65,7 +65,10 @@ struct FrameMethod {
 };
 
 /// All of them:
-///   mikktspace             MikkTSpace to the bit (mikktspace.h), b = sign n × t
+///   mikktspace             MikkTSpace to the bit (mikktspace.h), b = sign unit(n × t); a t that is not unit
+///                          is replaced by a fallback. Where dpdu is along n, t is what rounding leaves of it
+///                          across n, of any direction. t = (1, 0, 0) where no triangle served and n is not
+///                          along it
 ///   mikktspace-bitangent   the same with its own b
 ///   face                   the 2x2 solve of each triangle, unit(T), unit(B), face normal
 ///   average                sums of T and B over a vertex's triangles (lengths included), Gram-Schmidt

@@ -36,8 +36,8 @@ struct MikkOptions {
 /// All that MikkTSpace tells of a corner.
 struct MikkTangent {
   float t[3] = {1, 0, 0},
-        b[3] = {0, 1, 0};  ///< unit, across the normal, or zero where directions cancel; b is not n × t
-  float t_length = 1, b_length = 1;  ///< of the derivatives in u and v, averaged
+        b[3] = {0, 1, 0};            ///< unit, but for what mikktspace() says of rounding; b is not n × t
+  float t_length = 1, b_length = 1;  ///< of the derivatives in u and v, averaged; see mikktspace()
   float sign = -1;                   ///< raw: 1 where the uvs wind as the triangle does
   bool served = false;               ///< by a triangle; else the values above, which stand for nothing
 };
@@ -57,6 +57,18 @@ struct MikkTangent {
 /// Where a position or uv is beyond 2^28, or all are below 2^-28, each triangle is multiplied by a power of
 /// two first, so that nothing overflows or vanishes as it does in the original. Where nothing does there,
 /// that changes no bit.
+///
+/// t and b are unit and across the normal, or zero where their sum is, with these exceptions, which are the
+/// original's. Where s or t is along n to rounding, s' or t' is rounding: unit, of any direction, even along
+/// n. A vector to be made unit that is not zero, but has no component above 2^-75, has a square of 0: t or b
+/// gets infinities or NaN. With none above 2^-126 it is left as short as it is. With none above 2^-63 its
+/// square has few bits: t or b is 0.7 to 1.23 long. Each takes a normal or a direction some of whose
+/// components are not zero but 2^-36 or less of the others, or sums that cancel down to such.
+///
+/// The lengths are sum(angle |dpdu|) / sum(angle) and the same of dpdv, zero where the angles are, and never
+/// negative. Where |dpdu| or angle |dpdu| summed is beyond float's range, above 3.4e38, the length is
+/// infinite; where a triangle of infinite |dpdu| has an angle of 0 at the corner, it is NaN. |dpdu| is as
+/// single precision has it: of a uv area that cancels to rounding, up to 2^25 times too large.
 ///
 /// glTF's w is the raw sign, negated. The bits do not depend on the order of the vertices of an indexed mesh,
 /// nor on threads. Cost: linear in the triangles; quadratic in the number of those at one vertex whose

@@ -325,6 +325,43 @@ TEST(FrameMethods, NeverGiveNaNForTinyData) {
   }
 }
 
+// t, b and n are unit at every corner. In the first mesh the normal of vertex 1 lies along dpdu: MikkTSpace
+// projects it to rounding, t is along n, and n x t is of any length. In the second t' is of length 1e-40, in
+// the third not a number, in the fourth (1, 0, 0) stands for no triangle.
+TEST(FrameMethods, AreUnitWhateverTheNormals) {
+  std::vector<Mesh> meshes;
+  meshes.push_back(one_triangle({{{0.25, 0.75, 0.5}, {0.5, 1, -1}, {-0.5, -0.5, -0.5}}},
+                                {{{0, 0.25}, {-0.5, 0}, {-1, 0}}}));
+  meshes[0].normals[1] = unit(Vec3<double>{-2, -3, 1});
+  for (const double tiny : {1e-40, 1e-30}) {
+    meshes.push_back(one_triangle({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0, 0}, {1, 0}, {0, 1}}}));
+    for (Vec3<double>& n : meshes.back().normals) n = {1, tiny, 0};
+  }
+  meshes.push_back(one_triangle({{{0, 0, 0}, {0, 0, 0}, {0, 1, 0}}}, {{{0, 0}, {1, 0}, {0, 1}}}));
+  for (Vec3<double>& n : meshes.back().normals) n = unit(Vec3<double>{3, 0, 1});
+  std::mt19937 random(1);
+  const auto quarters = [&] { return 0.25 * (static_cast<int>(random() % 9) - 4); };
+  for (int k = 0; k < 2000; ++k) {
+    Points p;
+    Uvs uv;
+    for (Vec3<double>& x : p) x = {quarters(), quarters(), quarters()};
+    for (Vec2<double>& x : uv) x = {quarters(), quarters()};
+    meshes.push_back(one_triangle(p, uv));
+    for (Vec3<double>& n : meshes.back().normals) n = unit(Vec3<double>{quarters(), quarters(), quarters()});
+  }
+  for (const FrameMethod& method : frame_methods()) {
+    const double tolerance = method.single_precision ? 3e-7 : 1e-15;
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+      const MeshFrames frames = mesh_frames(meshes[m], method);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const CornerFrame& frame = frames.corner(c);
+        for (const Vec3<double>& a : {frame.t, frame.b, frame.n})
+          ASSERT_NEAR(norm(a), 1, tolerance) << method.name << ", mesh " << m << ", corner " << c;
+      }
+    }
+  }
+}
+
 // MikkTSpace computes in single precision: far below its range nothing changes, above it the reason is said.
 TEST(FrameMethods, MikkTSpaceTakesDoubles) {
   const Mesh plain = sample_mesh(Torus{1.0, 0.4}, {.columns = 16, .rows = 8});

@@ -1,6 +1,7 @@
 // MikkTSpace to the bit: against tangents that the npm package mikktspace made, which are those of the C
 // original.
 #include <array>
+#include <cfloat>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -187,6 +188,44 @@ TEST(MikkTSpace, LengthsAreThoseOfTheDerivatives) {
   const std::vector<float> four = arrays.tangents();
   for (std::size_t c = 0; c < all.size(); ++c)
     EXPECT_EQ(std::vector<float>(all[c].t, all[c].t + 3), std::vector<float>(&four[4 * c], &four[4 * c] + 3));
+}
+
+// dpdu of 2^130 is infinite, and NaN where the triangle has no angle: its edges are parallel as seen along
+// the normal.
+TEST(MikkTSpace, LengthsBeyondTheRangeAreInfiniteOrNaN) {
+  const float far = 0x1p100F, near = 0x1p-30F;
+  for (const bool flat : {false, true}) {
+    Arrays triangle;
+    triangle.add(flat ? Corner{0, 0, 0, 0.6F, -0.8F, 0, 0, 0} : Corner{0, 0, 0, 0, 0, 1, 0, 0});
+    triangle.add({far, 0, 0, 0, 0, 1, near, 0});
+    triangle.add({0, far, 0, 0, 0, 1, 0, 1});
+    const MikkTangent x = mikktspace(triangle.mesh())[0];
+    EXPECT_TRUE(x.served);
+    EXPECT_TRUE(flat ? std::isnan(x.t_length) : x.t_length == std::numeric_limits<float>::infinity());
+    EXPECT_EQ(x.b_length, flat ? 0 : far);
+  }
+}
+
+// As the npm package has it too: what is left of dpdu across the normal, 1e-30 and 1e-40, has a square of 0.
+TEST(MikkTSpace, ATangentAlongTheNormalIsWhatRoundingMakesOfIt) {
+  const auto tangent = [](const std::array<Corner, 3>& corners, std::size_t corner) {
+    Arrays triangle;
+    for (const Corner& x : corners) triangle.add(x);
+    const MikkTangent x = mikktspace(triangle.mesh())[corner];
+    return std::array<float, 3>{x.t[0], x.t[1], x.t[2]};
+  };
+  const auto with_normal = [&](float y) {
+    return tangent({{{0, 0, 0, 1, y, 0, 0, 0}, {1, 0, 0, 1, y, 0, 1, 0}, {0, 1, 0, 1, y, 0, 0, 1}}}, 0);
+  };
+  for (const float x : with_normal(1e-30F)) EXPECT_TRUE(std::isnan(x));
+  const std::array<float, 3> unscaled = with_normal(1e-40F);
+  EXPECT_TRUE(unscaled[0] == 0 && unscaled[1] < 0 && unscaled[1] > -FLT_MIN && unscaled[2] == 0);
+  EXPECT_EQ(with_normal(0), (std::array<float, 3>{}));
+  // dpdu at corner 1 is along the normal but for rounding.
+  const std::array<Corner, 3> along{{{0.25F, 0.75F, 0.5F, 0.408248F, -0.816497F, 0.408248F, 0, 0.25F},
+                                     {0.5F, 1, -1, -0.534522484F, -0.80178374F, 0.267261237F, -0.5F, 0},
+                                     {-0.5F, -0.5F, -0.5F, 0.948683F, 0, 0.316228F, -1, 0}}};
+  EXPECT_EQ(tangent(along, 1), (std::array<float, 3>{0, -1, 0}));
 }
 
 // A quad is its two triangles, along the diagonal that is shorter in the uvs: on one that is bent the others

@@ -38,6 +38,13 @@ std::vector<float> to_floats(const std::vector<Vector>& values, const char* name
   return result;
 }
 
+// MikkTSpace's t and b are zero, of any length or not finite where squares vanish. The others are unit to 4.5
+// roundings: of a sum of squares, halved by the root, the root, the division, the product.
+Vec3<double> unit_or_zero(const float (&x)[3]) {
+  const Vec3<double> a{x[0], x[1], x[2]};
+  return std::fabs(norm(a) - 1) < 3e-7 ? a : Vec3<double>{};
+}
+
 MeshFrames compute(const Mesh& mesh, int threads, bool own_bitangent) {
   MeshFrames result;
   const std::vector<float> positions = to_floats(mesh.positions, "position", true),
@@ -55,9 +62,9 @@ MeshFrames compute(const Mesh& mesh, int threads, bool own_bitangent) {
   result.frames.reserve(corners.size());
   for (std::size_t c = 0; c < corners.size(); ++c) {
     const MikkTangent& x = tangents[c];
-    const Vec3<double> n = unit(mesh.normals[corners[c]]), t{x.t[0], x.t[1], x.t[2]};
-    const Vec3<double> b =
-        own_bitangent ? Vec3<double>{x.b[0], x.b[1], x.b[2]} : double{x.sign} * cross(n, t);
+    const Vec3<double> n = unit(mesh.normals[corners[c]]), t = unit_or_zero(x.t);
+    // Where the mesh grows in u along n, t is the rounding of its projection: of any direction, even along n.
+    const Vec3<double> b = own_bitangent ? unit_or_zero(x.b) : double{x.sign} * unit(cross(n, t));
     result.of_corner.push_back(static_cast<std::uint32_t>(c));
     result.frames.push_back(frame_or_fallback(t, b, n, x.sign));
     result.frames.back().fallback |= !x.served;
