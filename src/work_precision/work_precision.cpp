@@ -11,8 +11,9 @@ namespace darboux {
 void mark_fronts(std::vector<WorkSample>& samples, const WorkAxes& axes) {
   for (WorkSample& s : samples) {
     const std::size_t x = find_work_metric(axes.x_of(s.domain)), y = find_work_metric(axes.y_of(s.domain));
-    // Comparisons with NaN are false: what has no number dominates nothing.
-    s.on_front = s.best_of_family = !std::isnan(s.metric[x]) && !std::isnan(s.metric[y]);
+    // Comparisons with NaN are false, and no finite number is above an infinite one: what has no number
+    // dominates nothing that has.
+    s.on_front = s.best_of_family = std::isfinite(s.metric[x]) && std::isfinite(s.metric[y]);
     for (const WorkSample& other : samples) {
       if (other.surface != s.surface || other.domain != s.domain || other.mesh != s.mesh) continue;
       const bool dominates = other.metric[x] <= s.metric[x] && other.metric[y] <= s.metric[y] &&
