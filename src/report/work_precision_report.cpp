@@ -276,17 +276,23 @@ nlohmann::ordered_json comparisons_json(const std::vector<WorkComparison>& compa
 
 std::string comparisons_text(const std::vector<WorkComparison>& comparisons, double tolerance) {
   std::string text;
-  std::size_t same = 0, faster = 0, worse = 0;
+  std::size_t same = 0, faster = 0, worse = 0, undetermined = 0;
   for (const WorkComparison& c : comparisons) {
-    (c.verdict == "same" ? same : c.holds() ? faster : worse) += 1;
-    if (c.verdict == "same") continue;
+    (c.verdict == "same"           ? same
+     : c.verdict == "undetermined" ? undetermined
+     : c.holds()                   ? faster
+                                   : worse) += 1;
+    if (c.verdict == "same" || c.verdict == "undetermined") continue;
     const WorkGroup group{c.after.surface, c.after.surface, c.after.domain, c.after.mesh, {}};
     text += std::string(c.verdict) + ": " + work_method_name(c.after) + ", " + group.title() + ": ";
     if (c.verdict == "failed")
       text += one_line(c.after.failure) + '\n';
     else if (c.verdict == "less exact")
       text += std::string(c.worst_metric) + " " + work_value(c.worst_metric, c.before[c.worst_metric]) +
-              " -> " + work_value(c.worst_metric, c.after[c.worst_metric]) + '\n';
+              " -> " +
+              (std::isnan(c.after[c.worst_metric]) ? "none"
+                                                   : work_value(c.worst_metric, c.after[c.worst_metric])) +
+              '\n';
     else
       text += rounded(c.before["time_ns"], 3) + " -> " + rounded(c.after["time_ns"], 3) + " ns, times " +
               rounded(c.time.ratio, 3) + " [" + rounded(c.time.low, 3) + ", " + rounded(c.time.high, 3) +
@@ -294,7 +300,11 @@ std::string comparisons_text(const std::vector<WorkComparison>& comparisons, dou
   }
   return text + counted(comparisons.size(), "measurement") + " in both: " + std::to_string(same) +
          " the same within " + rounded(100 * tolerance, 3) + " %, " + std::to_string(faster) + " faster, " +
-         std::to_string(worse) + " worse\n";
+         std::to_string(worse) + " worse" +
+         (undetermined == 0 ? ""
+                            : ", " + std::to_string(undetermined) +
+                                  " undetermined: expected at least 4 rounds in both, got fewer") +
+         '\n';
 }
 
 }  // namespace darboux

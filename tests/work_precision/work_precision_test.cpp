@@ -416,6 +416,39 @@ TEST(WorkPrecision, ComparesWhatBothHave) {
     EXPECT_EQ(c.holds(), c.after.method != "fails" && c.after.method != "zero") << c.after.method;
 }
 
+// Three rounds prove nothing; an error that is gone is worse; other points are another question.
+TEST(WorkPrecision, WhatCannotBeComparedIsNotTheSame) {
+  Rounds rounds(4);
+  WorkSample before;
+  before.surface = "torus";
+  before.domain = WorkDomain::evaluation;
+  before.points = 64;
+  before.metric.fill(std::numeric_limits<double>::quiet_NaN());
+  before.metric[find_work_metric("frame_max")] = 1e-16;
+  before.rounds = {80, 81, 82};
+  WorkSample after = before;
+  after.rounds = {800, 810, 820};
+  const auto compare = [&] { return compare_work({before}, {after}, 0.1).at(0); };
+  EXPECT_EQ(compare().verdict, "undetermined");
+  EXPECT_FALSE(compare().holds());
+  before.rounds.push_back(83);
+  after.rounds.push_back(830);
+  EXPECT_EQ(compare().verdict, "slower");
+  after.rounds = before.rounds;
+  EXPECT_EQ(compare().verdict, "same");
+  after.metric[find_work_metric("tangent_max")] = 1;
+  EXPECT_EQ(compare().verdict, "same");  // new, not lost
+  after.metric[find_work_metric("frame_max")] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(compare().verdict, "less exact");
+  EXPECT_EQ(compare().worst_metric, "frame_max");
+  after = before;
+  after.points = 65;
+  EXPECT_TRUE(compare_work({before}, {after}, 0.1).empty());
+  after.points = 0;
+  after.failure = "failed: planted";
+  EXPECT_EQ(compare().verdict, "failed");
+}
+
 // Something that disturbs all rounds of one run but the fastest is no change of the program.
 TEST(WorkPrecision, ADisturbedRunIsNoSlowerOne) {
   WorkSample quiet, disturbed;
