@@ -143,11 +143,14 @@ struct WorkComparison {
   double error_ratio = 1;         ///< after / before there
   /// "faster", "slower": the whole interval lies beyond 1 by more than the tolerance, and so does the
   /// quotient of the fastest rounds, since what else runs on a machine only adds time; "same" otherwise;
-  /// "failed" now and not before; "less exact": the error grew by more than the tolerance.
+  /// "failed" now and not before; "less exact": the error grew by more than the tolerance, or is no longer
+  /// there; "undetermined": three rounds or fewer, whose interval is infinite.
   std::string_view verdict;
 
   bool holds() const { return verdict == "same" || verdict == "faster"; }
 };
+/// Whether two samples measure the same: surface, method, mesh, rows, and points unless one failed.
+bool same_question(const WorkSample& a, const WorkSample& b);
 /// What both runs have, in the order of `after`. \param tolerance 0.1: a tenth
 std::vector<WorkComparison> compare_work(const std::vector<WorkSample>& before,
                                          const std::vector<WorkSample>& after, double tolerance);

@@ -102,14 +102,19 @@ int parse_resolution(std::string_view text, int finest) {
 std::vector<int> parse_resolutions(const std::string& text, int finest) {
   std::vector<int> result;
   if (const std::size_t dots = text.find(".."); dots != std::string::npos) {
-    const int last = parse_resolution(std::string_view(text).substr(dots + 2), finest);
-    for (int n = parse_resolution(std::string_view(text).substr(0, dots), finest); n <= last; n *= 2)
-      result.push_back(n);
+    const int first = parse_resolution(std::string_view(text).substr(0, dots), finest),
+              last = parse_resolution(std::string_view(text).substr(dots + 2), finest);
+    if (first > last)
+      throw ParameterError("--resolutions", expected_got("numbers that grow", "'" + text + "'"));
+    for (int n = first; n <= last; n *= 2) result.push_back(n);
   } else {
-    for (const std::string& piece : split(text, ',')) result.push_back(parse_resolution(piece, finest));
+    for (const std::string& piece : split(text, ',')) {
+      const int n = parse_resolution(piece, finest);
+      if (!result.empty() && n <= result.back())
+        throw ParameterError("--resolutions", expected_got("numbers that grow", "'" + text + "'"));
+      result.push_back(n);
+    }
   }
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 

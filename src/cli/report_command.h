@@ -44,7 +44,7 @@ void check(const ReportArguments& arguments, const Common& common,
 std::string command_line_of(const ReportArguments& arguments,
                             const std::vector<std::pair<const char*, std::string>>& others = {});
 
-/// "8..256" (doubling) or "8,16,32", of --resolutions; in order, each once. \param finest the largest number
+/// "8..256" (doubling) or "8,16,32", of --resolutions; they grow. \param finest the largest number
 /// \throws ParameterError
 std::vector<int> parse_resolutions(const std::string& text, int finest);
 

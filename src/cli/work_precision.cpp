@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -49,15 +51,25 @@ WorkChoices choose(const WorkArguments& arguments) {
 WorkOptions parse(const WorkArguments& arguments) {
   const WorkChoices choices = choose(arguments);
   WorkOptions options;
-  for (const std::string& name : choices.surfaces) options.surfaces.push_back(surface_argument(name));
+  // What is named twice is measured once.
+  const auto once = [](auto& list, const auto& item, auto same) {
+    if (std::none_of(list.begin(), list.end(), same)) list.push_back(item);
+  };
+  for (const std::string& name : choices.surfaces) {
+    const AnySurface surface = surface_argument(name);
+    once(options.surfaces, surface,
+         [&](const AnySurface& other) { return other.specification() == surface.specification(); });
+  }
   if (choices.surfaces.empty()) options.surfaces = all_surfaces();
   for (const std::string& name : choices.methods)
     for (const WorkMethod* method : find_work_methods(name))
-      if (std::find(options.methods.begin(), options.methods.end(), method) == options.methods.end())
-        options.methods.push_back(method);
+      once(options.methods, method, [&](const WorkMethod* other) { return other == method; });
   if (choices.methods.empty())
     for (const WorkMethod& method : work_methods()) options.methods.push_back(&method);
-  for (const std::string& name : choices.meshes) options.families.push_back(&find_mesh_family(name));
+  for (const std::string& name : choices.meshes) {
+    const MeshFamily* family = &find_mesh_family(name);
+    once(options.families, family, [&](const MeshFamily* other) { return other == family; });
+  }
   options.resolutions = choices.resolutions;
   options.rounds = choices.rounds;
   options.points = choices.points;
@@ -92,30 +104,53 @@ std::string command_line(const WorkOptions& options, const WorkArguments& argume
   return line + command_line_of(arguments.report, {{"--x", arguments.x}, {"--y", arguments.y}});
 }
 
+// Samples of the one run that the other lacks.
+std::size_t count_unmatched(const std::vector<WorkSample>& samples, const std::vector<WorkSample>& others) {
+  return static_cast<std::size_t>(std::count_if(samples.begin(), samples.end(), [&](const WorkSample& s) {
+    return std::none_of(others.begin(), others.end(),
+                        [&](const WorkSample& other) { return same_question(s, other); });
+  }));
+}
+
 void run_compare(const WorkArguments& arguments, Common& common) {
-  if (!arguments.report.output.empty() || !arguments.report.csv.empty() ||
-      !arguments.report.results.empty() || !arguments.surfaces.empty())
-    throw ParameterError("--compare",
-                         "expected two files alone, got something to measure or to write beside");
-  const std::vector<WorkSample> before = read_work_document(arguments.compare[0]),
-                                after = read_work_document(arguments.compare[1]);
-  const std::vector<WorkComparison> pairs = compare_work(before, after, arguments.tolerance);
+  const WorkDocument before = read_work_document(arguments.compare[0]),
+                     after = read_work_document(arguments.compare[1]);
+  const std::vector<std::string> notes = compare_studies(before, after, arguments.compare[1]);
+  const std::vector<WorkComparison> pairs = compare_work(before.samples, after.samples, arguments.tolerance);
   if (pairs.empty())
     throw FileError(arguments.compare[1],
                     expected_got("measurements that " + arguments.compare[0] + " has too", "none"));
+  const std::size_t only_before = count_unmatched(before.samples, after.samples),
+                    only_after = count_unmatched(after.samples, before.samples);
   const bool holds =
       std::all_of(pairs.begin(), pairs.end(), [](const WorkComparison& c) { return c.holds(); });
   common.exit_status = holds ? 0 : 1;
   if (common.json)
     return print_json({{"pairs", comparisons_json(pairs)},
-                       {"only_before", before.size() - pairs.size()},
-                       {"only_after", after.size() - pairs.size()},
+                       {"only_before", only_before},
+                       {"only_after", only_after},
+                       {"notes", notes},
                        {"tolerance", arguments.tolerance},
                        {"holds", holds}});
   std::fputs(comparisons_text(pairs, arguments.tolerance).c_str(), stdout);
-  if (before.size() != pairs.size() || after.size() != pairs.size())
-    std::printf("%zu only before, %zu only after\n", before.size() - pairs.size(),
-                after.size() - pairs.size());
+  if (only_before + only_after > 0) std::printf("%zu only before, %zu only after\n", only_before, only_after);
+  for (const std::string& note : notes) std::printf("note: %s\n", one_line(note).c_str());
+}
+
+// --compare measures nothing: what says how to measure, or where to write, is not beside it.
+void check_compare(const CLI::App& sub) {
+  const bool compares = sub.get_option("--compare")->count() > 0;
+  if (!compares && sub.get_option("--tolerance")->count() > 0)
+    throw ParameterError("--tolerance", "expected --compare beside it, got none");
+  if (!compares) return;
+  for (const CLI::Option* option : sub.get_options()) {
+    const std::string name = option->get_name();
+    const bool fits = name == "--compare" || name == "--tolerance" || name == "--json" || name == "--quiet" ||
+                      name == "--threads";
+    if (option->count() > 0 && !fits)
+      throw ParameterError(
+          name, expected_got("only --tolerance, --json, --quiet or --threads beside --compare", name));
+  }
 }
 
 void run_work_precision(const WorkArguments& arguments, Common& common) {
@@ -168,6 +203,17 @@ void run_work_precision(const WorkArguments& arguments, Common& common) {
   if (!to.csv.empty()) std::printf("CSV: %s\n", to.csv.c_str());
 }
 
+// A check for options: a finite number that is `good`.
+CLI::Validator finite_number(const std::string& expected, bool (*good)(double)) {
+  const auto check = [=](const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool fits = error == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+    return fits && good(value) ? std::string() : expected_got(expected, "'" + text + "'");
+  };
+  return {check, ""};
+}
+
 void add_choices(CLI::App& sub, WorkArguments& arguments) {
   std::vector<std::string> methods, meshes, metrics(work_metrics.begin(), work_metrics.end());
   for (const WorkMethod& method : work_methods()) methods.emplace_back(method.name);
@@ -190,7 +236,7 @@ void add_choices(CLI::App& sub, WorkArguments& arguments) {
   sub.add_option(
          "--timeout", arguments.timeout,
          "seconds that a call may take; a method that takes longer is recorded, not called again [10]")
-      ->check(CLI::PositiveNumber);
+      ->check(finite_number("seconds above 0", [](double x) { return x > 0; }));
   sub.add_option("--seed", arguments.seed, "of points and meshes [1]")->check(whole_number);
   sub.add_option("--x", arguments.x,
                  "what fronts and pictures have across, one of " + joined(metrics) +
@@ -204,7 +250,7 @@ void add_choices(CLI::App& sub, WorkArguments& arguments) {
       ->expected(2);
   sub.add_option("--tolerance", arguments.tolerance, "of --compare: 0.1 is a tenth")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(finite_number("a number from 0", [](double x) { return x >= 0; }));
 }
 
 }  // namespace
@@ -220,7 +266,10 @@ void add_work_precision(CLI::App& app, Common& common) {
   add_output_options(sub, arguments->report, "time against error, a panel per surface and mesh",
                      "every measurement");
   add_common(sub, common, "darboux work-precision torus --rounds 5 --resolutions 8,16 -o work.html");
-  sub.callback([arguments, &common] { run_work_precision(*arguments, common); });
+  sub.callback([arguments, &common, &sub] {
+    check_compare(sub);
+    run_work_precision(*arguments, common);
+  });
 }
 
 }  // namespace darboux

@@ -105,12 +105,13 @@ std::vector<WorkSample> run_work_study(const WorkOptions& options, const StudyId
   return samples;
 }
 
-std::vector<WorkSample> read_work_document(const std::string& file) {
+WorkDocument read_work_document(const std::string& file) {
   const Json json = io::parse_json(file, io::read_file(file));
   const std::string wanted = "what darboux work-precision --json prints";
   if (!json.is_object() || !json.contains("samples"))
     throw FileError(file, expected_got(wanted, "a document without samples"));
-  std::vector<WorkSample> samples;
+  WorkDocument document;
+  std::vector<WorkSample>& samples = document.samples;
   try {
     for (const Json& sample : json["samples"]) samples.push_back(work_sample_of(sample));
   } catch (const Error& e) {
@@ -119,7 +120,35 @@ std::vector<WorkSample> read_work_document(const std::string& file) {
     throw FileError(file, expected_got(wanted, "sample " + std::to_string(samples.size()) +
                                                    " with a key that is missing or of another type"));
   }
-  return samples;
+  try {
+    document.study = json.at("study");
+    for (const char* key : {"seed", "points", "checked", "inputs"}) document.study.at(key);
+    document.version = json.at("provenance").at("version").get<std::string>();
+    document.machine = json.at("provenance").at("machine").get<std::string>();
+  } catch (const Json::exception&) {
+    throw FileError(file, expected_got(wanted, "a study or a provenance with a key that is missing"));
+  }
+  return document;
+}
+
+std::vector<std::string> compare_studies(const WorkDocument& before, const WorkDocument& after,
+                                         const std::string& after_file) {
+  const auto expect_same = [&](const std::string& key, const Json& a, const Json& b) {
+    if (a != b)
+      throw FileError(after_file, "study: " + key + ": " + expected_got(a.dump() + " as before", b.dump()));
+  };
+  for (const char* key : {"seed", "points", "checked"})
+    expect_same(key, before.study.at(key), after.study.at(key));
+  for (const auto& [file, hash] : after.study.at("inputs").items())
+    if (before.study.at("inputs").contains(file))
+      expect_same("inputs: " + file, before.study.at("inputs").at(file), hash);
+  std::vector<std::string> notes;
+  const auto note = [&](const std::string& what, const std::string& a, const std::string& b) {
+    if (a != b) notes.push_back(what + ": " + a + " before, " + b + " after");
+  };
+  note("version", before.version, after.version);
+  note("machine", before.machine, after.machine);
+  return notes;
 }
 
 }  // namespace darboux

@@ -45,7 +45,19 @@ std::vector<WorkSample> run_work_study(const WorkOptions& options, const StudyId
                                        const StudyOptions& study, std::size_t& jobs_done,
                                        const std::function<void(double)>& progress);
 
-/// The samples of a document that `work-precision --json` printed. \throws FileError for another one
-std::vector<WorkSample> read_work_document(const std::string& file);
+/// A document that `work-precision --json` printed.
+struct WorkDocument {
+  std::vector<WorkSample> samples;
+  Json study;                    ///< work_identity()
+  std::string version, machine;  ///< of provenance
+};
+/// \throws FileError for another one
+WorkDocument read_work_document(const std::string& file);
+
+/// In how many ways two runs differ that explain a difference: "version: 1 before, 2 after".
+/// \throws FileError, of the second file, where they asked different questions: another seed, other points,
+/// others checked, another content of an input that both read
+std::vector<std::string> compare_studies(const WorkDocument& before, const WorkDocument& after,
+                                         const std::string& after_file);
 
 }  // namespace darboux

@@ -25,6 +25,11 @@ std::string kind_of(const std::string& specification) {
 
 constexpr std::string_view evaluation_name = "evaluation", meshes_name = "meshes";
 
+// "1 surface", "2 surfaces"
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
+}
+
 std::string padded(std::string text, std::size_t width) {
   if (text.size() < width) text.append(width - text.size(), ' ');
   return text;
@@ -111,6 +116,9 @@ WorkSample work_sample_of(const nlohmann::ordered_json& json) {
   s.points = json.at("points").get<std::size_t>();
   s.failure = text_or_empty("failure");
   s.rounds = json.at("rounds_ns").get<std::vector<double>>();
+  for (const double ns : s.rounds)
+    if (!(std::isfinite(ns) && ns > 0))
+      throw ParameterError("rounds_ns", expected_got("finite numbers above 0", shortest(ns)));
   s.time_low = number_or_nan("time_low_ns");
   s.time_high = number_or_nan("time_high_ns");
   s.metric.fill(nan);
@@ -190,13 +198,17 @@ std::string work_axis(std::string_view metric, WorkDomain domain) {
 std::string work_summary(const std::vector<WorkSample>& samples) {
   const auto failed =
       std::count_if(samples.begin(), samples.end(), [](const WorkSample& s) { return !s.failure.empty(); });
+  // An error that is infinite: the method answered no frame somewhere.
+  const auto numberless = std::count_if(samples.begin(), samples.end(), [](const WorkSample& s) {
+    return std::any_of(s.metric.begin(), s.metric.end(), [](double x) { return std::isinf(x); });
+  });
   std::vector<std::string> surfaces;
   for (const WorkSample& s : samples)
     if (std::find(surfaces.begin(), surfaces.end(), s.surface) == surfaces.end())
       surfaces.push_back(s.surface);
-  return std::to_string(samples.size()) + " measurements on " + std::to_string(surfaces.size()) +
-         (surfaces.size() == 1 ? " surface, " : " surfaces, ") +
-         (failed == 0 ? "none failed" : std::to_string(failed) + " failed");
+  return counted(samples.size(), "measurement") + " on " + counted(surfaces.size(), "surface") + ", " +
+         (failed == 0 ? "none failed" : std::to_string(failed) + " failed") +
+         (numberless == 0 ? "" : ", an error of " + std::to_string(numberless) + " is no number");
 }
 
 // ---- texts ------------------------------------------------------------------------------------------------
@@ -264,25 +276,35 @@ nlohmann::ordered_json comparisons_json(const std::vector<WorkComparison>& compa
 
 std::string comparisons_text(const std::vector<WorkComparison>& comparisons, double tolerance) {
   std::string text;
-  std::size_t same = 0, faster = 0, worse = 0;
+  std::size_t same = 0, faster = 0, worse = 0, undetermined = 0;
   for (const WorkComparison& c : comparisons) {
-    (c.verdict == "same" ? same : c.holds() ? faster : worse) += 1;
-    if (c.verdict == "same") continue;
+    (c.verdict == "same"           ? same
+     : c.verdict == "undetermined" ? undetermined
+     : c.holds()                   ? faster
+                                   : worse) += 1;
+    if (c.verdict == "same" || c.verdict == "undetermined") continue;
     const WorkGroup group{c.after.surface, c.after.surface, c.after.domain, c.after.mesh, {}};
     text += std::string(c.verdict) + ": " + work_method_name(c.after) + ", " + group.title() + ": ";
     if (c.verdict == "failed")
       text += one_line(c.after.failure) + '\n';
     else if (c.verdict == "less exact")
       text += std::string(c.worst_metric) + " " + work_value(c.worst_metric, c.before[c.worst_metric]) +
-              " -> " + work_value(c.worst_metric, c.after[c.worst_metric]) + '\n';
+              " -> " +
+              (std::isnan(c.after[c.worst_metric]) ? "none"
+                                                   : work_value(c.worst_metric, c.after[c.worst_metric])) +
+              '\n';
     else
       text += rounded(c.before["time_ns"], 3) + " -> " + rounded(c.after["time_ns"], 3) + " ns, times " +
               rounded(c.time.ratio, 3) + " [" + rounded(c.time.low, 3) + ", " + rounded(c.time.high, 3) +
               "]\n";
   }
-  return text + std::to_string(comparisons.size()) + " measurements in both: " + std::to_string(same) +
+  return text + counted(comparisons.size(), "measurement") + " in both: " + std::to_string(same) +
          " the same within " + rounded(100 * tolerance, 3) + " %, " + std::to_string(faster) + " faster, " +
-         std::to_string(worse) + " worse\n";
+         std::to_string(worse) + " worse" +
+         (undetermined == 0 ? ""
+                            : ", " + std::to_string(undetermined) +
+                                  " undetermined: expected at least 4 rounds in both, got fewer") +
+         '\n';
 }
 
 }  // namespace darboux

@@ -26,6 +26,11 @@ struct Item {
   std::string failure{};
 };
 
+// A step that all methods need: why it failed, rounds::guarded() says.
+struct Attempt {
+  std::string failure{};
+};
+
 WorkSample sample_of(const Item& item, const AnySurface& surface) {
   WorkSample s;
   s.surface = surface.specification();
@@ -76,8 +81,10 @@ struct Twofold {
   }
   // What `a` is off: exact where it is near.
   Vec3<double> error_of(const Vec3<double>& a) const { return (a - high) - low; }
-  // The angle from this unit vector to `a`: a × this = (a - this) × this.
+  // The angle from this unit vector to `a`: a × this = (a - this) × this. What is no unit vector to a
+  // thousandth, such as zeros, has no direction to speak of: infinity.
   double angle_to(const Vec3<double>& a) const {
+    if (!(std::abs(norm(a) - 1) < 1e-3)) return infinity;
     return std::atan2(norm(cross(error_of(a), high)), dot(a, high));
   }
 };
@@ -144,12 +151,19 @@ std::vector<double> values_in_float(const AnySurface& surface) {
   return values;
 }
 
+bool has_float(const WorkOptions& options) {
+  return std::any_of(options.methods.begin(), options.methods.end(),
+                     [](const WorkMethod* m) { return m->in_float != nullptr; });
+}
+
 template <class T>
 std::vector<WorkSample> evaluation_in(const WorkOptions& options, const AnySurface& given,
                                       const std::function<void()>& after) {
   constexpr bool in_float = std::same_as<T, float>;
-  const AnySurface surface =
-      in_float && !given.parameters().empty() ? given.with(values_in_float(given)) : given;
+  AnySurface surface = given;
+  Attempt in_its_numbers;
+  if (in_float && has_float(options) && !given.parameters().empty())
+    rounds::guarded(in_its_numbers, [&] { surface = given.with(values_in_float(given)); });
   const auto count = static_cast<std::size_t>(options.points);
   std::vector<T> u(count), v(count);
   std::mt19937_64 random(options.seed);
@@ -181,14 +195,19 @@ std::vector<WorkSample> evaluation_in(const WorkOptions& options, const AnySurfa
     Item item{method, [=, &surface, &batch] { evaluate(surface, batch); }, count};
     bool there = true;
     rounds::guarded(item, [&] { there = evaluate(surface, few); });
+    if (!in_its_numbers.failure.empty()) item.failure = in_its_numbers.failure;
     if (there) items.push_back(item);
   }
   time_in_rounds(items, options.rounds, options.timeout, after);
   std::vector<WorkSample> samples;
   if (items.empty()) return samples;
-  const Truth truth =
-      truth_at(surface, batch, static_cast<std::size_t>(std::min(options.checked, options.points)));
+  Truth truth;
+  Attempt at_truth{in_its_numbers.failure};
+  rounds::guarded(at_truth, [&] {
+    truth = truth_at(surface, batch, static_cast<std::size_t>(std::min(options.checked, options.points)));
+  });
   for (Item& item : items) {
+    if (item.failure.empty()) item.failure = at_truth.failure;
     std::fill(memory.begin(), memory.end(), std::numeric_limits<T>::quiet_NaN());
     rounds::guarded(item, item.run);
     samples.push_back(sample_of(item, given));
@@ -223,11 +242,14 @@ std::vector<WorkSample> mesh_samples(const WorkOptions& options, const AnySurfac
   std::vector<WorkSample> samples;
   std::vector<std::pair<const WorkMethod*, std::string>> stopped;  // and what is said of finer meshes
   for (const int n : options.resolutions) {
-    const Mesh mesh = sample_mesh(surface, mesh_options(family, n, options.seed));
+    Mesh mesh;
+    Attempt at_mesh;
+    rounds::guarded(at_mesh, [&] { mesh = sample_mesh(surface, mesh_options(family, n, options.seed)); });
     std::vector<Item> items;
     for (const WorkMethod* method : options.methods) {
       if (method->on_meshes == nullptr) continue;
       Item item{method, [&mesh, method] { mesh_frames(mesh, *method->on_meshes); }, mesh.corners()};
+      item.failure = at_mesh.failure;
       for (const auto& [other, why] : stopped)
         if (other == method) item.failure = why;
       items.push_back(item);
@@ -239,8 +261,11 @@ std::vector<WorkSample> mesh_samples(const WorkOptions& options, const AnySurfac
     errors.seed = options.seed;
     for (const Item& item : items)
       if (item.failure.empty()) errors.methods.push_back(item.method->on_meshes);
-    const std::vector<LevelSample> levels = run_converge_job(errors, {0, 0, n});
-    for (const Item& item : items) {
+    std::vector<LevelSample> levels;
+    if (!errors.methods.empty())
+      rounds::guarded(at_mesh, [&] { levels = run_converge_job(errors, {0, 0, n}); });
+    for (Item& item : items) {
+      if (item.failure.empty()) item.failure = at_mesh.failure;
       WorkSample s = sample_of(item, surface);
       s.mesh = family.name;
       s.resolution = n;
@@ -293,13 +318,7 @@ std::vector<WorkSample> run_work_job(const WorkOptions& options, const WorkJob& 
   const auto after = [&] {
     if (progress) progress(++done / all);
   };
-  if (!evaluation) {
-    try {
-      return mesh_samples(options, surface, *options.families[job.family], after);
-    } catch (const Error&) {
-      return {};  // it cannot be meshed
-    }
-  }
+  if (!evaluation) return mesh_samples(options, surface, *options.families[job.family], after);
   std::vector<WorkSample> samples = evaluation_in<double>(options, surface, after);
   for (WorkSample& s : evaluation_in<float>(options, surface, after)) samples.push_back(std::move(s));
   return samples;

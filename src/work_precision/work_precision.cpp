@@ -11,8 +11,9 @@ namespace darboux {
 void mark_fronts(std::vector<WorkSample>& samples, const WorkAxes& axes) {
   for (WorkSample& s : samples) {
     const std::size_t x = find_work_metric(axes.x_of(s.domain)), y = find_work_metric(axes.y_of(s.domain));
-    // Comparisons with NaN are false: what has no number dominates nothing.
-    s.on_front = s.best_of_family = !std::isnan(s.metric[x]) && !std::isnan(s.metric[y]);
+    // Comparisons with NaN are false, and no finite number is above an infinite one: what has no number
+    // dominates nothing that has.
+    s.on_front = s.best_of_family = std::isfinite(s.metric[x]) && std::isfinite(s.metric[y]);
     for (const WorkSample& other : samples) {
       if (other.surface != s.surface || other.domain != s.domain || other.mesh != s.mesh) continue;
       const bool dominates = other.metric[x] <= s.metric[x] && other.metric[y] <= s.metric[y] &&
@@ -45,11 +46,14 @@ TimeRatio time_ratio(std::span<const double> first, std::span<const double> seco
   return result;
 }
 
-namespace {
-
 bool same_question(const WorkSample& a, const WorkSample& b) {
-  return a.surface == b.surface && a.method == b.method && a.mesh == b.mesh && a.resolution == b.resolution;
+  // Where a mesh cannot be made there are no points to count.
+  const bool failed = !a.failure.empty() || !b.failure.empty();
+  return a.surface == b.surface && a.method == b.method && a.mesh == b.mesh && a.resolution == b.resolution &&
+         (a.points == b.points || failed);
 }
+
+namespace {
 
 bool is_error(std::size_t metric) {
   return work_metrics[metric] != "time_ns" && work_metrics[metric] != "seconds";
@@ -65,13 +69,15 @@ bool fastest_agrees(const WorkComparison& c, double times) {
 }
 
 // Errors are the same numbers in every run of the same program; an error of 0 that becomes any is worse
-// without end.
+// without end, and so is one that is no longer there.
 void compare_errors(WorkComparison& c) {
   double worst = -1;
   for (std::size_t k = 0; k < work_metrics.size(); ++k) {
     const double before = c.before.metric[k], after = c.after.metric[k];
-    if (!is_error(k) || std::isnan(before) || std::isnan(after)) continue;
-    const double ratio = before == after ? 1 : after / before;
+    if (!is_error(k) || std::isnan(before)) continue;
+    const double ratio = before == after     ? 1
+                         : std::isnan(after) ? std::numeric_limits<double>::infinity()
+                                             : after / before;
     if (!(ratio > worst)) continue;
     worst = ratio;
     c.worst_metric = work_metrics[k];
@@ -100,6 +106,8 @@ std::vector<WorkComparison> compare_work(const std::vector<WorkSample>& before,
       c.verdict = "same";
       if (c.error_ratio > more)
         c.verdict = "less exact";
+      else if (std::isinf(c.time.high))
+        c.verdict = "undetermined";
       else if (c.time.low > more && fastest_agrees(c, more))
         c.verdict = "slower";
       else if (c.time.high < 1 / more && !fastest_agrees(c, 1 / more))

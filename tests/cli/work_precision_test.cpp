@@ -100,7 +100,10 @@ TEST_F(WorkCli, IsResumedAndMerged) {
 }
 
 TEST_F(WorkCli, ComparesTwoRuns) {
-  Json before = json(std::string(small) + "--methods naive,face --json");
+  Json before = json(
+      "darboux work-precision sphere torus --rounds 5 --points 64 --checked 64 --resolutions 4,8 --methods "
+      "naive,face --json");
+  for (Json& s : before["samples"]) s["rounds_ns"] = Json(std::vector<double>{10, 11, 12, 13, 14});
   Json after = before;
   const auto write = [&] {
     write_bytes(path("before.json"), before.dump());
@@ -130,12 +133,20 @@ TEST_F(WorkCli, ComparesTwoRuns) {
   refused("darboux work-precision --compare before.json", {"--compare"});
   refused("darboux work-precision --compare before.json nowhere.json", {"nowhere.json"});
   refused(compare + "-o page.html", {"--compare"});
+  refused(compare + "--rounds 5", {"--compare", "--rounds"});
+  refused(compare + "--tolerance nan", {"--tolerance", "nan"});
+  refused("darboux work-precision --tolerance 1", {"--tolerance", "--compare"});
+  refused("darboux work-precision --timeout inf", {"--timeout", "seconds above 0"});
+  refused("darboux work-precision --resolutions 64..8", {"numbers that grow"});
+  after["study"]["seed"] = 9;
+  write();
+  refused(compare, {"after.json", "seed"});
   write_bytes(path("other.json"), R"({"curves": []})");
   refused("darboux work-precision --compare before.json other.json", {"other.json", "without samples"});
   write_bytes(path("other.json"), R"({"samples": [{"surface": "torus"}]})");
   refused("darboux work-precision --compare before.json other.json", {"other.json", "sample 0"});
   write_bytes(path("other.json"), R"({"samples": []})");
-  refused("darboux work-precision --compare before.json other.json", {"other.json", "none"});
+  refused("darboux work-precision --compare before.json other.json", {"other.json", "study"});
 }
 
 // ---- of all report commands -------------------------------------------------------------------------------

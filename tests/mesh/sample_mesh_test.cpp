@@ -173,10 +173,15 @@ TEST(SampleMesh, RefusesBadOptions) {
   refused([](auto& o) { o.shear = INFINITY; });
   refused([](auto& o) { o.grading = 1; });
   refused([](auto& o) { o.grading = -0.1; });
-  refused([](auto& o) { o.grading = 0.5, o.topology = MeshTopology::lantern; });
   refused([](auto& o) { o.mirror = true, o.columns = 7; });
   refused([](auto& o) { o.shared_seam = true, o.columns = 2; });
   refused([](auto& o) { o.v_first = 0.8, o.v_last = 0.2; });
+  // A surface that has lanterns.
+  SampleMeshOptions lantern = grid(8, 8);
+  lantern.topology = MeshTopology::lantern;
+  EXPECT_NO_THROW(sample_mesh(Cylinder{}, lantern));
+  lantern.grading = 0.5;
+  EXPECT_THROW(sample_mesh(Cylinder{}, lantern), ParameterError);
 }
 
 }  // namespace

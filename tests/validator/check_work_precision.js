@@ -22,7 +22,7 @@ const run = study => {
 };
 
 const small = { command: 'work-precision', surfaces: ['sphere'], resolutions: [4], rounds: 3, points: 64, checked: 64 };
-const study = { ...small, surfaces: ['torus', 'sphere'], meshes: ['jittered', 'regular'], resolutions: [4, 8], seed: 3 };
+const study = { ...small, surfaces: ['torus', 'sphere'], meshes: ['jittered', 'regular'], resolutions: [4, 8], rounds: 5, seed: 3 };
 check(permits_study(study), JSON.stringify(permits_study.errors));
 const { status, stdout } = run(study);
 check(status === 0, 'the study runs');
@@ -50,7 +50,7 @@ for (const metric of Object.keys(metrics)) check(found.has(metric), `no sample h
 // Two runs.
 const before = path.join(work, 'before.json'), after = path.join(work, 'after.json');
 fs.writeFileSync(before, stdout);
-for (const [documents, verdict, exit] of [[document, 'same', 0], [{ ...late, samples: late.samples.map(s => ({ ...s, surface: document.samples[0].surface })) }, 'failed', 1]]) {
+for (const [documents, verdict, exit] of [[document, 'same', 0], [{ ...late, study: document.study, samples: late.samples.map(s => ({ ...s, surface: document.samples[0].surface })) }, 'failed', 1]]) {
   fs.writeFileSync(after, JSON.stringify(documents));
   const { status, stdout } = call(['--compare', before, after, '--json']);
   const comparison = JSON.parse(stdout);

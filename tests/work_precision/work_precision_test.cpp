@@ -118,6 +118,36 @@ TEST(WorkPrecision, ErrorsAreThoseThatWerePlanted) {
   }
 }
 
+// What is no unit vector has no direction, and so no error that is a number; and what has none is on no
+// front, though nothing is faster.
+bool all_zero(const AnySurface&, const WorkBatch<double>& batch) {
+  for (const std::span<double>& numbers : batch.numbers) std::fill(numbers.begin(), numbers.end(), 0.0);
+  return true;
+}
+bool too_long(const AnySurface& surface, const WorkBatch<double>& batch) {
+  find_work_methods("many-digits").front()->in_double(surface, batch);
+  for (std::size_t k = 9; k < 12; ++k)
+    for (double& x : batch.numbers[k]) x *= 1.5;
+  return true;
+}
+
+TEST(WorkPrecision, WhatIsNoUnitVectorHasAnInfiniteError) {
+  static const WorkMethod planted[] = {{"zeros", "zeros", "", WorkDomain::evaluation, all_zero},
+                                       {"long", "long", "", WorkDomain::evaluation, too_long}};
+  WorkOptions options = few({make_surface("torus")});
+  options.methods = {&planted[0], &planted[1], find_work_methods("ridders").front()};
+  const Samples samples = work_precision(options);
+  for (const char* metric : {"tangent_max", "bitangent_max", "normal_max", "frame_max", "frame_rms"})
+    EXPECT_TRUE(std::isinf(find(samples, "zeros")[metric])) << metric;
+  EXPECT_TRUE(std::isinf(find(samples, "long")["tangent_max"]));
+  EXPECT_LT(find(samples, "long")["normal_max"], 1e-15);
+  for (const char* method : {"zeros", "long"}) {
+    EXPECT_EQ(find(samples, method).failure, "");
+    EXPECT_FALSE(find(samples, method).on_front || find(samples, method).best_of_family) << method;
+  }
+  EXPECT_TRUE(find(samples, "ridders").on_front);
+}
+
 // A method's errors on meshes are those of `converge`, in radians.
 TEST(WorkPrecision, ErrorsOnMeshesAreThoseOfConverge) {
   const WorkOptions options = few({make_surface("cylinder")}, {8, 16, 32});
@@ -235,6 +265,34 @@ TEST(WorkPrecision, FailuresAreRecordedAndTheRunGoesOn) {
   EXPECT_EQ(find(samples, "naive").failure, "");
 }
 
+// What float does not hold fails in float alone; without a method in float nobody asks.
+TEST(WorkPrecision, ASurfaceThatFloatDoesNotHoldFailsThere) {
+  WorkOptions options = few({make_surface("torus"), make_surface("sphere:radius=1e300")});
+  options.methods = {find_work_methods("darboux-points").front(),
+                     find_work_methods("darboux-points-float").front()};
+  const Samples samples = work_precision(options);
+  ASSERT_EQ(samples.size(), 4u);
+  for (const WorkSample& s : samples) {
+    const bool held = s.surface.starts_with("torus") || s.method == "darboux-points";
+    EXPECT_EQ(s.failure.starts_with("failed: "), !held) << s.surface << ' ' << s.method << s.failure;
+    EXPECT_EQ(s.rounds.empty(), !held) << s.method;
+  }
+  EXPECT_NE(samples[3].failure.find("radius"), std::string::npos) << samples[3].failure;
+  options.methods.pop_back();
+  for (const WorkSample& s : work_precision(options)) EXPECT_EQ(s.failure, "") << s.surface;
+}
+
+// A mesh that cannot be made is a failure of each method at that resolution, not silence.
+TEST(WorkPrecision, AMeshThatCannotBeMadeIsAFailureOfEachMethod) {
+  WorkOptions options = few({make_surface("torus:major_radius=1e300")}, {4, 8});
+  options.families = {&find_mesh_family("graded"), &find_mesh_family("jittered")};
+  options.methods = {find_work_methods("face").front(), find_work_methods("average").front()};
+  const Samples samples = work_precision(options);
+  ASSERT_EQ(samples.size(), 8u);
+  for (const WorkSample& s : samples)
+    EXPECT_EQ(s.failure.starts_with("failed: "), s.mesh == "graded") << s.mesh << ' ' << s.failure;
+}
+
 // ---- fronts -----------------------------------------------------------------------------------------------
 
 TEST(WorkPrecision, AFrontIsWhatNothingDominatesAndDominatesTheRest) {
@@ -248,7 +306,9 @@ TEST(WorkPrecision, AFrontIsWhatNothingDominatesAndDominatesTheRest) {
       s.domain = WorkDomain::evaluation;
       s.metric.fill(std::numeric_limits<double>::quiet_NaN());
       s.metric[find_work_metric("time_ns")] = number();
-      if (random() % 9 != 0) s.metric[find_work_metric("frame_max")] = number();
+      if (random() % 9 != 0)
+        s.metric[find_work_metric("frame_max")] =
+            random() % 9 == 0 ? std::numeric_limits<double>::infinity() : number();
     }
     mark_fronts(samples);
     const auto beats = [](const WorkSample& a, const WorkSample& b) {
@@ -260,7 +320,7 @@ TEST(WorkPrecision, AFrontIsWhatNothingDominatesAndDominatesTheRest) {
         return std::any_of(samples.begin(), samples.end(),
                            [&](const WorkSample& other) { return which(other) && beats(other, s); });
       };
-      const bool numbers = !std::isnan(s["frame_max"]);
+      const bool numbers = std::isfinite(s["frame_max"]);
       EXPECT_EQ(s.on_front, numbers && !beaten_by([](const WorkSample&) { return true; }));
       EXPECT_EQ(s.best_of_family,
                 numbers && !beaten_by([&](const WorkSample& other) { return other.family == s.family; }));
@@ -354,6 +414,39 @@ TEST(WorkPrecision, ComparesWhatBothHave) {
   // All is the same where the tolerance is wide, but what failed, and what was exact.
   for (const WorkComparison& c : compare_work(before, after, 10))
     EXPECT_EQ(c.holds(), c.after.method != "fails" && c.after.method != "zero") << c.after.method;
+}
+
+// Three rounds prove nothing; an error that is gone is worse; other points are another question.
+TEST(WorkPrecision, WhatCannotBeComparedIsNotTheSame) {
+  Rounds rounds(4);
+  WorkSample before;
+  before.surface = "torus";
+  before.domain = WorkDomain::evaluation;
+  before.points = 64;
+  before.metric.fill(std::numeric_limits<double>::quiet_NaN());
+  before.metric[find_work_metric("frame_max")] = 1e-16;
+  before.rounds = {80, 81, 82};
+  WorkSample after = before;
+  after.rounds = {800, 810, 820};
+  const auto compare = [&] { return compare_work({before}, {after}, 0.1).at(0); };
+  EXPECT_EQ(compare().verdict, "undetermined");
+  EXPECT_FALSE(compare().holds());
+  before.rounds.push_back(83);
+  after.rounds.push_back(830);
+  EXPECT_EQ(compare().verdict, "slower");
+  after.rounds = before.rounds;
+  EXPECT_EQ(compare().verdict, "same");
+  after.metric[find_work_metric("tangent_max")] = 1;
+  EXPECT_EQ(compare().verdict, "same");  // new, not lost
+  after.metric[find_work_metric("frame_max")] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(compare().verdict, "less exact");
+  EXPECT_EQ(compare().worst_metric, "frame_max");
+  after = before;
+  after.points = 65;
+  EXPECT_TRUE(compare_work({before}, {after}, 0.1).empty());
+  after.points = 0;
+  after.failure = "failed: planted";
+  EXPECT_EQ(compare().verdict, "failed");
 }
 
 // Something that disturbs all rounds of one run but the fastest is no change of the program.
