@@ -44,7 +44,7 @@ class LocalPlane {
  public:
   void fit(const Matrix3Xd& points, bool outliers, std::mt19937_64& random) {
     set_axes(points);
-    if (outliers && flatness > flat && points.cols() > 4 && find_nearest(points, random))
+    if (outliers && flatness > flat && points.cols() > fewest && find_nearest(points, random))
       set_axes(points(Eigen::all, nearest_));
   }
 
@@ -54,6 +54,7 @@ class LocalPlane {
  private:
   // A neighbourhood of 20 degrees of a curve, and more where it is wide.
   static constexpr double flat = 0.03;
+  static constexpr Eigen::Index fewest = 6;  // of so few none can be spared
   // Half of the neighbours on the surface: all pairs fail once in 75.
   static constexpr int tries = 15;
 
