@@ -131,7 +131,8 @@ select{font:inherit;color:var(--ink);background:var(--card);border:1px solid #9a
   text-align:right}
 .map td button:focus-visible{outline:3px solid var(--accent);outline-offset:-3px}
 .map thead th{vertical-align:bottom;white-space:normal}
-.s0{background:#f1f6fb;color:#16324a}.s1{background:#d7e7f4;color:#16324a}.s2{background:#a9cbe6;color:#0f2b43}
+.s0{background:#f1f6fb;color:#16324a}.s1{background:#d7e7f4;color:#16324a}
+.s2{background:#a9cbe6;color:#0f2b43}
 .s3{background:#6ba3d0;color:#06192a}.s4{background:#8a3300;color:#fff;font-weight:600}
 .chosen{outline:3px solid var(--accent);outline-offset:-3px}
 )css";
@@ -200,14 +201,17 @@ std::string stability_page(const std::vector<StabilityCurve>& curves, const Prov
 <h1>Where do tangent frames lose their digits?</h1>
 <p class=lead>Each sweep makes evaluation harder by degrees: closer to a pole, farther from the origin, in
 another size. Errors are counted in roundings: 1 is 2<sup>&minus;53</sup> in double, 2<sup>&minus;24</sup> in
-float. All numbers are compared with the same formulas in 40 digits, beside the bound that is stated for them.</p>
+float. All numbers are compared with the same formulas in 40 digits, beside the bound that is stated for
+them.</p>
 <p class=sum>)html" +
           escape(stability_summary(curves)) + R"html(.</p>
 <section class=card>
 <h2>Surfaces by sweeps</h2>
-<p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in roundings, in
+<p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in roundings,
+in
 steps of the stored data, in standard errors. The darker, the nearer to its bound: a tenth, a
-quarter, half, all of it; red is beyond, white has no bound. Large errors within their bound are the condition's: no formula in these
+quarter, half, all of it; red is beyond, white has no bound. Large errors within their bound are the
+condition's: no formula in these
 inputs does better. A click shows the curves.</p>
 <div class=scroll><table class=map id=map>
 )html" + map_table(overview_of(curves)) +
@@ -223,7 +227,8 @@ inputs does better. A click shows the curves.</p>
 <label>Quantity <select id=quantity></select></label>
 </div>
 <figure><div class=plot><canvas id=plot role=img></canvas></div>
-<figcaption>Error against x. Dashed: the bound of Darboux in double, or of the first method that has one. A point at the upper edge is no
+<figcaption>Error against x. Dashed: the bound of Darboux in double, or of the first method that has one. A
+point at the upper edge is no
 number, or no digit right. A route in the legend is shown or hidden by a click.</figcaption></figure>
 </section>
 <section class=card>

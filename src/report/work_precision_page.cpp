@@ -134,7 +134,8 @@ std::string work_page(const std::vector<WorkSample>& samples, const WorkAxes& ax
 <body>
 <main>
 <h1>What does an exact frame cost?</h1>
-<p class=lead>Every way to a tangent frame: how long it takes, and how wrong it is. Times are medians over rounds in which
+<p class=lead>Every way to a tangent frame: how long it takes, and how wrong it is. Times are medians over
+rounds in which
 all methods take turns; errors are angles to the same formulas in 40 digits.</p>
 <p class=sum>)html" +
           escape(work_summary(samples)) + R"html(.</p>
@@ -147,7 +148,8 @@ all methods take turns; errors are angles to the same formulas in 40 digits.</p>
 <label>Upwards <select id=y></select></label>
 </div>
 <figure><div class=plot><canvas id=plot role=img></canvas></div>
-<figcaption>Down and to the left is better. Dashed: the front, methods that none beats in both. Hollow: single precision. A family in
+<figcaption>Down and to the left is better. Dashed: the front, methods that none beats in both. Hollow:
+single precision. A family in
 the legend is shown or hidden by a click.</figcaption></figure>
 <div class=scroll><table id=table></table></div>
 </section>

@@ -425,7 +425,8 @@ TEST(BadFiles, EveryValueOfTheDocumentReplaced) {
   const Builder good = rich();
   const Json nasty =
       Json::parse(R"([0, 1, -1, 3, 255, 5121, 5125, 65535, 2147483648, 4294967295, 9007199254740992,
-    18446744073709551615, -9223372036854775808, 1.5, -1e308, 1e30, null, true, "", "x", "VEC3", "MAT4", [], [0], [[]], {}, {"a": 1}])");
+    18446744073709551615, -9223372036854775808, 1.5, -1e308, 1e30, null, true, "", "x", "VEC3", "MAT4", [],
+    [0], [[]], {}, {"a": 1}])");
   std::size_t read = 0, tried = 0;
   // Every place, objects and arrays included. The replacements are sound JSON, so only the document is
   // tested.
