@@ -23,8 +23,10 @@ constexpr double hopeless = 0.2;
 // Nor is one refined whose rms distance is beyond this: rounding would hide all else.
 constexpr double too_far = 1e6;
 
-// A fit to the few points that leaves this many times the limit is not refined on more.
+// A fit to the few points that leaves this many times the limit after so many steps is not refined on more:
+// those that end as a fit come there in less than eight.
 constexpr double hopeless_share = 30;
+constexpr int first_steps = 12;
 
 // An affine map is so flexible that it must fit better: within this share of fits_below.
 constexpr double affine_share = 1e-2;
@@ -178,7 +180,7 @@ std::optional<Trial> fit_from(const Data& data, UvStart start, const Wanted& wan
   if (start.median < hopeless && start.least_rms <= most && rms(start.model, start.state) < too_far) {
     // Far from a few of the points it is far from all.
     start.model.points = &data.few;
-    solved = start.model.solve(start.state, least_squares, 1e-3);
+    solved = start.model.solve(start.state, least_squares, 1e-3, first_steps);
     const bool far = rms(start.model, start.state) > most;
     start.model.points = &data.trial;
     if (far)

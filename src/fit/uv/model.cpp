@@ -322,7 +322,7 @@ Eigen::MatrixXd UvModel::jacobian(const UvState& state, std::size_t most) const 
   return rows.jacobian;
 }
 
-Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance) const {
+Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance, int most_steps) const {
   const std::vector<int> free = free_parameters();
   std::vector<double> rest;
   for (const int k : free) {
@@ -354,11 +354,13 @@ Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance) 
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 50;
+  options.max_num_iterations = most_steps;
   options.function_tolerance = tolerance * tolerance;
   options.gradient_tolerance = 1e-16;
   options.parameter_tolerance = tolerance;
   options.logging_type = ceres::SILENT;
+  // Steps are cut at the bounds; a search along each of them costs more than it gains.
+  options.max_num_line_search_step_size_iterations = 0;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   std::vector<double> x(rotation, rotation + 4);

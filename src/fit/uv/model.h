@@ -80,8 +80,8 @@ class UvModel {
   /// Jacobian of the positions of some points, in the body's axes; for questions of rank.
   Eigen::MatrixXd jacobian(const UvState& state, std::size_t most) const;
 
-  /// Ceres to its convergence on the mixture as it is.
-  Solved solve(UvState& state, const fit::Mixture& mixture, double tolerance) const;
+  /// Ceres to its convergence on the mixture as it is, or to so many steps.
+  Solved solve(UvState& state, const fit::Mixture& mixture, double tolerance, int most_steps = 50) const;
 
   /// Newton steps on everything together to the last digits, from a converged state.
   void polish(UvState& state, fit::MixtureInVolume& mixture, int most) const;

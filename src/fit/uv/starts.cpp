@@ -291,7 +291,7 @@ class AffineSearch {
         held_(held),
         robust_(robust),
         points_(all.chosen(64, 1)),
-        few_(points_.chosen(24, 1)),
+        few_(points_.chosen(16, 1)),
         model_(model_of(kind, points_, uv_conventions().front(), held)),
         free_(observable_affine(model_)) {}
 
