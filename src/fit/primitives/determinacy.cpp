@@ -141,11 +141,12 @@ Determinacy determinacy(const PrimitiveFit& f) {
   if (k < f.primitive->unknowns + 0.5)
     return none("has only " + std::to_string(std::lround(k)) +
                 " of the points, as many lie on one by chance; more points help");
-  if (f.sigma > 0.2)
+  if (f.sigma > largest_sigma)
     return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
   // Curvature and noise are of one size: the model, of first order in their product, and the distances mean
   // nothing.
-  if (const double radius = least_radius(*f.primitive, f.surface, f.reference); radius < 5 * f.sigma)
+  if (const double radius = least_radius(*f.primitive, f.surface, f.reference);
+      radius < least_radius_over_sigma * f.sigma)
     return none("has a radius of only " + rounded(radius / f.sigma, 3) +
                 " times the noise: no fit; less noise helps");
   if (log_likelihood_ratio(f) < 0.5 * f.primitive->unknowns * std::log(n) + margin)

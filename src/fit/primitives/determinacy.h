@@ -19,6 +19,10 @@ struct Determinacy {
 
 Determinacy determinacy(const PrimitiveFit& fit);
 
+// What is no fit: noise above that share of the points' size, or a curve of the surface that is tighter, over
+// the noise.
+inline constexpr double largest_sigma = 0.2, least_radius_over_sigma = 5;
+
 // Roundings are not compared: what fits to this much, of the points' size, fits exactly.
 inline constexpr double exact = 1e-12;
 

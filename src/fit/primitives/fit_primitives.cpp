@@ -28,6 +28,9 @@ GeometricParameters guess_of(const PlacedSurface& placed, const Primitive& primi
   return primitive.from_catalogue(n);
 }
 
+// In log likelihood, over part of the points: odds of exp(300), and far more when all are counted.
+constexpr double far_likelier = 300;
+
 // One fit of some primitives.
 class PrimitivesFit {
  public:
@@ -68,32 +71,56 @@ class PrimitivesFit {
     return !automatic() || !primitive.crosses_itself || !primitive.crosses_itself(surface);
   }
 
+  std::vector<Hypothesis> searched(const SearchProblem& problem) const {
+    std::vector<Search> searches;
+    for (const Primitive* primitive : list_)
+      if (points_.cloud.cols() > primitive->unknowns) searches.emplace_back(problem, *primitive);
+    double done = 0;
+    for (Search& search : searches) {
+      search.look();
+      if (options_.progress) options_.progress(0.3 * ++done / static_cast<double>(searches.size()));
+    }
+    // No more rounds where a likely surface of another kind is found: far likelier, or simpler and as likely.
+    const auto is_hopeless = [&](const Search& search) {
+      const double own = search.log_likelihood_ratio();
+      return std::any_of(searches.begin(), searches.end(), [&](const Search& other) {
+        const double others = other.log_likelihood_ratio();
+        const bool simpler = other.primitive().unknowns < search.primitive().unknowns;
+        return other.is_settled() && others > far_likelier &&
+               (others > own + 100 ||
+                (simpler && others > own - 0.5 * margin && others - own < 0.05 * others));
+      });
+    };
+    std::vector<Hypothesis> result;
+    for (Search& search : searches) {
+      while (search.is_open() && !is_hopeless(search)) search.look();
+      if (auto found = search.hypothesis(); found && is_wanted(*found->primitive, found->surface))
+        result.push_back(std::move(*found));
+    }
+    return result;
+  }
+
   std::vector<PrimitiveFit> all_fits() {
     std::mt19937_64 random(options_.seed);
-    const OrientedPoints oriented = oriented_points(points_.cloud, points_.normals, random);
+    const OrientedPoints oriented =
+        oriented_points(points_.cloud, points_.normals, effort_ == Effort::full, random);
     SearchProblem problem{points_.cloud, oriented, std::nullopt, std::nullopt, options_.seed, effort_, {}};
     if (options_.noise) problem.sigma = *options_.noise / points_.scale;
     if (options_.guess && only_) problem.guess = guess_of(*options_.guess, *only_, points_);
-    double share = 0, span = 0.3 / static_cast<double>(list_.size());
+    double share = 0.3, span = 0;
     problem.progress = [&](double now) {
       if (options_.progress) options_.progress(share + now * span);
     };
-    std::vector<Hypothesis> hypotheses;
+    std::vector<Hypothesis> hypotheses = searched(problem);
     double furthest = -std::numeric_limits<double>::infinity();
-    for (const Primitive* primitive : list_) {
-      if (points_.cloud.cols() > primitive->unknowns)
-        if (auto found = search(problem, *primitive); found && is_wanted(*primitive, found->surface)) {
-          furthest = std::max(furthest, found->log_likelihood_ratio);
-          hypotheses.push_back(std::move(*found));
-        }
-      share += span;
-    }
+    for (const Hypothesis& hypothesis : hypotheses)
+      furthest = std::max(furthest, hypothesis.log_likelihood_ratio);
     span = 0.7 / std::max(1.0, static_cast<double>(hypotheses.size()));
     std::vector<PrimitiveFit> tried;
     for (const Hypothesis& hypothesis : hypotheses) {
-      // Part of the points is enough to see that a kind is none. Odds of exp(300), and far more when all are
-      // counted.
-      PrimitiveFit found = refine(problem, hypothesis, hypothesis.log_likelihood_ratio < furthest - 300);
+      // Part of the points is enough to see that a kind is none.
+      PrimitiveFit found =
+          refine(problem, hypothesis, hypothesis.log_likelihood_ratio < furthest - far_likelier);
       fit_.iterations += found.iterations;
       if (is_wanted(*found.primitive, found.surface)) tried.push_back(std::move(found));
       share += span;

@@ -6,6 +6,16 @@
 #include "fit/common/noise_bias.h"
 
 namespace darboux::fit {
+namespace {
+
+double root_mean_square_of_bias(const PointStates& points) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < points.bias.size(); ++i)
+    if (points.in_support[i]) sum += points.bias[i] * points.bias[i], count += 1;
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+}  // namespace
 
 // The outliers' density is counted where it cannot be mistaken for the inliers', in windows (1 - x^2)^3 some
 // nine sigma to either side, with a tenth of a point more so that it is never zero. Sigma is found by
@@ -47,18 +57,13 @@ void update(Mixture& mixture, const PointStates& points, bool robust_phase) {
   mixture = twice;
   if (ratio > -0.8 && ratio < 0.8)
     mixture.sigma = std::max(mixture.sigma * std::exp(ratio / (1 - ratio) * second), least_sigma);
+  // The biases are those of the sigma before; they go with it, and the distances by as much.
+  if (!mixture.sigma_known) mixture.sigma = std::max(mixture.sigma, root_mean_square_of_bias(points));
   count(mixture);
 }
 
 void update_bias(const Mixture& mixture, PointStates& points) {
   for (std::size_t i = 0; i < points.d.size(); ++i) points.bias[i] = bias(mixture.sigma, points.curvature[i]);
-}
-
-double root_mean_square_of_bias(const PointStates& points) {
-  double sum = 0, count = 0;
-  for (std::size_t i = 0; i < points.bias.size(); ++i)
-    if (points.in_support[i]) sum += points.bias[i] * points.bias[i], count += 1;
-  return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
 std::vector<double> inlier_probabilities(const PointStates& points, const Mixture& mixture) {

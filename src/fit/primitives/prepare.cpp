@@ -1,6 +1,8 @@
 #include "prepare.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -36,7 +38,64 @@ std::optional<OrientedPoints> with_own_normals(const Matrix3Xd& cloud, const Mat
   return kept > 0 ? std::optional(own) : std::nullopt;
 }
 
-OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, std::mt19937_64& random) {
+// The principal axes of a point and its neighbours, the point first; where these are not flat, of those of
+// them that are near one plane, so that outliers among them do not turn it.
+class LocalPlane {
+ public:
+  void fit(const Matrix3Xd& points, bool outliers, std::mt19937_64& random) {
+    set_axes(points);
+    if (outliers && flatness > flat && points.cols() > fewest && find_nearest(points, random))
+      set_axes(points(Eigen::all, nearest_));
+  }
+
+  Vector3d mean, normal;
+  double flatness = 0;  // the least of the scatter's eigenvalues over the middle one
+
+ private:
+  // A neighbourhood of 20 degrees of a curve, and more where it is wide.
+  static constexpr double flat = 0.03;
+  static constexpr Eigen::Index fewest = 6;  // of so few none can be spared
+  // Half of the neighbours on the surface: all pairs fail once in 75.
+  static constexpr int tries = 15;
+
+  void set_axes(const Matrix3Xd& points) {
+    mean = points.rowwise().mean();
+    const Matrix3Xd centred = points.colwise() - mean;
+    const auto [values, vectors] = closed_form_symmetric_eigen(Matrix3d(centred * centred.transpose()));
+    normal = vectors.col(0);
+    flatness = values[0] / std::fmax(values[1], 1e-300);
+  }
+
+  // Of planes through the point and pairs of others, that to whose nearest three fifths it is the least way.
+  bool find_nearest(const Matrix3Xd& points, std::mt19937_64& random) {
+    const Eigen::Index n = points.cols(), kept = std::max<Eigen::Index>(4, 3 * n / 5);
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < tries; ++k) {
+      const auto other = [&] {
+        return 1 + static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(n - 1));
+      };
+      const Vector3d to_a = points.col(other()) - points.col(0), to_b = points.col(other()) - points.col(0);
+      const Vector3d across = to_a.cross(to_b).stableNormalized();
+      if (across.isZero()) continue;
+      distances_.clear();
+      for (Eigen::Index j = 0; j < n; ++j)
+        distances_.emplace_back(std::fabs(across.dot(points.col(j) - points.col(0))), j);
+      std::nth_element(distances_.begin(), distances_.begin() + (kept - 1), distances_.end());
+      const double reach = distances_[static_cast<std::size_t>(kept - 1)].first;
+      if (!(reach < least)) continue;
+      least = reach;
+      nearest_.clear();
+      for (Eigen::Index j = 0; j < kept; ++j)
+        nearest_.push_back(distances_[static_cast<std::size_t>(j)].second);
+    }
+    return std::isfinite(least);
+  }
+
+  std::vector<std::pair<double, Eigen::Index>> distances_;
+  std::vector<Eigen::Index> nearest_;
+};
+
+OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, bool outliers, std::mt19937_64& random) {
   std::vector<Vec3<double>> chosen;
   for (const Eigen::Index i : evenly_chosen(cloud.cols(), tree_points, random))
     chosen.push_back(from_eigen(cloud.col(i)));
@@ -47,21 +106,17 @@ OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, std::mt19937_64& r
   const Eigen::Index m = std::min(n, queries);
   OrientedPoints all{Matrix3Xd(3, m), Matrix3Xd(3, m)};
   std::vector<std::pair<double, Eigen::Index>> flatness;
+  LocalPlane plane;
   for (Eigen::Index i = 0; i < m; ++i) {
-    const std::size_t found = tree.nearest(chosen[static_cast<std::size_t>(i * n / m)], nearest, squares);
-    Vector3d mean = Vector3d::Zero();
-    for (std::size_t j = 0; j < found; ++j) mean += to_eigen(chosen[nearest[j]]);
-    mean /= static_cast<double>(found);
-    Matrix3d scatter = Matrix3d::Zero();
-    for (std::size_t j = 0; j < found; ++j) {
-      const Vector3d q = to_eigen(chosen[nearest[j]]) - mean;
-      scatter += q * q.transpose();
-    }
-    const auto [values, vectors] = closed_form_symmetric_eigen(scatter);
+    const Vec3<double>& at = chosen[static_cast<std::size_t>(i * n / m)];
+    Matrix3Xd near(3, static_cast<Eigen::Index>(tree.nearest(at, nearest, squares)));
+    for (Eigen::Index j = 0; j < near.cols(); ++j)
+      near.col(j) = to_eigen(chosen[nearest[static_cast<std::size_t>(j)]]);
+    plane.fit(near, outliers, random);
     // The mean has less noise; among few points it is off the surface.
-    all.points.col(i) = nearest.size() > 6 ? mean : to_eigen(chosen[static_cast<std::size_t>(i * n / m)]);
-    all.normals.col(i) = vectors.col(0);
-    flatness.emplace_back(values[0] / std::fmax(values[1], 1e-300), i);
+    all.points.col(i) = nearest.size() > 6 ? plane.mean : to_eigen(at);
+    all.normals.col(i) = plane.normal;
+    flatness.emplace_back(plane.flatness, i);
   }
   // Of few points none can be spared.
   const Eigen::Index kept = std::max<Eigen::Index>(2 * m / 3 + 1, 20);
@@ -76,9 +131,10 @@ OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, std::mt19937_64& r
 
 }  // namespace
 
-OrientedPoints oriented_points(const Matrix3Xd& cloud, const Matrix3Xd& normals, std::mt19937_64& random) {
+OrientedPoints oriented_points(const Matrix3Xd& cloud, const Matrix3Xd& normals, bool outliers,
+                               std::mt19937_64& random) {
   if (auto own = with_own_normals(cloud, normals, random)) return std::move(*own);
-  return with_estimated_normals(cloud, random);
+  return with_estimated_normals(cloud, outliers, random);
 }
 
 }  // namespace darboux::fit

@@ -157,13 +157,14 @@ class Refinement {
     if (mixture_.inliers < primitive_.unknowns &&
         have_before_) {  // the last step went astray, in a long valley
       model_ = before_;
+      hessian_ = hessian_before_;
       mixture_ = mixture_before;
       primitive_.distance.measure(problem_.cloud, model_, states_);
       states_.in_support = states_.regular;
-      return false;
+      const bool was_newton = std::exchange(phase_, Phase::robust) == Phase::score;
+      near_ *= 0.1;
+      return was_newton;
     }
-    // The biases are those of the sigma before; they go with it, and the distances by as much.
-    if (!mixture_.sigma_known) mixture_.sigma = std::max(mixture_.sigma, root_mean_square_of_bias(states_));
     if (phase_ == Phase::robust) weights_ = inlier_probabilities(states_, mixture_);
     BatchedCost cost(primitive_, phase_, problem_.cloud, model_.origin, mixture_, states_, weights_);
     before_ = model_;
@@ -172,7 +173,7 @@ class Refinement {
                                 phase_ == Phase::robust && near_ == 1 ? 1e-7 : 1e-20);
     iterations_ += solved.iterations;
     if (!solved.usable) return false;
-    hessian_ = cost.hessian();
+    hessian_before_ = std::exchange(hessian_, cost.hessian());
     return decide(cost.first_step() / std::sqrt(mixture_.inliers), solved.moved);
   }
 
@@ -199,7 +200,9 @@ class Refinement {
       near_ *= 1e-3;
     }
     if (phase_ == Phase::robust && movement <= near_ * standard_error + 1e-14) phase_ = Phase::score;
-    return true;
+    // At the bottom of a long valley, as far as roundings let one step.
+    without_a_step_ = moved || phase_ == Phase::score ? 0 : without_a_step_ + 1;
+    return without_a_step_ < 4;
   }
 
   const SearchProblem& problem_;
@@ -207,10 +210,10 @@ class Refinement {
   PointStates states_;
   Mixture mixture_;
   LocalModel model_, before_;
-  Eigen::MatrixXd hessian_;
+  Eigen::MatrixXd hessian_, hessian_before_;
   Phase phase_ = Phase::robust;
   std::vector<double> weights_;
-  int supports_ = 0, iterations_ = 0;
+  int supports_ = 0, iterations_ = 0, without_a_step_ = 0;
   // Movements since the support was last found, in standard errors.
   double since_support_ = std::numeric_limits<double>::infinity();
   // How near the root is sought, in standard errors. A root that cannot be stepped to is left to the robust

@@ -20,11 +20,7 @@ namespace {
 using Eigen::Matrix3Xd;
 
 constexpr Eigen::Index scored_points = 600, refined_points = 700;
-constexpr int refined_starts = 4;
-
-struct Score {
-  double log_likelihood_ratio = -std::numeric_limits<double>::infinity(), band = 0;
-};
+constexpr int refined_starts = 4, most_rounds = 8;
 
 // How well distances look like a narrow band of inliers among outliers of constant density, without knowing
 // how narrow: the log likelihood of k of n points spread evenly over |d| < band and the others over the size
@@ -68,12 +64,6 @@ class Scorer {
   const Primitive& primitive_;
   std::size_t n_;
   std::vector<double> k_log_k_, distances_;
-};
-
-struct Candidate {
-  LocalModel model;
-  Score score;
-  Mixture mixture{};
 };
 
 bool better(const Candidate& a, const Candidate& b) {
@@ -132,9 +122,10 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
   return iterations;
 }
 
-// The guess, and surfaces through random samples; each with its score.
+// Surfaces through random samples, each with its score, and the guess where there is one; the best of them.
 std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& primitive,
-                              const Matrix3Xd& scored, int repeat, std::mt19937_64& random) {
+                              const GeometricParameters* guess, const Matrix3Xd& scored, int repeat,
+                              std::ptrdiff_t most, std::mt19937_64& random) {
   Scorer scorer(scored, primitive);
   std::vector<Candidate> candidates;
   const auto consider = [&](const GeometricParameters& n, const Vector3d& at) {
@@ -142,7 +133,7 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
     if (!model.origin.allFinite() || !model.rotation.coeffs().allFinite()) return;
     candidates.push_back({model, scorer(model)});
   };
-  if (problem.guess) consider(*problem.guess, scored.col(0));
+  if (guess) consider(*guess, scored.col(0));
   const auto m = problem.oriented.points.cols();
   const int least = primitive.sample_size;
   for (const auto& [size, share] : {std::pair{least, 100}, {least + 8, 60}, {3 * least + 20, 30}}) {
@@ -158,68 +149,80 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
       if (const auto n = primitive.start(sample)) consider(*n, sample.points.col(0));
     }
   }
+  const auto end = candidates.begin() + std::min(most, std::ssize(candidates));
+  std::partial_sort(candidates.begin(), end, candidates.end(), better);
+  candidates.erase(end, candidates.end());
   return candidates;
+}
+
+// Whether it is refused in the end, however likely: see determinacy().
+bool is_refused(const Primitive& primitive, const Candidate& c) {
+  return c.mixture.sigma > largest_sigma ||
+         least_radius(primitive, primitive.geometric(c.model), c.model.origin) <
+             least_radius_over_sigma * c.mixture.sigma;
 }
 
 }  // namespace
 
-std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& primitive) {
-  std::mt19937_64 random(problem.seed);
+Search::Search(const SearchProblem& problem, const Primitive& primitive)
+    : problem_(problem), primitive_(primitive), random_(problem.seed) {
   const auto some = [&](Eigen::Index count) {
-    return Matrix3Xd(problem.cloud(Eigen::all, evenly_chosen(problem.cloud.cols(), count, random)));
+    return Matrix3Xd(problem.cloud(Eigen::all, evenly_chosen(problem.cloud.cols(), count, random_)));
   };
-  const Matrix3Xd scored = some(scored_points);
-  const Matrix3Xd part = some(refined_points);
-  // Few points are cheap to try more often, and may be all there is.
-  const auto repeat = static_cast<int>(std::min<Eigen::Index>(scored_points / scored.cols(), 10));
-  const bool thorough = problem.effort == Effort::full;
-  std::vector<Candidate> candidates = starts(problem, primitive, scored, repeat, random);
-  if (candidates.empty()) return std::nullopt;
-  const auto end = candidates.begin() +
-                   std::min<std::ptrdiff_t>((thorough && repeat > 1 ? 5 * repeat : repeat) * refined_starts,
-                                            std::ssize(candidates));
-  std::partial_sort(candidates.begin(), end, candidates.end(), better);
-  candidates.erase(end, candidates.end());
+  scored_ = some(scored_points);
+  part_ = some(refined_points);
+}
 
-  const Candidate* best = nullptr;
-  double share = 0.3;  // of the work, about
-  int same = 0, iterations = 0;
-  const auto follow = [&](Candidate& c) {
-    iterations += descend(primitive, part, c, problem.sigma);
-    // A surface whose curvature and noise are of one size is refused in the end: another may be likely as
-    // well.
-    const GeometricParameters found = primitive.geometric(c.model);
-    if (least_radius(primitive, found, c.model.origin) < 5 * c.mixture.sigma)
-      c.score.log_likelihood_ratio -= 1e6;
-    if (best == nullptr || better(c, *best))
-      same = best && c.score.log_likelihood_ratio < best->score.log_likelihood_ratio + 1 ? same + 1 : 1,
-      best = &c;
-    else if (c.score.log_likelihood_ratio > best->score.log_likelihood_ratio - 1)
-      ++same;
-  };
-  // So many that lead to the same surface are enough. Few points have many maxima.
-  const int enough = repeat == 1 ? 3 : thorough ? 10 : std::numeric_limits<int>::max();
-  for (Candidate& c : candidates) {
-    problem.progress(share += 0.7 / static_cast<double>(candidates.size()));
-    follow(c);
-    if (same == enough) break;
+void Search::look() {
+  // Few points are cheap to try more often, and may be all there is. Few points have many maxima.
+  const auto repeat = static_cast<int>(std::min<Eigen::Index>(scored_points / scored_.cols(), 10));
+  const bool thorough = problem_.effort == Effort::full;
+  const int followed = (thorough && repeat > 1 ? 5 * repeat : repeat) * refined_starts;
+  enough_ = repeat == 1 ? 3 : thorough ? 10 : std::numeric_limits<int>::max();
+  rounds_ = thorough && repeat == 1 ? most_rounds : 1;
+  const GeometricParameters* guess = round_ == 0 && problem_.guess ? &*problem_.guess : nullptr;
+  ++round_;
+  for (Candidate& c : starts(problem_, primitive_, guess, scored_, repeat, followed, random_)) {
+    follow(std::move(c));
+    if (agreeing_ >= enough_) break;
   }
-  std::vector<Candidate> others;
-  if (thorough && primitive.alternatives && covers_little(problem.oriented.normals)) {
+}
+
+void Search::follow(Candidate c) {
+  iterations_ += descend(primitive_, part_, c, problem_.sigma);
+  const bool refused = is_refused(primitive_, c);
+  if (refused) c.score.log_likelihood_ratio -= 1e6;
+  const double value = c.score.log_likelihood_ratio;
+  if (!best_ || better(c, *best_)) {
+    agreeing_ = refused ? 0 : best_ && value < best_->score.log_likelihood_ratio + 1 ? agreeing_ + 1 : 1;
+    best_ = std::move(c);
+  } else if (!refused && value > best_->score.log_likelihood_ratio - 1) {
+    ++agreeing_;
+  }
+}
+
+double Search::log_likelihood_ratio() const {
+  return best_ ? best_->score.log_likelihood_ratio : -std::numeric_limits<double>::infinity();
+}
+
+std::optional<Hypothesis> Search::hypothesis() {
+  if (!best_) return std::nullopt;
+  if (problem_.effort == Effort::full && primitive_.alternatives &&
+      covers_little(problem_.oriented.normals)) {
+    const Candidate from = *best_;
     for (const GeometricParameters& n :
-         primitive.alternatives(primitive.geometric(best->model), best->model.origin)) {
-      const LocalModel model = primitive.localise(n, best->model.origin);
+         primitive_.alternatives(primitive_.geometric(from.model), from.model.origin)) {
+      const LocalModel model = primitive_.localise(n, from.model.origin);
       if (model.origin.allFinite() && model.rotation.coeffs().allFinite())
-        others.push_back({model, {0, best->score.band}});
+        follow({model, {0, from.score.band}});
     }
-    for (Candidate& c : others) follow(c);
   }
-  return Hypothesis{&primitive,
-                    best->score.log_likelihood_ratio,
-                    primitive.geometric(best->model),
-                    best->model.origin,
-                    best->mixture,
-                    iterations};
+  return Hypothesis{&primitive_,
+                    best_->score.log_likelihood_ratio,
+                    primitive_.geometric(best_->model),
+                    best_->model.origin,
+                    best_->mixture,
+                    iterations_};
 }
 
 }  // namespace darboux::fit

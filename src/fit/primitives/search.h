@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
+#include <random>
 
 #include <Eigen/Core>
 
@@ -38,7 +40,45 @@ struct Hypothesis {
   int iterations = 0;  // of Ceres
 };
 
-// Nothing where no start leads to a surface.
-std::optional<Hypothesis> search(const SearchProblem& problem, const Primitive& primitive);
+struct Score {
+  double log_likelihood_ratio = -std::numeric_limits<double>::infinity(), band = 0;
+};
+
+struct Candidate {
+  LocalModel model;
+  Score score;
+  Mixture mixture{};
+};
+
+// The search for one primitive, in rounds.
+class Search {
+ public:
+  Search(const SearchProblem& problem, const Primitive& primitive);
+
+  const Primitive& primitive() const { return primitive_; }
+  // Descends from the best of some new starts.
+  void look();
+  // Whether the best surface was met so often, from different starts, that others need not be looked for.
+  bool is_settled() const { return agreeing_ >= enough_; }
+  // Whether another round may help.
+  bool is_open() const { return !is_settled() && round_ < rounds_; }
+  // Of the best surface, over points spread evenly.
+  double log_likelihood_ratio() const;
+  // The best, surfaces that are alike on a small patch looked at too; nothing where no start led to a
+  // surface.
+  std::optional<Hypothesis> hypothesis();
+
+ private:
+  void follow(Candidate c);
+
+  const SearchProblem& problem_;
+  const Primitive& primitive_;
+  std::mt19937_64 random_;
+  Eigen::Matrix3Xd scored_, part_;
+  std::optional<Candidate> best_;
+  // How many starts led to the best surface, none where that will be refused; and how many are enough.
+  int agreeing_ = 0, enough_ = 1;
+  int round_ = 0, rounds_ = 1, iterations_ = 0;
+};
 
 }  // namespace darboux::fit

@@ -73,15 +73,29 @@ double curvature_along(const PrimitiveFit& f) {
   return ratio * ratio * (1 + 6 * deviation(f, longest) / sorted[2]);
 }
 
+// How fast it closes: 1 over the longest semi-axis, whose ends look like paraboloids.
+double closing(const PrimitiveFit& f) {
+  const auto longest = static_cast<std::size_t>(
+      std::max_element(f.surface.lengths.begin(), f.surface.lengths.end()) - f.surface.lengths.begin());
+  return 1 / least_length(f, longest);
+}
+
+// The lesser of its curvatures over the greater, on the side that the points may be on: the tube's outside,
+// long about the ring, or the inside of the hole, long about the tube.
+double curvature_across(const PrimitiveFit& f) {
+  const double ring = f.surface.lengths[0], tube = f.surface.lengths[1];
+  return std::min(tube / least_length(f, 0), std::fabs(ring - tube) / least_length(f, 1));
+}
+
 constexpr double degrees = 180 / std::numbers::pi;
-constexpr std::array<Nesting, 6> nestings{{
+constexpr std::array<Nesting, 7> nestings{{
     {"plane", "sphere", 0.2, [](const PrimitiveFit& f) { return 1 / least_length(f, 0); }},
     {"plane", "cylinder", 0.2, [](const PrimitiveFit& f) { return 1 / least_length(f, 0); }},
     {"sphere", "ellipsoid", 0.3, flattening},
     {"cylinder", "cone", 8 / degrees, [](const PrimitiveFit& f) { return upper(f, 0); }},
-    {"cylinder", "torus", 0.1,
-     [](const PrimitiveFit& f) { return f.surface.lengths[1] / least_length(f, 0); }},
+    {"cylinder", "torus", 0.1, curvature_across},
     {"cylinder", "ellipsoid", 0.15, curvature_along},
+    {"elliptic-paraboloid", "ellipsoid", 0.2, closing},
 }};
 
 const Nesting* nesting(const PrimitiveFit& inner, const PrimitiveFit& outer) {
