@@ -149,6 +149,7 @@ Determinacy determinacy(const PrimitiveFit& f) {
       radius < least_radius_over_sigma * f.sigma)
     return none("has a radius of only " + rounded(radius / f.sigma, 3) +
                 " times the noise: no fit; less noise helps");
+  if (f.doubles_itself) return none("crosses itself within the noise: no fit; less noise helps");
   if (log_likelihood_ratio(f) < 0.5 * f.primitive->unknowns * std::log(n) + margin)
     return none(
         "is no more than points of constant density show by chance: no fit; fewer outliers or less noise "

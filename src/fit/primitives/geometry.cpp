@@ -151,4 +151,17 @@ double least_radius(const Primitive& primitive, const GeometricParameters& surfa
   return least;
 }
 
+bool doubles_itself(const Primitive& primitive, const GeometricParameters& surface,
+                    const Eigen::Matrix3Xd& cloud, double sigma) {
+  if (!primitive.sheets || !primitive.crosses_itself(surface)) return false;
+  Eigen::Index on_it = 0, doubled = 0;
+  for (const auto p : cloud.colwise()) {
+    const auto [near, far] = primitive.sheets(surface, p);
+    if (!(near < 3 * sigma)) continue;
+    ++on_it;
+    doubled += far < 8 * sigma;
+  }
+  return 2 * doubled > on_it;
+}
+
 }  // namespace darboux::fit

@@ -140,9 +140,16 @@ struct Primitive {
   std::vector<GeometricParameters> (*alternatives)(const GeometricParameters&, const Vector3d& at) = nullptr;
   // Whether it crosses itself, and so has two sheets near almost any point.
   bool (*crosses_itself)(const GeometricParameters&) = nullptr;
+  // How far a point is from either sheet, the nearer first, of a surface that crosses itself.
+  std::array<double, 2> (*sheets)(const GeometricParameters&, const Vector3d& point) = nullptr;
 };
 
 // The radius of the surface's tightest curve, about. \param at a point on it
 double least_radius(const Primitive& primitive, const GeometricParameters& surface, const Vector3d& at);
+
+// Whether most points on it have its other sheet within the noise as well: then the sheets share out what is
+// noise about one, and explain the points too well.
+bool doubles_itself(const Primitive& primitive, const GeometricParameters& surface,
+                    const Eigen::Matrix3Xd& cloud, double sigma);
 
 }  // namespace darboux::fit

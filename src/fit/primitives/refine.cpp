@@ -119,6 +119,7 @@ class Refinement {
     fit.sigma = mixture_.sigma;
     fit.sigma_known = mixture_.sigma_known;
     fit.outliers = mixture_.outliers;
+    fit.doubles_itself = doubles_itself(primitive_, fit.surface, problem_.cloud, fit.sigma);
     const std::vector<double> weights = inlier_probabilities(states_, mixture_);
     fit.circle_deviation = circle_deviation_of(
         problem_.cloud, Eigen::Map<const Eigen::VectorXd>(weights.data(), problem_.cloud.cols()));

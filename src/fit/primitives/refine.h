@@ -24,7 +24,8 @@ struct PrimitiveFit {
   double largest_deviation = 0;  // standard deviation in the least identifiable direction, at unit noise
   // Distance of the inliers from one circle, root mean square, of each of its two directions.
   double circle_deviation = 0;
-  std::vector<double> error;  // signed distance less its bias
+  bool doubles_itself = false;  // see primitive.h
+  std::vector<double> error;    // signed distance less its bias
   std::vector<unsigned char> in_support;
   int iterations = 0;
 };

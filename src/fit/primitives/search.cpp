@@ -156,10 +156,11 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
 }
 
 // Whether it is refused in the end, however likely: see determinacy().
-bool is_refused(const Primitive& primitive, const Candidate& c) {
+bool is_refused(const Primitive& primitive, const Candidate& c, const Matrix3Xd& cloud) {
+  const GeometricParameters surface = primitive.geometric(c.model);
   return c.mixture.sigma > largest_sigma ||
-         least_radius(primitive, primitive.geometric(c.model), c.model.origin) <
-             least_radius_over_sigma * c.mixture.sigma;
+         least_radius(primitive, surface, c.model.origin) < least_radius_over_sigma * c.mixture.sigma ||
+         doubles_itself(primitive, surface, cloud, c.mixture.sigma);
 }
 
 }  // namespace
@@ -190,7 +191,7 @@ void Search::look() {
 
 void Search::follow(Candidate c) {
   iterations_ += descend(primitive_, part_, c, problem_.sigma);
-  const bool refused = is_refused(primitive_, c);
+  const bool refused = is_refused(primitive_, c, part_);
   if (refused) c.score.log_likelihood_ratio -= 1e6;
   const double value = c.score.log_likelihood_ratio;
   if (!best_ || better(c, *best_)) {

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -73,6 +75,15 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
   return checked_start({axis.point + circle->centre.y() * axis.direction,
                         axes_with_z(axis.direction),
                         {std::fmax(circle->centre.x(), 0), circle->radius}});
+}
+
+std::array<double, 2> sheets(const GeometricParameters& n, const Vector3d& p) {
+  const Vector3d a = n.axes.col(2), q = p - n.centre;
+  const double h = q.dot(a), from_axis = (q - h * a).norm();
+  const auto distance = [&](double to_circle) { return std::fabs(std::hypot(to_circle, h) - n.lengths[1]); };
+  const auto [near, far] =
+      std::minmax({distance(from_axis - n.lengths[0]), distance(from_axis + n.lengths[0])});
+  return {near, far};
 }
 
 // The torus whose tube bends here as this one bends about its axis, and the other way round: to second order
@@ -201,6 +212,7 @@ constinit const Primitive torus_primitive{
     .foot = foot,
     .alternatives = alternatives,
     .crosses_itself = [](const GeometricParameters& n) { return n.lengths[0] < n.lengths[1]; },
+    .sheets = sheets,
 };
 
 }  // namespace darboux::fit
