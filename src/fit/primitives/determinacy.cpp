@@ -1,9 +1,11 @@
 #include "determinacy.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string_view>
+#include <utility>
 
 #include "base/linear_algebra.h"
 #include "base/text.h"
@@ -109,6 +111,26 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
 }
 
 }  // namespace
+
+bool are_same(const PrimitiveFit& a, const PrimitiveFit& b) {
+  constexpr double rounding = 1e-9;
+  const auto by_length = [](const PrimitiveFit& f) {
+    std::array<std::pair<double, double>, 3> list;
+    for (std::size_t k = 0; k < 3; ++k) list[k] = {f.surface.lengths[k], deviation(f, k)};
+    std::sort(list.begin(), list.end());
+    return list;
+  };
+  const auto of_a = by_length(a), of_b = by_length(b);
+  for (std::size_t k = 0; k < 3; ++k)
+    if (!(std::fabs(of_a[k].first - of_b[k].first) <=
+          3 * (of_a[k].second + of_b[k].second) + rounding * of_a[k].first))
+      return false;
+  if (a.primitive->orientation != Orientation::axis) return true;
+  const auto turn = [](const PrimitiveFit& f) {
+    return std::sqrt(std::fmax(f.covariance.topLeftCorner<3, 3>().trace(), 0));
+  };
+  return a.surface.axes.col(2).cross(b.surface.axes.col(2)).norm() <= 3 * (turn(a) + turn(b)) + rounding;
+}
 
 double deviation(const PrimitiveFit& f, std::size_t k) {
   const auto at = 6 + static_cast<Eigen::Index>(k);

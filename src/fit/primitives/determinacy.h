@@ -31,6 +31,9 @@ inline constexpr double exact = 1e-12;
 double log_likelihood_ratio(double inliers, double points, double sigma, int unknowns);
 double log_likelihood_ratio(const PrimitiveFit& fit);
 
+// Whether two fits of one primitive are one surface: lengths and axes within three standard errors of both.
+bool are_same(const PrimitiveFit& a, const PrimitiveFit& b);
+
 // Standard deviation of length k.
 double deviation(const PrimitiveFit& fit, std::size_t k);
 

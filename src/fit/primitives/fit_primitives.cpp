@@ -94,17 +94,29 @@ class PrimitivesFit {
     std::vector<Hypothesis> result;
     for (Search& search : searches) {
       while (search.is_open() && !is_hopeless(search)) search.look();
-      if (auto found = search.hypothesis(); found && is_wanted(*found->primitive, found->surface))
-        result.push_back(std::move(*found));
+      for (Hypothesis& found : search.hypotheses())
+        if (is_wanted(*found.primitive, found.surface)) result.push_back(std::move(found));
     }
     return result;
+  }
+
+  // Adds a fit; where hypotheses of one kind led to the same surface, the likelier of them stays.
+  static void keep(PrimitiveFit found, std::vector<PrimitiveFit>& tried) {
+    const auto same = std::find_if(tried.begin(), tried.end(), [&](const PrimitiveFit& other) {
+      return other.primitive == found.primitive && are_same(other, found);
+    });
+    if (same == tried.end())
+      tried.push_back(std::move(found));
+    else if (log_likelihood_ratio(found) > log_likelihood_ratio(*same))
+      *same = std::move(found);
   }
 
   std::vector<PrimitiveFit> all_fits() {
     std::mt19937_64 random(options_.seed);
     const OrientedPoints oriented =
         oriented_points(points_.cloud, points_.normals, effort_ == Effort::full, random);
-    SearchProblem problem{points_.cloud, oriented, std::nullopt, std::nullopt, options_.seed, effort_, {}};
+    SearchProblem problem{points_.cloud, oriented, std::nullopt, std::nullopt,
+                          options_.seed, effort_,  {},           !automatic()};
     if (options_.noise) problem.sigma = *options_.noise / points_.scale;
     if (options_.guess && only_) problem.guess = guess_of(*options_.guess, *only_, points_);
     double share = 0.3, span = 0;
@@ -122,7 +134,7 @@ class PrimitivesFit {
       PrimitiveFit found =
           refine(problem, hypothesis, hypothesis.log_likelihood_ratio < furthest - far_likelier);
       fit_.iterations += found.iterations;
-      if (is_wanted(*found.primitive, found.surface)) tried.push_back(std::move(found));
+      if (is_wanted(*found.primitive, found.surface)) keep(std::move(found), tried);
       share += span;
     }
     return tried;

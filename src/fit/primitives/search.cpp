@@ -22,6 +22,11 @@ using Eigen::Matrix3Xd;
 constexpr Eigen::Index scored_points = 600, refined_points = 700;
 constexpr int refined_starts = 4, most_rounds = 8;
 
+// In log likelihood, of the part of the points: surfaces of one kind that are so much alike are all refined,
+// up to so many.
+constexpr double alike = 12;
+constexpr std::size_t most_alike = 3;
+
 // How well distances look like a narrow band of inliers among outliers of constant density, without knowing
 // how narrow: the log likelihood of k of n points spread evenly over |d| < band and the others over the size
 // of the cloud, at the best band. As many points as the surface has unknowns may lie on it because it was
@@ -156,11 +161,25 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
 }
 
 // Whether it is refused in the end, however likely: see determinacy().
-bool is_refused(const Primitive& primitive, const Candidate& c, const Matrix3Xd& cloud) {
+bool is_refused(const SearchProblem& problem, const Primitive& primitive, const Candidate& c,
+                const Matrix3Xd& cloud) {
   const GeometricParameters surface = primitive.geometric(c.model);
   return c.mixture.sigma > largest_sigma ||
          least_radius(primitive, surface, c.model.origin) < least_radius_over_sigma * c.mixture.sigma ||
-         doubles_itself(primitive, surface, cloud, c.mixture.sigma);
+         doubles_itself(primitive, surface, cloud, c.mixture.sigma) ||
+         (!problem.may_cross_itself && primitive.crosses_itself && primitive.crosses_itself(surface));
+}
+
+// Whether lengths, in any order, or axes differ by a tenth: more than a standard error of what is usable.
+bool differ(const Primitive& primitive, GeometricParameters a, GeometricParameters b) {
+  constexpr double tenth = 0.1;
+  if (primitive.orientation == Orientation::axis && a.axes.col(2).cross(b.axes.col(2)).norm() > tenth)
+    return true;
+  std::sort(a.lengths.begin(), a.lengths.end());
+  std::sort(b.lengths.begin(), b.lengths.end());
+  for (std::size_t k = 0; k < 3; ++k)
+    if (std::fabs(a.lengths[k] - b.lengths[k]) > tenth * std::fmax(a.lengths[k], b.lengths[k])) return true;
+  return false;
 }
 
 }  // namespace
@@ -191,9 +210,10 @@ void Search::look() {
 
 void Search::follow(Candidate c) {
   iterations_ += descend(primitive_, part_, c, problem_.sigma);
-  const bool refused = is_refused(primitive_, c, part_);
+  const bool refused = is_refused(problem_, primitive_, c, part_);
   if (refused) c.score.log_likelihood_ratio -= 1e6;
   const double value = c.score.log_likelihood_ratio;
+  if (!refused && problem_.effort == Effort::full) likely_.push_back(c);
   if (!best_ || better(c, *best_)) {
     agreeing_ = refused ? 0 : best_ && value < best_->score.log_likelihood_ratio + 1 ? agreeing_ + 1 : 1;
     best_ = std::move(c);
@@ -206,8 +226,8 @@ double Search::log_likelihood_ratio() const {
   return best_ ? best_->score.log_likelihood_ratio : -std::numeric_limits<double>::infinity();
 }
 
-std::optional<Hypothesis> Search::hypothesis() {
-  if (!best_) return std::nullopt;
+std::vector<Hypothesis> Search::hypotheses() {
+  if (!best_) return {};
   if (problem_.effort == Effort::full && primitive_.alternatives &&
       covers_little(problem_.oriented.normals)) {
     const Candidate from = *best_;
@@ -218,12 +238,24 @@ std::optional<Hypothesis> Search::hypothesis() {
         follow({model, {0, from.score.band}});
     }
   }
-  return Hypothesis{&primitive_,
-                    best_->score.log_likelihood_ratio,
-                    primitive_.geometric(best_->model),
-                    best_->model.origin,
-                    best_->mixture,
-                    iterations_};
+  std::vector<Hypothesis> result;
+  const auto add = [&](const Candidate& c) {
+    result.push_back({&primitive_, c.score.log_likelihood_ratio, primitive_.geometric(c.model),
+                      c.model.origin, c.mixture});
+  };
+  add(*best_);
+  result.front().iterations = iterations_;
+  std::stable_sort(likely_.begin(), likely_.end(), better);
+  for (const Candidate& c : likely_) {
+    if (result.size() == most_alike ||
+        c.score.log_likelihood_ratio < best_->score.log_likelihood_ratio - alike)
+      break;
+    const GeometricParameters surface = primitive_.geometric(c.model);
+    if (std::all_of(result.begin(), result.end(),
+                    [&](const Hypothesis& h) { return differ(primitive_, h.surface, surface); }))
+      add(c);
+  }
+  return result;
 }
 
 }  // namespace darboux::fit

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -28,6 +29,7 @@ struct SearchProblem {
   std::uint64_t seed;
   Effort effort;
   std::function<void(double)> progress;  // with the share of the work that is done, 0 to 1
+  bool may_cross_itself = true;          // whether a surface that does is looked for
 };
 
 // A surface that some of the points suggest.
@@ -64,9 +66,9 @@ class Search {
   bool is_open() const { return !is_settled() && round_ < rounds_; }
   // Of the best surface, over points spread evenly.
   double log_likelihood_ratio() const;
-  // The best, surfaces that are alike on a small patch looked at too; nothing where no start led to a
-  // surface.
-  std::optional<Hypothesis> hypothesis();
+  // The best, and beside it others that part of the points cannot tell from it: surfaces that are alike on a
+  // small patch are looked at too. Empty where no start led to a surface.
+  std::vector<Hypothesis> hypotheses();
 
  private:
   void follow(Candidate c);
@@ -76,6 +78,7 @@ class Search {
   std::mt19937_64 random_;
   Eigen::Matrix3Xd scored_, part_;
   std::optional<Candidate> best_;
+  std::vector<Candidate> likely_;  // surfaces that were met, none that will be refused
   // How many starts led to the best surface, none where that will be refused; and how many are enough.
   int agreeing_ = 0, enough_ = 1;
   int round_ = 0, rounds_ = 1, iterations_ = 0;

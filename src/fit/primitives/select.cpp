@@ -110,9 +110,23 @@ struct Choice {
   std::string reason{};
 };
 
-// "plane or cylinder of radius > 3"
+// "radius 2, half angle 0.3", the lengths in the points' units.
+std::string lengths_text(const PrimitiveFit& f, double scale) {
+  std::string text;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(f.primitive->lengths); ++k)
+    text += (k == 0 ? "" : ", ") + std::string(f.primitive->length_names[k]) + " " +
+            rounded(scale * f.surface.lengths[k], 3);
+  return text;
+}
+
+// "plane or cylinder of radius > 3", "torus of major radius 2, minor radius 1 or of ..."
 std::string either(const PrimitiveFit& a, const PrimitiveFit& b, double scale) {
-  std::string text = std::string(a.primitive->name) + " or " + std::string(b.primitive->name);
+  std::string text = std::string(a.primitive->name);
+  if (a.primitive == b.primitive)
+    return a.primitive->lengths > 0
+               ? text + " of " + lengths_text(a, scale) + " or of " + lengths_text(b, scale)
+               : text + " or another " + text;
+  text += " or " + std::string(b.primitive->name);
   if (a.primitive->is_plane && nesting(a, b))
     text +=
         " of " + std::string(b.primitive->length_names[0]) + " > " + rounded(scale * least_length(b, 0), 3);
