@@ -27,6 +27,9 @@ constexpr int refined_starts = 4, most_rounds = 8;
 constexpr double alike = 12;
 constexpr std::size_t most_alike = 3;
 
+// Behind all that are not refused.
+constexpr double refusal = 1e6;
+
 // How well distances look like a narrow band of inliers among outliers of constant density, without knowing
 // how narrow: the log likelihood of k of n points spread evenly over |d| < band and the others over the size
 // of the cloud, at the best band. As many points as the surface has unknowns may lie on it because it was
@@ -72,6 +75,7 @@ class Scorer {
 };
 
 bool better(const Candidate& a, const Candidate& b) {
+  if (a.refused != b.refused) return b.refused;
   return a.score.log_likelihood_ratio > b.score.log_likelihood_ratio;
 }
 
@@ -160,7 +164,6 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
   return candidates;
 }
 
-// Whether it is refused in the end, however likely: see determinacy().
 bool is_refused(const SearchProblem& problem, const Primitive& primitive, const Candidate& c,
                 const Matrix3Xd& cloud) {
   const GeometricParameters surface = primitive.geometric(c.model);
@@ -210,14 +213,14 @@ void Search::look() {
 
 void Search::follow(Candidate c) {
   iterations_ += descend(primitive_, part_, c, problem_.sigma);
-  const bool refused = is_refused(problem_, primitive_, c, part_);
-  if (refused) c.score.log_likelihood_ratio -= 1e6;
-  const double value = c.score.log_likelihood_ratio;
-  if (!refused && problem_.effort == Effort::full) likely_.push_back(c);
+  c.refused = is_refused(problem_, primitive_, c, part_);
+  if (!c.refused && problem_.effort == Effort::full) likely_.push_back(c);
+  const bool as_likely = best_ && !best_->refused && !c.refused &&
+                         std::fabs(c.score.log_likelihood_ratio - best_->score.log_likelihood_ratio) < 1;
   if (!best_ || better(c, *best_)) {
-    agreeing_ = refused ? 0 : best_ && value < best_->score.log_likelihood_ratio + 1 ? agreeing_ + 1 : 1;
+    agreeing_ = c.refused ? 0 : as_likely ? agreeing_ + 1 : 1;
     best_ = std::move(c);
-  } else if (!refused && value > best_->score.log_likelihood_ratio - 1) {
+  } else if (as_likely) {
     ++agreeing_;
   }
 }
@@ -240,8 +243,8 @@ std::vector<Hypothesis> Search::hypotheses() {
   }
   std::vector<Hypothesis> result;
   const auto add = [&](const Candidate& c) {
-    result.push_back({&primitive_, c.score.log_likelihood_ratio, primitive_.geometric(c.model),
-                      c.model.origin, c.mixture});
+    const double llr = c.score.log_likelihood_ratio - (c.refused ? refusal : 0);
+    result.push_back({&primitive_, llr, primitive_.geometric(c.model), c.model.origin, c.mixture});
   };
   add(*best_);
   result.front().iterations = iterations_;

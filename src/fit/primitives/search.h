@@ -50,6 +50,7 @@ struct Candidate {
   LocalModel model;
   Score score;
   Mixture mixture{};
+  bool refused = false;  // in the end, however likely: see determinacy()
 };
 
 // The search for one primitive, in rounds.
@@ -64,7 +65,7 @@ class Search {
   bool is_settled() const { return agreeing_ >= enough_; }
   // Whether another round may help.
   bool is_open() const { return !is_settled() && round_ < rounds_; }
-  // Of the best surface, over points spread evenly.
+  // Of the best surface, over points spread evenly; of one that will be refused where there is no other.
   double log_likelihood_ratio() const;
   // The best, and beside it others that part of the points cannot tell from it: surfaces that are alike on a
   // small patch are looked at too. Empty where no start led to a surface.
