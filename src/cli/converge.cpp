@@ -21,6 +21,7 @@ struct ConvergeArguments {
   std::optional<std::vector<std::string>> surfaces, methods, meshes;
   std::optional<std::string> resolutions, v_range;
   std::optional<std::uint64_t> seed;
+  std::optional<int> seeds;
   ReportArguments report;
   std::string picture;
 };
@@ -70,6 +71,7 @@ ConvergeChoices choose(const ConvergeArguments& arguments) {
     choices.v_last = parse_finite("--v-range", range[1]);
   }
   if (arguments.seed) choices.seed = *arguments.seed;
+  if (arguments.seeds) choices.seeds = *arguments.seeds;
   return choices;
 }
 
@@ -85,6 +87,7 @@ ConvergeOptions parse(const ConvergeArguments& arguments) {
   options.v_first = choices.v_first;
   options.v_last = choices.v_last;
   options.seed = choices.seed;
+  options.seeds = choices.seeds;
   return options;
 }
 
@@ -104,7 +107,8 @@ std::string command_line(const ConvergeOptions& options, const ConvergeArguments
          list(options.methods, name) + " --meshes " + list(options.families, name) + " --resolutions " +
          list(options.resolutions, [](int n) { return std::to_string(n); }) + " --v-range " +
          shortest(options.v_first) + ',' + shortest(options.v_last) + " --seed " +
-         std::to_string(options.seed) + command_line_of(arguments.report, {{"--picture", arguments.picture}});
+         std::to_string(options.seed) + " --seeds " + std::to_string(options.seeds) +
+         command_line_of(arguments.report, {{"--picture", arguments.picture}});
 }
 
 void run_converge(const ConvergeArguments& arguments, Common& common) {
@@ -188,9 +192,15 @@ void add_converge(CLI::App& app, Common& common) {
                  "[8..128]");
   sub.add_option("--v-range", arguments->v_range,
                  "the part of the surface that is meshed: FIRST,LAST in [0, 1] [0,1]");
-  sub.add_option("--seed", arguments->seed, "of random meshes [1]")->check(whole_number);
-  add_report_options(sub, arguments->report,
-                     "quick (the defaults), standard (6 surfaces, all meshes, 16..512), full (8..1024)");
+  sub.add_option("--seed", arguments->seed, "of the first random mesh [1]")->check(whole_number);
+  sub.add_option(
+         "--seeds", arguments->seeds,
+         "random meshes per resolution, whose spread goes into the intervals; one of more than 256 rows "
+         "[3]")
+      ->check(CLI::Range(1, most_seeds));
+  add_report_options(
+      sub, arguments->report,
+      "quick (the defaults), standard (6 surfaces, 6 families of meshes, 16..512), full (8..1024)");
   add_output_options(sub, arguments->report, "the picture of --picture", "all levels of all studies");
   sub.add_option(
       "--picture", arguments->picture,

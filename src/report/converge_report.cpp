@@ -363,12 +363,14 @@ nlohmann::ordered_json studies_json(const std::vector<Study>& studies) {
                     {"max_deg", column(&Level::max_deg)},
                     {"rms_deg", column(&Level::rms_deg)},
                     {"p95_deg", column(&Level::p95_deg)},
+                    {"rms_deg_of_mesh", column(&Level::rms_of_mesh)},
                     {"seconds", column(&Level::seconds)},
                     {"corners", column(&Level::corners)},
                     {"fallback_corners", column(&Level::fallback)},
                     {"used", column(&Level::used)},
                     {"order", number(s.order)},
                     {"order_ci", {number(s.order_low), number(s.order_high)}},
+                    {"max_order", number(s.max_order)},
                     {"expected_order", s.expected_order},
                     {"floor_deg", s.levels.back().floor_deg},
                     {"floors_deg", column(&Level::floor_deg)},
@@ -379,19 +381,21 @@ nlohmann::ordered_json studies_json(const std::vector<Study>& studies) {
 
 std::string studies_csv(const std::vector<Study>& studies) {
   std::string text =
-      "surface,mesh,method,class,quantity,resolution,h,max_deg,rms_deg,p95_deg,floor_deg,seconds,corners,"
-      "fallback_corners,used,order,order_low,order_high,expected_order,verdict\r\n";
+      "surface,mesh,method,class,quantity,resolution,h,max_deg,rms_deg,rms_deg_least,rms_deg_most,p95_deg,"
+      "floor_deg,seconds,corners,fallback_corners,used,order,order_low,order_high,max_order,expected_order,"
+      "verdict\r\n";
   for (const Study& s : studies)
     for (const Level& l : s.levels) {
       for (const std::string_view field :
            {std::string_view(s.surface), s.mesh, s.method, class_name(s), s.quantity})
         text += csv_text(field) + ',';
       text += std::to_string(l.resolution);
-      for (const double x : {l.h, l.max_deg, l.rms_deg, l.p95_deg, l.floor_deg, l.seconds})
+      const auto [least, most] = std::minmax_element(l.rms_of_mesh.begin(), l.rms_of_mesh.end());
+      for (const double x : {l.h, l.max_deg, l.rms_deg, *least, *most, l.p95_deg, l.floor_deg, l.seconds})
         text += ',' + csv_number(x);
       text +=
           ',' + std::to_string(l.corners) + ',' + std::to_string(l.fallback) + (l.used ? ",true" : ",false");
-      for (const double x : {s.order, s.order_low, s.order_high, s.expected_order})
+      for (const double x : {s.order, s.order_low, s.order_high, s.max_order, s.expected_order})
         text += ',' + csv_number(x);
       text += ',' + csv_text(verdict_name(s)) + "\r\n";
     }
@@ -415,6 +419,10 @@ std::string verdict_summary(const std::vector<Study>& studies) {
   add(OrderVerdict::does_not_converge, true, "not converging, as expected");
   add(OrderVerdict::slower, false, "slower than expected");
   add(OrderVerdict::does_not_converge, false, "not converging, though expected to");
+  const auto rare = std::count_if(studies.begin(), studies.end(), [](const Study& s) {
+    return s.verdict != OrderVerdict::does_not_converge && !s.max_converges();
+  });
+  if (rare > 0) text += "; of " + std::to_string(rare) + " that converge the largest error does not";
   return text;
 }
 
@@ -432,13 +440,12 @@ struct OrderTable {
   }
 };
 
-// "2.00 [1.99, 2.01] !"
+// "2.00 [1.99, 2.01] !": !: less than expected; *: the largest error does not converge
 std::string order_cell(const Study& s) {
   if (s.verdict == OrderVerdict::at_the_floor) return "at the floor";
-  char cell[48];
-  std::snprintf(cell, sizeof cell, "%.2f [%.2f, %.2f]%s", s.order, s.order_low, s.order_high,
-                s.holds() ? "" : " !");
-  return cell;
+  const std::string mark = !s.holds() ? " !" : s.max_converges() ? "" : " *";
+  if (s.verdict == OrderVerdict::does_not_converge) return s.holds() ? "does not converge" : "none" + mark;
+  return fixed(s.order) + " [" + fixed(s.order_low) + ", " + fixed(s.order_high) + ']' + mark;
 }
 
 std::vector<OrderTable> order_tables(const std::vector<Study>& studies) {
@@ -466,10 +473,6 @@ std::vector<OrderTable> order_tables(const std::vector<Study>& studies) {
 
 std::string orders_text(const std::vector<Study>& studies) {
   std::string text = "Order of convergence of the tangents, with its 95 % interval:\n";
-  const auto padded = [](std::string cell, std::size_t width) {
-    if (cell.size() < width) cell.append(width - cell.size(), ' ');
-    return cell;
-  };
   for (const OrderTable& table : order_tables(studies)) {
     text += '\n' + table.surface + ", " + table.mesh + "\n  " + std::string(18, ' ');
     for (const std::string_view of_class : table.classes) text += ' ' + padded(std::string(of_class), 20);

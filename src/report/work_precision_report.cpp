@@ -30,11 +30,6 @@ std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
 }
 
-std::string padded(std::string text, std::size_t width) {
-  if (text.size() < width) text.append(width - text.size(), ' ');
-  return text;
-}
-
 // By time, the fastest first.
 std::vector<const WorkSample*> by_time(const WorkGroup& group, const WorkAxes& axes) {
   std::vector<const WorkSample*> best;
