@@ -227,10 +227,10 @@ std::string work_text(const std::vector<WorkSample>& samples, const WorkAxes& ax
 }
 
 std::string work_markdown(const std::vector<WorkSample>& samples, const WorkAxes& axes, const Provenance& p) {
-  std::string text =
-      "# Work against precision\n\n" + work_summary(samples) +
-      ". Per surface and mesh: the methods that no other of their family beats in both time and error, the "
-      "fastest first. **Bold**: no method of any family does.\n";
+  std::string text = "# Work against precision\n\n" + work_summary(samples) +
+                     ". Per surface and mesh: the methods that no other of their family beats in both "
+                     "columns, in the order of "
+                     "the first. **Bold**: no method of any family does.\n";
   for (const WorkGroup& group : work_groups(samples)) {
     const std::string_view x = axes.x_of(group.domain), y = axes.y_of(group.domain);
     text += "\n## " + group.title() + "\n\n| method | " + work_axis(x, group.domain) +
