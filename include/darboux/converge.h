@@ -52,7 +52,7 @@ enum class OrderVerdict : std::uint8_t {
   as_expected,        ///< lies within 0.15 of the order's 95 % interval
   faster,             ///< the whole interval lies above that
   slower,             ///< the whole interval lies below
-  does_not_converge,  ///< the order is below 0.15
+  does_not_converge,  ///< the order is below 0.15, and so it is expected or the whole interval lies below
   at_the_floor,       ///< fewer than three resolutions above what rounding alone may cause: no order
 };
 inline constexpr std::array<std::string_view, 5> order_verdict_names{"as expected", "faster", "slower",
@@ -128,13 +128,14 @@ struct ConvergeOptions {
 ///   pole_ring         FrameMethod::at_poles
 ///   pole              the same, at most 1; 0 for t and n of methods that use vertices two edges away
 /// On a mesh with poles the other classes converge more slowly, since the rows next to a pole are a share h
-/// of all: interior at most half an order faster than pole_ring, 0 where that is 0; seam and border half an
-/// order less than 2 or 3, as measured, and at most half an order faster than pole_ring on irregular meshes.
-/// On graded meshes with poles polynomials are expected to have no more in the interior than on irregular
-/// ones. Where a method is not made for the chart, or nothing is expected of the family, it is 0. A family's
-/// shear vanishes at the poles: pole and pole_ring go by the chart without it, with at most 1 where the
-/// method is not made for the sheared one. \param progress called with the share done, in [0, 1] \throws
-/// ParameterError when the resolutions or the range of v are not as above, or a surface has no such mesh
+/// of all: interior at most half an order faster than pole_ring, a quarter on irregular meshes where that is
+/// below 1, 0 where that is 0; seam and border half an order less than 2 or 3, as measured, and at most half
+/// an order faster than pole_ring on irregular meshes. On graded meshes with poles polynomials are expected
+/// to have no more in the interior than on irregular ones. Where a method is not made for the chart, or
+/// nothing is expected of the family, it is 0. A family's shear vanishes at the poles: pole and pole_ring go
+/// by the chart without it, with at most 1 where the method is not made for the sheared one. \param progress
+/// called with the share done, in [0, 1] \throws ParameterError when the resolutions or the range of v are
+/// not as above, or a surface has no such mesh
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
 
 /// The pieces that converge() is made of, for those who run them elsewhere: one mesh of one surface each.

@@ -205,14 +205,17 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   // Where cells are widest at a seam that ends in poles, it shows in the interior: a share h sees beyond it.
   if (family.grading > 0 && method.reach > 1) order = std::min(order, method.direction.jittered);
   // So does what lies next to a pole there: it has the order of irregular meshes.
-  return std::min(order, (one_sided ? std::min(beside_poles, at_poles.jittered) : beside_poles) + 0.5);
+  if (one_sided) return std::min(order, std::min(beside_poles, at_poles.jittered) + 0.5);
+  return std::min(order, beside_poles + (irregular && beside_poles < 1 ? 0.25 : 0.5));
 }
 
 OrderVerdict judge_order(const Study& study) {
   if (std::isnan(study.order)) return OrderVerdict::at_the_floor;
   const double expected = study.expected_order;
-  if (study.order < least_order) return OrderVerdict::does_not_converge;
-  if (study.order_high < expected - tolerance) return OrderVerdict::slower;
+  const bool falls = study.order >= least_order;
+  if (expected == 0 && !falls) return OrderVerdict::does_not_converge;
+  if (study.order_high < expected - tolerance)
+    return falls ? OrderVerdict::slower : OrderVerdict::does_not_converge;
   if (study.order_low > expected + tolerance) return OrderVerdict::faster;
   return OrderVerdict::as_expected;
 }

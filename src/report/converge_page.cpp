@@ -156,7 +156,7 @@ sorts, one on a verdict shows the curve.</p>
 <div class=controls>
 <label class=needs-script hidden>Find <input type=search id=find placeholder="cubic seam slower"></label>
 <label class=needs-script hidden><span>Only what the pictures show</span>
-<input type=checkbox id=only></label>
+<input type=checkbox id=only checked></label>
 </div>
 <div class=scroll><table id=studies></table></div>
 </section>

@@ -43,6 +43,7 @@
   // Random meshes first: on regular ones much is exact by symmetry.
   const mesh_order = [...data.meshes].sort((a, b) => b.random - a.random).map(m => m.name);
   const of_mesh = Object.fromEntries(data.meshes.map(m => [m.name, m]));
+  const classes = [...data.classes].sort((a, b) => (b === 'interior') - (a === 'interior'));
   const in_order = (names, order) => order.filter(name => names.includes(name));
   const is = (...keys) => s => keys.every(k => s[k] === $(k).value);
   const fixed = x => (Math.round(100 * x) / 100 + 0).toFixed(2);
@@ -64,35 +65,33 @@
   };
 
   // ---- the slopes 1, 2 and 3, beside the data
-  const beside = () => innerWidth < 640 ? 58 : 86;
+  const beside = () => innerWidth < 640 ? 88 : 110;
   const guides = {
     id: 'guides',
     afterDraw: chart => {
       const {ctx, chartArea: area, scales: {x, y}} = chart;
       const per_x = (area.right - area.left) / (x.max - x.min),
             per_y = (area.bottom - area.top) / (y.max - y.min);
-      const from = {x: area.right + beside() - 8, y: area.top + 10};
-      chart.$guides = data.studies.length ?
-          [1, 2, 3]
-              .map(order => {
-                const steepness = order * per_y / per_x,
-                      run = Math.min(48, 0.8 * (area.bottom - from.y) / steepness);
-                return {
-                  x1: from.x,
-                  y1: from.y,
-                  x2: from.x - run,
-                  y2: from.y + run * steepness,
-                  text: 'order ' + order
-                };
-              })
-              .map(
-                  (g, i, all) =>
-                      ({...g, x: area.right + 6, y: Math.max(g.y2 + 14, i ? all[i - 1].y2 + 30 : 0)})) :
-          [];
+      const steepest = 3 * per_y / per_x,
+            run = Math.min(beside() - 62, 0.9 * (area.bottom - area.top) / steepest);
+      const x1 = area.right + 8, y1 = area.top + 12 + run * steepest;
+      chart.$guides = [];
+      for (const order of [3, 2, 1]) {
+        const y2 = y1 - run * order * per_y / per_x, above = chart.$guides[chart.$guides.length - 1];
+        chart.$guides.push({
+          x1,
+          y1,
+          x2: x1 + run,
+          y2,
+          x: x1 + run + 4,
+          y: Math.max(y2 + 4, above ? above.y + 14 : 0),
+          text: 'order ' + order
+        });
+      }
       ctx.save();
       ctx.strokeStyle = ctx.fillStyle = kit.css('soft');
       ctx.font = '12px system-ui, sans-serif';
-      ctx.setLineDash([5, 5]);
+      ctx.setLineDash([5, 4]);
       for (const g of chart.$guides) {
         ctx.beginPath();
         ctx.moveTo(g.x1, g.y1);
@@ -203,18 +202,17 @@
   function map() {
     const chosen = studies.filter(is('surface', 'quantity'));
     const meshes = in_order(chosen.map(s => s.mesh), mesh_order);
-    const classes =
-        meshes.map(m => in_order(chosen.filter(s => s.mesh === m).map(s => s.class), data.classes));
+    const shown = meshes.map(m => in_order(chosen.filter(s => s.mesh === m).map(s => s.class), classes));
     const names = element('tr', {}, element('th')),
           heads = element('tr', {}, element('th', {textContent: 'method'}));
     meshes.forEach(
-        (m, i) => names.append(element('th', {colSpan: classes[i].length, textContent: m, scope: 'col'})));
-    classes.flat().forEach(
+        (m, i) => names.append(element('th', {colSpan: shown[i].length, textContent: m, scope: 'col'})));
+    shown.flat().forEach(
         c => heads.append(element('th', {scope: 'col', className: 'n', textContent: words(c)})));
     const rows = data.methods.map(
         m => element(
             'tr', {}, element('th', {scope: 'row', textContent: m.name}),
-            ...meshes.flatMap((mesh, i) => classes[i].map(c => {
+            ...meshes.flatMap((mesh, i) => shown[i].map(c => {
               const s = chosen.find(t => t.method === m.name && t.mesh === mesh && t.class === c);
               if (!s) return element('td');
               const cell = element(
@@ -287,7 +285,7 @@
       if (wanted) $(id).value = wanted[id];
     };
     set('mesh', studies.filter(is('surface')).map(s => s.mesh), mesh_order);
-    set('class', studies.filter(is('surface', 'mesh')).map(s => s.class), data.classes);
+    set('class', studies.filter(is('surface', 'mesh')).map(s => s.class), classes);
     set('quantity', studies.filter(is('surface', 'mesh', 'class')).map(s => s.quantity), data.quantities);
     kit.legend(
         'legend', data.methods.map(m => ({name: m.name, title: m.summary, look: looks.get(m.name)})), draw);

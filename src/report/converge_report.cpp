@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "csv.h"
+#include "finite_or_null.h"
 
 namespace darboux {
 
@@ -43,7 +44,6 @@ nlohmann::ordered_json studies_json(const std::vector<Study>& studies) {
       for (const Level& level : s.levels) values.push_back(level.*member);
       return values;
     };
-    const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
     list.push_back({{"surface", s.surface},
                     {"v_range", {s.v_first, s.v_last}},
                     {"mesh", s.mesh},
@@ -60,9 +60,9 @@ nlohmann::ordered_json studies_json(const std::vector<Study>& studies) {
                     {"corners", column(&Level::corners)},
                     {"fallback_corners", column(&Level::fallback)},
                     {"used", column(&Level::used)},
-                    {"order", number(s.order)},
-                    {"order_ci", {number(s.order_low), number(s.order_high)}},
-                    {"max_order", number(s.max_order)},
+                    {"order", finite_or_null(s.order)},
+                    {"order_ci", {finite_or_null(s.order_low), finite_or_null(s.order_high)}},
+                    {"max_order", finite_or_null(s.max_order)},
                     {"expected_order", s.expected_order},
                     {"floor_deg", s.levels.back().floor_deg},
                     {"floors_deg", column(&Level::floor_deg)},

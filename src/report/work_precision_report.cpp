@@ -9,15 +9,12 @@
 
 #include "base/text.h"
 #include "csv.h"
+#include "finite_or_null.h"
 
 namespace darboux {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json finite_or_null(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
 
 std::string kind_of(const std::string& specification) {
   return specification.substr(0, specification.find(':'));
