@@ -65,7 +65,7 @@
   };
 
   // ---- the slopes 1, 2 and 3, beside the data
-  const beside = () => innerWidth < 640 ? 88 : 110;
+  const beside = () => innerWidth < 640 ? 88 : 130;
   const guides = {
     id: 'guides',
     afterDraw: chart => {
@@ -75,19 +75,16 @@
       const steepest = 3 * per_y / per_x,
             run = Math.min(beside() - 62, 0.9 * (area.bottom - area.top) / steepest);
       const x1 = area.right + 8, y1 = area.top + 12 + run * steepest;
-      chart.$guides = [];
-      for (const order of [3, 2, 1]) {
-        const y2 = y1 - run * order * per_y / per_x, above = chart.$guides[chart.$guides.length - 1];
-        chart.$guides.push({
-          x1,
-          y1,
-          x2: x1 + run,
-          y2,
-          x: x1 + run + 4,
-          y: Math.max(y2 + 4, above ? above.y + 14 : 0),
-          text: 'order ' + order
-        });
-      }
+      const rise = run * per_y / per_x, apart = Math.max(rise, 14);
+      chart.$guides = [1, 2, 3].map(order => ({
+                                      x1,
+                                      y1,
+                                      x2: x1 + run,
+                                      y2: y1 - order * rise,
+                                      x: x1 + run + 4,
+                                      y: y1 - 2 * rise - (order - 2) * apart + 4,
+                                      text: 'order ' + order
+                                    }));
       ctx.save();
       ctx.strokeStyle = ctx.fillStyle = kit.css('soft');
       ctx.font = '12px system-ui, sans-serif';
@@ -117,7 +114,7 @@
   };
   let widths = [];
   const against_h = kit.picture('against-h', {
-    x: {title: 'mesh width h (mean edge), finer to the left', ticks: () => widths},
+    x: {title: 'mesh width h, finer to the left', ticks: () => widths},
     y: {title: 'error in degrees'},
     tooltip,
     plugins: [guides],
@@ -299,5 +296,5 @@
     });
   $('only').addEventListener('change', filter);
   if (studies.length) choices();
-  kit.ready();
+  kit.ready(draw);
 })();

@@ -56,12 +56,13 @@ const kit = (() => {
   // ---- colours of the page, which change with the theme and on paper
   const css = name => getComputedStyle(document.body).getPropertyValue('--' + name).trim();
   const charts = [];
-  const repaint = () => charts.forEach(chart => {
-    paint(chart);
-    chart.update();
-  });
+  // What draws again with other colours; ready() is given it.
+  let redraw = () => {};
   for (const query of ['(prefers-color-scheme: dark)', 'print'])
-    matchMedia(query).addEventListener('change', repaint);
+    matchMedia(query).addEventListener('change', () => {
+      charts.forEach(paint);
+      redraw();
+    });
 
   // ---- logarithmic axes: ten ticks or fewer at powers of ten, or at 1, 2, 5 where there are few of them
   const log_ticks = (min, max) => {
@@ -96,7 +97,7 @@ const kit = (() => {
   }
 
   // ---- a picture
-  function picture(id, {x, y, tooltip, plugins = [], right = 0}) {
+  function picture(id, {x, y, tooltip, plugins = [], right = 14}) {
     const canvas = $(id);
     const chart = new Chart(canvas, {
       type: 'line',
@@ -372,8 +373,9 @@ const kit = (() => {
     select.replaceChildren(...values.map(v => new Option(text(v), v)));
     if (values.includes(old)) select.value = old;
   };
-  // Shows the pictures, which have no size before.
-  function ready() {
+  // Shows the pictures, which have no size before. \param draw what draws the choices as they are
+  function ready(draw) {
+    redraw = draw;
     $('interactive').hidden = false;
     charts.forEach(chart => chart.resize());
     for (const host of document.querySelectorAll('table.adopt')) adopt(host);

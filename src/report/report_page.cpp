@@ -23,7 +23,7 @@ select,input[type=search]{font:inherit;color:var(--ink);background:var(--card);b
 .legend .absent{opacity:.45}
 .plot{position:relative;height:28rem;overflow:hidden}
 .plot canvas:focus-visible{outline-offset:-3px}
-.tools{display:flex;gap:.5rem;margin:.5rem 0 0}
+.tools{display:flex;gap:.5rem;margin:.5rem 0 .75rem}
 .tool{font:inherit;font-size:.8rem;color:var(--accent);background:none;border:1px solid var(--line);
   border-radius:.35rem;padding:.1rem .6rem;cursor:pointer}
 .sort{all:unset;cursor:pointer;font:inherit;color:inherit}
@@ -42,7 +42,8 @@ th[aria-sort=descending] .sort::after{content:" \2193"}
 .s5{background:#2f6ea5;color:#fff}
 .chosen{outline:3px solid var(--accent);outline-offset:-3px}
 @media (max-width:40rem){main{padding:1rem .75rem 2rem}.card{padding:.8rem .75rem}.plot{height:22rem}}
-@media print{.tools,.controls,.legend input,.needs-script{display:none}.scroll{overflow:visible}
+@media print{.tools,.controls,.legend input,.needs-script{display:none}.scroll{overflow:hidden}
+  table{font-size:.62rem}th,td,.map td button{padding:.12rem .2rem;white-space:normal}
   main{max-width:none;padding:0}.plot{height:20rem}*{print-color-adjust:exact}}
 )css";
 

@@ -48,8 +48,8 @@
           {pointRadius: 4, borderWidth: c.route === 'double' ? 3 : 1.5}));
       if (c === judged)
         lines.push(kit.line(
-            'bound of ' + c.route, {colour: kit.css('soft'), shape: '', dash: [6, 5]},
-            points(c, c.bound).filter(p => p.log !== null), {pointRadius: 0, borderWidth: 1.5}));
+            'bound of ' + c.route, {colour: kit.css('ink'), shape: '', dash: [6, 5]},
+            points(c, c.bound).filter(p => p.log !== null), {pointRadius: 0, borderWidth: 2.5}));
     }
     chart.data.datasets = lines;
     const all = lines.flatMap(l => l.data);
@@ -98,5 +98,5 @@
       $('interactive').scrollIntoView({block: 'nearest'});
     });
   if (data.curves.length) choose();
-  kit.ready();
+  kit.ready(draw);
 })();

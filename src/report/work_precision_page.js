@@ -120,5 +120,5 @@
     });
   if (data.groups.length) choose();
   kit.offer_table($('table'), title);
-  kit.ready();
+  kit.ready(draw);
 })();

@@ -467,6 +467,17 @@ TEST(WorkPrecision, ADisturbedRunIsNoSlowerOne) {
 
 // ---- options ----------------------------------------------------------------------------------------------
 
+TEST(WorkPrecision, AnErrorThatIsNoNumberDoesNotHold) {
+  WorkSample s;
+  s.metric.fill(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(s.holds());
+  s.metric[find_work_metric("frame_max")] = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(s.holds());
+  s.metric[find_work_metric("frame_max")] = 1;
+  s.failure = "timed out";
+  EXPECT_FALSE(s.holds());
+}
+
 TEST(WorkPrecision, RefusesWhatIsNotThere) {
   EXPECT_THROW(find_work_methods("simd"), ParameterError);
   EXPECT_THROW(find_work_metric("time"), ParameterError);
