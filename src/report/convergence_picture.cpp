@@ -139,8 +139,8 @@ class Plot {
       for (const Level& level : studies_[k]->levels)
         if (level.rms_deg > 0)
           path += (path.empty() ? "M" : "L") + svg::tenths(x(level.h)) + ' ' + svg::tenths(y(level.rms_deg));
-      out += "<path class=\"l\" stroke=\"" + std::string(line_colours[k % line_colours.size()]) + "\" d=\"" +
-             path + "\"/>\n";
+      out += "<path class=\"l\" stroke=\"" + std::string(line_colours[k % line_colours.size()]) +
+             (k < line_colours.size() ? "\"" : "\" stroke-dasharray=\"7 3\"") + " d=\"" + path + "\"/>\n";
       ends.emplace_back(y(studies_[k]->levels.front().rms_deg), k);
     }
     std::sort(ends.begin(), ends.end());
