@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include <boost/math/distributions/students_t.hpp>
-
 #include <darboux/statistics.h>
+
+#include "base/student_t.h"
 
 namespace darboux {
 namespace {
@@ -94,8 +94,8 @@ Line fit_line(std::span<const double> x, std::span<const double> y) {
   }
   double residual = 0;
   for (std::size_t i = 0; i < n; ++i) residual += std::pow(y[i] - intercept - slope * x[i], 2);
-  const double half = boost::math::quantile(boost::math::students_t(static_cast<double>(n - 2)), 0.975) *
-                      std::sqrt(residual / static_cast<double>(n - 2) / sxx);
+  const double half =
+      student_t(0.975, static_cast<double>(n - 2)) * std::sqrt(residual / static_cast<double>(n - 2) / sxx);
   return {slope, intercept, slope - half, slope + half};
 }
 

@@ -3,11 +3,11 @@
 #include <limits>
 
 #include <Eigen/Dense>
-#include <boost/math/distributions/students_t.hpp>
 
 #include <darboux/error.h>
 #include <darboux/order_of_convergence.h>
 
+#include "base/student_t.h"
 #include "base/text.h"
 
 namespace darboux {
@@ -55,7 +55,7 @@ struct Coefficient {
   double half_width(double outside) const {
     if (!(freedom > 0)) return std::numeric_limits<double>::infinity();
     if (error == 0) return 0;
-    return error * boost::math::quantile(boost::math::students_t(freedom), 1 - outside / 2);
+    return error * student_t(1 - outside / 2, freedom);
   }
 };
 
