@@ -327,7 +327,7 @@ void check(const ConvergeOptions& o) {
                                           (i == 0 ? "" : " after " + std::to_string(o.resolutions[i - 1]))));
   if (o.seeds < 1) throw ParameterError("seeds", expected_got("at least 1", std::to_string(o.seeds)));
   for (const MeshFamily* family : o.families)
-    if (family->topology != MeshTopology::grid)
+    if (family->topology != MeshTopology::grid || family->pole != PolePlacement::per_column)
       for (const AnySurface& surface : o.surfaces) try {
           sample_mesh(surface, mesh_options(*family, o.resolutions.front(), o.seed, o.v_first, o.v_last));
         } catch (const ParameterError& e) {

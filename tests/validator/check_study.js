@@ -46,7 +46,8 @@ for (const line of lines)
     check(!permits_line({ ...line, more: 1 }), 'the schema permits another key');
   }
 // What both permit.
-for (const more of [{ $schema: 'x' }, { preset: 'quick' }, { seed: 0 }, { meshes: ['regular', 'sheared', 'jittered-diagonals', 'mirrored', 'graded', 'inverted', 'shared-poles'] },
+for (const more of [{ $schema: 'x' }, { preset: 'quick' }, { seed: 0 }, { meshes: ['regular', 'sheared', 'jittered-diagonals', 'mirrored', 'graded', 'inverted'] },
+                    { surfaces: ['sphere'], meshes: ['shared-poles'] }, { surfaces: ['cylinder'], meshes: ['lantern'] },
                     { seeds: 1 }]) {
   const right = { ...study, ...more };
   check(permits_study(right), `the schema refuses ${JSON.stringify(more)}`);
