@@ -128,7 +128,8 @@ struct ConvergeOptions {
 ///   pole_ring         FrameMethod::at_poles
 ///   pole              the same, at most 1; 0 for t and n of methods that use vertices two edges away
 /// On a mesh with poles the other classes converge more slowly, since the rows next to a pole are a share h
-/// of all: interior at most half an order faster than pole_ring, a quarter on irregular meshes where that is
+/// of all. Methods that see a triangle alone: at most half an order faster than pole_ring. Others: interior
+/// at most half an order faster than pole_ring, a quarter on irregular meshes where that is
 /// below 1, 0 where that is 0; seam and border half an order less than 2 or 3, as measured, and at most half
 /// an order faster than pole_ring on irregular meshes. On graded meshes with poles polynomials are expected
 /// to have no more in the interior than on irregular ones. Where a method is not made for the chart, or

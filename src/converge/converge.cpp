@@ -198,6 +198,8 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
     if (method.reach > 1) order = std::min(order, method.direction.jittered + 0.5);
   }
   if (!reference.has_pole) return order;
+  // What a triangle gives by itself is wrong next to a pole alone: a share h of all.
+  if (method.reach == 0) return std::min(order, beside_poles + 0.5);
   // Seams and borders that end in poles: what is one-sided there keeps half an order less.
   const bool one_sided = vertex_class != VertexClass::interior;
   if (one_sided && order > 1) order -= 0.5;
