@@ -128,9 +128,9 @@ class Plot {
              svg::label(left - 6, y(std::pow(10.0, d)) + 4, svg::decade(d), "text-anchor=\"end\"");
     for (const Level& level : studies_.front()->levels)
       out += svg::line(x(level.h), top, x(level.h), bottom, "class=\"g\"") +
-             svg::label(x(level.h), bottom + 18, "1/" + std::to_string(level.resolution),
+             svg::label(x(level.h), bottom + 18, std::to_string(level.resolution),
                         "text-anchor=\"middle\"");
-    out += svg::label((left + right) / 2, bottom + 38, "mesh width h, finer to the left",
+    out += svg::label((left + right) / 2, bottom + 38, "mesh width h of so many rows, finer to the left",
                       "text-anchor=\"middle\"");
     for (const int slope : {1, 2}) out += slope_line(slope);
     std::vector<std::pair<double, std::size_t>> ends;  // where each line's name would stand
@@ -154,7 +154,7 @@ class Plot {
   }
 
  private:
-  static constexpr double left = 535, right = 850, top = 70, bottom = 360;
+  static constexpr double left = 535, right = 820, top = 70, bottom = 360;
 
   static std::string order_text(const Study& study) {
     return std::isfinite(study.order) ? ", h^" + svg::tenths(study.order) : std::string();
