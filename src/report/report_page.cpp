@@ -30,7 +30,10 @@ select,input[type=search]{font:inherit;color:var(--ink);background:var(--card);b
 .sort:focus-visible,.link:focus-visible{outline:3px solid var(--accent)}
 th[aria-sort=ascending] .sort::after{content:" \2191"}
 th[aria-sort=descending] .sort::after{content:" \2193"}
-.link{all:unset;cursor:pointer;text-decoration:underline dotted;text-underline-offset:.2em}
+.link{border:0;background:none;color:inherit;padding:0;font:inherit;cursor:pointer;text-decoration:underline dotted;
+  text-underline-offset:.2em}
+.link.verdict{padding:0 .6rem}.link.good{background:var(--good);color:var(--good-ink)}
+.link.bad{background:var(--bad);color:var(--bad-ink)}.link.plain{background:var(--plain);color:var(--plain-ink)}
 .map{width:auto}
 .map td{text-align:right;font-variant-numeric:tabular-nums;padding:0;border:1px solid var(--card)}
 .map td button{all:unset;display:block;box-sizing:border-box;width:100%;padding:.3rem .5rem;cursor:pointer;
@@ -43,7 +46,7 @@ th[aria-sort=descending] .sort::after{content:" \2193"}
 .chosen{outline:3px solid var(--accent);outline-offset:-3px}
 @media (max-width:40rem){main{padding:1rem .75rem 2rem}.card{padding:.8rem .75rem}.plot{height:22rem}}
 @media print{.tools,.controls,.legend input,.needs-script{display:none}.scroll{overflow:hidden}
-  table{font-size:.62rem}th,td,.map td button{padding:.12rem .2rem;white-space:normal}
+  table{font-size:.62rem}.map{font-size:.48rem}th,td,.map td button{padding:.12rem .2rem;white-space:normal}
   main{max-width:none;padding:0}.plot{height:20rem}*{print-color-adjust:exact}}
 )css";
 
