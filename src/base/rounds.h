@@ -58,7 +58,8 @@ void guarded(Item& item, F f) {
 ///   std::vector<double> ns nanoseconds per point, one is added in each round
 /// and may have
 ///   std::string failure    why it has no times: what run() threw, or that a call took more than `timeout`
-///                          seconds, in whichever round. It is not called again, the others are. Without it exceptions pass on.
+///                          seconds, in whichever round. It is not called again, the others are. Without it
+///                          exceptions pass on.
 /// A call is not interrupted: it is judged when it has ended. \param after called after each round
 template <class Item, class After>
 void time_in_rounds(std::vector<Item>& items, int count, double timeout, After after) {

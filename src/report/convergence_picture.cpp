@@ -128,8 +128,7 @@ class Plot {
              svg::label(left - 6, y(std::pow(10.0, d)) + 4, svg::decade(d), "text-anchor=\"end\"");
     for (const Level& level : studies_.front()->levels)
       out += svg::line(x(level.h), top, x(level.h), bottom, "class=\"g\"") +
-             svg::label(x(level.h), bottom + 18, std::to_string(level.resolution),
-                        "text-anchor=\"middle\"");
+             svg::label(x(level.h), bottom + 18, std::to_string(level.resolution), "text-anchor=\"middle\"");
     out += svg::label((left + right) / 2, bottom + 38, "mesh width h of so many rows, finer to the left",
                       "text-anchor=\"middle\"");
     for (const int slope : {1, 2}) out += slope_line(slope);

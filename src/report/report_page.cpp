@@ -30,8 +30,8 @@ select,input[type=search]{font:inherit;color:var(--ink);background:var(--card);b
 .sort:focus-visible,.link:focus-visible{outline:3px solid var(--accent)}
 th[aria-sort=ascending] .sort::after{content:" \2191"}
 th[aria-sort=descending] .sort::after{content:" \2193"}
-.link{border:0;background:none;color:inherit;padding:0;font:inherit;cursor:pointer;text-decoration:underline dotted;
-  text-underline-offset:.2em}
+.link{border:0;background:none;color:inherit;padding:0;font:inherit;cursor:pointer;
+  text-decoration:underline dotted;text-underline-offset:.2em}
 .link.verdict{padding:0 .6rem}.link.good{background:var(--good);color:var(--good-ink)}
 .link.bad{background:var(--bad);color:var(--bad-ink)}.link.plain{background:var(--plain);color:var(--plain-ink)}
 .map{width:auto}
