@@ -14,6 +14,7 @@
 #include <darboux/any_surface.h>
 #include <darboux/mesh_classes.h>
 #include <darboux/mesh_frames.h>
+#include <darboux/order_of_convergence.h>
 #include <darboux/sample_mesh.h>
 
 namespace darboux {
@@ -26,13 +27,23 @@ struct MeshFamily {
   bool random_diagonals = false;
   bool mirror = false;  ///< stored u is 1 - |2u - 1|: the second half's uvs are those of the first, mirrored
   double grading = 0;   ///< SampleMeshOptions::grading
+  MeshTopology topology = MeshTopology::grid;
+  PolePlacement pole = PolePlacement::per_column;
+
+  /// Whether there is another mesh for each seed.
+  bool is_random() const { return jitter > 0 || random_diagonals; }
 };
 /// regular, sheared (K = 0.5), jittered (0.15 of a cell: no triangle is inverted), jittered-diagonals,
-/// mirrored, graded (0.5: cells from half to one and a half times the average).
+/// mirrored, graded (0.5: cells from half to one and a half times the average); and three on which much does
+/// not converge, so that no order is expected there (of shared-poles: on surfaces with poles):
+///   inverted      jittered by 0.35 of a cell
+///   shared-poles  all triangles at a pole share one vertex, which has one u
+///   lantern       Schwarz's, with n rows and 2 sqrt(n) columns, as many as n/m² = 1/4 takes, at least 3; of
+///                 tubes without poles
 std::span<const MeshFamily> mesh_families();
 /// \throws ParameterError listing the known names
 const MeshFamily& find_mesh_family(std::string_view name);
-/// The mesh of a family with so many rows and twice as many columns, for sample_mesh().
+/// The mesh of a family with so many rows and, but for the lantern, twice as many columns, for sample_mesh().
 SampleMeshOptions mesh_options(const MeshFamily& family, int rows, std::uint64_t seed, double v_first = 0,
                                double v_last = 1);
 
@@ -41,16 +52,17 @@ enum class OrderVerdict : std::uint8_t {
   as_expected,        ///< lies within 0.15 of the order's 95 % interval
   faster,             ///< the whole interval lies above that
   slower,             ///< the whole interval lies below
-  does_not_converge,  ///< the order is below 0.15
+  does_not_converge,  ///< the order is below 0.15, and so it is expected or the whole interval lies below
   at_the_floor,       ///< fewer than three resolutions above what rounding alone may cause: no order
 };
 inline constexpr std::array<std::string_view, 5> order_verdict_names{"as expected", "faster", "slower",
                                                                      "does not converge", "at the floor"};
 
-/// One mesh of a study and the errors on it, in degrees over the triangle corners of the study's class.
+/// The errors at one resolution, in degrees over the triangle corners of the study's class. Of several random
+/// meshes together: h, p95_deg and seconds are means, max_deg and floor_deg the largest.
 struct Level {
   int resolution;  ///< n: n rows, 2n columns
-  double h;        ///< mesh width, 1/n
+  double h;        ///< mesh width: the mean length of the triangles' edges
   double max_deg, rms_deg, p95_deg;
   /// What rounding alone may cause: 16u |P|max / (shortest edge), u = 2^-53. A position errs by about 4u |P|,
   /// an edge by twice that, and a tangent is made of two edges. Stored uvs are rounded too: where (largest
@@ -59,7 +71,10 @@ struct Level {
   double seconds;                 ///< of the method on the whole mesh: the best of several runs, one thread
   std::size_t corners, fallback;  ///< corners of the class; those among them no triangle served, left out
   bool used;                      ///< enters the fit of the order
+  std::vector<double> rms_of_mesh{}, max_of_mesh{};  ///< of each random mesh, by seed; one of others
 };
+
+inline constexpr double least_order = 0.15;  ///< below it nothing converges
 
 /// One question: how does one error fall with the mesh width, for one surface, family, method, class of
 /// vertex and quantity.
@@ -72,13 +87,15 @@ struct Study {
   /// "normal", for methods that make their own: against n.
   std::string_view quantity;
   std::vector<Level> levels;  ///< coarse to fine
-  /// Slope of log rms over log h, with its 95 % interval; NaN at the floor. Fitted over the levels whose rms
-  /// lies above ten times their floor; of those the ones with n < 16, which do not show the asymptotic slope
-  /// yet, are left out when at least four remain.
+  /// estimate_order() of the rms at the levels where that lies above ten times the floor, on each mesh; NaN
+  /// where that are fewer than three.
   double order, order_low, order_high;
+  double max_order;       ///< the same of the largest errors
   double expected_order;  ///< 0: is not expected to converge
   OrderVerdict verdict;
 
+  /// Whether the largest error falls, also where the rms does only because what is wrong is rare.
+  bool max_converges() const { return !(max_order < least_order); }
   /// Whether it does at least what was expected.
   bool holds() const {
     return verdict != OrderVerdict::slower &&
@@ -89,14 +106,19 @@ struct Study {
 /// What a study may measure.
 inline constexpr std::array<std::string_view, 3> study_quantities{"tangent", "bitangent", "normal"};
 
+inline constexpr int finest_repeated = 256;
+
 /// What to run: every combination of surface, family and method.
 struct ConvergeOptions {
   std::vector<AnySurface> surfaces;
   std::vector<const FrameMethod*> methods;
   std::vector<const MeshFamily*> families;
   std::vector<int> resolutions{8, 16, 32, 64, 128, 256};  ///< at least three, rising, each at least 2
-  std::uint64_t seed = 1;                                 ///< of jitter and diagonals
-  double v_first = 0, v_last = 1;                         ///< the part of the surface that is meshed
+  std::uint64_t seed = 1;                                 ///< of the first random mesh
+  /// Meshes of each random family at each resolution, with seeds seed, seed + 1, ...; at least 1. Of more
+  /// than finest_repeated rows there is one: their errors scatter less.
+  int seeds = 3;
+  double v_first = 0, v_last = 1;  ///< the part of the surface that is meshed
 };
 
 /// Runs every combination; classes without corners give no study. The orders expected, per class:
@@ -106,19 +128,22 @@ struct ConvergeOptions {
 ///   pole_ring         FrameMethod::at_poles
 ///   pole              the same, at most 1; 0 for t and n of methods that use vertices two edges away
 /// On a mesh with poles the other classes converge more slowly, since the rows next to a pole are a share h
-/// of all: interior at most half an order faster than pole_ring, 0 where that is 0; seam and border half an
-/// order less than 2 or 3, as measured, and at most half an order faster than pole_ring on irregular meshes.
-/// On graded meshes with poles polynomials are expected to have no more in the interior than on irregular
-/// ones. Where a method is not made for the chart 0 is expected. A family's shear vanishes at the poles: pole
-/// and pole_ring go by the chart without it, with at most 1 where the method is not made for the sheared one.
-/// \param progress called with the share done, in [0, 1] \throws ParameterError when the resolutions or the
-/// range of v are not as above
+/// of all. Methods that see a triangle alone: at most half an order faster than pole_ring. Others: interior
+/// at most half an order faster than pole_ring, a quarter on irregular meshes where that is
+/// below 1, 0 where that is 0; seam and border half an order less than 2 or 3, as measured, and at most half
+/// an order faster than pole_ring on irregular meshes. On graded meshes with poles polynomials are expected
+/// to have no more in the interior than on irregular ones. Where a method is not made for the chart, or
+/// nothing is expected of the family, it is 0. A family's shear vanishes at the poles: pole and pole_ring go
+/// by the chart without it, with at most 1 where the method is not made for the sheared one. \param progress
+/// called with the share done, in [0, 1] \throws ParameterError when the resolutions or the range of v are
+/// not as above, or a surface has no such mesh
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
 
 /// The pieces that converge() is made of, for those who run them elsewhere: one mesh of one surface each.
 struct ConvergeJob {
   std::size_t surface, family;  ///< places in the options
   int resolution;
+  int mesh = 0;  ///< of a random family, from 0
 };
 /// All jobs of the options, the finest meshes first. \throws ParameterError as converge()
 std::vector<ConvergeJob> converge_jobs(const ConvergeOptions& options);

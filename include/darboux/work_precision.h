@@ -3,7 +3,9 @@
 /// surface and on meshes of it.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -81,6 +83,11 @@ struct WorkSample {
   bool on_front = false, best_of_family = false;
 
   double operator[](std::string_view name) const { return metric[find_work_metric(name)]; }
+  /// Whether it did not fail, and each of its errors is a number.
+  bool holds() const {
+    return failure.empty() &&
+           std::none_of(metric.begin(), metric.end(), [](double x) { return std::isinf(x); });
+  }
 };
 
 struct WorkOptions {
@@ -91,7 +98,7 @@ struct WorkOptions {
   int rounds = 11;                              ///< of timing, at least 3; each times every method once
   int points = 4096;       ///< random in [0, 1)², at least 16; into memory that stays in the cache
   int checked = 1000;      ///< of them compared with the truth, at most all
-  double timeout = 10;     ///< seconds that a call may take; a method that takes longer is not called again
+  double timeout = 10;     ///< seconds that a call may take; it is not interrupted, but not called again
   std::uint64_t seed = 1;  ///< of points and meshes
 };
 

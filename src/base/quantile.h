@@ -14,14 +14,19 @@ inline double ranked(std::vector<double> values, std::size_t k) {
   return *at;
 }
 
+// The upper one of two in the middle.
 inline double median(std::vector<double> values) {
   const std::size_t middle = values.size() / 2;
   return ranked(std::move(values), middle);
 }
 
+// Between the two ranks next to share (n - 1), in proportion: of 0.5 the mean of two in the middle.
 inline double quantile(std::vector<double> values, double share) {
-  const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-  return ranked(std::move(values), k);
+  const double at = share * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const double low = ranked(values, below);
+  if (static_cast<double>(below) == at) return low;
+  return low + (at - static_cast<double>(below)) * (ranked(std::move(values), below + 1) - low);
 }
 
 }  // namespace darboux

@@ -58,8 +58,9 @@ void guarded(Item& item, F f) {
 ///   std::vector<double> ns nanoseconds per point, one is added in each round
 /// and may have
 ///   std::string failure    why it has no times: what run() threw, or that a call took more than `timeout`
-///                          seconds. It is not called again, the others are. Without it exceptions pass on.
-/// A call is not interrupted. \param after called after each round
+///                          seconds, in whichever round. It is not called again, the others are. Without it
+///                          exceptions pass on.
+/// A call is not interrupted: it is judged when it has ended. \param after called after each round
 template <class Item, class After>
 void time_in_rounds(std::vector<Item>& items, int count, double timeout, After after) {
   const auto seconds = [](Item& item, int calls) {
@@ -81,8 +82,9 @@ void time_in_rounds(std::vector<Item>& items, int count, double timeout, After a
     for (std::size_t k = 0; k < items.size(); ++k)
       rounds::guarded(items[k], [&] {
         if (warmed[k]) items[k].run();
-        items[k].ns.push_back(seconds(items[k], calls[k]) * 1e9 / calls[k] /
-                              static_cast<double>(items[k].points));
+        const double once = seconds(items[k], calls[k]) / calls[k];
+        if (once > timeout) throw rounds::TimedOut(once);
+        items[k].ns.push_back(once * 1e9 / static_cast<double>(items[k].points));
       });
     after();
   }

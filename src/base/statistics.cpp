@@ -5,18 +5,10 @@
 
 #include <darboux/statistics.h>
 
+#include "base/student_t.h"
+
 namespace darboux {
 namespace {
-
-// The 97.5 % quantile of Student's t with n degrees of freedom.
-double student_t(std::size_t n) {
-  constexpr double table[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228};
-  if (n <= std::size(table)) return table[n - 1];
-  // Cornish-Fisher expansion about the normal quantile; within 0.001 of the exact value for n > 10.
-  const double z = 1.959964, v = static_cast<double>(n);
-  return z + (z * z * z + z) / (4 * v) + (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * v * v) +
-         (3 * std::pow(z, 7) + 19 * std::pow(z, 5) + 17 * z * z * z - 15 * z) / (384 * v * v * v);
-}
 
 // The smallest value that `rank` of the sample do not exceed; reorders.
 double value_of_rank(std::span<Counted> values, std::size_t rank) {
@@ -102,7 +94,8 @@ Line fit_line(std::span<const double> x, std::span<const double> y) {
   }
   double residual = 0;
   for (std::size_t i = 0; i < n; ++i) residual += std::pow(y[i] - intercept - slope * x[i], 2);
-  const double half = student_t(n - 2) * std::sqrt(residual / static_cast<double>(n - 2) / sxx);
+  const double half =
+      student_t(0.975, static_cast<double>(n - 2)) * std::sqrt(residual / static_cast<double>(n - 2) / sxx);
   return {slope, intercept, slope - half, slope + half};
 }
 

@@ -42,6 +42,12 @@ inline std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
+/// With blanks behind it, to `width` bytes where it has fewer.
+inline std::string padded(std::string text, std::size_t width) {
+  if (text.size() < width) text.append(width - text.size(), ' ');
+  return text;
+}
+
 /// How a message says what is wrong: "expected 0 < radius < inf, got -2".
 inline std::string expected_got(std::string_view expected, std::string_view got) {
   return "expected " + std::string(expected) + ", got " + std::string(got);

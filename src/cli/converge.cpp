@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -21,6 +20,7 @@ struct ConvergeArguments {
   std::optional<std::vector<std::string>> surfaces, methods, meshes;
   std::optional<std::string> resolutions, v_range;
   std::optional<std::uint64_t> seed;
+  std::optional<int> seeds;
   ReportArguments report;
   std::string picture;
 };
@@ -70,6 +70,7 @@ ConvergeChoices choose(const ConvergeArguments& arguments) {
     choices.v_last = parse_finite("--v-range", range[1]);
   }
   if (arguments.seed) choices.seed = *arguments.seed;
+  if (arguments.seeds) choices.seeds = *arguments.seeds;
   return choices;
 }
 
@@ -85,6 +86,7 @@ ConvergeOptions parse(const ConvergeArguments& arguments) {
   options.v_first = choices.v_first;
   options.v_last = choices.v_last;
   options.seed = choices.seed;
+  options.seeds = choices.seeds;
   return options;
 }
 
@@ -104,61 +106,50 @@ std::string command_line(const ConvergeOptions& options, const ConvergeArguments
          list(options.methods, name) + " --meshes " + list(options.families, name) + " --resolutions " +
          list(options.resolutions, [](int n) { return std::to_string(n); }) + " --v-range " +
          shortest(options.v_first) + ',' + shortest(options.v_last) + " --seed " +
-         std::to_string(options.seed) + command_line_of(arguments.report, {{"--picture", arguments.picture}});
+         std::to_string(options.seed) + " --seeds " + std::to_string(options.seeds) +
+         command_line_of(arguments.report, {{"--picture", arguments.picture}});
+}
+
+// For a terminal: the orders unless a report has them, and what is not as expected.
+std::string text_of(const std::vector<Study>& studies, bool with_orders) {
+  std::string text = (with_orders ? orders_text(studies) : std::string()) + verdict_summary(studies) + '\n';
+  for (const std::string& line : unexpected(studies)) text += line + '\n';
+  return text;
 }
 
 void run_converge(const ConvergeArguments& arguments, Common& common) {
-  const ReportArguments& to = arguments.report;
-  check(to, common, {{"--picture", arguments.picture}});
   const ConvergeOptions options = parse(arguments);
-  // Opened before the work, so that a folder that cannot be written is reported at once.
-  std::optional<OutputFile> report, csv, picture;
-  if (!to.output.empty()) report.emplace(to.output);
-  if (!to.csv.empty()) csv.emplace(to.csv);
-  if (!arguments.picture.empty()) picture.emplace(arguments.picture);
-  const Provenance origin = provenance(DARBOUX_VERSION, command_line(options, arguments));
-  const StudyIdentity identity{"converge", DARBOUX_VERSION, converge_identity(options),
-                               provenance_json(origin, common.threads)};
-  std::size_t jobs = 0;
-  std::vector<Study> studies;
-  {
-    Progress progress("converge", common);
-    studies = run_converge_study(options, identity, to.study_options(common.threads), jobs,
-                                 [&](double share) { progress.update(share); });
-  }
-  if (!to.shard.empty()) return print_shard(to, jobs, common);
-  const bool holds = std::all_of(studies.begin(), studies.end(), [](const Study& s) { return s.holds(); });
-  common.exit_status = holds ? 0 : 1;
-  const Json document{{"studies", studies_json(studies)},
-                      {"seed", options.seed},
-                      {"study", identity.study},
-                      {"provenance", identity.provenance}};
-  if (report) {
-    const std::string format = format_of(to);
-    report->write(format == "md"     ? converge_markdown(studies, origin)
-                  : format == "svg"  ? convergence_picture(options, studies)
-                  : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
-                                     : converge_page(studies, origin));
-    report->commit();
-  }
-  if (csv) {
-    csv->write(studies_csv(studies));
-    csv->commit();
-  }
-  if (picture) {
-    picture->write(convergence_picture(options, studies));
-    picture->commit();
-  }
-  if (common.json) return print_json(document);
-  // A page or CSV on standard output stands alone there.
-  if (is_standard_output(to.output) || is_standard_output(to.csv) || is_standard_output(arguments.picture))
-    return;
-  if (to.output.empty()) std::fputs(orders_text(studies).c_str(), stdout);
-  std::printf("%s\n", verdict_summary(studies).c_str());
-  for (const std::string& line : unexpected(studies)) std::printf("%s\n", line.c_str());
-  if (!to.output.empty()) std::printf("report: %s\n", to.output.c_str());
-  if (!to.csv.empty()) std::printf("CSV: %s\n", to.csv.c_str());
-  if (!arguments.picture.empty()) std::printf("picture: %s\n", arguments.picture.c_str());
+  const std::string first = std::to_string(options.seed);
+  const bool random = std::any_of(options.families.begin(), options.families.end(),
+                                  [](const MeshFamily* family) { return family->is_random(); });
+  run_report(
+      arguments.report,
+      {.command = "converge",
+       .command_line = command_line(options, arguments),
+       .seed = options.seed,
+       .seeds =
+           random && options.seeds > 1
+               ? first + " to " + std::to_string(options.seed + static_cast<std::uint64_t>(options.seeds) - 1)
+               : first,
+       .identity = converge_identity(options),
+       .other = {"--picture", "picture", arguments.picture},
+       .run =
+           [&](const auto& identity, const auto& study_options, auto& jobs, const auto& progress) {
+             const auto studies = std::make_shared<std::vector<Study>>(
+                 run_converge_study(options, identity, study_options, jobs, progress));
+             const auto picture = [&options, studies] { return convergence_picture(options, *studies); };
+             return Report{
+                 .holds =
+                     std::all_of(studies->begin(), studies->end(), [](const Study& s) { return s.holds(); }),
+                 .results = {{"studies", studies_json(*studies)}},
+                 .page = [studies](const Provenance& p) { return converge_page(*studies, p); },
+                 .markdown = [studies](const Provenance& p) { return converge_markdown(*studies, p); },
+                 .picture = picture,
+                 .csv = [studies] { return studies_csv(*studies); },
+                 .other = picture,
+                 .text = text_of(*studies, arguments.report.output.empty())};
+           }},
+      common);
 }
 
 }  // namespace
@@ -188,9 +179,15 @@ void add_converge(CLI::App& app, Common& common) {
                  "[8..128]");
   sub.add_option("--v-range", arguments->v_range,
                  "the part of the surface that is meshed: FIRST,LAST in [0, 1] [0,1]");
-  sub.add_option("--seed", arguments->seed, "of random meshes [1]")->check(whole_number);
-  add_report_options(sub, arguments->report,
-                     "quick (the defaults), standard (6 surfaces, all meshes, 16..512), full (8..1024)");
+  sub.add_option("--seed", arguments->seed, "of the first random mesh [1]")->check(whole_number);
+  sub.add_option(
+         "--seeds", arguments->seeds,
+         "random meshes per resolution, whose spread goes into the intervals; one of more than 256 rows "
+         "[3]")
+      ->check(CLI::Range(1, most_seeds));
+  add_report_options(
+      sub, arguments->report,
+      "quick (the defaults), standard (6 surfaces, 6 families of meshes, 16..512), full (8..1024)");
   add_output_options(sub, arguments->report, "the picture of --picture", "all levels of all studies");
   sub.add_option(
       "--picture", arguments->picture,

@@ -83,8 +83,7 @@ std::optional<ConvergeChoices> preset_named(std::string_view name) {
                       "ellipsoid",
                       "cone",
                       "one-sheet-hyperboloid"};
-  choices.meshes.clear();
-  for (const MeshFamily& family : mesh_families()) choices.meshes.emplace_back(family.name);
+  choices.meshes = {"jittered", "jittered-diagonals", "regular", "sheared", "mirrored", "graded"};
   choices.resolutions = {16, 32, 64, 128, 256, 512};
   if (name == "full") choices.resolutions = {8, 16, 32, 64, 128, 256, 512, finest_rows};
   return choices;
@@ -93,8 +92,8 @@ std::optional<ConvergeChoices> preset_named(std::string_view name) {
 void read_converge_study(const std::string& file, ConvergeChoices& choices) {
   const Json json = io::parse_json(file, io::read_file(file));
   const auto study = io::JsonCursor::with_pointers(file, json);
-  study.expect_keys(
-      {"$schema", "command", "preset", "surfaces", "methods", "meshes", "resolutions", "v_range", "seed"});
+  study.expect_keys({"$schema", "command", "preset", "surfaces", "methods", "meshes", "resolutions",
+                     "v_range", "seed", "seeds"});
   if (const auto command = study.at("command"); command.text() != "converge") command.fail("\"converge\"");
   if (study.has("preset")) {
     const auto preset = study.at("preset");
@@ -111,6 +110,7 @@ void read_converge_study(const std::string& file, ConvergeChoices& choices) {
   if (study.has("resolutions")) read_resolutions(study.at("resolutions"), choices.resolutions);
   if (study.has("v_range")) read_range(study.at("v_range"), choices);
   if (study.has("seed")) choices.seed = study.at("seed").integer();
+  if (study.has("seeds")) choices.seeds = static_cast<int>(study.at("seeds").integer(1, most_seeds));
 }
 
 Json converge_identity(const ConvergeOptions& options) {
@@ -121,7 +121,8 @@ Json converge_identity(const ConvergeOptions& options) {
                 {"meshes", meshes},
                 {"resolutions", options.resolutions},
                 {"v_range", {options.v_first, options.v_last}},
-                {"seed", options.seed}});
+                {"seed", options.seed},
+                {"seeds", options.seeds}});
   return study;
 }
 
@@ -133,7 +134,8 @@ std::vector<Study> run_converge_study(const ConvergeOptions& options, const Stud
   for (const ConvergeJob& piece : pieces)
     jobs.push_back({options.surfaces[piece.surface].specification() + ' ' +
                         std::string(options.families[piece.family]->name) +
-                        " n=" + std::to_string(piece.resolution),
+                        " n=" + std::to_string(piece.resolution) +
+                        (piece.mesh == 0 ? "" : " mesh=" + std::to_string(piece.mesh)),
                     [&options, piece] {
                       Json samples = Json::array();
                       for (const LevelSample& sample : run_converge_job(options, piece))

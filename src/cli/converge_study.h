@@ -23,12 +23,14 @@ struct ConvergeChoices {
   std::vector<int> resolutions{8, 16, 32, 64, 128};
   double v_first = 0, v_last = 1;
   std::uint64_t seed = 1;
+  int seeds = 3;
 };
 
 inline constexpr int finest_rows = 1024;  ///< 4 million triangles; their frames take a gigabyte
+inline constexpr int most_seeds = 1000;
 
-/// quick: the choices as they are; standard: six surfaces, all meshes, 16 to 512 rows; full: 8 to 1024.
-/// Nothing for another name.
+/// quick: the choices as they are; standard: six surfaces, six families of meshes, 16 to 512 rows; full: 8 to
+/// 1024. Nothing for another name.
 std::optional<ConvergeChoices> preset_named(std::string_view name);
 
 /// Overrides `choices` by what a study file says: docs/schemas/converge-study.schema.json.

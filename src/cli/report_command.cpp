@@ -1,10 +1,12 @@
 #include "report_command.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 namespace darboux {
 
@@ -26,49 +28,6 @@ void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::st
          "of the report: html (a page), md (tables), svg (" + svg + ") or json; else by the file's extension")
       ->check(CLI::IsMember({"html", "md", "svg", "json"}));
   sub.add_option("--csv", arguments.csv, "write " + csv + " to this file");
-}
-
-std::string format_of(const ReportArguments& arguments) {
-  if (!arguments.format.empty()) return arguments.format;
-  const std::string name = lower(arguments.output);
-  for (const char* format : {"html", "md", "svg", "json"})
-    if (name.ends_with(std::string(".") + format)) return format;
-  return "html";
-}
-
-void check(const ReportArguments& arguments, const Common& common,
-           const std::vector<std::pair<const char*, std::string>>& others) {
-  std::string names = "-o -, --csv -";
-  int to_stdout = is_standard_output(arguments.output) + is_standard_output(arguments.csv) + common.json;
-  bool writes = !arguments.output.empty() || !arguments.csv.empty();
-  for (const auto& [option, file] : others) {
-    names += std::string(", ") + option + " -";
-    to_stdout += is_standard_output(file);
-    writes = writes || !file.empty();
-  }
-  if (to_stdout > 1)
-    throw ParameterError("-", expected_got("one of " + names + " and --json for standard output", "more"));
-  std::vector<std::pair<const char*, std::string>> files = others;
-  files.insert(files.begin(), {{"--study", arguments.study},
-                               {"--results", arguments.results},
-                               {"-o", arguments.output},
-                               {"--csv", arguments.csv}});
-  std::map<std::string, std::string> option_of;
-  for (const auto& [option, file] : files) {
-    if (file.empty() || is_standard_output(file)) continue;
-    std::error_code none;
-    const auto [at, added] = option_of.emplace(
-        std::filesystem::weakly_canonical(std::filesystem::absolute(file), none).string(), option);
-    if (!added) throw ParameterError(option, expected_got("another file than that of " + at->second, file));
-  }
-  if (!arguments.format.empty() && arguments.output.empty())
-    throw ParameterError("--format", "expected -o FILE with it, got none");
-  if (arguments.shard.empty()) return;
-  if (arguments.results.empty())
-    throw ParameterError("--shard", "expected --results FILE beside it, got none");
-  if (writes)
-    throw ParameterError("--shard",
-                         "expected --results alone, got a page, CSV or picture: merge the shards first");
 }
 
 std::string command_line_of(const ReportArguments& arguments,
@@ -127,11 +86,6 @@ std::string shell_quoted(const std::string& text) {
   return result + "'";
 }
 
-Json provenance_json(const Provenance& origin, int threads) {
-  return {{"command", origin.command}, {"version", origin.version}, {"compiler", origin.compiler},
-          {"machine", origin.machine}, {"date", origin.date},       {"threads", threads}};
-}
-
 Json surfaces_identity(const std::vector<AnySurface>& surfaces) {
   Json names = Json::array(), inputs = Json::object();
   for (const AnySurface& surface : surfaces) {
@@ -141,10 +95,109 @@ Json surfaces_identity(const std::vector<AnySurface>& surfaces) {
   return {{"surfaces", names}, {"inputs", inputs}};
 }
 
+namespace {
+
+// The format of -o: as --format says, else by the file's extension.
+std::string format_of(const ReportArguments& arguments) {
+  if (!arguments.format.empty()) return arguments.format;
+  const std::string name = lower(arguments.output);
+  for (const char* format : {"html", "md", "svg", "json"})
+    if (name.ends_with(std::string(".") + format)) return format;
+  return "html";
+}
+
+void check(const ReportArguments& arguments, const OtherOutput& other, const Common& common) {
+  const std::string names =
+      "-o -, --csv -" + (other.option ? std::string(", ") + other.option + " -" : std::string());
+  const int to_stdout = is_standard_output(arguments.output) + is_standard_output(arguments.csv) +
+                        is_standard_output(other.file) + common.json;
+  const bool writes = !arguments.output.empty() || !arguments.csv.empty() || !other.file.empty();
+  if (to_stdout > 1)
+    throw ParameterError("-", expected_got("one of " + names + " and --json for standard output", "more"));
+  std::map<std::string, std::string> option_of;
+  for (const auto& [option, file] :
+       std::vector<std::pair<const char*, std::string>>{{"--study", arguments.study},
+                                                        {"--results", arguments.results},
+                                                        {"-o", arguments.output},
+                                                        {"--csv", arguments.csv},
+                                                        {other.option ? other.option : "", other.file}}) {
+    if (file.empty() || is_standard_output(file)) continue;
+    std::error_code none;
+    const auto [at, added] = option_of.emplace(
+        std::filesystem::weakly_canonical(std::filesystem::absolute(file), none).string(), option);
+    if (!added) throw ParameterError(option, expected_got("another file than that of " + at->second, file));
+  }
+  if (!arguments.format.empty() && arguments.output.empty())
+    throw ParameterError("--format", "expected -o FILE with it, got none");
+  if (arguments.shard.empty()) return;
+  if (arguments.results.empty())
+    throw ParameterError("--shard", "expected --results FILE beside it, got none");
+  if (writes)
+    throw ParameterError("--shard",
+                         "expected --results alone, got a page, CSV or picture: merge the shards first");
+}
+
+// As results files and JSON documents hold it.
+Json provenance_json(const Provenance& origin, int threads) {
+  return {{"command", origin.command}, {"version", origin.version}, {"compiler", origin.compiler},
+          {"machine", origin.machine}, {"date", origin.date},       {"threads", threads}};
+}
+
+// What a command says that has done one shard.
 void print_shard(const ReportArguments& arguments, std::size_t jobs, const Common& common) {
   if (common.json)
     return print_json({{"shard", arguments.shard}, {"jobs", jobs}, {"results", arguments.results}});
   std::printf("shard %s: %zu jobs done, in %s\n", arguments.shard.c_str(), jobs, arguments.results.c_str());
+}
+
+}  // namespace
+
+void run_report(const ReportArguments& to, const ReportStudy& study, Common& common) {
+  check(to, study.other, common);
+  struct Output {
+    std::string what, file;
+    std::optional<OutputFile> open{};
+  };
+  std::array<Output, 3> outputs{Output{"report", to.output}, Output{"CSV", to.csv},
+                                Output{study.other.what ? study.other.what : "", study.other.file}};
+  for (Output& output : outputs)
+    if (!output.file.empty()) output.open.emplace(output.file);
+  Provenance origin = provenance(DARBOUX_VERSION, study.command_line);
+  origin.seeds = study.seeds;
+  const StudyIdentity identity{study.command, DARBOUX_VERSION, study.identity,
+                               provenance_json(origin, common.threads)};
+  std::size_t jobs = 0;
+  Report report;
+  {
+    Progress progress(study.command, common);
+    report = study.run(identity, to.study_options(common.threads), jobs,
+                       [&](double share) { progress.update(share); });
+  }
+  if (!to.shard.empty()) return print_shard(to, jobs, common);
+  common.exit_status = report.holds ? 0 : 1;
+  Json document = report.results;
+  document.update({{"holds", report.holds},
+                   {"seed", study.seed},
+                   {"study", identity.study},
+                   {"provenance", identity.provenance}});
+  const auto in_format = [&](const std::string& format) {
+    return format == "md"     ? report.markdown(origin)
+           : format == "svg"  ? report.picture()
+           : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
+                              : report.page(origin);
+  };
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    if (outputs[i].open) {
+      outputs[i].open->write(i == 0 ? in_format(format_of(to)) : i == 1 ? report.csv() : report.other());
+      outputs[i].open->commit();
+    }
+  if (common.json) return print_json(document);
+  // What is on standard output stands alone there.
+  if (std::any_of(outputs.begin(), outputs.end(), [](const Output& o) { return is_standard_output(o.file); }))
+    return;
+  std::fputs(report.text.c_str(), stdout);
+  for (const Output& output : outputs)
+    if (output.open) std::printf("%s: %s\n", output.what.c_str(), output.file.c_str());
 }
 
 }  // namespace darboux

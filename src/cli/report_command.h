@@ -2,6 +2,8 @@
 /// What the report commands share: presets, study files, results, shards, pages and CSV.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,15 +33,6 @@ void add_report_options(CLI::App& sub, ReportArguments& arguments, const std::st
 void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::string& svg,
                         const std::string& csv);
 
-/// The format of -o: as --format says, else by the file's extension: html, md, svg or json.
-std::string format_of(const ReportArguments& arguments);
-
-/// \param others options that write a file too, and their files
-/// \throws ParameterError where two of these write to one place, a format is asked for without -o, or a shard
-/// is to write more than its results
-void check(const ReportArguments& arguments, const Common& common,
-           const std::vector<std::pair<const char*, std::string>>& others = {});
-
 /// These as they stand in the line that runs the same again: " --results FILE -o FILE".
 std::string command_line_of(const ReportArguments& arguments,
                             const std::vector<std::pair<const char*, std::string>>& others = {});
@@ -50,9 +43,6 @@ std::vector<int> parse_resolutions(const std::string& text, int finest);
 
 /// Text as a shell reads it.
 std::string shell_quoted(const std::string& text);
-
-/// As results files and JSON documents hold it.
-Json provenance_json(const Provenance& origin, int threads);
 
 /// What of a study's identity the surfaces are: their specifications, and a hash of each file that one is
 /// read from.
@@ -73,7 +63,38 @@ void read_names(const io::JsonCursor& list, std::vector<std::string>& names, Fin
   }
 }
 
-/// What a command says that has done one shard.
-void print_shard(const ReportArguments& arguments, std::size_t jobs, const Common& common);
+/// An option that writes a file too: its name, what it writes, and where; nothing where that is empty.
+struct OtherOutput {
+  const char *option, *what;
+  std::string file;
+};
+
+/// What a command has found, in every format.
+struct Report {
+  bool holds;    ///< else exit status 1
+  Json results;  ///< the document's own keys
+  std::function<std::string(const Provenance&)> page, markdown;
+  std::function<std::string()> picture, csv, other;
+  std::string text;  ///< for a terminal
+};
+
+/// A study as a command runs it.
+struct ReportStudy {
+  std::string command;       ///< "converge"
+  std::string command_line;  ///< runs the same again
+  std::uint64_t seed;
+  std::string seeds;  ///< in words: "1 to 3"
+  Json identity;      ///< all that the results depend on
+  OtherOutput other{};
+  /// Runs the jobs of the shard, sets how many of them have results now, and reports.
+  std::function<Report(const StudyIdentity&, const StudyOptions&, std::size_t& jobs,
+                       const std::function<void(double)>& progress)>
+      run;
+};
+
+/// Opens the outputs, so that a folder that cannot be written is reported before the work; runs the study
+/// with its progress shown; writes the outputs and prints. \throws ParameterError where two options write to
+/// one place, a format is asked for without -o, or a shard is to write more than its results
+void run_report(const ReportArguments& arguments, const ReportStudy& study, Common& common);
 
 }  // namespace darboux

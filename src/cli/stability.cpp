@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -72,50 +71,29 @@ std::string command_line(const StabilityOptions& options, const StabilityArgumen
 }
 
 void run_stability(const StabilityArguments& arguments, Common& common) {
-  const ReportArguments& to = arguments.report;
-  check(to, common);
   const StabilityOptions options = parse(arguments);
-  // Opened before the work, so that a folder that cannot be written is reported at once.
-  std::optional<OutputFile> output, csv;
-  if (!to.output.empty()) output.emplace(to.output);
-  if (!to.csv.empty()) csv.emplace(to.csv);
-  const Provenance origin = provenance(DARBOUX_VERSION, command_line(options, arguments));
-  const StudyIdentity identity{"stability", DARBOUX_VERSION, stability_identity(options),
-                               provenance_json(origin, common.threads)};
-  std::size_t jobs = 0;
-  std::vector<StabilityCurve> curves;
-  {
-    Progress progress("stability", common);
-    curves = run_stability_study(options, identity, to.study_options(common.threads), jobs,
-                                 [&](double share) { progress.update(share); });
-  }
-  if (!to.shard.empty()) return print_shard(to, jobs, common);
-  const bool holds =
-      std::all_of(curves.begin(), curves.end(), [](const StabilityCurve& c) { return c.holds(); });
-  common.exit_status = holds ? 0 : 1;
-  const Json document{{"curves", curves_json(curves)},
-                      {"holds", holds},
-                      {"seed", options.seed},
-                      {"study", identity.study},
-                      {"provenance", identity.provenance}};
-  if (output) {
-    const std::string format = format_of(to);
-    output->write(format == "md"     ? stability_markdown(curves, origin)
-                  : format == "svg"  ? stability_picture(curves)
-                  : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
-                                     : stability_page(curves, origin));
-    output->commit();
-  }
-  if (csv) {
-    csv->write(curves_csv(curves));
-    csv->commit();
-  }
-  if (common.json) return print_json(document);
-  // A page or CSV on standard output stands alone there.
-  if (is_standard_output(to.output) || is_standard_output(to.csv)) return;
-  std::fputs(stability_text(curves).c_str(), stdout);
-  if (!to.output.empty()) std::printf("report: %s\n", to.output.c_str());
-  if (!to.csv.empty()) std::printf("CSV: %s\n", to.csv.c_str());
+  run_report(arguments.report,
+             {.command = "stability",
+              .command_line = command_line(options, arguments),
+              .seed = options.seed,
+              .seeds = std::to_string(options.seed),
+              .identity = stability_identity(options),
+              .run =
+                  [&](const auto& identity, const auto& study_options, auto& jobs, const auto& progress) {
+                    const auto curves = std::make_shared<std::vector<StabilityCurve>>(
+                        run_stability_study(options, identity, study_options, jobs, progress));
+                    return Report{
+                        .holds = std::all_of(curves->begin(), curves->end(),
+                                             [](const StabilityCurve& c) { return c.holds(); }),
+                        .results = {{"curves", curves_json(*curves)}},
+                        .page = [curves](const Provenance& p) { return stability_page(*curves, p); },
+                        .markdown = [curves](const Provenance& p) { return stability_markdown(*curves, p); },
+                        .picture = [curves] { return stability_picture(*curves); },
+                        .csv = [curves] { return curves_csv(*curves); },
+                        .other = {},
+                        .text = stability_text(*curves)};
+                  }},
+             common);
 }
 
 }  // namespace

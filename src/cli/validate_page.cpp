@@ -512,14 +512,6 @@ std::string not_assessed(const std::vector<AssessedFile>& files) {
   return html;
 }
 
-// The digest that a policy names a script by.
-std::string digest(std::string_view hex) {
-  std::string bytes;
-  for (std::size_t i = 0; i < hex.size(); i += 2)
-    bytes += static_cast<char>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16));
-  return "'sha256-" + base64(bytes) + "'";
-}
-
 }  // namespace
 
 std::string validate_page(const std::vector<AssessedFile>& files, double max_angle_deg) {
@@ -532,14 +524,11 @@ std::string validate_page(const std::vector<AssessedFile>& files, double max_ang
       std::count_if(files.begin(), files.end(), [](const AssessedFile& f) { return !f.readable(); }));
 
   // Nothing but the one script runs, whatever a file or a name holds.
-  std::string page =
-      "<!DOCTYPE html>\n<html lang=en class=both>\n<head>\n<meta charset=utf-8>\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-      "'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; script-src " +
-      digest(validate_page_js_sha256) +
-      "\">\n<meta name=viewport content=\"width=device-width, initial-scale=1\">\n<title>" +
-      escape(std::string(name_of(verdict)) + ": " + what) +
-      " – Darboux</title>\n<link rel=icon href=\"data:,\">\n<style>";
+  std::string page = "<!DOCTYPE html>\n<html lang=en class=both>\n<head>\n<meta charset=utf-8>\n" +
+                     content_policy({validate_page_js_sha256}) +
+                     "<meta name=viewport content=\"width=device-width, initial-scale=1\">\n<title>" +
+                     escape(std::string(name_of(verdict)) + ": " + what) +
+                     " – Darboux</title>\n<link rel=icon href=\"data:,\">\n<style>";
   page += page_style;
   page += style;
   page +=

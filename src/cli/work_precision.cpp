@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -154,62 +152,43 @@ void check_compare(const CLI::App& sub) {
 }
 
 void run_work_precision(const WorkArguments& arguments, Common& common) {
-  const ReportArguments& to = arguments.report;
-  check(to, common);
   if (!arguments.compare.empty()) return run_compare(arguments, common);
   const WorkOptions options = parse(arguments);
   const WorkAxes axes = axes_of(arguments);
-  // Opened before the work, so that a folder that cannot be written is reported at once.
-  std::optional<OutputFile> output, csv;
-  if (!to.output.empty()) output.emplace(to.output);
-  if (!to.csv.empty()) csv.emplace(to.csv);
-  const Provenance origin = provenance(DARBOUX_VERSION, command_line(options, arguments));
-  const StudyIdentity identity{"work-precision", DARBOUX_VERSION, work_identity(options),
-                               provenance_json(origin, common.threads)};
-  std::size_t jobs = 0;
-  std::vector<WorkSample> samples;
-  {
-    Progress progress("work-precision", common);
-    samples = run_work_study(options, identity, to.study_options(common.threads), jobs,
-                             [&](double share) { progress.update(share); });
-  }
-  if (!to.shard.empty()) return print_shard(to, jobs, common);
-  mark_fronts(samples, axes);
-  const bool holds =
-      std::all_of(samples.begin(), samples.end(), [](const WorkSample& s) { return s.failure.empty(); });
-  common.exit_status = holds ? 0 : 1;
-  const Json document{{"samples", work_json(samples)},
-                      {"holds", holds},
-                      {"seed", options.seed},
-                      {"study", identity.study},
-                      {"provenance", identity.provenance}};
-  if (output) {
-    const std::string format = format_of(to);
-    output->write(format == "md"     ? work_markdown(samples, axes, origin)
-                  : format == "svg"  ? work_picture(samples, axes)
-                  : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
-                                     : work_page(samples, axes, origin));
-    output->commit();
-  }
-  if (csv) {
-    csv->write(work_csv(samples));
-    csv->commit();
-  }
-  if (common.json) return print_json(document);
-  // A page or CSV on standard output stands alone there.
-  if (is_standard_output(to.output) || is_standard_output(to.csv)) return;
-  std::fputs(work_text(samples, axes).c_str(), stdout);
-  if (!to.output.empty()) std::printf("report: %s\n", to.output.c_str());
-  if (!to.csv.empty()) std::printf("CSV: %s\n", to.csv.c_str());
+  run_report(arguments.report,
+             {.command = "work-precision",
+              .command_line = command_line(options, arguments),
+              .seed = options.seed,
+              .seeds = std::to_string(options.seed),
+              .identity = work_identity(options),
+              .run =
+                  [&](const auto& identity, const auto& study_options, auto& jobs, const auto& progress) {
+                    const auto samples = std::make_shared<std::vector<WorkSample>>(
+                        run_work_study(options, identity, study_options, jobs, progress));
+                    mark_fronts(*samples, axes);
+                    return Report{
+                        .holds = std::all_of(samples->begin(), samples->end(),
+                                             [](const WorkSample& s) { return s.holds(); }),
+                        .results = {{"samples", work_json(*samples)}},
+                        .page = [=](const Provenance& p) { return work_page(*samples, axes, p); },
+                        .markdown = [=](const Provenance& p) { return work_markdown(*samples, axes, p); },
+                        .picture = [=] { return work_picture(*samples, axes); },
+                        .csv = [=] { return work_csv(*samples); },
+                        .other = {},
+                        .text = work_text(*samples, axes)};
+                  }},
+             common);
 }
 
 // A check for options: a finite number that is `good`.
 CLI::Validator finite_number(const std::string& expected, bool (*good)(double)) {
   const auto check = [=](const std::string& text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool fits = error == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
-    return fits && good(value) ? std::string() : expected_got(expected, "'" + text + "'");
+    try {
+      if (good(parse_finite("", text))) return std::string();
+    } catch (const ParameterError&) {
+      // Said below, with what is expected of this option.
+    }
+    return expected_got(expected, "'" + text + "'");
   };
   return {check, ""};
 }
@@ -263,7 +242,8 @@ void add_work_precision(CLI::App& app, Common& common) {
   add_report_options(sub, arguments->report,
                      "quick (the defaults), standard (the catalogue, 21 rounds, 8 to 64 rows), full (51 "
                      "rounds, 8 to 256 rows)");
-  add_output_options(sub, arguments->report, "time against error, a panel per surface and mesh",
+  add_output_options(sub, arguments->report,
+                     "one metric against another, a panel per surface and mesh, at most 12",
                      "every measurement");
   add_common(sub, common, "darboux work-precision torus --rounds 5 --resolutions 8,16 -o work.html");
   sub.callback([arguments, &common, &sub] {

@@ -26,11 +26,17 @@ constexpr MeshFamily families[] = {
     {"graded",
      "a grid whose cells grow smoothly from half the average in the middle to one and a half at the ends", 0,
      0, false, false, 0.5},
+    {"inverted",
+     "a grid whose inner vertices are moved at random by up to 0.35 of a cell: triangles turn over", 0, 0.35,
+     false},
+    {"shared-poles", "a grid all whose triangles at a pole share one vertex, which has one u", 0, 0, false,
+     false, 0, MeshTopology::grid, PolePlacement::shared},
+    {"lantern", "Schwarz's: as many rows as a quarter of the columns squared, every second one turned", 0, 0,
+     false, false, 0, MeshTopology::lantern},
 };
 
 constexpr double above_floor = 10;    // a level is used where its rms is this many times its floor
-constexpr int asymptotic_from = 16;   // coarser levels are left out where enough remain
-constexpr std::size_t fit_least = 3;  // levels without which there is no interval
+constexpr std::size_t fit_least = 3;  // levels without which there is no order
 constexpr double tolerance = 0.15;    // of an order
 constexpr double orthogonal_below =
     1e-9;  // |cos| between dpdu and dpdv, and what their lengths differ by: far above rounding
@@ -44,6 +50,12 @@ double degrees(double radians) {
   return radians * (180 / std::numbers::pi);
 }
 
+// Whether the family's triangles are so ill-shaped that nothing is promised.
+bool promises_nothing(const MeshFamily& family, bool has_pole) {
+  return family.jitter > 0.25 || family.topology == MeshTopology::lantern ||
+         (has_pole && family.pole == PolePlacement::shared);
+}
+
 // A mesh with the truth at its vertices.
 struct Reference {
   struct Truth {
@@ -53,7 +65,7 @@ struct Reference {
   Mesh mesh;
   std::vector<VertexClass> vertex_class;
   std::vector<Truth> truth;
-  double floor_deg;
+  double h, floor_deg;
   Chart chart = Chart::conformal;            // the narrowest kind that holds everywhere, by the stored uvs
   Chart unsheared_chart = Chart::conformal;  // the same by u and v themselves
   bool has_pole = false;
@@ -74,6 +86,15 @@ double floor_deg(const Mesh& mesh) {
   return degrees(16 * 0x1p-53 * std::max(largest / shortest, largest_uv / shortest_uv));
 }
 
+double mean_edge(const Mesh& mesh) {
+  double sum = 0;
+  for (const Triangle& triangle : mesh.triangles)
+    for (int k = 0; k < 3; ++k)
+      sum += norm(mesh.positions[triangle[(k + 1) % 3]] - mesh.positions[triangle[k]]) /
+             static_cast<double>(mesh.corners());
+  return sum;
+}
+
 Chart chart_at(const Sample<double>& sample, double du_dstored, const Vec3<double>& along_v) {
   if (std::fabs(dot(sample.frame.t, unit(along_v))) > orthogonal_below) return Chart::any;
   const double along_u = std::fabs(du_dstored) * norm(sample.jet.dpdu);
@@ -90,10 +111,13 @@ std::pair<Sample<double>, double> unmirrored(const AnySurface& surface, const Me
   return {surface.sample(1 - stored / 2, v), -0.5};
 }
 
-Reference make_reference(const AnySurface& surface, const MeshFamily& family, const ConvergeOptions& options,
-                         int n) {
+Reference make_reference(const ConvergeOptions& options, const ConvergeJob& job) {
+  const AnySurface& surface = options.surfaces[job.surface];
+  const MeshFamily& family = *options.families[job.family];
   Reference r;
-  r.mesh = sample_mesh(surface, mesh_options(family, n, options.seed, options.v_first, options.v_last));
+  r.mesh = sample_mesh(
+      surface, mesh_options(family, job.resolution, options.seed + static_cast<std::uint64_t>(job.mesh),
+                            options.v_first, options.v_last));
   std::vector<bool> is_pole;
   for (std::size_t i = 0; i < r.mesh.uvs.size(); ++i) {
     const Vec2<double>& stored = r.mesh.uvs[i];
@@ -115,6 +139,7 @@ Reference make_reference(const AnySurface& surface, const MeshFamily& family, co
   }
   r.vertex_class = classify(r.mesh, is_pole).of_vertex;
   r.floor_deg = floor_deg(r.mesh);
+  r.h = mean_edge(r.mesh);
   return r;
 }
 
@@ -143,7 +168,8 @@ bool answers(const FrameMethod& method, std::size_t quantity) {
 
 double expected_order(const FrameMethod& method, const MeshFamily& family, VertexClass vertex_class,
                       std::size_t quantity, const Reference& reference) {
-  const bool irregular = family.jitter > 0 || family.random_diagonals;
+  if (promises_nothing(family, reference.has_pole)) return 0;
+  const bool irregular = family.is_random();
   const auto of_family = [&](const ExpectedOrders& orders) {
     return irregular ? orders.jittered : orders.regular;
   };
@@ -172,6 +198,8 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
     if (method.reach > 1) order = std::min(order, method.direction.jittered + 0.5);
   }
   if (!reference.has_pole) return order;
+  // What a triangle gives by itself is wrong next to a pole alone: a share h of all.
+  if (method.reach == 0) return std::min(order, beside_poles + 0.5);
   // Seams and borders that end in poles: what is one-sided there keeps half an order less.
   const bool one_sided = vertex_class != VertexClass::interior;
   if (one_sided && order > 1) order -= 0.5;
@@ -179,40 +207,64 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   // Where cells are widest at a seam that ends in poles, it shows in the interior: a share h sees beyond it.
   if (family.grading > 0 && method.reach > 1) order = std::min(order, method.direction.jittered);
   // So does what lies next to a pole there: it has the order of irregular meshes.
-  return std::min(order, (one_sided ? std::min(beside_poles, at_poles.jittered) : beside_poles) + 0.5);
+  if (one_sided) return std::min(order, std::min(beside_poles, at_poles.jittered) + 0.5);
+  return std::min(order, beside_poles + (irregular && beside_poles < 1 ? 0.25 : 0.5));
 }
 
 OrderVerdict judge_order(const Study& study) {
   if (std::isnan(study.order)) return OrderVerdict::at_the_floor;
   const double expected = study.expected_order;
-  if (study.order < tolerance) return OrderVerdict::does_not_converge;
-  if (study.order_high < expected - tolerance) return OrderVerdict::slower;
+  const bool falls = study.order >= least_order;
+  if (expected == 0 && !falls) return OrderVerdict::does_not_converge;
+  if (study.order_high < expected - tolerance)
+    return falls ? OrderVerdict::slower : OrderVerdict::does_not_converge;
   if (study.order_low > expected + tolerance) return OrderVerdict::faster;
   return OrderVerdict::as_expected;
 }
 
-// Chooses the levels, fits the order and judges it.
+// Chooses the levels, fits the orders and judges them.
 void conclude(Study& study) {
-  std::size_t asymptotic = 0;
+  std::vector<ErrorsAtWidth> rms, max;
+  std::vector<Level*> of_width;
   for (Level& level : study.levels) {
-    level.used = level.rms_deg > above_floor * level.floor_deg;
-    asymptotic += level.used && level.resolution >= asymptotic_from;
-  }
-  std::vector<double> x, y;
-  for (Level& level : study.levels) {
-    level.used = level.used && (level.resolution >= asymptotic_from || asymptotic < fit_least + 1);
+    level.used = *std::min_element(level.rms_of_mesh.begin(), level.rms_of_mesh.end()) >
+                     above_floor * level.floor_deg &&
+                 (rms.empty() || level.h < rms.back().h);
     if (!level.used) continue;
-    x.push_back(std::log(level.h));
-    y.push_back(std::log(level.rms_deg));
+    rms.push_back({level.h, level.rms_of_mesh});
+    max.push_back({level.h, level.max_of_mesh});
+    of_width.push_back(&level);
   }
-  study.order = study.order_low = study.order_high = std::numeric_limits<double>::quiet_NaN();
-  if (x.size() >= fit_least) {
-    const Line line = fit_line(x, y);
-    study.order = line.slope;
-    study.order_low = line.slope_low;
-    study.order_high = line.slope_high;
-  }
+  const OrderEstimate estimate = estimate_order(rms);
+  for (std::size_t i = 0; i < estimate.first; ++i) of_width[i]->used = false;
+  study.order = estimate.order;
+  study.order_low = estimate.low;
+  study.order_high = estimate.high;
+  study.max_order = estimate_order(max).order;
   study.verdict = judge_order(study);
+}
+
+// Several random meshes of one resolution as one level.
+Level pooled(const std::vector<Level>& meshes) {
+  Level all = meshes.front();
+  const auto count = static_cast<double>(meshes.size());
+  double squares = 0;
+  all.h = all.p95_deg = all.seconds = 0;
+  all.corners = all.fallback = 0;
+  for (const Level& mesh : meshes) {
+    all.h += mesh.h / count;
+    all.p95_deg += mesh.p95_deg / count;
+    all.seconds += mesh.seconds / count;
+    all.max_deg = std::max(all.max_deg, mesh.max_deg);
+    all.floor_deg = std::max(all.floor_deg, mesh.floor_deg);
+    all.corners += mesh.corners;
+    all.fallback += mesh.fallback;
+    squares += mesh.rms_deg * mesh.rms_deg * static_cast<double>(mesh.corners - mesh.fallback);
+    all.rms_of_mesh.push_back(mesh.rms_deg);
+    all.max_of_mesh.push_back(mesh.max_deg);
+  }
+  if (meshes.size() > 1) all.rms_deg = std::sqrt(squares / static_cast<double>(all.corners - all.fallback));
+  return all;
 }
 
 // One sample for each class and quantity that has corners.
@@ -260,7 +312,7 @@ void measure(const Reference& reference, const FrameMethod& method, const MeshFa
           {method.name,
            vertex_class,
            quantities[q],
-           {n, 1.0 / n, s.max, s.rms, s.p95, floor_deg, seconds, errors.corners, errors.fallback, false},
+           {n, reference.h, s.max, s.rms, s.p95, floor_deg, seconds, errors.corners, errors.fallback, false},
            expected_order(method, family, vertex_class, q, reference)});
     }
 }
@@ -275,6 +327,14 @@ void check(const ConvergeOptions& o) {
           "resolutions", expected_got("increasing numbers from 2",
                                       std::to_string(o.resolutions[i]) +
                                           (i == 0 ? "" : " after " + std::to_string(o.resolutions[i - 1]))));
+  if (o.seeds < 1) throw ParameterError("seeds", expected_got("at least 1", std::to_string(o.seeds)));
+  for (const MeshFamily* family : o.families)
+    if (family->topology != MeshTopology::grid || family->pole != PolePlacement::per_column)
+      for (const AnySurface& surface : o.surfaces) try {
+          sample_mesh(surface, mesh_options(*family, o.resolutions.front(), o.seed, o.v_first, o.v_last));
+        } catch (const ParameterError& e) {
+          throw ParameterError("meshes", std::string(family->name) + ": " + e.what());
+        }
 }
 
 }  // namespace
@@ -294,8 +354,11 @@ const MeshFamily& find_mesh_family(std::string_view name) {
 
 SampleMeshOptions mesh_options(const MeshFamily& family, int rows, std::uint64_t seed, double v_first,
                                double v_last) {
-  return {.columns = 2 * rows,
+  const bool lantern = family.topology == MeshTopology::lantern;
+  return {.topology = family.topology,
+          .columns = lantern ? std::max(3, static_cast<int>(std::lround(2 * std::sqrt(rows)))) : 2 * rows,
           .rows = rows,
+          .pole = family.pole,
           .jitter = family.jitter,
           .random_diagonals = family.random_diagonals,
           .grading = family.grading,
@@ -311,13 +374,16 @@ std::vector<ConvergeJob> converge_jobs(const ConvergeOptions& options) {
   std::vector<ConvergeJob> jobs;
   for (auto n = options.resolutions.rbegin(); n != options.resolutions.rend(); ++n)
     for (std::size_t s = 0; s < options.surfaces.size(); ++s)
-      for (std::size_t f = 0; f < options.families.size(); ++f) jobs.push_back({s, f, *n});
+      for (std::size_t f = 0; f < options.families.size(); ++f) {
+        const int meshes = options.families[f]->is_random() && *n <= finest_repeated ? options.seeds : 1;
+        for (int mesh = 0; mesh < meshes; ++mesh) jobs.push_back({s, f, *n, mesh});
+      }
   return jobs;
 }
 
 std::vector<LevelSample> run_converge_job(const ConvergeOptions& options, const ConvergeJob& job) {
   const MeshFamily& family = *options.families[job.family];
-  const Reference reference = make_reference(options.surfaces[job.surface], family, options, job.resolution);
+  const Reference reference = make_reference(options, job);
   std::vector<LevelSample> samples;
   for (const FrameMethod* method : options.methods)
     measure(reference, *method, family, job.resolution, samples);
@@ -329,6 +395,7 @@ std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::v
   // By surface, family, method, class and quantity, in the order of the options.
   using Key = std::array<std::size_t, 5>;
   std::map<Key, Study> studies;
+  std::map<Key, std::map<int, std::vector<Level>>> levels;  // by resolution
   std::map<Key, int> finest;
   for (std::size_t i = 0; i < jobs.size(); ++i)
     for (const LevelSample& sample : of_job[i]) {
@@ -347,7 +414,7 @@ std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::v
       study.method = sample.method;
       study.vertex_class = sample.vertex_class;
       study.quantity = sample.quantity;
-      study.levels.push_back(sample.level);
+      levels[key][sample.level.resolution].push_back(sample.level);
       if (int& n = finest[key]; sample.level.resolution > n) {  // the kind of chart shows best there
         n = sample.level.resolution;
         study.expected_order = sample.expected_order;
@@ -355,9 +422,8 @@ std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::v
     }
   std::vector<Study> result;
   for (auto& [key, study] : studies) {
+    for (const auto& [resolution, meshes] : levels[key]) study.levels.push_back(pooled(meshes));
     if (study.levels.size() < fit_least) continue;  // two meshes make no line
-    std::sort(study.levels.begin(), study.levels.end(),
-              [](const Level& a, const Level& b) { return a.resolution < b.resolution; });
     conclude(study);
     result.push_back(std::move(study));
   }

@@ -32,7 +32,7 @@ std::string converge_markdown(const std::vector<Study>& studies, const Provenanc
 std::vector<std::string> unexpected(const std::vector<Study>& studies);
 
 /// A self-contained HTML page: error against mesh width and against run time as pictures, all studies as a
-/// table. Opens from a file, without a network; without scripts the table remains.
+/// map and a table. Opens from a file, without a network; without scripts the orders of the tangents remain.
 std::string converge_page(const std::vector<Study>& studies, const Provenance& provenance);
 
 }  // namespace darboux

@@ -128,9 +128,8 @@ class Plot {
              svg::label(left - 6, y(std::pow(10.0, d)) + 4, svg::decade(d), "text-anchor=\"end\"");
     for (const Level& level : studies_.front()->levels)
       out += svg::line(x(level.h), top, x(level.h), bottom, "class=\"g\"") +
-             svg::label(x(level.h), bottom + 18, "1/" + std::to_string(level.resolution),
-                        "text-anchor=\"middle\"");
-    out += svg::label((left + right) / 2, bottom + 38, "mesh width h, finer to the left",
+             svg::label(x(level.h), bottom + 18, std::to_string(level.resolution), "text-anchor=\"middle\"");
+    out += svg::label((left + right) / 2, bottom + 38, "mesh width h of so many rows, finer to the left",
                       "text-anchor=\"middle\"");
     for (const int slope : {1, 2}) out += slope_line(slope);
     std::vector<std::pair<double, std::size_t>> ends;  // where each line's name would stand
@@ -139,8 +138,8 @@ class Plot {
       for (const Level& level : studies_[k]->levels)
         if (level.rms_deg > 0)
           path += (path.empty() ? "M" : "L") + svg::tenths(x(level.h)) + ' ' + svg::tenths(y(level.rms_deg));
-      out += "<path class=\"l\" stroke=\"" + std::string(line_colours[k % line_colours.size()]) + "\" d=\"" +
-             path + "\"/>\n";
+      out += "<path class=\"l\" stroke=\"" + std::string(line_colours[k % line_colours.size()]) +
+             (k < line_colours.size() ? "\"" : "\" stroke-dasharray=\"7 3\"") + " d=\"" + path + "\"/>\n";
       ends.emplace_back(y(studies_[k]->levels.front().rms_deg), k);
     }
     std::sort(ends.begin(), ends.end());
@@ -154,7 +153,7 @@ class Plot {
   }
 
  private:
-  static constexpr double left = 535, right = 850, top = 70, bottom = 360;
+  static constexpr double left = 535, right = 820, top = 70, bottom = 360;
 
   static std::string order_text(const Study& study) {
     return std::isfinite(study.order) ? ", h^" + svg::tenths(study.order) : std::string();

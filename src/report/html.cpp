@@ -1,5 +1,7 @@
 #include "html.h"
 
+#include "base/base64.h"
+
 namespace darboux {
 
 std::string escape(std::string_view given) {
@@ -37,11 +39,25 @@ std::string script_json(const nlohmann::ordered_json& json) {
   return result;
 }
 
+std::string content_policy(const std::vector<std::string_view>& sha256) {
+  std::string scripts;
+  for (const std::string_view hex : sha256) {
+    std::string bytes;
+    for (std::size_t i = 0; i < hex.size(); i += 2)
+      bytes += static_cast<char>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16));
+    scripts += " 'sha256-" + base64(bytes) + "'";
+  }
+  return "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
+         "'unsafe-inline'; "
+         "img-src data:; base-uri 'none'; form-action 'none'; script-src" +
+         scripts + "\">\n";
+}
+
 const std::string_view page_style = R"css(
 :root{color-scheme:light;--ink:#1d2733;--soft:#5a6675;--line:#d8dee6;--faint:#edf0f4;--accent:#0072b2;
   --page:#f5f7f9;--card:#fff;--good:#dcecf7;--good-ink:#00486f;--bad:#fbe0d3;--bad-ink:#8a3300;
   --plain:#eceff2;--plain-ink:#48535f}
-@media (prefers-color-scheme:dark){:root.both{color-scheme:dark;--ink:#e4e9ee;--soft:#a3afbb;--line:#3a4550;
+@media screen and (prefers-color-scheme:dark){:root.both{color-scheme:dark;--ink:#e4e9ee;--soft:#a3afbb;--line:#3a4550;
   --faint:#2b343d;--accent:#6fb8e6;--page:#12171c;--card:#1b2229;--good:#123a54;--good-ink:#bfe1f6;--bad:#57250a;
   --bad-ink:#ffd3bd;--plain:#2b343d;--plain-ink:#c3ccd5}}
 *{box-sizing:border-box}

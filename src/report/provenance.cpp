@@ -30,8 +30,12 @@ Provenance provenance(std::string version, std::string command) {
 #else
   const std::string compiler = std::string("g++ ") + __VERSION__;
 #endif
-  return {processor + ", " + std::to_string(cores) + (cores == 1 ? " core" : " cores"), compiler, date,
-          std::move(version), std::move(command)};
+  return {processor + ", " + std::to_string(cores) + (cores == 1 ? " core" : " cores"),
+          compiler,
+          date,
+          std::move(version),
+          std::move(command),
+          {}};
 }
 
 std::string provenance_html(const Provenance& p) {
@@ -39,9 +43,16 @@ std::string provenance_html(const Provenance& p) {
   for (const auto& [name, value] : {std::pair<std::string_view, const std::string&>{"Machine", p.machine},
                                     {"Compiler", p.compiler},
                                     {"Date", p.date},
-                                    {"Darboux", p.version}})
+                                    {"Darboux", p.version},
+                                    {"Seed", p.seeds}})
     text += "<dt>" + std::string(name) + "<dd>" + escape(value) + "\n";
-  return text + "<dt>Again<dd><code>" + escape(p.command) + "</code>\n</dl>\n</section>\n";
+  return text + "<dt>Again<dd><code>" + escape(p.command) +
+         "</code>\n<dt>Cite<dd>The Darboux authors. <cite>Darboux: exact tangent frames of parametric "
+         "surfaces, "
+         "and a ruler for those of meshes</cite>. Version " +
+         escape(p.version) + ", " + escape(p.date.substr(0, p.date.find(' '))) +
+         ". CITATION.cff is beside the sources; the date and the command tell this report from others.\n"
+         "</dl>\n</section>\n";
 }
 
 }  // namespace darboux

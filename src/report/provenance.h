@@ -13,10 +13,12 @@ struct Provenance {
   std::string date;      ///< UTC
   std::string version;   ///< of the tool
   std::string command;   ///< the line that runs it again
+  std::string seeds;     ///< of random numbers: "1", "1 to 3"
 };
-/// Of this process, now. The processor is read from /proc/cpuinfo, "unknown processor" where there is none.
+/// Of this process, now, without seeds. The processor is read from /proc/cpuinfo, "unknown processor" where
+/// there is none.
 Provenance provenance(std::string version, std::string command);
-/// The section that ends a page.
+/// The section that ends a page, and how to cite.
 std::string provenance_html(const Provenance& provenance);
 
 }  // namespace darboux

@@ -8,12 +8,12 @@
 
 #include "base/text.h"
 #include "html.h"
+#include "report_page.h"
 #include "stability_report.h"
 
 namespace darboux {
 
-extern const std::string_view chart_js;  // Chart.js, embedded by the build
-extern const std::string_view stability_page_js;
+extern const std::string_view stability_page_js, stability_page_js_sha256;
 
 namespace {
 
@@ -114,28 +114,16 @@ Json page_data(const std::vector<StabilityCurve>& curves) {
   for (const StabilitySweep& s : stability_sweeps())
     sweeps[std::string(s.name)] = {
         {"unit", s.unit}, {"summary", s.summary}, {"error", error_unit(s)}, {"x", grids[s.name]}};
+  Json falling = Json::array();
+  for (const StabilitySweep& s : stability_sweeps())
+    if (s.from > s.to) falling.push_back(s.name);
   for (const StabilityRoute& r : stability_routes()) routes[std::string(r.name)] = r.summary;
-  return {{"curves", list}, {"sweeps", sweeps}, {"routes", routes}, {"quantities", stability_quantities}};
+  return {{"curves", list},
+          {"sweeps", sweeps},
+          {"routes", routes},
+          {"quantities", stability_quantities},
+          {"falling", falling}};
 }
-
-constexpr std::string_view stability_style = R"css(
-.lead{font-size:1.05rem}
-.sum{font-weight:600}
-.controls{display:flex;flex-wrap:wrap;gap:.75rem 1.25rem;margin:0 0 .9rem}
-.controls label{display:flex;flex-direction:column;font-size:.85rem;color:var(--soft)}
-select{font:inherit;color:var(--ink);background:var(--card);border:1px solid #9aa6b4;border-radius:.35rem;
-  padding:.25rem .5rem;max-width:24rem}
-.plot{position:relative;height:28rem;overflow:hidden}
-.map td{text-align:right;font-variant-numeric:tabular-nums;padding:0;border:1px solid var(--card)}
-.map td button{all:unset;display:block;box-sizing:border-box;width:100%;padding:.3rem .5rem;cursor:pointer;
-  text-align:right}
-.map td button:focus-visible{outline:3px solid var(--accent);outline-offset:-3px}
-.map thead th{vertical-align:bottom;white-space:normal}
-.s0{background:#f1f6fb;color:#16324a}.s1{background:#d7e7f4;color:#16324a}
-.s2{background:#a9cbe6;color:#0f2b43}
-.s3{background:#6ba3d0;color:#06192a}.s4{background:#8a3300;color:#fff;font-weight:600}
-.chosen{outline:3px solid var(--accent);outline-offset:-3px}
-)css";
 
 // How near to the bound, in five steps: to a tenth, a quarter, a half, all of it, beyond.
 std::string_view step_of(const SweepCell& cell) {
@@ -173,9 +161,13 @@ std::string findings_table(const std::vector<StabilityCurve>& curves) {
       rows += "<tr><td>" + escape(c.worst.surface) + "<td>" + words(c.sweep) + "<td>" + std::string(c.route) +
               "<td>" + escape(words(c.worst.member)) + "<td class=n>" + digits_or_all(c.worst.error_u) +
               "<td class=n>" + rounded(c.worst.factor, 2) + "<td class=n>" + rounded(c.worst.x, 3) + "<td>" +
-              shortest(c.worst.u) + ", " + shortest(c.worst.v) + "</tr>\n";
+              "<button type=button class=link data-surface=\"" + escape(c.surface) +
+              "\" data-sweep=" + std::string(c.sweep) + " data-quantity=" + std::string(c.quantity) + '>' +
+              shortest(c.worst.u) + ", " + shortest(c.worst.v) + "</button></tr>\n";
   if (rows.empty()) return "<p>Nothing.</p>\n";
-  return "<div class=scroll><table>\n<thead><tr><th scope=col>surface<th scope=col>sweep<th scope=col>route"
+  return "<p class=needs-script hidden><input type=search placeholder=Find aria-label=Find></p>\n<div "
+         "class=scroll><table class=adopt data-name=beyond-bound>\n<thead><tr><th scope=col>surface<th "
+         "scope=col>sweep<th scope=col>route"
          "<th scope=col>quantity<th scope=col class=n>roundings<th scope=col class=n>times its bound"
          "<th scope=col class=n>at x<th scope=col>u, v</tr></thead>\n<tbody>\n" +
          rows + "</tbody>\n</table></div>\n";
@@ -184,40 +176,25 @@ std::string findings_table(const std::vector<StabilityCurve>& curves) {
 }  // namespace
 
 std::string stability_page(const std::vector<StabilityCurve>& curves, const Provenance& p) {
-  std::string page = R"html(<!DOCTYPE html>
-<html lang="en" class="both">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Darboux: numerical stability</title>
-<link rel="icon" href="data:,">
-<style>)html";
-  page += page_style;
-  page += stability_style;
-  page += R"html(</style>
-</head>
-<body>
-<main>
-<h1>Where do tangent frames lose their digits?</h1>
-<p class=lead>Each sweep makes evaluation harder by degrees: closer to a pole, farther from the origin, in
-another size. Errors are counted in roundings: 1 is 2<sup>&minus;53</sup> in double, 2<sup>&minus;24</sup> in
-float. All numbers are compared with the same formulas in 40 digits, beside the bound that is stated for
-them.</p>
-<p class=sum>)html" +
-          escape(stability_summary(curves)) + R"html(.</p>
-<section class=card>
+  ReportPage page;
+  page.title = "Darboux: numerical stability";
+  page.question = "Where do tangent frames lose their digits?";
+  page.lead =
+      "Each sweep makes evaluation harder by degrees: closer to a pole, farther from the origin, in another "
+      "size. Errors are counted in roundings: 1 is 2<sup>&minus;53</sup> in double, 2<sup>&minus;24</sup> in "
+      "float. All numbers are compared with the same formulas in 40 digits, beside the bound that is stated "
+      "for them.";
+  page.answer = stability_summary(curves) + ".";
+  page.body = R"html(<section class=card>
 <h2>Surfaces by sweeps</h2>
-<p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in roundings,
-in
-steps of the stored data, in standard errors. The darker, the nearer to its bound: a tenth, a
-quarter, half, all of it; red is beyond, white has no bound. Large errors within their bound are the
-condition's: no formula in these
-inputs does better. A click shows the curves.</p>
+<p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in roundings, in
+steps of the stored data, in standard errors. The darker, the nearer to its bound: a tenth, a quarter, half, all
+of it; red is beyond, white has no bound. Large errors within their bound are the condition's: no formula in
+these inputs does better. A click shows the curves.</p>
 <div class=scroll><table class=map id=map>
 )html" + map_table(overview_of(curves)) +
-          R"html(</table></div>
+              R"html(</table></div>
 </section>
-<noscript><p class=card>The picture needs JavaScript.</p></noscript>
 <section class=card id=interactive hidden>
 <h2 id=what>Curves</h2>
 <p class=soft id=about></p>
@@ -226,22 +203,18 @@ inputs does better. A click shows the curves.</p>
 <label>Sweep <select id=sweep></select></label>
 <label>Quantity <select id=quantity></select></label>
 </div>
-<figure><div class=plot><canvas id=plot role=img></canvas></div>
-<figcaption>Error against x. Dashed: the bound of Darboux in double, or of the first method that has one. A
-point at the upper edge is no
-number, or no digit right. A route in the legend is shown or hidden by a click.</figcaption></figure>
-</section>
-<section class=card>
-<h2>Beyond its bound</h2>
-)html" + findings_table(curves) +
-          "</section>\n" + provenance_html(p) + "</main>\n";
-  page +=
-      "<script type=\"application/json\" id=data>" + script_json(page_data(curves)) + "</script>\n<script>";
-  page += chart_js;
-  page += "</script>\n<script>";
-  page += stability_page_js;
-  page += "</script>\n</body>\n</html>\n";
-  return page;
+<fieldset class=legend id=legend aria-label="Routes that are drawn"></fieldset>
+)html" +
+              picture_html(
+                  "plot",
+                  "Error against x. Dashed: the bound of Darboux in double, or of the first method that has "
+                  "one. A point at the upper edge is no number, or no digit right.") +
+              "</section>\n<section class=card>\n<h2>Beyond its bound</h2>\n" + findings_table(curves) +
+              "</section>\n";
+  page.data = page_data(curves);
+  page.script = stability_page_js;
+  page.script_sha256 = stability_page_js_sha256;
+  return report_page(page, p);
 }
 
 std::string stability_markdown(const std::vector<StabilityCurve>& curves, const Provenance& p) {

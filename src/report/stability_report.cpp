@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "csv.h"
+#include "finite_or_null.h"
 
 namespace darboux {
 namespace {
@@ -15,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 Json list_of(const std::vector<double>& values) {
   Json result = Json::array();
-  for (const double x : values) result.push_back(std::isfinite(x) ? Json(x) : Json(nullptr));
+  for (const double x : values) result.push_back(finite_or_null(x));
   return result;
 }
 std::vector<double> numbers_of(const Json& json, double absent) {
@@ -25,9 +26,6 @@ std::vector<double> numbers_of(const Json& json, double absent) {
 }
 double number_of(const Json& json, double absent) {
   return json.is_null() ? absent : json.get<double>();
-}
-Json json_of(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
 
 constexpr double endless = std::numeric_limits<double>::infinity();
@@ -73,14 +71,14 @@ nlohmann::ordered_json curves_json(const std::vector<StabilityCurve>& curves) {
                     {"bound_u", list_of(c.bound_u)},
                     {"within_bound", c.within_bound},
                     {"worst",
-                     {{"x", json_of(c.worst.x)},
-                      {"error_u", json_of(c.worst.error_u)},
-                      {"bound_u", json_of(c.worst.bound_u)},
-                      {"condition", json_of(c.worst.condition)},
-                      {"factor", json_of(c.worst.factor)},
+                     {{"x", finite_or_null(c.worst.x)},
+                      {"error_u", finite_or_null(c.worst.error_u)},
+                      {"bound_u", finite_or_null(c.worst.bound_u)},
+                      {"condition", finite_or_null(c.worst.condition)},
+                      {"factor", finite_or_null(c.worst.factor)},
                       {"member", c.worst.member},
-                      {"u", json_of(c.worst.u)},
-                      {"v", json_of(c.worst.v)},
+                      {"u", finite_or_null(c.worst.u)},
+                      {"v", finite_or_null(c.worst.v)},
                       {"surface", c.worst.surface}}}});
   return list;
 }

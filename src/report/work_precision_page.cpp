@@ -5,13 +5,13 @@
 
 #include "base/text.h"
 #include "html.h"
+#include "report_page.h"
 #include "svg.h"
 #include "work_precision_report.h"
 
 namespace darboux {
 
-extern const std::string_view chart_js;  // Chart.js, embedded by the build
-extern const std::string_view work_precision_page_js;
+extern const std::string_view work_precision_page_js, work_precision_page_js_sha256;
 
 namespace {
 
@@ -80,17 +80,6 @@ Json work_page_data(const std::vector<WorkSample>& samples, const WorkAxes& axes
   return {{"metrics", work_metrics}, {"looks", looks}, {"groups", groups}};
 }
 
-constexpr std::string_view work_style = R"css(
-.lead{font-size:1.05rem}
-.sum{font-weight:600}
-.controls{display:flex;flex-wrap:wrap;gap:.75rem 1.25rem;margin:0 0 .9rem}
-.controls label{display:flex;flex-direction:column;font-size:.85rem;color:var(--soft);min-width:0}
-select{font:inherit;color:var(--ink);background:var(--card);border:1px solid #9aa6b4;border-radius:.35rem;
-  padding:.25rem .5rem;max-width:100%}
-.plot{position:relative;height:30rem;overflow:hidden}
-tr.front th{color:var(--accent)}
-)css";
-
 std::string fronts_table(const std::vector<WorkSample>& samples, const WorkAxes& axes) {
   std::string rows;
   for (const WorkGroup& group : work_groups(samples)) {
@@ -101,9 +90,12 @@ std::string fronts_table(const std::vector<WorkSample>& samples, const WorkAxes&
                 "<td class=n>" + work_value(x, (*s)[x]) + "<td>" + work_axis(x, group.domain) +
                 "<td class=n>" + work_value(y, (*s)[y]) + "<td>" + work_axis(y, group.domain) + "</tr>\n";
   }
-  return "<div class=scroll><table>\n<thead><tr><th scope=col>what<th scope=col>method<th scope=col "
-         "class=n>time"
-         "<th scope=col>in<th scope=col class=n>error<th scope=col>in</tr></thead>\n<tbody>\n" +
+  return "<p class=needs-script hidden><input type=search placeholder=Find aria-label=Find></p>\n<div "
+         "class=scroll><table class=adopt data-name=fronts>\n<thead><tr><th scope=col>what<th "
+         "scope=col>method"
+         "<th scope=col class=n>across<th scope=col>in<th scope=col class=n>upwards<th "
+         "scope=col>in</tr></thead>\n"
+         "<tbody>\n" +
          rows + "</tbody>\n</table></div>\n";
 }
 
@@ -119,53 +111,40 @@ std::string failures_list(const std::vector<WorkSample>& samples) {
 }  // namespace
 
 std::string work_page(const std::vector<WorkSample>& samples, const WorkAxes& axes, const Provenance& p) {
-  std::string page = R"html(<!DOCTYPE html>
-<html lang="en" class="both">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Darboux: work against precision</title>
-<link rel="icon" href="data:,">
-<style>)html";
-  page += page_style;
-  page += work_style;
-  page += R"html(</style>
-</head>
-<body>
-<main>
-<h1>What does an exact frame cost?</h1>
-<p class=lead>Every way to a tangent frame: how long it takes, and how wrong it is. Times are medians over
-rounds in which
-all methods take turns; errors are angles to the same formulas in 40 digits.</p>
-<p class=sum>)html" +
-          escape(work_summary(samples)) + R"html(.</p>
-<noscript><p class=card>The picture needs JavaScript.</p></noscript>
-<section class=card id=interactive hidden>
-<h2 id=what>Time against error</h2>
+  ReportPage page;
+  page.title = "Darboux: work against precision";
+  page.question = "What does an exact frame cost?";
+  page.lead =
+      "Every way to a tangent frame: how long it takes, and how wrong it is. Times are medians over rounds "
+      "in "
+      "which all methods take turns; errors are angles to the same formulas in 40 digits.";
+  page.answer = work_summary(samples) + ".";
+  page.body =
+      R"html(<section class=card id=interactive hidden>
+<h2 id=what>Run time against error</h2>
 <div class=controls>
 <label>What <select id=group></select></label>
 <label>Across <select id=x></select></label>
 <label>Upwards <select id=y></select></label>
 </div>
-<figure><div class=plot><canvas id=plot role=img></canvas></div>
-<figcaption>Down and to the left is better. Dashed: the front, methods that none beats in both. Hollow:
-single precision. A family in
-the legend is shown or hidden by a click.</figcaption></figure>
+<fieldset class=legend id=legend aria-label="Families that are drawn"></fieldset>
+)html" +
+      picture_html("plot",
+                   "Down and to the left is better. Dashed: the front, methods that none beats in both. "
+                   "Hollow: single precision.") +
+      R"html(<p class=needs-script hidden><input type=search id=find placeholder=Find aria-label=Find></p>
 <div class=scroll><table id=table></table></div>
 </section>
 <section class=card>
 <h2>Fronts</h2>
-<p class=soft>On each surface and mesh the methods that no other beats in both time and error.</p>
-)html" + fronts_table(samples, axes) +
-          "</section>\n<section class=card>\n<h2>What failed</h2>\n" + failures_list(samples) +
-          "</section>\n" + provenance_html(p) + "</main>\n";
-  page += "<script type=\"application/json\" id=data>" + script_json(work_page_data(samples, axes)) +
-          "</script>\n<script>";
-  page += chart_js;
-  page += "</script>\n<script>";
-  page += work_precision_page_js;
-  page += "</script>\n</body>\n</html>\n";
-  return page;
+<p class=soft>On each surface and mesh the methods that no other beats in both.</p>
+)html" +
+      fronts_table(samples, axes) + "</section>\n<section class=card>\n<h2>What failed</h2>\n" +
+      failures_list(samples) + "</section>\n";
+  page.data = work_page_data(samples, axes);
+  page.script = work_precision_page_js;
+  page.script_sha256 = work_precision_page_js_sha256;
+  return report_page(page, p);
 }
 
 // ---- the picture ------------------------------------------------------------------------------------------
@@ -174,7 +153,7 @@ namespace {
 
 constexpr double work_panel_width = 300, work_panel_height = 210, work_gap = 85;
 constexpr std::size_t work_columns = 3, most_panels = 12;
-constexpr double least_error = 1e-17;  // what is below it is drawn there
+constexpr double least_value = 1e-17;  // what is below it, as no error at all, is drawn there
 
 // A logarithmic axis from one decade to another.
 struct LogAxis {
@@ -213,11 +192,12 @@ std::string work_panel(const WorkGroup& group, const WorkAxes& axes, double left
   const std::string_view x = axes.x_of(group.domain), y = axes.y_of(group.domain);
   std::vector<const WorkSample*> drawn;
   std::vector<double> xs, ys;
-  const auto height_of = [&](const WorkSample& s) { return std::fmax(s[y], least_error); };
+  const auto place_of = [&](const WorkSample& s) { return std::fmax(s[x], least_value); };
+  const auto height_of = [&](const WorkSample& s) { return std::fmax(s[y], least_value); };
   for (const WorkSample* s : group.samples)
-    if (std::isfinite((*s)[x]) && std::isfinite((*s)[y]) && (*s)[x] > 0) {
+    if (std::isfinite((*s)[x]) && std::isfinite((*s)[y])) {
       drawn.push_back(s);
-      xs.push_back((*s)[x]);
+      xs.push_back(place_of(*s));
       ys.push_back(height_of(*s));
     }
   std::string out = svg::label(left, top - 10, group.title(), "class=\"t\"");
@@ -241,10 +221,10 @@ std::string work_panel(const WorkGroup& group, const WorkAxes& axes, double left
             [&](const WorkSample* a, const WorkSample* b) { return (*a)[x] < (*b)[x]; });
   std::string path;
   for (const WorkSample* s : front)
-    path += (path.empty() ? "M" : "L") + svg::tenths(across.at((*s)[x])) + ' ' +
+    path += (path.empty() ? "M" : "L") + svg::tenths(across.at(place_of(*s))) + ' ' +
             svg::tenths(up.at(height_of(*s)));
   if (front.size() > 1) out += "<path class=\"f\" d=\"" + path + "\"/>\n";
-  for (const WorkSample* s : drawn) out += mark_at(across.at((*s)[x]), up.at(height_of(*s)), *s);
+  for (const WorkSample* s : drawn) out += mark_at(across.at(place_of(*s)), up.at(height_of(*s)), *s);
   return out;
 }
 
@@ -252,7 +232,8 @@ std::string work_panel(const WorkGroup& group, const WorkAxes& axes, double left
 
 std::string work_picture(const std::vector<WorkSample>& samples, const WorkAxes& axes) {
   std::vector<WorkGroup> groups = work_groups(samples);
-  if (groups.size() > most_panels) groups.resize(most_panels);
+  const std::size_t all = groups.size();
+  if (all > most_panels) groups.resize(most_panels);
   std::vector<const WorkSample*> of_family;
   for (const WorkGroup& group : groups)
     for (const WorkSample* s : group.samples)
@@ -270,12 +251,16 @@ std::string work_picture(const std::vector<WorkSample>& samples, const WorkAxes&
   std::string out =
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + svg::tenths(width) + "\" height=\"" +
       svg::tenths(height) + "\" viewBox=\"0 0 " + svg::tenths(width) + ' ' + svg::tenths(height) +
-      "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#1b2a3a\">\n<title>Time against error, by "
+      "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#1b2a3a\">\n<title>Work against precision, by "
       "method</title>\n<style>.t{font-size:14px;font-weight:bold}.g{stroke:#e2e7ed;fill:none}"
       ".f{stroke:#5a6675;stroke-dasharray:5 4;fill:none}</style>\n<path fill=\"#fff\" d=\"M0 0h" +
       svg::tenths(width) + 'v' + svg::tenths(height) + "h-" + svg::tenths(width) + "z\"/>\n" +
       svg::label(20, 24, "Work against precision", "class=\"t\"") +
-      svg::label(20, 42, "Down and to the left is better; dashed: the front; hollow: single precision");
+      svg::label(20, 42,
+                 "Down and to the left is better; dashed: the front; hollow: single precision" +
+                     (all > most_panels ? "; the first " + std::to_string(most_panels) + " of " +
+                                              std::to_string(all) + " panels"
+                                        : std::string()));
   for (std::size_t k = 0; k < of_family.size(); ++k) {
     const double x = 30 + 130 * static_cast<double>(k % in_line),
                  y = 64 + 22 * static_cast<double>(k / in_line);

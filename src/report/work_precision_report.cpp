@@ -9,15 +9,12 @@
 
 #include "base/text.h"
 #include "csv.h"
+#include "finite_or_null.h"
 
 namespace darboux {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json finite_or_null(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
 
 std::string kind_of(const std::string& specification) {
   return specification.substr(0, specification.find(':'));
@@ -28,11 +25,6 @@ constexpr std::string_view evaluation_name = "evaluation", meshes_name = "meshes
 // "1 surface", "2 surfaces"
 std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
-}
-
-std::string padded(std::string text, std::size_t width) {
-  if (text.size() < width) text.append(width - text.size(), ' ');
-  return text;
 }
 
 // By time, the fastest first.
@@ -232,10 +224,10 @@ std::string work_text(const std::vector<WorkSample>& samples, const WorkAxes& ax
 }
 
 std::string work_markdown(const std::vector<WorkSample>& samples, const WorkAxes& axes, const Provenance& p) {
-  std::string text =
-      "# Work against precision\n\n" + work_summary(samples) +
-      ". Per surface and mesh: the methods that no other of their family beats in both time and error, the "
-      "fastest first. **Bold**: no method of any family does.\n";
+  std::string text = "# Work against precision\n\n" + work_summary(samples) +
+                     ". Per surface and mesh: the methods that no other of their family beats in both "
+                     "columns, in the order of "
+                     "the first. **Bold**: no method of any family does.\n";
   for (const WorkGroup& group : work_groups(samples)) {
     const std::string_view x = axes.x_of(group.domain), y = axes.y_of(group.domain);
     text += "\n## " + group.title() + "\n\n| method | " + work_axis(x, group.domain) +

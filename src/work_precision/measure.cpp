@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include <darboux/error.h>
 #include <darboux/work_precision.h>
@@ -44,8 +45,9 @@ WorkSample sample_of(const Item& item, const AnySurface& surface) {
   s.rounds = item.ns;
   s.time_low = quantile(item.ns, 0.25);
   s.time_high = quantile(item.ns, 0.75);
-  s.metric[find_work_metric("time_ns")] = median(item.ns);
-  s.metric[find_work_metric("seconds")] = median(item.ns) * 1e-9 * static_cast<double>(item.points);
+  const double middle = quantile(item.ns, 0.5);
+  s.metric[find_work_metric("time_ns")] = middle;
+  s.metric[find_work_metric("seconds")] = middle * 1e-9 * static_cast<double>(item.points);
   return s;
 }
 
@@ -156,64 +158,99 @@ bool has_float(const WorkOptions& options) {
                      [](const WorkMethod* m) { return m->in_float != nullptr; });
 }
 
+// The methods of one precision on one surface.
 template <class T>
-std::vector<WorkSample> evaluation_in(const WorkOptions& options, const AnySurface& given,
-                                      const std::function<void()>& after) {
-  constexpr bool in_float = std::same_as<T, float>;
-  AnySurface surface = given;
-  Attempt in_its_numbers;
-  if (in_float && has_float(options) && !given.parameters().empty())
-    rounds::guarded(in_its_numbers, [&] { surface = given.with(values_in_float(given)); });
-  const auto count = static_cast<std::size_t>(options.points);
-  std::vector<T> u(count), v(count);
-  std::mt19937_64 random(options.seed);
-  // Below 1 in float too.
-  const auto uniform = [&] { return static_cast<T>(static_cast<double>(random() >> 40) * 0x1p-24); };
-  for (std::size_t i = 0; i < count; ++i) {
-    u[i] = uniform();
-    v[i] = uniform();
+class Evaluations {
+ public:
+  Evaluations(const WorkOptions& options, const AnySurface& given)
+      : options_(options), given_(given), surface_(given) {
+    if (in_float && has_float(options) && !given.parameters().empty())
+      rounds::guarded(in_its_numbers_, [&] { surface_ = given.with(values_in_float(given)); });
+    const auto count = static_cast<std::size_t>(options.points);
+    std::mt19937_64 random(options.seed);
+    // Below 1 in float too.
+    const auto uniform = [&] { return static_cast<T>(static_cast<double>(random() >> 40) * 0x1p-24); };
+    for (std::size_t i = 0; i < count; ++i) {
+      u_.push_back(uniform());
+      v_.push_back(uniform());
+    }
+    // Arrays whose distance is no power of two.
+    const std::size_t stride = count + 40;
+    memory_.resize(18 * stride);
+    batch_.u = u_;
+    batch_.v = v_;
+    for (std::size_t k = 0; k < 18; ++k) batch_.numbers[k] = {&memory_[k * stride], count};
   }
-  // Arrays whose distance is no power of two.
-  const std::size_t stride = count + 40;
-  std::vector<T> memory(18 * stride);
-  WorkBatch<T> batch{u, v, {}};
-  for (std::size_t k = 0; k < 18; ++k) batch.numbers[k] = {&memory[k * stride], count};
+  Evaluations(const Evaluations&) = delete;
+  Evaluations& operator=(const Evaluations&) = delete;
 
-  std::vector<Item> items;
-  WorkBatch<T> few = batch;
-  few.u = few.u.first(1);
-  few.v = few.v.first(1);
-  for (std::span<T>& numbers : few.numbers) numbers = numbers.first(1);
-  for (const WorkMethod* method : options.methods) {
-    const auto evaluate = [method] {
-      if constexpr (in_float)
-        return method->in_float;
-      else
-        return method->in_double;
-    }();
-    if (evaluate == nullptr) continue;
-    Item item{method, [=, &surface, &batch] { evaluate(surface, batch); }, count};
-    bool there = true;
-    rounds::guarded(item, [&] { there = evaluate(surface, few); });
-    if (!in_its_numbers.failure.empty()) item.failure = in_its_numbers.failure;
-    if (there) items.push_back(item);
+  // Those that the surface has.
+  void append_items(std::vector<Item>& items) {
+    WorkBatch<T> few = batch_;
+    few.u = few.u.first(1);
+    few.v = few.v.first(1);
+    for (std::span<T>& numbers : few.numbers) numbers = numbers.first(1);
+    for (const WorkMethod* method : options_.methods) {
+      const auto evaluate = of(*method);
+      if (evaluate == nullptr) continue;
+      Item item{method, [this, evaluate] { evaluate(surface_, batch_); }, u_.size()};
+      bool there = true;
+      rounds::guarded(item, [&] { there = evaluate(surface_, few); });
+      if (!in_its_numbers_.failure.empty()) item.failure = in_its_numbers_.failure;
+      if (there) items.push_back(item);
+    }
   }
+
+  // Of those items that are this precision's, when they have been timed.
+  void append_samples(std::vector<Item>& items, std::vector<WorkSample>& samples) {
+    Truth truth;
+    Attempt at_truth{in_its_numbers_.failure};
+    bool there = false;
+    for (Item& item : items) {
+      if (of(*item.method) == nullptr) continue;
+      if (!std::exchange(there, true))
+        rounds::guarded(at_truth, [&] {
+          truth = truth_at(surface_, batch_,
+                           static_cast<std::size_t>(std::min(options_.checked, options_.points)));
+        });
+      if (item.failure.empty()) item.failure = at_truth.failure;
+      std::fill(memory_.begin(), memory_.end(), std::numeric_limits<T>::quiet_NaN());
+      rounds::guarded(item, item.run);
+      samples.push_back(sample_of(item, given_));
+      if (item.failure.empty())
+        set_errors(samples.back(), batch_, truth, item.method->family == "darboux", surface_);
+    }
+  }
+
+ private:
+  static constexpr bool in_float = std::same_as<T, float>;
+  static auto of(const WorkMethod& method) {
+    if constexpr (in_float)
+      return method.in_float;
+    else
+      return method.in_double;
+  }
+
+  const WorkOptions& options_;
+  const AnySurface& given_;
+  AnySurface surface_;  // in its numbers
+  Attempt in_its_numbers_;
+  std::vector<T> u_, v_, memory_;
+  WorkBatch<T> batch_;
+};
+
+// Double and float take turns in the same rounds.
+std::vector<WorkSample> evaluation_samples(const WorkOptions& options, const AnySurface& surface,
+                                           const std::function<void()>& after) {
+  Evaluations<double> in_double(options, surface);
+  Evaluations<float> in_float(options, surface);
+  std::vector<Item> items;
+  in_double.append_items(items);
+  in_float.append_items(items);
   time_in_rounds(items, options.rounds, options.timeout, after);
   std::vector<WorkSample> samples;
-  if (items.empty()) return samples;
-  Truth truth;
-  Attempt at_truth{in_its_numbers.failure};
-  rounds::guarded(at_truth, [&] {
-    truth = truth_at(surface, batch, static_cast<std::size_t>(std::min(options.checked, options.points)));
-  });
-  for (Item& item : items) {
-    if (item.failure.empty()) item.failure = at_truth.failure;
-    std::fill(memory.begin(), memory.end(), std::numeric_limits<T>::quiet_NaN());
-    rounds::guarded(item, item.run);
-    samples.push_back(sample_of(item, given));
-    if (item.failure.empty())
-      set_errors(samples.back(), batch, truth, item.method->family == "darboux", surface);
-  }
+  in_double.append_samples(items, samples);
+  in_float.append_samples(items, samples);
   return samples;
 }
 
@@ -314,14 +351,12 @@ std::vector<WorkSample> run_work_job(const WorkOptions& options, const WorkJob& 
   const AnySurface& surface = options.surfaces[job.surface];
   const bool evaluation = job.family == options.families.size();
   double done = 0,
-         all = options.rounds * (evaluation ? 2.0 : static_cast<double>(options.resolutions.size()));
+         all = options.rounds * (evaluation ? 1.0 : static_cast<double>(options.resolutions.size()));
   const auto after = [&] {
     if (progress) progress(++done / all);
   };
   if (!evaluation) return mesh_samples(options, surface, *options.families[job.family], after);
-  std::vector<WorkSample> samples = evaluation_in<double>(options, surface, after);
-  for (WorkSample& s : evaluation_in<float>(options, surface, after)) samples.push_back(std::move(s));
-  return samples;
+  return evaluation_samples(options, surface, after);
 }
 
 std::vector<WorkSample> work_precision(const WorkOptions& options,

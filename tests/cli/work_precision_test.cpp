@@ -138,6 +138,28 @@ TEST_F(WorkCli, ComparesTwoRuns) {
   refused("darboux work-precision --tolerance 1", {"--tolerance", "--compare"});
   refused("darboux work-precision --timeout inf", {"--timeout", "seconds above 0"});
   refused("darboux work-precision --resolutions 64..8", {"numbers that grow"});
+  refused("darboux work-precision --resolutions 8,8", {"numbers that grow", "8,8"});
+  // Another machine and another version are said, and compared all the same.
+  after["provenance"]["machine"] = "abacus";
+  after["provenance"]["version"] = "9.9.9";
+  write();
+  const std::string noted = good(compare, 1);
+  EXPECT_NE(noted.find("note: version: 0."), std::string::npos) << noted;
+  EXPECT_NE(noted.find("abacus after"), std::string::npos) << noted;
+  EXPECT_EQ(json(compare + "--json", 1)["notes"].size(), 2u);
+  // Times that are none.
+  for (const Json& bad : {Json(0), Json(-1), Json("12")}) {
+    Json broken = after;
+    broken["samples"][2]["rounds_ns"][1] = bad;
+    write_bytes(path("broken.json"), broken.dump());
+    refused("darboux work-precision --compare before.json broken.json", {"broken.json", "sample 2"});
+  }
+  // A surface that was read from a file with other contents.
+  before["study"]["inputs"]["my.surface"] = "1";
+  after["study"]["inputs"]["my.surface"] = "2";
+  write();
+  refused(compare, {"after.json", "my.surface"});
+  after["study"]["inputs"]["my.surface"] = "1";
   after["study"]["seed"] = 9;
   write();
   refused(compare, {"after.json", "seed"});

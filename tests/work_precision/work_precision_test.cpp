@@ -156,6 +156,7 @@ TEST(WorkPrecision, ErrorsOnMeshesAreThoseOfConverge) {
   of_converge.surfaces = options.surfaces;
   of_converge.families = options.families;
   of_converge.resolutions = options.resolutions;
+  of_converge.seeds = 1;
   for (const FrameMethod& method : frame_methods()) of_converge.methods.push_back(&method);
   std::size_t compared = 0;
   for (const FrameMethod& method : frame_methods())
@@ -466,6 +467,17 @@ TEST(WorkPrecision, ADisturbedRunIsNoSlowerOne) {
 }
 
 // ---- options ----------------------------------------------------------------------------------------------
+
+TEST(WorkPrecision, AnErrorThatIsNoNumberDoesNotHold) {
+  WorkSample s;
+  s.metric.fill(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(s.holds());
+  s.metric[find_work_metric("frame_max")] = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(s.holds());
+  s.metric[find_work_metric("frame_max")] = 1;
+  s.failure = "timed out";
+  EXPECT_FALSE(s.holds());
+}
 
 TEST(WorkPrecision, RefusesWhatIsNotThere) {
   EXPECT_THROW(find_work_methods("simd"), ParameterError);

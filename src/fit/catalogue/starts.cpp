@@ -121,7 +121,7 @@ std::vector<Start> starts_of(const AnySurface& standard, const std::vector<bool>
           Shape shape{variant.with(values)};
           shape.placement.linear() = rotation;
           shape.placement.translation() = of_points.centre - rotation * of_part.centre * scale;
-          result.push_back({std::move(shape), scale * quantile(distance, 0.6)});
+          result.push_back({std::move(shape), scale * ranked(distance, 6 * (distance.size() - 1) / 10)});
         }
       }
   }
