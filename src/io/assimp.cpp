@@ -130,7 +130,7 @@ Imported import(const std::string& bytes, AssimpFormat format) {
     return {{}, "cannot be read by assimp (" + in_quotes(importer.GetErrorString()) + ")"};
 
   Imported result;
-  const auto instances = instances_of(*scene);
+  auto instances = instances_of(*scene);
   for (std::size_t m = 0; m < scene->mNumMeshes; ++m) {
     Primitive primitive = primitive_of(*scene->mMeshes[m]);
     if (primitive.data.triangles.empty()) {
@@ -138,7 +138,7 @@ Imported import(const std::string& bytes, AssimpFormat format) {
       continue;
     }
     primitive.mesh = m;
-    primitive.instances = instances[m];
+    primitive.instances = std::move(instances[m]);
     result.asset.primitives.push_back(std::move(primitive));
   }
   // Those have no number: they are counted on after the meshes.
