@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 
 #include "cli.h"
+#include "fbx_files.h"
 
 namespace darboux::test {
 namespace {
@@ -205,19 +206,37 @@ TEST_F(CliBudget, SoDoFacesOfPly) {
   good("darboux validate m.ply");
 }
 
-// Polygons of an OBJ are cut into triangles in a time that grows with the square of their corners.
+// Polygons are cut into triangles in a time that grows with the square of their corners.
 TEST_F(CliBudget, PolygonsOfVeryManyCornersAreRefused) {
-  const auto write = [&](int corners) {
-    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
-    for (int i = 0; i < corners; ++i) text += ' ' + std::to_string(i % 3 + 1);
-    write_bytes(path("m.obj"), text + '\n');
+  const auto write = [&](int corners, int polygons) {
+    std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    std::vector<int> fbx_corners;
+    for (int k = 0; k < polygons; ++k) {
+      obj += "f";
+      for (int i = 0; i < corners; ++i) {
+        obj += ' ' + std::to_string(i % 3 + 1);
+        fbx_corners.push_back(i + 1 < corners ? i % 3 : -1 - i % 3);
+      }
+      obj += '\n';
+    }
+    write_bytes(path("m.obj"), obj);
+    write_bytes(path("m.fbx"),
+                fbx(fbx_geometry("mesh", 10, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, fbx_corners, "") +
+                        fbx_model(20, "node"),
+                    "C: \"OO\",10,20\nC: \"OO\",20,0\n"));
   };
-  write(30000);
-  for (const std::string command : {"validate m.obj", "compare m.obj m.obj"})
-    refused("darboux " + command,
-            {"m.obj: line 4: expected polygons whose corners", "got 900000000 with this one of 30000"});
-  write(1000);
-  good("darboux validate m.obj");
+  write(30000, 1);
+  for (const std::string file : {"m.obj", "m.fbx"}) {
+    for (const std::string& command : {"validate " + file, "compare " + file + " " + file})
+      refused("darboux " + command,
+              {file + ": expected an ", "has polygons whose corners, squared, sum to more than 25",
+               ": with one of 30000 in mesh 0"});
+  }
+  for (const auto& [corners, polygons] : {std::pair{2000, 1}, {16, 110000}}) {
+    write(corners, polygons);
+    good("darboux validate m.obj");
+    if (polygons == 1) good("darboux validate m.fbx");
+  }
 }
 
 // Each key is looked for among those before it: time grows with the square of their number.
