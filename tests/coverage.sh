@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# coverage.sh: builds with the preset coverage, runs the tests, and prints the lines and branches of src, include and surfaces that
-# they reach, by gcov. A line or branch of a header counts as reached where one of its instantiations is. Every file's count goes to
-# build/coverage/files.txt, the lines not reached to build/coverage/missed.txt. Exit 1 where fewer than 92 % of the lines are.
+# coverage.sh: builds with the preset coverage, runs the tests, and prints the lines and branches of src,
+# include and surfaces that they reach, by gcov. A line or branch of a header counts as reached where one of
+# its instantiations is. Every file's count goes to build/coverage/files.txt, the lines not reached to
+# build/coverage/missed.txt. Exit 1 where fewer than 92 % of the lines are.
 #   RUN=0    counts what has run already
+# Needs python3.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 if [ "${RUN:-1}" = 1 ]; then

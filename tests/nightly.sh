@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# nightly.sh [STEP ...]: what takes too long for every landing. Each step prints what it did; its last lines are kept in
-# build/nightly/STEP.log, and build/nightly/results has a line per step: when, commit, step, passed or FAILED, seconds. Exit 1 where
-# one failed.
+# nightly.sh [STEP ...]: what takes too long for every landing. Each step prints what it did; its last lines
+# are kept in build/nightly/STEP.log, and build/nightly/results has a line per step: when, commit, step,
+# passed or FAILED, seconds. Exit 1 where one failed.
 #   address       the whole suite under the address and undefined-behaviour sanitizers
 #   threads       what runs in parallel under the thread sanitizer
 #   fuzz          each target of tests/fuzz for 60 seconds (FUZZ_SECONDS)
@@ -46,7 +46,8 @@ threads() {
 fuzz() { tests/fuzz/run.sh "${FUZZ_SECONDS:-60}"; }
 mutants() {
   build release fuzz_targets || return 1
-  for target in gltf gltf_decoders ply stl collada pcd points formula surface_file surface_text scene_file png; do
+  for target in gltf gltf_decoders ply stl collada pcd points formula surface_file surface_text scene_file png \
+    uv_points results baseline evaluate mesh_frames mikktspace; do
     echo "$target: $(build/release/bin/fuzz_$target "tests/fuzz/corpus/${target%_decoders}" "${MUTANTS:-100000}")" || return 1
   done
 }

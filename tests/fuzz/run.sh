@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets (preset fuzz) and runs each on its corpus, under the address and undefined-behaviour sanitizers.
-#   tests/fuzz/run.sh [SECONDS [TARGET ...]]     10 seconds of each target unless said otherwise; exit 1 where one finds something
-# BUILD=0 runs what is built. What is found is written to build/fuzz/found/. What adds coverage goes to build/fuzz/corpus/TARGET, and from there, minimised,
-# with KEEP=1 into tests/fuzz/corpus: at most 64 files of at most 4096 bytes each.
+# Builds the fuzz targets (preset fuzz) and runs each on its corpus, under the address and undefined-behaviour
+# sanitizers.
+#   tests/fuzz/run.sh [SECONDS [TARGET ...]]     10 seconds of each target unless said otherwise
+# Exit 1 where one finds something, which is written to build/fuzz/found/. What adds coverage goes to
+# build/fuzz/corpus/TARGET, and from there, minimised, with KEEP=1 into tests/fuzz/corpus: at most 64 files of at
+# most 4096 bytes each. BUILD=0 runs what is built.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-10}

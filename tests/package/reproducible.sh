@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# reproducible.sh [TARGET ...]: builds this commit twice, in two folders whose paths have other lengths, and compares the bytes of
-# libraries and tool: darboux, darboux_fit, darboux_io and darboux_tool unless targets are named. Exit 1 where they differ.
-# Two whole builds: for the nightly script.
+# reproducible.sh [TARGET ...]: builds this commit twice, in two folders whose paths have other lengths, and
+# compares the bytes of libraries and tool: darboux, darboux_fit, darboux_io and darboux_tool unless targets
+# are named. Exit 1 where they differ. Two whole builds: for the nightly script.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 targets=("$@")

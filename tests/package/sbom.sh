@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# sbom.sh [OUTPUT]: what Darboux is built from, as an SPDX 2.3 document: the sources of this commit, the Debian packages of kind
-# "build" in .ci/packages with their versions here, and those that the tool loads or has compiled in. Without network. Its date is
-# that of the commit (SOURCE_DATE_EPOCH wins), so that the same commit and packages give the same bytes.
+# sbom.sh [OUTPUT]: what Darboux is built from, as an SPDX 2.3 document: the sources of this commit, the
+# Debian packages of kind "build" in .ci/packages with their versions here, and those that the tool loads or
+# has compiled in. Without network. Its date is that of the commit (SOURCE_DATE_EPOCH wins), so that the
+# same commit and packages give the same bytes.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 export LC_ALL=C
