@@ -3,6 +3,7 @@
 /// surfaces that a user wrote down. Every float of a glTF keeps its bits.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -41,6 +42,30 @@ struct ReadOptions {
   std::optional<std::uint64_t> max_memory = std::nullopt;
 };
 
+/// World matrices of the nodes that show a mesh, one per instance. They do not change, and copies refer to
+/// the same ones, as the primitives of a mesh do.
+class Instances {
+ public:
+  Instances() = default;
+  Instances(std::vector<Eigen::Matrix4d> matrices)
+      : matrices_(std::make_shared<const std::vector<Eigen::Matrix4d>>(std::move(matrices))) {}
+
+  std::span<const Eigen::Matrix4d> matrices() const {
+    return matrices_ ? std::span(*matrices_) : std::span<const Eigen::Matrix4d>();
+  }
+  std::size_t size() const { return matrices().size(); }
+  bool empty() const { return matrices().empty(); }
+  const Eigen::Matrix4d& operator[](std::size_t i) const { return matrices()[i]; }
+  auto begin() const { return matrices().begin(); }
+  auto end() const { return matrices().end(); }
+  friend bool operator==(const Instances& a, const Instances& b) {
+    return a.matrices_ == b.matrices_ || std::equal(a.begin(), a.end(), b.begin(), b.end());
+  }
+
+ private:
+  std::shared_ptr<const std::vector<Eigen::Matrix4d>> matrices_;  ///< null: none
+};
+
 /// One drawable piece of a file: a primitive of a glTF mesh, a group of polygons of a COLLADA geometry, a
 /// mesh of an OBJ or FBX, a solid of an STL, a PLY.
 struct Primitive {
@@ -61,7 +86,7 @@ struct Primitive {
   /// winding.
   Mesh data;
   /// World matrices of the nodes that show it, one per instance; empty when no node does.
-  std::vector<Eigen::Matrix4d> instances;
+  Instances instances;
   /// Its other uv sets, each with its number, where it has tangents and uvs: the tangents may follow one of
   /// them. Of a glTF those of TEXCOORD_0 to TEXCOORD_7.
   std::vector<std::pair<int, std::vector<Vec2<double>>>> other_uvs;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -12,6 +11,7 @@
 
 #include "base/text.h"
 #include "io/accessor.h"
+#include "io/budget.h"
 #include "io/files.h"
 #include "io/gltf_file.h"
 #include "io/tangent_space.h"
@@ -126,12 +126,13 @@ std::vector<Eigen::Matrix4d> gpu_instances(const GltfFile& file, const JsonCurso
 // Most files have no camera: one that sees all of a scene, from the front, above and to the right.
 static io::NamedCamera camera_before(const GltfScene& scene) {
   Eigen::AlignedBox3d all;
-  for (const ScenePrimitiveInstance& i : scene.instances) {
-    const Eigen::AlignedBox3d& box = scene.primitives[i.primitive].box;
-    if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) continue;
-    for (int k = 0; k < 8; ++k)
-      all.extend(i.placement * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)));
-  }
+  for (const SceneMeshInstance& i : scene.instances)
+    for (const std::uint32_t p : scene.primitives_of_mesh[i.mesh]) {
+      const Eigen::AlignedBox3d& box = scene.primitives[p].box;
+      if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) continue;
+      for (int k = 0; k < 8; ++k)
+        all.extend(i.placement * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)));
+    }
   if (all.isEmpty()) all.extend(Eigen::Vector3d::Zero());
   const double radius = std::fmax(all.diagonal().norm() / 2, 1e-6 * (1 + all.center().norm()));
   io::NamedCamera result{"before the scene", {}};
@@ -148,7 +149,7 @@ GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options) {
   const GltfFile file = io::load_gltf(path, io::read_file(path), options);
   const JsonCursor root = file.root();
   GltfScene scene;
-  std::map<std::size_t, std::vector<std::uint32_t>> of_mesh;
+  if (root.has("meshes")) scene.primitives_of_mesh.resize(root.at("meshes").size());
   for (const Primitive& p : io::read_gltf(file).primitives) {
     const JsonCursor place = root.at("meshes").at(p.mesh).at("primitives").at(p.primitive);
     ScenePrimitive primitive;
@@ -167,21 +168,28 @@ GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options) {
     primitive.moves = place.has("targets") || !finite;
     primitive.needs_tangents = p.needs_tangents.value_or(false);
     primitive.vertices = p.data.positions.size();
-    of_mesh[p.mesh].push_back(static_cast<std::uint32_t>(scene.primitives.size()));
+    scene.primitives_of_mesh[p.mesh].push_back(static_cast<std::uint32_t>(scene.primitives.size()));
     scene.primitives.push_back(primitive);
   }
+  io::Budget budget(file);
+  std::size_t decoded = 0;
   for (const io::ShownNode& shown : io::shown_nodes(file)) {
     const JsonCursor node = root.at("nodes").at(shown.node);
     if (node.has("camera")) scene.cameras.push_back(camera_of_node(file, node, shown.world));
     if (!node.has("mesh")) continue;
-    const auto& primitives = of_mesh[node.at("mesh").integer()];
-    for (const Eigen::Matrix4d& instance : gpu_instances(file, node)) {
+    const std::size_t mesh = node.at("mesh").integer();
+    const std::size_t primitives = scene.primitives_of_mesh[mesh].size();
+    const std::vector<Eigen::Matrix4d> instances = gpu_instances(file, node);
+    decoded += instances.size();
+    scene.primitive_instances += instances.size() * primitives;
+    if (std::max(decoded, scene.primitive_instances) > io::most_scene_instances)
+      node.fail("at most " + std::to_string(io::most_scene_instances) + " instances up to here", "more");
+    if (primitives == 0) continue;
+    budget.take(instances.size() * sizeof(SceneMeshInstance), node, "its instances");
+    for (const Eigen::Matrix4d& instance : instances) {
       const Eigen::Affine3d placement(shown.world * instance);
       if (!placement.matrix().allFinite()) node.fail("transforms that are finite", "others");
-      for (const std::uint32_t p : primitives)
-        scene.instances.push_back({p, node.has("skin") || shown.moves, placement});
-      if (scene.instances.size() > io::most_scene_instances)
-        node.fail("at most " + std::to_string(io::most_scene_instances) + " instances up to here", "more");
+      scene.instances.push_back({mesh, node.has("skin") || shown.moves, placement});
     }
   }
   if (scene.cameras.empty()) scene.cameras.push_back(camera_before(scene));
@@ -226,32 +234,34 @@ ScenePlan plan_primitives(const GltfScene& scene, const Camera& camera) {
   const auto count = [&](Attribute a, std::size_t n) {
     plan.attribute_samples[static_cast<std::size_t>(a)] += n;
   };
-  for (const ScenePrimitiveInstance& instance : scene.instances) {
-    const ScenePrimitive& p = scene.primitives[instance.primitive];
+  const auto plan_one = [&](std::uint32_t number, const SceneMeshInstance& instance) {
+    const ScenePrimitive& p = scene.primitives[number];
     const bool bounded = !p.moves && !instance.moves;
     ++plan.tiles_all;
     plan.samples_full += p.vertices;
     if (bounded && outside(p, instance.placement)) {
       ++plan.skipped.outside_frustum;
-      continue;
+      return;
     }
     if (bounded && !p.double_sided && faces_away(p, instance.placement)) {
       ++plan.skipped.back_facing;
-      continue;
+      return;
     }
     ++plan.instances_needed;
     plan.tiles_unbounded += !bounded;
-    if (known[instance.primitive]) {
+    if (known[number]) {
       ++plan.skipped.duplicates;
-      continue;
+      return;
     }
-    known[instance.primitive] = true;
+    known[number] = true;
     ++plan.tiles_needed;
     plan.samples_needed += p.vertices;
     count(Attribute::position, p.vertices);
     count(Attribute::normal, p.vertices);
     if (p.needs_tangents) count(Attribute::tangent4, p.vertices);
-  }
+  };
+  for (const SceneMeshInstance& instance : scene.instances)
+    for (const std::uint32_t p : scene.primitives_of_mesh[instance.mesh]) plan_one(p, instance);
   return plan;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -27,21 +28,23 @@ struct ScenePrimitive {
   std::size_t vertices = 0;
 };
 
-struct ScenePrimitiveInstance {
-  std::uint32_t primitive;
+struct SceneMeshInstance {
+  std::size_t mesh;
   bool moves;  ///< by a skin or an animation: neither box nor placement are known
   Eigen::Affine3d placement;
 };
 
 struct GltfScene {
   std::vector<ScenePrimitive> primitives;
-  std::vector<ScenePrimitiveInstance> instances;
-  std::vector<io::NamedCamera> cameras;  ///< one per node that has one, else one that sees all
+  std::vector<std::vector<std::uint32_t>> primitives_of_mesh;
+  std::deque<SceneMeshInstance> instances;  ///< each shows all primitives of its mesh
+  std::size_t primitive_instances = 0;      ///< how many those are
+  std::vector<io::NamedCamera> cameras;     ///< one per node that has one, else one that sees all
 };
 
 /// Reads nodes, cameras, EXT_mesh_gpu_instancing, and the triangles with what their materials read.
 /// \throws FileError for a file that contradicts itself, cyclic nodes, a camera that sees nothing, more than
-/// 10^7 instances
+/// 10^7 instances of primitives
 GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options = {});
 
 /// A plan without patches. Its tiles are instances of primitives, each of one level; its samples are their

@@ -295,7 +295,7 @@ void run_gltf(const SceneArguments& arguments, const Common& common) {
   const auto start = std::chrono::steady_clock::now();
   const ScenePlan plan = plan_primitives(scene, camera.camera);
   print_report(
-      {arguments, camera, request, plan, scene.instances.size(), 0, seconds_since(start), none, none},
+      {arguments, camera, request, plan, scene.primitive_instances, 0, seconds_since(start), none, none},
       common);
 }
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <numeric>
+#include <set>
+#include <tuple>
 
 #include <fnmatch.h>
 
@@ -97,18 +100,24 @@ void list_folder(const std::string& folder, Excluded& excluded, std::vector<Asse
 }
 
 // Node transforms change what a renderer shows, not what the mesh stores: they give rise to findings only.
-void add_node_findings(const Primitive& primitive, MeshReport& report) {
+struct NodeFindings {
   std::size_t mirrored = 0, sheared = 0;
-  for (const Eigen::Matrix4d& world : primitive.instances) {
-    const Eigen::Matrix3d m = world.topLeftCorner<3, 3>();
-    const Eigen::Matrix3d gram = m.transpose() * m;
-    const double scale = gram.trace() / 3;
-    mirrored += m.determinant() < 0;
-    sheared += (gram - scale * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-5 * scale;
+
+  explicit NodeFindings(const Instances& instances) {
+    for (const Eigen::Matrix4d& world : instances) {
+      const Eigen::Matrix3d m = world.topLeftCorner<3, 3>();
+      const Eigen::Matrix3d gram = m.transpose() * m;
+      const double scale = gram.trace() / 3;
+      mirrored += m.determinant() < 0;
+      sheared += (gram - scale * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-5 * scale;
+    }
   }
-  add(report, finding(Code::node_mirrored, mirrored));
-  add(report, finding(Code::node_scale_not_uniform, sheared));
-}
+
+  void add_to(MeshReport& report) const {
+    add(report, finding(Code::node_mirrored, mirrored));
+    add(report, finding(Code::node_scale_not_uniform, sheared));
+  }
+};
 
 // The report under the policy. Returns the library's severity of each finding.
 std::vector<Severity> apply(const Policy& policy, MeshReport& report,
@@ -208,24 +217,43 @@ std::vector<AssessedFile> files_of(const std::vector<std::string>& arguments,
 
 namespace {
 
-// Whether two primitives have the same assessment.
-bool same(const Primitive& a, const Primitive& b) {
-  const Mesh &x = a.data, &y = b.data;
-  const auto steps = [](const Mesh& m) {
-    const HalfSteps& s = m.half_steps;
-    return std::tuple(s.position, s.normal, s.uv, s.tangent);
-  };
-  return x.positions == y.positions && x.normals == y.normals && x.uvs == y.uvs && x.tangents == y.tangents &&
-         x.triangles == y.triangles && steps(x) == steps(y) && a.other_uvs == b.other_uvs &&
-         a.names_uv_set == b.names_uv_set && a.texture_transform == b.texture_transform;
-}
+// An order of primitives: what decides over their assessments, by its bits.
+struct ByContent {
+  const std::vector<Primitive>& primitives;
 
-// For each primitive the first that is the same.
+  static auto few(const Primitive& p) {
+    const Mesh& m = p.data;
+    const HalfSteps& s = m.half_steps;
+    return std::tuple(m.positions.size(), m.triangles.size(), m.normals.size(), m.uvs.size(),
+                      m.tangents.size(), p.other_uvs.size(), s.position, s.normal, s.uv, s.tangent,
+                      p.names_uv_set, p.texture_transform);
+  }
+
+  bool operator()(std::size_t i, std::size_t j) const {
+    const Primitive &p = primitives[i], &q = primitives[j];
+    if (const auto a = few(p), b = few(q); a != b) return a < b;
+    int order = 0;
+    const auto compare = [&order](const auto& a, const auto& b) {
+      if (order == 0 && !a.empty()) order = std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]);
+    };
+    compare(p.data.triangles, q.data.triangles);
+    compare(p.data.positions, q.data.positions);
+    compare(p.data.normals, q.data.normals);
+    compare(p.data.uvs, q.data.uvs);
+    compare(p.data.tangents, q.data.tangents);
+    for (std::size_t k = 0; order == 0 && k < p.other_uvs.size(); ++k) {
+      order = p.other_uvs[k].first - q.other_uvs[k].first;
+      compare(p.other_uvs[k].second, q.other_uvs[k].second);  // one uv per vertex, as the other has
+    }
+    return order < 0;
+  }
+};
+
+// For each primitive the first of the same content.
 std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives) {
-  std::vector<std::size_t> result(primitives.size());
-  for (std::size_t i = 0; i < primitives.size(); ++i)
-    for (result[i] = 0; result[i] < i; ++result[i])
-      if (same(primitives[result[i]], primitives[i])) break;
+  std::set<std::size_t, ByContent> kinds{ByContent{primitives}};
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < primitives.size(); ++i) result.push_back(*kinds.insert(i).first);
   return result;
 }
 
@@ -261,13 +289,17 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
       if (policy.only_needed) skip_unneeded(asset, file.skipped);
       const std::vector<std::size_t> first = first_of(asset.primitives);
       const auto begun = std::chrono::steady_clock::now();
+      std::vector<std::size_t> count(first.size());
+      for (const std::size_t i : first) ++count[i];
       std::map<std::size_t, std::vector<Assessment>> repeated;  // assessments of those that come again
+      std::map<std::size_t, NodeFindings> of_mesh;
       for (std::size_t i = 0; i < first.size(); ++i) {
         Primitive& primitive = asset.primitives[i];
         std::vector<Assessment> assessments =
             first[i] < i ? repeated[first[i]] : assess_primitive(primitive, options, begun);
-        if (first[i] == i && std::count(first.begin(), first.end(), i) > 1) repeated[i] = assessments;
-        add_node_findings(primitive, assessments.front().report);
+        if (first[i] == i && count[i] > 1) repeated[i] = assessments;
+        of_mesh.try_emplace(primitive.mesh, primitive.instances)
+            .first->second.add_to(assessments.front().report);
         add(assessments.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
         std::vector<std::vector<Severity>> own;
         for (Assessment& j : assessments) {

@@ -109,6 +109,22 @@ std::vector<std::vector<Eigen::Matrix4d>> instances_of(const aiScene& scene) {
   return instances;
 }
 
+/// What is wrong where polygons take long to cut into triangles: assimp looks at all corners of a polygon for
+/// each of them, in some 20 ns. Polygons of up to 16 corners, of which a file has 2 bytes at least, pass.
+std::string long_to_cut(const aiScene& scene, std::size_t file_bytes) {
+  const std::uint64_t most = 25'000'000 + 8 * std::uint64_t{file_bytes};
+  std::uint64_t sum = 0;
+  for (std::size_t m = 0; m < scene.mNumMeshes; ++m)
+    for (const aiFace& face : std::span(scene.mMeshes[m]->mFaces, scene.mMeshes[m]->mNumFaces)) {
+      if (face.mNumIndices < 5) continue;
+      sum += std::uint64_t{face.mNumIndices} * face.mNumIndices;
+      if (sum > most)
+        return "has polygons whose corners, squared, sum to more than " + std::to_string(most) +
+               ": with one of " + std::to_string(face.mNumIndices) + " in mesh " + std::to_string(m);
+    }
+  return "";
+}
+
 struct Imported {
   Asset asset;
   std::string refusal;  // empty where the file was read
@@ -124,13 +140,18 @@ Imported import(const std::string& bytes, AssimpFormat format) {
                                AI_CONFIG_IMPORT_FBX_READ_CAMERAS, AI_CONFIG_IMPORT_FBX_READ_LIGHTS,
                                AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, AI_CONFIG_IMPORT_FBX_READ_WEIGHTS})
     importer.SetPropertyBool(unneeded, false);
-  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
-                                                     format == AssimpFormat::obj ? "obj" : "fbx");
+  const aiScene* scene =
+      importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format == AssimpFormat::obj ? "obj" : "fbx");
+  if (scene != nullptr) {
+    if (std::string refusal = long_to_cut(*scene, bytes.size()); !refusal.empty())
+      return {{}, std::move(refusal)};
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  }
   if (scene == nullptr)
     return {{}, "cannot be read by assimp (" + in_quotes(importer.GetErrorString()) + ")"};
 
   Imported result;
-  const auto instances = instances_of(*scene);
+  auto instances = instances_of(*scene);
   for (std::size_t m = 0; m < scene->mNumMeshes; ++m) {
     Primitive primitive = primitive_of(*scene->mMeshes[m]);
     if (primitive.data.triangles.empty()) {
@@ -138,7 +159,7 @@ Imported import(const std::string& bytes, AssimpFormat format) {
       continue;
     }
     primitive.mesh = m;
-    primitive.instances = instances[m];
+    primitive.instances = std::move(instances[m]);
     result.asset.primitives.push_back(std::move(primitive));
   }
   // Those have no number: they are counted on after the meshes.
@@ -225,26 +246,16 @@ std::string without_missing(const std::string& text) {
   return result;
 }
 
-/// Refuses an OBJ whose polygons take long to cut into triangles: assimp looks at all corners for each of
-/// them.
-void check_polygons(const std::string& path, std::string_view text) {
-  constexpr std::uint64_t most = 100'000'000;  // about a second
-  std::uint64_t steps = 0, line_number = 0;
-  while (!text.empty()) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
-    ++line_number;
-    if (!line.starts_with("f ") && !line.starts_with("f\t")) continue;
-    std::uint64_t corners = 0;
-    for (std::size_t i = 1; i < line.size(); ++i) corners += line[i] > ' ' && line[i - 1] <= ' ';
-    if (corners < 5) continue;
-    steps += corners * corners;
-    if (steps > most)
-      throw FileError(
-          path, "line " + std::to_string(line_number) + ": " +
-                    expected_got("polygons whose corners, squared, sum to at most " + std::to_string(most),
-                                 std::to_string(steps) + " with this one of " + std::to_string(corners)));
+/// assimp passes over numbers that begin with a point, and so over vertices: with a zero before it.
+std::string with_leading_zeros(const std::string& text) {
+  std::string result;
+  bool in_vertex = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (i == 0 || text[i - 1] == '\n') in_vertex = text[i] == 'v';
+    if (in_vertex && text[i] == '.' && i > 0 && (text[i - 1] == ' ' || text[i - 1] == '\t')) result += '0';
+    result += text[i];
   }
+  return result;
 }
 
 /// The version of an FBX, 7400 for 7.4, where it states one.
@@ -278,7 +289,6 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, Assimp
       throw FileError(path, "expected FBX 7.1 (2011) or later, got " + std::to_string(*version / 1000) + "." +
                                 std::to_string(*version / 100 % 10) +
                                 ": Autodesk's FBX Converter 2013 reads it and writes it anew");
-  if (format == AssimpFormat::obj) check_polygons(path, bytes);
   // For each byte assimp has some 50 of its own, most for FBX in ASCII, of which it reads 1 MB in a second at
   // least.
   const ChildLimits limits{(std::uint64_t{1} << 30) + 256 * bytes.size(),
@@ -287,7 +297,8 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, Assimp
   try {
     const std::string answer = in_child(
         [&] {
-          Imported imported = import(format == AssimpFormat::obj ? without_missing(bytes) : bytes, format);
+          Imported imported = import(
+              format == AssimpFormat::obj ? with_leading_zeros(without_missing(bytes)) : bytes, format);
           Pack pack;
           visit(pack, imported.refusal, imported.asset);
           return std::move(pack.bytes);

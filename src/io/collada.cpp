@@ -123,11 +123,11 @@ Asset read_collada(const std::string& path, const std::string& bytes, const Read
   std::vector<pugi::xml_node> geometries;
   for (const pugi::xml_node library : file.root().children("library_geometries"))
     for (const pugi::xml_node geometry : library.children("geometry")) geometries.push_back(geometry);
-  const auto instances = read_instances(file, geometries);
+  auto instances = read_instances(file, geometries);
   Budget budget(options, bytes.size());
   Asset asset;
   for (std::size_t g = 0; g < geometries.size(); ++g)
-    read_geometry(file, geometries[g], g, instances[g], budget, asset);
+    read_geometry(file, geometries[g], g, std::move(instances[g]), budget, asset);
   return asset;
 }
 

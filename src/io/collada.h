@@ -61,7 +61,7 @@ struct ColladaPlace {
 /// The groups of polygons of a <geometry>, one primitive each, and what was passed over. \param number of the
 /// geometry \param instances of each of them
 void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::size_t number,
-                   const std::vector<Eigen::Matrix4d>& instances, Budget& budget, Asset& asset);
+                   const Instances& instances, Budget& budget, Asset& asset);
 
 /// World matrices of the nodes that show each of these. \throws FileError
 std::vector<std::vector<Eigen::Matrix4d>> read_instances(const Collada& file,

@@ -243,12 +243,13 @@ class GeometryReader {
 }  // namespace
 
 void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::size_t number,
-                   const std::vector<Eigen::Matrix4d>& instances, Budget& budget, Asset& asset) {
+                   const Instances& instances, Budget& budget, Asset& asset) {
   const pugi::xml_node mesh = geometry.child("mesh");
   if (!mesh) {
     asset.skipped.push_back({number, 0, "a geometry without <mesh> has no triangles"});
     return;
   }
+  budget.take(instances.size() * sizeof(Eigen::Matrix4d), ColladaPlace{file, mesh}, "its instances");
   GeometryReader reader(file, budget);
   std::size_t group_number = 0;
   for (const pugi::xml_node group : mesh.children()) {
@@ -272,7 +273,6 @@ void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::siz
       asset.skipped.push_back({number, p, "no polygons have no triangles"});
       continue;
     }
-    budget.take(instances.size() * sizeof(Eigen::Matrix4d), ColladaPlace{file, group}, "its instances");
     primitive.instances = instances;
     asset.primitives.push_back(std::move(primitive));
   }

@@ -286,9 +286,11 @@ Asset read_gltf(const GltfFile& file) {
   Asset asset;
   const JsonCursor root = file.root();
   const std::size_t mesh_count = root.has("meshes") ? root.at("meshes").size() : 0;
-  const auto instances = read_instances(file, mesh_count);
+  auto instances_of_mesh = read_instances(file, mesh_count);
   for (std::size_t m = 0; m < mesh_count; ++m) {
     const JsonCursor mesh = root.at("meshes").at(m);
+    budget.take(instances_of_mesh[m].size() * sizeof(Eigen::Matrix4d), mesh, "its instances");
+    const Instances instances = std::move(instances_of_mesh[m]);
     const JsonCursor primitives = mesh.at("primitives");
     for (std::size_t p = 0; p < primitives.size(); ++p) {
       const JsonCursor place = primitives.at(p);
@@ -308,8 +310,7 @@ Asset read_gltf(const GltfFile& file) {
       if (mesh.has("name")) primitive.name = mesh.at("name").text();
       read_triangles(file, place, mode, primitive);
       budget.take(size_of(primitive), place, "its vertices and triangles");
-      budget.take(instances[m].size() * sizeof(Eigen::Matrix4d), place, "its instances");
-      primitive.instances = instances[m];
+      primitive.instances = instances;
     }
   }
   return asset;

@@ -84,7 +84,9 @@ void visit(Visitor& v, std::string& refusal, Asset& asset) {
       v.flat(set.first);
       v.list(set.second);
     });
-    v.list(p.instances);
+    std::vector<Eigen::Matrix4d> instances(p.instances.begin(), p.instances.end());
+    v.list(instances);
+    p.instances = std::move(instances);
   });
   v.each(asset.skipped, [&](SkippedPrimitive& s) {
     v.flat(s.mesh);

@@ -223,7 +223,7 @@ Asset read_ply(const std::string& path, const ReadOptions& options) {
   if (!corner_uvs.empty() && primitive.data.uvs.empty())
     primitive.data = with_corner_uvs(primitive.data, std::move(corner_uvs));
   primitive.texcoord = primitive.data.uvs.empty() ? -1 : 0;
-  primitive.instances.push_back(Eigen::Matrix4d::Identity());
+  primitive.instances = std::vector{Eigen::Matrix4d::Identity().eval()};
   Asset asset;
   asset.primitives.push_back(std::move(primitive));
   return asset;

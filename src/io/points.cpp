@@ -29,15 +29,20 @@ const std::vector<Group> groups{{{"x", "y", "z"}, 0},
                                 {{"texture_u", "texture_v"}, 6}};
 
 PointFile read_gltf_points(const std::string& path, const ReadOptions& options) {
-  const Asset asset = read_asset(path, options);
+  Asset asset = read_asset(path, options);
   PointFile result;
   bool normals = true, uvs = true;
+  std::size_t vertices = 0;
   for (const Primitive& p : asset.primitives) {
     normals = normals && !p.data.normals.empty();
     uvs = uvs && !p.data.uvs.empty();
+    vertices += p.data.positions.size();
   }
   std::vector<bool> used;
-  for (const Primitive& p : asset.primitives) {
+  result.cloud.positions.reserve(vertices);
+  if (normals) result.cloud.normals.reserve(vertices);
+  if (uvs) result.cloud.uvs.reserve(vertices);
+  for (Primitive& p : asset.primitives) {
     const std::size_t first = used.size();
     used.resize(first + p.data.positions.size());
     for (const Triangle& t : p.data.triangles)
@@ -50,6 +55,7 @@ PointFile read_gltf_points(const std::string& path, const ReadOptions& options) 
         result.first_not_finite = "mesh " + std::to_string(p.mesh) + " primitive " +
                                   std::to_string(p.primitive) + " vertex " + std::to_string(i);
     }
+    p = {};  // its vertices are copied
   }
   if (std::find(used.begin(), used.end(), true) == used.end())
     throw FileError(

@@ -97,7 +97,7 @@ Asset read_stl(const std::string& path) {
   read_parts(bytes, {[&](std::string_view name) {
                        solids.emplace_back().name = name;
                        solids.back().mesh = solids.size() - 1;
-                       solids.back().instances.push_back(Eigen::Matrix4d::Identity());
+                       solids.back().instances = std::vector{Eigen::Matrix4d::Identity().eval()};
                      },
                      [&](const PointNumbers& corner, std::string_view, std::uint64_t) {
                        Mesh& mesh = solids.back().data;

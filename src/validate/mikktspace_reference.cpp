@@ -96,6 +96,9 @@ MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<
   mikktspace(MikkMesh{positions, normals, texcoords, corners, {}},
              std::span<float>(&result[0].x, 4 * corners.size()),
              {.sort_all_edges = sort_all_edges, .unserved_sign = 0, .threads = threads});
+  // Along the normal, or of numbers whose squares vanish, it is no direction.
+  for (Vec4<float>& t : result)
+    if (const float square = dot(t.xyz(), t.xyz()); !(square > 0.25f && square < 4)) t = {0, 0, 0, 0};
   // To their triangles, from the last on, behind those that are left out.
   for (std::size_t t = mesh.triangles.size(), next = corners.size(); next < 3 * t;) {
     const auto& [a, b, c] = mesh.triangles[--t];

@@ -10,8 +10,9 @@
 
 namespace darboux {
 
-// MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it. Nearly all corners of a
-// vertex have the same: it is kept once, and the others are listed.
+// MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it or what MikkTSpace gives is
+// no direction: zero, infinite, NaN. Nearly all corners of a vertex have the same: it is kept once, and the
+// others are listed.
 class MikktspaceReference {
  public:
   struct Other {

@@ -19,9 +19,10 @@ namespace darboux {
 /// + (away from the axis) for w < π/2, - for w > π/2: dpdv vanishes on the cuspidal edge w = π/2 and points
 /// away from the axis before it, towards the axis beyond it. On the edge the status is dpdv_zero and crease,
 /// as n jumps to its opposite, and the frame is the limit from w < π/2 (from w > π/2 where the surface begins
-/// at the edge). π/2 is no floating-point number: the edge is where cos w rounds to 0. Frame components err
-/// by at most 4u times (1 + condition), u the unit roundoff; the condition is that of x and w in their
-/// inputs. [Gray2006]
+/// at the edge). π/2 is no floating-point number: the edge is where cos w rounds to 0. Outside of the domain,
+/// where the tractrix ends at infinity (w a multiple of π) and b = 0, the status is dpdu_zero and t the
+/// limit. Frame components err by at most 4u times (1 + condition), u the unit roundoff; the condition is
+/// that of x and w in their inputs. [Gray2006]
 template <class T = double>
 struct Pseudosphere {
   T radius{1}, pitch{0}, turns{1}, w0{0.1}, w1{1.5};
@@ -76,7 +77,9 @@ struct Pseudosphere {
   constexpr Frame<S> frame(const S& u, const S& v) const {
     const S zero = lift<S>(0.0), a = lift<S>(radius), b = lift<S>(pitch);
     const Turn<S> x = detail::normalised(azimuth(u)), w = detail::normalised(profile_angle(v));
-    const Vec2<S> all = unit(Vec2<S>{a, b}), along = unit(Vec2<S>{a * w.sin, b});
+    // Where dpdu vanishes, at the ends of the tractrix, t is the limit.
+    const S round = select(w.sin == zero, lift<S>(pitch == T(0) ? 1.0 : 0.0), a * w.sin);
+    const Vec2<S> all = unit(Vec2<S>{a, b}), along = unit(Vec2<S>{round, b});
     const S k = side(w), c = k * (all.x * w.cos), s = k * (all.x * w.sin);
     return {
         .t = cartesian<S>(x, {zero, along.x, along.y}),
@@ -86,7 +89,9 @@ struct Pseudosphere {
 
   template <class S>
   constexpr Status singular(const S&, const S& v) const {
-    return profile_angle(v).cos == lift<S>(0.0) ? Status::dpdv_zero | Status::crease : Status::regular;
+    const Turn<S> w = profile_angle(v);
+    if (w.sin == lift<S>(0.0) && pitch == T(0)) return Status::dpdu_zero;
+    return w.cos == lift<S>(0.0) ? Status::dpdv_zero | Status::crease : Status::regular;
   }
 
   /// K = -1/(a² + b²)

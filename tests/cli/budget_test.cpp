@@ -1,11 +1,21 @@
 // Files that ask for much more than they hold: refused before it is allocated, by what asked for how much.
+#include <sys/resource.h>
+
 #include "cli.h"
+#include "fbx_files.h"
 
 namespace darboux::test {
 namespace {
 
 class CliBudget : public Cli {
  protected:
+  void TearDown() override {
+    rusage usage{};
+    getrusage(RUSAGE_CHILDREN, &usage);
+    EXPECT_LE(usage.ru_maxrss, 1000000) << "kB at most of all that this process started";
+    Cli::TearDown();
+  }
+
   // So many primitives over the same accessors, of so many vertices; without bytes: of zeros.
   void write_shared(std::size_t primitives, std::size_t vertices, bool with_bytes) {
     Builder b;
@@ -46,13 +56,61 @@ TEST_F(CliBudget, SoDoAccessorsWithoutBytes) {
   expect_refused_by_budget("its vertices and triangles");
 }
 
-TEST_F(CliBudget, SoDoInstances) {
+// The list of a mesh's instances is there once, its primitives refer to it.
+TEST_F(CliBudget, InstancesAreThereOncePerMesh) {
   Builder b = one_triangle();
   for (int i = 1; i < 3000; ++i) b.primitive(b.json["meshes"][0]["primitives"][0]["attributes"]);
   b.json["nodes"] = Json::array();
   for (int i = 0; i < 100000; ++i) b.json["nodes"].push_back({{"mesh", 0}});
   write_bytes(path("m.glb"), b.glb());
-  expect_refused_by_budget("its instances");
+  for (const std::string command : {"validate m.glb", "tangents m.glb -o out.glb", "compare m.glb m.glb"}) {
+    SCOPED_TRACE(command);
+    const Result r = within_a_gibibyte(command);
+    EXPECT_LE(r.status, 1) << r.err;
+  }
+  refused("darboux scene m.glb", {"m.glb: nodes[3333]: expected at most 10000000 instances"});
+  refused("darboux validate m.glb --max-memory 12000000",
+          {"m.glb: meshes[0]: expected at most 11.44 MiB", "12.21 MiB for its instances"});
+}
+
+// EXT_mesh_gpu_instancing: instances of what has no triangles count too.
+TEST_F(CliBudget, SoDoInstancesOfTheExtension) {
+  Builder b;
+  const std::size_t zeros = b.accessor("VEC3", 5126, 87381, Json::object());
+  b.primitive({{"POSITION", zeros}})["mode"] = 0;
+  b.json.erase("buffers");
+  b.json["nodes"] = Json::array();
+  for (int i = 0; i < 50000; ++i)
+    b.json["nodes"].push_back(
+        {{"mesh", 0},
+         {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", zeros}}}}}}}});
+  write_bytes(path("m.glb"), b.glb());
+  const Result r = sh("ulimit -t 10; darboux scene m.glb");
+  EXPECT_EQ(r.status, 2);
+  expect_one_line(r.err);
+  EXPECT_NE(r.err.find("m.glb: nodes[114]: expected at most 10000000 instances"), std::string::npos) << r.err;
+}
+
+// Primitives that differ in their indices alone: whether two are the same is not asked of each pair.
+TEST_F(CliBudget, ManyPrimitivesOverTheSameVertices) {
+  constexpr std::size_t vertices = 20000;
+  Builder b;
+  std::string positions;
+  for (std::size_t i = 0; i < vertices; ++i)
+    for (const std::size_t x : {i % 141, i / 141, i * i % 7})
+      positions += test::pack<float>({static_cast<float>(x)});
+  const std::size_t shared = b.accessor("VEC3", 5126, vertices, {{"bufferView", b.view(positions)}});
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const std::string indices = test::pack<std::uint32_t>({i, i + 1, i + 141});
+    b.primitive({{"POSITION", shared}})["indices"] =
+        b.accessor("SCALAR", 5125, 3, {{"bufferView", b.view(indices)}});
+  }
+  write_bytes(path("m.glb"), b.glb());
+  for (const std::string command : {"validate m.glb", "fit m.glb", "compare m.glb m.glb", "scene m.glb"}) {
+    SCOPED_TRACE(command);
+    const Result r = sh("ulimit -t 10; darboux " + command);
+    EXPECT_LE(r.status, 1) << r.err;
+  }
 }
 
 TEST_F(CliBudget, SoDoMorphTargets) {
@@ -74,7 +132,7 @@ TEST_F(CliBudget, SoDoMorphTargets) {
     EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
 }
 
-TEST_F(CliBudget, SoDoInstancesOfCollada) {
+TEST_F(CliBudget, AsAreThoseOfCollada) {
   std::string nodes, groups;
   for (int i = 0; i < 100000; ++i) nodes += "<node><instance_geometry url='#g'/></node>";
   for (int i = 0; i < 100; ++i)
@@ -90,11 +148,10 @@ TEST_F(CliBudget, SoDoInstancesOfCollada) {
   for (const std::string command : {"validate m.dae", "compare m.dae m.dae"}) {
     SCOPED_TRACE(command);
     const Result r = within_a_gibibyte(command);
-    EXPECT_EQ(r.status, 2);
-    expect_one_line(r.err);
-    for (const char* part : {"m.dae: <triangles> at byte ", "--max-memory", " for its instances"})
-      EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
+    EXPECT_LE(r.status, 1) << r.err;
   }
+  refused("darboux validate m.dae --max-memory 12000000",
+          {"m.dae: <mesh> at byte ", "--max-memory", "12.21 MiB for its instances"});
 }
 
 // Two bytes of a fan are a triangle, of three vertices.
@@ -149,19 +206,37 @@ TEST_F(CliBudget, SoDoFacesOfPly) {
   good("darboux validate m.ply");
 }
 
-// Polygons of an OBJ are cut into triangles in a time that grows with the square of their corners.
+// Polygons are cut into triangles in a time that grows with the square of their corners.
 TEST_F(CliBudget, PolygonsOfVeryManyCornersAreRefused) {
-  const auto write = [&](int corners) {
-    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
-    for (int i = 0; i < corners; ++i) text += ' ' + std::to_string(i % 3 + 1);
-    write_bytes(path("m.obj"), text + '\n');
+  const auto write = [&](int corners, int polygons) {
+    std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    std::vector<int> fbx_corners;
+    for (int k = 0; k < polygons; ++k) {
+      obj += "f";
+      for (int i = 0; i < corners; ++i) {
+        obj += ' ' + std::to_string(i % 3 + 1);
+        fbx_corners.push_back(i + 1 < corners ? i % 3 : -1 - i % 3);
+      }
+      obj += '\n';
+    }
+    write_bytes(path("m.obj"), obj);
+    write_bytes(path("m.fbx"),
+                fbx(fbx_geometry("mesh", 10, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, fbx_corners, "") +
+                        fbx_model(20, "node"),
+                    "C: \"OO\",10,20\nC: \"OO\",20,0\n"));
   };
-  write(30000);
-  for (const std::string command : {"validate m.obj", "compare m.obj m.obj"})
-    refused("darboux " + command,
-            {"m.obj: line 4: expected polygons whose corners", "got 900000000 with this one of 30000"});
-  write(1000);
-  good("darboux validate m.obj");
+  write(30000, 1);
+  for (const std::string file : {"m.obj", "m.fbx"}) {
+    for (const std::string& command : {"validate " + file, "compare " + file + " " + file})
+      refused("darboux " + command,
+              {file + ": expected an ", "has polygons whose corners, squared, sum to more than 25",
+               ": with one of 30000 in mesh 0"});
+  }
+  for (const auto& [corners, polygons] : {std::pair{2000, 1}, {16, 110000}}) {
+    write(corners, polygons);
+    good("darboux validate m.obj");
+    if (polygons == 1) good("darboux validate m.fbx");
+  }
 }
 
 // Each key is looked for among those before it: time grows with the square of their number.

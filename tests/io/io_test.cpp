@@ -227,7 +227,7 @@ TEST(ReadGltf, WorldMatrices) {
   EXPECT_LT(instances[1].determinant(), 0);
 
   b.json.erase("scene");  // the first scene
-  EXPECT_EQ(read(b).primitives.at(0).instances.at(0)(0, 3), 100);
+  EXPECT_EQ(read(b).primitives.at(0).instances[0](0, 3), 100);
   b.json.erase("scenes");  // all trees of nodes
   EXPECT_EQ(read(b).primitives.at(0).instances.size(), 3u);
   b.json.erase("nodes");
@@ -241,7 +241,7 @@ TEST(ReadGltf, ADeepHierarchyIsNoRecursion) {
   for (std::size_t i = 1; i < depth; ++i)
     b.json["nodes"].push_back({{"children", {i}}, {"translation", {1, 0, 0}}});
   b.json["nodes"].push_back({{"mesh", 0}});
-  EXPECT_EQ(read(b).primitives.at(0).instances.at(0)(0, 3), depth - 1);
+  EXPECT_EQ(read(b).primitives.at(0).instances[0](0, 3), depth - 1);
 }
 
 // ---- buffers elsewhere

@@ -92,6 +92,25 @@ TEST(ReadObj, EveryCornerIsTheTexts) {
   }
 }
 
+// As C's printf does not write them, but other programs do.
+TEST(ReadObj, NumbersMayBeginWithAPoint) {
+  const TempFolder folder;
+  const std::string path = folder / "m.obj";
+  test::write_bytes(path,
+                    "v .5 -.25 +.125\nv\t1 .5 .75e1\nv 0 1 .0\n# .5\no .5\nvt .5 .25\nvn .0 .6 .8\n"
+                    "f 1/1/1 2/1/1 3/1/1\n");
+  const Asset asset = read_asset(path);
+  ASSERT_EQ(asset.primitives.size(), 1u);
+  const Mesh& mesh = asset.primitives[0].data;
+  EXPECT_EQ(asset.primitives[0].name, ".5");
+  const std::vector<Vec3<double>> positions{{.5, -.25, .125}, {1, .5, 7.5}, {0, 1, 0}};
+  EXPECT_EQ(mesh.positions, positions);
+  ASSERT_EQ(mesh.uvs.size(), 3u);
+  EXPECT_EQ(mesh.uvs[0], (Vec2<double>{.5, .25}));
+  ASSERT_EQ(mesh.normals.size(), 3u);
+  EXPECT_EQ(mesh.normals[0].y, double{.6f});
+}
+
 TEST(ReadObj, PolygonsLinesAndSeveralObjects) {
   const TempFolder folder;
   const std::string path =

@@ -531,6 +531,17 @@ TEST(SelfIntersection, EnneperFromTheSquareRootOfThreeOn) {
   EXPECT_EQ(frame(large, 0.5, 0.5).status, regular);
 }
 
+// The tractrix ends at infinity, outside of the domain. What fuzzing found there: vectors of zeros.
+TEST(Pseudosphere, TheEndOfTheTractrixHasALimit) {
+  const Pseudosphere surface{1.0, 0.0, 1.0, 0.5, 1.0};
+  const Frame<double> at = frame(surface, 0.0, -1.0);  // w = 0
+  EXPECT_EQ(at.status, dpdu_zero | limit_frame | Status::outside_domain);
+  EXPECT_EQ(at.t, (Vec{0, 1, 0}));
+  EXPECT_EQ(at.b, (Vec{0, 0, 1}));
+  EXPECT_EQ(at.n, (Vec{1, 0, 0}));
+  EXPECT_EQ(frame(Pseudosphere{1.0, 0.5, 1.0, 0.5, 1.0}, 0.0, -1.0).status, Status::outside_domain);
+}
+
 // ---- the distance where its gradient is not one -----------------------------------------------------------
 
 TEST(Implicit, IsMinusTheLeastSemiAxisAtTheCentre) {

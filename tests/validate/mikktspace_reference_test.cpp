@@ -1,6 +1,7 @@
 // MikkTSpace's tangents kept once per vertex are those of every corner.
 #include "validate/mikktspace_reference.h"
 
+#include <cmath>
 #include <cstring>
 #include <span>
 
@@ -73,6 +74,65 @@ TEST(MikktspaceReference, IsNotMadeWithoutTriangles) {
   EXPECT_FALSE(validate(mesh, std::span<const Truth>()).mikktspace);
   mesh.triangles = {{0, 1, 2}};
   EXPECT_TRUE(validate(mesh, std::span<const Truth>()).mikktspace);
+}
+
+// A grid in the plane z = 0, u along x, every seventh vertex with another normal.
+Mesh grid_with(const Vec3<double>& normal) {
+  constexpr std::uint32_t n = 8;
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < n * n; ++i) {
+    mesh.positions.push_back({double(i / n), double(i % n), 0});
+    mesh.uvs.push_back({double(i / n) / n, double(i % n) / n});
+    mesh.normals.push_back(i % 7 == 0 ? normal : Vec3<double>{0, 0, 1});
+  }
+  mesh.tangents.assign(n * n, {1, 0, 0, -1});
+  for (std::uint32_t i = 0; i + 1 < n; ++i)
+    for (std::uint32_t v = n * i; v + 1 < n * (i + 1); ++v) {
+      mesh.triangles.push_back({v, v + n, v + 1});
+      mesh.triangles.push_back({v + 1, v + n, v + n + 1});
+    }
+  return mesh;
+}
+
+// Where t is along the normal, what MikkTSpace gives is zero, infinite or NaN: nothing to compare with, and
+// not 90 degrees.
+TEST(MikktspaceReference, HasNoTangentWhereMikktspaceGivesNone) {
+  for (const Vec3<double>& normal :
+       {Vec3<double>{1, 0, 0}, {1, 1e-24, 0}, {1, 1e-30, 1e-40}, {1, 0, 1e-24}, {1, -1e-40, 0}}) {
+    SCOPED_TRACE(normal.y);
+    const Mesh mesh = grid_with(normal);
+    const MikktspaceReference reference = mikktspace_reference(mesh, mesh.uvs, 1);
+    std::size_t none = 0;
+    for (std::size_t c = 0; c < mesh.corners(); ++c) {
+      const std::uint32_t v = mesh.triangles[c / 3][c % 3];
+      const Vec4<float> expected = v % 7 == 0 ? Vec4<float>{0, 0, 0, 0} : Vec4<float>{1, 0, 0, 1};
+      EXPECT_EQ(reference.at(c, v), expected) << c;
+      none += v % 7 == 0;
+    }
+    ValidateOptions options;
+    options.references = {.analytic = false, .mikktspace = true, .local = false, .triangles = false};
+    const MeshReport report = validate(mesh, std::span<const Truth>(), options);
+    ASSERT_TRUE(report.mikktspace);
+    EXPECT_DOUBLE_EQ(report.mikktspace->equal_bits, 1 - double(none) / double(mesh.corners()));
+    for (const ClassReport& c : report.mikktspace->classes)
+      EXPECT_EQ(c.tangent_deg.value().max, 0) << static_cast<int>(c.vertex_class);
+  }
+}
+
+// Normals of no ordinary length are no reason to give none.
+TEST(MikktspaceReference, HasTangentsBesideTinyAndHugeNumbers) {
+  for (const double length : {1e-40, 1e-24, 1e-20, 1e8})
+    for (const double size : {1e-37, 1.0, 1e37}) {
+      Mesh mesh = grid_with({0, 0, 1});
+      for (auto& n : mesh.normals) n = length * n;
+      for (auto& p : mesh.positions) p = size * p;
+      const MikktspaceReference reference = mikktspace_reference(mesh, mesh.uvs, 1);
+      for (std::size_t c = 0; c < mesh.corners(); ++c) {
+        const Vec4<float>& t = reference.at(c, mesh.triangles[c / 3][c % 3]);
+        EXPECT_TRUE(t.w == 1 && std::fabs(t.x - 1) < 1e-6 && t.y == 0 && t.z == 0)
+            << length << ' ' << size << ' ' << c;
+      }
+    }
 }
 
 }  // namespace

@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# nightly.sh [STEP ...]: what takes too long for every landing. Each step prints what it did; its last lines
+# are kept in build/nightly/STEP.log, and build/nightly/results has a line per step: when, commit, step,
+# passed or FAILED, seconds. Exit 1 where one failed.
+#   address       the whole suite under the address and undefined-behaviour sanitizers
+#   threads       what runs in parallel under the thread sanitizer
+#   fuzz          each target of tests/fuzz for 60 seconds (FUZZ_SECONDS)
+#   mutants       100 000 mutants of corpora over all formats, without sanitizers (MUTANTS)
+#   kills         500 kills
+#   faults        60 points of failure per call and command
+#   determinism   release, debug and clang give the same bits
+#   reproducible  two builds in two folders give the same bytes
+#   coverage      lines and branches
+set -uo pipefail
+cd "$(dirname "$0")/.."
+mkdir -p build/nightly
+steps=("$@")
+[ $# -gt 0 ] || steps=(address threads fuzz mutants kills faults determinism reproducible coverage)
+build() {  # build PRESET TARGET ...
+  local preset=$1
+  shift
+  cmake --preset "$preset" >/dev/null && cmake --build --preset "$preset" --target "$@" >/dev/null
+}
+address() { build asan all && ctest --preset asan -j 2; }
+threads() {
+  build tsan base_parallel_jobs_test evaluate_batch_test mesh_mikktspace_test mesh_mesh_frames_test darboux_tool || return 1
+  export TSAN_OPTIONS="suppressions=$PWD/tests/thread_sanitizer.txt halt_on_error=1 second_deadlock_stack=1"
+  local bin=$PWD/build/tsan/bin data=$PWD/tests/data work
+  work=$(mktemp -d) || return 1
+  for test in base_parallel_jobs_test evaluate_batch_test mesh_mikktspace_test mesh_mesh_frames_test; do
+    "$bin/$test" || return 1
+  done
+  (
+    cd "$work" || exit 1
+    "$bin/darboux" eval torus --grid 300x300 --format f64 --threads 4 >o.f64 &&
+      "$bin/darboux" tangents "$data/torus_016.none.glb" -o o.glb --threads 4 &&
+      "$bin/darboux" fit "$data/torus_points.xyz" --frames o.csv --threads 4 &&
+      "$bin/darboux" check sphere torus --points 200 --threads 4 &&
+      { "$bin/darboux" validate "$data"/*.three.glb --threads 4 || [ $? = 1 ]; } &&
+      "$bin/darboux" converge --surfaces torus --resolutions 8..32 --threads 4
+  )
+  local status=$?
+  rm -rf "$work"
+  return $status
+}
+fuzz() { tests/fuzz/run.sh "${FUZZ_SECONDS:-60}"; }
+mutants() {
+  build release fuzz_targets || return 1
+  for target in gltf gltf_decoders ply stl collada pcd points formula surface_file surface_text scene_file png \
+    uv_points results baseline evaluate mesh_frames mikktspace; do
+    echo "$target: $(build/release/bin/fuzz_$target "tests/fuzz/corpus/${target%_decoders}" "${MUTANTS:-100000}")" || return 1
+  done
+}
+kills() { build release cli_kills_test && DARBOUX_KILLS=500 build/release/bin/cli_kills_test --gtest_filter='*NoOutputIsBroken*'; }
+faults() { build release cli_faults_test && DARBOUX_FAULTS=60 build/release/bin/cli_faults_test; }
+determinism() {
+  build release darboux_tool && build debug darboux_tool && build clang darboux_tool &&
+    tests/determinism.sh build/release/bin/darboux build/debug/bin/darboux build/clang/bin/darboux
+}
+reproducible() { tests/package/reproducible.sh; }
+coverage() { tests/coverage.sh; }
+
+failed=0
+for step in "${steps[@]}"; do
+  case $step in
+    address | threads | fuzz | mutants | kills | faults | determinism | reproducible | coverage) ;;
+    *) echo "nightly.sh: expected steps that its first lines list, got $step" >&2; exit 2 ;;
+  esac
+  begun=$SECONDS
+  if "$step" >"build/nightly/$step.log" 2>&1; then result=passed; else result=FAILED failed=1; fi
+  line="$(date -u +%F) $(git rev-parse --short HEAD) $step $result $((SECONDS - begun)) s"
+  echo "$line" | tee -a build/nightly/results
+  [ $result = passed ] || tail -20 "build/nightly/$step.log"
+done
+exit $failed
