@@ -50,7 +50,8 @@ const std::map<std::string, std::string> folder_of_header{{"attributes", "base"}
                                                           {"fit_points", "fit/common"},
                                                           {"fit_mesh", "fit/common"},
                                                           {"scene", "scene"},
-                                                          {"io", "io"}};
+                                                          {"io", "io"},
+                                                          {"image", "base"}};
 
 // The folder of a file, empty where it is in none. `tree` tells which .cpp serves a public header.
 std::string folder_of(const std::string& path, const Includes& tree) {
@@ -174,7 +175,7 @@ std::vector<Rule> rules(const Includes& tree) {
       {"JSON stays behind files, reports and the command line", "(?!src/(io|assets|study|cli|report)/).*", "",
        "nlohmann/.*"},
       {"the file libraries stay behind io", "(?!src/io/).*", "",
-       "assimp/.*|tiny_gltf\\.h|draco/.*|png\\.h|meshoptimizer\\.h|muParser.*"},
+       "assimp/.*|tiny_gltf\\.h|draco/.*|png\\.h|Imf.*|stb_.*|meshoptimizer\\.h|muParser.*"},
       {"CLI11 stays in the command line", "(?!src/cli/).*", "", "CLI/.*"},
       {"the library needs no test framework", ".*", "", "gtest/.*|gmock/.*"},
   };
