@@ -73,15 +73,28 @@ Imf::Slice slice_of(Image& image, std::size_t c, int x, int y) {
           c == 3 ? 1.0 : 0.0};
 }
 
-Image read(const std::string& file, std::string_view bytes) {
+// The size that the header of the first part claims, before memory is taken for it.
+void check_size(const std::string& file, std::string_view bytes) {
   MemoryInput stream(file, bytes);
-  Imf::InputFile input(stream, 0);
-  const auto& window = input.header().dataWindow();
+  char magic_and_version[8];
+  stream.read(magic_and_version, 8);
+  int version = 0;
+  std::memcpy(&version, magic_and_version + 4, 4);
+  Imf::Header header;
+  header.readFrom(stream, version);
+  const auto& window = header.dataWindow();
   const auto size = [](int low, int high) {
     return static_cast<std::uint64_t>(std::max<std::int64_t>(std::int64_t{high} - low + 1, 0));
   };
   const std::uint64_t width = size(window.min.x, window.max.x), height = size(window.min.y, window.max.y);
   check_image_size(file, width, height);
+}
+
+Image read(const std::string& file, std::string_view bytes) {
+  check_size(file, bytes);
+  MemoryInput stream(file, bytes);
+  Imf::InputFile input(stream, 0);
+  const auto& window = input.header().dataWindow();
   const Imf::ChannelList& list = input.header().channels();
   for (std::size_t c = 0; c < 3; ++c) {
     const Imf::Channel* channel = list.findChannel(channel_names[c]);
@@ -90,8 +103,8 @@ Image read(const std::string& file, std::string_view bytes) {
                                          std::string(channel_names[c]) +
                                              (channel == nullptr ? " missing" : " of another resolution")));
   }
-  Image image(static_cast<int>(width), static_cast<int>(height), list.findChannel("A") == nullptr ? 3 : 4,
-              SampleType::f32);
+  Image image(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1,
+              list.findChannel("A") == nullptr ? 3 : 4, SampleType::f32);
   Imf::FrameBuffer buffer;
   for (std::size_t c = 0; c < static_cast<std::size_t>(image.channels); ++c)
     buffer.insert(channel_names[c], slice_of(image, c, window.min.x, window.min.y));
