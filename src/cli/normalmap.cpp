@@ -31,8 +31,8 @@ constexpr Choice<MapGreen, 2> greens{{"opengl", "directx"}};
 constexpr Choice<MapWrap, 3> wrap_modes{{"repeat", "mirror", "clamp"}};
 constexpr Choice<SampleType, 3> depths{{"8", "16", "float"}};
 
-// Each file another: none is read and written.
-void check_files(const NormalMapArguments& a, const Common& common) {
+// Each file another, so that none is read and written; and names of images.
+void check_files(const NormalMapArguments& a) {
   std::set<std::string> seen;
   const auto take = [&](const std::string& name) {
     if (name.empty()) return;
@@ -41,9 +41,9 @@ void check_files(const NormalMapArguments& a, const Common& common) {
       throw ParameterError(name, expected_got("a file for one thing", "for two"));
   };
   for (const std::string& name : {a.input, a.mesh, a.output, a.report}) take(name);
-  for (const std::string& name : {a.output, a.report})
-    if (common.json && is_standard_output(name))
-      throw ParameterError(name, expected_got("one thing for standard output", "an image beside --json"));
+  image_types(a.output);
+  if (!a.report.empty() && image_types(a.report).front() != SampleType::u8)
+    throw ParameterError(a.report, expected_got("a name that ends in .png or .tga", "another"));
 }
 
 // "2" or "2:0": a mesh, or a primitive of it.
@@ -139,7 +139,7 @@ Json report_json(const NormalMapArguments& a, const NormalMapOptions& options, c
 
 void print_text(const NormalMapArguments& a, const NormalMapResult& r, std::span<const MapPiece> pieces,
                 std::size_t texels) {
-  std::ostream& out = is_standard_output(a.output) ? std::cerr : std::cout;
+  std::ostream& out = std::cout;
   out << a.input << ": " << r.covered << " of " << texels << " texels covered";
   if (r.dilated != 0) out << ", " << r.dilated << " in the gutter filled";
   out << '\n';
@@ -169,7 +169,7 @@ void print_text(const NormalMapArguments& a, const NormalMapResult& r, std::span
   }
   out << "rounding: at most " << rounded(r.quantisation_max_deg, 3) << " degrees, rms "
       << rounded(r.quantisation_rms_deg, 3) << '\n';
-  if (!is_standard_output(a.output)) out << a.output << '\n';
+  out << a.output << '\n';
 }
 
 NormalMapOptions options_of(const NormalMapArguments& a, const Common& common) {
@@ -208,11 +208,10 @@ NormalMapOptions options_of(const NormalMapArguments& a, const Common& common) {
 
 void run_convert(const NormalMapArguments& a, Common& common) {
   NormalMapOptions options = options_of(a, common);
-  check_files(a, common);
+  check_files(a);
   std::optional<AnySurface> surface;
   if (!a.surface.empty()) surface = surface_argument(a.surface);
   options.surface = surface ? &*surface : nullptr;
-  image_types(a.output);
   auto lap = [last = std::chrono::steady_clock::now()]() mutable {
     const auto now = std::chrono::steady_clock::now();
     return std::chrono::duration<double>(now - std::exchange(last, now)).count();

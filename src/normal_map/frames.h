@@ -68,7 +68,7 @@ class MikkFrames {
   }
   /// Of the singular values of a frame, the square of their ratio. Two are those of (t n), the third is their
   /// product, |n × t|.
-  static double condition_square(const Columns& m) {
+  static double condition_square(const Columns& m, double) {
     const double a = dot(m.t, m.t), d = dot(m.n, m.n), g = dot(m.t, m.n), third = dot(m.b, m.b);
     const double largest = (a + d + std::sqrt((a - d) * (a - d) + 4 * g * g)) / 2;
     const double least = third / largest;  // their squares
@@ -110,10 +110,15 @@ class ViewerFrames {
     };
     return {unit_of(0), unit_of(1), unit_of(2)};
   }
-  static double condition_square(const Columns& m) {
-    Eigen::Matrix3d gram;
+  /// The same; where it is known to be no more than `least`, that. The Gram matrix is 1 + D, D without
+  /// diagonal: eigenvalues of D have the sum 0 and squares of the sum 2 (tb² + tn² + bn²), so none is beyond
+  /// k.
+  static double condition_square(const Columns& m, double least) {
     const double tb = dot(m.t, m.b), tn = dot(m.t, m.n), bn = dot(m.b, m.n);
-    gram << dot(m.t, m.t), tb, tn, tb, dot(m.b, m.b), bn, tn, bn, dot(m.n, m.n);
+    const double k = std::sqrt(4.0 / 3 * (tb * tb + tn * tn + bn * bn));
+    if (1 + k <= least * (1 - k)) return least;
+    Eigen::Matrix3d gram;
+    gram << 1, tb, tn, tb, 1, bn, tn, bn, 1;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     const auto values = solver.computeDirect(gram, Eigen::EigenvaluesOnly).eigenvalues();
     return values[2] / values[0];

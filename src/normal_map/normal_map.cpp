@@ -310,7 +310,8 @@ class Converter {
       frames.start_row(span.weights);
       each_texel(span, row, index, tally, [&](std::int64_t x, std::size_t texel) {
         const Columns frame = frames.at(static_cast<double>(x - span.begin));
-        const double condition_square = Frames::condition_square(frame);
+        const double condition_square =
+            Frames::condition_square(frame, std::fmin(tally.condition_square, 100));
         if (!convert(texel, index, frame, tally)) return;
         tally.condition_square = std::fmax(tally.condition_square, condition_square);
         tally.condition_above_10 += condition_square > 100;
