@@ -73,6 +73,7 @@ void add_compare(CLI::App& app, Common& common);
 void add_plan(CLI::App& app, Common& common);
 void add_scene(CLI::App& app, Common& common);
 void add_normalmap(CLI::App& app, Common& common);
+void add_bake(CLI::App& app, Common& common);
 void add_stability(CLI::App& app, Common& common);
 void add_work_precision(CLI::App& app, Common& common);
 void add_merge(CLI::App& app, Common& common);

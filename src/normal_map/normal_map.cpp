@@ -9,39 +9,29 @@
 
 #include <darboux/error.h>
 #include <darboux/frame.h>
-#include <darboux/mesh_frames.h>
 #include <darboux/normal_map.h>
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "normal_map/corners.h"
 #include "normal_map/coverage.h"
+#include "normal_map/covered.h"
 #include "normal_map/dilate.h"
 #include "normal_map/frames.h"
 #include "normal_map/texels.h"
+#include "normal_map/wrap.h"
 
 namespace darboux {
 namespace {
 
 using normal_map::Columns;
-using normal_map::Corner;
+using normal_map::name_of;
 using normal_map::Span;
 using normal_map::TexelTriangle;
+using normal_map::wrapped;
 
 constexpr std::int64_t band_rows = 64;
 constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
-
-std::string name_of(const MapPiece& piece) {
-  return "mesh " + std::to_string(piece.mesh_index) + " primitive " + std::to_string(piece.primitive);
-}
-
-// The texel that a coordinate outside of the map reads, -1 where it is cut off.
-std::int64_t wrapped(std::int64_t x, std::int64_t size, MapWrap wrap) {
-  if (x >= 0 && x < size) return x;
-  if (wrap == MapWrap::clamp) return -1;
-  const std::int64_t period = wrap == MapWrap::mirror ? 2 * size : size;
-  const std::int64_t m = (x % period + period) % period;
-  return m < size ? m : period - 1 - m;
-}
 
 // A triangle that covers something.
 struct MapTriangle {
@@ -73,9 +63,7 @@ class Converter {
 
   NormalMapResult run() {
     for (const MapPiece& piece : pieces_) add_piece(piece);
-    if (work_ > most_work())
-      throw MeshError("map", expected_got("uvs that cover the map at most 64 times",
-                                          rounded(work_ / static_cast<double>(map_.texels()), 3) + " times"));
+    work_.check(map_.texels());
     result_.image = Image(map_.width, map_.height, map_.channels, out_type_);
     result_.states.resize(map_.texels());
     owners_.resize(whole_surface() ? 0 : map_.texels(), nobody);
@@ -112,10 +100,6 @@ class Converter {
   bool reads_frames() const { return options_.to == MapSpace::tangent || options_.from == MapSpace::tangent; }
   bool whole_surface() const { return pieces_.empty(); }
   bool analytic() const { return options_.basis == MapBasis::analytic && reads_frames(); }
-
-  double most_work() const {
-    return 64.0 * static_cast<double>(map_.texels()) + 16.0 * static_cast<double>(triangles_.size()) + 0x1p22;
-  }
 
   std::array<bool, 2> wraps() const {
     std::array<bool, 2> result{true, true};
@@ -171,51 +155,22 @@ class Converter {
   void add_piece(const MapPiece& piece) {
     check(piece);
     const std::uint32_t index = static_cast<std::uint32_t>(&piece - pieces_.data());
-    frames_.emplace_back();
-    if (reads_frames() && options_.basis == MapBasis::mikktspace)
-      frames_.back() = mesh_frames(piece.mesh, find_frame_method("mikktspace"), options_.threads);
+    const bool framed = reads_frames() && !analytic();
+    corners_.emplace_back(piece, framed ? options_.basis : MapBasis::stored, options_.threads);
     from_world_.push_back(piece.to_world.transpose());
     for (std::size_t i = 0; i < piece.mesh.triangles.size(); ++i) {
-      std::array<Vec2<double>, 3> corners;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vec2<double>& uv = piece.mesh.uvs[piece.mesh.triangles[i][k]];
-        corners[k] = {uv.x * map_.width, (piece.v_up ? 1 - uv.y : uv.y) * map_.height};
-        if (!(std::fabs(corners[k].x) <= TexelTriangle::farthest) ||
-            !(std::fabs(corners[k].y) <= TexelTriangle::farthest))
-          throw MeshError(name_of(piece), expected_got("uvs within 2^22 texels",
-                                                       "(" + shortest(uv.x) + ", " + shortest(uv.y) + ")"));
-      }
-      const auto texels = TexelTriangle::of(corners);
+      const auto texels = normal_map::texel_triangle(piece, i, map_.width, map_.height);
       if (!texels) {
         ++result_.degenerate_uv_triangles;
         continue;
       }
-      if (reads_frames() && !analytic()) {
-        const auto of = corners_of(index, i);
+      if (framed) {
+        const auto of = corners_.back().of(i);
         result_.mixed_sign_triangles += of[0].w != of[1].w || of[0].w != of[2].w;
       }
-      const auto [first, last] = texels->rows();
-      work_ += texels->area() + static_cast<double>(last - first);
+      work_.add(*texels);
       triangles_.push_back({*texels, index, static_cast<std::uint32_t>(i)});
     }
-  }
-
-  std::array<Corner, 3> corners_of(std::uint32_t piece_index, std::size_t triangle) const {
-    const MapPiece& piece = pieces_[piece_index];
-    std::array<Corner, 3> result;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t vertex = piece.mesh.triangles[triangle][k];
-      result[k].n = piece.mesh.normals[vertex];
-      if (options_.basis == MapBasis::stored) {
-        result[k].t = piece.mesh.tangents[vertex].xyz();
-        result[k].w = piece.mesh.tangents[vertex].w;
-      } else {
-        const CornerFrame& frame = frames_[piece_index].corner(3 * triangle + k);
-        result[k].t = frame.t;
-        result[k].w = piece.v_up ? frame.sign : -frame.sign;
-      }
-    }
-    return result;
   }
 
   // The triangles of each band of rows, in their order; counts texels above and below a map that clamps.
@@ -268,9 +223,9 @@ class Converter {
           analytic_row(span, y, row, &pieces_[of.piece], i, tally);
         });
       } else if (options_.decode == MapDecode::mikktspace) {
-        framed_rows(band, i, normal_map::MikkFrames(corners_of(of.piece, of.triangle)), tally);
+        framed_rows(band, i, normal_map::MikkFrames(corners_[of.piece].of(of.triangle)), tally);
       } else {
-        framed_rows(band, i, normal_map::ViewerFrames(corners_of(of.piece, of.triangle)), tally);
+        framed_rows(band, i, normal_map::ViewerFrames(corners_[of.piece].of(of.triangle)), tally);
       }
     }
   }
@@ -481,12 +436,12 @@ class Converter {
   normal_map::Coding in_coding_, out_coding_;
   normal_map::TexelAccess<const Image> in_;
   std::optional<normal_map::TexelAccess<Image>> out_;
-  std::vector<MeshFrames> frames_;  // of each piece, where they are made anew
+  std::vector<normal_map::Corners> corners_;  // of each piece
   std::vector<Eigen::Matrix3d> from_world_;
   std::vector<MapTriangle> triangles_;
   std::vector<std::vector<std::uint32_t>> bins_;
   std::vector<std::uint32_t> owners_;
-  double work_ = 0;  // texels and rows that triangles cover
+  normal_map::Work work_;
   NormalMapResult result_;
 };
 
