@@ -26,6 +26,10 @@ struct ReadImageOptions {
 /// \throws FileError for palettes, grey images, TGA of 16 bits, colour tags, truncated files
 Image read_image(const std::string& path, const ReadImageOptions& options = {});
 
+/// What a file says of its colours, as "sRGB" or "gAMA 0.45455"; empty where it is linear or says nothing.
+/// \throws FileError as read_image()
+std::string image_colour_tag(const std::string& path);
+
 /// What texels of a file of this name can be, the finest last. \throws ParameterError for an extension that
 /// is none of .png .tga .exr
 std::span<const SampleType> image_types(const std::string& path);

@@ -14,10 +14,6 @@ struct BakeArguments : MapArguments {
   std::uint64_t samples = 16, seed = 1;
 };
 
-Json statistics_json(const Statistics& s) {
-  return {{"max", number(s.max)}, {"rms", number(s.rms)}, {"p95", number(s.p95)}};
-}
-
 Json error_json(std::string_view name, const BakeError& error) {
   return {{"class", name},
           {"samples", error.samples},

@@ -118,6 +118,10 @@ Json surface_json(const AnySurface& surface) {
   return result;
 }
 
+Json statistics_json(const Statistics& s) {
+  return {{"max", number(s.max)}, {"rms", number(s.rms)}, {"p95", number(s.p95)}};
+}
+
 Json spread_json(const Spread& spread) {
   return {{"max", number(spread.max())}, {"rms", number(spread.rms())}, {"infinite", spread.infinite()}};
 }

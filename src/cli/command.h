@@ -106,6 +106,9 @@ inline constexpr const char* surface_help = "NAME, NAME:PARAMETER=VALUE,... or f
 /// The surface's name, file and parameters as JSON, for every command alike.
 Json surface_json(const AnySurface& surface);
 
+/// Angles summed up as JSON, for every command alike.
+Json statistics_json(const Statistics& statistics);
+
 /// Standard deviations as JSON, for every command alike.
 Json spread_json(const Spread& spread);
 

@@ -1,10 +1,11 @@
-// `darboux normalmap`: a normal map in another space.
+// `darboux normalmap`: a normal map in another space, alone or beside another.
 #include <chrono>
 #include <iostream>
 #include <optional>
 #include <utility>
 
 #include "map_arguments.h"
+#include "map_checks.h"
 
 namespace darboux {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 struct NormalMapArguments : MapArguments {
   std::string input, from, to, surface, report;
   bool two_channels = false, keep_length = false, signed_floats = false, drop_colour_tags = false;
+  MapCheckArguments checks;
 };
 
 constexpr Choice<MapSpace, 3> spaces{{"object", "tangent", "world"}};
@@ -125,10 +127,40 @@ void run_convert(const NormalMapArguments& a, Common& common) {
     print_text(a, result, pieces, texels);
 }
 
+// Options of one of the three ways, beside another.
+void check_ways(const CLI::App& sub, const std::vector<const char*>& others, const char* way) {
+  for (const char* name : others)
+    if (sub.get_option(name)->count() != 0)
+      throw ParameterError(name, expected_got(std::string("none beside ") + way, "it"));
+}
+
+void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
+  a.checks.green = a.green;
+  a.checks.report = a.report;
+  a.checks.signed_floats = a.signed_floats;
+  const std::vector<const char*> of_conversion{"INPUT",   "--output",  "--from",         "--to",
+                                               "--basis", "--surface", "--two-channels", "--keep-length",
+                                               "--depth", "--dither",  "--dilate"},
+      of_comparison{"--max-angle", "--worst"};
+  if (!a.checks.file.empty()) {
+    check_ways(sub, of_conversion, "--check");
+    check_ways(sub, of_comparison, "--check");
+    check_ways(sub, {"--compare", "--mesh", "--report"}, "--check");
+    return run_map_check(a.checks, common);
+  }
+  if (!a.checks.compared.empty()) {
+    check_ways(sub, of_conversion, "--compare");
+    return run_map_comparison(a.checks, a, a.drop_colour_tags, common);
+  }
+  check_ways(sub, of_comparison, "a conversion: they belong to --compare");
+  run_convert(a, common);
+}
+
 }  // namespace
 
 void add_normalmap(CLI::App& app, Common& common) {
-  CLI::App& sub = *app.add_subcommand("normalmap", "Turn a normal map from one space into another");
+  CLI::App& sub = *app.add_subcommand(
+      "normalmap", "Turn a normal map from one space into another; check and compare maps");
   auto a = std::make_shared<NormalMapArguments>();
   sub.add_option("INPUT", a->input, "the .png, .tga or .exr to read");
   sub.add_option("--from", a->from, "the space of the map: object, tangent or world")->check(spaces.check());
@@ -151,11 +183,24 @@ void add_normalmap(CLI::App& app, Common& common) {
   sub.add_flag("--signed-floats", a->signed_floats, "EXR holds numbers from -1 to 1, not 0 to 1");
   sub.add_flag("--drop-colour-tags", a->drop_colour_tags,
                "read files that say they are sRGB or have a gamma, and pass over that");
-  sub.add_option("--report", a->report, "write a picture of what is covered, conflicts in red");
+  sub.add_option("--report", a->report,
+                 "write a picture of what is covered, conflicts in red; of --compare the angles");
+  sub.add_option(
+      "--check", a->checks.file,
+      "tell what is wrong with this map, seen alone: length, sRGB tag, swapped or flipped channels");
+  sub.add_option("--compare", a->checks.compared,
+                 "two maps: tell the angles between them, with --mesh for each island")
+      ->expected(2);
+  sub.add_option("--max-angle", a->checks.max_angle_deg,
+                 "degrees beyond which --compare ends with status 1 [180]")
+      ->check(CLI::Range(0.0, 180.0));
+  sub.add_option("--worst", a->checks.worst, "texels that --compare names")
+      ->capture_default_str()
+      ->check(whole_number_up_to(10000));
   add_read_options(sub, common);
   add_common(sub, common,
              "darboux normalmap tangent.png --from tangent --to object --mesh torus.glb -o object.png");
-  sub.callback([a, &common] { run_convert(*a, common); });
+  sub.callback([a, &common, &sub] { run_normalmap(sub, *a, common); });
 }
 
 }  // namespace darboux

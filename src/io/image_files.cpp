@@ -46,6 +46,13 @@ Image read_image(const std::string& path, const ReadImageOptions& options) {
   throw FileError(path, expected_got("a PNG, TGA or EXR image", "something else"));
 }
 
+std::string image_colour_tag(const std::string& path) {
+  io::expect_regular_file(path);
+  const std::string bytes = io::read_file(path);
+  if (io::is_png(bytes)) return io::colour_tag_of_png(path, bytes);
+  return extension_of(path) == ".tga" ? io::colour_tag_of_tga(bytes) : "";
+}
+
 std::span<const SampleType> image_types(const std::string& path) {
   static constexpr std::array png{SampleType::u8, SampleType::u16}, tga{SampleType::u8, SampleType::u8},
       exr{SampleType::f32, SampleType::f32};

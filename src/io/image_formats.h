@@ -22,6 +22,8 @@ bool is_exr(std::string_view bytes);
 // \throws FileError
 Image image_of_png(const std::string& file, std::string_view bytes, const ReadImageOptions& options);
 Image image_of_tga(const std::string& file, std::string_view bytes, const ReadImageOptions& options);
+std::string colour_tag_of_png(const std::string& file, std::string_view bytes);
+std::string colour_tag_of_tga(std::string_view bytes);
 Image image_of_exr(const std::string& file, std::string_view bytes);
 
 /// \throws FileError

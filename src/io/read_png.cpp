@@ -167,6 +167,14 @@ void read_rows(const std::string& file, const std::string& what, std::string_vie
 
 }  // namespace
 
+std::string colour_tag_of_png(const std::string& file, std::string_view bytes) {
+  std::string tag;
+  read_png(
+      file, "", bytes, [&](const PngHeader& header) { tag = header.colour_tag; },
+      [](std::span<const std::uint16_t>, int) { return false; });
+  return tag;
+}
+
 Image image_of_png(const std::string& file, std::string_view bytes, const ReadImageOptions& options) {
   Image image;
   std::size_t done = 0;

@@ -66,6 +66,11 @@ double gamma_of(const Bytes& bytes) {
 
 }  // namespace
 
+std::string colour_tag_of_tga(std::string_view bytes) {
+  const double gamma = gamma_of(Bytes(bytes));
+  return gamma == 0 || gamma == 1 ? "" : "gamma " + rounded(gamma, 3);
+}
+
 Image image_of_tga(const std::string& file, std::string_view content, const ReadImageOptions& options) {
   const Bytes bytes(content);
   const auto fail = [&](const std::string& got) {
@@ -81,8 +86,7 @@ Image image_of_tga(const std::string& file, std::string_view content, const Read
   if ((bytes.u8(17) & from_right) != 0) fail("rows that run from right to left");
   check_image_size(file, width, height);
   if (!is_whole(bytes, width * height, bits / 8, type == 10)) fail("a file that ends early");
-  if (const double gamma = gamma_of(bytes); gamma != 0 && gamma != 1)
-    refuse_colour_tag(file, "gamma " + rounded(gamma, 3), options);
+  if (const std::string tag = colour_tag_of_tga(content); !tag.empty()) refuse_colour_tag(file, tag, options);
   int w = 0, h = 0, channels = 0;
   const std::unique_ptr<stbi_uc, void (*)(void*)> texels(
       stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(content.data()),

@@ -136,5 +136,81 @@ TEST_F(NormalMapCli, AMeshThatCoversNothingFails) {
   EXPECT_EQ(none["degenerate_uv_triangles"], 1);
 }
 
+// ---- bake, check, compare ---------------------------------------------------------------------------------
+
+TEST_F(NormalMapCli, BakesAndTellsTheErrorThatIsLeft) {
+  good("darboux mesh torus --grid 12x6 -o low.glb");
+  const std::string bake = "darboux bake --surface torus --mesh low.glb --size 128x96 -o normal.png ";
+  const Json j = json(bake + "--json");
+  expect_keys(j,
+              {"file", "surface", "texels", "covered", "bound_deg", "quantisation_deg", "error", "classes"});
+  EXPECT_EQ(j["texels"], 128 * 96);
+  EXPECT_LT(j["error"]["with_map_deg"]["rms"], j["error"]["without_map_deg"]["rms"].get<double>() / 5);
+  EXPECT_LT(j["quantisation_deg"]["max"], j["bound_deg"]);
+  std::size_t samples = 0;
+  for (const Json& c : j["classes"]) samples += c["samples"].get<std::size_t>();
+  EXPECT_EQ(samples, j["error"]["samples"]);
+  EXPECT_EQ(read_image(path("normal.png")).height, 96);
+  EXPECT_NE(good(bake).find("interior"), std::string::npos);
+  refused("darboux bake", {"--surface"});
+  refused("darboux bake --surface torus -o normal.png", {"--mesh"});
+  refused("darboux bake --surface torus --mesh low.glb", {"-o"});
+  refused(bake + "--size 0x4", {"--size"});
+  refused(bake + "--basis analytic", {"--basis"});
+  refused("darboux bake --surface torus --mesh low.glb -o low.glb", {"low.glb"});
+}
+
+TEST_F(NormalMapCli, ChecksAMapSeenAlone) {
+  const Json j = json("darboux normalmap --check in.png --json", 1);
+  EXPECT_EQ(j["green"], "undecided");
+  EXPECT_EQ(j["not_unit"], 0);
+  EXPECT_FALSE(j["ok"]);
+  ASSERT_EQ(j["findings"].size(), 1u);
+  EXPECT_EQ(j["findings"][0]["code"], "BELOW_SURFACE");
+  good(
+      "darboux mesh torus --grid 24x12 -o low.glb; darboux bake --surface torus --mesh low.glb --size 64x64 "
+      "-o b.png");
+  // A hill: the codes of h = exp(-r²).
+  Image hill(64, 64, 3, SampleType::u8);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const double u = (x - 31.5) / 16, w = -(y - 31.5) / 16, e = std::exp(-u * u - w * w);
+      const double p = -2 * u * e, q = -2 * w * e, length = std::sqrt(1 + p * p + q * q);
+      const double n[3] = {-p / length, -q / length, 1 / length};
+      for (std::size_t c = 0; c < 3; ++c)
+        std::get<0>(hill.samples)[static_cast<std::size_t>(3 * (64 * y + x)) + c] =
+            static_cast<std::uint8_t>(std::floor((n[c] + 1) / 2 * 255 + 0.5));
+    }
+  write_image(path("hill.png"), hill);
+  EXPECT_EQ(json("darboux normalmap --check hill.png --json")["green"], "opengl");
+  const Json wrong = json("darboux normalmap --check hill.png --green directx --json", 1);
+  EXPECT_EQ(wrong["findings"][0]["code"], "GREEN");
+  EXPECT_NE(good("darboux normalmap --check hill.png").find("nothing wrong"), std::string::npos);
+  refused("darboux normalmap --check missing.png", {"missing.png"});
+  refused("darboux normalmap --check in.png -o out.png", {"--output", "--check"});
+  refused("darboux normalmap --check in.png --compare in.png in.png", {"--compare"});
+}
+
+TEST_F(NormalMapCli, ComparesTwoMaps) {
+  const Json j =
+      json("darboux normalmap --compare in.png in16.png --mesh torus.glb --report heat.png --json");
+  EXPECT_EQ(j["compared"], 1200);
+  EXPECT_GT(j["angle_deg"]["max"], 0);
+  EXPECT_LT(j["angle_deg"]["max"], 0.4);
+  EXPECT_EQ(j["islands"].size(), 1u);
+  EXPECT_EQ(j["worst"].size(), 10u);
+  EXPECT_TRUE(j["same"]);
+  EXPECT_EQ(read_image(path("heat.png")).width, 40);
+  EXPECT_FALSE(json("darboux normalmap --compare in.png in16.png --max-angle 0.01 --json", 1)["same"]);
+  EXPECT_NE(good("darboux normalmap --compare in.png in.png --max-angle 0").find("1200 texels"),
+            std::string::npos);
+  write_image(path("small.png"), Image(8, 8, 3, SampleType::u8));
+  refused("darboux normalmap --compare in.png small.png", {"40 x 30 and 8 x 8"});
+  refused("darboux normalmap --compare in.png", {"--compare"});
+  refused("darboux normalmap --compare in.png in16.png --report in.png", {"in.png"});
+  refused("darboux normalmap in.png --max-angle 3 --from object --to tangent --mesh torus.glb -o out.png",
+          {"--max-angle"});
+}
+
 }  // namespace
 }  // namespace darboux::test

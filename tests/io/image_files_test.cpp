@@ -98,11 +98,13 @@ TEST(ImageFiles, ColourTagsAreRefusedOrDropped) {
     const std::string refusal = refusal_of<FileError>([&] { read_image(path); });
     EXPECT_NE(refusal.find(name), std::string::npos) << refusal;
     EXPECT_NE(refusal.find("--drop-colour-tags"), std::string::npos) << refusal;
+    EXPECT_EQ(image_colour_tag(path), name);
     EXPECT_EQ(std::get<0>(read_image(path, {.drop_colour_tags = true}).samples),
               (std::vector<std::uint8_t>{1, 2, 3, 250, 251, 252}));
   }
   write_bytes(path, with_chunk(png, "gAMA", be32(100000)));
   EXPECT_EQ(read_image(path).width, 2) << "a gamma of 1 is linear";
+  EXPECT_EQ(image_colour_tag(path), "");
 
   // TGA 2.0: an extension area with a gamma of 22/10, and the footer.
   Image image = image_of(SampleType::u8, 3);
@@ -117,6 +119,7 @@ TEST(ImageFiles, ColourTagsAreRefusedOrDropped) {
   write_bytes(folder / "b.tga", tga);
   const std::string refusal = refusal_of<FileError>([&] { read_image(folder / "b.tga"); });
   EXPECT_NE(refusal.find("gamma 2.2"), std::string::npos) << refusal;
+  EXPECT_EQ(image_colour_tag(folder / "b.tga"), "gamma 2.2");
   EXPECT_TRUE(read_image(folder / "b.tga", {.drop_colour_tags = true}).samples == image.samples);
 }
 
