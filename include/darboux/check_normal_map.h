@@ -20,7 +20,8 @@ struct NormalMapCheck {
   std::size_t texels = 0;
   std::size_t not_finite = 0;     ///< NaN, infinite or zero
   std::size_t below_surface = 0;  ///< z <= 0
-  /// Texels whose length is off 1 by more than rounding can do: √3 / most, of f32 1e-6.
+  /// Texels whose length is off 1 by more than codes that were rounded, or cut off, can do: 2 √3 / most, of
+  /// f32 1e-6.
   std::size_t not_unit = 0;
   double least_length = 0, greatest_length = 0;
   std::array<double, 3> mean{};  ///< of x, y and z

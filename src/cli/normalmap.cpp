@@ -6,12 +6,13 @@
 
 #include "map_arguments.h"
 #include "map_checks.h"
+#include "report/lit_model.h"
 
 namespace darboux {
 namespace {
 
 struct NormalMapArguments : MapArguments {
-  std::string input, from, to, surface, report;
+  std::string input, from, to, surface, report, render, size = "800x600";
   bool two_channels = false, keep_length = false, signed_floats = false, drop_colour_tags = false;
   MapCheckArguments checks;
 };
@@ -127,7 +128,32 @@ void run_convert(const NormalMapArguments& a, Common& common) {
     print_text(a, result, pieces, texels);
 }
 
-// Options of one of the three ways, beside another.
+// The mesh, lit through the map.
+void run_render(const NormalMapArguments& a, Common& common) {
+  if (a.input.empty() || a.mesh.empty() || (a.from != "tangent" && a.from != "object"))
+    throw ParameterError("--render",
+                         expected_got("an image, --mesh FILE and --from tangent or object", "not all"));
+  check_map_files({a.input, a.mesh}, "", a.render);
+  if (image_types(a.render).back() != SampleType::u16)
+    throw ParameterError(a.render, expected_got("a name that ends in .png", "another"));
+  LitModelOptions options{.space = spaces.of(a.from),
+                          .basis = a.basis.empty() ? MapBasis::stored : map_bases.of(a.basis),
+                          .green = map_greens.of(a.green),
+                          .signed_floats = a.signed_floats,
+                          .threads = common.threads};
+  if (options.basis == MapBasis::analytic)
+    throw ParameterError("--basis", expected_got("stored or mikktspace beside --render", "analytic"));
+  std::tie(options.width, options.height) = parse_grid("--size", a.size);
+  const std::vector<MapPiece> pieces = map_pieces(a, common, false);
+  const Image map = read_image(a.input, {.drop_colour_tags = a.drop_colour_tags});
+  write_file(a.render, png_of(lit_model(map, pieces, options)));
+  if (common.json)
+    print_json({{"file", utf8(a.input)}, {"render", utf8(a.render)}, {"from", a.from}, {"green", a.green}});
+  else if (!common.quiet)
+    std::cout << a.render << '\n';
+}
+
+// Options of one of the four ways, beside another.
 void check_ways(const CLI::App& sub, const std::vector<const char*>& others, const char* way) {
   for (const char* name : others)
     if (sub.get_option(name)->count() != 0)
@@ -145,14 +171,22 @@ void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
   if (!a.checks.file.empty()) {
     check_ways(sub, of_conversion, "--check");
     check_ways(sub, of_comparison, "--check");
-    check_ways(sub, {"--compare", "--mesh", "--report"}, "--check");
+    check_ways(sub, {"--compare", "--mesh", "--report", "--render"}, "--check");
     return run_map_check(a.checks, common);
   }
   if (!a.checks.compared.empty()) {
     check_ways(sub, of_conversion, "--compare");
+    check_ways(sub, {"--render"}, "--compare");
     return run_map_comparison(a.checks, a, a.drop_colour_tags, common);
   }
   check_ways(sub, of_comparison, "a conversion: they belong to --compare");
+  if (!a.render.empty()) {
+    check_ways(sub,
+               {"--output", "--to", "--surface", "--two-channels", "--keep-length", "--depth", "--dither",
+                "--dilate", "--report"},
+               "--render");
+    return run_render(a, common);
+  }
   run_convert(a, common);
 }
 

@@ -13,8 +13,8 @@
 #include "base/text.h"
 #include "normal_map/corners.h"
 #include "normal_map/frames.h"
+#include "normal_map/sampler.h"
 #include "normal_map/texels.h"
-#include "normal_map/wrap.h"
 
 namespace darboux {
 namespace {
@@ -57,47 +57,6 @@ Image normals_of(const AnySurface& surface, bool v_up, const BakeOptions& option
   return image;
 }
 
-// A map as a renderer reads it.
-class Sampler {
- public:
-  Sampler(const Image& map, const MapPiece& piece, MapGreen green)
-      : access_(map),
-        coding_(map.type(), true),
-        width_(map.width),
-        height_(map.height),
-        wrap_(piece.wrap),
-        v_up_(piece.v_up),
-        green_(green == MapGreen::directx ? -1 : 1) {}
-
-  // Between the four texels about uv.
-  Vec3<double> at(const Vec2<double>& uv) const {
-    const double x = uv.x * static_cast<double>(width_) - 0.5;
-    const double y = (v_up_ ? 1 - uv.y : uv.y) * static_cast<double>(height_) - 0.5;
-    const double x0 = std::floor(x), y0 = std::floor(y), a = x - x0, b = y - y0;
-    const auto i = static_cast<std::int64_t>(x0), j = static_cast<std::int64_t>(y0);
-    Vec3<double> sum = (1 - b) * ((1 - a) * texel(i, j) + a * texel(i + 1, j)) +
-                       b * ((1 - a) * texel(i, j + 1) + a * texel(i + 1, j + 1));
-    sum.y *= green_;
-    return sum;
-  }
-
- private:
-  Vec3<double> texel(std::int64_t x, std::int64_t y) const {
-    const auto place = [](std::int64_t k, std::int64_t size, MapWrap wrap) {
-      return wrap == MapWrap::clamp ? std::clamp<std::int64_t>(k, 0, size - 1)
-                                    : normal_map::wrapped(k, size, wrap);
-    };
-    return coding_.numbers(access_.get(
-        static_cast<std::size_t>(place(y, height_, wrap_[1]) * width_ + place(x, width_, wrap_[0]))));
-  }
-  normal_map::TexelAccess<const Image> access_;
-  normal_map::Coding coding_;
-  std::int64_t width_, height_;
-  std::array<MapWrap, 2> wrap_;
-  bool v_up_;
-  double green_;
-};
-
 struct Angles {
   std::vector<double> without, with;
 };
@@ -117,7 +76,7 @@ void look_at(const AnySurface& surface, const MapPiece& piece, const BakeResult&
   const Mesh& mesh = piece.mesh;
   const MeshClasses classes = classify(mesh, poles_of(surface, mesh));
   const normal_map::Corners corners(piece, options.basis, options.threads);
-  const Sampler sampler(result.map.image, piece, options.green);
+  const normal_map::Sampler sampler(result.map.image, piece, true, options.green);
   std::mt19937_64 random(options.seed);
   std::uniform_real_distribution<double> uniform;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {

@@ -148,7 +148,7 @@ NormalMapCheck check_normal_map(const Image& map, bool signed_floats) {
   const normal_map::Coding coding(map.type(), signed_floats);
   const bool floats = map.type() == SampleType::f32;
   const double half_code = floats ? 1e-7 : 1 / normal_map::most_of(map.type());
-  const double off = floats ? 1e-6 : std::sqrt(3.0) * half_code * (1 + 1e-9);
+  const double off = floats ? 1e-6 : 2 * std::sqrt(3.0) * half_code * (1 + 1e-9);
   NormalMapCheck check;
   check.texels = map.texels();
   check.flat = true;

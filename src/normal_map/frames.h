@@ -2,6 +2,7 @@
 /// Frames at the texels of a triangle, as shaders make them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -72,7 +73,7 @@ class MikkFrames {
     const double a = dot(m.t, m.t), d = dot(m.n, m.n), g = dot(m.t, m.n), third = dot(m.b, m.b);
     const double largest = (a + d + std::sqrt((a - d) * (a - d) + 4 * g * g)) / 2;
     const double least = third / largest;  // their squares
-    return std::fmax(largest, third) / std::fmin(least, third);
+    return std::max(largest, third) / std::min(least, third);
   }
 
  private:

@@ -266,9 +266,9 @@ class Converter {
       each_texel(span, row, index, tally, [&](std::int64_t x, std::size_t texel) {
         const Columns frame = frames.at(static_cast<double>(x - span.begin));
         const double condition_square =
-            Frames::condition_square(frame, std::fmin(tally.condition_square, 100));
+            Frames::condition_square(frame, std::min(tally.condition_square, 100.0));
         if (!convert(texel, index, frame, tally)) return;
-        tally.condition_square = std::fmax(tally.condition_square, condition_square);
+        tally.condition_square = std::max(tally.condition_square, condition_square);
         tally.condition_above_10 += condition_square > 100;
       });
     });
@@ -282,7 +282,7 @@ class Converter {
       const Frame<double> f = options_.surface->frame((static_cast<double>(x) + 0.5) / map_.width, v);
       const double w = v_up ? f.handedness : -f.handedness;
       if (convert(texel, owner, {f.t, w * cross(f.n, f.t), f.n}, tally))
-        tally.condition_square = std::fmax(tally.condition_square, 1);
+        tally.condition_square = std::max(tally.condition_square, 1.0);
     });
   }
 
@@ -362,7 +362,7 @@ class Converter {
     const Vec3<double> written = out_coding_.numbers(codes);
     const Vec3<double> chord = written / std::sqrt(dot(written, written)) - unit;
     const double chord_square = dot(chord, chord);
-    tally.chord_square_max = std::fmax(tally.chord_square_max, chord_square);
+    tally.chord_square_max = std::max(tally.chord_square_max, chord_square);
     tally.chord_square_sum += chord_square;
     return true;
   }

@@ -2,8 +2,8 @@
 /// Texels of normal maps as vectors, and back.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -37,7 +37,7 @@ class Coding {
     return {number(codes[0]), number(codes[1]), number(codes[2])};
   }
 
-  /// \param texel what dithering is a function of
+  /// \param x finite \param texel what dithering is a function of
   std::array<double, 3> codes(const Vec3<double>& x, std::size_t texel) const {
     return {code(x.x, 3 * texel), code(x.y, 3 * texel + 1), code(x.z, 3 * texel + 2)};
   }
@@ -47,7 +47,8 @@ class Coding {
     if (as_is_) return static_cast<float>(x);
     if (type_ == SampleType::f32) return static_cast<float>((x + 1) / 2);
     const double half = most_ / 2, shift = dither_ ? noise(place) : 0.5;
-    return std::fmin(most_, std::fmax(0, std::floor(x * half + (half + shift))));
+    // Truncated, which is rounded down: no call of a library function.
+    return static_cast<std::int32_t>(std::min(most_, std::max(0.0, x * half + (half + shift))));
   }
 
   // In [0, 1), of the seed and the place: splitmix64.
