@@ -156,8 +156,8 @@ Json conflict_json(const NormalMapResult& r, std::span<const MapPiece> pieces) {
 
 void print_conflict(const NormalMapResult& r, std::span<const MapPiece> pieces) {
   const MapConflict& c = *r.first_conflict;
-  std::cout << "refused: triangles want different codes of " << r.conflicts << " texels, first (" << c.x
-            << ", " << c.y << "): " << owner_text(c.owners[0], pieces) << " and "
+  std::cout << "refused: " << r.conflicts << " texels that triangles want to be of different codes, first ("
+            << c.x << ", " << c.y << "):\n  " << owner_text(c.owners[0], pieces) << " and "
             << owner_text(c.owners[1], pieces) << '\n';
 }
 

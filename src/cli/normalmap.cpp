@@ -219,6 +219,9 @@ void add_normalmap(CLI::App& app, Common& common) {
                "read files that say they are sRGB or have a gamma, and pass over that");
   sub.add_option("--report", a->report,
                  "write a picture of what is covered, conflicts in red; of --compare the angles");
+  sub.add_option("--render", a->render,
+                 "draw the mesh lit through the map, to this .png (frames as --decode gltf-viewer)");
+  sub.add_option("--size", a->size, "pixels of that picture, WIDTHxHEIGHT")->capture_default_str();
   sub.add_option(
       "--check", a->checks.file,
       "tell what is wrong with this map, seen alone: length, sRGB tag, swapped or flipped channels");

@@ -191,6 +191,24 @@ TEST_F(NormalMapCli, ChecksAMapSeenAlone) {
   refused("darboux normalmap --check in.png --compare in.png in.png", {"--compare"});
 }
 
+TEST_F(NormalMapCli, DrawsTheModelLitThroughEitherMap) {
+  good(
+      "darboux mesh torus --grid 24x12 -o low.glb; darboux bake --surface torus --mesh low.glb --size "
+      "512x512 -o t.png");
+  good("darboux normalmap t.png --from tangent --to object --mesh low.glb --decode gltf-viewer -o o.png");
+  const std::string size = " --mesh low.glb --size 120x90 --render ";
+  good("darboux normalmap t.png --from tangent" + size + "lit_t.png");
+  good("darboux normalmap o.png --from object" + size + "lit_o.png");
+  const ReadImageOptions pictures{.drop_colour_tags = true};
+  const Image one = read_image(path("lit_t.png"), pictures), other = read_image(path("lit_o.png"), pictures);
+  EXPECT_EQ(one.width, 120);
+  EXPECT_LE(worst_difference(one, other), 4) << "codes of 8 bits: tests/report/lit_model_test.cpp";
+  refused("darboux normalmap t.png --from world" + size + "x.png", {"--render", "--from tangent or object"});
+  refused("darboux normalmap t.png --from tangent --to object" + size + "x.png", {"--to", "--render"});
+  refused("darboux normalmap t.png --from tangent --basis analytic" + size + "x.png", {"--basis"});
+  refused("darboux normalmap t.png --from tangent" + size + "x.tga", {".png"});
+}
+
 TEST_F(NormalMapCli, ComparesTwoMaps) {
   const Json j =
       json("darboux normalmap --compare in.png in16.png --mesh torus.glb --report heat.png --json");

@@ -11,7 +11,7 @@ namespace {
 TEST_F(Cli, KnowsTheContractsSubcommands) {
   const auto names = subcommands();
   for (const char* name : {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge",
-                           "stability", "work-precision", "fit", "compare", "scene", "normalmap"})
+                           "stability", "work-precision", "fit", "compare", "scene", "normalmap", "bake"})
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
 }
 
