@@ -22,8 +22,9 @@ struct ReadImageOptions {
 ///        area is a colour tag.
 ///   EXR  channels R, G, B and A, half, float or uint, of the first part; read as f32, NaN and infinities as
 ///        they are.
-/// At most 2^28 texels; their number is checked before memory is taken.
-/// \throws FileError for palettes, grey images, TGA of 16 bits, colour tags, truncated files
+/// At most 2^28 texels, of PNG and EXR no more than compression can make of the file's bytes: both are
+/// checked before memory is taken. \throws FileError for palettes, grey images, TGA of 16 bits, colour tags,
+/// truncated files
 Image read_image(const std::string& path, const ReadImageOptions& options = {});
 
 /// What a file says of its colours, as "sRGB" or "gAMA 0.45455"; empty where it is linear or says nothing.

@@ -88,6 +88,8 @@ void check_size(const std::string& file, std::string_view bytes) {
   };
   const std::uint64_t width = size(window.min.x, window.max.x), height = size(window.min.y, window.max.y);
   check_image_size(file, width, height);
+  constexpr std::uint64_t any_compression = 1 << 14;
+  check_compression(file, width * height * 3 * sizeof(float), bytes.size(), any_compression);
 }
 
 Image read(const std::string& file, std::string_view bytes) {

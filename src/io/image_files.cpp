@@ -29,6 +29,13 @@ void check_image_size(const std::string& file, std::uint64_t width, std::uint64_
                                        std::to_string(width) + " x " + std::to_string(height)));
 }
 
+void check_compression(const std::string& file, std::uint64_t raw_bytes, std::uint64_t bytes,
+                       std::uint64_t ratio) {
+  if (raw_bytes / ratio > bytes)
+    throw FileError(file, expected_got("an image of at most " + std::to_string(ratio) + " times its bytes",
+                                       std::to_string(raw_bytes) + " from " + std::to_string(bytes)));
+}
+
 void refuse_colour_tag(const std::string& file, const std::string& tag, const ReadImageOptions& options) {
   if (!options.drop_colour_tags)
     throw FileError(file, expected_got("linear numbers, as normal maps hold them, or --drop-colour-tags",

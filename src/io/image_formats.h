@@ -13,6 +13,11 @@ namespace darboux::io {
 /// Bounds what a file may claim. \throws FileError
 void check_image_size(const std::string& file, std::uint64_t width, std::uint64_t height);
 
+/// Refuses a file that claims more than `ratio` times its bytes, which no compression gives. \throws
+/// FileError
+void check_compression(const std::string& file, std::uint64_t raw_bytes, std::uint64_t bytes,
+                       std::uint64_t ratio);
+
 /// \throws FileError for a file that says its numbers are not linear
 void refuse_colour_tag(const std::string& file, const std::string& tag, const ReadImageOptions& options);
 

@@ -186,6 +186,11 @@ Image image_of_png(const std::string& file, std::string_view bytes, const ReadIm
                                              header.palette ? "one with a palette" : "a grey one"));
         if (!header.colour_tag.empty()) refuse_colour_tag(file, header.colour_tag, options);
         check_image_size(file, header.width, header.height);
+        constexpr std::uint64_t deflate = 1032;  // times, at most
+        check_compression(file,
+                          std::uint64_t{header.width} * header.height * (header.alpha ? 4 : 3) *
+                              static_cast<std::uint64_t>(header.bits / 8),
+                          bytes.size(), deflate);
         image = Image(static_cast<int>(header.width), static_cast<int>(header.height), header.alpha ? 4 : 3,
                       header.bits == 16 ? SampleType::u16 : SampleType::u8);
       },

@@ -192,6 +192,13 @@ TEST(ImageFiles, RefusesHugeClaims) {
   EXPECT_NE(refusal_of<FileError>([&] { read_image(folder / "a.png"); }).find("65536 x 65536"),
             std::string::npos)
       << refusal_of<FileError>([&] { read_image(folder / "a.png"); });
+  header.replace(0, 8, std::string("\0\0\x40\0\0\0\x40\0", 8));
+  write_bytes(
+      folder / "b.png",
+      with_chunk(png.substr(0, 8) + std::string(25, ' '), "IHDR", header).erase(8, 25) + png.substr(33));
+  EXPECT_NE(refusal_of<FileError>([&] { read_image(folder / "b.png"); }).find("1032 times its bytes"),
+            std::string::npos)
+      << "268 435 456 texels in 70 bytes: " << refusal_of<FileError>([&] { read_image(folder / "b.png"); });
   std::string tga(18, '\0');
   tga[2] = 10;
   tga[12] = tga[13] = tga[14] = tga[15] = static_cast<char>(255);
