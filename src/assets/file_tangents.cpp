@@ -4,8 +4,9 @@
 #include <utility>
 
 #include <darboux/file_tangents.h>
-#include <darboux/placed_surface.h>
 #include <darboux/split_vertices.h>
+
+#include "assets/texture_uvs.h"
 
 namespace darboux {
 namespace {
@@ -25,17 +26,6 @@ Mesh morphed(const Mesh& mesh, const MorphTarget& target) {
     for (auto& n : result.normals)
       if (const double length = norm(n); length > 0) n = n / length;
   return result;
-}
-
-// The uvs that the texture reads. A transform that maps them onto a line or a point leaves them no direction;
-// it is not applied.
-void transform_uvs(Mesh& mesh, const Primitive& p) {
-  if (!p.texture_transform) return;
-  const UvConvention transform{"", *p.texture_transform};
-  const auto& m = transform.affine;
-  const double area = m[0] * m[3] - m[1] * m[2];
-  if (area == 0 || !std::isfinite(area)) return;
-  for (Vec2<double>& uv : mesh.uvs) uv = transform.surface_uv(uv);
 }
 
 Vec3<float> to_float(const Vec3<double>& a) {

@@ -9,6 +9,7 @@
 
 #include "io/files.h"
 #include "io/read_png.h"
+#include "normal_map/flat.h"
 
 namespace darboux {
 namespace {
@@ -20,12 +21,10 @@ bool is_flat(const std::string& file, const std::string& name, std::string_view 
              double scale) {
   bool flat = true;
   io::read_png(file, name, bytes, [&](std::span<const std::uint16_t> rgb, int bits) {
-    const double most = (1 << bits) - 1, step = 1.0 / 255;
-    constexpr double rounding = 1e-12;
+    const double most = (1 << bits) - 1;
     for (std::size_t i = 0; flat && i + 2 < rgb.size(); i += 3) {
       const auto component = [&](std::size_t k) { return 2 * rgb[i + k] / most - 1; };
-      flat = scale * std::fmax(std::fabs(component(0)), std::fabs(component(1))) <= step + rounding &&
-             (two_channels || component(2) >= 1 - 2 * step - rounding);
+      flat = normal_map::is_flat({component(0), component(1), component(2)}, scale, two_channels);
     }
     return flat;
   });

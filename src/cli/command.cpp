@@ -18,9 +18,10 @@ namespace darboux {
 void add_common(CLI::App& sub, Common& common, const std::string& example) {
   sub.add_flag("--json", common.json, "print one JSON document on stdout, nothing else");
   sub.add_flag("--quiet", common.quiet, "no progress bar, no notes");
-  sub.add_option("--threads", common.threads,
-                 "threads, for eval, tangents and the frames of fit, for check over several surfaces, for "
-                 "validate over several files and for the jobs of a study")
+  sub.add_option(
+         "--threads", common.threads,
+         "threads, for eval, tangents, normalmap and the frames of fit, for check over several surfaces, for "
+         "validate over several files and for the jobs of a study")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
@@ -115,6 +116,10 @@ Json surface_json(const AnySurface& surface) {
   if (!surface.file().empty()) result["file"] = surface.file();
   result["parameters"] = parameters;
   return result;
+}
+
+Json statistics_json(const Statistics& s) {
+  return {{"max", number(s.max)}, {"rms", number(s.rms)}, {"p95", number(s.p95)}};
 }
 
 Json spread_json(const Spread& spread) {

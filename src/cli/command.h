@@ -72,6 +72,8 @@ void add_fit(CLI::App& app, Common& common);
 void add_compare(CLI::App& app, Common& common);
 void add_plan(CLI::App& app, Common& common);
 void add_scene(CLI::App& app, Common& common);
+void add_normalmap(CLI::App& app, Common& common);
+void add_bake(CLI::App& app, Common& common);
 void add_stability(CLI::App& app, Common& common);
 void add_work_precision(CLI::App& app, Common& common);
 void add_merge(CLI::App& app, Common& common);
@@ -103,6 +105,9 @@ inline constexpr const char* surface_help = "NAME, NAME:PARAMETER=VALUE,... or f
 
 /// The surface's name, file and parameters as JSON, for every command alike.
 Json surface_json(const AnySurface& surface);
+
+/// Angles summed up as JSON, for every command alike.
+Json statistics_json(const Statistics& statistics);
 
 /// Standard deviations as JSON, for every command alike.
 Json spread_json(const Spread& spread);

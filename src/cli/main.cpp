@@ -67,6 +67,8 @@ int run(int argc, char** argv) {
   darboux::add_compare(app, common);
   darboux::add_plan(app, common);
   darboux::add_scene(app, common);
+  darboux::add_normalmap(app, common);
+  darboux::add_bake(app, common);
   darboux::add_stability(app, common);
   darboux::add_work_precision(app, common);
   darboux::add_merge(app, common);

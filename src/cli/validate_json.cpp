@@ -3,10 +3,6 @@
 namespace darboux {
 namespace {
 
-Json statistics_json(const Statistics& s) {
-  return {{"max", number(s.max)}, {"rms", number(s.rms)}, {"p95", number(s.p95)}};
-}
-
 Json classes_json(const std::vector<ClassReport>& classes) {
   Json json = Json::object();
   for (const ClassReport& c : classes) {

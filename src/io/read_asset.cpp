@@ -21,6 +21,10 @@ std::span<const std::string_view> asset_extensions() {
 
 namespace {
 
+std::string extension_of(const std::string& path) {
+  return lower(std::filesystem::path(path).extension().string());
+}
+
 // Half a step of the decimals with which somebody wrote unit vectors, two to four, as "0.577 0.577 0.577"; 0
 // where there are more or fewer: one decimal is exact.
 template <class Vector>
@@ -40,7 +44,7 @@ double half_step_of_decimals(const std::vector<Vector>& directions) {
 
 // Whether the file holds decimals: OBJ, Collada, ASCII PLY and ASCII STL. Others round as their numbers do.
 bool is_text(const std::string& path) {
-  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  const std::string extension = extension_of(path);
   if (extension == ".obj" || extension == ".dae") return true;
   std::string begin(1024, '\0');
   std::ifstream stream(path, std::ios::binary);
@@ -51,12 +55,8 @@ bool is_text(const std::string& path) {
 }
 
 Asset read_any(const std::string& path, const ReadOptions& options) {
-  io::expect_regular_file(path);
-  std::string magic(4, '\0');
-  std::ifstream(path, std::ios::binary).read(magic.data(), 4);
-  const std::string extension = lower(std::filesystem::path(path).extension().string());
-  if (magic == "glTF" || extension == ".glb" || extension == ".gltf")
-    return io::read_gltf(io::load_gltf(path, io::read_file(path), options));
+  const std::string extension = extension_of(path);
+  if (io::is_gltf(path)) return io::read_gltf(io::load_gltf(path, io::read_file(path), options));
   if (extension == ".ply") return io::read_ply(path, options);
   if (extension == ".stl") return io::read_stl(path);
   if (extension == ".dae") return io::read_collada(path, io::read_file(path), options);
@@ -69,6 +69,14 @@ Asset read_any(const std::string& path, const ReadOptions& options) {
 }
 
 }  // namespace
+
+bool io::is_gltf(const std::string& path) {
+  io::expect_regular_file(path);
+  std::string magic(4, '\0');
+  std::ifstream(path, std::ios::binary).read(magic.data(), 4);
+  const std::string extension = extension_of(path);
+  return magic == "glTF" || extension == ".glb" || extension == ".gltf";
+}
 
 Asset read_asset(const std::string& path, const ReadOptions& options) {
   Asset asset = read_any(path, options);

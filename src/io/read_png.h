@@ -22,4 +22,17 @@ using TakeRow = std::function<bool(std::span<const std::uint16_t> rgb, int bits)
 /// \throws FileError
 void read_png(const std::string& file, const std::string& what, std::string_view bytes, const TakeRow& take);
 
+/// What the header of a PNG says.
+struct PngHeader {
+  std::uint32_t width = 0, height = 0;
+  int bits = 0;  ///< of a channel, 8 or 16 once decoded
+  bool palette = false, grey = false, alpha = false;
+  std::string colour_tag;  ///< a chunk that says the numbers are not linear: "sRGB", "gAMA 0.45455"; or empty
+};
+
+/// The same with what the header says first, and with alpha, four numbers per texel, where there is one: what
+/// on_header throws ends it. The file is read to its end.
+void read_png(const std::string& file, const std::string& what, std::string_view bytes,
+              const std::function<void(const PngHeader&)>& on_header, const TakeRow& take);
+
 }  // namespace darboux::io

@@ -49,7 +49,7 @@ if(DARBOUX_WITH_FIT)
 endif()
 if(DARBOUX_WITH_IO)
   darboux_pkg_config(darboux-io "Meshes, points and surfaces from files" darboux_io "darboux"
-    "assimp draco libpng muparser pugixml" "-lmeshoptimizer -llzf")
+    "assimp draco libpng muparser OpenEXR pugixml" "-lmeshoptimizer -llzf")
 endif()
 
 # ---- Debian packages --------------------------------------------------------------------------------------------
@@ -71,7 +71,7 @@ set(CPACK_DEBIAN_HEADERS_PACKAGE_NAME libdarboux-dev)
 set(CPACK_DEBIAN_HEADERS_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_HEADERS_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4), libtbb-dev (>= 2021)")
 set(CPACK_DEBIAN_HEADERS_PACKAGE_SUGGESTS
-  "libceres-dev, libassimp-dev, libdraco-dev, libmeshoptimizer-dev, libmuparser-dev, libpng-dev, libpugixml-dev, liblzf-dev")
+  "libceres-dev, libassimp-dev, libdraco-dev, libmeshoptimizer-dev, libmuparser-dev, libopenexr-dev, libpng-dev, libpugixml-dev, liblzf-dev")
 set(CPACK_DEBIAN_TOOL_PACKAGE_NAME darboux)
 set(CPACK_DEBIAN_TOOL_PACKAGE_SECTION graphics)
 set(CPACK_COMPONENTS_ALL headers)

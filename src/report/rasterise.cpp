@@ -251,8 +251,10 @@ Vec3<double> Rasteriser::shade(const Corner* const (&corners)[3], const double (
   if (!given(n))
     n = cross(corners[1]->position - corners[0]->position, corners[2]->position - corners[0]->position);
   n = unit(n);
-  if (material.bumps && given(t) && given(b)) {
-    const Vec3<double> texel = bump(uv);
+  if (material.normal_map && material.object_space) {
+    n = unit(material.normal_map(uv));
+  } else if (material.normal_map && given(t) && given(b)) {
+    const Vec3<double> texel = material.normal_map(uv);
     n = unit(texel.x * unit(t) + texel.y * unit(b) + texel.z * n);
   }
   const double light = std::fmax(0, from_behind ? -dot(n, to_light_) : dot(n, to_light_));

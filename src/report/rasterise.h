@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -25,8 +26,9 @@ struct PictureVertex {
 
 struct PictureMaterial {
   Vec3<double> colour{0.6, 0.6, 0.6};  ///< linear, 0 to 1
-  /// A normal map of round bumps, 16 along u and v each: see bump().
-  bool bumps = false;
+  /// The texel of a normal map at uv; none: light falls on the interpolated normal. See bump().
+  std::function<Vec3<double>(const Vec2<double>& uv)> normal_map{};
+  bool object_space = false;  ///< the texel is a direction in the scene's space, not in the frame
   bool double_sided = false;
 };
 
@@ -36,8 +38,8 @@ struct Picture {
   std::vector<std::uint8_t> rgb;
 };
 
-/// The texel (x, y, z) of the normal map at uv, of unit length: y against v, as glTF's images have it. A wave
-/// of + - * / alone, so that every machine has the same bits.
+/// A normal map of round bumps, 16 along u and v each: the texel (x, y, z) at uv, of unit length, y against v
+/// as glTF's images have it. A wave of + - * / alone, so that every machine has the same bits.
 Vec3<double> bump(const Vec2<double>& uv);
 
 /// Draws what one camera sees.
@@ -54,7 +56,8 @@ Vec3<double> bump(const Vec2<double>& uv);
 /// So nothing of a tile is drawn whose corners all face away, though some of its triangles may not.
 ///
 /// Colour: position, t, b, n and uv are interpolated linearly in space, t, b and n are normalised, and light
-/// falls on n' = t x + b y + n z, where (x, y, z) is the texel of the normal map, (0, 0, 1) without one.
+/// falls on n' = t x + b y + n z, where (x, y, z) is the texel of the normal map, (0, 0, 1) without one; with
+/// one in object space on (x, y, z).
 class Rasteriser {
  public:
   /// \throws ParameterError as Camera::check(), and for more than 2^26 pixels

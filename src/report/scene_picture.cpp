@@ -49,13 +49,15 @@ PictureMaterial picture_material(const Scene& scene, const PlannedTile& tile) {
                                                         {0.6, 0.19, 0.39}}};
   const std::uint32_t index = scene.instances[tile.instance].material;
   const SceneMaterial& m = scene.materials[index];
-  return {colours[index % colours.size()], m.normal_map, m.double_sided};
+  PictureMaterial result{.colour = colours[index % colours.size()], .double_sided = m.double_sided};
+  if (m.normal_map) result.normal_map = bump;
+  return result;
 }
 
 PictureMaterial picture_material(TileFate fate) {
   static constexpr std::array<Vec3<double>, tile_fates> colours{
       {{0.0, 0.34, 0.17}, {0.79, 0.35, 0.0}, {0.6, 0.6, 0.6}}};
-  return {colours[static_cast<std::size_t>(fate)], false, true};
+  return {.colour = colours[static_cast<std::size_t>(fate)], .double_sided = true};
 }
 
 Eigen::Matrix3d axes_beside(const Camera& camera) {

@@ -1,4 +1,6 @@
 // The command line as other people's scripts use it: help, exit statuses, errors in one line.
+#include <darboux/image_files.h>
+
 #include "cli.h"
 
 namespace darboux::test {
@@ -9,7 +11,7 @@ namespace {
 TEST_F(Cli, KnowsTheContractsSubcommands) {
   const auto names = subcommands();
   for (const char* name : {"surfaces", "eval", "check", "mesh", "tangents", "validate", "converge",
-                           "stability", "work-precision", "fit", "compare", "scene"})
+                           "stability", "work-precision", "fit", "compare", "scene", "normalmap", "bake"})
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
 }
 
@@ -20,6 +22,7 @@ TEST_F(Cli, EveryHelpEndsWithAnExampleThatRuns) {
       "cp data/torus_016.none.glb in.glb; cp data/torus_points.xyz points.xyz; cp torus.glb a.glb; cp "
       "torus.glb b.glb");
   fs::copy_file(DARBOUX_SOURCE "/docs/examples/scene.json", path("scene.json"));
+  write_image(path("tangent.png"), Image(32, 32, 3, SampleType::u8));
   for (const char* i : {"1", "2"})
     good("darboux converge --surfaces torus --methods face --resolutions 4,6,8 --shard " + std::string(i) +
          "/2 --results shard-" + i + ".jsonl");

@@ -16,8 +16,8 @@ namespace {
 using Vertices = std::vector<PictureVertex>;
 using Indices = std::vector<std::uint32_t>;
 
-constexpr PictureMaterial plain{{0.5, 0.5, 0.5}, false, false};
-constexpr PictureMaterial both_sides{{0.5, 0.5, 0.5}, false, true};
+const PictureMaterial plain{.colour = {0.5, 0.5, 0.5}};
+const PictureMaterial both_sides{.colour = {0.5, 0.5, 0.5}, .double_sided = true};
 
 // In the origin, along -z. Its tangent of half the field of view is 1/2: pixels have round coordinates.
 Camera camera_of(int width, int height) {
@@ -129,7 +129,7 @@ TEST(Rasteriser, AFloorThroughTheEyesPlaneIsDrawnFromNearToFar) {
   const auto vertex = [&](double x, double z) {
     return PictureVertex{{x, -0.6, z}, up, along_x, {x / 8, z / 8}};
   };
-  const PictureMaterial bumps{{0.8, 0.4, 0.2}, true, false};
+  const PictureMaterial bumps{.colour = {0.8, 0.4, 0.2}, .normal_map = bump};
   picture.add(Vertices{vertex(-1000, 1000), vertex(1000, 1000), vertex(0, -3000)}, Indices{0, 1, 2}, bumps);
   int drawn = 0;
   for (int y = 0; y < 30; ++y)
@@ -178,7 +178,7 @@ TEST(Rasteriser, DepthsAreThoseOfTheRays) {
 TEST(Rasteriser, OfEqualDepthsTheLowerOrderWins) {
   const Camera camera = camera_of(8, 8);
   const Vertices v = facing_us({{-9, -9, -3}, {9, -9, -3}, {0, 20, -3}});
-  const PictureMaterial red{{1, 0, 0}, false, false}, green{{0, 1, 0}, false, false};
+  const PictureMaterial red{.colour = {1, 0, 0}}, green{.colour = {0, 1, 0}};
   Rasteriser one(camera), other(camera);
   one.add(v, Indices{0, 1, 2}, red, 2);
   one.add(v, Indices{0, 1, 2}, green, 1);
@@ -191,7 +191,7 @@ TEST(Rasteriser, OfEqualDepthsTheLowerOrderWins) {
 TEST(Rasteriser, OfEqualDepthsTheFirstWins) {
   const Camera camera = camera_of(8, 8);
   const Vertices v = facing_us({{-9, -9, -3}, {9, -9, -3}, {0, 20, -3}});
-  const PictureMaterial red{{1, 0, 0}, false, false}, green{{0, 1, 0}, false, false};
+  const PictureMaterial red{.colour = {1, 0, 0}}, green{.colour = {0, 1, 0}};
   Rasteriser picture(camera), only_red(camera);
   picture.add(v, Indices{0, 1, 2}, red);
   only_red.add(v, Indices{0, 1, 2}, red);

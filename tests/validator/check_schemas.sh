@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# check_schemas.sh TOOL WORK SUBJECT: check_SUBJECT.js, SUBJECT scene, study, stability or work_precision: whether a schema of docs/schemas permits what the tool
+# check_schemas.sh TOOL WORK SUBJECT: check_SUBJECT.js, SUBJECT scene, study, stability, work_precision or normalmap: whether a schema of docs/schemas permits what the tool
 # reads and refuses what it refuses, and another permits what it writes. Exit status 77, a skip, where node or ajv cannot be had.
 set -euo pipefail
 tool=$1 work=$2 subject=$3

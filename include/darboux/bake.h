@@ -1,0 +1,61 @@
+/// \file bake.h
+/// The exact normals of a surface as a tangent-space map for a coarse mesh of it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include <darboux/any_surface.h>
+#include <darboux/mesh_classes.h>
+#include <darboux/normal_map.h>
+#include <darboux/statistics.h>
+
+namespace darboux {
+
+struct BakeOptions {
+  int width = 1024, height = 1024;
+  MapBasis basis = MapBasis::stored;  ///< stored or mikktspace
+  MapDecode decode = MapDecode::mikktspace;
+  MapGreen green = MapGreen::opengl;
+  SampleType type = SampleType::u8;  ///< f32: numbers from -1 to 1
+  std::optional<std::uint64_t> dither{};
+  int dilate = 4;
+  int samples = 16;        ///< per triangle, at which the error is looked for; 0 to 10000
+  std::uint64_t seed = 1;  ///< of their places
+  int threads = 1;         ///< 0: all; the results do not depend on it
+  std::function<void(double)> progress{};
+};
+
+/// What is left of the error at points inside triangles, in degrees, of those whose corners' class is lowest.
+struct BakeError {
+  std::size_t samples = 0;
+  Statistics without_map_deg;  ///< the angle between the interpolated normal and the surface's
+  Statistics with_map_deg;     ///< the same of the map, read bilinearly, in the shader's frame
+};
+
+struct BakeResult {
+  NormalMapResult map;
+  std::array<BakeError, vertex_class_names.size()> errors;  ///< by VertexClass
+  BakeError all;
+  /// At texels: asin(c √3 / most), c the largest condition of a frame, most the largest code. No decoded
+  /// texel is farther from the surface's normal: docs/theory/normal-maps.md. 90 where c √3 is beyond most; of
+  /// f32 some roundings of single precision.
+  double bound_deg = 0;
+};
+
+/// The map of a mesh whose texture coordinates are the surface's (u, v), in the mesh's own space as the
+/// surface has it: a mesh of sample_mesh(), or one with its uvs. The normals are those of the surface at each
+/// texel's (u, v), rounded to single precision, by convert_normal_map().
+///
+/// The error is looked for at random points of every triangle, as a renderer shades them: the map is read at
+/// the point's uv between four texels, decoded in the frame inside the triangle, and compared with the
+/// surface's normal at that (u, v).
+/// \throws what convert_normal_map() throws; ParameterError for an option out of its range
+BakeResult bake_normal_map(const AnySurface& surface, std::span<const MapPiece> pieces,
+                           const BakeOptions& options = {});
+
+}  // namespace darboux

@@ -1,0 +1,43 @@
+/// \file image_files.h
+/// Images that hold numbers, not colours: PNG, TGA and EXR.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include <darboux/image.h>
+
+namespace darboux {
+
+struct ReadImageOptions {
+  /// What a file says of its colours is dropped. Without, a file that says they are not linear is refused:
+  /// numbers are never converted in silence.
+  bool drop_colour_tags = false;
+};
+
+/// Reads an image, by its content PNG or EXR, else by its extension TGA.
+///   PNG  8 and 16 bits, with alpha or not, interlaced too (then of at most 2^24 texels). A chunk sRGB, iCCP,
+///        or gAMA of other than 1 is a colour tag.
+///   TGA  true colour, 24 and 32 bits, run-length encoded or not. A gamma of other than 1 in its extension
+///        area is a colour tag.
+///   EXR  channels R, G, B and A, half, float or uint, of the first part; read as f32, NaN and infinities as
+///        they are.
+/// At most 2^28 texels, of PNG and EXR no more than compression can make of the file's bytes: both are
+/// checked before memory is taken. \throws FileError for palettes, grey images, TGA of 16 bits, colour tags,
+/// truncated files
+Image read_image(const std::string& path, const ReadImageOptions& options = {});
+
+/// What a file says of its colours, as "sRGB" or "gAMA 0.45455"; empty where it is linear or says nothing.
+/// \throws FileError as read_image()
+std::string image_colour_tag(const std::string& path);
+
+/// What texels of a file of this name can be, the finest last. \throws ParameterError for an extension that
+/// is none of .png .tga .exr
+std::span<const SampleType> image_types(const std::string& path);
+
+/// Writes an image, whole or not at all, without colour tags; EXR as float, ZIP-compressed.
+/// \throws FileError when it cannot be written \throws ParameterError for a type that is none of
+/// image_types()
+void write_image(const std::string& path, const Image& image);
+
+}  // namespace darboux

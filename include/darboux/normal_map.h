@@ -1,0 +1,153 @@
+/// \file normal_map.h
+/// Normal maps from one space to another, over the triangles of a mesh or over a surface.
+///
+/// A texel c of an object-space map stands for the direction n = 2 c / most - 1 in the mesh's own space, one
+/// of a tangent-space map for the direction x t + y b + z n in the frame of its place. Texel (i, j) of a map
+/// of W x H lies at uv = ((i + 1/2)/W, (j + 1/2)/H), row 0 at the top; there v runs down, as in glTF.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <darboux/any_surface.h>
+#include <darboux/image.h>
+#include <darboux/mesh.h>
+
+namespace darboux {
+
+enum class MapSpace : std::uint8_t {
+  object,   ///< the mesh's own space
+  tangent,  ///< of the frame at each texel
+  world     ///< of the node that shows the mesh
+};
+
+/// Where tangents come from.
+enum class MapBasis : std::uint8_t {
+  stored,      ///< the mesh's own tangents
+  mikktspace,  ///< made anew by MikkTSpace, to the bit
+  analytic     ///< the surface's frame at the texel's (u, v): t, w n × t and n, orthonormal
+};
+
+/// How a shader makes the frame inside a triangle, from the corners' t, n and sign w. Neither frame is
+/// orthogonal. What is written for a direction d is unit(M⁻¹ d), M = (t b n): the inverse, not the transpose.
+enum class MapDecode : std::uint8_t {
+  /// t and n interpolated and left as they are, b = w n × t at each texel: what MikkTSpace's author asks of
+  /// shaders. [Mikkelsen2008]
+  mikktspace,
+  /// t, n and b = w n × t of the corners interpolated, each of the three then made unit: the Khronos glTF
+  /// sample viewer.
+  gltf_viewer
+};
+
+/// Which way the green channel of a tangent-space map points.
+enum class MapGreen : std::uint8_t {
+  opengl,  ///< up the image, against v: glTF
+  directx  ///< down the image
+};
+
+/// What a texture has outside [0, 1].
+enum class MapWrap : std::uint8_t { repeat, mirror, clamp };
+
+/// Triangles that a map lies on.
+struct MapPiece {
+  /// With normals and uvs; for MapBasis::stored with tangents, whose bitangent w n × t points up the image
+  /// (glTF's sign; that of other formats where v runs up). The uvs are those of the texture, with its
+  /// KHR_texture_transform applied.
+  Mesh mesh;
+  bool v_up = false;                                              ///< v runs up the image: row 0 is at v = 1
+  std::array<MapWrap, 2> wrap{MapWrap::repeat, MapWrap::repeat};  ///< along u and v
+  Eigen::Matrix3d to_world = Eigen::Matrix3d::Identity();         ///< its linear part, for MapSpace::world
+  std::size_t mesh_index = 0, primitive = 0;                      ///< for messages
+};
+
+struct NormalMapOptions {
+  MapSpace from = MapSpace::tangent;
+  MapSpace to = MapSpace::object;  ///< not world, and another than `from`
+  MapBasis basis = MapBasis::stored;
+  MapDecode decode = MapDecode::mikktspace;
+  MapGreen green = MapGreen::opengl;
+  const AnySurface* surface = nullptr;  ///< for MapBasis::analytic
+  /// z of a tangent-space map is made of x and y: sqrt(max(0, 1 - x² - y²)); blue is not read.
+  bool two_channels = false;
+  /// A texel's vector keeps its length. Without, what is written is unit.
+  bool keep_length = false;
+  bool signed_floats = false;  ///< SampleType::f32 holds -1 to 1, not 0 to 1
+  /// Adds noise to each channel, uniform over a code, before it is rounded down, so that codes are right on
+  /// average. A number that the noise is made of.
+  std::optional<std::uint64_t> dither;
+  int dilate = 0;                          ///< texels by which islands grow into the gutter; at most 1024
+  std::optional<SampleType> type;          ///< of what is written; the input's without
+  int threads = 1;                         ///< 0: all; the bits do not depend on it
+  std::function<void(double)> progress{};  ///< called with the share that is done, from any thread
+};
+
+/// A texel that two triangles want to be of another colour.
+struct MapConflict {
+  int x = 0, y = 0;
+  struct Owner {
+    std::size_t piece = 0, triangle = 0;
+    std::array<double, 3> codes{};  ///< wanted, before alpha; of f32 the numbers
+  };
+  std::array<Owner, 2> owners;
+};
+
+/// What a texel of the result is.
+enum class TexelState : std::uint8_t { empty, covered, dilated, conflict };
+
+struct NormalMapResult {
+  /// The map; without texels where there are conflicts. Texels that no triangle covers are (1/2, 1/2, 1) in
+  /// tangent space and (1/2, 1/2, 1/2) in object space; alpha is the input's.
+  Image image;
+  std::vector<TexelState> states;  ///< of each texel
+  std::size_t covered = 0, dilated = 0;
+  std::size_t conflicts = 0;                  ///< texels
+  std::optional<MapConflict> first_conflict;  ///< in the order of texels
+  std::size_t below_surface = 0;              ///< covered texels with z <= 0 in tangent space
+  std::size_t not_finite = 0;                 ///< texels covered, but NaN, infinite or zero in the input
+  std::size_t no_frame = 0;                   ///< texels covered, without a frame: left empty
+  std::size_t too_long = 0;                   ///< with two_channels: x² + y² > 1
+  std::size_t outside_map = 0;                ///< texels of triangles beyond a map that clamps
+  std::size_t degenerate_uv_triangles = 0;    ///< no area in uv: they cover nothing
+  std::size_t mixed_sign_triangles = 0;       ///< whose corners have different w: the first one's is taken
+  double condition = 0;                       ///< largest of the frames, singular values' ratio; 0: none read
+  std::size_t condition_above_10 = 0;         ///< texels
+  double quantisation_max_deg = 0;            ///< angle between what is written and what was to be
+  double quantisation_rms_deg = 0;
+};
+
+/// Converts a map.
+///
+/// Coverage: a texel belongs to the triangle that its centre lies in; of two that share the edge it lies on,
+/// to one. uvs, in texels, are rounded to multiples of 2^-32, the test is exact then. Where triangles
+/// overlap, the first one's texel is taken if the others' differ by at most one code (f32: 2/65535) in every
+/// channel; else the texel is a conflict, and no image is made.
+///
+/// Codes: the nearest to the number in double (within 2^-40 of a tie upward), number = (x + 1)/2 · most.
+/// Uncovered texels within `dilate` steps (to one of eight neighbours, across the edge of maps that repeat)
+/// get the codes of the nearest covered one.
+///
+/// There and back: with keep_length, and a map of codes of unit vectors, each channel returns within 1 code
+/// where frames are orthonormal, within ceil(0.87 c + 1/2) - 1 where a frame's condition is c:
+/// docs/theory/normal-maps.md.
+///
+/// \param pieces with MapBasis::analytic they may be none: then all texels are covered, and lie on the
+/// surface at their (u, v)
+/// Cost: linear in texels and triangles, some 0.1 µs per texel. Memory beyond input and output: 5 bytes per
+/// texel and 300 per triangle.
+/// \throws ParameterError for options that do not go together, an image without 3 or 4 channels of the right
+/// count \throws MeshError for pieces without what the basis needs, with numbers that are not finite, with
+/// uvs beyond 2^22 texels, or that cover the map more than 64 times
+NormalMapResult convert_normal_map(const Image& map, std::span<const MapPiece> pieces,
+                                   const NormalMapOptions& options);
+
+/// A picture of the states: empty black, covered grey, dilated dark, conflicts red.
+Image picture_of(const NormalMapResult& result, int width, int height);
+
+}  // namespace darboux

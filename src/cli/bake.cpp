@@ -1,0 +1,129 @@
+// `darboux bake`: the exact normals of a surface as a tangent-space map for a coarse mesh of it.
+#include <iomanip>
+#include <iostream>
+
+#include <darboux/bake.h>
+
+#include "map_arguments.h"
+
+namespace darboux {
+namespace {
+
+struct BakeArguments : MapArguments {
+  std::string surface, size = "1024x1024", report;
+  std::uint64_t samples = 16, seed = 1;
+};
+
+Json error_json(std::string_view name, const BakeError& error) {
+  return {{"class", name},
+          {"samples", error.samples},
+          {"without_map_deg", statistics_json(error.without_map_deg)},
+          {"with_map_deg", statistics_json(error.with_map_deg)}};
+}
+
+Json report_json(const BakeArguments& a, const AnySurface& surface, const BakeResult& r,
+                 std::span<const MapPiece> pieces, const BakeOptions& options) {
+  Json classes = Json::array();
+  for (std::size_t k = 0; k < r.errors.size(); ++k)
+    if (r.errors[k].samples != 0) classes.push_back(error_json(vertex_class_names[k], r.errors[k]));
+  Json json{{"file", utf8(a.mesh)},
+            {"surface", surface_json(surface)},
+            {"output", r.map.conflicts != 0 ? Json() : Json(utf8(a.output))},
+            {"basis", a.basis},
+            {"decode", a.decode},
+            {"green", a.green},
+            {"depth", map_depths.names[static_cast<std::size_t>(options.type)]},
+            {"texels", r.map.states.size()}};
+  add_counts(json, r.map);
+  json["first_conflict"] = conflict_json(r.map, pieces);
+  json["bound_deg"] = number(r.bound_deg);
+  json["error"] = error_json("all", r.all);
+  json["classes"] = std::move(classes);
+  return json;
+}
+
+void print_text(const BakeArguments& a, const BakeResult& r, std::span<const MapPiece> pieces) {
+  std::cout << a.mesh << ": " << r.map.covered << " of " << r.map.states.size() << " texels covered, "
+            << r.map.dilated << " in the gutter filled\n";
+  print_counts(r.map);
+  if (r.map.first_conflict) return print_conflict(r.map, pieces);
+  std::cout << "at texels the normals are within " << rounded(r.bound_deg, 3) << " degrees (proven)\n"
+            << "degrees off the surface's normal, at points inside triangles\n"
+            << "                         without the map       with it\n"
+            << "  class        samples      rms      max      rms      max\n";
+  const auto row = [](std::string_view name, const BakeError& e) {
+    if (e.samples == 0) return;
+    std::cout << "  " << std::left << std::setw(10) << name << std::right << std::setw(10) << e.samples;
+    for (const double x :
+         {e.without_map_deg.rms, e.without_map_deg.max, e.with_map_deg.rms, e.with_map_deg.max})
+      std::cout << std::setw(9) << rounded(x, 3);
+    std::cout << '\n';
+  };
+  for (std::size_t k = 0; k < r.errors.size(); ++k) row(vertex_class_names[k], r.errors[k]);
+  row("all", r.all);
+  std::cout << a.output << '\n';
+}
+
+void run_bake(const BakeArguments& a, Common& common) {
+  const auto need = [](const std::string& value, const char* what) {
+    if (value.empty()) throw ParameterError("bake", expected_got(what, "none"));
+  };
+  need(a.surface, "--surface SURFACE");
+  need(a.mesh, "--mesh FILE");
+  need(a.output, "-o OUT.png");
+  check_map_files({a.mesh}, a.output, a.report);
+  const AnySurface surface = surface_argument(a.surface);
+  BakeOptions options;
+  std::tie(options.width, options.height) = parse_grid("--size", a.size);
+  options.basis = map_bases.of(a.basis);
+  options.decode = map_decodes.of(a.decode);
+  options.green = map_greens.of(a.green);
+  options.type = map_type(a, SampleType::u8);
+  options.dither = a.dither;
+  options.dilate = static_cast<int>(a.dilate);
+  options.samples = static_cast<int>(a.samples);
+  options.seed = a.seed;
+  options.threads = common.threads;
+  const std::vector<MapPiece> pieces = map_pieces(a, common, false);
+  BakeResult result;
+  {
+    Progress progress("bake", common);
+    options.progress = [&](double share) { progress.update(share); };
+    result = bake_normal_map(surface, pieces, options);
+  }
+  if (!a.report.empty()) write_image(a.report, picture_of(result.map, options.width, options.height));
+  if (result.map.conflicts == 0) write_image(a.output, result.map.image);
+  if (result.map.conflicts != 0 || result.map.covered == 0) common.exit_status = 1;
+  if (common.json)
+    print_json(report_json(a, surface, result, pieces, options));
+  else if (!common.quiet)
+    print_text(a, result, pieces);
+}
+
+}  // namespace
+
+void add_bake(CLI::App& app, Common& common) {
+  CLI::App& sub =
+      *app.add_subcommand("bake", "Bake a surface's exact normals as a normal map for a coarse mesh of it");
+  auto a = std::make_shared<BakeArguments>();
+  a->basis = "stored";
+  a->dilate = 4;
+  sub.add_option("--surface", a->surface, std::string("the surface: ") + surface_help);
+  add_map_options(sub, *a);
+  sub.add_option("--basis", a->basis, "tangents: stored in the file, or mikktspace (made anew)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"stored", "mikktspace"}));
+  sub.add_option("--size", a->size, "texels of the map, WIDTHxHEIGHT")->capture_default_str();
+  sub.add_option("--depth", a->depth, "8, 16 or float per channel to write [8; EXR float, from -1 to 1]")
+      ->check(map_depths.check());
+  sub.add_option("--samples", a->samples, "points per triangle at which the error is looked for")
+      ->capture_default_str()
+      ->check(whole_number_up_to(10000));
+  sub.add_option("--seed", a->seed, "of these points")->capture_default_str()->check(whole_number);
+  sub.add_option("--report", a->report, "write a picture of what is covered, conflicts in red");
+  add_read_options(sub, common);
+  add_common(sub, common, "darboux bake --surface torus --mesh torus.glb --size 256x256 -o normal.png");
+  sub.callback([a, &common] { run_bake(*a, common); });
+}
+
+}  // namespace darboux

@@ -1,0 +1,164 @@
+#include "map_arguments.h"
+
+#include <charconv>
+#include <filesystem>
+#include <iostream>
+
+namespace darboux {
+namespace {
+
+constexpr Choice<MapWrap, 3> wrap_modes{{"repeat", "mirror", "clamp"}};
+
+// "2" or "2:0": a mesh, or a primitive of it.
+std::pair<std::size_t, std::optional<std::size_t>> primitive_argument(const std::string& text) {
+  const std::vector<std::string> parts = split(text, ':');
+  std::size_t numbers[2] = {0, 0};
+  bool good = parts.size() <= 2;
+  for (std::size_t k = 0; good && k < parts.size(); ++k) {
+    const auto [end, error] = std::from_chars(parts[k].data(), parts[k].data() + parts[k].size(), numbers[k]);
+    good = error == std::errc{} && end == parts[k].data() + parts[k].size();
+  }
+  if (!good)
+    throw ParameterError("--primitive",
+                         expected_got("MESH or MESH:PRIMITIVE, such as 0:1", "'" + text + "'"));
+  if (parts.size() == 1) return {numbers[0], std::nullopt};
+  return {numbers[0], numbers[1]};
+}
+
+struct Count {
+  const char* key;
+  std::size_t NormalMapResult::*count;
+  const char* text;  // for people; null where it is told elsewhere
+};
+constexpr Count counts[] = {
+    {"covered", &NormalMapResult::covered, nullptr},
+    {"dilated", &NormalMapResult::dilated, nullptr},
+    {"conflicts", &NormalMapResult::conflicts, nullptr},
+    {"below_surface", &NormalMapResult::below_surface,
+     "texels with z <= 0 in tangent space, which glTF discourages"},
+    {"not_finite", &NormalMapResult::not_finite,
+     "covered texels that are no direction (NaN, infinite or zero), left empty"},
+    {"no_frame", &NormalMapResult::no_frame, "covered texels without a frame, left empty"},
+    {"too_long", &NormalMapResult::too_long, "texels with x² + y² > 1, whose z is taken as 0"},
+    {"outside_map", &NormalMapResult::outside_map,
+     "texels of triangles lie outside of the map, which clamps"},
+    {"degenerate_uv_triangles", &NormalMapResult::degenerate_uv_triangles,
+     "triangles without area in uv cover nothing"},
+    {"mixed_sign_triangles", &NormalMapResult::mixed_sign_triangles,
+     "triangles with different signs w at their corners: the first one's is taken"},
+    {"condition_above_10", &NormalMapResult::condition_above_10,
+     "texels whose frame has a condition above 10"}};
+
+Json owner_json(const MapConflict::Owner& owner, std::span<const MapPiece> pieces) {
+  return {{"mesh", pieces[owner.piece].mesh_index},
+          {"primitive", pieces[owner.piece].primitive},
+          {"triangle", owner.triangle},
+          {"codes", {number(owner.codes[0]), number(owner.codes[1]), number(owner.codes[2])}}};
+}
+
+}  // namespace
+
+void add_map_options(CLI::App& sub, MapArguments& a) {
+  sub.add_option("-o,--output", a.output, "the .png, .tga or .exr to write");
+  sub.add_option("--mesh", a.mesh, "the file with the triangles that the map lies on");
+  sub.add_option("--primitive", a.primitives,
+                 "MESH or MESH:PRIMITIVE of that file, by number; may be given again [all]")
+      ->allow_extra_args(false);
+  sub.add_option(
+         "--decode", a.decode,
+         "the shader's frame inside a triangle: mikktspace (interpolated, left as it is) or gltf-viewer "
+         "(each vector made unit)")
+      ->capture_default_str()
+      ->check(map_decodes.check());
+  sub.add_option("--green", a.green, "the tangent-space map's green points up (opengl) or down (directx)")
+      ->capture_default_str()
+      ->check(map_greens.check());
+  sub.add_option("--dither", a.dither, "add noise of one code, made from this seed, before rounding")
+      ->check(whole_number);
+  sub.add_option("--dilate", a.dilate, "texels by which islands grow into the gutter")
+      ->capture_default_str()
+      ->check(whole_number_up_to(1024));
+  sub.add_option("--sign", a.sign, "sign convention of stored tangents: gltf or raw")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"gltf", "raw"}));
+  sub.add_option("--wrap", a.wrap,
+                 "the texture outside [0, 1]: repeat, mirror or clamp [as the glTF says, else repeat]")
+      ->check(wrap_modes.check());
+  sub.add_option("--uv-origin", a.uv_origin,
+                 "v = 0 is the top or the bottom of the image [top for glTF, else bottom]")
+      ->check(CLI::IsMember({"top", "bottom"}));
+}
+
+std::vector<MapPiece> map_pieces(const MapArguments& a, const Common& common, bool world) {
+  MapPieceOptions options{.read = common.read};
+  for (const std::string& text : a.primitives) options.only.push_back(primitive_argument(text));
+  options.sign = a.sign == "raw" ? SignConvention::raw : SignConvention::gltf;
+  if (!a.wrap.empty()) options.wrap = wrap_modes.of(a.wrap);
+  if (!a.uv_origin.empty()) options.v_up = a.uv_origin == "bottom";
+  options.world = world;
+  return normal_map_pieces(a.mesh, options);
+}
+
+void check_map_files(const std::vector<std::string>& read, const std::string& output,
+                     const std::string& report) {
+  std::vector<std::string> names = read;
+  names.push_back(output);
+  names.push_back(report);
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    std::error_code none;
+    if (!name.empty() && !seen.insert(std::filesystem::weakly_canonical(name, none).string()).second)
+      throw ParameterError(name, expected_got("a file for one thing", "for two"));
+  }
+  if (!output.empty()) image_types(output);
+  if (!report.empty() && image_types(report).front() != SampleType::u8)
+    throw ParameterError(report, expected_got("a name that ends in .png or .tga", "another"));
+}
+
+SampleType map_type(const MapArguments& a, SampleType wish) {
+  const auto types = image_types(a.output);
+  const auto has = [&](SampleType t) { return std::find(types.begin(), types.end(), t) != types.end(); };
+  if (a.depth.empty()) return has(wish) ? wish : types.back();
+  const SampleType wanted = map_depths.of(a.depth);
+  if (!has(wanted))
+    throw ParameterError("--depth", expected_got(std::string("one that ") +
+                                                     (types.back() == SampleType::f32  ? "EXR has: float"
+                                                      : types.back() == SampleType::u8 ? "TGA has: 8"
+                                                                                       : "PNG has: 8 or 16"),
+                                                 a.depth));
+  return wanted;
+}
+
+void add_counts(Json& json, const NormalMapResult& r) {
+  for (const Count& c : counts) json[c.key] = r.*c.count;
+  json["condition"] = r.condition == 0 ? Json() : number(r.condition);
+  json["quantisation_deg"] = {{"max", number(r.quantisation_max_deg)},
+                              {"rms", number(r.quantisation_rms_deg)}};
+}
+
+void print_counts(const NormalMapResult& r) {
+  for (const Count& c : counts)
+    if (c.text != nullptr && r.*c.count != 0) std::cout << r.*c.count << ' ' << c.text << '\n';
+}
+
+std::string owner_text(const MapConflict::Owner& owner, std::span<const MapPiece> pieces) {
+  return "triangle " + std::to_string(owner.triangle) + " of mesh " +
+         std::to_string(pieces[owner.piece].mesh_index) + " primitive " +
+         std::to_string(pieces[owner.piece].primitive);
+}
+
+Json conflict_json(const NormalMapResult& r, std::span<const MapPiece> pieces) {
+  if (!r.first_conflict) return nullptr;
+  const MapConflict& c = *r.first_conflict;
+  return {{"texel", {c.x, c.y}},
+          {"triangles", {owner_json(c.owners[0], pieces), owner_json(c.owners[1], pieces)}}};
+}
+
+void print_conflict(const NormalMapResult& r, std::span<const MapPiece> pieces) {
+  const MapConflict& c = *r.first_conflict;
+  std::cout << "refused: " << r.conflicts << " texels that triangles want to be of different codes, first ("
+            << c.x << ", " << c.y << "):\n  " << owner_text(c.owners[0], pieces) << " and "
+            << owner_text(c.owners[1], pieces) << '\n';
+}
+
+}  // namespace darboux

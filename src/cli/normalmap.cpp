@@ -1,0 +1,243 @@
+// `darboux normalmap`: a normal map in another space, alone or beside another.
+#include <chrono>
+#include <iostream>
+#include <optional>
+#include <utility>
+
+#include "map_arguments.h"
+#include "map_checks.h"
+#include "report/lit_model.h"
+
+namespace darboux {
+namespace {
+
+struct NormalMapArguments : MapArguments {
+  std::string input, from, to, surface, report, render, size = "800x600";
+  bool two_channels = false, keep_length = false, signed_floats = false, drop_colour_tags = false;
+  MapCheckArguments checks;
+};
+
+constexpr Choice<MapSpace, 3> spaces{{"object", "tangent", "world"}};
+
+struct NormalMapSeconds {
+  double read = 0, convert = 0, write = 0;
+};
+
+Json report_json(const NormalMapArguments& a, const NormalMapOptions& options, const NormalMapResult& r,
+                 std::span<const MapPiece> pieces, std::size_t texels, const NormalMapSeconds& seconds) {
+  Json json{{"file", utf8(a.input)},
+            {"output", r.conflicts != 0 ? Json() : Json(utf8(a.output))},
+            {"from", a.from},
+            {"to", a.to},
+            {"basis", map_bases.names[static_cast<std::size_t>(options.basis)]},
+            {"decode", a.decode},
+            {"green", a.green},
+            {"depth", map_depths.names[static_cast<std::size_t>(*options.type)]},
+            {"texels", texels}};
+  add_counts(json, r);
+  json["first_conflict"] = conflict_json(r, pieces);
+  json["seconds"] = {
+      {"read", number(seconds.read)}, {"convert", number(seconds.convert)}, {"write", number(seconds.write)}};
+  return json;
+}
+
+void print_text(const NormalMapArguments& a, const NormalMapResult& r, std::span<const MapPiece> pieces,
+                std::size_t texels) {
+  std::cout << a.input << ": " << r.covered << " of " << texels << " texels covered";
+  if (r.dilated != 0) std::cout << ", " << r.dilated << " in the gutter filled";
+  std::cout << '\n';
+  print_counts(r);
+  if (r.first_conflict) return print_conflict(r, pieces);
+  std::cout << "rounding: at most " << rounded(r.quantisation_max_deg, 3) << " degrees, rms "
+            << rounded(r.quantisation_rms_deg, 3) << '\n'
+            << a.output << '\n';
+}
+
+void check_spaces(const NormalMapArguments& a) {
+  const auto need = [](const std::string& value, const char* what, const char* expected) {
+    if (value.empty()) throw ParameterError(what, expected_got(expected, "none"));
+  };
+  need(a.input, "normalmap", "an image to read");
+  need(a.output, "normalmap", "-o OUT.png");
+  need(a.from, "--from", "object, tangent or world");
+  need(a.to, "--to", "object or tangent");
+  if (a.mesh.empty() && a.surface.empty())
+    throw ParameterError("normalmap", expected_got("--mesh FILE or --surface SURFACE", "neither"));
+  if (a.mesh.empty() && !a.basis.empty() && a.basis != "analytic")
+    throw ParameterError("--basis", expected_got("analytic where there is no --mesh", a.basis));
+  if (a.mesh.empty() && a.from == "world")
+    throw ParameterError("--from", expected_got("object or tangent where there is no --mesh", a.from));
+}
+
+NormalMapOptions options_of(const NormalMapArguments& a, const Common& common) {
+  NormalMapOptions options;
+  options.from = spaces.of(a.from);
+  options.to = spaces.of(a.to);
+  options.basis = !a.basis.empty() ? map_bases.of(a.basis)
+                  : a.mesh.empty() ? MapBasis::analytic
+                                   : MapBasis::stored;
+  const bool analytic = options.basis == MapBasis::analytic;
+  if (analytic && a.surface.empty())
+    throw ParameterError("--surface", expected_got("one for --basis analytic", "none"));
+  if (!analytic && !a.surface.empty())
+    throw ParameterError("--surface", expected_got("--basis analytic beside it", "another basis"));
+  options.decode = map_decodes.of(a.decode);
+  options.green = map_greens.of(a.green);
+  options.two_channels = a.two_channels;
+  options.keep_length = a.keep_length;
+  options.signed_floats = a.signed_floats;
+  options.dither = a.dither;
+  options.dilate = static_cast<int>(a.dilate);
+  options.threads = common.threads;
+  return options;
+}
+
+void run_convert(const NormalMapArguments& a, Common& common) {
+  check_spaces(a);
+  NormalMapOptions options = options_of(a, common);
+  check_map_files({a.input, a.mesh}, a.output, a.report);
+  std::optional<AnySurface> surface;
+  if (!a.surface.empty()) surface = surface_argument(a.surface);
+  options.surface = surface ? &*surface : nullptr;
+  auto lap = [last = std::chrono::steady_clock::now()]() mutable {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(last, now)).count();
+  };
+  std::vector<MapPiece> pieces;
+  if (!a.mesh.empty()) pieces = map_pieces(a, common, a.from == "world");
+  Image map = read_image(a.input, {.drop_colour_tags = a.drop_colour_tags});
+  options.type = map_type(a, map.type());
+  const int width = map.width, height = map.height;
+  const std::size_t texels = map.texels();
+  NormalMapSeconds seconds{.read = lap()};
+  NormalMapResult result;
+  {
+    Progress progress("normalmap", common);
+    options.progress = [&](double share) { progress.update(share); };
+    result = convert_normal_map(map, pieces, options);
+  }
+  map = Image();
+  seconds.convert = lap();
+  if (!a.report.empty()) write_image(a.report, picture_of(result, width, height));
+  if (result.conflicts == 0) write_image(a.output, result.image);
+  seconds.write = lap();
+  if (result.conflicts != 0 || result.covered == 0) common.exit_status = 1;
+  if (common.json)
+    print_json(report_json(a, options, result, pieces, texels, seconds));
+  else if (!common.quiet)
+    print_text(a, result, pieces, texels);
+}
+
+// The mesh, lit through the map.
+void run_render(const NormalMapArguments& a, Common& common) {
+  if (a.input.empty() || a.mesh.empty() || (a.from != "tangent" && a.from != "object"))
+    throw ParameterError("--render",
+                         expected_got("an image, --mesh FILE and --from tangent or object", "not all"));
+  check_map_files({a.input, a.mesh}, "", a.render);
+  if (image_types(a.render).back() != SampleType::u16)
+    throw ParameterError(a.render, expected_got("a name that ends in .png", "another"));
+  LitModelOptions options{.space = spaces.of(a.from),
+                          .basis = a.basis.empty() ? MapBasis::stored : map_bases.of(a.basis),
+                          .green = map_greens.of(a.green),
+                          .signed_floats = a.signed_floats,
+                          .threads = common.threads};
+  if (options.basis == MapBasis::analytic)
+    throw ParameterError("--basis", expected_got("stored or mikktspace beside --render", "analytic"));
+  std::tie(options.width, options.height) = parse_grid("--size", a.size);
+  const std::vector<MapPiece> pieces = map_pieces(a, common, false);
+  const Image map = read_image(a.input, {.drop_colour_tags = a.drop_colour_tags});
+  write_file(a.render, png_of(lit_model(map, pieces, options)));
+  if (common.json)
+    print_json({{"file", utf8(a.input)}, {"render", utf8(a.render)}, {"from", a.from}, {"green", a.green}});
+  else if (!common.quiet)
+    std::cout << a.render << '\n';
+}
+
+// Options of one of the four ways, beside another.
+void check_ways(const CLI::App& sub, const std::vector<const char*>& others, const char* way) {
+  for (const char* name : others)
+    if (sub.get_option(name)->count() != 0)
+      throw ParameterError(name, expected_got(std::string("none beside ") + way, "it"));
+}
+
+void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
+  a.checks.green = a.green;
+  a.checks.report = a.report;
+  a.checks.signed_floats = a.signed_floats;
+  const std::vector<const char*> of_conversion{"INPUT",   "--output",  "--from",         "--to",
+                                               "--basis", "--surface", "--two-channels", "--keep-length",
+                                               "--depth", "--dither",  "--dilate"},
+      of_comparison{"--max-angle", "--worst"};
+  if (!a.checks.file.empty()) {
+    check_ways(sub, of_conversion, "--check");
+    check_ways(sub, of_comparison, "--check");
+    check_ways(sub, {"--compare", "--mesh", "--report", "--render"}, "--check");
+    return run_map_check(a.checks, common);
+  }
+  if (!a.checks.compared.empty()) {
+    check_ways(sub, of_conversion, "--compare");
+    check_ways(sub, {"--render"}, "--compare");
+    return run_map_comparison(a.checks, a, a.drop_colour_tags, common);
+  }
+  check_ways(sub, of_comparison, "a conversion: they belong to --compare");
+  if (!a.render.empty()) {
+    check_ways(sub,
+               {"--output", "--to", "--surface", "--two-channels", "--keep-length", "--depth", "--dither",
+                "--dilate", "--report"},
+               "--render");
+    return run_render(a, common);
+  }
+  run_convert(a, common);
+}
+
+}  // namespace
+
+void add_normalmap(CLI::App& app, Common& common) {
+  CLI::App& sub = *app.add_subcommand(
+      "normalmap", "Turn a normal map from one space into another; check and compare maps");
+  auto a = std::make_shared<NormalMapArguments>();
+  sub.add_option("INPUT", a->input, "the .png, .tga or .exr to read");
+  sub.add_option("--from", a->from, "the space of the map: object, tangent or world")->check(spaces.check());
+  sub.add_option("--to", a->to, "the space wanted: object or tangent")
+      ->check(CLI::IsMember({"object", "tangent"}));
+  add_map_options(sub, *a);
+  sub.add_option("--basis", a->basis,
+                 "tangents: stored in the file, mikktspace (made anew), analytic (the surface's) [stored; "
+                 "analytic without --mesh]")
+      ->check(map_bases.check());
+  sub.add_option("--surface", a->surface,
+                 std::string("the surface whose frames --basis analytic takes, without --mesh over all of "
+                             "the map: ") +
+                     surface_help);
+  sub.add_flag("--two-channels", a->two_channels,
+               "the tangent-space map has x and y alone; z is made of them");
+  sub.add_flag("--keep-length", a->keep_length, "vectors keep their length; without, they become unit");
+  sub.add_option("--depth", a->depth, "8, 16 or float per channel to write [as the input]")
+      ->check(map_depths.check());
+  sub.add_flag("--signed-floats", a->signed_floats, "EXR holds numbers from -1 to 1, not 0 to 1");
+  sub.add_flag("--drop-colour-tags", a->drop_colour_tags,
+               "read files that say they are sRGB or have a gamma, and pass over that");
+  sub.add_option("--report", a->report,
+                 "write a picture of what is covered, conflicts in red; of --compare the angles");
+  sub.add_option("--render", a->render,
+                 "draw the mesh lit through the map, to this .png (frames as --decode gltf-viewer)");
+  sub.add_option("--size", a->size, "pixels of that picture, WIDTHxHEIGHT")->capture_default_str();
+  sub.add_option(
+      "--check", a->checks.file,
+      "tell what is wrong with this map, seen alone: length, sRGB tag, swapped or flipped channels");
+  sub.add_option("--compare", a->checks.compared,
+                 "two maps: tell the angles between them, with --mesh for each island")
+      ->expected(2);
+  sub.add_option("--max-angle", a->checks.max_angle_deg,
+                 "degrees beyond which --compare ends with status 1 [180]")
+      ->check(CLI::Range(0.0, 180.0));
+  sub.add_option("--worst", a->checks.worst, "texels that --compare names")
+      ->capture_default_str()
+      ->check(whole_number_up_to(10000));
+  add_read_options(sub, common);
+  add_common(sub, common,
+             "darboux normalmap tangent.png --from tangent --to object --mesh torus.glb -o object.png");
+  sub.callback([a, &common, &sub] { run_normalmap(sub, *a, common); });
+}
+
+}  // namespace darboux

@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include <darboux/error.h>
+#include <darboux/image_files.h>
+#include <darboux/io.h>
+
+#include "base/text.h"
+#include "files.h"
+#include "image_formats.h"
+#include "read_png.h"
+
+namespace darboux {
+namespace {
+
+std::string extension_of(const std::string& path) {
+  return lower(std::filesystem::path(path).extension().string());
+}
+
+}  // namespace
+
+namespace io {
+
+void check_image_size(const std::string& file, std::uint64_t width, std::uint64_t height) {
+  constexpr std::uint64_t most_texels = std::uint64_t{1} << 28, longest = 1 << 20;
+  if (width < 1 || height < 1 || width > longest || height > longest || width * height > most_texels)
+    throw FileError(file, expected_got("an image of 1 to " + std::to_string(most_texels) + " texels",
+                                       std::to_string(width) + " x " + std::to_string(height)));
+}
+
+void check_compression(const std::string& file, std::uint64_t raw_bytes, std::uint64_t bytes,
+                       std::uint64_t ratio) {
+  if (raw_bytes / ratio > bytes)
+    throw FileError(file, expected_got("an image of at most " + std::to_string(ratio) + " times its bytes",
+                                       std::to_string(raw_bytes) + " from " + std::to_string(bytes)));
+}
+
+void refuse_colour_tag(const std::string& file, const std::string& tag, const ReadImageOptions& options) {
+  if (!options.drop_colour_tags)
+    throw FileError(file, expected_got("linear numbers, as normal maps hold them, or --drop-colour-tags",
+                                       "an image that says it is not linear (" + tag + ")"));
+}
+
+}  // namespace io
+
+Image read_image(const std::string& path, const ReadImageOptions& options) {
+  io::expect_regular_file(path);
+  const std::string bytes = io::read_file(path);
+  if (io::is_png(bytes)) return io::image_of_png(path, bytes, options);
+  if (io::is_exr(bytes)) return io::image_of_exr(path, bytes);
+  if (extension_of(path) == ".tga") return io::image_of_tga(path, bytes, options);
+  throw FileError(path, expected_got("a PNG, TGA or EXR image", "something else"));
+}
+
+std::string image_colour_tag(const std::string& path) {
+  io::expect_regular_file(path);
+  const std::string bytes = io::read_file(path);
+  if (io::is_png(bytes)) return io::colour_tag_of_png(path, bytes);
+  return extension_of(path) == ".tga" ? io::colour_tag_of_tga(bytes) : "";
+}
+
+std::span<const SampleType> image_types(const std::string& path) {
+  static constexpr std::array png{SampleType::u8, SampleType::u16}, tga{SampleType::u8, SampleType::u8},
+      exr{SampleType::f32, SampleType::f32};
+  const std::string extension = extension_of(path);
+  if (extension == ".png") return png;
+  if (extension == ".tga") return std::span(tga).first(1);
+  if (extension == ".exr") return std::span(exr).first(1);
+  throw ParameterError(path,
+                       expected_got("a name that ends in .png, .tga or .exr", io::in_quotes(extension)));
+}
+
+void write_image(const std::string& path, const Image& image) {
+  const auto types = image_types(path);
+  if (std::find(types.begin(), types.end(), image.type()) == types.end())
+    throw ParameterError(path, expected_got(types.back() == SampleType::f32  ? "32-bit floats"
+                                            : types.back() == SampleType::u8 ? "8 bits"
+                                                                             : "8 or 16 bits",
+                                            image.type() == SampleType::f32   ? "32-bit floats"
+                                            : image.type() == SampleType::u16 ? "16 bits"
+                                                                              : "8 bits"));
+  const std::string extension = extension_of(path);
+  if (extension == ".png")
+    io::write_png(path, image);
+  else
+    write_file(path, extension == ".tga" ? io::tga_of(image) : io::exr_of(path, image));
+}
+
+}  // namespace darboux

@@ -1,0 +1,153 @@
+// Normal maps on the meshes of files: there and back, and what a glTF says of its texture.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include <darboux/error.h>
+#include <darboux/normal_map_files.h>
+
+#include "io_files.h"
+#include "map_meshes.h"
+#include "refusal_of.h"
+#include "second_normal_map.h"
+
+namespace darboux::test {
+namespace {
+
+// The codes by which texels return, and by which they may: ceil(0.87 c + 1/2) - 1.
+struct ThereAndBack {
+  std::size_t texels = 0, conflicts = 0, wrong = 0, above_10 = 0;
+  double condition = 0;
+};
+
+ThereAndBack there_and_back(const MapPiece& piece, MapDecode decode, SampleType type, int size) {
+  const Image map = random_directions(size, size, type, 7);
+  NormalMapOptions options;
+  options.from = MapSpace::object;
+  options.to = MapSpace::tangent;
+  options.decode = decode;
+  options.keep_length = true;
+  const NormalMapResult there = convert_normal_map(map, std::span(&piece, 1), options);
+  ThereAndBack result{.texels = there.covered, .conflicts = there.conflicts, .condition = there.condition};
+  if (there.conflicts != 0) return result;
+  std::swap(options.from, options.to);
+  const NormalMapResult back = convert_normal_map(there.image, std::span(&piece, 1), options);
+  const SecondNormalMap second(piece, options, size, size);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y * size + x);
+      if (there.states[i] != TexelState::covered) continue;
+      double c = 1;
+      for (const SecondFrame& f : second.frames(x, y)) c = std::fmax(c, f.condition());
+      result.above_10 += c > 10;
+      const double bound = std::ceil(0.87 * (c - 1e-9) + 0.5) - 1;
+      for (std::size_t k = 0; k < 3; ++k)
+        result.wrong +=
+            c <= 10 && std::fabs(code_at(back.image, 3 * i + k) - code_at(map, 3 * i + k)) > bound;
+    }
+  return result;
+}
+
+// Tangents as three.js, assimp and MikkTSpace make them; mirrored halves are moved apart first.
+TEST(NormalMapFiles, ThereAndBackWithOtherPeoplesTangents) {
+  const std::string data = DARBOUX_TEST_DATA "/";
+  for (const char* name : {"sphere_016.three.glb", "torus_016.three.glb", "cylinder_016.three.glb",
+                           "cone_016.three.glb", "torus_032.assimp.glb", "sphere_032.mikk.glb",
+                           "jittertorus_016.mikk.glb", "mirrortorus_016.mikk.glb"}) {
+    auto pieces = normal_map_pieces(data + name);
+    ASSERT_EQ(pieces.size(), 1u);
+    if (std::string(name).starts_with("mirror")) move_halves_apart(pieces[0].mesh);
+    for (const MapDecode decode : {MapDecode::mikktspace, MapDecode::gltf_viewer})
+      for (const SampleType type : {SampleType::u8, SampleType::u16}) {
+        const ThereAndBack r = there_and_back(pieces[0], decode, type, 40);
+        EXPECT_EQ(r.conflicts, 0u) << name;
+        EXPECT_EQ(r.wrong, 0u) << name;
+        EXPECT_GT(r.texels, 300u) << name;
+        std::printf("%s: %zu texels, condition up to %.3g, %zu above 10\n", name, r.texels, r.condition,
+                    r.above_10);
+      }
+  }
+}
+
+TEST(NormalMapFiles, ThereAndBackOnTheKhronosMirrorTest) {
+  const std::string path = DARBOUX_SHARED "/meshes/khronos/NormalTangentMirrorTest.glb";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  const auto pieces = normal_map_pieces(path);
+  ASSERT_EQ(pieces.size(), 1u);
+  const ThereAndBack r = there_and_back(pieces[0], MapDecode::mikktspace, SampleType::u8, 128);
+  std::printf("%zu texels, %zu conflicts, condition up to %.3g\n", r.texels, r.conflicts, r.condition);
+  EXPECT_EQ(r.wrong, 0u);
+  EXPECT_GT(r.texels + r.conflicts, 1000u);
+}
+
+// ---- what a glTF says -------------------------------------------------------------------------------------
+
+// A triangle with two uv sets and a material whose normal texture is as given.
+std::string textured(const TempFolder& folder, const Json& texture, const Json& sampler,
+                     const Json& node = {}) {
+  Builder b;
+  const auto positions = b.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const auto normals = b.packed<float>("VEC3", 5126, 3, {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  const auto first = b.packed<float>("VEC2", 5126, 3, {0, 0, 1, 0, 0, 1});
+  const auto second = b.packed<float>("VEC2", 5126, 3, {0, 0, 0.5f, 0, 0, 0.5f});
+  b.primitive({{"POSITION", positions}, {"NORMAL", normals}, {"TEXCOORD_0", first}, {"TEXCOORD_1", second}},
+              {{"material", 0}});
+  b.json["materials"] = {{{"normalTexture", texture}}};
+  b.json["textures"] = {{{"sampler", 0}}};
+  b.json["samplers"] = {sampler};
+  if (!node.is_null()) b.json["nodes"] = node;
+  return write_bytes(folder / "textured.glb", b.glb());
+}
+
+TEST(NormalMapFiles, TakesTheUvSetTransformAndWrapOfTheNormalTexture) {
+  const TempFolder folder;
+  const Json plain{{"index", 0}, {"texCoord", 1}};
+  MapPiece piece = normal_map_pieces(textured(folder, plain, {{"wrapS", 33071}, {"wrapT", 33648}})).at(0);
+  EXPECT_EQ(piece.mesh.uvs[1], (Vec2<double>{0.5, 0}));
+  EXPECT_EQ(piece.wrap, (std::array{MapWrap::clamp, MapWrap::mirror}));
+  EXPECT_FALSE(piece.v_up);
+
+  Json moved = plain;
+  moved["extensions"]["KHR_texture_transform"] = {
+      {"offset", {0.25, 0.5}}, {"scale", {2, 3}}, {"texCoord", 0}};
+  piece = normal_map_pieces(textured(folder, moved, Json::object())).at(0);
+  EXPECT_EQ(piece.mesh.uvs[1], (Vec2<double>{2.25, 0.5}));
+  EXPECT_EQ(piece.mesh.uvs[2], (Vec2<double>{0.25, 3.5}));
+  EXPECT_EQ(piece.wrap, (std::array{MapWrap::repeat, MapWrap::repeat}));
+  piece = normal_map_pieces(folder / "textured.glb", {.wrap = MapWrap::mirror, .v_up = true}).at(0);
+  EXPECT_EQ(piece.wrap, (std::array{MapWrap::mirror, MapWrap::mirror}));
+  EXPECT_TRUE(piece.v_up);
+}
+
+TEST(NormalMapFiles, TakesTheNodesMatrixWhereThereIsOne) {
+  const TempFolder folder;
+  const Json texture{{"index", 0}}, none = Json::object();
+  textured(folder, texture, none, {{{"mesh", 0}, {"scale", {2, 3, 4}}}});
+  const MapPieceOptions world{.world = true};
+  EXPECT_EQ(normal_map_pieces(folder / "textured.glb", world).at(0).to_world,
+            Eigen::Matrix3d(Eigen::Vector3d(2, 3, 4).asDiagonal()));
+  EXPECT_EQ(normal_map_pieces(folder / "textured.glb").at(0).to_world, Eigen::Matrix3d::Identity());
+  textured(folder, texture, none, {{{"mesh", 0}}, {{"mesh", 0}, {"scale", {2, 2, 2}}}});
+  const std::string refusal =
+      refusal_of<FileError>([&] { normal_map_pieces(folder / "textured.glb", world); });
+  EXPECT_NE(refusal.find("2 nodes that differ"), std::string::npos) << refusal;
+}
+
+TEST(NormalMapFiles, TakesTheSignAndTheOriginOfVAsAsked) {
+  const std::string path = DARBOUX_TEST_DATA "/torus_016.three.glb";
+  const MapPiece gltf = normal_map_pieces(path).at(0),
+                 raw = normal_map_pieces(path, {.sign = SignConvention::raw}).at(0);
+  EXPECT_EQ(raw.mesh.tangents[7].w, -gltf.mesh.tangents[7].w);
+  EXPECT_TRUE(normal_map_pieces(DARBOUX_TEST_DATA "/torus_016.obj").at(0).v_up) << "v of an OBJ runs up";
+}
+
+TEST(NormalMapFiles, TakesThePrimitivesThatAreNamed) {
+  const std::string path = DARBOUX_TEST_DATA "/torus_016.three.glb";
+  EXPECT_EQ(normal_map_pieces(path, {.only = {{0, 0}}}).size(), 1u);
+  EXPECT_EQ(normal_map_pieces(path, {.only = {{0, std::nullopt}}}).size(), 1u);
+  const std::string refusal = refusal_of<FileError>([&] { normal_map_pieces(path, {.only = {{0, 1}}}); });
+  EXPECT_NE(refusal.find("named"), std::string::npos) << refusal;
+}
+
+}  // namespace
+}  // namespace darboux::test

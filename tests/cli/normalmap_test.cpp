@@ -1,0 +1,234 @@
+// `normalmap` by running the tool: what it writes and prints, what it refuses, and that nothing half-written
+// is left.
+#include <darboux/image_files.h>
+#include <darboux/io.h>
+
+#include "cli.h"
+#include "map_meshes.h"
+
+namespace darboux::test {
+namespace {
+
+class NormalMapCli : public Cli {
+ protected:
+  NormalMapCli() {
+    write_image(path("in.png"), random_directions(40, 30, SampleType::u8, 5));
+    write_image(path("in16.png"), random_directions(40, 30, SampleType::u16, 5));
+    good("darboux mesh torus --grid 24x12 -o torus.glb");
+  }
+  const std::string to_tangent = "darboux normalmap in.png --from object --to tangent --mesh torus.glb ";
+};
+
+double worst_difference(const Image& a, const Image& b) {
+  double worst = a.samples.index() == b.samples.index() ? 0 : 1e9;
+  std::visit(
+      [&](const auto& s) {
+        const auto* t = std::get_if<std::remove_cvref_t<decltype(s)>>(&b.samples);
+        for (std::size_t i = 0; t && i < s.size(); ++i)
+          worst = std::fmax(worst, std::fabs(static_cast<double>(s[i]) - static_cast<double>((*t)[i])));
+      },
+      a.samples);
+  return worst;
+}
+
+TEST_F(NormalMapCli, ThereAndBack) {
+  for (const char* in : {"in.png", "in16.png"}) {
+    const std::string there = std::string("darboux normalmap ") + in +
+                              " --from object --to tangent --mesh torus.glb --keep-length -o there.png";
+    EXPECT_NE(good(there).find("there.png"), std::string::npos);
+    good("darboux normalmap there.png --from tangent --to object --mesh torus.glb --keep-length -o back.png");
+    EXPECT_LE(worst_difference(read_image(path(in)), read_image(path("back.png"))), 1);
+    good(std::string("darboux normalmap ") + in +
+         " --from object --to tangent --surface torus --keep-length -o there.exr");
+    good(
+        "darboux normalmap there.exr --from tangent --to object --surface torus --keep-length --depth 16 -o "
+        "back.png");
+    const double worst = worst_difference(read_image(path(in)), read_image(path("back.png")));
+    EXPECT_TRUE(std::string(in) != "in16.png" || worst == 0) << "EXR holds floats";
+  }
+  good(to_tangent + "--basis analytic --surface torus -o out.tga");
+  EXPECT_EQ(read_image(path("out.tga")).width, 40);
+}
+
+TEST_F(NormalMapCli, PrintsJson) {
+  const Json j = json(to_tangent + "--green directx --decode gltf-viewer --dilate 2 -o out.png --json");
+  expect_keys(
+      j, {"texels", "covered", "conflicts", "below_surface", "quantisation_deg", "basis", "decode", "green"});
+  EXPECT_EQ(j["texels"], 1200);
+  EXPECT_EQ(j["covered"], 1200);
+  EXPECT_EQ(j["conflicts"], 0);
+  EXPECT_EQ(j["basis"], "stored");
+  EXPECT_EQ(j["decode"], "gltf-viewer");
+  EXPECT_EQ(j["green"], "directx");
+  EXPECT_EQ(j["depth"], "8");
+  EXPECT_GT(j["below_surface"], 300) << "of random directions half";
+  EXPECT_LT(j["quantisation_deg"]["max"], 0.5);
+}
+
+TEST_F(NormalMapCli, RefusesOverlapsWithAPicture) {
+  good("darboux mesh torus --grid 24x12 --mirror -o mirrored.glb");
+  const std::string command =
+      "darboux normalmap in.png --from tangent --to object --mesh mirrored.glb -o out.png --report "
+      "where.png ";
+  const Json j = json(command + "--json", 1);
+  EXPECT_GT(j["conflicts"], 1000);
+  EXPECT_EQ(j["output"], nullptr);
+  EXPECT_EQ(j["first_conflict"]["texel"].size(), 2u);
+  EXPECT_NE(j["first_conflict"]["triangles"][0]["triangle"], j["first_conflict"]["triangles"][1]["triangle"]);
+  EXPECT_FALSE(fs::exists(path("out.png")));
+  EXPECT_EQ(read_image(path("where.png")).height, 30);
+  EXPECT_NE(good(command, 1).find("refused: "), std::string::npos);
+}
+
+TEST_F(NormalMapCli, RefusesWhatIsMissingOrContradictsItself) {
+  refused("darboux normalmap", {"image"});
+  refused("darboux normalmap in.png", {"-o"});
+  refused("darboux normalmap in.png -o out.png", {"--from"});
+  refused("darboux normalmap in.png -o out.png --from object", {"--to"});
+  refused("darboux normalmap in.png -o out.png --from object --to tangent", {"--mesh", "--surface"});
+  refused("darboux normalmap in.png -o out.png --from object --to object --mesh torus.glb",
+          {"another space"});
+  refused("darboux normalmap in.png -o out.png --from object --to world --mesh torus.glb", {"--to"});
+  refused(to_tangent + "-o out.jpg", {".png, .tga or .exr"});
+  refused(to_tangent + "-o out.tga --depth 16", {"TGA has: 8"});
+  refused(to_tangent + "-o in.png", {"in.png", "for two"});
+  refused(to_tangent + "-o ./torus.glb", {"torus.glb"});
+  refused(to_tangent + "-o out.png --surface torus", {"--basis analytic"});
+  refused(to_tangent + "-o out.png --basis analytic", {"--surface"});
+  refused(to_tangent + "-o out.png --primitive x", {"--primitive", "0:1"});
+  refused(to_tangent + "-o out.png --primitive 3", {"torus.glb", "named"});
+  refused(to_tangent + "-o out.png --two-channels", {"tangent space"});
+  refused(to_tangent + "-o out.png --dilate 2000", {"--dilate"});
+  refused("darboux normalmap in.png --from world --to object --surface torus -o out.png", {"--mesh"});
+  refused("darboux normalmap in.png --from object --to tangent --surface torus --basis stored -o out.png",
+          {"--mesh"});
+  refused("darboux normalmap in.png --from object --to tangent --mesh data/torus_016.none.glb -o out.png",
+          {"tangents", "--basis mikktspace"});
+  refused("darboux normalmap missing.png --from object --to tangent --mesh torus.glb -o out.png",
+          {"missing.png"});
+  refused("darboux normalmap in.png --from object --to tangent --mesh missing.glb -o out.png",
+          {"missing.glb"});
+  refused("darboux normalmap torus.glb --from object --to tangent --mesh in.png -o out.png", {"in.png"});
+  refused(to_tangent + "-o out.png --report out.exr", {"out.exr"});
+  refused(to_tangent + "-o missing/out.png", {"missing/out.png"});
+  good("ln -s /dev/full full.png");
+  refused(to_tangent + "-o full.png", {"full.png"});
+  EXPECT_FALSE(fs::exists(path("out.png")));
+}
+
+// All uvs in one place cover nothing: that is said, and is no success.
+TEST_F(NormalMapCli, AMeshThatCoversNothingFails) {
+  good("darboux mesh torus --grid 8x4 --shear 0 -o small.glb");
+  const Json j = json(
+      "darboux normalmap in.png --from object --to tangent --mesh small.glb --wrap clamp --uv-origin top -o "
+      "out.png --json");
+  EXPECT_EQ(j["outside_map"], 0);
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.normals.assign(3, {0, 0, 1});
+  mesh.tangents.assign(3, {1, 0, 0, 1});
+  mesh.uvs.assign(3, {0.5, 0.5});
+  mesh.triangles = {{0, 1, 2}};
+  write_glb(path("point.glb"), mesh, "point");
+  const Json none =
+      json("darboux normalmap in.png --from object --to tangent --mesh point.glb -o out.png --json", 1);
+  EXPECT_EQ(none["covered"], 0);
+  EXPECT_EQ(none["degenerate_uv_triangles"], 1);
+}
+
+// ---- bake, check, compare ---------------------------------------------------------------------------------
+
+TEST_F(NormalMapCli, BakesAndTellsTheErrorThatIsLeft) {
+  good("darboux mesh torus --grid 12x6 -o low.glb");
+  const std::string bake = "darboux bake --surface torus --mesh low.glb --size 128x96 -o normal.png ";
+  const Json j = json(bake + "--json");
+  expect_keys(j,
+              {"file", "surface", "texels", "covered", "bound_deg", "quantisation_deg", "error", "classes"});
+  EXPECT_EQ(j["texels"], 128 * 96);
+  EXPECT_LT(j["error"]["with_map_deg"]["rms"], j["error"]["without_map_deg"]["rms"].get<double>() / 5);
+  EXPECT_LT(j["quantisation_deg"]["max"], j["bound_deg"]);
+  std::size_t samples = 0;
+  for (const Json& c : j["classes"]) samples += c["samples"].get<std::size_t>();
+  EXPECT_EQ(samples, j["error"]["samples"]);
+  EXPECT_EQ(read_image(path("normal.png")).height, 96);
+  EXPECT_NE(good(bake).find("interior"), std::string::npos);
+  refused("darboux bake", {"--surface"});
+  refused("darboux bake --surface torus -o normal.png", {"--mesh"});
+  refused("darboux bake --surface torus --mesh low.glb", {"-o"});
+  refused(bake + "--size 0x4", {"--size"});
+  refused(bake + "--basis analytic", {"--basis"});
+  refused("darboux bake --surface torus --mesh low.glb -o low.glb", {"low.glb"});
+}
+
+TEST_F(NormalMapCli, ChecksAMapSeenAlone) {
+  const Json j = json("darboux normalmap --check in.png --json", 1);
+  EXPECT_EQ(j["green"], "undecided");
+  EXPECT_EQ(j["not_unit"], 0);
+  EXPECT_FALSE(j["ok"]);
+  ASSERT_EQ(j["findings"].size(), 1u);
+  EXPECT_EQ(j["findings"][0]["code"], "BELOW_SURFACE");
+  good(
+      "darboux mesh torus --grid 24x12 -o low.glb; darboux bake --surface torus --mesh low.glb --size 64x64 "
+      "-o b.png");
+  // A hill: the codes of h = exp(-r²).
+  Image hill(64, 64, 3, SampleType::u8);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const double u = (x - 31.5) / 16, w = -(y - 31.5) / 16, e = std::exp(-u * u - w * w);
+      const double p = -2 * u * e, q = -2 * w * e, length = std::sqrt(1 + p * p + q * q);
+      const double n[3] = {-p / length, -q / length, 1 / length};
+      for (std::size_t c = 0; c < 3; ++c)
+        std::get<0>(hill.samples)[static_cast<std::size_t>(3 * (64 * y + x)) + c] =
+            static_cast<std::uint8_t>(std::floor((n[c] + 1) / 2 * 255 + 0.5));
+    }
+  write_image(path("hill.png"), hill);
+  EXPECT_EQ(json("darboux normalmap --check hill.png --json")["green"], "opengl");
+  const Json wrong = json("darboux normalmap --check hill.png --green directx --json", 1);
+  EXPECT_EQ(wrong["findings"][0]["code"], "GREEN");
+  EXPECT_NE(good("darboux normalmap --check hill.png").find("nothing wrong"), std::string::npos);
+  refused("darboux normalmap --check missing.png", {"missing.png"});
+  refused("darboux normalmap --check in.png -o out.png", {"--output", "--check"});
+  refused("darboux normalmap --check in.png --compare in.png in.png", {"--compare"});
+}
+
+TEST_F(NormalMapCli, DrawsTheModelLitThroughEitherMap) {
+  good(
+      "darboux mesh torus --grid 24x12 -o low.glb; darboux bake --surface torus --mesh low.glb --size "
+      "512x512 -o t.png");
+  good("darboux normalmap t.png --from tangent --to object --mesh low.glb --decode gltf-viewer -o o.png");
+  const std::string size = " --mesh low.glb --size 120x90 --render ";
+  good("darboux normalmap t.png --from tangent" + size + "lit_t.png");
+  good("darboux normalmap o.png --from object" + size + "lit_o.png");
+  const ReadImageOptions pictures{.drop_colour_tags = true};
+  const Image one = read_image(path("lit_t.png"), pictures), other = read_image(path("lit_o.png"), pictures);
+  EXPECT_EQ(one.width, 120);
+  EXPECT_LE(worst_difference(one, other), 4) << "codes of 8 bits: tests/report/lit_model_test.cpp";
+  refused("darboux normalmap t.png --from world" + size + "x.png", {"--render", "--from tangent or object"});
+  refused("darboux normalmap t.png --from tangent --to object" + size + "x.png", {"--to", "--render"});
+  refused("darboux normalmap t.png --from tangent --basis analytic" + size + "x.png", {"--basis"});
+  refused("darboux normalmap t.png --from tangent" + size + "x.tga", {".png"});
+}
+
+TEST_F(NormalMapCli, ComparesTwoMaps) {
+  const Json j =
+      json("darboux normalmap --compare in.png in16.png --mesh torus.glb --report heat.png --json");
+  EXPECT_EQ(j["compared"], 1200);
+  EXPECT_GT(j["angle_deg"]["max"], 0);
+  EXPECT_LT(j["angle_deg"]["max"], 0.4);
+  EXPECT_EQ(j["islands"].size(), 1u);
+  EXPECT_EQ(j["worst"].size(), 10u);
+  EXPECT_TRUE(j["same"]);
+  EXPECT_EQ(read_image(path("heat.png")).width, 40);
+  EXPECT_FALSE(json("darboux normalmap --compare in.png in16.png --max-angle 0.01 --json", 1)["same"]);
+  EXPECT_NE(good("darboux normalmap --compare in.png in.png --max-angle 0").find("1200 texels"),
+            std::string::npos);
+  write_image(path("small.png"), Image(8, 8, 3, SampleType::u8));
+  refused("darboux normalmap --compare in.png small.png", {"40 x 30 and 8 x 8"});
+  refused("darboux normalmap --compare in.png", {"--compare"});
+  refused("darboux normalmap --compare in.png in16.png --report in.png", {"in.png"});
+  refused("darboux normalmap in.png --max-angle 3 --from object --to tangent --mesh torus.glb -o out.png",
+          {"--max-angle"});
+}
+
+}  // namespace
+}  // namespace darboux::test

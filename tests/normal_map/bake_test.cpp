@@ -1,0 +1,145 @@
+// A surface's exact normals as a map for a coarse mesh: within the proven bound at texels, and what is left
+// between them.
+#include <gtest/gtest.h>
+
+#include <darboux/bake.h>
+#include <darboux/error.h>
+#include <darboux/frame.h>
+
+#include "map_meshes.h"
+#include "refusal_of.h"
+#include "second_normal_map.h"
+
+namespace darboux::test {
+namespace {
+
+MapPiece coarse(const AnySurface& surface, int columns = 12, int rows = 6, double jitter = 0) {
+  SampleMeshOptions options;
+  options.columns = columns;
+  options.rows = rows;
+  options.jitter = jitter;
+  return {.mesh = sample_mesh(surface, options)};
+}
+
+BakeResult bake(const AnySurface& surface, const MapPiece& piece, const BakeOptions& options) {
+  return bake_normal_map(surface, std::span(&piece, 1), options);
+}
+
+// docs/theory/normal-maps.md: a texel of half a code h = 1/most in each channel decodes, in a frame of
+// condition c, to within asin(c √3 h) of what was baked. The frames are the second implementation's.
+TEST(Bake, TexelsAreWithinTheProvenBound) {
+  constexpr int size = 48;
+  double closest = 0;
+  for (const char* name : {"sphere", "torus", "catenoid", "monkey-saddle"}) {
+    const AnySurface surface = make_surface(name);
+    const MapPiece piece = coarse(surface, 10, 6, 0.2);
+    for (const MapBasis basis : {MapBasis::stored, MapBasis::mikktspace})
+      for (const MapDecode decode : {MapDecode::mikktspace, MapDecode::gltf_viewer})
+        for (const SampleType type : {SampleType::u8, SampleType::u16}) {
+          BakeOptions options;
+          options.width = options.height = size;
+          options.basis = basis;
+          options.decode = decode;
+          options.type = type;
+          const BakeResult r = bake(surface, piece, options);
+          ASSERT_EQ(r.map.conflicts, 0u);
+          NormalMapOptions frames;
+          frames.basis = basis;
+          frames.decode = decode;
+          const SecondNormalMap second(piece, frames, size, size);
+          const double most = type == SampleType::u8 ? 255 : 65535;
+          std::size_t texels = 0, beyond = 0;
+          for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+              const std::size_t i = static_cast<std::size_t>(y * size + x);
+              if (r.map.states[i] != TexelState::covered) continue;
+              const SecondFrame f = second.frames(x, y).at(0);
+              const Eigen::Vector3d codes(code_at(r.map.image, 3 * i), code_at(r.map.image, 3 * i + 1),
+                                          code_at(r.map.image, 3 * i + 2));
+              const Eigen::Vector3d n = f.columns * ((codes / most).array() * 2 - 1).matrix();
+              const Vec3<double> truth = surface.frame((x + 0.5) / size, (y + 0.5) / size).n;
+              const double angle = angle_between({n.x(), n.y(), n.z()}, truth);
+              // 1e-7: the normals are handed over in single precision.
+              const double bound = std::asin(std::fmin(1, f.condition() * (std::sqrt(3.0) / most + 1e-7)));
+              ++texels;
+              beyond += angle > bound;
+              closest = std::fmax(closest, angle / bound);
+              EXPECT_LE(bound, r.bound_deg * M_PI / 180 * 1.001);
+            }
+          EXPECT_EQ(beyond, 0u) << name;
+          EXPECT_GT(texels, 1000u) << name;
+        }
+  }
+  std::printf("the largest angle is %.2f of its bound\n", closest);
+  EXPECT_GT(closest, 0.5) << "the bound is not idle";
+}
+
+// A map takes the error of a coarse mesh's normals down to that of its codes, as far as its texels are fine.
+TEST(Bake, TheMapTakesTheErrorOfTheMeshAway) {
+  const AnySurface torus = make_surface("torus");
+  const MapPiece piece = coarse(torus);
+  BakeOptions options;
+  double before = 90;
+  for (const int size : {64, 256, 1024}) {
+    options.width = options.height = size;
+    options.type = SampleType::u16;
+    const BakeResult r = bake(torus, piece, options);
+    EXPECT_GT(r.all.without_map_deg.rms, 1) << "the mesh is coarse";
+    EXPECT_LT(r.all.with_map_deg.rms, r.all.without_map_deg.rms / 8);
+    EXPECT_LT(r.all.with_map_deg.rms, before / 2) << size;
+    before = r.all.with_map_deg.rms;
+    EXPECT_EQ(r.all.samples, r.errors[static_cast<std::size_t>(VertexClass::seam)].samples +
+                                 r.errors[static_cast<std::size_t>(VertexClass::interior)].samples);
+  }
+  options.type = SampleType::u8;
+  const BakeResult eight = bake(torus, piece, options);
+  EXPECT_GT(eight.all.with_map_deg.rms, 5 * before) << "what is left is the rounding to 8 bits";
+  EXPECT_LT(eight.all.with_map_deg.rms, eight.bound_deg);
+}
+
+// On a plane the map says nothing that the mesh does not: half a code of 127.5 in x and in y is left.
+TEST(Bake, OfAPlaneIsFlat) {
+  const AnySurface plane = make_surface("plane");
+  BakeOptions options;
+  options.width = options.height = 32;
+  const BakeResult r = bake(plane, coarse(plane, 2, 2), options);
+  EXPECT_LT(r.all.without_map_deg.max, 1e-6);
+  EXPECT_NEAR(r.all.with_map_deg.max, std::atan(std::sqrt(2) / 255) * 180 / M_PI, 1e-6);
+  EXPECT_EQ(r.map.covered, 1024u);
+}
+
+TEST(Bake, DoesNotDependOnThreadsNorOnTheGreenAndTheOriginThatBothSidesKnow) {
+  const AnySurface torus = make_surface("torus");
+  MapPiece piece = coarse(torus);
+  BakeOptions options;
+  options.width = options.height = 200;
+  options.basis = MapBasis::mikktspace;
+  const BakeResult one = bake(torus, piece, options);
+  options.threads = 3;
+  EXPECT_EQ(bake(torus, piece, options).map.image.samples, one.map.image.samples);
+  options.green = MapGreen::directx;
+  EXPECT_NEAR(bake(torus, piece, options).all.with_map_deg.rms, one.all.with_map_deg.rms,
+              0.05 * one.all.with_map_deg.rms);
+  piece.v_up = true;
+  EXPECT_NEAR(bake(torus, piece, options).all.with_map_deg.rms, one.all.with_map_deg.rms,
+              0.05 * one.all.with_map_deg.rms);
+}
+
+TEST(Bake, RefusesWhatItCannotDo) {
+  const AnySurface torus = make_surface("torus");
+  const MapPiece piece = coarse(torus);
+  const auto with = [&](auto change) {
+    BakeOptions options;
+    options.width = options.height = 8;
+    change(options);
+    bake(torus, piece, options);
+  };
+  EXPECT_REFUSED(with([](BakeOptions& o) { o.width = 0; }), "2^28 texels");
+  EXPECT_REFUSED(with([](BakeOptions& o) { o.width = o.height = 1 << 20; }), "2^28 texels");
+  EXPECT_REFUSED(with([](BakeOptions& o) { o.basis = MapBasis::analytic; }), "stored or mikktspace");
+  EXPECT_REFUSED(with([](BakeOptions& o) { o.samples = -1; }), "0 to 10000");
+  EXPECT_REFUSED(bake_normal_map(torus, {}), "triangles");
+}
+
+}  // namespace
+}  // namespace darboux::test
