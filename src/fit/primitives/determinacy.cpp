@@ -84,7 +84,7 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
   const double movement = primitive.orientation == Orientation::frame
                               ? f.sigma / std::sqrt(k * symmetric_eigenvalues(Eigen::MatrixXd(c))[8])
                               : 1 / (f.largest_deviation * std::sqrt(k));
-  if (!f.covariance.allFinite() || !(movement > 1e-7) || (primitive.is_plane && movement < 1.3 * f.sigma))
+  if (!f.covariance.allFinite() || !(movement > 1e-7) || (primitive.is_plane && movement < 1.5 * f.sigma))
     return unsure("is not determined: " + least_identifiable(f) + " is not observable" + help);
   const double ratio = greatest_error_ratio(f, k) / largest_share;
   for (std::size_t j = 0; j < static_cast<std::size_t>(f.primitive->lengths); ++j) {
