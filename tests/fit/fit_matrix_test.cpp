@@ -2,7 +2,9 @@
 // holds in every one, up to chance of one in a million. All of the matrix: tests/statistics/matrix.sh.
 #include "fit_matrix.h"
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -53,6 +55,37 @@ TEST_P(FitMatrix, WhatIsStatedHolds) {
         << tally.reasons_text();
     EXPECT_GT(tally.usable, 8U) << cell.key() << '\n' << tally.reasons_text();
   }
+}
+
+// Runs 0 to 11 of torus/thin strip/1000/`outliers`/1e-2, fitted as tori.
+template <class Each>
+void for_each_strip(std::string_view outliers, Each each) {
+  const std::string key = "torus/thin strip/1000/" + std::string(outliers) + "/1e-2";
+  for (const matrix::Cell& cell : matrix::cells())
+    if (cell.key() == key)
+      for (std::uint64_t run = 0; run < 12; ++run)
+        each(matrix::run_of(cell, run, {.automatic = false}), key + ", data set " + std::to_string(run));
+}
+
+// Two sheets that are closer than the noise share it out: such tori were "usable", with none of their
+// intervals right.
+TEST(FitStrips, NoTorusCrossesItselfWithinTheNoise) {
+  int usable = 0;
+  for_each_strip("0%", [&](const matrix::Run& run, const std::string& name) {
+    if (!run.usable) return;
+    ++usable;
+    EXPECT_LT(run.mahalanobis, 20) << name;  // squared, per parameter
+  });
+  EXPECT_GE(usable, 3);
+}
+
+TEST(FitStrips, ToriThatThePointsCannotTellApartAreUndetermined) {
+  int undetermined = 0;
+  for_each_strip("50% scattered", [&](const matrix::Run& run, const std::string&) {
+    undetermined += run.reason.starts_with("undetermined: torus of major radius ") &&
+                    run.reason.find(" or of major radius ") != std::string::npos;
+  });
+  EXPECT_GE(undetermined, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, FitMatrix, testing::ValuesIn(matrix::kinds),

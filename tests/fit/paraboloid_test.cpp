@@ -76,6 +76,12 @@ TEST(Paraboloid, IsFoundAmongOutliers) {
   EXPECT_NEAR(fit.sigma, 0.01, 0.002);
 }
 
+// Long ellipsoids fit as well, and are no other surface where the points are.
+TEST(Paraboloid, IsTheLimitOfLongEllipsoids) {
+  const PointFit fit = fit_points(points_of(EllipticParaboloid{1.0, 1.0, 0.9}, 2000, 1, 0, 1, 0.01, 300));
+  EXPECT_EQ(fit.reason, "converged; an ellipsoid cannot be excluded") << "seed " << seed;
+}
+
 TEST(Paraboloid, IsFoundInAPatchBesideTheVertex) {
   const PointFit fit = fit_points(points_of(EllipticParaboloid{1.0, 1.0, 1.2}, 2000, 0.4, 0.3, 1, 0.002));
   expect_paraboloid(fit, 1 / 2.4, 0.05);
