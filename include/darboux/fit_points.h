@@ -60,7 +60,9 @@ struct SurfaceUncertainty {
   /// along the axes of the points' space; then the parameters in their order. What the points cannot tell
   /// because of a symmetry, lengths that only bound the patch, and what is held, are fixed by convention:
   /// their variance is zero. Where a mesh's uv map was estimated, the six numbers of UvConvention::affine
-  /// follow.
+  /// follow. Of a fit of points whose noise was estimated it is widened by 2 F(2, ν) / χ²(2) at 95 %, ν the
+  /// degrees of freedom left (docs/theory/fit.md), so that normals stay within its ellipse at that level;
+  /// frames and normal_deg take it as it is. The intervals of numbers have their own factors.
   Eigen::MatrixXd covariance;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 };
@@ -119,9 +121,11 @@ const std::vector<std::string_view>& found_kinds();
 ///
 /// A fit is not usable, with the reason, where it has not converged or where there are
 /// - fewer different points than one more than a surface has unknowns (plane 3, sphere 4, cylinder 5, cone
-/// and
-///   elliptic-paraboloid 6, torus 7, ellipsoid 9; that many are always fitted exactly), or points on a line
-/// - a radius below 5 sigma, or no more inliers than chance has
+///   and elliptic-paraboloid 6, torus 7, ellipsoid 9; that many are always fitted exactly), or points on a
+///   line
+/// - a radius below 5 sigma, a torus whose two sheets are both within the noise, or no more inliers than
+///   chance has
+/// - two surfaces of the kind that explain the points alike, "undetermined: torus of ... or of ..."
 /// - a movement of the surface that the points do not identify, or a length or angle whose standard error
 ///   may be above a fifth of it: intervals of a linear model hold below
 /// - a length beyond 1e-3 to 1e3 of the points' size (their median distance from their median)
