@@ -113,23 +113,26 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
 }  // namespace
 
 bool are_same(const PrimitiveFit& a, const PrimitiveFit& b) {
-  constexpr double rounding = 1e-9;
-  const auto by_length = [](const PrimitiveFit& f) {
+  if (!a.covariance.allFinite() || !b.covariance.allFinite()) return false;
+  // Of the better known one: what determines nothing is not the same as everything.
+  const auto near = [](double difference, double deviation_a, double deviation_b) {
+    constexpr double rounding = 1e-9;
+    return std::fabs(difference) <= 6 * std::fmin(deviation_a, deviation_b) + rounding;
+  };
+  const auto lengths = [](const PrimitiveFit& f) {
     std::array<std::pair<double, double>, 3> list;
     for (std::size_t k = 0; k < 3; ++k) list[k] = {f.surface.lengths[k], deviation(f, k)};
-    std::sort(list.begin(), list.end());
+    if (f.primitive->orientation == Orientation::frame) std::sort(list.begin(), list.end());
     return list;
   };
-  const auto of_a = by_length(a), of_b = by_length(b);
+  const auto of_a = lengths(a), of_b = lengths(b);
   for (std::size_t k = 0; k < 3; ++k)
-    if (!(std::fabs(of_a[k].first - of_b[k].first) <=
-          3 * (of_a[k].second + of_b[k].second) + rounding * of_a[k].first))
-      return false;
+    if (!near(of_a[k].first - of_b[k].first, of_a[k].second, of_b[k].second)) return false;
   if (a.primitive->orientation != Orientation::axis) return true;
   const auto turn = [](const PrimitiveFit& f) {
     return std::sqrt(std::fmax(f.covariance.topLeftCorner<3, 3>().trace(), 0));
   };
-  return a.surface.axes.col(2).cross(b.surface.axes.col(2)).norm() <= 3 * (turn(a) + turn(b)) + rounding;
+  return near(a.surface.axes.col(2).cross(b.surface.axes.col(2)).norm(), turn(a), turn(b));
 }
 
 double deviation(const PrimitiveFit& f, std::size_t k) {

@@ -31,7 +31,8 @@ inline constexpr double exact = 1e-12;
 double log_likelihood_ratio(double inliers, double points, double sigma, int unknowns);
 double log_likelihood_ratio(const PrimitiveFit& fit);
 
-// Whether two fits of one primitive are one surface: lengths and axes within three standard errors of both.
+// Whether two fits of one primitive are one surface: lengths and axes within six standard errors. Equal ones
+// at different places are one hypothesis: that with more points is taken.
 bool are_same(const PrimitiveFit& a, const PrimitiveFit& b);
 
 // Standard deviation of length k.

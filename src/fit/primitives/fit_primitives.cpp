@@ -28,8 +28,11 @@ GeometricParameters guess_of(const PlacedSurface& placed, const Primitive& primi
   return primitive.from_catalogue(n);
 }
 
-// In log likelihood, over part of the points: odds of exp(300), and far more when all are counted.
-constexpr double far_likelier = 300;
+// In log likelihood, over part of the points: a kind so far behind is not refined, odds of exp(300), and far
+// more when all are counted; a surface with so much more than none is one; a kind so far behind that is not
+// looked for again.
+constexpr double far_likelier = 300, evident = 300, hopeless = 100;
+constexpr int rounds_beside_costlier = 4, hard_to_find = 7;  // rounds, unknowns
 
 // One fit of some primitives.
 class PrimitivesFit {
@@ -81,14 +84,19 @@ class PrimitivesFit {
       if (options_.progress) options_.progress(0.3 * ++done / static_cast<double>(searches.size()));
     }
     // No more rounds where a likely surface of another kind is found: far likelier, or simpler and as likely.
+    // One with more unknowns may be likelier only because this one is not found yet, if it is a torus or has
+    // as many unknowns: others are found at once.
     const auto is_hopeless = [&](const Search& search) {
       const double own = search.log_likelihood_ratio();
       return std::any_of(searches.begin(), searches.end(), [&](const Search& other) {
         const double others = other.log_likelihood_ratio();
-        const bool simpler = other.primitive().unknowns < search.primitive().unknowns;
-        return other.is_settled() && others > far_likelier &&
-               (others > own + 100 ||
-                (simpler && others > own - 0.5 * margin && others - own < 0.05 * others));
+        const int more = other.primitive().unknowns - search.primitive().unknowns;
+        return other.is_settled() && others > evident &&
+               ((others > own + hopeless &&
+                 (more <= 0 ||
+                  search.rounds() >=
+                      (search.primitive().unknowns < hard_to_find ? 1 : rounds_beside_costlier))) ||
+                (more < 0 && others > own - 0.5 * margin && others - own < 0.05 * others));
       });
     };
     std::vector<Hypothesis> result;

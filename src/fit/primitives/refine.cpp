@@ -174,7 +174,9 @@ class Refinement {
                                 phase_ == Phase::robust && near_ == 1 ? 1e-7 : 1e-20);
     iterations_ += solved.iterations;
     if (!solved.usable) return false;
-    hessian_before_ = std::exchange(hessian_, cost.hessian());
+    hessian_before_ = have_hessian_ ? hessian_ : cost.hessian();
+    hessian_ = cost.hessian();
+    have_hessian_ = true;
     return decide(cost.first_step() / std::sqrt(mixture_.inliers), solved.moved);
   }
 
@@ -220,7 +222,7 @@ class Refinement {
   // How near the root is sought, in standard errors. A root that cannot be stepped to is left to the robust
   // phase.
   double near_ = 1;
-  bool converged_ = false, have_before_ = false;
+  bool converged_ = false, have_before_ = false, have_hessian_ = false;
 };
 
 }  // namespace

@@ -131,6 +131,11 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
   return iterations;
 }
 
+bool crosses_itself_unasked(const SearchProblem& problem, const Primitive& primitive,
+                            const GeometricParameters& surface) {
+  return !problem.may_cross_itself && primitive.crosses_itself && primitive.crosses_itself(surface);
+}
+
 // Surfaces through random samples, each with its score, and the guess where there is one; the best of them.
 std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& primitive,
                               const GeometricParameters* guess, const Matrix3Xd& scored, int repeat,
@@ -140,7 +145,7 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
   const auto consider = [&](const GeometricParameters& n, const Vector3d& at) {
     const LocalModel model = primitive.localise(n, at);
     if (!model.origin.allFinite() || !model.rotation.coeffs().allFinite()) return;
-    candidates.push_back({model, scorer(model)});
+    candidates.push_back({model, scorer(model), {}, crosses_itself_unasked(problem, primitive, n)});
   };
   if (guess) consider(*guess, scored.col(0));
   const auto m = problem.oriented.points.cols();
@@ -167,19 +172,22 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
 bool is_refused(const SearchProblem& problem, const Primitive& primitive, const Candidate& c,
                 const Matrix3Xd& cloud) {
   const GeometricParameters surface = primitive.geometric(c.model);
-  return c.mixture.sigma > largest_sigma ||
+  return !(c.mixture.sigma <= largest_sigma) ||
          least_radius(primitive, surface, c.model.origin) < least_radius_over_sigma * c.mixture.sigma ||
          doubles_itself(primitive, surface, cloud, c.mixture.sigma) ||
-         (!problem.may_cross_itself && primitive.crosses_itself && primitive.crosses_itself(surface));
+         crosses_itself_unasked(problem, primitive, surface);
 }
 
-// Whether lengths, in any order, or axes differ by a tenth: more than a standard error of what is usable.
+// Whether lengths, or axes, differ by a tenth: more than a standard error of what is usable. Semi-axes may
+// come in any order.
 bool differ(const Primitive& primitive, GeometricParameters a, GeometricParameters b) {
   constexpr double tenth = 0.1;
   if (primitive.orientation == Orientation::axis && a.axes.col(2).cross(b.axes.col(2)).norm() > tenth)
     return true;
-  std::sort(a.lengths.begin(), a.lengths.end());
-  std::sort(b.lengths.begin(), b.lengths.end());
+  if (primitive.orientation == Orientation::frame) {
+    std::sort(a.lengths.begin(), a.lengths.end());
+    std::sort(b.lengths.begin(), b.lengths.end());
+  }
   for (std::size_t k = 0; k < 3; ++k)
     if (std::fabs(a.lengths[k] - b.lengths[k]) > tenth * std::fmax(a.lengths[k], b.lengths[k])) return true;
   return false;

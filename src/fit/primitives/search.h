@@ -63,6 +63,7 @@ class Search {
   void look();
   // Whether the best surface was met so often, from different starts, that others need not be looked for.
   bool is_settled() const { return agreeing_ >= enough_; }
+  int rounds() const { return round_; }
   // Whether another round may help.
   bool is_open() const { return !is_settled() && round_ < rounds_; }
   // Of the best surface, over points spread evenly; of one that will be refused where there is no other.

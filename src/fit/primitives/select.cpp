@@ -84,7 +84,10 @@ double closing(const PrimitiveFit& f) {
 // long about the ring, or the inside of the hole, long about the tube.
 double curvature_across(const PrimitiveFit& f) {
   const double ring = f.surface.lengths[0], tube = f.surface.lengths[1];
-  return std::min(tube / least_length(f, 0), std::fabs(ring - tube) / least_length(f, 1));
+  const auto& c = f.covariance;
+  const double spread = std::sqrt(std::fmax(c(6, 6) + c(7, 7) - 2 * c(6, 7), 0));
+  return std::min(upper(f, 1) / least_length(f, 0),
+                  (std::fabs(ring - tube) + 3 * spread) / least_length(f, 1));
 }
 
 constexpr double degrees = 180 / std::numbers::pi;
@@ -150,8 +153,8 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
   for (const std::size_t i : best_first) {
     if (i == best || determinacies[i].kind == Determinacy::Kind::none) continue;
     const auto undetermined = [&](const std::string& why) {
-      const bool simpler = tried[best].primitive->unknowns < tried[i].primitive->unknowns;
-      const PrimitiveFit &a = tried[simpler ? best : i], &b = tried[simpler ? i : best];
+      const bool first = tried[best].primitive->unknowns <= tried[i].primitive->unknowns;
+      const PrimitiveFit &a = tried[first ? best : i], &b = tried[first ? i : best];
       return Choice{best, false, "undetermined: " + either(a, b, scale) + why};
     };
     constexpr const char* help = "; points over a larger part of it or less noise help";
