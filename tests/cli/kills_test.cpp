@@ -137,7 +137,7 @@ bool all_end() {
 // Without what differs from run to run: the time of day in a page of converge, and how long methods take, a
 // list in its data and a column of its table. All else is compared.
 std::string lasting(const std::string& name, const std::string& bytes) {
-  static const std::regex times(R"("seconds":[][0-9.e,+-]*|\d{4}-\d\d-\d\d \d\d:\d\d UTC)");
+  static const std::regex times(R"("seconds":[\[\]0-9.e,+-]*|\d{4}-\d\d-\d\d \d\d:\d\d UTC)");
   if (name.ends_with(".html")) return std::regex_replace(bytes, times, "");
   constexpr std::size_t seconds = 10;  // from the end: its first column has commas
   if (!name.ends_with(".csv") || bytes.find(",seconds,") == std::string::npos) return bytes;
