@@ -47,7 +47,8 @@ commands=(eval_numbers eval_text mesh tangents validate fit converge compare pla
 of_the_run='seconds|_ms|_ns|per_s|date|time|started|host|machine|compiler|commit|version|build'
 of_the_run="\"(threads|[a-z_]*($of_the_run)[a-z_]*)\": (\[[^]]*\]|\{[^}]*\}|\"[^\"]*\"|[^],}\n]*)"
 failed=0
-# sums TOOL [VARIABLE=VALUE ...]: a line for each command. What it says on stderr, and a status above 1, is a failure.
+# sums TOOL [VARIABLE=VALUE ...]: a line for each command. What it says on stderr, and a status above 1, is a
+# failure.
 sums() {
   local command status
   for command in "${commands[@]}"; do
