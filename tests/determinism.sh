@@ -46,9 +46,11 @@ commands=(eval_numbers eval_text mesh tangents validate fit converge compare pla
 
 of_the_run='seconds|_ms|_ns|per_s|date|time|started|host|machine|compiler|commit|version|build'
 of_the_run="\"(threads|[a-z_]*($of_the_run)[a-z_]*)\": (\[[^]]*\]|\{[^}]*\}|\"[^\"]*\"|[^],}\n]*)"
-# sums TOOL [VARIABLE=VALUE ...]: a line for each command.
+failed=0
+# sums TOOL [VARIABLE=VALUE ...]: a line for each command. What it says on stderr, and a status above 1, is a
+# failure.
 sums() {
-  local command
+  local command status
   for command in "${commands[@]}"; do
     rm -f o.glb f.csv
     (
@@ -56,11 +58,16 @@ sums() {
       shift
       for variable in "$@"; do export "${variable?}"; done
       "$command" 2>err
-    ) | sed -zE "s/$of_the_run//g" | sha256sum | cut -c1-16
-    [ ! -s err ] || echo "$command: $(head -1 err)" >&2
+    ) >out
+    status=$?
+    sed -zE "s/$of_the_run//g" out | sha256sum | cut -c1-16
+    # 1 is a verdict: the checks of some files do not hold.
+    if [ -s err ] || [ $status -gt 1 ]; then
+      echo "FAILED: $command: status $status: $(head -1 err)" >&2
+      failed=1
+    fi
   done
 }
-failed=0
 rows=()
 variant() {  # variant NAME TOOL [VARIABLE=VALUE ...]
   local row="| $1 |" i=0 name=$1

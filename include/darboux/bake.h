@@ -21,7 +21,8 @@ struct BakeOptions {
   MapBasis basis = MapBasis::stored;  ///< stored or mikktspace
   MapDecode decode = MapDecode::mikktspace;
   MapGreen green = MapGreen::opengl;
-  SampleType type = SampleType::u8;  ///< f32: numbers from -1 to 1
+  SampleType type = SampleType::u8;
+  bool signed_floats = false;  ///< SampleType::f32 holds -1 to 1, not 0 to 1
   std::optional<std::uint64_t> dither{};
   int dilate = 4;
   int samples = 16;        ///< per triangle, at which the error is looked for; 0 to 10000
@@ -41,9 +42,10 @@ struct BakeResult {
   NormalMapResult map;
   std::array<BakeError, vertex_class_names.size()> errors;  ///< by VertexClass
   BakeError all;
-  /// At texels: asin(c √3 / most), c the largest condition of a frame, most the largest code. No decoded
-  /// texel is farther from the surface's normal: docs/theory/normal-maps.md. 90 where c √3 is beyond most; of
-  /// f32 some roundings of single precision.
+  /// At texels: asin(c √3 / most), c the largest condition of a frame, most the largest code; with dither,
+  /// which is off by up to a whole code, asin(2 c √3 / most). No decoded texel is farther from the surface's
+  /// normal: docs/theory/normal-maps.md. 90 where the argument is beyond 1; of f32 some roundings of single
+  /// precision.
   double bound_deg = 0;
 };
 

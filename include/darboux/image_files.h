@@ -6,6 +6,7 @@
 #include <string>
 
 #include <darboux/image.h>
+#include <darboux/io.h>
 
 namespace darboux {
 
@@ -39,5 +40,8 @@ std::span<const SampleType> image_types(const std::string& path);
 /// \throws FileError when it cannot be written \throws ParameterError for a type that is none of
 /// image_types()
 void write_image(const std::string& path, const Image& image);
+
+/// The same into a file that was opened before the work, and commits it. \param path its name
+void write_image(OutputFile& file, const std::string& path, const Image& image);
 
 }  // namespace darboux

@@ -103,22 +103,25 @@ enum class TexelState : std::uint8_t { empty, covered, dilated, conflict };
 
 struct NormalMapResult {
   /// The map; without texels where there are conflicts. Texels that no triangle covers are (1/2, 1/2, 1) in
-  /// tangent space and (1/2, 1/2, 1/2) in object space; alpha is the input's.
+  /// tangent space and (1/2, 1/2, 1/2) in object space; alpha is the input's, in codes cut off at both ends
+  /// and 0 for NaN.
   Image image;
   std::vector<TexelState> states;  ///< of each texel
   std::size_t covered = 0, dilated = 0;
   std::size_t conflicts = 0;                  ///< texels
   std::optional<MapConflict> first_conflict;  ///< in the order of texels
   std::size_t below_surface = 0;              ///< covered texels with z <= 0 in tangent space
-  std::size_t not_finite = 0;                 ///< texels covered, but NaN, infinite or zero in the input
-  std::size_t no_frame = 0;                   ///< texels covered, without a frame: left empty
-  std::size_t too_long = 0;                   ///< with two_channels: x² + y² > 1
-  std::size_t outside_map = 0;                ///< texels of triangles beyond a map that clamps
-  std::size_t degenerate_uv_triangles = 0;    ///< no area in uv: they cover nothing
-  std::size_t mixed_sign_triangles = 0;       ///< whose corners have different w: the first one's is taken
-  double condition = 0;                       ///< largest of the frames, singular values' ratio; 0: none read
-  std::size_t condition_above_10 = 0;         ///< texels
-  double quantisation_max_deg = 0;            ///< angle between what is written and what was to be
+  /// Texels covered, but NaN, infinite or zero in the input: left to dilate, else empty.
+  std::size_t not_finite = 0;
+  std::size_t no_frame = 0;                 ///< texels covered, without a frame: left to dilate, else empty
+  std::size_t too_long = 0;                 ///< with two_channels: x² + y² > 1
+  std::size_t outside_map = 0;              ///< texels of triangles beyond a map that clamps
+  std::size_t degenerate_uv_triangles = 0;  ///< no area in uv: they cover nothing
+  /// Whose corners have different w: MapDecode::mikktspace takes the first one's.
+  std::size_t mixed_sign_triangles = 0;
+  double condition = 0;                ///< largest of the frames, singular values' ratio; 0: none read
+  std::size_t condition_above_10 = 0;  ///< texels
+  double quantisation_max_deg = 0;     ///< angle between what is written and what was to be
   double quantisation_rms_deg = 0;
 };
 

@@ -43,7 +43,9 @@ bool chosen(const Primitive& p, const MapPieceOptions& options) {
 }
 
 Eigen::Matrix3d world_of(const std::string& path, const Primitive& p) {
-  if (p.instances.empty()) return Eigen::Matrix3d::Identity();
+  if (p.instances.empty())
+    throw FileError(path,
+                    "mesh " + std::to_string(p.mesh) + ": " + expected_got("a node that shows it", "none"));
   const Eigen::Matrix3d first = p.instances[0].topLeftCorner<3, 3>();
   for (const Eigen::Matrix4d& other : p.instances)
     if (other.topLeftCorner<3, 3>() != first)

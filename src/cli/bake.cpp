@@ -28,7 +28,7 @@ Json report_json(const BakeArguments& a, const AnySurface& surface, const BakeRe
     if (r.errors[k].samples != 0) classes.push_back(error_json(vertex_class_names[k], r.errors[k]));
   Json json{{"file", utf8(a.mesh)},
             {"surface", surface_json(surface)},
-            {"output", r.map.conflicts != 0 ? Json() : Json(utf8(a.output))},
+            {"output", MapOutputs::none(r.map) ? Json() : Json(utf8(a.output))},
             {"basis", a.basis},
             {"decode", a.decode},
             {"green", a.green},
@@ -47,6 +47,7 @@ void print_text(const BakeArguments& a, const BakeResult& r, std::span<const Map
             << r.map.dilated << " in the gutter filled\n";
   print_counts(r.map);
   if (r.map.first_conflict) return print_conflict(r.map, pieces);
+  if (r.map.covered == 0) return;
   std::cout << "at texels the normals are within " << rounded(r.bound_deg, 3) << " degrees (proven)\n"
             << "degrees off the surface's normal, at points inside triangles\n"
             << "                         without the map       with it\n"
@@ -71,7 +72,7 @@ void run_bake(const BakeArguments& a, Common& common) {
   need(a.surface, "--surface SURFACE");
   need(a.mesh, "--mesh FILE");
   need(a.output, "-o OUT.png");
-  check_map_files({a.mesh}, a.output, a.report);
+  check_map_files({{"--mesh", a.mesh}}, a.output, a.report);
   const AnySurface surface = surface_argument(a.surface);
   BakeOptions options;
   std::tie(options.width, options.height) = parse_grid("--size", a.size);
@@ -79,21 +80,22 @@ void run_bake(const BakeArguments& a, Common& common) {
   options.decode = map_decodes.of(a.decode);
   options.green = map_greens.of(a.green);
   options.type = map_type(a, SampleType::u8);
+  options.signed_floats = a.signed_floats;
   options.dither = a.dither;
   options.dilate = static_cast<int>(a.dilate);
   options.samples = static_cast<int>(a.samples);
   options.seed = a.seed;
   options.threads = common.threads;
+  MapOutputs outputs(a.output, a.report);
   const std::vector<MapPiece> pieces = map_pieces(a, common, false);
   BakeResult result;
   {
     Progress progress("bake", common);
     options.progress = [&](double share) { progress.update(share); };
-    result = bake_normal_map(surface, pieces, options);
+    result = naming_the_mesh(a.mesh, [&] { return bake_normal_map(surface, pieces, options); });
   }
-  if (!a.report.empty()) write_image(a.report, picture_of(result.map, options.width, options.height));
-  if (result.map.conflicts == 0) write_image(a.output, result.map.image);
-  if (result.map.conflicts != 0 || result.map.covered == 0) common.exit_status = 1;
+  outputs.write(result.map, options.width, options.height);
+  if (MapOutputs::none(result.map)) common.exit_status = 1;
   if (common.json)
     print_json(report_json(a, surface, result, pieces, options));
   else if (!common.quiet)
@@ -114,7 +116,7 @@ void add_bake(CLI::App& app, Common& common) {
       ->capture_default_str()
       ->check(CLI::IsMember({"stored", "mikktspace"}));
   sub.add_option("--size", a->size, "texels of the map, WIDTHxHEIGHT")->capture_default_str();
-  sub.add_option("--depth", a->depth, "8, 16 or float per channel to write [8; EXR float, from -1 to 1]")
+  sub.add_option("--depth", a->depth, "8, 16 or float per channel to write [8; EXR float]")
       ->check(map_depths.check());
   sub.add_option("--samples", a->samples, "points per triangle at which the error is looked for")
       ->capture_default_str()

@@ -18,10 +18,10 @@ namespace darboux {
 void add_common(CLI::App& sub, Common& common, const std::string& example) {
   sub.add_flag("--json", common.json, "print one JSON document on stdout, nothing else");
   sub.add_flag("--quiet", common.quiet, "no progress bar, no notes");
-  sub.add_option(
-         "--threads", common.threads,
-         "threads, for eval, tangents, normalmap and the frames of fit, for check over several surfaces, for "
-         "validate over several files and for the jobs of a study")
+  sub.add_option("--threads", common.threads,
+                 "threads, for eval, tangents, normalmap, bake and the frames of fit, for check over several "
+                 "surfaces, for "
+                 "validate over several files and for the jobs of a study")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
@@ -54,6 +54,18 @@ CLI::Validator whole_number_up_to(std::uint64_t most) {
     const bool good = error == std::errc{} && end == text.data() + text.size() && value <= most;
     return good ? std::string()
                 : expected_got("a whole number from 0 to " + std::to_string(most), "'" + text + "'");
+  };
+  return {check, ""};
+}
+
+CLI::Validator finite_number(const std::string& expected, bool (*good)(double)) {
+  const auto check = [=](const std::string& text) {
+    try {
+      if (good(parse_finite("", text))) return std::string();
+    } catch (const ParameterError&) {
+      // Said below, with what is expected of this option.
+    }
+    return expected_got(expected, "'" + text + "'");
   };
   return {check, ""};
 }

@@ -56,6 +56,9 @@ struct Choice {
 CLI::Validator whole_number_up_to(std::uint64_t most);
 inline const CLI::Validator whole_number = whole_number_up_to(std::numeric_limits<std::uint64_t>::max());
 
+/// A check for options: a finite number that is `good`; `expected` says which.
+CLI::Validator finite_number(const std::string& expected, bool (*good)(double));
+
 /// \throws ParameterError for the name of a file to which a GLB is to be written and that readers would take
 /// for JSON
 void check_glb_name(const std::string& output);

@@ -1,8 +1,10 @@
 #include "map_arguments.h"
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <map>
 
 namespace darboux {
 namespace {
@@ -37,15 +39,15 @@ constexpr Count counts[] = {
     {"below_surface", &NormalMapResult::below_surface,
      "texels with z <= 0 in tangent space, which glTF discourages"},
     {"not_finite", &NormalMapResult::not_finite,
-     "covered texels that are no direction (NaN, infinite or zero), left empty"},
-    {"no_frame", &NormalMapResult::no_frame, "covered texels without a frame, left empty"},
+     "covered texels that are no direction (NaN, infinite or zero), left to --dilate, else empty"},
+    {"no_frame", &NormalMapResult::no_frame, "covered texels without a frame, left to --dilate, else empty"},
     {"too_long", &NormalMapResult::too_long, "texels with x² + y² > 1, whose z is taken as 0"},
     {"outside_map", &NormalMapResult::outside_map,
      "texels of triangles lie outside of the map, which clamps"},
     {"degenerate_uv_triangles", &NormalMapResult::degenerate_uv_triangles,
      "triangles without area in uv cover nothing"},
     {"mixed_sign_triangles", &NormalMapResult::mixed_sign_triangles,
-     "triangles with different signs w at their corners: the first one's is taken"},
+     "triangles with different signs w at their corners: --decode mikktspace takes the first one's"},
     {"condition_above_10", &NormalMapResult::condition_above_10,
      "texels whose frame has a condition above 10"}};
 
@@ -73,6 +75,7 @@ void add_map_options(CLI::App& sub, MapArguments& a) {
   sub.add_option("--green", a.green, "the tangent-space map's green points up (opengl) or down (directx)")
       ->capture_default_str()
       ->check(map_greens.check());
+  sub.add_flag("--signed-floats", a.signed_floats, "EXR holds numbers from -1 to 1, not 0 to 1");
   sub.add_option("--dither", a.dither, "add noise of one code, made from this seed, before rounding")
       ->check(whole_number);
   sub.add_option("--dilate", a.dilate, "texels by which islands grow into the gutter")
@@ -99,20 +102,46 @@ std::vector<MapPiece> map_pieces(const MapArguments& a, const Common& common, bo
   return normal_map_pieces(a.mesh, options);
 }
 
-void check_map_files(const std::vector<std::string>& read, const std::string& output,
-                     const std::string& report) {
-  std::vector<std::string> names = read;
-  names.push_back(output);
-  names.push_back(report);
-  std::set<std::string> seen;
-  for (const std::string& name : names) {
+Image read_map(const std::string& path, bool drop_colour_tags, bool signed_floats) {
+  Image map = read_image(path, {.drop_colour_tags = drop_colour_tags});
+  if (map.type() != SampleType::f32 || signed_floats) return map;
+  // A unit vector's codes of 8 bits are off by 1/255 each at most: numbers from -1 - √3/255 on.
+  constexpr float least = -0.0034f;
+  const auto& samples = std::get<2>(map.samples);
+  float lowest = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (map.channels != 4 || i % 4 != 3) lowest = std::fmin(lowest, samples[i]);
+  if (lowest < least)
+    throw FileError(path, expected_got("numbers from 0 to 1, or --signed-floats", rounded(lowest, 2)));
+  return map;
+}
+
+void check_map_files(const std::vector<MapFile>& read, const std::string& output, const std::string& report) {
+  std::vector<MapFile> files = read;
+  files.emplace_back("-o", output);
+  files.emplace_back("--report", report);
+  std::map<std::string, const char*> place_of;
+  for (const auto& [place, file] : files) {
+    if (file.empty()) continue;
     std::error_code none;
-    if (!name.empty() && !seen.insert(std::filesystem::weakly_canonical(name, none).string()).second)
-      throw ParameterError(name, expected_got("a file for one thing", "for two"));
+    const auto [at, added] = place_of.emplace(
+        std::filesystem::weakly_canonical(std::filesystem::absolute(file), none).string(), place);
+    if (!added)
+      throw ParameterError(place, expected_got(std::string("another file than that of ") + at->second, file));
   }
   if (!output.empty()) image_types(output);
   if (!report.empty() && image_types(report).front() != SampleType::u8)
     throw ParameterError(report, expected_got("a name that ends in .png or .tga", "another"));
+}
+
+MapOutputs::MapOutputs(const std::string& output, const std::string& report)
+    : output_(output), report_(report), output_file_(output) {
+  if (!report.empty()) report_file_.emplace(report);
+}
+
+void MapOutputs::write(const NormalMapResult& result, int width, int height) {
+  if (!none(result)) write_image(output_file_, output_, result.image);
+  if (report_file_) write_image(*report_file_, report_, picture_of(result, width, height));
 }
 
 SampleType map_type(const MapArguments& a, SampleType wish) {

@@ -2,11 +2,13 @@
 /// What `normalmap` and `bake` share: the mesh that a map lies on, the frames, and files of images.
 #pragma once
 
-#include <set>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <darboux/image_files.h>
+#include <darboux/io.h>
 #include <darboux/normal_map.h>
 #include <darboux/normal_map_files.h>
 
@@ -18,6 +20,7 @@ struct MapArguments {
   std::string output, mesh, basis, decode = "mikktspace", green = "opengl", depth, sign = "gltf", wrap,
                                    uv_origin;
   std::vector<std::string> primitives;
+  bool signed_floats = false;
   std::optional<std::uint64_t> dither;
   std::uint64_t dilate = 0;
 };
@@ -33,10 +36,44 @@ void add_map_options(CLI::App& sub, MapArguments& arguments);
 /// The triangles of --mesh. \throws ParameterError, FileError
 std::vector<MapPiece> map_pieces(const MapArguments& arguments, const Common& common, bool world);
 
+/// Reads a map, as read_image() does. \throws FileError also for floats that say themselves that they are
+/// signed, without --signed-floats: below 0 by more than unit vectors get that were rounded to codes of 8
+/// bits
+Image read_map(const std::string& path, bool drop_colour_tags, bool signed_floats);
+
+/// What `f` gives; a MeshError has the mesh's file before it then. \throws FileError
+template <class F>
+auto naming_the_mesh(const std::string& file, const F& f) {
+  try {
+    return f();
+  } catch (const MeshError& e) {
+    throw FileError(file, e.what());
+  }
+}
+
+/// An option, or another word for where a file's name stands, and the name.
+using MapFile = std::pair<const char*, std::string>;
+
 /// Names of files to be written, images, each another, and none of those that are read.
 /// \throws ParameterError
-void check_map_files(const std::vector<std::string>& read, const std::string& output,
+void check_map_files(const std::vector<MapFile>& read, const std::string& output,
                      const std::string& report = "");
+
+/// -o and --report of a conversion: opened before the work, written after it.
+class MapOutputs {
+ public:
+  /// \throws FileError
+  explicit MapOutputs(const std::string& output, const std::string& report = "");
+  /// The map unless there is none(), then the picture of its states, `width` by `height`. \throws FileError
+  void write(const NormalMapResult& result, int width, int height);
+  /// Whether the result has no map: of conflicts, or where the mesh covers nothing.
+  static bool none(const NormalMapResult& result) { return result.conflicts != 0 || result.covered == 0; }
+
+ private:
+  std::string output_, report_;
+  OutputFile output_file_;
+  std::optional<OutputFile> report_file_;
+};
 
 /// What --depth says, else what the file can hold that is nearest to `wish`. \throws ParameterError
 SampleType map_type(const MapArguments& arguments, SampleType wish);

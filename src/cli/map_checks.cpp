@@ -46,7 +46,7 @@ const char* green_name(const NormalMapCheck& check) {
 
 void run_map_check(const MapCheckArguments& a, Common& common) {
   const std::string tag = image_colour_tag(a.file);
-  const Image map = read_image(a.file, {.drop_colour_tags = true});
+  const Image map = read_map(a.file, true, a.signed_floats);
   const NormalMapCheck check = check_normal_map(map, a.signed_floats);
   const std::vector<MapFinding> findings = findings_of(check, tag, map_greens.of(a.green));
   if (!findings.empty()) common.exit_status = 1;
@@ -90,17 +90,20 @@ void run_map_check(const MapCheckArguments& a, Common& common) {
 
 void run_map_comparison(const MapCheckArguments& a, const MapArguments& mesh, bool drop_colour_tags,
                         Common& common) {
-  check_map_files({a.compared[0], mesh.mesh}, "", a.report);
-  check_map_files({a.compared[1], mesh.mesh}, "", a.report);
+  for (const std::string& file : a.compared)
+    check_map_files({{"--compare", file}, {"--mesh", mesh.mesh}}, "", a.report);
+  std::optional<OutputFile> report;
+  if (!a.report.empty()) report.emplace(a.report);
   std::vector<MapPiece> pieces;
   if (!mesh.mesh.empty()) pieces = map_pieces(mesh, common, false);
-  const ReadImageOptions read{.drop_colour_tags = drop_colour_tags};
-  const Image one = read_image(a.compared[0], read), other = read_image(a.compared[1], read);
+  const Image one = read_map(a.compared[0], drop_colour_tags, a.signed_floats),
+              other = read_map(a.compared[1], drop_colour_tags, a.signed_floats);
   CompareMapsOptions options{.signed_floats = a.signed_floats};
   options.green_a = options.green_b = map_greens.of(a.green);
   options.worst = static_cast<int>(a.worst);
-  const MapDifference d = compare_normal_maps(one, other, pieces, options);
-  if (!a.report.empty()) write_image(a.report, heat_map(d, one.width, one.height, d.angle_deg.max));
+  const MapDifference d =
+      naming_the_mesh(mesh.mesh, [&] { return compare_normal_maps(one, other, pieces, options); });
+  if (report) write_image(*report, a.report, heat_map(d, one.width, one.height, d.angle_deg.max));
   const bool same = d.compared != 0 && d.not_finite == 0 && d.angle_deg.max <= a.max_angle_deg;
   if (!same) common.exit_status = 1;
   const auto mesh_of = [&](std::size_t piece) {

@@ -13,7 +13,7 @@ namespace {
 
 struct NormalMapArguments : MapArguments {
   std::string input, from, to, surface, report, render, size = "800x600";
-  bool two_channels = false, keep_length = false, signed_floats = false, drop_colour_tags = false;
+  bool two_channels = false, keep_length = false, drop_colour_tags = false;
   MapCheckArguments checks;
 };
 
@@ -26,7 +26,7 @@ struct NormalMapSeconds {
 Json report_json(const NormalMapArguments& a, const NormalMapOptions& options, const NormalMapResult& r,
                  std::span<const MapPiece> pieces, std::size_t texels, const NormalMapSeconds& seconds) {
   Json json{{"file", utf8(a.input)},
-            {"output", r.conflicts != 0 ? Json() : Json(utf8(a.output))},
+            {"output", MapOutputs::none(r) ? Json() : Json(utf8(a.output))},
             {"from", a.from},
             {"to", a.to},
             {"basis", map_bases.names[static_cast<std::size_t>(options.basis)]},
@@ -48,6 +48,7 @@ void print_text(const NormalMapArguments& a, const NormalMapResult& r, std::span
   std::cout << '\n';
   print_counts(r);
   if (r.first_conflict) return print_conflict(r, pieces);
+  if (r.covered == 0) return;
   std::cout << "rounding: at most " << rounded(r.quantisation_max_deg, 3) << " degrees, rms "
             << rounded(r.quantisation_rms_deg, 3) << '\n'
             << a.output << '\n';
@@ -95,7 +96,7 @@ NormalMapOptions options_of(const NormalMapArguments& a, const Common& common) {
 void run_convert(const NormalMapArguments& a, Common& common) {
   check_spaces(a);
   NormalMapOptions options = options_of(a, common);
-  check_map_files({a.input, a.mesh}, a.output, a.report);
+  check_map_files({{"INPUT", a.input}, {"--mesh", a.mesh}}, a.output, a.report);
   std::optional<AnySurface> surface;
   if (!a.surface.empty()) surface = surface_argument(a.surface);
   options.surface = surface ? &*surface : nullptr;
@@ -103,9 +104,10 @@ void run_convert(const NormalMapArguments& a, Common& common) {
     const auto now = std::chrono::steady_clock::now();
     return std::chrono::duration<double>(now - std::exchange(last, now)).count();
   };
+  MapOutputs outputs(a.output, a.report);
   std::vector<MapPiece> pieces;
   if (!a.mesh.empty()) pieces = map_pieces(a, common, a.from == "world");
-  Image map = read_image(a.input, {.drop_colour_tags = a.drop_colour_tags});
+  Image map = read_map(a.input, a.drop_colour_tags, a.signed_floats);
   options.type = map_type(a, map.type());
   const int width = map.width, height = map.height;
   const std::size_t texels = map.texels();
@@ -114,14 +116,13 @@ void run_convert(const NormalMapArguments& a, Common& common) {
   {
     Progress progress("normalmap", common);
     options.progress = [&](double share) { progress.update(share); };
-    result = convert_normal_map(map, pieces, options);
+    result = naming_the_mesh(a.mesh, [&] { return convert_normal_map(map, pieces, options); });
   }
   map = Image();
   seconds.convert = lap();
-  if (!a.report.empty()) write_image(a.report, picture_of(result, width, height));
-  if (result.conflicts == 0) write_image(a.output, result.image);
+  outputs.write(result, width, height);
   seconds.write = lap();
-  if (result.conflicts != 0 || result.covered == 0) common.exit_status = 1;
+  if (MapOutputs::none(result)) common.exit_status = 1;
   if (common.json)
     print_json(report_json(a, options, result, pieces, texels, seconds));
   else if (!common.quiet)
@@ -133,7 +134,7 @@ void run_render(const NormalMapArguments& a, Common& common) {
   if (a.input.empty() || a.mesh.empty() || (a.from != "tangent" && a.from != "object"))
     throw ParameterError("--render",
                          expected_got("an image, --mesh FILE and --from tangent or object", "not all"));
-  check_map_files({a.input, a.mesh}, "", a.render);
+  check_map_files({{"INPUT", a.input}, {"--mesh", a.mesh}, {"--render", a.render}}, "");
   if (image_types(a.render).back() != SampleType::u16)
     throw ParameterError(a.render, expected_got("a name that ends in .png", "another"));
   LitModelOptions options{.space = spaces.of(a.from),
@@ -144,9 +145,11 @@ void run_render(const NormalMapArguments& a, Common& common) {
   if (options.basis == MapBasis::analytic)
     throw ParameterError("--basis", expected_got("stored or mikktspace beside --render", "analytic"));
   std::tie(options.width, options.height) = parse_grid("--size", a.size);
+  OutputFile render(a.render);
   const std::vector<MapPiece> pieces = map_pieces(a, common, false);
-  const Image map = read_image(a.input, {.drop_colour_tags = a.drop_colour_tags});
-  write_file(a.render, png_of(lit_model(map, pieces, options)));
+  const Image map = read_map(a.input, a.drop_colour_tags, a.signed_floats);
+  render.write(png_of(naming_the_mesh(a.mesh, [&] { return lit_model(map, pieces, options); })));
+  render.commit();
   if (common.json)
     print_json({{"file", utf8(a.input)}, {"render", utf8(a.render)}, {"from", a.from}, {"green", a.green}});
   else if (!common.quiet)
@@ -157,7 +160,7 @@ void run_render(const NormalMapArguments& a, Common& common) {
 void check_ways(const CLI::App& sub, const std::vector<const char*>& others, const char* way) {
   for (const char* name : others)
     if (sub.get_option(name)->count() != 0)
-      throw ParameterError(name, expected_got(std::string("none beside ") + way, "it"));
+      throw ParameterError(name, std::string("cannot be combined with ") + way);
 }
 
 void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
@@ -167,26 +170,30 @@ void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
   const std::vector<const char*> of_conversion{"INPUT",   "--output",  "--from",         "--to",
                                                "--basis", "--surface", "--two-channels", "--keep-length",
                                                "--depth", "--dither",  "--dilate"},
-      of_comparison{"--max-angle", "--worst"};
+      of_comparison{"--max-angle", "--worst"}, of_mesh{"--primitive", "--sign", "--wrap", "--uv-origin"};
   if (!a.checks.file.empty()) {
     check_ways(sub, of_conversion, "--check");
     check_ways(sub, of_comparison, "--check");
-    check_ways(sub, {"--compare", "--mesh", "--report", "--render"}, "--check");
+    check_ways(sub, of_mesh, "--check");
+    check_ways(sub, {"--compare", "--mesh", "--report", "--render", "--size", "--decode"}, "--check");
     return run_map_check(a.checks, common);
   }
   if (!a.checks.compared.empty()) {
     check_ways(sub, of_conversion, "--compare");
-    check_ways(sub, {"--render"}, "--compare");
+    check_ways(sub, {"--render", "--size", "--decode", "--sign"}, "--compare");
+    if (a.mesh.empty()) check_ways(sub, of_mesh, "--compare without --mesh");
     return run_map_comparison(a.checks, a, a.drop_colour_tags, common);
   }
-  check_ways(sub, of_comparison, "a conversion: they belong to --compare");
+  check_ways(sub, of_comparison, "a conversion: it belongs to --compare");
   if (!a.render.empty()) {
     check_ways(sub,
                {"--output", "--to", "--surface", "--two-channels", "--keep-length", "--depth", "--dither",
-                "--dilate", "--report"},
+                "--dilate", "--report", "--decode"},
                "--render");
     return run_render(a, common);
   }
+  check_ways(sub, {"--size"}, "a conversion: it belongs to --render");
+  if (a.mesh.empty()) check_ways(sub, of_mesh, "a conversion without --mesh");
   run_convert(a, common);
 }
 
@@ -214,7 +221,6 @@ void add_normalmap(CLI::App& app, Common& common) {
   sub.add_flag("--keep-length", a->keep_length, "vectors keep their length; without, they become unit");
   sub.add_option("--depth", a->depth, "8, 16 or float per channel to write [as the input]")
       ->check(map_depths.check());
-  sub.add_flag("--signed-floats", a->signed_floats, "EXR holds numbers from -1 to 1, not 0 to 1");
   sub.add_flag("--drop-colour-tags", a->drop_colour_tags,
                "read files that say they are sRGB or have a gamma, and pass over that");
   sub.add_option("--report", a->report,
@@ -230,7 +236,7 @@ void add_normalmap(CLI::App& app, Common& common) {
       ->expected(2);
   sub.add_option("--max-angle", a->checks.max_angle_deg,
                  "degrees beyond which --compare ends with status 1 [180]")
-      ->check(CLI::Range(0.0, 180.0));
+      ->check(finite_number("degrees from 0 to 180", [](double x) { return x >= 0 && x <= 180; }));
   sub.add_option("--worst", a->checks.worst, "texels that --compare names")
       ->capture_default_str()
       ->check(whole_number_up_to(10000));

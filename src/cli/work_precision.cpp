@@ -180,19 +180,6 @@ void run_work_precision(const WorkArguments& arguments, Common& common) {
              common);
 }
 
-// A check for options: a finite number that is `good`.
-CLI::Validator finite_number(const std::string& expected, bool (*good)(double)) {
-  const auto check = [=](const std::string& text) {
-    try {
-      if (good(parse_finite("", text))) return std::string();
-    } catch (const ParameterError&) {
-      // Said below, with what is expected of this option.
-    }
-    return expected_got(expected, "'" + text + "'");
-  };
-  return {check, ""};
-}
-
 void add_choices(CLI::App& sub, WorkArguments& arguments) {
   std::vector<std::string> methods, meshes, metrics(work_metrics.begin(), work_metrics.end());
   for (const WorkMethod& method : work_methods()) methods.emplace_back(method.name);

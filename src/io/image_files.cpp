@@ -71,7 +71,7 @@ std::span<const SampleType> image_types(const std::string& path) {
                        expected_got("a name that ends in .png, .tga or .exr", io::in_quotes(extension)));
 }
 
-void write_image(const std::string& path, const Image& image) {
+void write_image(OutputFile& file, const std::string& path, const Image& image) {
   const auto types = image_types(path);
   if (std::find(types.begin(), types.end(), image.type()) == types.end())
     throw ParameterError(path, expected_got(types.back() == SampleType::f32  ? "32-bit floats"
@@ -82,9 +82,16 @@ void write_image(const std::string& path, const Image& image) {
                                                                               : "8 bits"));
   const std::string extension = extension_of(path);
   if (extension == ".png")
-    io::write_png(path, image);
+    io::write_png(file, path, image);
   else
-    write_file(path, extension == ".tga" ? io::tga_of(image) : io::exr_of(path, image));
+    file.write(extension == ".tga" ? io::tga_of(image) : io::exr_of(path, image));
+  file.commit();
+}
+
+void write_image(const std::string& path, const Image& image) {
+  image_types(path);
+  OutputFile file(path);
+  write_image(file, path, image);
 }
 
 }  // namespace darboux

@@ -32,7 +32,7 @@ std::string colour_tag_of_tga(std::string_view bytes);
 Image image_of_exr(const std::string& file, std::string_view bytes);
 
 /// \throws FileError
-void write_png(const std::string& path, const Image& image);
+void write_png(OutputFile& file, const std::string& path, const Image& image);
 std::string tga_of(const Image& image);
 std::string exr_of(const std::string& path, const Image& image);
 

@@ -76,8 +76,7 @@ bool write_end(png_structp png, Target& target) {
 
 }  // namespace
 
-void write_png(const std::string& path, const Image& image) {
-  OutputFile file(path);
+void write_png(OutputFile& file, const std::string& path, const Image& image) {
   Target target{.file = file, .failed = {}};
   struct Png {
     png_structp png = nullptr;
@@ -112,7 +111,6 @@ void write_png(const std::string& path, const Image& image) {
     expect(write_row(writer.png, target, bytes.data()));
   }
   expect(write_end(writer.png, target));
-  file.commit();
 }
 
 std::string png_of(int width, int height, std::span<const std::uint8_t> rgb) {

@@ -34,7 +34,14 @@ void check(const BakeOptions& options) {
          std::to_string(options.samples));
 }
 
-// The surface's normals in the mesh's space, a texel each.
+// Whether the normals are handed over as they are: convert_normal_map() codes floats of input and output
+// alike.
+bool signed_floats(const BakeOptions& options) {
+  return options.signed_floats || options.type != SampleType::f32;
+}
+
+// The surface's normals in the mesh's space, a texel each: from -1 to 1, or, where floats are to be written
+// so, from 0 to 1.
 Image normals_of(const AnySurface& surface, bool v_up, const BakeOptions& options) {
   Image image(options.width, options.height, 3, SampleType::f32);
   auto& samples = std::get<2>(image.samples);
@@ -48,9 +55,9 @@ Image normals_of(const AnySurface& surface, bool v_up, const BakeOptions& option
             const Vec3<double> n =
                 surface.frame((static_cast<double>(x) + 0.5) / options.width, v_up ? 1 - down : down).n;
             float* to = &samples[3 * (y * width + x)];
-            to[0] = static_cast<float>(n.x);
-            to[1] = static_cast<float>(n.y);
-            to[2] = static_cast<float>(n.z);
+            const std::array<double, 3> numbers{n.x, n.y, n.z};
+            for (std::size_t c = 0; c < 3; ++c)
+              to[c] = static_cast<float>(signed_floats(options) ? numbers[c] : (numbers[c] + 1) / 2);
           }
       },
       16);
@@ -76,7 +83,7 @@ void look_at(const AnySurface& surface, const MapPiece& piece, const BakeResult&
   const Mesh& mesh = piece.mesh;
   const MeshClasses classes = classify(mesh, poles_of(surface, mesh));
   const normal_map::Corners corners(piece, options.basis, options.threads);
-  const normal_map::Sampler sampler(result.map.image, piece, true, options.green);
+  const normal_map::Sampler sampler(result.map.image, piece, options.signed_floats, options.green);
   std::mt19937_64 random(options.seed);
   std::uniform_real_distribution<double> uniform;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -132,12 +139,15 @@ BakeResult bake_normal_map(const AnySurface& surface, std::span<const MapPiece> 
   convert.dilate = options.dilate;
   convert.threads = options.threads;
   convert.progress = options.progress;
-  convert.signed_floats = true;
+  convert.signed_floats = signed_floats(options);
   BakeResult result;
   result.map = convert_normal_map(normals_of(surface, pieces.front().v_up, options), pieces, convert);
-  const double half_code = options.type == SampleType::f32 ? 0x1p-24 : 1 / normal_map::most_of(options.type);
+  // In each channel: half a code by rounding, a whole one by dithering, which floats do not have.
+  const double off = options.type == SampleType::f32
+                         ? 0x1p-24
+                         : (options.dither ? 2 : 1) / normal_map::most_of(options.type);
   result.bound_deg =
-      std::asin(std::fmin(1, result.map.condition * (std::sqrt(3.0) * half_code + 0x1p-23))) * degrees;
+      std::asin(std::fmin(1, result.map.condition * (std::sqrt(3.0) * off + 0x1p-23))) * degrees;
   if (result.map.conflicts != 0) return result;
   AnglesByClass angles;
   for (const MapPiece& piece : pieces)

@@ -237,10 +237,17 @@ class Converter {
     const MapWrap wrap = pieces_[of.piece].wrap[1];
     const auto [first, last] = of.texels.rows();
     const auto [low, high] = limits(first, last, map_.height, wrap);
-    for (std::int64_t y = low; y < high; ++y) {
-      const std::int64_t row = wrapped(y, map_.height, wrap);
-      if (static_cast<std::size_t>(row / band_rows) != band) continue;
-      if (const Span span = of.texels.span(y); span.begin < span.end) f(span, y, row);
+    if (low >= high) return;
+    const std::int64_t height = map_.height, top = static_cast<std::int64_t>(band) * band_rows,
+                       bottom = std::min(top + band_rows, height);
+    const auto copy_of = [&](std::int64_t y) { return y >= 0 ? y / height : -1 - (-1 - y) / height; };
+    // The band in each copy of the map that the triangle reaches; upside down in the odd ones that mirror.
+    for (std::int64_t copy = copy_of(low); copy <= copy_of(high - 1); ++copy) {
+      const bool turned = wrap == MapWrap::mirror && copy % 2 != 0;
+      const std::int64_t begin = copy * height + (turned ? height - bottom : top),
+                         end = begin + (bottom - top);
+      for (std::int64_t y = std::max(begin, low); y < std::min(end, high); ++y)
+        if (const Span span = of.texels.span(y); span.begin < span.end) f(span, y, wrapped(y, height, wrap));
     }
   }
 
@@ -400,8 +407,11 @@ class Converter {
       if (result_.states[texel] == TexelState::empty) out_->set(texel, empty);
       if (map_.channels != 4) continue;
       const double alpha = scale * in_.get(texel, 3);
+      // fmax() takes 0 for NaN.
       out_->set(texel, 3,
-                out_type_ == SampleType::f32 ? alpha : std::floor(std::clamp(alpha, 0.0, 65535.0) + 0.5));
+                out_type_ == SampleType::f32
+                    ? alpha
+                    : std::floor(std::fmin(std::fmax(alpha, 0), normal_map::most_of(out_type_)) + 0.5));
     }
   }
 

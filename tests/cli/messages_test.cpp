@@ -2,6 +2,8 @@
 // however it is called.
 #include <regex>
 
+#include <darboux/image_files.h>
+
 #include "base/text.h"
 #include "cli.h"
 
@@ -49,6 +51,8 @@ constexpr Reading readings[] = {
     {"normalmap FILE --from object --to tangent --surface torus -o out.png", ".png"},
     {"normalmap FILE --from object --to tangent --surface torus -o out.png", ".tga"},
     {"normalmap FILE --from object --to tangent --surface torus -o out.png", ".exr"},
+    {"normalmap normal.png --from object --to tangent --mesh FILE -o out.png", ".ply"},
+    {"bake --surface torus --mesh FILE --size 8x8 -o out.png", ".ply"},
     {"scene FILE", ".json"},
     {"scene FILE", ".gltf"},
     {"converge --study FILE", ".json"},
@@ -75,6 +79,9 @@ std::vector<std::string> contents() {
           "x = " + large,
           large + " = \"\n[" + large,
           "ply\nformat " + large + "\n",
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+          "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",  // without uvs
           "# .PCD v0.7\nFIELDS " + large + "\n",
           "u,v\n" + no_text + "\n",
           "u,v\n1," + large + "\n"};
@@ -82,6 +89,8 @@ std::vector<std::string> contents() {
 
 class Messages : public Cli {
  protected:
+  Messages() { write_image(path("normal.png"), Image(4, 4, 3, SampleType::u8)); }
+
   // The law for all that stands on stderr.
   static void check(const Result& r, const std::string& file) {
     static const std::regex forbidden("exception|basic_|filebuf|std::|terminate|nlohmann");

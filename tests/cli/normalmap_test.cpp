@@ -91,10 +91,13 @@ TEST_F(NormalMapCli, RefusesWhatIsMissingOrContradictsItself) {
   refused("darboux normalmap in.png -o out.png --from object --to world --mesh torus.glb", {"--to"});
   refused(to_tangent + "-o out.jpg", {".png, .tga or .exr"});
   refused(to_tangent + "-o out.tga --depth 16", {"TGA has: 8"});
-  refused(to_tangent + "-o in.png", {"in.png", "for two"});
+  refused(to_tangent + "-o in.png", {"-o: expected another file than that of INPUT, got in.png"});
   refused(to_tangent + "-o ./torus.glb", {"torus.glb"});
   refused(to_tangent + "-o out.png --surface torus", {"--basis analytic"});
   refused(to_tangent + "-o out.png --basis analytic", {"--surface"});
+  refused(to_tangent + "-o out.png --size 4x4", {"--size: cannot be combined with"});
+  refused("darboux normalmap in.png --from object --to tangent --surface torus --wrap clamp -o out.png",
+          {"--wrap: cannot be combined with"});
   refused(to_tangent + "-o out.png --primitive x", {"--primitive", "0:1"});
   refused(to_tangent + "-o out.png --primitive 3", {"torus.glb", "named"});
   refused(to_tangent + "-o out.png --two-channels", {"tangent space"});
@@ -134,6 +137,56 @@ TEST_F(NormalMapCli, AMeshThatCoversNothingFails) {
       json("darboux normalmap in.png --from object --to tangent --mesh point.glb -o out.png --json", 1);
   EXPECT_EQ(none["covered"], 0);
   EXPECT_EQ(none["degenerate_uv_triangles"], 1);
+  EXPECT_EQ(none["output"], nullptr);
+  fs::remove(path("out.png"));
+  const std::string text =
+      good("darboux normalmap in.png --from object --to tangent --mesh point.glb -o out.png", 1);
+  EXPECT_EQ(text.find("rounding"), std::string::npos) << text;
+  EXPECT_FALSE(fs::exists(path("out.png")));
+}
+
+// Outputs are opened before the work, and the picture is not written where the map cannot be.
+TEST_F(NormalMapCli, WritesTheMapBeforeTheReport) {
+  good("ln -s /dev/full full.png");
+  refused(to_tangent + "-o full.png --report where.png", {"full.png"});
+  EXPECT_FALSE(fs::exists(path("where.png")));
+  refused("darboux bake --surface torus --mesh torus.glb -o full.png --size 8x8 --report where.png",
+          {"full.png"});
+  EXPECT_FALSE(fs::exists(path("where.png")));
+  // The name is refused though the mesh is not there: it comes first.
+  refused("darboux normalmap in.png --from object --to tangent --mesh missing.glb -o missing/out.png",
+          {"missing/out.png"});
+  refused("darboux bake --surface torus --mesh missing.glb -o missing/out.png", {"missing/out.png"});
+  refused("darboux normalmap in.png --from tangent --mesh missing.glb --render missing/out.png",
+          {"missing/out.png"});
+  refused("darboux normalmap --compare in.png missing.png --report missing/out.png", {"missing/out.png"});
+}
+
+// Floats from -1 to 1 taken for 0 to 1 would be wrong by tens of degrees.
+TEST_F(NormalMapCli, FloatsSayWhetherTheyAreSigned) {
+  const std::string bake = "darboux bake --surface torus --mesh torus.glb --size 64x64 --decode gltf-viewer ",
+                    convert = " --from tangent --to object --mesh torus.glb --decode gltf-viewer ";
+  for (const std::string flag : {"", "--signed-floats "}) {
+    good(bake + flag + "-o t.exr");
+    good("darboux normalmap t.exr" + convert + flag + "-o o.exr");
+    good("darboux normalmap --compare t.exr t.exr " + flag);
+    const std::string way = " --from object --to tangent --surface torus " + flag + "-o ";
+    good("darboux normalmap o.exr" + way + "flat.exr");
+    // On the surface's own frames its normals are flat: (0, 0, 1), to single precision.
+    const Image flat = read_image(path("flat.exr"));
+    const double zero = flag.empty() ? 0.5 : 0;
+    double worst = 0;
+    for (std::size_t i = 0; i < flat.texels(); ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        worst = std::fmax(worst, std::fabs(std::get<2>(flat.samples)[3 * i + c] - (c < 2 ? zero : 1)));
+    EXPECT_LT(worst, 1e-5) << flag;
+  }
+  const char* const expected = "expected numbers from 0 to 1, or --signed-floats, got -";
+  refused("darboux normalmap o.exr" + std::string(" --from object --to tangent --surface torus -o x.exr"),
+          {"o.exr", expected});
+  refused("darboux normalmap --check o.exr", {"o.exr", expected});
+  refused("darboux normalmap --compare o.exr o.exr", {"o.exr", expected});
+  refused("darboux normalmap o.exr --from object --mesh torus.glb --render x.png", {"o.exr", expected});
 }
 
 // ---- bake, check, compare ---------------------------------------------------------------------------------
@@ -189,6 +242,10 @@ TEST_F(NormalMapCli, ChecksAMapSeenAlone) {
   refused("darboux normalmap --check missing.png", {"missing.png"});
   refused("darboux normalmap --check in.png -o out.png", {"--output", "--check"});
   refused("darboux normalmap --check in.png --compare in.png in.png", {"--compare"});
+  for (const std::string option : {"--wrap clamp", "--decode mikktspace", "--primitive 0", "--sign raw",
+                                   "--uv-origin top", "--size 4x4"})
+    refused("darboux normalmap --check in.png " + option,
+            {option.substr(0, option.find(' ')) + ": cannot be combined with --check"});
 }
 
 TEST_F(NormalMapCli, DrawsTheModelLitThroughEitherMap) {
@@ -205,6 +262,8 @@ TEST_F(NormalMapCli, DrawsTheModelLitThroughEitherMap) {
   EXPECT_LE(worst_difference(one, other), 4) << "codes of 8 bits: tests/report/lit_model_test.cpp";
   refused("darboux normalmap t.png --from world" + size + "x.png", {"--render", "--from tangent or object"});
   refused("darboux normalmap t.png --from tangent --to object" + size + "x.png", {"--to", "--render"});
+  refused("darboux normalmap t.png --from tangent --decode mikktspace" + size + "x.png",
+          {"--decode: cannot be combined with --render"});
   refused("darboux normalmap t.png --from tangent --basis analytic" + size + "x.png", {"--basis"});
   refused("darboux normalmap t.png --from tangent" + size + "x.tga", {".png"});
 }
@@ -225,6 +284,11 @@ TEST_F(NormalMapCli, ComparesTwoMaps) {
   write_image(path("small.png"), Image(8, 8, 3, SampleType::u8));
   refused("darboux normalmap --compare in.png small.png", {"40 x 30 and 8 x 8"});
   refused("darboux normalmap --compare in.png", {"--compare"});
+  refused("darboux normalmap --compare in.png in16.png --max-angle nan",
+          {"--max-angle", "0 to 180", "'nan'"});
+  for (const std::string option : {"--primitive 0", "--sign raw", "--size 4x4", "--wrap clamp"})
+    refused("darboux normalmap --compare in.png in16.png " + option,
+            {option.substr(0, option.find(' ')) + ": cannot be combined with --compare"});
   refused("darboux normalmap --compare in.png in16.png --report in.png", {"in.png"});
   refused("darboux normalmap in.png --max-angle 3 --from object --to tangent --mesh torus.glb -o out.png",
           {"--max-angle"});

@@ -26,7 +26,8 @@ BakeResult bake(const AnySurface& surface, const MapPiece& piece, const BakeOpti
 }
 
 // docs/theory/normal-maps.md: a texel of half a code h = 1/most in each channel decodes, in a frame of
-// condition c, to within asin(c √3 h) of what was baked. The frames are the second implementation's.
+// condition c, to within asin(c √3 h) of what was baked; dithered, of a whole code, asin(2 c √3 h). The
+// frames are the second implementation's.
 TEST(Bake, TexelsAreWithinTheProvenBound) {
   constexpr int size = 48;
   double closest = 0;
@@ -35,12 +36,14 @@ TEST(Bake, TexelsAreWithinTheProvenBound) {
     const MapPiece piece = coarse(surface, 10, 6, 0.2);
     for (const MapBasis basis : {MapBasis::stored, MapBasis::mikktspace})
       for (const MapDecode decode : {MapDecode::mikktspace, MapDecode::gltf_viewer})
-        for (const SampleType type : {SampleType::u8, SampleType::u16}) {
+        for (const auto& [type, dither] :
+             {std::pair(SampleType::u8, false), {SampleType::u16, false}, {SampleType::u8, true}}) {
           BakeOptions options;
           options.width = options.height = size;
           options.basis = basis;
           options.decode = decode;
           options.type = type;
+          if (dither) options.dither = 1;
           const BakeResult r = bake(surface, piece, options);
           ASSERT_EQ(r.map.conflicts, 0u);
           NormalMapOptions frames;
@@ -48,7 +51,7 @@ TEST(Bake, TexelsAreWithinTheProvenBound) {
           frames.decode = decode;
           const SecondNormalMap second(piece, frames, size, size);
           const double most = type == SampleType::u8 ? 255 : 65535;
-          std::size_t texels = 0, beyond = 0;
+          std::size_t texels = 0, beyond = 0, beyond_result = 0;
           for (int y = 0; y < size; ++y)
             for (int x = 0; x < size; ++x) {
               const std::size_t i = static_cast<std::size_t>(y * size + x);
@@ -60,13 +63,16 @@ TEST(Bake, TexelsAreWithinTheProvenBound) {
               const Vec3<double> truth = surface.frame((x + 0.5) / size, (y + 0.5) / size).n;
               const double angle = angle_between({n.x(), n.y(), n.z()}, truth);
               // 1e-7: the normals are handed over in single precision.
-              const double bound = std::asin(std::fmin(1, f.condition() * (std::sqrt(3.0) / most + 1e-7)));
+              const double off = (dither ? 2 : 1) / most;
+              const double bound = std::asin(std::fmin(1, f.condition() * (std::sqrt(3.0) * off + 1e-7)));
+              beyond_result += angle > r.bound_deg * M_PI / 180;
               ++texels;
               beyond += angle > bound;
               closest = std::fmax(closest, angle / bound);
               EXPECT_LE(bound, r.bound_deg * M_PI / 180 * 1.001);
             }
           EXPECT_EQ(beyond, 0u) << name;
+          EXPECT_EQ(beyond_result, 0u) << name << ", dither " << dither;
           EXPECT_GT(texels, 1000u) << name;
         }
   }

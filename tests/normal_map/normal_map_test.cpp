@@ -316,6 +316,29 @@ TEST(NormalMap, RoundsToTheNearestCodeAndCarriesAlpha) {
   EXPECT_EQ(std::get<1>(r.image.samples)[3], 26214);
 }
 
+// In codes alpha is cut off at both ends, and NaN is 0; floats keep it.
+TEST(NormalMap, AlphaBeyondTheCodesIsCutOff) {
+  Image map = constant(4, 4, {0, 0, 1}, 4);
+  auto& in = std::get<2>(map.samples);
+  in[3] = 2;
+  in[7] = -1;
+  in[11] = std::numeric_limits<float>::quiet_NaN();
+  NormalMapOptions options = in_floats(MapSpace::object, MapSpace::tangent);
+  for (const SampleType type : integers) {
+    options.type = type;
+    const Image out = convert(map, square(), options).image;
+    EXPECT_EQ(code_at(out, 3), most_code(type));
+    EXPECT_EQ(code_at(out, 7), 0);
+    EXPECT_EQ(code_at(out, 11), 0);
+    EXPECT_EQ(code_at(out, 15), most_code(type));
+  }
+  options.type = SampleType::f32;
+  const Image out = convert(map, square(), options).image;
+  EXPECT_EQ(code_at(out, 3), 2);
+  EXPECT_EQ(code_at(out, 7), -1);
+  EXPECT_TRUE(std::isnan(code_at(out, 11)));
+}
+
 // The angle by which rounding is off: half a code in each channel at most, of 255 over two units of length.
 TEST(NormalMap, TellsWhatRoundingCosts) {
   for (const SampleType type : integers) {
