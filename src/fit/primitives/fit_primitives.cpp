@@ -150,10 +150,17 @@ class PrimitivesFit {
 
   std::string report(const std::vector<PrimitiveFit>& tried) {
     Selection selection = select(tried, points_.scale);
-    for (const std::size_t i : selection.order)
-      fit_.candidates.push_back({std::string(tried[i].primitive->name), selection.bic[i],
-                                 points_.scale * rms_of(tried[i], inliers_of(tried[i]))});
     const PrimitiveFit& best = tried[selection.order.front()];
+    for (const std::size_t i : selection.order) {
+      // Of another kind than the first the best one.
+      const std::string name(tried[i].primitive->name);
+      if (tried[i].primitive != best.primitive &&
+          std::any_of(fit_.candidates.begin(), fit_.candidates.end(),
+                      [&](const FitCandidate& listed) { return listed.name == name; }))
+        continue;
+      fit_.candidates.push_back(
+          {name, selection.bic[i], points_.scale * rms_of(tried[i], inliers_of(tried[i]))});
+    }
     const std::vector<bool> is_inlier = inliers_of(best);
     const NoiseKnowledge noise = report_points(best, points_, is_inlier, options_.noise.has_value(), fit_);
     if (!selection.usable) return selection.reason;
