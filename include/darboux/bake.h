@@ -43,9 +43,9 @@ struct BakeResult {
   std::array<BakeError, vertex_class_names.size()> errors;  ///< by VertexClass
   BakeError all;
   /// At texels: asin(c √3 / most), c the largest condition of a frame, most the largest code; with dither,
-  /// which is off by up to a whole code, asin(2 c √3 / most). No decoded texel is farther from the surface's
-  /// normal: docs/theory/normal-maps.md. 90 where the argument is beyond 1; of f32 some roundings of single
-  /// precision.
+  /// which is off by up to a whole code, asin(2 c √3 / most). No decoded texel is farther from the
+  /// surface's normal: docs/theory/normal-maps.md. 90 where the argument is beyond 1; of f32 some roundings
+  /// of single precision.
   double bound_deg = 0;
 };
 

@@ -45,8 +45,8 @@ struct NormalMapCheck {
 /// such cell, so that none of its green is guessed. `green` is decided where at a scale 16 cells vote or
 /// more, 4/5 of them alike. Red flipped instead of green looks the same.
 ///
-/// `swapped` compares how well each order of red and green makes a gradient: Σ (h_uw - h_wu)² over Σ (h_uw² +
-/// h_wu²). It is decided where one is below 0.1 and the other above 0.3.
+/// `swapped` compares how well each order of red and green makes a gradient: Σ (h_uw - h_wu)² over Σ
+/// (h_uw² + h_wu²). It is decided where one is below 0.1 and the other above 0.3.
 ///
 /// \param signed_floats as NormalMapOptions has it
 /// Cost: some 0.1 µs and 40 bytes per texel. \throws ParameterError as convert_normal_map()

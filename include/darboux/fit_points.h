@@ -45,7 +45,8 @@ struct ConfidenceInterval {
   double low, high;
 };
 
-/// One kind of surface that was tried.
+/// A surface that was tried: the best of its kind, and of the first kind others that explain part of the
+/// points alike.
 struct FitCandidate {
   std::string name;
   double bic =
@@ -55,14 +56,15 @@ struct FitCandidate {
 
 /// How far a fitted surface may be from the true one.
 struct SurfaceUncertainty {
-  /// The symmetric covariance of δ = (ω, τ, δp): the fitted surface's place and parameters are those of the
-  /// true one after x -> centre + exp(ω) (x - centre) + τ, ω in radians, τ in the units of the points, both
-  /// along the axes of the points' space; then the parameters in their order. What the points cannot tell
-  /// because of a symmetry, lengths that only bound the patch, and what is held, are fixed by convention:
-  /// their variance is zero. Where a mesh's uv map was estimated, the six numbers of UvConvention::affine
-  /// follow. Of a fit of points whose noise was estimated it is widened by 2 F(2, ν) / χ²(2) at 95 %, ν the
-  /// degrees of freedom left (docs/theory/fit.md), so that normals stay within its ellipse at that level;
-  /// frames and normal_deg take it as it is. The intervals of numbers have their own factors.
+  /// The symmetric covariance of δ = (ω, τ, δp): the fitted surface's place and parameters are those of
+  /// the true one after x -> centre + exp(ω) (x - centre) + τ, ω in radians, τ in the units of the
+  /// points, both along the axes of the points' space; then the parameters in their order. What the points
+  /// cannot tell because of a symmetry, lengths that only bound the patch, and what is held, are fixed by
+  /// convention: their variance is zero. Where a mesh's uv map was estimated, the six numbers of
+  /// UvConvention::affine follow. Of a fit of points whose noise was estimated it is widened by 2 F(2, ν) /
+  /// χ²(2) at 95 %, ν the degrees of freedom left (docs/theory/fit.md), so that normals stay within its
+  /// ellipse at that level; frames and normal_deg take it as it is. The intervals of numbers have their own
+  /// factors.
   Eigen::MatrixXd covariance;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 };
@@ -98,8 +100,8 @@ const std::vector<std::string_view>& found_kinds();
 
 /// Fits a surface to points, most of which lie on it up to isotropic Gaussian noise of unknown size; the
 /// others may lie anywhere. No start is needed. The estimate is that of maximum likelihood over orthogonal
-/// distances d for a mixture of inliers N(σ² H, σ²) and outliers of locally constant density, H = (k1 + k2) /
-/// 2 the curvature that moves the mean distance, found by Ceres. Lengths and place of the points do not
+/// distances d for a mixture of inliers N(σ² H, σ²) and outliers of locally constant density, H = (k1 +
+/// k2) / 2 the curvature that moves the mean distance, found by Ceres. Lengths and place of the points do not
 /// matter: they are centred and scaled first. Points at one place count once in the estimate. The gauge,
 /// where the surface has symmetries (docs/theory/fit.md): the axis points along the positive side of its
 /// largest component, a cone's from base to apex; the u origin is the world axis x, y or z least parallel to

@@ -36,7 +36,8 @@ enum class MapBasis : std::uint8_t {
 };
 
 /// How a shader makes the frame inside a triangle, from the corners' t, n and sign w. Neither frame is
-/// orthogonal. What is written for a direction d is unit(M⁻¹ d), M = (t b n): the inverse, not the transpose.
+/// orthogonal. What is written for a direction d is unit(M⁻¹ d), M = (t b n): the inverse, not the
+/// transpose.
 enum class MapDecode : std::uint8_t {
   /// t and n interpolated and left as they are, b = w n × t at each texel: what MikkTSpace's author asks of
   /// shaders. [Mikkelsen2008]

@@ -212,9 +212,9 @@ ScenePlan plan_primitives(const GltfScene& scene, const Camera& camera) {
     }
     return false;
   };
-  // n · (eye - p) is at most |eye - c| cos(φ - θ) + r: φ the angle to the axis of the cone of θ, c and r the
-  // centre and radius of the box. A mirror turns the winding and the side that it shows: in the mesh's own
-  // space nothing changes.
+  // n · (eye - p) is at most |eye - c| cos(φ - θ) + r: φ the angle to the axis of the cone of θ, c and r
+  // the centre and radius of the box. A mirror turns the winding and the side that it shows: in the mesh's
+  // own space nothing changes.
   const auto faces_away = [&](const ScenePrimitive& p, const Eigen::Affine3d& placement) {
     const Eigen::Matrix3d m = placement.linear();
     // Of what is flat, or nearly so, the side is not known.

@@ -14,6 +14,7 @@
 
 #include "base/text.h"
 #include "image_formats.h"
+#include "png_failure.h"
 
 namespace darboux::io {
 namespace {
@@ -23,24 +24,11 @@ constexpr std::uint64_t most_texels = std::uint64_t{1} << 28, most_interlaced = 
 // What libpng's callbacks see.
 struct Source {
   std::string_view bytes;
-  std::jmp_buf failed;
-  char message[128] = "";
+  PngFailure failure{};
 };
 
-Source& source_of(void* pointer) {
-  return *static_cast<Source*>(pointer);
-}
-
-[[noreturn]] void on_error(png_structp png, png_const_charp message) {
-  Source& source = source_of(png_get_error_ptr(png));
-  std::strncpy(source.message, message, sizeof source.message - 1);
-  std::longjmp(source.failed, 1);
-}
-
-void on_warning(png_structp, png_const_charp) {}
-
 void on_read(png_structp png, png_bytep to, std::size_t count) {
-  Source& source = source_of(png_get_io_ptr(png));
+  Source& source = *static_cast<Source*>(png_get_io_ptr(png));
   if (count > source.bytes.size()) png_error(png, "the image ends early");
   std::memcpy(to, source.bytes.data(), count);
   source.bytes.remove_prefix(count);
@@ -66,7 +54,7 @@ void note_colour_tag(png_structp png, png_infop info, Header& header) {
 
 // The steps that libpng may leave by longjmp: they own nothing.
 bool read_header(png_structp png, png_infop info, Source& source, bool keep_alpha, Header& header) {
-  if (setjmp(source.failed) != 0) return false;
+  if (setjmp(source.failure.jump) != 0) return false;
   png_read_info(png, info);
   header.seen.width = png_get_image_width(png, info);
   header.seen.height = png_get_image_height(png, info);
@@ -87,13 +75,13 @@ bool read_header(png_structp png, png_infop info, Source& source, bool keep_alph
 }
 
 bool read_row(png_structp png, Source& source, png_bytep row) {
-  if (setjmp(source.failed) != 0) return false;
+  if (setjmp(source.failure.jump) != 0) return false;
   png_read_row(png, row, nullptr);
   return true;
 }
 
 bool read_end(png_structp png, Source& source) {
-  if (setjmp(source.failed) != 0) return false;
+  if (setjmp(source.failure.jump) != 0) return false;
   png_read_end(png, nullptr);
   return true;
 }
@@ -120,7 +108,7 @@ namespace {
 
 void read_rows(const std::string& file, const std::string& what, std::string_view bytes, bool keep_alpha,
                const std::function<void(const PngHeader&)>& on_header, const TakeRow& take) {
-  Source source{.bytes = bytes, .failed = {}};
+  Source source{.bytes = bytes};
   const auto fail = [&](const std::string& got) {
     throw FileError(file, (what.empty() ? "" : what + ": ") + expected_got("a PNG image", got));
   };
@@ -132,12 +120,12 @@ void read_rows(const std::string& file, const std::string& what, std::string_vie
     Png& operator=(const Png&) = delete;
     ~Png() { png_destroy_read_struct(&png, &info, nullptr); }
   } reader;
-  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, on_error, on_warning);
+  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &source.failure, on_png_error, on_png_warning);
   if (reader.png) reader.info = png_create_info_struct(reader.png);
   if (!reader.info) throw std::bad_alloc();
   png_set_read_fn(reader.png, &source, on_read);
   Header header;
-  if (!read_header(reader.png, reader.info, source, keep_alpha, header)) fail(source.message);
+  if (!read_header(reader.png, reader.info, source, keep_alpha, header)) fail(source.failure.message);
   const PngHeader& seen = header.seen;
   header.seen.colour_tag = header.tag;
   const bool interlaced = header.passes > 1;
@@ -151,10 +139,10 @@ void read_rows(const std::string& file, const std::string& what, std::string_vie
   const auto row = [&](std::size_t y) { return pixels.data() + (interlaced ? y * header.row_bytes : 0); };
   for (int pass = 0; interlaced && pass < header.passes; ++pass)
     for (std::size_t y = 0; y < seen.height; ++y)
-      if (!read_row(reader.png, source, row(y))) fail(source.message);
+      if (!read_row(reader.png, source, row(y))) fail(source.failure.message);
   std::vector<std::uint16_t> rgb(static_cast<std::size_t>(header.channels) * seen.width);
   for (std::size_t y = 0; y < seen.height; ++y) {
-    if (!interlaced && !read_row(reader.png, source, row(y))) fail(source.message);
+    if (!interlaced && !read_row(reader.png, source, row(y))) fail(source.failure.message);
     const unsigned char* bytes_of_row = row(y);
     for (std::size_t i = 0; i < rgb.size(); ++i)  // most significant byte first
       rgb[i] = seen.bits == 16
@@ -162,7 +150,7 @@ void read_rows(const std::string& file, const std::string& what, std::string_vie
                    : bytes_of_row[i];
     if (!take(rgb, seen.bits)) return;
   }
-  if (on_header && !read_end(reader.png, source)) fail(source.message);
+  if (on_header && !read_end(reader.png, source)) fail(source.failure.message);
 }
 
 }  // namespace

@@ -14,32 +14,20 @@
 
 #include "base/text.h"
 #include "image_formats.h"
+#include "png_failure.h"
 
 namespace darboux::io {
 namespace {
 
-// What libpng's callbacks see. No exception passes through libpng.
+// What libpng's callbacks see.
 struct Target {
   OutputFile& file;
-  std::jmp_buf failed;
-  std::exception_ptr exception{};
-  char message[128] = "";
+  PngFailure failure{};
+  std::exception_ptr exception{};  // of on_write
 };
 
-Target& target_of(void* pointer) {
-  return *static_cast<Target*>(pointer);
-}
-
-[[noreturn]] void on_error(png_structp png, png_const_charp message) {
-  Target& target = target_of(png_get_error_ptr(png));
-  std::strncpy(target.message, message, sizeof target.message - 1);
-  std::longjmp(target.failed, 1);
-}
-
-void on_warning(png_structp, png_const_charp) {}
-
 void on_write(png_structp png, png_bytep bytes, std::size_t count) {
-  Target& target = target_of(png_get_io_ptr(png));
+  Target& target = *static_cast<Target*>(png_get_io_ptr(png));
   try {
     target.file.write({reinterpret_cast<const char*>(bytes), count});
     return;
@@ -53,7 +41,7 @@ void on_flush(png_structp) {}
 
 // The steps that libpng may leave by longjmp: they own nothing.
 bool write_header(png_structp png, png_infop info, Target& target, const Image& image) {
-  if (setjmp(target.failed) != 0) return false;
+  if (setjmp(target.failure.jump) != 0) return false;
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
                image.type() == SampleType::u16 ? 16 : 8,
                image.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
@@ -63,13 +51,13 @@ bool write_header(png_structp png, png_infop info, Target& target, const Image& 
 }
 
 bool write_row(png_structp png, Target& target, png_const_bytep row) {
-  if (setjmp(target.failed) != 0) return false;
+  if (setjmp(target.failure.jump) != 0) return false;
   png_write_row(png, row);
   return true;
 }
 
 bool write_end(png_structp png, Target& target) {
-  if (setjmp(target.failed) != 0) return false;
+  if (setjmp(target.failure.jump) != 0) return false;
   png_write_end(png, nullptr);
   return true;
 }
@@ -77,7 +65,7 @@ bool write_end(png_structp png, Target& target) {
 }  // namespace
 
 void write_png(OutputFile& file, const std::string& path, const Image& image) {
-  Target target{.file = file, .failed = {}};
+  Target target{.file = file};
   struct Png {
     png_structp png = nullptr;
     png_infop info = nullptr;
@@ -86,14 +74,14 @@ void write_png(OutputFile& file, const std::string& path, const Image& image) {
     Png& operator=(const Png&) = delete;
     ~Png() { png_destroy_write_struct(&png, &info); }
   } writer;
-  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &target, on_error, on_warning);
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &target.failure, on_png_error, on_png_warning);
   if (writer.png) writer.info = png_create_info_struct(writer.png);
   if (!writer.info) throw std::bad_alloc();
   png_set_write_fn(writer.png, &target, on_write, on_flush);
   const auto expect = [&](bool done) {
     if (done) return;
     if (target.exception) std::rethrow_exception(target.exception);
-    throw FileError(path, expected_got("a PNG image to be written", target.message));
+    throw FileError(path, expected_got("a PNG image to be written", target.failure.message));
   };
   expect(write_header(writer.png, writer.info, target, image));
   const std::size_t width = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);

@@ -16,7 +16,6 @@
 namespace darboux::test {
 namespace {
 
-// The codes by which texels return, and by which they may: ceil(0.87 c + 1/2) - 1.
 struct ThereAndBack {
   std::size_t texels = 0, conflicts = 0, wrong = 0, above_10 = 0;
   double condition = 0;
@@ -34,19 +33,8 @@ ThereAndBack there_and_back(const MapPiece& piece, MapDecode decode, SampleType 
   if (there.conflicts != 0) return result;
   std::swap(options.from, options.to);
   const NormalMapResult back = convert_normal_map(there.image, std::span(&piece, 1), options);
-  const SecondNormalMap second(piece, options, size, size);
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y * size + x);
-      if (there.states[i] != TexelState::covered) continue;
-      double c = 1;
-      for (const SecondFrame& f : second.frames(x, y)) c = std::fmax(c, f.condition());
-      result.above_10 += c > 10;
-      const double bound = std::ceil(0.87 * (c - 1e-9) + 0.5) - 1;
-      for (std::size_t k = 0; k < 3; ++k)
-        result.wrong +=
-            c <= 10 && std::fabs(code_at(back.image, 3 * i + k) - code_at(map, 3 * i + k)) > bound;
-    }
+  const Returned r = returned(map, there, back.image, SecondNormalMap(piece, options, size, size));
+  result.wrong = r.wrong, result.above_10 = r.above_10;
   return result;
 }
 

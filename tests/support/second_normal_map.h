@@ -142,4 +142,32 @@ class SecondNormalMap {
   MeshFrames frames_;
 };
 
+/// How the codes of a map return from another space and back. A channel may be off by ceil(0.87 c + 1/2) - 1
+/// codes, c the condition of the texel's frame (docs/theory/normal-maps.md); texels with c > 10 are counted
+/// apart.
+struct Returned {
+  std::size_t texels = 0, wrong = 0, above_10 = 0, orthonormal = 0;
+};
+
+inline Returned returned(const Image& map, const NormalMapResult& there, const Image& back,
+                         const SecondNormalMap& second) {
+  Returned result;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(x);
+      if (there.states[i] != TexelState::covered) continue;
+      double c = 1;
+      for (const SecondFrame& f : second.frames(x, y)) c = std::fmax(c, f.condition());
+      ++result.texels;
+      result.above_10 += c > 10;
+      result.orthonormal += c < 1.01;
+      // 1e-9: of a condition that is 1 but for rounding.
+      const double bound = std::ceil(0.87 * (c - 1e-9) + 0.5) - 1;
+      for (std::size_t k = 0; k < 3; ++k)
+        result.wrong += c <= 10 && std::fabs(code_at(back, 3 * i + k) - code_at(map, 3 * i + k)) > bound;
+    }
+  return result;
+}
+
 }  // namespace darboux::test

@@ -32,7 +32,8 @@ GeometricParameters guess_of(const PlacedSurface& placed, const Primitive& primi
 // more when all are counted; a surface with so much more than none is one; a kind so far behind that is not
 // looked for again.
 constexpr double far_likelier = 300, evident = 300, hopeless = 100;
-constexpr int rounds_beside_costlier = 4, hard_to_find = 7;  // rounds, unknowns
+// Of a kind with so many unknowns the best start is not found at once, but in so many rounds.
+constexpr int hard_to_find = 7, enough_rounds = 4;
 
 // One fit of some primitives.
 class PrimitivesFit {
@@ -88,15 +89,15 @@ class PrimitivesFit {
     // as many unknowns: others are found at once.
     const auto is_hopeless = [&](const Search& search) {
       const double own = search.log_likelihood_ratio();
+      const bool is_looked_for =
+          search.primitive().unknowns < hard_to_find || search.rounds() >= enough_rounds;
       return std::any_of(searches.begin(), searches.end(), [&](const Search& other) {
         const double others = other.log_likelihood_ratio();
+        if (!other.is_settled() || !(others > evident)) return false;
         const int more = other.primitive().unknowns - search.primitive().unknowns;
-        return other.is_settled() && others > evident &&
-               ((others > own + hopeless &&
-                 (more <= 0 ||
-                  search.rounds() >=
-                      (search.primitive().unknowns < hard_to_find ? 1 : rounds_beside_costlier))) ||
-                (more < 0 && others > own - 0.5 * margin && others - own < 0.05 * others));
+        const bool far = others > own + hopeless,
+                   alike = others > own - 0.5 * margin && others - own < 0.05 * others;
+        return (far && (more <= 0 || is_looked_for)) || (alike && more < 0);
       });
     };
     std::vector<Hypothesis> result;

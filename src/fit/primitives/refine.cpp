@@ -169,14 +169,13 @@ class Refinement {
     if (phase_ == Phase::robust) weights_ = inlier_probabilities(states_, mixture_);
     BatchedCost cost(primitive_, phase_, problem_.cloud, model_.origin, mixture_, states_, weights_);
     before_ = model_;
-    have_before_ = true;
     const Solved solved = solve(cost, model_, phase_ == Phase::score ? 1 : 12, 1e-15,
                                 phase_ == Phase::robust && near_ == 1 ? 1e-7 : 1e-20);
     iterations_ += solved.iterations;
     if (!solved.usable) return false;
-    hessian_before_ = have_hessian_ ? hessian_ : cost.hessian();
+    hessian_before_ = have_before_ ? hessian_ : cost.hessian();
     hessian_ = cost.hessian();
-    have_hessian_ = true;
+    have_before_ = true;
     return decide(cost.first_step() / std::sqrt(mixture_.inliers), solved.moved);
   }
 
@@ -222,7 +221,7 @@ class Refinement {
   // How near the root is sought, in standard errors. A root that cannot be stepped to is left to the robust
   // phase.
   double near_ = 1;
-  bool converged_ = false, have_before_ = false, have_hessian_ = false;
+  bool converged_ = false, have_before_ = false;
 };
 
 }  // namespace
