@@ -74,6 +74,19 @@ void measure(const Eigen::Matrix3Xd& cloud, const LocalModel& model, PointStates
 }
 
 template <DistanceModel M>
+void foot_points(const Eigen::Matrix3Xd& cloud, const LocalModel& model, Eigen::Matrix3Xd& to) {
+  const Matrix3d to_local = model.rotation.conjugate().toRotationMatrix();
+  const M surface(model.s.data());
+  LocalDistance<M::parameters> local;
+  to.resize(3, cloud.cols());
+  for (Eigen::Index i = 0; i < cloud.cols(); ++i) {
+    const Vector3d p = to_local * (cloud.col(i) - model.origin);
+    surface.at(p, local);
+    to.col(i) = p - local.d * local.gradient;
+  }
+}
+
+template <DistanceModel M>
 void accumulate(const Eigen::Matrix3Xd& cloud, const LocalModel& model, const Weighting& weighting,
                 PointStates& states, NormalEquations& sums) {
   constexpr int S = M::parameters, N = 3 + S;
@@ -132,8 +145,8 @@ void accumulate(const Eigen::Matrix3Xd& cloud, const LocalModel& model, const We
 }  // namespace detail
 
 template <DistanceModel M>
-inline constexpr DistanceFunctions distance_functions{M::parameters, detail::in_range<M>,
-                                                      detail::rough_distances<M>, detail::measure<M>,
-                                                      detail::accumulate<M>};
+inline constexpr DistanceFunctions distance_functions{
+    M::parameters,      detail::in_range<M>,    detail::rough_distances<M>,
+    detail::measure<M>, detail::foot_points<M>, detail::accumulate<M>};
 
 }  // namespace darboux::fit

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "correlation.h"
 #include "fit/common/arguments.h"
 #include "fit/common/kinds.h"
 #include "fit/common/normalised_points.h"
@@ -170,10 +171,8 @@ class PrimitivesFit {
     if (automatic() && 5 * k < 2 * static_cast<double>(points_.cloud.cols()))
       return "undetermined: the nearest is " + name + ", with only " + std::to_string(fit_.inliers) + " of " +
              std::to_string(points_.finite) + " points; fewer outliers help, or naming the kind";
-    // Significant by six standard deviations, sqrt(2 / k) each, and so much that sigma is not the noise.
     // Exact data have roundings for errors.
-    if (best.sigma > 1e-12 &&
-        von_neumann_ratio(points_.cloud, best, is_inlier) < std::fmin(0.75, 1 - 6 * std::sqrt(2 / k))) {
+    if (best.sigma > 1e-12 && neighbours_are_alike(points_.cloud, best, is_inlier)) {
       const std::string alike = "distances of neighbouring points are alike, not noise";
       if (automatic())
         return "undetermined: the nearest is " + name + ", but " + alike +

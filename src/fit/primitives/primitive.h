@@ -68,7 +68,9 @@ struct DistanceFunctions {
   void (*rough_distances)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, std::vector<double>& to);
   // Sets distance, curvature and regularity of all points.
   void (*measure)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, PointStates& states);
-  // The same, and the sums over (rotation vector, parameters).
+  // The points of the surface nearest to the cloud's, in the model's own coordinates.
+  void (*foot_points)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, Eigen::Matrix3Xd& to);
+  // As `measure`, and the sums over (rotation vector, parameters).
   void (*accumulate)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, const Weighting& weighting,
                      PointStates& states, NormalEquations& sums);
 };

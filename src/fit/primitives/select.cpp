@@ -9,8 +9,6 @@
 #include <string_view>
 #include <utility>
 
-#include <Eigen/Geometry>
-
 #include "base/text.h"
 #include "fit/common/kinds.h"
 
@@ -202,39 +200,6 @@ Selection select(const std::vector<PrimitiveFit>& tried, double scale) {
   result.usable = choice.usable;
   result.reason = std::move(choice.reason);
   return result;
-}
-
-double von_neumann_ratio(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& f,
-                         const std::vector<bool>& is_inlier) {
-  std::vector<std::size_t> order;
-  double mean = 0;
-  for (std::size_t i = 0; i < is_inlier.size(); ++i)
-    if (is_inlier[i]) order.push_back(i), mean += f.error[i];
-  mean /= static_cast<double>(order.size());
-  double differences = 0, variances = 0;
-  const auto at = [&](std::size_t i) { return cloud.col(static_cast<Eigen::Index>(i)); };
-  // Halves across the longest side, down to pairs; not where the noise is what parts the points, or it would
-  // choose who is alike.
-  const auto halve = [&](const auto& self, auto begin, auto end) -> void {
-    Eigen::AlignedBox3d box;
-    for (auto i = begin; i != end; ++i) box.extend(at(*i));
-    Eigen::Index axis = 0;
-    if (end - begin < 4 || box.sizes().maxCoeff(&axis) < 30 * f.sigma) {
-      for (; end - begin > 1; begin += 2) {
-        const double a = f.error[begin[0]] - mean, b = f.error[begin[1]] - mean;
-        differences += (a - b) * (a - b);
-        variances += a * a + b * b;
-      }
-      return;
-    }
-    const auto middle = begin + (end - begin) / 2;
-    std::nth_element(begin, middle, end,
-                     [&](std::size_t a, std::size_t b) { return at(a)[axis] < at(b)[axis]; });
-    self(self, begin, middle);
-    self(self, middle, end);
-  };
-  halve(halve, order.begin(), order.end());
-  return variances > 0 ? differences / variances : 1;
 }
 
 }  // namespace darboux::fit
