@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -88,6 +89,26 @@ TEST(FitStrips, ToriThatThePointsCannotTellApartAreUndetermined) {
                     run.reason.find(" or of major radius ") != std::string::npos;
   });
   EXPECT_GE(undetermined, 2);
+}
+
+// Surfaces of several kinds are like a small patch, or a strip, to second order. What the others found leads
+// to the torus. Of twelve clouds two and three were of another kind, "converged", and of the strips two were
+// tori.
+TEST(FitStrips, AutoTellsATorusFromWhatIsLikeIt) {
+  const auto found = [](const std::string& key) {
+    std::map<std::string, int> count;
+    for (const matrix::Cell& cell : matrix::cells())
+      if (cell.key() == key)
+        for (std::uint64_t run = 0; run < 12; ++run) ++count[matrix::run_of(cell, run).found];
+    return count;
+  };
+  std::map<std::string, int> patches = found("torus/30 degree patch/1000/0%/1e-2"),
+                             strips = found("torus/thin strip/1000/0%/1e-2");
+  const auto wrong = [](std::map<std::string, int>& count) { return 12 - count["torus"] - count[""]; };
+  EXPECT_EQ(wrong(patches), 0);
+  EXPECT_GE(patches["torus"], 10);
+  EXPECT_LE(wrong(strips), 1);
+  EXPECT_GE(strips["torus"], 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, FitMatrix, testing::ValuesIn(matrix::kinds),

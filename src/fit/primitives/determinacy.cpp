@@ -23,13 +23,6 @@ double inliers_of(const PrimitiveFit& f) {
   return inliers;
 }
 
-std::string direction_text(const Vector3d& a) {
-  Vector3d unit = positive_side(a.normalized());
-  for (double& x : unit)
-    if (std::fabs(x) < 5e-4) x = 0;
-  return "(" + rounded(unit.x(), 3) + ", " + rounded(unit.y(), 3) + ", " + rounded(unit.z(), 3) + ")";
-}
-
 // The covariance without the turns of a whole frame: where two lengths are equal they change nothing.
 Covariance of_the_surface(const PrimitiveFit& f) {
   Covariance c = f.covariance;
@@ -112,6 +105,13 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
 
 }  // namespace
 
+std::string direction_text(const Vector3d& direction) {
+  Vector3d unit = positive_side(direction.normalized());
+  for (double& x : unit)
+    if (std::fabs(x) < 5e-4) x = 0;
+  return "(" + rounded(unit.x(), 3) + ", " + rounded(unit.y(), 3) + ", " + rounded(unit.z(), 3) + ")";
+}
+
 bool are_same(const PrimitiveFit& a, const PrimitiveFit& b) {
   if (!a.covariance.allFinite() || !b.covariance.allFinite()) return false;
   // Of the better known one: what determines nothing is not the same as everything.
@@ -162,7 +162,6 @@ double log_likelihood_ratio(const PrimitiveFit& f) {
 
 Determinacy determinacy(const PrimitiveFit& f) {
   const double k = inliers_of(f), n = static_cast<double>(f.error.size());
-  if (f.given_up) return none("explains far fewer of the points than another kind");
   if (k < f.primitive->unknowns + 0.5)
     return none("has only " + std::to_string(std::lround(k)) +
                 " of the points, as many lie on one by chance; more points help");
@@ -175,6 +174,7 @@ Determinacy determinacy(const PrimitiveFit& f) {
     return none("has a radius of only " + rounded(radius / f.sigma, 3) +
                 " times the noise: no fit; less noise helps");
   if (f.doubles_itself) return none("crosses itself within the noise: no fit; less noise helps");
+  if (f.given_up) return none("explains far fewer of the points than another kind");
   if (log_likelihood_ratio(f) < 0.5 * f.primitive->unknowns * std::log(n) + margin)
     return none(
         "is no more than points of constant density show by chance: no fit; fewer outliers or less noise "

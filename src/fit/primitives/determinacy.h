@@ -35,6 +35,9 @@ double log_likelihood_ratio(const PrimitiveFit& fit);
 // at different places are one hypothesis: that with more points is taken.
 bool are_same(const PrimitiveFit& a, const PrimitiveFit& b);
 
+// "(0.6, 0, 0.8)", the same for a direction and its opposite.
+std::string direction_text(const Vector3d& direction);
+
 // Standard deviation of length k.
 double deviation(const PrimitiveFit& fit, std::size_t k);
 

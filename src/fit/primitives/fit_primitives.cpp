@@ -76,15 +76,35 @@ class PrimitivesFit {
     return !automatic() || !primitive.crosses_itself || !primitive.crosses_itself(surface);
   }
 
+  // On a small patch or a thin strip searches that know surfaces which are like others look for those like
+  // their own best one, and like the best of all.
+  static void exchange(const OrientedPoints& points, std::vector<Search>& searches) {
+    const auto worse = [](const Search& a, const Search& b) {
+      return std::pair(a.has_surface(), a.log_likelihood_ratio()) <
+             std::pair(b.has_surface(), b.log_likelihood_ratio());
+    };
+    for (Search& search : searches) {
+      if (!search.primitive().osculating) continue;
+      const Search& best = *std::max_element(searches.begin(), searches.end(), worse);
+      const auto others = best.osculation();
+      if (!others || !(covers_little(points) || others->is_strip())) continue;
+      const auto own = &best != &search ? search.osculation() : std::nullopt;
+      search.look_like(*others);
+      if (own) search.look_like(*own);
+    }
+  }
+
   std::vector<Hypothesis> searched(const SearchProblem& problem) const {
     std::vector<Search> searches;
     for (const Primitive* primitive : list_)
       if (points_.cloud.cols() > primitive->unknowns) searches.emplace_back(problem, *primitive);
+    // A tenth of the work for the first rounds, two for the others.
     double done = 0;
-    for (Search& search : searches) {
-      search.look();
-      if (options_.progress) options_.progress(0.3 * ++done / static_cast<double>(searches.size()));
-    }
+    const auto work = [&](double tenths) {
+      done += 0.1 * tenths / static_cast<double>(searches.size());
+      if (options_.progress) options_.progress(done);
+    };
+    for (Search& search : searches) search.look(), work(1);
     // No more rounds where a likely surface of another kind is found: far likelier, or simpler and as likely.
     // One with more unknowns may be likelier only because this one is not found yet, if it is a torus or has
     // as many unknowns: others are found at once.
@@ -101,9 +121,14 @@ class PrimitivesFit {
         return (far && (more <= 0 || is_looked_for)) || (alike && more < 0);
       });
     };
-    std::vector<Hypothesis> result;
     for (Search& search : searches) {
-      while (search.is_open() && !is_hopeless(search)) search.look();
+      double left = 2;
+      for (; search.is_open() && !is_hopeless(search); left *= 0.75) search.look(), work(0.25 * left);
+      work(left);
+    }
+    if (problem.effort == Effort::full) exchange(problem.oriented, searches);
+    std::vector<Hypothesis> result;
+    for (const Search& search : searches) {
       for (Hypothesis& found : search.hypotheses())
         if (is_wanted(*found.primitive, found.surface)) result.push_back(std::move(found));
     }

@@ -96,6 +96,25 @@ std::optional<Circle2> linear_circle(const Eigen::Matrix2Xd& points) {
   return found ? std::optional(Circle2{found->first, found->second}) : std::nullopt;
 }
 
+Circle3 algebraic_circle(const Eigen::Matrix3Xd& points, const std::vector<double>& weights) {
+  const Eigen::Map<const Eigen::VectorXd> w(weights.data(), points.cols());
+  const double sum = w.sum();
+  const Vector3d mean = points * w / sum;
+  const Eigen::Matrix3Xd centred = points.colwise() - mean;
+  const Matrix3d axes = symmetric_eigen(Matrix3d(centred * w.asDiagonal() * centred.transpose())).vectors;
+  const Eigen::Matrix3Xd p = axes.transpose() * centred;  // the plane's normal first
+  const Eigen::Matrix3Xd rows =
+      (Eigen::Matrix3Xd(3, p.cols()) << 2 * p.bottomRows<2>(), Eigen::RowVectorXd::Ones(p.cols())).finished();
+  const Eigen::VectorXd squares = p.bottomRows<2>().colwise().squaredNorm();
+  const Matrix3d normal_matrix = rows * w.asDiagonal() * rows.transpose();
+  const Vector3d circle = solve_symmetric(normal_matrix, Vector3d(rows * w.cwiseProduct(squares)));
+  const double radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
+  const Eigen::ArrayXd radial =
+      (p.bottomRows<2>().colwise() - circle.head<2>()).colwise().norm().transpose().array() - radius;
+  const double squared = ((radial.square() + p.row(0).transpose().array().square()) * w.array()).sum();
+  return {mean + axes * Vector3d(0, circle.x(), circle.y()), axes.col(0), std::sqrt(squared / (2 * sum))};
+}
+
 AxisOfRevolution linear_axis(const OrientedPoints& sample) {
   Matrix3d mm = Matrix3d::Zero(), ma = mm, aa = mm;
   const Vector3d mean = sample.points.rowwise().mean();

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -39,6 +40,14 @@ struct Circle2 {
 // |x - c|^2 = r^2 as a linear equation in c and r^2 - |c|^2 [Kasa1976].
 std::optional<Sphere3> linear_sphere(const Eigen::Matrix3Xd& points);
 std::optional<Circle2> linear_circle(const Eigen::Matrix2Xd& points);
+
+struct Circle3 {
+  Vector3d centre, axis;
+  double deviation;  // of the points, root mean square, of each of the two directions across it
+};
+// The circle of weighted points: in the plane of their largest moments the algebraic one, x^2 + y^2 = 2 a x +
+// 2 b y + c.
+Circle3 algebraic_circle(const Eigen::Matrix3Xd& points, const std::vector<double>& weights);
 
 struct AxisOfRevolution {
   Vector3d point, direction;

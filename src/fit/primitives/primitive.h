@@ -107,6 +107,8 @@ struct CatalogueSurface {
 // What of a primitive's axes the points can show.
 enum class Orientation { none, axis, frame };
 
+struct Osculation;  // osculation.h
+
 struct Primitive {
   std::string_view name;  // of its surface in the catalogue
   int unknowns;           // that points can determine, the pose included
@@ -138,8 +140,9 @@ struct Primitive {
 
   // Why it is not told from its limits, going on after "is"; empty where it is.
   std::string_view (*at_limit)(const GeometricParameters&, double deviation_of_first) = nullptr;
-  // Other surfaces that are like it about a point on it, to second order; each may be a maximum of its own.
-  std::vector<GeometricParameters> (*alternatives)(const GeometricParameters&, const Vector3d& at) = nullptr;
+  // Surfaces of its kind that are like another about one point, to second order; each may be a maximum of its
+  // own.
+  std::vector<GeometricParameters> (*osculating)(const Osculation&) = nullptr;
   // Whether it crosses itself, and so has two sheets near almost any point.
   bool (*crosses_itself)(const GeometricParameters&) = nullptr;
   // How far a point is from either sheet, the nearer first, of a surface that crosses itself.

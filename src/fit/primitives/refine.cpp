@@ -10,6 +10,7 @@
 
 #include "base/linear_algebra.h"
 #include "cost.h"
+#include "geometry.h"
 #include "support.h"
 
 namespace darboux::fit {
@@ -64,28 +65,6 @@ Covariance geometric_covariance(const Primitive& primitive, const LocalModel& mo
   return by * covariance * by.transpose();
 }
 
-// How far weighted points are from one circle, root mean square, of each of the two directions across it. The
-// circle lies in the plane of the points' largest moments and is the algebraic one there, x^2 + y^2 = 2 a x +
-// 2 b y + c.
-double circle_deviation_of(const Matrix3Xd& cloud, const Eigen::VectorXd& weights) {
-  const double sum = weights.sum();
-  const Vector3d mean = cloud * weights / sum;
-  const Matrix3Xd centred = cloud.colwise() - mean;
-  const Matrix3d axes =
-      symmetric_eigen(Matrix3d(centred * weights.asDiagonal() * centred.transpose())).vectors;
-  const Matrix3Xd p = axes.transpose() * centred;  // the plane's normal first
-  const Eigen::Matrix3Xd rows =
-      (Matrix3Xd(3, p.cols()) << 2 * p.bottomRows<2>(), Eigen::RowVectorXd::Ones(p.cols())).finished();
-  const Eigen::VectorXd squares = p.bottomRows<2>().colwise().squaredNorm();
-  const Matrix3d normal_matrix = rows * weights.asDiagonal() * rows.transpose();
-  const Vector3d circle = solve_symmetric(normal_matrix, Vector3d(rows * weights.cwiseProduct(squares)));
-  const double radius = std::sqrt(circle.z() + circle.head<2>().squaredNorm());
-  const Eigen::ArrayXd radial =
-      (p.bottomRows<2>().colwise() - circle.head<2>()).colwise().norm().transpose().array() - radius;
-  return std::sqrt(((radial.square() + p.row(0).transpose().array().square()) * weights.array()).sum() /
-                   (2 * sum));
-}
-
 // All points: mixture, bias and support by what the last estimate says, then a step or two, until nothing
 // moves. The robust phase first, then the root of the likelihood's gradient.
 class Refinement {
@@ -121,8 +100,7 @@ class Refinement {
     fit.outliers = mixture_.outliers;
     fit.doubles_itself = doubles_itself(primitive_, fit.surface, problem_.cloud, fit.sigma);
     const std::vector<double> weights = inlier_probabilities(states_, mixture_);
-    fit.circle_deviation = circle_deviation_of(
-        problem_.cloud, Eigen::Map<const Eigen::VectorXd>(weights.data(), problem_.cloud.cols()));
+    fit.circle_deviation = algebraic_circle(problem_.cloud, weights).deviation;
     fit.error.resize(states_.d.size());
     for (std::size_t i = 0; i < fit.error.size(); ++i) fit.error[i] = states_.error(i);
     fit.in_support = std::move(states_.in_support);

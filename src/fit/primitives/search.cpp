@@ -79,25 +79,22 @@ bool better(const Candidate& a, const Candidate& b) {
   return a.score.log_likelihood_ratio > b.score.log_likelihood_ratio;
 }
 
-// Moves the model to the local coordinates at an inlier near the middle.
-void localise_in_the_middle(const Primitive& primitive, const Matrix3Xd& part,
-                            const std::vector<double>& weights, LocalModel& model) {
-  const Eigen::Map<const Eigen::VectorXd> w(weights.data(), part.cols());
-  if (!(w.sum() > 0)) return;
-  const Vector3d mean = part * w / w.sum();
-  double nearest = std::numeric_limits<double>::infinity();
-  Vector3d at = mean;
-  for (Eigen::Index i = 0; i < part.cols(); ++i) {
-    const double square = (part.col(i) - mean).squaredNorm();
-    if (w[i] > 0.5 && square < nearest) nearest = square, at = part.col(i);
-  }
-  model = primitive.localise(primitive.geometric(model), at);
+void keep_best(std::vector<Candidate>& candidates, std::ptrdiff_t most) {
+  const auto end = candidates.begin() + std::min(most, std::ssize(candidates));
+  std::partial_sort(candidates.begin(), end, candidates.end(), better);
+  candidates.erase(end, candidates.end());
 }
 
-// Whether the normals are near one plane or one direction: a small patch, or a thin strip.
-bool covers_little(const Matrix3Xd& normals) {
-  const Matrix3d moments = normals * normals.transpose() / static_cast<double>(normals.cols());
-  return closed_form_symmetric_eigen(moments).values[0] < 0.06;
+// The inlier nearest to the middle of all, where there is one.
+std::optional<Vector3d> middle_inlier(const Matrix3Xd& part, const std::vector<double>& weights) {
+  const Eigen::Map<const Eigen::VectorXd> w(weights.data(), part.cols());
+  if (!(w.sum() > 0)) return std::nullopt;
+  const Vector3d mean = part * w / w.sum();
+  std::optional<Vector3d> at;
+  for (Eigen::Index i = 0; i < part.cols(); ++i)
+    if (w[i] > 0.5 && (!at || (part.col(i) - mean).squaredNorm() < (*at - mean).squaredNorm()))
+      at = part.col(i);
+  return at;
 }
 
 // The robust phase: the mixture by the distances, then weighted least squares by Ceres, until the surface
@@ -124,7 +121,8 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
     if (cost.first_step() <= 0.3 * mixture.sigma * std::sqrt(primitive.unknowns) + 1e-14 * std::sqrt(inliers))
       break;
   }
-  localise_in_the_middle(primitive, part, weights, candidate.model);
+  if (const auto at = middle_inlier(part, weights))
+    candidate.model = primitive.localise(primitive.geometric(candidate.model), *at);
   candidate.score.log_likelihood_ratio =
       log_likelihood_ratio(std::accumulate(weights.begin(), weights.end(), 0.0),
                            static_cast<double>(weights.size()), mixture.sigma, primitive.unknowns);
@@ -163,9 +161,7 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
       if (const auto n = primitive.start(sample)) consider(*n, sample.points.col(0));
     }
   }
-  const auto end = candidates.begin() + std::min(most, std::ssize(candidates));
-  std::partial_sort(candidates.begin(), end, candidates.end(), better);
-  candidates.erase(end, candidates.end());
+  keep_best(candidates, most);
   return candidates;
 }
 
@@ -195,6 +191,13 @@ bool differ(const Primitive& primitive, GeometricParameters a, GeometricParamete
 
 }  // namespace
 
+bool covers_little(const OrientedPoints& points) {
+  const Matrix3d moments = points.normals * points.normals.transpose();
+  const Vector3d shares =
+      closed_form_symmetric_eigen(moments).values / static_cast<double>(points.normals.cols());
+  return shares[0] < 0.12 && shares[1] < 0.3;
+}
+
 Search::Search(const SearchProblem& problem, const Primitive& primitive)
     : problem_(problem), primitive_(primitive), random_(problem.seed) {
   const auto some = [&](Eigen::Index count) {
@@ -223,12 +226,13 @@ void Search::follow(Candidate c) {
   iterations_ += descend(primitive_, part_, c, problem_.sigma);
   c.refused = is_refused(problem_, primitive_, c, part_);
   if (!c.refused && problem_.effort == Effort::full) likely_.push_back(c);
-  const bool as_likely = best_ && !best_->refused && !c.refused &&
-                         std::fabs(c.score.log_likelihood_ratio - best_->score.log_likelihood_ratio) < 1;
+  const bool is_best = best_ && !best_->refused && !c.refused &&
+                       std::fabs(c.score.log_likelihood_ratio - best_->score.log_likelihood_ratio) < 1 &&
+                       !differ(primitive_, primitive_.geometric(c.model), primitive_.geometric(best_->model));
   if (!best_ || better(c, *best_)) {
-    agreeing_ = c.refused ? 0 : as_likely ? agreeing_ + 1 : 1;
+    agreeing_ = c.refused ? 0 : is_best ? agreeing_ + 1 : 1;
     best_ = std::move(c);
-  } else if (as_likely) {
+  } else if (is_best) {
     ++agreeing_;
   }
 }
@@ -237,18 +241,35 @@ double Search::log_likelihood_ratio() const {
   return best_ ? best_->score.log_likelihood_ratio : -std::numeric_limits<double>::infinity();
 }
 
-std::vector<Hypothesis> Search::hypotheses() {
-  if (!best_) return {};
-  if (problem_.effort == Effort::full && primitive_.alternatives &&
-      covers_little(problem_.oriented.normals)) {
-    const Candidate from = *best_;
-    for (const GeometricParameters& n :
-         primitive_.alternatives(primitive_.geometric(from.model), from.model.origin)) {
-      const LocalModel model = primitive_.localise(n, from.model.origin);
-      if (model.origin.allFinite() && model.rotation.coeffs().allFinite())
-        follow({model, {0, from.score.band}});
-    }
+bool Search::has_surface() const {
+  return best_ && !best_->refused;
+}
+
+std::optional<Osculation> Search::osculation() const {
+  if (!best_) return std::nullopt;
+  PointStates states(static_cast<std::size_t>(part_.cols()));
+  primitive_.distance.measure(part_, best_->model, states);
+  update_bias(best_->mixture, states);
+  const std::vector<double> weights = inlier_probabilities(states, best_->mixture);
+  const auto at = middle_inlier(part_, weights);
+  if (!at) return std::nullopt;
+  return fit::osculation(primitive_, best_->model, *at, algebraic_circle(part_, weights));
+}
+
+void Search::look_like(const Osculation& o) {
+  Scorer scorer(scored_, primitive_);
+  std::vector<Candidate> candidates;
+  for (const GeometricParameters& n : primitive_.osculating(o)) {
+    const LocalModel model = primitive_.localise(n, o.at);
+    if (model.origin.allFinite() && model.rotation.coeffs().allFinite())
+      candidates.push_back({model, scorer(model), {}, crosses_itself_unasked(problem_, primitive_, n)});
   }
+  keep_best(candidates, 4 * refined_starts);
+  for (Candidate& c : candidates) follow(std::move(c));
+}
+
+std::vector<Hypothesis> Search::hypotheses() const {
+  if (!best_) return {};
   std::vector<Hypothesis> result;
   const auto add = [&](const Candidate& c) {
     const double llr = c.score.log_likelihood_ratio - (c.refused ? refusal : 0);
@@ -256,8 +277,9 @@ std::vector<Hypothesis> Search::hypotheses() {
   };
   add(*best_);
   result.front().iterations = iterations_;
-  std::stable_sort(likely_.begin(), likely_.end(), better);
-  for (const Candidate& c : likely_) {
+  std::vector<Candidate> likely = likely_;
+  std::stable_sort(likely.begin(), likely.end(), better);
+  for (const Candidate& c : likely) {
     if (result.size() == most_alike ||
         c.score.log_likelihood_ratio < best_->score.log_likelihood_ratio - alike)
       break;

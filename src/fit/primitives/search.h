@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "osculation.h"
 #include "primitive.h"
 
 namespace darboux::fit {
@@ -53,6 +54,9 @@ struct Candidate {
   bool refused = false;  // in the end, however likely: see determinacy()
 };
 
+// Whether the normals are near one direction: a small patch, which surfaces of several kinds are like.
+bool covers_little(const OrientedPoints& points);
+
 // The search for one primitive, in rounds.
 class Search {
  public:
@@ -68,9 +72,15 @@ class Search {
   bool is_open() const { return !is_settled() && round_ < rounds_; }
   // Of the best surface, over points spread evenly; of one that will be refused where there is no other.
   double log_likelihood_ratio() const;
+  // Whether there is one that will not be refused.
+  bool has_surface() const;
+  // What the best surface is like in the middle of its points.
+  std::optional<Osculation> osculation() const;
+  // Descends from surfaces that are like that, of a primitive that knows such.
+  void look_like(const Osculation& o);
   // The best, and beside it others that part of the points cannot tell from it: surfaces that are alike on a
   // small patch are looked at too. Empty where no start led to a surface.
-  std::vector<Hypothesis> hypotheses();
+  std::vector<Hypothesis> hypotheses() const;
 
  private:
   void follow(Candidate c);

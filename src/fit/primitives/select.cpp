@@ -111,23 +111,32 @@ struct Choice {
   std::string reason{};
 };
 
-// "radius 2, half angle 0.3", the lengths in the points' units.
-std::string lengths_text(const PrimitiveFit& f, double scale) {
+// "radius 2", "half-angle 30 degrees", in the points' units.
+std::string numbers_text(const PrimitiveFit& f, double scale) {
   std::string text;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(f.primitive->lengths); ++k)
+  for (std::size_t k = 0; k < 3 && !f.primitive->length_names[k].empty(); ++k) {
+    const bool is_length = k < static_cast<std::size_t>(f.primitive->lengths);
     text += (k == 0 ? "" : ", ") + std::string(f.primitive->length_names[k]) + " " +
-            rounded(scale * f.surface.lengths[k], 3);
+            rounded((is_length ? scale : degrees) * f.surface.lengths[k], 3) + (is_length ? "" : " degrees");
+  }
   return text;
 }
 
-// "plane or cylinder of radius > 3", "torus of major radius 2, minor radius 1 or of ..."
+// "torus of major radius 2, minor radius 1 or of ..."; the axes where these numbers are alike.
+std::string either_of_a_kind(const PrimitiveFit& a, const PrimitiveFit& b, double scale) {
+  std::array<std::string, 2> of{numbers_text(a, scale), numbers_text(b, scale)};
+  if (of[0] == of[1]) {
+    of[0] += " about " + direction_text(a.surface.axes.col(2));
+    of[1] = " about " + direction_text(b.surface.axes.col(2));
+    return std::string(a.primitive->name) + (of[0].front() == ' ' ? "" : " of ") + of[0] + " or" + of[1];
+  }
+  return std::string(a.primitive->name) + " of " + of[0] + " or of " + of[1];
+}
+
+// "plane or cylinder of radius > 3"
 std::string either(const PrimitiveFit& a, const PrimitiveFit& b, double scale) {
-  std::string text = std::string(a.primitive->name);
-  if (a.primitive == b.primitive)
-    return a.primitive->lengths > 0
-               ? text + " of " + lengths_text(a, scale) + " or of " + lengths_text(b, scale)
-               : text + " or another " + text;
-  text += " or " + std::string(b.primitive->name);
+  if (a.primitive == b.primitive) return either_of_a_kind(a, b, scale);
+  std::string text = std::string(a.primitive->name) + " or " + std::string(b.primitive->name);
   if (a.primitive->is_plane && nesting(a, b))
     text +=
         " of " + std::string(b.primitive->length_names[0]) + " > " + rounded(scale * least_length(b, 0), 3);

@@ -9,6 +9,7 @@
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
+#include "osculation.h"
 
 namespace darboux::fit {
 namespace {
@@ -86,18 +87,6 @@ std::array<double, 2> sheets(const GeometricParameters& n, const Vector3d& p) {
   return {near, far};
 }
 
-// The torus whose tube bends here as this one bends about its axis, and the other way round: to second order
-// the same on both equators. A small patch tells them apart by third order alone.
-std::optional<GeometricParameters> twin(const GeometricParameters& n, const Vector3d& at) {
-  const Vector3d e = radial(n, at), tube_centre = n.centre + n.lengths[0] * e;
-  const Vector3d outward = (at - tube_centre).normalized();
-  const double about_axis = outward.dot(e) / (n.lengths[0] + n.lengths[1] * outward.dot(e));
-  if (!(std::fabs(about_axis) * n.lengths[1] > 1e-3)) return std::nullopt;
-  return checked_start({tube_centre,
-                        axes_with_z(n.axes.col(2).cross(e)),
-                        {std::fabs(n.lengths[1] - 1 / about_axis), std::fabs(1 / about_axis)}});
-}
-
 LocalModel localise(const GeometricParameters& n, const Vector3d& at) {
   const Vector3d a = n.axes.col(2), q = at - n.centre;
   Vector3d e = radial(n, at);
@@ -122,44 +111,43 @@ GeometricParameters geometric(const LocalModel& m) {
           {m.s[2], 1 / m.s[1]}};
 }
 
-// What a small patch or a thin strip may be as well. A patch: tori with the same principal curvatures at the
-// point. Either is that of the tube, 1 / r; the other is cos(phi) / (R + r cos(phi)) at the angle phi of the
-// tube, and so gives phi for any R. A strip: tori about the same axis, with the same normal.
-std::vector<GeometricParameters> alternatives(const GeometricParameters& n, const Vector3d& at) {
-  const LocalModel here = localise(n, at);
-  const double from_axis = n.lengths[0] + n.lengths[1] * std::cos(here.s[3]);
-  const std::array<double, 2> curvatures{1 / n.lengths[1], std::cos(here.s[3]) / from_axis};
-  const Matrix3d frame = here.rotation.matrix();  // along the tube, along the ring, inward
+// What a small patch or a thin strip may be. A patch: tori with these principal curvatures. Either is that of
+// the tube, 1 / r; the other is cos(phi) / (R + r cos(phi)) at the angle phi of the tube, and so gives phi
+// for any R, and R for phi on either equator. A strip: tori about the axis of its circle, with this normal.
+std::vector<GeometricParameters> osculating(const Osculation& o) {
   std::vector<GeometricParameters> result;
-  if (const auto other = twin(n, at)) result.push_back(*other);
   const auto add = [&](const Vector3d& outward, const Vector3d& across, double phi, double major,
                        double minor) {
     const Vector3d e = std::cos(phi) * outward - std::sin(phi) * across,
                    axis = std::sin(phi) * outward + std::cos(phi) * across;
-    if (auto torus = checked_start({at - minor * outward - major * e, axes_with_z(axis), {major, minor}}))
+    if (auto torus = checked_start({o.at - minor * outward - major * e, axes_with_z(axis), {major, minor}}))
       result.push_back(*torus);
   };
   for (const int tube : {0, 1}) {
-    const double by_minor = curvatures[static_cast<std::size_t>(tube)];
+    const double by_minor = o.curvatures[static_cast<std::size_t>(tube)];
     const double minor = 1 / std::fabs(by_minor);
-    const Vector3d outward = (by_minor > 0 ? -1 : 1) * frame.col(2);
-    const double other = curvatures[static_cast<std::size_t>(1 - tube)] * (by_minor > 0 ? 1 : -1);
+    const Vector3d along_tube = o.frame.col(tube), outward = (by_minor > 0 ? -1 : 1) * o.frame.col(2);
+    const double other = o.curvatures[static_cast<std::size_t>(1 - tube)] * (by_minor > 0 ? 1 : -1);
+    if (!(minor < 1e3)) continue;
+    add(outward, along_tube, 0 < other && other * minor <= 1 ? 0 : std::numbers::pi,
+        std::fabs(1 / other - minor), minor);
     for (const double ratio : {1.2, 2., 3.5, 6., 12., 25.}) {
       const double major = ratio * minor, cosine = major * other / (1 - minor * other);
       if (!(std::fabs(cosine) <= 1)) continue;
-      for (const double side : {-1., 1.})
-        add(outward, frame.col(tube), side * std::acos(cosine), major, minor);
+      for (const double side : {-1., 1.}) add(outward, along_tube, side * std::acos(cosine), major, minor);
     }
   }
-  const Vector3d axis = n.axes.col(2), e = radial(n, at);
-  const double radius = (at - n.centre).dot(e);
+  if (!o.is_strip()) return result;
+  const Vector3d axis = o.circle.axis, from_axis = o.at - o.circle.centre;
+  const Vector3d across_axis = from_axis - axis.dot(from_axis) * axis;
+  const double radius = across_axis.norm();
   for (const double side : {-1., 1.}) {
-    const Vector3d outward = side * frame.col(2);
-    for (const double ratio : {0.15, 0.35, 0.8}) {
-      const double minor = ratio * radius, major = radius - minor * outward.dot(e);
-      add(outward, (axis - axis.dot(outward) * outward).normalized(),
-          std::atan2(outward.dot(axis), outward.dot(e)), major, minor);
-    }
+    const Vector3d outward = side * o.frame.col(2), e = across_axis / radius;
+    const double phi = std::atan2(outward.dot(axis), outward.dot(e));
+    const Vector3d across = std::cos(phi) * axis - std::sin(phi) * e;
+    for (const double ratio : {0.15, 0.35, 0.8})
+      add(outward, (across - across.dot(outward) * outward).normalized(), phi,
+          radius * (1 - ratio * std::cos(phi)), ratio * radius);
   }
   return result;
 }
@@ -210,7 +198,7 @@ constinit const Primitive torus_primitive{
     .to_catalogue = to_catalogue,
     .from_catalogue = [](const GeometricParameters& n) { return n; },
     .foot = foot,
-    .alternatives = alternatives,
+    .osculating = osculating,
     .crosses_itself = [](const GeometricParameters& n) { return n.lengths[0] < n.lengths[1]; },
     .sheets = sheets,
 };

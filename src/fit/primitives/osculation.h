@@ -1,0 +1,27 @@
+// What any surface near some points is like about one of them: that a kind was not found from samples does
+// not say that another kind's shape there does not lead to it.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "geometry.h"
+
+namespace darboux::fit {
+
+struct Osculation {
+  Vector3d at;                       // on the surface
+  Matrix3d frame;                    // the principal directions, and a normal
+  std::array<double, 2> curvatures;  // along them, positive where the centre lies along that normal
+  Circle3 circle;                    // of the inliers
+
+  bool is_strip() const { return circle.deviation < 0.1 * (at - circle.centre).norm(); }
+};
+
+// Principal curvatures by differences of the normals of a model, good to 1e-3: for starts. Nothing where the
+// surface has none. \param near the point is its foot
+std::optional<Osculation> osculation(const Primitive& primitive, const LocalModel& model,
+                                     const Vector3d& near, const Circle3& circle);
+
+}  // namespace darboux::fit
