@@ -281,7 +281,7 @@ class Compaction {
 
   std::size_t shrink(std::size_t b) {
     if (!file_.buffers[b]) return 0;
-    std::string& bytes = *file_.buffers[b];
+    std::string bytes = file_.buffers[b]->joined();
     const std::size_t before = bytes.size(), stated = json_["buffers"][b]["byteLength"].get<std::size_t>();
     std::size_t next = 0;
     for (std::size_t i = 0; i < before; ++i)
@@ -290,6 +290,7 @@ class Compaction {
     bytes.resize(next);
     json_["buffers"][b]["byteLength"] = moved(b, std::min(stated, before));
     if (b > 0) json_["buffers"][b]["uri"] = io::make_data_uri("application/octet-stream", bytes);
+    file_.buffers[b] = std::move(bytes);
     return before - next;
   }
 

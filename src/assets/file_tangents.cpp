@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -7,6 +9,10 @@
 #include <darboux/split_vertices.h>
 
 #include "assets/texture_uvs.h"
+#include "io/float_mesh.h"
+#include "io/gltf_file.h"
+#include "mesh/frames/mikktspace_frames.h"
+#include "mesh/mikktspace/buffer.h"
 
 namespace darboux {
 namespace {
@@ -36,7 +42,9 @@ Vec3<float> to_float(const Vec3<double>& a) {
 class CornerTangents {
  public:
   CornerTangents(std::size_t corners, std::size_t targets)
-      : width_(4 + 3 * targets), values_(corners * width_) {}
+      : width_(4 + 3 * targets), values_(corners * width_) {
+    if (targets > 0) std::fill_n(values_.data(), values_.size(), 0.0F);
+  }
 
   void set_base(std::size_t corner, const Vec3<float>& t, float w) {
     float* p = values_.data() + corner * width_;
@@ -54,27 +62,80 @@ class CornerTangents {
     const float* p = values_.data() + corner * width_ + 4 + 3 * target;
     return {p[0], p[1], p[2]};
   }
-  std::span<const float> values() const { return values_; }
+  std::span<float> values() { return {values_.data(), values_.size()}; }
+  std::span<const float> values() const { return {values_.data(), values_.size()}; }
+  /// The buffer itself, where there are no targets.
+  mikk::Buffer<float> take() { return std::move(values_); }
 
  private:
   std::size_t width_;
-  std::vector<float> values_;
+  mikk::Buffer<float> values_;
 };
 
-void store(GltfDocument& document, const Primitive& p, const CornerTangents& tangents, std::size_t targets,
-           const SplitVertices& split) {
+// A vertex no corner uses gets a valid direction that nothing reads.
+constexpr Vec4<float> unused{1, 0, 0, 1};
+
+template <class T>
+io::Piece as_piece(mikk::Buffer<T> values) {
+  const auto kept = std::make_shared<const mikk::Buffer<T>>(std::move(values));
+  return {{reinterpret_cast<const char*>(kept->data()), kept->size() * sizeof(T)}, kept};
+}
+
+void store(GltfDocument& document, const Primitive& p, std::size_t old_vertices,
+           const CornerTangents& tangents, std::size_t targets, const SplitVertices& split) {
   const std::size_t vertices = split.source.size();
-  // A vertex no corner uses gets a valid direction that nothing reads.
-  std::vector<Vec4<float>> base(vertices, {1, 0, 0, 1});
-  std::vector<std::vector<Vec3<float>>> deltas(targets, std::vector<Vec3<float>>(vertices));
-  for (std::size_t i = 0; i < vertices; ++i) {
-    if (split.corner[i] == SplitVertices::no_corner) continue;
-    base[i] = tangents.base(split.corner[i]);
-    for (std::size_t k = 0; k < targets; ++k) deltas[k][i] = tangents.delta(split.corner[i], k);
+  mikk::Buffer<Vec4<float>> base(vertices);
+  std::vector<io::Piece> deltas;
+  for (std::size_t i = 0; i < vertices; ++i)
+    base[i] = split.corner[i] == SplitVertices::no_corner ? unused : tangents.base(split.corner[i]);
+  for (std::size_t k = 0; k < targets; ++k) {
+    mikk::Buffer<Vec3<float>> delta(vertices);
+    for (std::size_t i = 0; i < vertices; ++i)
+      delta[i] =
+          split.corner[i] == SplitVertices::no_corner ? Vec3<float>{} : tangents.delta(split.corner[i], k);
+    deltas.push_back(as_piece(std::move(delta)));
   }
-  if (vertices > p.data.positions.size())
+  if (vertices > old_vertices)
     document.remap_vertices(p.mesh, p.primitive, split.source, split.indices, true);
-  document.set_tangents(p.mesh, p.primitive, base, deltas);
+  document.file().set_tangents(p.mesh, p.primitive, as_piece(std::move(base)), deltas);
+}
+
+// Of a primitive whose floats lie in the file: nothing is copied but what is written.
+PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p, const io::FloatMesh& mesh,
+                                const FileTangentOptions& options) {
+  const std::size_t corners = 3 * mesh.triangles;
+  const bool in_order = mesh.corners.span().empty();
+  const std::size_t vertices = in_order ? corners : mesh.vertices;
+  const std::span<const std::uint32_t> indices =
+      in_order ? mesh.corners.span() : mesh.corners.span().first(corners);
+  CornerTangents tangents(in_order ? mesh.vertices : corners, 0);
+  const MikktspaceCounts counts = mikktspace_tangents({mesh.positions.span().first(3 * vertices),
+                                                       mesh.normals.span().first(3 * vertices),
+                                                       mesh.uvs.span().first(2 * vertices),
+                                                       indices,
+                                                       {}},
+                                                      tangents.values().first(4 * corners), options.threads);
+  if (options.sign == SignConvention::gltf)
+    for (std::size_t c = 0; c < corners; ++c) tangents.values()[4 * c + 3] *= -1;
+
+  PrimitiveTangents result{.mesh = p.mesh,
+                           .primitive = p.primitive,
+                           .name = p.name,
+                           .corners = corners,
+                           .old_vertices = mesh.vertices,
+                           .vertices = mesh.vertices,
+                           .degenerate_triangles = counts.degenerate_triangles,
+                           .degenerate_uv_triangles = counts.degenerate_uv_triangles,
+                           .fallback_corners = counts.fallback_corners};
+  if (in_order) {
+    for (std::size_t v = corners; v < mesh.vertices; ++v) tangents.set_base(v, unused.xyz(), unused.w);
+    document.file().set_tangents(p.mesh, p.primitive, as_piece(tangents.take()), {});
+  } else {
+    const SplitVertices split = split_vertices(mesh.vertices, indices, tangents.values());
+    store(document, p, mesh.vertices, tangents, 0, split);
+    result.vertices = split.source.size();
+  }
+  return result;
 }
 
 PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
@@ -104,8 +165,9 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
   }
 
   const std::span corners(mesh.triangles.front().data(), mesh.corners());
-  const SplitVertices split = split_vertices(mesh.positions.size(), corners, tangents.values());
-  store(document, p, tangents, targets.size(), split);
+  const SplitVertices split =
+      split_vertices(mesh.positions.size(), corners, std::as_const(tangents).values());
+  store(document, p, mesh.positions.size(), tangents, targets.size(), split);
   return {.mesh = p.mesh,
           .primitive = p.primitive,
           .name = p.name,
@@ -122,14 +184,20 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
 
 FileTangents add_tangents(GltfDocument& document, const FileTangentOptions& options) {
   find_frame_method(options.method);  // unknown names are refused in files without primitives too
-  const Asset asset = document.asset();
+  // What mikktspace makes of floats needs no doubles.
+  std::vector<std::optional<io::FloatMesh>> floats;
+  const Asset asset = io::read_gltf(document.file(), options.method == "mikktspace" ? &floats : nullptr);
+  floats.resize(asset.primitives.size());
   FileTangents result;
   result.skipped = asset.skipped;
-  std::size_t done = 0;
-  for (const Primitive& p : asset.primitives) {
+  for (std::size_t i = 0; i < asset.primitives.size(); ++i) {
+    const Primitive& p = asset.primitives[i];
+    const std::optional<io::FloatMesh>& mesh = floats[i];
     const auto skip = [&](const char* reason) { result.skipped.push_back({p.mesh, p.primitive, reason}); };
     if (options.only_needed && !p.needs_tangents.value_or(true)) {
       skip("its material reads no tangents");
+    } else if (mesh) {
+      result.primitives.push_back(give_tangents(document, p, *mesh, options));
     } else if (p.data.uvs.empty() || p.data.normals.empty()) {
       skip(p.data.uvs.empty() ? "has no uvs" : "has no normals");
       ++result.incapable;
@@ -137,7 +205,7 @@ FileTangents add_tangents(GltfDocument& document, const FileTangentOptions& opti
       result.primitives.push_back(give_tangents(document, p, options));
     }
     if (options.progress)
-      options.progress(static_cast<double>(++done) / static_cast<double>(asset.primitives.size()));
+      options.progress(static_cast<double>(i + 1) / static_cast<double>(asset.primitives.size()));
   }
   std::sort(result.skipped.begin(), result.skipped.end(), [](const auto& a, const auto& b) {
     return std::pair(a.mesh, a.primitive) < std::pair(b.mesh, b.primitive);

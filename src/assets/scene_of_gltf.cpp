@@ -146,7 +146,7 @@ static io::NamedCamera camera_before(const GltfScene& scene) {
 }
 
 GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options) {
-  const GltfFile file = io::load_gltf(path, io::read_file(path), options);
+  const GltfFile file = io::load_gltf(path, io::map_file(path), options);
   const JsonCursor root = file.root();
   GltfScene scene;
   if (root.has("meshes")) scene.primitives_of_mesh.resize(root.at("meshes").size());

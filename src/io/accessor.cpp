@@ -45,10 +45,9 @@ View read_view(const GltfFile& file, const JsonCursor& index) {
   return {file.view_bytes(view), stride};
 }
 
-/// Copies `count` > 0 elements of `size` bytes, tightly packed, from a place that names a bufferView and a
-/// byteOffset. The bounds are checked before anything is allocated, in an order that cannot overflow.
-std::string read_elements(const GltfFile& file, const JsonCursor& place, std::uint64_t count,
-                          std::size_t size) {
+/// `count` > 0 elements of `size` bytes of a place that names a bufferView and a byteOffset, with what lies
+/// between them. The bounds are checked in an order that cannot overflow.
+View find_elements(const GltfFile& file, const JsonCursor& place, std::uint64_t count, std::size_t size) {
   const View view = read_view(file, place.at("bufferView"));
   const std::uint64_t offset = place.integer_or("byteOffset", 0);
   const std::size_t stride = view.stride == 0 ? size : view.stride;
@@ -61,10 +60,17 @@ std::string read_elements(const GltfFile& file, const JsonCursor& place, std::ui
     place.fail("elements within the " + std::to_string(view.bytes.size()) + " bytes of its bufferView",
                std::to_string(count) + " elements of " + std::to_string(size) + " bytes from byte " +
                    std::to_string(offset));
-  if (stride == size) return std::string(view.bytes.substr(offset, count * size));
+  return {view.bytes.substr(offset, (count - 1) * stride + size), stride};
+}
+
+/// A copy of them, tightly packed.
+std::string read_elements(const GltfFile& file, const JsonCursor& place, std::uint64_t count,
+                          std::size_t size) {
+  const View there = find_elements(file, place, count, size);
+  if (there.stride == size) return std::string(there.bytes);
   std::string bytes(count * size, '\0');
   for (std::size_t i = 0; i < count; ++i)
-    std::memcpy(bytes.data() + i * size, view.bytes.data() + offset + i * stride, size);
+    std::memcpy(bytes.data() + i * size, there.bytes.data() + i * there.stride, size);
   return bytes;
 }
 
@@ -129,6 +135,13 @@ Accessor read_accessor(const GltfFile& file, const JsonCursor& index) {
                        : zeros(file, place, accessor.count, accessor.element_bytes);
   if (place.has("sparse")) overlay_sparse(file, place.at("sparse"), accessor);
   return accessor;
+}
+
+std::string_view elements_in_place(const GltfFile& file, const JsonCursor& index, const Accessor& layout) {
+  const JsonCursor place = file.element("accessors", index);
+  if (!place.has("bufferView") || place.has("sparse")) return {};
+  const View there = find_elements(file, place, layout.count, layout.element_bytes);
+  return there.stride == layout.element_bytes ? there.bytes : std::string_view();
 }
 
 void numbers(const Accessor& accessor, std::span<double> values) {

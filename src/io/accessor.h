@@ -65,6 +65,11 @@ Accessor accessor_layout(const JsonCursor& accessor);
 /// FileError
 Accessor read_accessor(const GltfFile& file, const JsonCursor& index);
 
+/// Its elements where they lie, checked as read_accessor() does; nothing where they are to be read: those of
+/// sparse accessors, without a bufferView, or apart from each other. \param layout accessor_layout() of it
+/// \throws FileError
+std::string_view elements_in_place(const GltfFile& file, const JsonCursor& index, const Accessor& layout);
+
 /// The numbers of a SCALAR or VEC accessor, in order; normalised integers as what they stand for.
 /// \param values count * components of them
 void numbers(const Accessor& accessor, std::span<double> values);

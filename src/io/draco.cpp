@@ -212,11 +212,12 @@ void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_in
     }
   }
   Json& primitive = file.json["meshes"][mesh_index]["primitives"][primitive_index];
-  for (const Renewed& a : attributes) {
-    const std::size_t index =
-        file.append_attribute(file.json["accessors"][a.old_accessor], a.values, a.name == "POSITION");
+  for (Renewed& a : attributes) {
+    const double step = half_step_of(a.values);
+    const std::size_t index = file.append_attribute(file.json["accessors"][a.old_accessor],
+                                                    std::move(a.values), a.name == "POSITION");
     file.json["meshes"][mesh_index]["primitives"][primitive_index]["attributes"][a.name] = index;
-    if (const double step = half_step_of(a.values); step > 0) file.half_steps[index] = step;
+    if (step > 0) file.half_steps[index] = step;
   }
   primitive["indices"] = file.append_indices(corners);
   if (primitive.contains("mode")) primitive["mode"] = triangles;

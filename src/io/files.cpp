@@ -9,11 +9,16 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+
 #include <darboux/error.h>
 #include <darboux/io.h>
 
 #include "base/base64.h"
 #include "base/text.h"
+#include "input.h"
 
 namespace darboux::io {
 namespace {
@@ -108,6 +113,25 @@ std::string read_file(const std::string& path) {
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!stream || error) throw FileError(path, expected_got("a readable file", "an error before its end"));
   return bytes;
+}
+
+Piece map_file(const std::string& path) {
+  expect_regular_file(path);
+  Descriptor file;
+  file.value = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat status {};
+  if (file.value < 0 || ::fstat(file.value, &status) != 0 || status.st_size <= 0)
+    return Piece::of(read_file(path));
+#ifdef MAP_POPULATE
+  constexpr int flags = MAP_PRIVATE | MAP_POPULATE;  // nearly all of it will be looked at
+#else
+  constexpr int flags = MAP_PRIVATE;
+#endif
+  const auto size = static_cast<std::size_t>(status.st_size);
+  void* const bytes = ::mmap(nullptr, size, PROT_READ, flags, file.value, 0);
+  if (bytes == MAP_FAILED) return Piece::of(read_file(path));
+  return {{static_cast<const char*>(bytes), size},
+          std::shared_ptr<const void>(bytes, [size](void* mapped) { ::munmap(mapped, size); })};
 }
 
 std::string in_quotes(std::string_view text) {

@@ -7,6 +7,8 @@
 
 #include <darboux/error.h>
 
+#include "buffer_bytes.h"
+
 namespace darboux {
 struct ReadOptions;
 }
@@ -18,6 +20,11 @@ void expect_regular_file(const std::string& path);
 
 /// The bytes of a regular file. \throws FileError
 std::string read_file(const std::string& path);
+
+/// The same bytes, mapped where the system can: pages come as they are looked at, and are not copied. The
+/// file must not be cut short meanwhile: a process that looks at what is gone is ended (SIGBUS). What
+/// replaces it by another of its name, as OutputFile does, does no harm. \throws FileError
+Piece map_file(const std::string& path);
 
 /// Text of the file or the user made fit for a one-line message: quoted, on one line, shortened.
 std::string in_quotes(std::string_view text);

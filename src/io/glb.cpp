@@ -38,8 +38,8 @@ std::vector<float> flatten(const std::vector<Vec4<double>>& values) {
 
 /// Appends an accessor of float vectors and returns its index.
 std::size_t append_floats(GltfFile& file, const std::vector<float>& values, std::size_t components) {
-  const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
-  const std::size_t view = file.append_view(bytes, 0, io::vertex_target);
+  std::string bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+  const std::size_t view = file.append_view(io::Piece::of(std::move(bytes)), 0, io::vertex_target);
   return file.append_accessor({{"bufferView", view},
                                {"componentType", io::component_f32},
                                {"count", values.size() / components},

@@ -12,6 +12,7 @@
 
 #include <darboux/io.h>
 
+#include "buffer_bytes.h"
 #include "json_cursor.h"
 
 namespace darboux {
@@ -29,7 +30,7 @@ struct GltfFile {
   io::Json json;
   /// One for each entry of "buffers". Buffer 0 is what becomes the binary chunk, padding included. One that
   /// has neither a uri nor the chunk has no bytes.
-  std::vector<std::optional<std::string>> buffers;
+  std::vector<std::optional<io::BufferBytes>> buffers;
   /// Of accessors whose floats were decoded from coarser numbers: half their step.
   std::map<std::size_t, double> half_steps;
   std::string other_chunks;  ///< chunks of the GLB that glTF 2.0 does not define, headers included
@@ -43,18 +44,18 @@ struct GltfFile {
   io::JsonCursor element(const char* array, const io::JsonCursor& index) const;
 
   /// The bytes that the buffer, byteOffset and byteLength of a bufferView, or of what is written like one,
-  /// name. They hold until something is appended. \throws FileError
+  /// name. They hold as long as the buffer. \throws FileError
   std::string_view view_bytes(const io::JsonCursor& view) const;
   /// The same where the bytes of its buffer are at hand.
-  std::string_view view_bytes(const io::JsonCursor& view, const std::optional<std::string>& bytes) const;
+  std::string_view view_bytes(const io::JsonCursor& view, const std::optional<io::BufferBytes>& bytes) const;
 
   /// Appends bytes to buffer 0, at a multiple of 4; returns where they begin.
-  std::size_t append_bytes(std::string_view bytes);
+  std::size_t append_bytes(io::Piece bytes);
 
   /// Appends bytes as append_bytes() does, and a bufferView on them; returns the bufferView's index.
   /// \param stride bytes from one element to the next, 0 when they are tightly packed
   /// \param target 34962 for vertex attributes, 34963 for indices
-  std::size_t append_view(std::string_view bytes, std::size_t stride, int target);
+  std::size_t append_view(io::Piece bytes, std::size_t stride, int target);
 
   /// Appends an accessor; returns its index.
   std::size_t append_accessor(io::Json accessor);
@@ -62,12 +63,18 @@ struct GltfFile {
   /// Appends a vertex attribute: an accessor like `json` but over these elements, at multiples of 4 bytes;
   /// returns its index. \param need_bounds it gets min and max, where its components have finite values;
   /// without, it gets them where `json` has them
-  std::size_t append_attribute(io::Json json, const io::Accessor& elements, bool need_bounds);
+  std::size_t append_attribute(io::Json json, io::Accessor elements, bool need_bounds);
 
   /// Appends an index list, 16-bit where the largest index allows it; returns the accessor's index.
   std::size_t append_indices(std::span<const std::uint32_t> indices);
 
-  /// The file as a GLB, with everything it names embedded.
+  /// GltfDocument::set_tangents() of floats as bytes.
+  void set_tangents(std::size_t mesh, std::size_t primitive, io::Piece tangents,
+                    const std::vector<io::Piece>& deltas);
+
+  /// The file as a GLB, with everything it names embedded: its bytes in pieces, which hold as long as this.
+  std::vector<io::Piece> glb_pieces() const;
+  /// The same in one.
   std::string to_glb() const;
 };
 
@@ -95,14 +102,14 @@ bool is_gltf(const std::string& path);
 
 /// Reads the container, parses the document, loads its buffers, and undoes EXT_meshopt_compression and
 /// KHR_draco_mesh_compression: what is left is a document without them. \throws FileError
-GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions& options = {});
+GltfFile load_gltf(const std::string& path, Piece bytes, const ReadOptions& options = {});
 
 /// The document alone: nothing of its buffers, images and compressed data is read, and none need be there.
 /// Reads as many bytes as the JSON has. \throws FileError
 GltfFile load_gltf_json(const std::string& path, const ReadOptions& options = {});
 
 /// Buffers that are read one by one, of a document that was loaded without them.
-using ReadBuffers = std::map<std::size_t, std::optional<std::string>>;
+using ReadBuffers = std::map<std::size_t, std::optional<BufferBytes>>;
 
 /// The bytes of an entry of "images": of its uri, or of its bufferView, for which the buffer is read where it
 /// is not in memory. \param read buffers that were read so \throws FileError where they are not there
@@ -137,8 +144,11 @@ struct ShownNode {
 /// Depth first. \throws FileError where a node is its own ancestor or has two parents
 std::vector<ShownNode> shown_nodes(const GltfFile& file);
 
-/// All triangles of the document. \throws FileError
-Asset read_gltf(const GltfFile& file);
+struct FloatMesh;
+
+/// All triangles of the document. \param floats gets an entry for each primitive: its triangles where
+/// read_float_mesh() has them, and then `data` stays empty \throws FileError
+Asset read_gltf(const GltfFile& file, std::vector<std::optional<FloatMesh>>* floats = nullptr);
 
 /// What the morph targets of a primitive add to positions, normals and one TEXCOORD set. \throws FileError
 std::vector<MorphTarget> read_targets(const GltfFile& file, const JsonCursor& primitive, int texcoord,

@@ -125,18 +125,18 @@ void check_arrays(const JsonCursor& document) {
 
 /// The bytes of one buffer, nothing where none are to be read. \param chunk the binary chunk where there is
 /// one; a first buffer without a uri takes it
-std::optional<std::string> load_buffer(const GltfFile& file, const JsonCursor& buffer, bool is_first,
-                                       std::optional<std::string>& chunk) {
+std::optional<BufferBytes> load_buffer(const GltfFile& file, const JsonCursor& buffer, bool is_first,
+                                       const std::optional<Piece>& chunk) {
   const std::uint64_t length = buffer.at("byteLength").integer(1);
-  std::optional<std::string> bytes;
+  std::optional<BufferBytes> bytes;
   // A fallback is for readers that do not know the extension.
   const auto meshopt = buffer.extension("EXT_meshopt_compression");
   const bool fallback = meshopt && meshopt->has("fallback") && meshopt->at("fallback").boolean();
   if (buffer.has("uri")) {
     const JsonCursor uri = buffer.at("uri");
     if (!fallback) bytes = load_uri(file.path, uri.name(), uri.text(), file.options);
-  } else if (is_first) {
-    bytes = std::move(chunk);
+  } else if (is_first && chunk) {
+    bytes = *chunk;
   }
   if (bytes && bytes->size() < length)
     buffer.at("byteLength").fail("at most the " + std::to_string(bytes->size()) + " bytes there are");
@@ -144,7 +144,7 @@ std::optional<std::string> load_buffer(const GltfFile& file, const JsonCursor& b
 }
 
 /// \param chunk the binary chunk where there is one
-void load_buffers(GltfFile& file, std::optional<std::string> chunk) {
+void load_buffers(GltfFile& file, const std::optional<Piece>& chunk) {
   if (!file.root().has("buffers")) return;
   const JsonCursor buffers = file.root().at("buffers");
   for (std::size_t i = 0; i < buffers.size(); ++i)
@@ -236,21 +236,18 @@ void check_document(const GltfFile& file) {
 
 }  // namespace
 
-GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions& options) {
+GltfFile load_gltf(const std::string& path, Piece all, const ReadOptions& options) {
   GltfFile file;
   file.options = options;
   file.path = path;
-  std::optional<std::string> chunk;
+  const std::string_view bytes = all.bytes;
+  std::optional<Piece> chunk;
   if (bytes.starts_with("glTF")) {
     const Chunks chunks = split_chunks(path, bytes);
     file.json = parse_json(path, chunks.json);
     file.json_bytes = chunks.json.size();
     file.other_chunks = chunks.others;
-    if (chunks.has_bin) {
-      bytes.resize(chunks.bin_begin + chunks.bin_size);
-      bytes.erase(0, chunks.bin_begin);
-      chunk = std::move(bytes);
-    }
+    if (chunks.has_bin) chunk = all.part(chunks.bin_begin, chunks.bin_size);
   } else {
     file.json = parse_json(path, json_text(path, bytes));
     file.json_bytes = bytes.size();
@@ -258,7 +255,7 @@ GltfFile load_gltf(const std::string& path, std::string bytes, const ReadOptions
   check_document(file);
   check_extensions(file.root());
   check_arrays(file.root());
-  load_buffers(file, std::move(chunk));
+  load_buffers(file, chunk);
   file.stored_bytes = file.bytes();
   decompress_meshopt(file);
   decompress_draco(file);
@@ -307,11 +304,10 @@ std::string image_bytes(const GltfFile& file, const JsonCursor& image, ReadBuffe
   const JsonCursor index = view.at("buffer"), buffer = file.element("buffers", index);
   const std::size_t number = index.integer();
   if (!read.contains(number)) {
-    std::optional<std::string> chunk;
-    if (std::string bytes = buffer.has("uri") ? std::string() : read_file(file.path);
-        bytes.starts_with("glTF"))
-      if (const Chunks chunks = split_chunks(file.path, bytes); chunks.has_bin)
-        chunk = bytes.substr(chunks.bin_begin, chunks.bin_size);
+    std::optional<Piece> chunk;
+    if (const Piece all = buffer.has("uri") ? Piece{} : map_file(file.path); all.bytes.starts_with("glTF"))
+      if (const Chunks chunks = split_chunks(file.path, all.bytes); chunks.has_bin)
+        chunk = all.part(chunks.bin_begin, chunks.bin_size);
     read.emplace(number, load_buffer(file, buffer, number == 0, chunk));
   }
   return std::string(file.view_bytes(view, read.at(number)));
@@ -355,16 +351,18 @@ std::string_view GltfFile::view_bytes(const io::JsonCursor& view) const {
 }
 
 std::string_view GltfFile::view_bytes(const io::JsonCursor& view,
-                                      const std::optional<std::string>& bytes) const {
+                                      const std::optional<io::BufferBytes>& bytes) const {
   const io::JsonCursor buffer = element("buffers", view.at("buffer"));
   if (!bytes) buffer.fail("a uri or, for buffer 0, the binary chunk of a GLB", "no data");
   const std::uint64_t available = buffer.at("byteLength").integer();
   const std::uint64_t offset = view.integer_or("byteOffset", 0);
   const std::uint64_t length = view.at("byteLength").integer(1);
-  if (offset > available || length > available - offset)
+  const bool there = offset <= available && length <= available - offset;
+  const std::optional<std::string_view> result = there ? bytes->within(offset, length) : std::nullopt;
+  if (!result)  // what was appended has views of its own
     view.fail("bytes within the " + std::to_string(available) + " of " + buffer.name(),
               std::to_string(length) + " bytes from byte " + std::to_string(offset));
-  return std::string_view(*bytes).substr(offset, length);
+  return *result;
 }
 
 }  // namespace darboux

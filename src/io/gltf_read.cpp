@@ -1,7 +1,11 @@
 // Meshes and nodes of a glTF document as an Asset.
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <numeric>
 #include <type_traits>
 
 #include <Eigen/Geometry>
@@ -10,6 +14,7 @@
 
 #include "accessor.h"
 #include "budget.h"
+#include "float_mesh.h"
 #include "mesh_files.h"
 #include "tangent_space.h"
 
@@ -19,37 +24,57 @@ namespace {
 constexpr std::array mode_names = {"points",    "lines",          "line loop",   "line strip",
                                    "triangles", "triangle strip", "triangle fan"};
 
-Accessor read_attribute(const GltfFile& file, const JsonCursor& attributes, const std::string& name,
-                        const char* type, std::uint64_t vertices) {
-  const JsonCursor index = attributes.at(name.c_str());
-  Accessor accessor = read_accessor(file, index);
+void check_attribute(const Accessor& accessor, const JsonCursor& index, const char* type,
+                     std::uint64_t vertices) {
   if (accessor.type != type) index.fail(std::string("an accessor of type ") + type, accessor.type);
   if (vertices != 0 && accessor.count != vertices)
     index.fail("an accessor of as many elements as POSITION's, " + std::to_string(vertices),
                std::to_string(accessor.count));
+}
+
+Accessor read_attribute(const GltfFile& file, const JsonCursor& attributes, const std::string& name,
+                        const char* type, std::uint64_t vertices) {
+  const JsonCursor index = attributes.at(name.c_str());
+  Accessor accessor = read_accessor(file, index);
+  check_attribute(accessor, index, type, vertices);
   return accessor;
 }
 
-std::vector<std::uint32_t> read_indices(const GltfFile& file, const JsonCursor& primitive,
-                                        std::uint64_t vertices) {
+// Elements where they lie, as numbers of type T; nothing where they are to be read.
+template <class T>
+std::span<const T> numbers_in_place(const GltfFile& file, const JsonCursor& index, const Accessor& layout) {
+  const std::string_view bytes = elements_in_place(file, index, layout);
+  if (reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(T) != 0) return {};
+  return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+}
+
+InPlace<std::uint32_t> read_indices(const GltfFile& file, const JsonCursor& primitive,
+                                    std::uint64_t vertices) {
   const JsonCursor index = primitive.at("indices");
-  const Accessor accessor = read_accessor(file, index);
-  const std::uint64_t type = accessor.component_type;
-  if (accessor.type != "SCALAR" || (type != component_u8 && type != component_u16 && type != component_u32))
+  const Accessor layout = accessor_layout(file.element("accessors", index));
+  const std::uint64_t type = layout.component_type;
+  const bool are_indices =
+      layout.type == "SCALAR" && (type == component_u8 || type == component_u16 || type == component_u32);
+  std::span<const std::uint32_t> there;
+  if (are_indices && type == component_u32) there = numbers_in_place<std::uint32_t>(file, index, layout);
+  Accessor accessor;
+  if (there.empty()) accessor = read_accessor(file, index);
+  if (!are_indices)
     index.fail("an accessor of type SCALAR and componentType 5121, 5123 or 5125",
-               accessor.type + " and " + std::to_string(type));
-  std::vector<std::uint32_t> indices = unsigned_integers(accessor);
-  for (std::size_t i = 0; i < indices.size(); ++i)
-    if (indices[i] >= vertices)
+               layout.type + " and " + std::to_string(type));
+  auto indices = there.empty() ? InPlace<std::uint32_t>(unsigned_integers(accessor)) : InPlace(there);
+  const std::span<const std::uint32_t> corners = indices.span();
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (corners[i] >= vertices)
       index.fail("indices below " + std::to_string(vertices),
-                 std::to_string(indices[i]) + " at place " + std::to_string(i));
+                 std::to_string(corners[i]) + " at place " + std::to_string(i));
   return indices;
 }
 
 /// Triangles in glTF's winding (section 3.7.2.1): a strip turns over every other triangle, a fan ends with
 /// its hub.
 /// \param leftover is set to how many corners at the end are no whole triangle
-std::vector<Triangle> make_triangles(std::uint64_t mode, const std::vector<std::uint32_t>& corners,
+std::vector<Triangle> make_triangles(std::uint64_t mode, std::span<const std::uint32_t> corners,
                                      std::size_t& leftover) {
   const std::size_t n = corners.size();
   std::vector<Triangle> result;
@@ -91,6 +116,30 @@ std::vector<Vector> gather(const Accessor& accessor) {
   return vectors;
 }
 
+std::string uv_name(int set) {
+  return "TEXCOORD_" + std::to_string(set);
+}
+
+/// The uvs that tangents follow: those its materials name, else the first.
+void choose_uvs(const GltfFile& file, const JsonCursor& place, Primitive& primitive) {
+  const TangentSpace space = tangent_space(file, place);
+  primitive.needs_tangents = space.needed;
+  for (const std::uint64_t set : {space.texcoord, std::uint64_t{0}}) {
+    if (primitive.texcoord >= 0 || !place.at("attributes").has("TEXCOORD_" + std::to_string(set))) continue;
+    primitive.texcoord = static_cast<int>(set);
+    primitive.names_uv_set = space.names && set == space.texcoord;
+    if (primitive.names_uv_set) primitive.texture_transform = space.transform;
+  }
+}
+
+/// The others that stored tangents may follow.
+std::vector<int> other_uv_sets(const JsonCursor& attributes, const Primitive& primitive) {
+  std::vector<int> sets;
+  for (int set = 0; set < most_uv_sets && primitive.texcoord >= 0; ++set)
+    if (set != primitive.texcoord && attributes.has(uv_name(set))) sets.push_back(set);
+  return sets;
+}
+
 void read_triangles(const GltfFile& file, const JsonCursor& place, std::uint64_t mode, Primitive& primitive) {
   const JsonCursor attributes = place.at("attributes");
   Mesh& mesh = primitive.data;
@@ -105,32 +154,93 @@ void read_triangles(const GltfFile& file, const JsonCursor& place, std::uint64_t
   const std::size_t vertices = mesh.positions.size();
   if (attributes.has("NORMAL")) read("NORMAL", "VEC3", vertices, mesh.normals, mesh.half_steps.normal);
   if (attributes.has("TANGENT")) read("TANGENT", "VEC4", vertices, mesh.tangents, mesh.half_steps.tangent);
-  const TangentSpace space = tangent_space(file, place);
-  primitive.needs_tangents = space.needed;
-  for (const std::uint64_t set : {space.texcoord, std::uint64_t{0}}) {
-    const std::string name = "TEXCOORD_" + std::to_string(set);
-    if (primitive.texcoord >= 0 || !attributes.has(name.c_str())) continue;
-    read(name, "VEC2", vertices, mesh.uvs, mesh.half_steps.uv);
-    primitive.texcoord = static_cast<int>(set);
-    primitive.names_uv_set = space.names && set == space.texcoord;
-    if (primitive.names_uv_set) primitive.texture_transform = space.transform;
-  }
-  if (!mesh.tangents.empty() && !mesh.uvs.empty())
-    for (int set = 0; set < most_uv_sets; ++set) {
-      const std::string name = "TEXCOORD_" + std::to_string(set);
-      if (set == primitive.texcoord || !attributes.has(name.c_str())) continue;
+  choose_uvs(file, place, primitive);
+  if (primitive.texcoord >= 0)
+    read(uv_name(primitive.texcoord), "VEC2", vertices, mesh.uvs, mesh.half_steps.uv);
+  if (!mesh.tangents.empty())
+    for (const int set : other_uv_sets(attributes, primitive))
       primitive.other_uvs.emplace_back(
-          set, gather<Vec2<double>>(read_attribute(file, attributes, name, "VEC2", vertices)));
-    }
-  std::vector<std::uint32_t> corners;
+          set, gather<Vec2<double>>(read_attribute(file, attributes, uv_name(set), "VEC2", vertices)));
   if (place.has("indices")) {
-    corners = read_indices(file, place, vertices);
+    const InPlace<std::uint32_t> corners = read_indices(file, place, vertices);
+    mesh.triangles = make_triangles(mode, corners.span(), primitive.leftover_indices);
   } else {
-    corners.resize(vertices);
-    for (std::size_t i = 0; i < vertices; ++i) corners[i] = static_cast<std::uint32_t>(i);
+    std::vector<std::uint32_t> corners(vertices);
+    std::iota(corners.begin(), corners.end(), std::uint32_t{0});
+    mesh.triangles = make_triangles(mode, corners, primitive.leftover_indices);
   }
-  mesh.triangles = make_triangles(mode, corners, primitive.leftover_indices);
 }
+
+// Whether positions, normals and uvs are floats, and tangents take them as they are.
+bool stored_as_floats(const GltfFile& file, const JsonCursor& place, std::uint64_t mode,
+                      const Primitive& primitive) {
+  const JsonCursor attributes = place.at("attributes");
+  if (mode != triangles || place.has("targets") || primitive.texcoord < 0 || primitive.texture_transform ||
+      !attributes.has("NORMAL"))
+    return false;
+  for (const std::string& name :
+       {std::string("POSITION"), std::string("NORMAL"), uv_name(primitive.texcoord)})
+    if (accessor_layout(file.element("accessors", attributes.at(name))).component_type != component_f32)
+      return false;
+  return true;
+}
+
+// Finite, and at full precision: not all below 2^-100.
+bool are_ordinary(std::span<const float> values, bool any_scale) {
+  std::uint32_t greatest = 0;
+  for (const float x : values) greatest = std::max(greatest, std::bit_cast<std::uint32_t>(x) & 0x7fffffffU);
+  const float size = std::bit_cast<float>(greatest);
+  return std::isfinite(size) && (any_scale || size == 0 || size >= 0x1p-100F);
+}
+
+}  // namespace
+
+std::optional<FloatMesh> read_float_mesh(const GltfFile& file, const JsonCursor& place, std::uint64_t mode,
+                                         Primitive& primitive) {
+  Primitive found;
+  choose_uvs(file, place, found);
+  if (!stored_as_floats(file, place, mode, found)) return std::nullopt;
+  FloatMesh mesh;
+  const JsonCursor attributes = place.at("attributes");
+  const auto read = [&](const std::string& name, const char* type) {
+    const JsonCursor index = attributes.at(name);
+    const Accessor layout = accessor_layout(file.element("accessors", index));
+    const std::span<const float> there = numbers_in_place<float>(file, index, layout);
+    Accessor accessor;
+    if (there.empty()) accessor = read_accessor(file, index);
+    check_attribute(layout, index, type, mesh.vertices);
+    mesh.vertices = layout.count;
+    if (!there.empty()) return InPlace<float>(there);
+    std::vector<float> copy(accessor.bytes.size() / sizeof(float));
+    std::memcpy(copy.data(), accessor.bytes.data(), accessor.bytes.size());
+    return InPlace<float>(std::move(copy));
+  };
+  mesh.positions = read("POSITION", "VEC3");
+  mesh.normals = read("NORMAL", "VEC3");
+  const auto check = [&](const std::string& name, const char* type) {
+    const JsonCursor index = attributes.at(name);
+    const Accessor layout = accessor_layout(file.element("accessors", index));
+    if (elements_in_place(file, index, layout).empty()) read_accessor(file, index);
+    check_attribute(layout, index, type, mesh.vertices);
+  };
+  if (attributes.has("TANGENT")) check("TANGENT", "VEC4");
+  mesh.uvs = read(uv_name(found.texcoord), "VEC2");
+  if (attributes.has("TANGENT"))
+    for (const int set : other_uv_sets(attributes, found)) check(uv_name(set), "VEC2");
+  if (place.has("indices")) mesh.corners = read_indices(file, place, mesh.vertices);
+  const std::size_t corners = place.has("indices") ? mesh.corners.span().size() : mesh.vertices;
+  mesh.triangles = corners / 3;
+  if (mesh.triangles == 0 || !are_ordinary(mesh.positions.span(), false) ||
+      !are_ordinary(mesh.normals.span(), true) || !are_ordinary(mesh.uvs.span(), false))
+    return std::nullopt;
+  primitive.needs_tangents = found.needs_tangents;
+  primitive.texcoord = found.texcoord;
+  primitive.names_uv_set = found.names_uv_set;
+  primitive.leftover_indices = corners % 3;
+  return mesh;
+}
+
+namespace {
 
 template <std::size_t N>
 std::array<double, N> read_numbers(const JsonCursor& place) {
@@ -270,8 +380,11 @@ namespace {
 
 /// In bytes, with what it takes to judge it. One primitive takes a few times what the file holds at most, but
 /// many may share that.
-std::uint64_t size_of(const Primitive& primitive) {
+std::uint64_t size_of(const Primitive& primitive, const std::optional<FloatMesh>& floats) {
   const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
+  if (floats)  // as doubles, so that one limit does for all commands
+    return floats->vertices * (2 * sizeof(Vec3<double>) + sizeof(Vec2<double>)) +
+           triangle_bytes * floats->triangles;
   const Mesh& mesh = primitive.data;
   std::uint64_t sum = bytes(mesh.positions) + bytes(mesh.normals) + bytes(mesh.uvs) + bytes(mesh.tangents) +
                       triangle_bytes * mesh.triangles.size();
@@ -281,7 +394,7 @@ std::uint64_t size_of(const Primitive& primitive) {
 
 }  // namespace
 
-Asset read_gltf(const GltfFile& file) {
+Asset read_gltf(const GltfFile& file, std::vector<std::optional<FloatMesh>>* floats) {
   Budget budget(file);
   Asset asset;
   const JsonCursor root = file.root();
@@ -308,8 +421,11 @@ Asset read_gltf(const GltfFile& file) {
       primitive.mesh = m;
       primitive.primitive = p;
       if (mesh.has("name")) primitive.name = mesh.at("name").text();
-      read_triangles(file, place, mode, primitive);
-      budget.take(size_of(primitive), place, "its vertices and triangles");
+      std::optional<FloatMesh> as_floats;
+      if (floats != nullptr) as_floats = read_float_mesh(file, place, mode, primitive);
+      if (!as_floats) read_triangles(file, place, mode, primitive);
+      budget.take(size_of(primitive, as_floats), place, "its vertices and triangles");
+      if (floats != nullptr) floats->push_back(std::move(as_floats));
       primitive.instances = instances;
     }
   }

@@ -23,6 +23,7 @@ using io::JsonCursor;
 constexpr std::size_t round_up_4(std::size_t n) {
   return (n + 3) / 4 * 4;
 }
+constexpr std::string_view zeros("\0\0\0", 3);
 
 template <class T>
 std::string_view as_bytes(std::span<const T> values) {
@@ -34,12 +35,16 @@ void append_u32(std::string& bytes, std::size_t value) {
   bytes.append(reinterpret_cast<const char*>(&word), sizeof word);
 }
 
-/// A chunk of a GLB, filled up to a multiple of 4 bytes.
-void append_chunk(std::string& glb, std::uint32_t type, std::string_view content, char fill) {
-  append_u32(glb, round_up_4(content.size()));
+/// The header of a chunk of a GLB, whose content is filled up to a multiple of 4 bytes.
+void append_chunk_header(std::string& glb, std::uint32_t type, std::size_t size) {
+  append_u32(glb, round_up_4(size));
   append_u32(glb, type);
-  glb += content;
-  glb.append(round_up_4(content.size()) - content.size(), fill);
+}
+
+/// A copy of values as bytes.
+template <class T>
+io::Piece copied(std::span<const T> values) {
+  return io::Piece::of(std::string(as_bytes(values)));
 }
 
 /// The media type of an image by its first bytes, whatever the document states; empty when it is none.
@@ -100,7 +105,7 @@ std::size_t append_remapped(GltfFile& file, std::size_t old_index, const io::Acc
   remapped.bytes.assign(source.size() * size, '\0');
   for (std::size_t i = 0; i < source.size(); ++i)
     std::memcpy(remapped.bytes.data() + i * size, old.bytes.data() + source[i] * size, size);
-  return file.append_attribute(file.json["accessors"][old_index], remapped, need_bounds);
+  return file.append_attribute(file.json["accessors"][old_index], std::move(remapped), need_bounds);
 }
 
 std::string primitive_name(std::size_t mesh, std::size_t primitive) {
@@ -122,24 +127,24 @@ JsonCursor find_primitive(const GltfFile& file, std::size_t mesh, std::size_t pr
 
 }  // namespace
 
-std::size_t GltfFile::append_bytes(std::string_view bytes) {
+std::size_t GltfFile::append_bytes(io::Piece bytes) {
   if (buffers.empty()) {
     json["buffers"] = Json::array({Json{{"byteLength", 0u}}});
     buffers.emplace_back(std::string());
   }
   if (!buffers[0])
     root().at("buffers").at(std::size_t{0}).fail("a buffer with data, to append to", "one without");
-  std::string& chunk = *buffers[0];
+  io::BufferBytes& chunk = *buffers[0];
   const std::size_t offset = round_up_4(chunk.size());
-  chunk.resize(offset, '\0');
-  chunk += bytes;
+  if (offset != chunk.size()) chunk.append({zeros.substr(0, offset - chunk.size()), nullptr});
+  chunk.append(std::move(bytes));
   json["buffers"][0]["byteLength"] = chunk.size();
   return offset;
 }
 
-std::size_t GltfFile::append_view(std::string_view bytes, std::size_t stride, int target) {
-  const std::size_t offset = append_bytes(bytes);
-  Json view = {{"buffer", 0u}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
+std::size_t GltfFile::append_view(io::Piece bytes, std::size_t stride, int target) {
+  const std::size_t length = bytes.bytes.size(), offset = append_bytes(std::move(bytes));
+  Json view = {{"buffer", 0u}, {"byteOffset", offset}, {"byteLength", length}};
   if (stride != 0) view["byteStride"] = stride;
   view["target"] = target;
   json["bufferViews"].push_back(std::move(view));
@@ -151,20 +156,22 @@ std::size_t GltfFile::append_accessor(Json accessor) {
   return json["accessors"].size() - 1;
 }
 
-std::size_t GltfFile::append_attribute(Json accessor, const io::Accessor& elements, bool need_bounds) {
+std::size_t GltfFile::append_attribute(Json accessor, io::Accessor elements, bool need_bounds) {
   const std::size_t size = elements.element_bytes, stride = round_up_4(size);
   need_bounds = need_bounds || accessor.contains("min") || accessor.contains("max");
   for (const char* key : {"byteOffset", "sparse", "min", "max"}) accessor.erase(key);
-  if (stride == size) {
-    accessor["bufferView"] = append_view(elements.bytes, 0, io::vertex_target);
-  } else {
+  std::optional<std::pair<Json, Json>> range;
+  if (need_bounds && !elements.type.starts_with("MAT")) range = bounds(elements);
+  if (stride != size) {
     std::string strided(elements.count * stride, '\0');
     for (std::size_t i = 0; i < elements.count; ++i)
       std::memcpy(strided.data() + i * stride, elements.bytes.data() + i * size, size);
-    accessor["bufferView"] = append_view(strided, stride, io::vertex_target);
+    elements.bytes = std::move(strided);
   }
+  accessor["bufferView"] =
+      append_view(io::Piece::of(std::move(elements.bytes)), stride == size ? 0 : stride, io::vertex_target);
   accessor["count"] = elements.count;
-  if (const auto range = bounds(elements); need_bounds && range && !elements.type.starts_with("MAT")) {
+  if (range) {
     accessor["min"] = range->first;
     accessor["max"] = range->second;
   }
@@ -175,37 +182,57 @@ std::size_t GltfFile::append_indices(std::span<const std::uint32_t> indices) {
   // 65535 is the restart value of 16-bit indices, which glTF forbids.
   const bool narrow = *std::max_element(indices.begin(), indices.end()) < 65535;
   const std::vector<std::uint16_t> narrowed(indices.begin(), narrow ? indices.end() : indices.begin());
-  const std::size_t view =
-      append_view(narrow ? as_bytes(std::span(narrowed)) : as_bytes(indices), 0, io::index_target);
+  const std::size_t view = append_view(
+      narrow ? copied(std::span<const std::uint16_t>(narrowed)) : copied(indices), 0, io::index_target);
   return append_accessor({{"bufferView", view},
                           {"componentType", narrow ? io::component_u16 : io::component_u32},
                           {"count", indices.size()},
                           {"type", "SCALAR"}});
 }
 
-std::string GltfFile::to_glb() const {
+std::vector<io::Piece> GltfFile::glb_pieces() const {
   Json document = json;
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     Json& buffer = document["buffers"][i];
     if (i == 0 && buffers[0])
       buffer.erase("uri");
     else if (buffers[i] && !io::is_data_uri(buffer["uri"].get_ref<const std::string&>()))
-      buffer["uri"] = io::make_data_uri("application/octet-stream", *buffers[i]);
+      buffer["uri"] = io::make_data_uri("application/octet-stream", buffers[i]->joined());
   }
   if (const auto images = document.find("images"); images != document.end())
     for (Json& image : *images) embed_image(*this, image);
 
-  std::string glb = "glTF";
-  append_u32(glb, 2);
-  append_u32(glb, 0);  // the length, known at the end
   // All texts of the document were read as UTF-8; those a caller brought may not be.
-  append_chunk(glb, io::json_chunk, document.dump(-1, ' ', false, Json::error_handler_t::replace), ' ');
-  if (!buffers.empty() && buffers[0]) append_chunk(glb, io::bin_chunk, *buffers[0], '\0');
-  glb += other_chunks;
-  if (glb.size() > std::numeric_limits<std::uint32_t>::max())
-    throw FileError(path, expected_got("a GLB of less than 4 GiB", std::to_string(glb.size()) + " bytes"));
-  const auto length = static_cast<std::uint32_t>(glb.size());
-  std::memcpy(glb.data() + 8, &length, sizeof length);
+  std::string text = document.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::size_t size = text.size();
+  text.resize(round_up_4(size), ' ');
+  std::string head = "glTF";
+  append_u32(head, 2);
+  append_u32(head, 0);  // the length, known at the end
+  append_chunk_header(head, io::json_chunk, size);
+  head += text;
+  std::vector<io::Piece> pieces(1);
+  std::size_t length = other_chunks.size();
+  if (!buffers.empty() && buffers[0]) {
+    const io::BufferBytes& bin = *buffers[0];
+    append_chunk_header(head, io::bin_chunk, bin.size());
+    pieces.insert(pieces.end(), bin.pieces().begin(), bin.pieces().end());
+    pieces.push_back({zeros.substr(0, round_up_4(bin.size()) - bin.size()), nullptr});
+    length += round_up_4(bin.size());
+  }
+  length += head.size();
+  pieces.push_back({other_chunks, nullptr});
+  if (length > std::numeric_limits<std::uint32_t>::max())
+    throw FileError(path, expected_got("a GLB of less than 4 GiB", std::to_string(length) + " bytes"));
+  const auto stated = static_cast<std::uint32_t>(length);
+  std::memcpy(head.data() + 8, &stated, sizeof stated);
+  pieces[0] = io::Piece::of(std::move(head));
+  return pieces;
+}
+
+std::string GltfFile::to_glb() const {
+  std::string glb;
+  for (const io::Piece& piece : glb_pieces()) glb += piece.bytes;
   return glb;
 }
 
@@ -215,7 +242,7 @@ GltfDocument& GltfDocument::operator=(GltfDocument&&) noexcept = default;
 GltfDocument::~GltfDocument() = default;
 
 GltfDocument GltfDocument::load(const std::string& path, const ReadOptions& options) {
-  return GltfDocument(std::make_unique<GltfFile>(io::load_gltf(path, io::read_file(path), options)));
+  return GltfDocument(std::make_unique<GltfFile>(io::load_gltf(path, io::map_file(path), options)));
 }
 
 const std::string& GltfDocument::path() const {
@@ -256,7 +283,7 @@ void GltfDocument::set_colours(std::size_t mesh, std::size_t primitive, std::spa
                       {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
                       {"doubleSided", true},
                       {"extensions", {{unlit, Json::object()}}}};
-  const std::size_t view = file_->append_view(as_bytes(colours), 0, io::vertex_target);
+  const std::size_t view = file_->append_view(copied(colours), 0, io::vertex_target);
   const std::size_t accessor = file_->append_accessor(
       {{"bufferView", view}, {"componentType", io::component_f32}, {"count", vertices}, {"type", "VEC3"}});
   place_in(file_->json["extensionsUsed"], unlit);
@@ -271,35 +298,42 @@ void GltfDocument::set_colours(std::size_t mesh, std::size_t primitive, std::spa
   if (!json.contains("extras") || json["extras"].is_object()) json["extras"].update(extras);
 }
 
+void GltfFile::set_tangents(std::size_t mesh, std::size_t primitive, io::Piece tangents,
+                            const std::vector<io::Piece>& deltas) {
+  const JsonCursor place = find_primitive(*this, mesh, primitive);
+  const JsonCursor position = place.at("attributes").at("POSITION");
+  const std::uint64_t vertices = element("accessors", position).at("count").integer(1);
+  const auto check_count = [&](std::size_t given, std::uint64_t wanted, const char* what) {
+    if (given != wanted)
+      throw MeshError(path, primitive_name(mesh, primitive) + ": " +
+                                expected_got(what + (", " + std::to_string(wanted)), std::to_string(given)));
+  };
+  check_count(tangents.bytes.size() / sizeof(Vec4<float>), vertices, "one tangent per vertex");
+  const std::size_t targets = place.has("targets") ? place.at("targets").size() : 0;
+  if (!deltas.empty()) check_count(deltas.size(), targets, "one list of deltas per morph target");
+  for (const io::Piece& list : deltas)
+    check_count(list.bytes.size() / sizeof(Vec3<float>), vertices, "one delta per vertex");
+
+  const auto append = [&](io::Piece bytes, const char* type) {
+    const std::size_t view = append_view(std::move(bytes), 0, io::vertex_target);
+    return append_accessor(
+        {{"bufferView", view}, {"componentType", io::component_f32}, {"count", vertices}, {"type", type}});
+  };
+  const std::size_t base = append(std::move(tangents), "VEC4");
+  std::vector<std::size_t> of_targets;
+  for (const io::Piece& list : deltas) of_targets.push_back(append(list, "VEC3"));
+  Json& changed = json["meshes"][mesh]["primitives"][primitive];
+  changed["attributes"]["TANGENT"] = base;
+  for (std::size_t i = 0; i < of_targets.size(); ++i) changed["targets"][i]["TANGENT"] = of_targets[i];
+}
+
 void GltfDocument::set_tangents(std::size_t mesh, std::size_t primitive,
                                 std::span<const Vec4<float>> tangents,
                                 std::span<const std::vector<Vec3<float>>> deltas) {
   static_assert(sizeof(Vec4<float>) == 16 && sizeof(Vec3<float>) == 12);
-  const JsonCursor place = find_primitive(*file_, mesh, primitive);
-  const JsonCursor position = place.at("attributes").at("POSITION");
-  const std::uint64_t vertices = file_->element("accessors", position).at("count").integer(1);
-  const auto check_count = [&](std::size_t given, std::uint64_t wanted, const char* what) {
-    if (given != wanted)
-      throw MeshError(file_->path,
-                      primitive_name(mesh, primitive) + ": " +
-                          expected_got(what + (", " + std::to_string(wanted)), std::to_string(given)));
-  };
-  check_count(tangents.size(), vertices, "one tangent per vertex");
-  const std::size_t targets = place.has("targets") ? place.at("targets").size() : 0;
-  if (!deltas.empty()) check_count(deltas.size(), targets, "one list of deltas per morph target");
-  for (const auto& list : deltas) check_count(list.size(), vertices, "one delta per vertex");
-
-  const auto append = [&](std::string_view bytes, const char* type) {
-    const std::size_t view = file_->append_view(bytes, 0, io::vertex_target);
-    return file_->append_accessor(
-        {{"bufferView", view}, {"componentType", io::component_f32}, {"count", vertices}, {"type", type}});
-  };
-  const std::size_t base = append(as_bytes(tangents), "VEC4");
-  std::vector<std::size_t> of_targets;
-  for (const auto& list : deltas) of_targets.push_back(append(as_bytes(std::span(list)), "VEC3"));
-  Json& json = file_->json["meshes"][mesh]["primitives"][primitive];
-  json["attributes"]["TANGENT"] = base;
-  for (std::size_t i = 0; i < of_targets.size(); ++i) json["targets"][i]["TANGENT"] = of_targets[i];
+  std::vector<io::Piece> of_targets;
+  for (const auto& list : deltas) of_targets.push_back(copied(std::span(list)));
+  file_->set_tangents(mesh, primitive, copied(tangents), of_targets);
 }
 
 void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
@@ -358,7 +392,10 @@ void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
 }
 
 void GltfDocument::save_glb(const std::string& path) const {
-  write_file(path, file_->to_glb());
+  const std::vector<io::Piece> pieces = file_->glb_pieces();
+  OutputFile file(path);
+  for (const io::Piece& piece : pieces) file.write(piece.bytes);
+  file.commit();
 }
 
 }  // namespace darboux

@@ -144,7 +144,7 @@ void decompress_meshopt(GltfFile& file) {
   for (const std::size_t i : compressed) {
     const JsonCursor view = file.root().at("bufferViews").at(i);
     const std::size_t offset =
-        file.append_bytes(decode(file, view, *view.extension(meshopt_extension), left, budget));
+        file.append_bytes(Piece::of(decode(file, view, *view.extension(meshopt_extension), left, budget)));
     Json& json = file.json["bufferViews"][i];
     json["buffer"] = 0u;
     json["byteOffset"] = offset;

@@ -56,7 +56,7 @@ bool is_text(const std::string& path) {
 
 Asset read_any(const std::string& path, const ReadOptions& options) {
   const std::string extension = extension_of(path);
-  if (io::is_gltf(path)) return io::read_gltf(io::load_gltf(path, io::read_file(path), options));
+  if (io::is_gltf(path)) return io::read_gltf(io::load_gltf(path, io::map_file(path), options));
   if (extension == ".ply") return io::read_ply(path, options);
   if (extension == ".stl") return io::read_stl(path);
   if (extension == ".dae") return io::read_collada(path, io::read_file(path), options);

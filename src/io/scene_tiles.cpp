@@ -33,11 +33,12 @@ struct TileFloats {
 };
 
 std::size_t append_tile_floats(GltfFile& file, const std::vector<float>& values, std::size_t components) {
-  const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
-  return file.append_accessor({{"bufferView", file.append_view(bytes, 0, vertex_target)},
-                               {"componentType", component_f32},
-                               {"count", values.size() / components},
-                               {"type", "VEC" + std::to_string(components)}});
+  std::string bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+  return file.append_accessor(
+      {{"bufferView", file.append_view(Piece::of(std::move(bytes)), 0, vertex_target)},
+       {"componentType", component_f32},
+       {"count", values.size() / components},
+       {"type", "VEC" + std::to_string(components)}});
 }
 
 }  // namespace

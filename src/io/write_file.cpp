@@ -181,8 +181,10 @@ void OutputFile::flush() {
 
 void OutputFile::write(std::string_view content) {
   constexpr std::size_t most = 1 << 20;
-  buffer_ += content;
-  if (buffer_.size() >= most) flush();
+  if (content.size() < most) buffer_ += content;
+  if (content.size() >= most || buffer_.size() >= most) flush();
+  if (content.size() < most) return;
+  if (const int error = write_all(descriptor_, content); error != 0) fail(path_, error);
 }
 
 void OutputFile::commit() {

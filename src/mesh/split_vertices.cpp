@@ -30,16 +30,6 @@ void check_arguments(std::size_t vertices, std::span<const std::uint32_t> corner
                                                          std::to_string(corners[c])));
 }
 
-// The corners, those of one vertex together and in order.
-std::vector<std::uint32_t> sort_by_vertex(std::size_t vertices, std::span<const std::uint32_t> corners) {
-  std::vector<std::uint32_t> next(vertices + 1, 0);
-  for (const std::uint32_t v : corners) ++next[v + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<std::uint32_t> sorted(corners.size());
-  for (std::uint32_t c = 0; c < corners.size(); ++c) sorted[next[corners[c]]++] = c;
-  return sorted;
-}
-
 }  // namespace
 
 SplitVertices split_vertices(std::size_t vertices, std::span<const std::uint32_t> corners,
@@ -51,41 +41,46 @@ SplitVertices split_vertices(std::size_t vertices, std::span<const std::uint32_t
     return bytes == 0 ? 0 : std::memcmp(data + a * bytes, data + b * bytes, bytes);
   };
 
-  // The first corner at the same vertex with the same values.
-  std::vector<std::uint32_t> first(corners.size());
-  std::vector<std::uint32_t> sorted = sort_by_vertex(vertices, corners);
-  for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
-    while (end < sorted.size() && corners[sorted[end]] == corners[sorted[begin]]) ++end;
-    std::sort(sorted.data() + begin, sorted.data() + end, [&](std::uint32_t a, std::uint32_t b) {
-      const int order = compare(a, b);
-      return order != 0 ? order < 0 : a < b;
-    });
-    for (std::size_t i = begin; i < end; ++i)
-      first[sorted[i]] =
-          i > begin && compare(sorted[i - 1], sorted[i]) == 0 ? first[sorted[i - 1]] : sorted[i];
-  }
-
   SplitVertices result;
   result.source.resize(vertices);
   std::iota(result.source.begin(), result.source.end(), 0U);
   result.corner.assign(vertices, none);
-  result.indices.resize(corners.size());
+  result.indices.assign(corners.begin(), corners.end());
+  std::vector<bool> differs(vertices);  // whether corners there have other values than the first
+  bool any_differs = false;
   for (std::uint32_t c = 0; c < corners.size(); ++c) {
-    const std::uint32_t v = corners[c];
-    if (first[c] != c) {
-      result.indices[c] = result.indices[first[c]];
-    } else if (result.corner[v] == none) {
-      result.corner[v] = c;
-      result.indices[c] = v;
-    } else {
-      if (result.source.size() + 1 >= none)
-        throw MeshError("split_vertices",
-                        expected_got("fewer than 2^32 - 1 vertices", "more after the split"));
-      result.indices[c] = static_cast<std::uint32_t>(result.source.size());
-      result.source.push_back(v);
-      result.corner.push_back(c);
-    }
+    std::uint32_t& first = result.corner[corners[c]];
+    if (first == none) first = c;
+    if (!differs[corners[c]] && compare(first, c) != 0) any_differs = differs[corners[c]] = true;
   }
+  if (!any_differs) return result;
+
+  std::vector<std::uint32_t> sorted;
+  for (std::uint32_t c = 0; c < corners.size(); ++c)
+    if (differs[corners[c]]) sorted.push_back(c);
+  std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (corners[a] != corners[b]) return corners[a] < corners[b];
+    const int order = compare(a, b);
+    return order != 0 ? order < 0 : a < b;
+  });
+  const auto equal = [&](std::uint32_t a, std::uint32_t b) {
+    return corners[a] == corners[b] && compare(a, b) == 0;
+  };
+  std::vector<std::uint32_t> news;  // the first corners of new vertices
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    if (const std::uint32_t c = sorted[i];
+        (i == 0 || !equal(sorted[i - 1], c)) && result.corner[corners[c]] != c)
+      news.push_back(c);
+  std::sort(news.begin(), news.end());
+  if (vertices + news.size() >= none)
+    throw MeshError("split_vertices", expected_got("fewer than 2^32 - 1 vertices", "more after the split"));
+  for (std::size_t k = 0; k < news.size(); ++k) {
+    result.source.push_back(corners[news[k]]);
+    result.corner.push_back(news[k]);
+    result.indices[news[k]] = static_cast<std::uint32_t>(vertices + k);
+  }
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    if (equal(sorted[i - 1], sorted[i])) result.indices[sorted[i]] = result.indices[sorted[i - 1]];
   return result;
 }
 

@@ -161,11 +161,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ReadOptions options;
   options.max_memory = std::uint64_t{64} << 20;
   fuzz::may_refuse([&] {
-    const GltfFile file = io::load_gltf("memory.glb", bytes, options);
+    const GltfFile file = io::load_gltf("memory.glb", io::Piece::of(bytes), options);
     const Asset asset = io::read_gltf(file);
     for (const Primitive& p : asset.primitives) check_consistent(p.data, "memory.glb");
     const std::string again = file.to_glb();
-    const Asset same = io::read_gltf(io::load_gltf("memory.glb", again, options));
+    const Asset same = io::read_gltf(io::load_gltf("memory.glb", io::Piece::of(again), options));
     fuzz::expect(same.primitives.size() == asset.primitives.size(), "what is written is read again");
     for (std::size_t i = 0; i < asset.primitives.size(); ++i)
       fuzz::expect(same.primitives[i].data.triangles == asset.primitives[i].data.triangles,

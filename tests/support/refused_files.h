@@ -39,7 +39,7 @@ inline void expect_refused(const std::string& path, const std::string& part) {
 inline bool content_is_read(const std::string& bytes) {
   const std::string path = "memory.glb";
   try {
-    for (const Primitive& p : io::read_gltf(io::load_gltf(path, bytes)).primitives)
+    for (const Primitive& p : io::read_gltf(io::load_gltf(path, io::Piece::of(bytes))).primitives)
       check_consistent(p.data, path);
     return true;
   } catch (const FileError& error) {

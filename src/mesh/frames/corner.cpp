@@ -72,11 +72,7 @@ CornerFrame frame_or_fallback(const Vec3<double>& t, const Vec3<double>& b, cons
 }
 
 void count_degenerate(const Face& face, MeshFrames& result) {
-  if (face.solved) return;
-  if (is_degenerate(face.p[0], face.p[1], face.p[2]))
-    ++result.degenerate_triangles;
-  else if (is_degenerate(face.uv[0], face.uv[1], face.uv[2]))
-    ++result.degenerate_uv_triangles;
+  if (!face.solved) count_degenerate(face.p, face.uv, result);
 }
 
 void count_fallbacks(MeshFrames& result) {

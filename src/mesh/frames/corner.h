@@ -37,6 +37,15 @@ CornerFrame fallback_frame(const Vec3<double>& n, double sign);
 CornerFrame frame_or_fallback(const Vec3<double>& t, const Vec3<double>& b, const Vec3<double>& n,
                               double sign);
 
+// Counts a triangle of these corners that is degenerate. Counts: MeshFrames or MikktspaceCounts.
+template <class Counts>
+void count_degenerate(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv,
+                      Counts& result) {
+  if (is_degenerate(p[0], p[1], p[2]))
+    ++result.degenerate_triangles;
+  else if (is_degenerate(uv[0], uv[1], uv[2]))
+    ++result.degenerate_uv_triangles;
+}
 void count_degenerate(const Face& face, MeshFrames& result);
 void count_fallbacks(MeshFrames& result);
 

@@ -1,0 +1,63 @@
+/// \file buffer_bytes.h
+/// The bytes of a glTF buffer in pieces: those of a file, which may be mapped, and each that was appended.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace darboux::io {
+
+/// Bytes, and what keeps them where they are.
+struct Piece {
+  std::string_view bytes;
+  std::shared_ptr<const void> owner;
+
+  static Piece of(std::string text) {
+    const auto kept = std::make_shared<const std::string>(std::move(text));
+    return {*kept, kept};
+  }
+  /// A part of it, which keeps all of it.
+  Piece part(std::size_t begin, std::size_t length) const { return {bytes.substr(begin, length), owner}; }
+};
+
+/// Pieces one after the other. What was once appended stays where it is: views of it hold.
+class BufferBytes {
+ public:
+  BufferBytes(Piece first) : size_(first.bytes.size()), pieces_{std::move(first)} {}
+  BufferBytes(std::string first) : BufferBytes(Piece::of(std::move(first))) {}
+
+  std::size_t size() const { return size_; }
+  const std::vector<Piece>& pieces() const { return pieces_; }
+  void append(Piece piece) {
+    size_ += piece.bytes.size();
+    pieces_.push_back(std::move(piece));
+  }
+  /// Some of the bytes, nothing where they do not lie in one piece.
+  std::optional<std::string_view> within(std::size_t begin, std::size_t length) const {
+    for (const Piece& piece : pieces_) {
+      if (begin <= piece.bytes.size() && length <= piece.bytes.size() - begin)
+        return piece.bytes.substr(begin, length);
+      if (begin < piece.bytes.size()) return std::nullopt;
+      begin -= piece.bytes.size();
+    }
+    return std::nullopt;
+  }
+  std::string joined() const {
+    std::string all;
+    all.reserve(size_);
+    for (const Piece& piece : pieces_) all += piece.bytes;
+    return all;
+  }
+
+ private:
+  std::size_t size_;
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace darboux::io
