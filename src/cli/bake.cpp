@@ -42,14 +42,8 @@ Json report_json(const BakeArguments& a, const AnySurface& surface, const BakeRe
   return json;
 }
 
-void print_text(const BakeArguments& a, const BakeResult& r, std::span<const MapPiece> pieces) {
-  std::cout << a.mesh << ": " << r.map.covered << " of " << r.map.states.size() << " texels covered, "
-            << r.map.dilated << " in the gutter filled\n";
-  print_counts(r.map);
-  if (r.map.first_conflict) return print_conflict(r.map, pieces);
-  if (r.map.covered == 0) return;
-  std::cout << "at texels the normals are within " << rounded(r.bound_deg, 3) << " degrees (proven)\n"
-            << "degrees off the surface's normal, at points inside triangles\n"
+void print_errors(const BakeResult& r) {
+  std::cout << "degrees off the surface's normal, at points inside triangles\n"
             << "                         without the map       with it\n"
             << "  class        samples      rms      max      rms      max\n";
   const auto row = [](std::string_view name, const BakeError& e) {
@@ -62,6 +56,16 @@ void print_text(const BakeArguments& a, const BakeResult& r, std::span<const Map
   };
   for (std::size_t k = 0; k < r.errors.size(); ++k) row(vertex_class_names[k], r.errors[k]);
   row("all", r.all);
+}
+
+void print_text(const BakeArguments& a, const BakeResult& r, std::span<const MapPiece> pieces) {
+  std::cout << a.mesh << ": " << r.map.covered << " of " << r.map.states.size() << " texels covered, "
+            << r.map.dilated << " in the gutter filled\n";
+  print_counts(r.map);
+  if (r.map.first_conflict) return print_conflict(r.map, pieces);
+  if (r.map.covered == 0) return;
+  std::cout << "at texels the normals are within " << rounded(r.bound_deg, 3) << " degrees (proven)\n";
+  if (r.all.samples != 0) print_errors(r);
   std::cout << a.output << '\n';
 }
 
@@ -86,6 +90,9 @@ void run_bake(const BakeArguments& a, Common& common) {
   options.samples = static_cast<int>(a.samples);
   options.seed = a.seed;
   options.threads = common.threads;
+  const std::uint64_t texels =
+      static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
+  check_map_memory(a.output, 3 * sizeof(float) * texels, texels, 3, options.type, common);
   MapOutputs outputs(a.output, a.report);
   const std::vector<MapPiece> pieces = map_pieces(a, common, false);
   BakeResult result;

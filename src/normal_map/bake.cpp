@@ -90,7 +90,7 @@ void look_at(const AnySurface& surface, const MapPiece& piece, const BakeResult&
     const Triangle& triangle = mesh.triangles[i];
     if (classes.island_of_triangle[i] < 0) continue;  // no texel is its own
     const auto of = corners.of(i);
-    Frames frames(of);
+    Frames frames(of, piece.scale);
     const VertexClass lowest = std::min(
         {classes.of_vertex[triangle[0]], classes.of_vertex[triangle[1]], classes.of_vertex[triangle[2]]});
     for (int s = 0; s < options.samples; ++s) {

@@ -33,6 +33,17 @@ const std::vector<Command> commands{
     {{"scene", "scene.json", "-o", "o.glb", "--render", "o.png"}, {"o.glb", "o.png"}},
     {{"fit", "points.xyz", "--frames", "o.csv"}, {"o.csv"}},
     {{"merge", "results.jsonl", "-o", "o.jsonl"}, {"o.jsonl"}},
+    {{"bake", "--surface", "sphere", "--mesh", "in.glb", "--size", "16x8", "-o", "o.png"}, {"o.png"}},
+    {{"bake", "--surface", "sphere", "--mesh", "in.glb", "--size", "8x8", "-o", "o.exr"}, {"o.exr"}},
+    {{"normalmap", "map.png", "--from", "tangent", "--to", "object", "--mesh", "in.glb", "-o", "o.png",
+      "--report", "r.png"},
+     {"o.png", "r.png"}},
+    {{"normalmap", "map.exr", "--from", "tangent", "--to", "object", "--mesh", "in.glb", "-o", "o.tga"},
+     {"o.tga"}},
+    {{"normalmap", "map.tga", "--from", "tangent", "--mesh", "in.glb", "--size", "20x20", "--render",
+      "o.png"},
+     {"o.png"}},
+    {{"normalmap", "--compare", "map.png", "map.tga", "--report", "o.png"}, {"o.png"}},
 };
 
 // Why a process ended.
@@ -47,6 +58,8 @@ class Faults : public Cli {
   Faults() {
     fs::copy_file(DARBOUX_SOURCE "/docs/examples/scene.json", path("scene.json"));
     good("darboux mesh sphere --grid 8x6 -o in.glb --quiet");
+    for (const std::string name : {"map.png", "map.exr", "map.tga"})
+      good("darboux bake --surface sphere --mesh in.glb --size 16x8 --quiet -o " + name);
     good("darboux eval sphere --grid 6x6 --attributes position --format csv -o points.csv");
     write_bytes(path("in.obj"),
                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\n");
@@ -214,6 +227,12 @@ TEST_F(Faults, Opens) {
 }
 TEST_F(Faults, Links) {
   each_fails("linkat", wanted());
+}
+TEST_F(Faults, Renames) {
+  each_fails("rename", wanted());
+}
+TEST_F(Faults, Maps) {
+  each_fails("mmap", wanted());
 }
 TEST_F(Faults, Syncs) {
   each_fails("fsync", wanted());
