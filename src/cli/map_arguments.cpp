@@ -5,12 +5,8 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <map>
-#include <set>
-
-#include "io/budget.h"
-#include "io/files.h"
-#include "io/gltf_file.h"
 
 namespace darboux {
 namespace {
@@ -37,12 +33,6 @@ ChosenPrimitives primitive_arguments(const std::vector<std::string>& texts) {
   ChosenPrimitives result;
   for (const std::string& text : texts) result.push_back(primitive_argument(text));
   return result;
-}
-
-bool counts(const NormalTexture& texture, const ChosenPrimitives& only) {
-  return only.empty() || std::any_of(only.begin(), only.end(), [&](const auto& chosen) {
-           return chosen.first == texture.mesh && (!chosen.second || *chosen.second == texture.primitive);
-         });
 }
 
 struct Count {
@@ -116,27 +106,7 @@ void add_map_options(CLI::App& sub, MapArguments& a) {
 
 MapSource map_source(const std::string& path, const std::vector<std::string>& primitives,
                      const Common& common) {
-  if (!io::is_gltf(path)) {
-    io::expect_regular_file(path);
-    return {path, io::read_file(path)};
-  }
-  const ChosenPrimitives only = primitive_arguments(primitives);
-  MapSource source;
-  std::set<std::size_t> images;
-  for (const NormalTexture& texture : normal_textures(path, common.read)) {
-    if (!counts(texture, only)) continue;
-    images.insert(texture.image);
-    source.primitives.emplace_back(texture.mesh, texture.primitive);
-  }
-  if (images.size() != 1) {
-    std::vector<std::string> names;
-    for (const std::size_t image : images) names.push_back(std::to_string(image));
-    throw FileError(path, expected_got("normal textures of one image, or --primitive to say whose",
-                                       images.empty() ? "none" : "images " + joined(names)));
-  }
-  source.name = path + ": images[" + std::to_string(*images.begin()) + "]";
-  source.bytes = gltf_image_bytes(path, *images.begin(), common.read);
-  return source;
+  return map_source(path, primitive_arguments(primitives), common.read);
 }
 
 std::vector<MapPiece> map_pieces(const MapArguments& a, const Common& common, bool world,
@@ -166,15 +136,20 @@ Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_float
   return map;
 }
 
-void check_map_memory(const std::string& file, std::uint64_t there, std::uint64_t texels, int channels,
-                      SampleType type, const Common& common) {
-  constexpr std::array<std::uint64_t, 3> sample_bytes{1, 2, 4};
-  constexpr std::uint64_t state_bytes = 5;
-  const std::uint64_t texel_bytes =
-      static_cast<std::uint64_t>(channels) * sample_bytes[static_cast<std::size_t>(type)] + state_bytes;
-  // The user asks for it, not a small file.
-  io::Budget(common.read, io::small_file, there)
-      .take(texels * texel_bytes, io::FilePlace{file}, "a map of " + std::to_string(texels) + " texels");
+double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> pieces) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d least = Eigen::Vector3d::Constant(infinity), greatest = -least;
+  double sum = 0, count = 0;
+  for (const MapPiece& piece : pieces)
+    for (const Triangle& triangle : piece.mesh.triangles)
+      for (const std::uint32_t v : triangle) {
+        const Eigen::Vector3d p = to_eigen(piece.mesh.positions[v]);
+        least = least.cwiseMin(p);
+        greatest = greatest.cwiseMax(p);
+        sum += (to_eigen(surface.position(piece.mesh.uvs[v])) - p).squaredNorm();
+        ++count;
+      }
+  return std::sqrt(sum / count) / (greatest - least).norm();
 }
 
 void check_map_files(const std::vector<MapFile>& read, const std::string& output, const std::string& report) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,7 +12,9 @@
 #include <darboux/io.h>
 #include <darboux/normal_map.h>
 #include <darboux/normal_map_files.h>
+#include <darboux/placed_surface.h>
 
+#include "assets/map_source.h"
 #include "command.h"
 
 namespace darboux {
@@ -34,17 +37,8 @@ inline constexpr Choice<SampleType, 3> map_depths{{"8", "16", "float"}};
 /// All options but --basis, which the two have in other words.
 void add_map_options(CLI::App& sub, MapArguments& arguments);
 
-/// Primitives of a file, by number: MapPieceOptions::only.
-using ChosenPrimitives = decltype(MapPieceOptions::only);
-
-/// The bytes of a map: of an image file, or of the one image that the normal textures of a glTF have.
-struct MapSource {
-  std::string name, bytes;
-  ChosenPrimitives primitives{};  ///< of a glTF: those that have it
-};
-
-/// \param primitives as --primitive: of a glTF, those that count
-/// \throws FileError where a glTF has no normal texture, or several ParameterError for what is no primitive
+/// \param primitives as --primitive, of which those that count \throws as map_source() does; ParameterError
+/// for what is no primitive
 MapSource map_source(const std::string& path, const std::vector<std::string>& primitives,
                      const Common& common);
 
@@ -58,10 +52,9 @@ std::vector<MapPiece> map_pieces(const MapArguments& arguments, const Common& co
 /// bits
 Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_floats, const Common& common);
 
-/// Holds what convert_normal_map() takes for its result against --max-memory. \param there bytes of what it
-/// reads \param texels with so many channels of a type \throws FileError
-void check_map_memory(const std::string& file, std::uint64_t there, std::uint64_t texels, int channels,
-                      SampleType type, const Common& common);
+/// The rms distance of the corners of triangles from the surface at their uvs, over the diagonal of the box
+/// about them.
+double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> pieces);
 
 /// What `f` gives; a MeshError has the mesh's file before it then. \throws FileError
 template <class F>

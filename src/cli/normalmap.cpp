@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "io/gltf_file.h"
 #include "map_arguments.h"
 #include "map_checks.h"
 #include "report/lit_model.h"
@@ -97,7 +96,7 @@ NormalMapOptions options_of(const NormalMapArguments& a, const Common& common) {
 
 // A glTF as INPUT is the mesh too, unless another is named.
 bool is_whole_asset(const NormalMapArguments& a) {
-  return !a.input.empty() && a.mesh.empty() && a.surface.empty() && io::is_gltf(a.input);
+  return !a.input.empty() && a.mesh.empty() && a.surface.empty() && is_gltf_file(a.input);
 }
 
 // The map, and the primitives that it belongs to where it comes with the mesh; none: those of --primitive.
@@ -131,7 +130,7 @@ void run_convert(const NormalMapArguments& a, Common& common) {
   options.type = map_type(a, map.type());
   const int width = map.width, height = map.height;
   const std::size_t texels = map.texels();
-  check_map_memory(a.input, map.bytes(), texels, map.channels, *options.type, common);
+  check_map_memory(a.input, map.bytes(), texels, map.channels, *options.type, common.read);
   NormalMapSeconds seconds{.read = lap()};
   NormalMapResult result;
   {
@@ -180,9 +179,10 @@ void run_render(const NormalMapArguments& a, Common& common) {
 
 // Options of one of the four ways, beside another.
 void check_ways(const CLI::App& sub, const std::vector<const char*>& others, const char* way) {
-  for (const char* name : others)
-    if (sub.get_option(name)->count() != 0)
-      throw ParameterError(name, std::string("cannot be combined with ") + way);
+  for (const CLI::Option* option : sub.get_options())
+    for (const char* name : others)
+      if (option->count() != 0 && option->check_name(name))
+        throw ParameterError(name, std::string("cannot be combined with ") + way);
 }
 
 void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
@@ -197,7 +197,7 @@ void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
   if (!a.checks.file.empty()) {
     a.checks.primitives = a.primitives;
     std::vector<const char*> of_others = of_mesh;
-    if (io::is_gltf(a.checks.file)) of_others.erase(of_others.begin());
+    if (is_gltf_file(a.checks.file)) of_others.erase(of_others.begin());
     check_ways(sub, of_conversion, "--check");
     check_ways(sub, of_comparison, "--check");
     check_ways(sub, of_others, "--check");
