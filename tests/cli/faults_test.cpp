@@ -86,7 +86,8 @@ class Faults : public Cli {
   std::map<std::string, std::string> outputs() const {
     std::map<std::string, std::string> result;
     for (const std::string& name : names())
-      if (!given_.contains(name) && name != "count" && name != "err" && name != "stack")
+      if (!given_.contains(name) && name != "large.glb" && name != "count" && name != "err" &&
+          name != "stack")
         result[name] = read_bytes(path(name));
     return result;
   }
@@ -156,9 +157,10 @@ class Faults : public Cli {
   }
 
   // \param most points of each command that fail, spread evenly \param over_old outputs are there before
-  void each_fails(const std::string& kind, std::size_t most, bool over_old = false) const {
+  void each_fails(const std::string& kind, std::size_t most, bool over_old = false,
+                  const std::vector<Command>& run_commands = commands) const {
     std::size_t points = 0, failed = 0, errors = 0, crashes = 0;
-    for (const Command& command : commands) {
+    for (const Command& command : run_commands) {
       if (over_old) put_old_outputs(command);
       const End clean = run(command, kind + ":0");
       ASSERT_FALSE(clean.by_signal);
@@ -237,6 +239,11 @@ TEST_F(Faults, Links) {
 }
 TEST_F(Faults, Renames) {
   each_fails("rename", wanted(), true);  // which only replaced outputs need
+}
+// Large meshes are mapped.
+TEST_F(Faults, Maps) {
+  good("darboux mesh torus --grid 400x200 -o large.glb --quiet");
+  each_fails("mmap", wanted(), false, {{{"tangents", "large.glb", "-o", "o.glb"}, {"o.glb"}}});
 }
 TEST_F(Faults, Syncs) {
   each_fails("fsync", wanted());
