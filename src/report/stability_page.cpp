@@ -196,10 +196,11 @@ std::string stability_page(const std::vector<StabilityCurve>& curves, const Prov
   page.answer = stability_summary(curves) + ".";
   page.body = R"html(<section class=card>
 <h2>Surfaces by sweeps</h2>
-<p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in roundings, in
-steps of the stored data, in standard errors. The stronger the colour, the nearer to its bound: a tenth, a quarter,
-half, all of it; red is beyond, what has no colour has no bound. Large errors within their bound are the condition's: no formula in
-these inputs does better. A click shows the curves.</p>
+<p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in
+roundings, in steps of the stored data, in standard errors. The stronger the colour, the nearer to its
+bound: a tenth, a quarter, half, all of it; red is beyond, what has no colour has no bound. Large errors
+within their bound are the condition's: no formula in these inputs does better. A click shows the
+curves.</p>
 <div class=scroll><table class="map upright" id=map>
 )html" + map_table(overview_of(curves)) +
               R"html(</table></div>
