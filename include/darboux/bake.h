@@ -12,6 +12,7 @@
 #include <darboux/any_surface.h>
 #include <darboux/mesh_classes.h>
 #include <darboux/normal_map.h>
+#include <darboux/placed_surface.h>
 #include <darboux/statistics.h>
 
 namespace darboux {
@@ -49,14 +50,20 @@ struct BakeResult {
   double bound_deg = 0;
 };
 
-/// The map of a mesh whose texture coordinates are the surface's (u, v), in the mesh's own space as the
-/// surface has it: a mesh of sample_mesh(), or one with its uvs. The normals are those of the surface at each
-/// texel's (u, v), rounded to single precision, by convert_normal_map().
+/// The map of a mesh of a surface, wherever it lies and whatever its texture coordinates mean: what
+/// fit_surface() says. The normals are those of the surface at each texel's (u, v), rounded to single
+/// precision, by convert_normal_map().
 ///
 /// The error is looked for at random points of every triangle, as a renderer shades them: the map is read at
 /// the point's uv between four texels, decoded in the frame inside the triangle, and compared with the
 /// surface's normal at that (u, v).
-/// \throws what convert_normal_map() throws; ParameterError for an option out of its range
+/// \throws what convert_normal_map() throws; ParameterError for an option out of its range; MeshError for uvs
+/// outside of [0, 1] where the surface has another normal than at the texel that they repeat
+BakeResult bake_normal_map(const PlacedSurface& surface, std::span<const MapPiece> pieces,
+                           const BakeOptions& options = {});
+
+/// The same of a mesh that lies where the surface does, whose texture coordinates are its (u, v): one of
+/// sample_mesh(), or with its uvs.
 BakeResult bake_normal_map(const AnySurface& surface, std::span<const MapPiece> pieces,
                            const BakeOptions& options = {});
 

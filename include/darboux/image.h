@@ -37,6 +37,9 @@ struct Image {
   }
 
   SampleType type() const { return static_cast<SampleType>(samples.index()); }
+  std::size_t bytes() const {
+    return std::visit([](const auto& s) { return s.size() * sizeof s[0]; }, samples);
+  }
   std::size_t texels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 };
 

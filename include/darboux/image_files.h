@@ -2,8 +2,11 @@
 /// Images that hold numbers, not colours: PNG, TGA and EXR.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include <darboux/image.h>
 #include <darboux/io.h>
@@ -14,6 +17,8 @@ struct ReadImageOptions {
   /// What a file says of its colours is dropped. Without, a file that says they are not linear is refused:
   /// numbers are never converted in silence.
   bool drop_colour_tags = false;
+  /// Bytes that the decoded texels may take. Without: as ReadOptions::max_memory.
+  std::optional<std::uint64_t> max_memory{};
 };
 
 /// Reads an image, by its content PNG or EXR, else by its extension TGA.
@@ -23,14 +28,18 @@ struct ReadImageOptions {
 ///        area is a colour tag.
 ///   EXR  channels R, G, B and A, half, float or uint, of the first part; read as f32, NaN and infinities as
 ///        they are.
-/// At most 2^28 texels, of PNG and EXR no more than compression can make of the file's bytes: both are
-/// checked before memory is taken. \throws FileError for palettes, grey images, TGA of 16 bits, colour tags,
-/// truncated files
+/// At most 2^28 texels, of PNG and EXR no more than compression can make of the file's bytes, and no more
+/// than options.max_memory: all are checked before memory is taken. \throws FileError for palettes, grey
+/// images, TGA of 16 bits, colour tags, truncated files
 Image read_image(const std::string& path, const ReadImageOptions& options = {});
+
+/// The same of an image's bytes. \param name for messages, and for its extension
+Image read_image(const std::string& name, std::string_view bytes, const ReadImageOptions& options = {});
 
 /// What a file says of its colours, as "sRGB" or "gAMA 0.45455"; empty where it is linear or says nothing.
 /// \throws FileError as read_image()
 std::string image_colour_tag(const std::string& path);
+std::string image_colour_tag(const std::string& name, std::string_view bytes);
 
 /// What texels of a file of this name can be, the finest last. \throws ParameterError for an extension that
 /// is none of .png .tga .exr

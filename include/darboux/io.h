@@ -34,11 +34,11 @@ struct ReadOptions {
   /// no file, has no network and starts nothing. Where the kernel cannot do that (it needs Linux with seccomp
   /// on x86-64 or AArch64), such a file is an error.
   bool sandbox = true;
-  /// Bytes that the content of a glTF, COLLADA or PLY may take, decoded: vertices of all primitives,
-  /// triangles (128 bytes each, with what judging them takes), instances, morph targets, compressed streams.
-  /// They are counted one by one, so that a file that asks for more is an error at once. Without: 512 MiB for
-  /// files of less than 10 MB, which may ask for much more than they hold; for others 4 GiB, or 16 times the
-  /// file where that is more.
+  /// Bytes that the content of a glTF, COLLADA, PLY or image may take, decoded: vertices of all primitives,
+  /// triangles (128 bytes each, with what judging them takes), instances, morph targets, compressed streams,
+  /// texels. They are counted one by one, so that a file that asks for more is an error at once. Without: 512
+  /// MiB for files of less than 10 MB, which may ask for much more than they hold; for others 4 GiB, or 16
+  /// times the file where that is more.
   std::optional<std::uint64_t> max_memory = std::nullopt;
 };
 

@@ -64,8 +64,11 @@ struct MapPiece {
   Mesh mesh;
   bool v_up = false;                                              ///< v runs up the image: row 0 is at v = 1
   std::array<MapWrap, 2> wrap{MapWrap::repeat, MapWrap::repeat};  ///< along u and v
-  Eigen::Matrix3d to_world = Eigen::Matrix3d::Identity();         ///< its linear part, for MapSpace::world
-  std::size_t mesh_index = 0, primitive = 0;                      ///< for messages
+  /// normalTexture.scale: x and y of a tangent-space map are multiplied by it before the frame turns them, so
+  /// M = (scale t, scale b, n).
+  double scale = 1;
+  Eigen::Matrix3d to_world = Eigen::Matrix3d::Identity();  ///< its linear part, for MapSpace::world
+  std::size_t mesh_index = 0, primitive = 0;               ///< for messages
 };
 
 struct NormalMapOptions {

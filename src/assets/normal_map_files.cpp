@@ -20,20 +20,30 @@ MapWrap wrap_of(const JsonCursor& sampler, const char* key) {
   return mode == clamp ? MapWrap::clamp : mode == mirror ? MapWrap::mirror : MapWrap::repeat;
 }
 
-// How the texture that Primitive::texcoord belongs to goes on outside [0, 1].
-std::array<MapWrap, 2> wraps_of(const GltfFile& file, const Primitive& p) {
-  std::array<MapWrap, 2> result{MapWrap::repeat, MapWrap::repeat};
-  const JsonCursor primitive = file.root().at("meshes").at(p.mesh).at("primitives").at(p.primitive);
+// What reads the frame through the texture that Primitive::texcoord belongs to.
+std::optional<io::FrameReader> reader_of(const GltfFile& file, const JsonCursor& primitive) {
   for (const std::size_t material : io::materials_of(file, primitive))
-    for (const io::FrameReader& reader : io::frame_readers(file, material)) {
-      if (!reader.has_texture) continue;
-      if (!reader.texture) return result;
-      const JsonCursor texture = file.root().at("textures").at(*reader.texture);
-      if (!texture.has("sampler")) return result;
-      const JsonCursor sampler = file.element("samplers", texture.at("sampler"));
-      return {wrap_of(sampler, "wrapS"), wrap_of(sampler, "wrapT")};
-    }
-  return result;
+    for (const io::FrameReader& reader : io::frame_readers(file, material))
+      if (reader.has_texture) return reader;
+  return std::nullopt;
+}
+
+// Its texture, where the document has it.
+std::optional<JsonCursor> texture_of(const GltfFile& file, const io::FrameReader& reader) {
+  if (!reader.texture) return std::nullopt;
+  const JsonCursor root = file.root();
+  if (!root.has("textures") || *reader.texture >= root.at("textures").size())
+    root.fail("a texture " + std::to_string(*reader.texture) + ", which " + reader.pointer + " names",
+              "none");
+  return root.at("textures").at(*reader.texture);
+}
+
+// How that texture goes on outside [0, 1].
+std::array<MapWrap, 2> wraps_of(const GltfFile& file, const io::FrameReader& reader) {
+  const std::optional<JsonCursor> texture = texture_of(file, reader);
+  if (!texture || !texture->has("sampler")) return {MapWrap::repeat, MapWrap::repeat};
+  const JsonCursor sampler = file.element("samplers", texture->at("sampler"));
+  return {wrap_of(sampler, "wrapS"), wrap_of(sampler, "wrapT")};
 }
 
 bool chosen(const Primitive& p, const MapPieceOptions& options) {
@@ -74,15 +84,46 @@ std::vector<MapPiece> normal_map_pieces(const std::string& path, const MapPieceO
   std::vector<MapPiece> pieces;
   for (Primitive& p : asset.primitives) {
     if (!chosen(p, options)) continue;
-    const auto wrap = gltf ? wraps_of(document->file(), p) : std::array{MapWrap::repeat, MapWrap::repeat};
-    pieces.push_back(piece_of(path, std::move(p), options));
-    pieces.back().wrap = options.wrap ? std::array{*options.wrap, *options.wrap} : wrap;
-    pieces.back().v_up = options.v_up.value_or(!gltf);
+    const auto reader =
+        gltf ? reader_of(document->file(),
+                         document->file().root().at("meshes").at(p.mesh).at("primitives").at(p.primitive))
+             : std::nullopt;
+    MapPiece& piece = pieces.emplace_back(piece_of(path, std::move(p), options));
+    if (reader) piece.wrap = wraps_of(document->file(), *reader);
+    if (options.wrap) piece.wrap = {*options.wrap, *options.wrap};
+    piece.v_up = options.v_up.value_or(!gltf);
+    piece.scale = options.scale.value_or(reader ? reader->scale : 1);
   }
   if (pieces.empty())
     throw FileError(path, expected_got(options.only.empty() ? "triangles" : "the primitives that were named",
                                        asset.primitives.empty() ? "no triangles" : "others"));
   return pieces;
+}
+
+std::vector<NormalTexture> normal_textures(const std::string& path, const ReadOptions& options) {
+  const GltfFile file = io::load_gltf_json(path, options);
+  std::vector<NormalTexture> result;
+  if (!file.root().has("meshes")) return result;
+  const JsonCursor meshes = file.root().at("meshes");
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    const JsonCursor primitives = meshes.at(m).at("primitives");
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+      const auto reader = reader_of(file, primitives.at(p));
+      if (!reader || !reader->is_normal_map) continue;
+      const auto texture = texture_of(file, *reader);
+      if (!texture || !texture->has("source")) continue;
+      file.element("images", texture->at("source"));  // is there
+      result.push_back({m, p, texture->at("source").integer()});
+    }
+  }
+  return result;
+}
+
+std::string gltf_image_bytes(const std::string& path, std::size_t image, const ReadOptions& options) {
+  const GltfFile file = io::load_gltf_json(path, options);
+  const JsonCursor images = file.root().at("images");
+  io::ReadBuffers buffers;
+  return io::image_bytes(file, images.at(image), buffers);
 }
 
 }  // namespace darboux

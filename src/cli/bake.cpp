@@ -1,8 +1,11 @@
 // `darboux bake`: the exact normals of a surface as a tangent-space map for a coarse mesh of it.
+#include <algorithm>
 #include <iomanip>
 #include <iostream>
+#include <span>
 
 #include <darboux/bake.h>
+#include <darboux/fit_mesh.h>
 
 #include "map_arguments.h"
 
@@ -21,13 +24,46 @@ Json error_json(std::string_view name, const BakeError& error) {
           {"with_map_deg", statistics_json(error.with_map_deg)}};
 }
 
-Json report_json(const BakeArguments& a, const AnySurface& surface, const BakeResult& r,
+// The surface where the mesh has it, and how far its vertices are from it at their uvs.
+struct Place {
+  PlacedSurface surface;
+  double rms_relative = 0;  // to the bounding box's diagonal
+};
+
+// As it is, where the mesh lies on it; else where fit_surface() puts it and as that reads the uvs; else as it
+// is, too.
+Place place_of(const AnySurface& surface, std::span<const MapPiece> pieces) {
+  const PlacedSurface as_is{surface};
+  const auto has_uvs = [](const MapPiece& piece) { return !piece.mesh.uvs.empty(); };
+  if (!std::all_of(pieces.begin(), pieces.end(), has_uvs)) return {as_is};  // which is refused
+  const double off = rms_relative(as_is, pieces);
+  if (!(off > fits_below)) return {as_is, off};
+  try {
+    const MeshFit fit = fit_surface(pieces[0].mesh, surface);
+    const double fitted = rms_relative(fit.surface, pieces);
+    if (fit.fits && fitted <= fits_below) return {fit.surface, fitted};
+  } catch (const UndeterminedError&) {
+  } catch (const MeshError&) {
+  }
+  return {as_is, off};
+}
+
+Json numbers(std::span<const double> values) {
+  Json json = Json::array();
+  for (const double x : values) json.push_back(number(x));
+  return json;
+}
+
+Json report_json(const BakeArguments& a, const Place& place, const BakeResult& r,
                  std::span<const MapPiece> pieces, const BakeOptions& options) {
   Json classes = Json::array();
   for (std::size_t k = 0; k < r.errors.size(); ++k)
     if (r.errors[k].samples != 0) classes.push_back(error_json(vertex_class_names[k], r.errors[k]));
   Json json{{"file", utf8(a.mesh)},
-            {"surface", surface_json(surface)},
+            {"surface", surface_json(place.surface.surface)},
+            {"placement", numbers({place.surface.placement.data(), 16})},
+            {"uv", {{"convention", place.surface.uv.name}, {"affine", numbers(place.surface.uv.affine)}}},
+            {"rms_relative", number(place.rms_relative)},
             {"output", MapOutputs::none(r.map) ? Json() : Json(utf8(a.output))},
             {"basis", a.basis},
             {"decode", a.decode},
@@ -42,14 +78,8 @@ Json report_json(const BakeArguments& a, const AnySurface& surface, const BakeRe
   return json;
 }
 
-void print_text(const BakeArguments& a, const BakeResult& r, std::span<const MapPiece> pieces) {
-  std::cout << a.mesh << ": " << r.map.covered << " of " << r.map.states.size() << " texels covered, "
-            << r.map.dilated << " in the gutter filled\n";
-  print_counts(r.map);
-  if (r.map.first_conflict) return print_conflict(r.map, pieces);
-  if (r.map.covered == 0) return;
-  std::cout << "at texels the normals are within " << rounded(r.bound_deg, 3) << " degrees (proven)\n"
-            << "degrees off the surface's normal, at points inside triangles\n"
+void print_errors(const BakeResult& r) {
+  std::cout << "degrees off the surface's normal, at points inside triangles\n"
             << "                         without the map       with it\n"
             << "  class        samples      rms      max      rms      max\n";
   const auto row = [](std::string_view name, const BakeError& e) {
@@ -62,6 +92,23 @@ void print_text(const BakeArguments& a, const BakeResult& r, std::span<const Map
   };
   for (std::size_t k = 0; k < r.errors.size(); ++k) row(vertex_class_names[k], r.errors[k]);
   row("all", r.all);
+}
+
+void print_text(const BakeArguments& a, const Place& place, const BakeResult& r,
+                std::span<const MapPiece> pieces) {
+  if (place.surface.uv.name != uv_conventions()[0].name ||
+      !place.surface.placement.isApprox(Eigen::Isometry3d::Identity()))
+    std::cout << "the surface is fitted to the mesh, its uvs are taken " << place.surface.uv.name << '\n';
+  if (place.rms_relative > fits_below)
+    std::cout << "the mesh is off the surface at its uvs by " << rounded(100 * place.rms_relative, 3)
+              << " % of its size (rms)\n";
+  std::cout << a.mesh << ": " << r.map.covered << " of " << r.map.states.size() << " texels covered, "
+            << r.map.dilated << " in the gutter filled\n";
+  print_counts(r.map);
+  if (r.map.first_conflict) return print_conflict(r.map, pieces);
+  if (r.map.covered == 0) return;
+  std::cout << "at texels the normals are within " << rounded(r.bound_deg, 3) << " degrees (proven)\n";
+  if (r.all.samples != 0) print_errors(r);
   std::cout << a.output << '\n';
 }
 
@@ -86,20 +133,24 @@ void run_bake(const BakeArguments& a, Common& common) {
   options.samples = static_cast<int>(a.samples);
   options.seed = a.seed;
   options.threads = common.threads;
+  const std::uint64_t texels =
+      static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
+  check_map_memory(a.output, 3 * sizeof(float) * texels, texels, 3, options.type, common.read);
   MapOutputs outputs(a.output, a.report);
   const std::vector<MapPiece> pieces = map_pieces(a, common, false);
+  const Place place = place_of(surface, pieces);
   BakeResult result;
   {
     Progress progress("bake", common);
     options.progress = [&](double share) { progress.update(share); };
-    result = naming_the_mesh(a.mesh, [&] { return bake_normal_map(surface, pieces, options); });
+    result = naming_the_mesh(a.mesh, [&] { return bake_normal_map(place.surface, pieces, options); });
   }
   outputs.write(result.map, options.width, options.height);
   if (MapOutputs::none(result.map)) common.exit_status = 1;
   if (common.json)
-    print_json(report_json(a, surface, result, pieces, options));
+    print_json(report_json(a, place, result, pieces, options));
   else if (!common.quiet)
-    print_text(a, result, pieces);
+    print_text(a, place, result, pieces);
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ void add_read_options(CLI::App& sub, Common& common) {
                "read OBJ and FBX also where the kernel cannot confine the process that does, and without");
   sub.add_option_function<std::uint64_t>(
          "--max-memory", [&common](const std::uint64_t& bytes) { common.read.max_memory = bytes; },
-         "how much the decoded content of a glTF, COLLADA or PLY may take, such as 8GiB [4GiB, or 16 times "
+         "how much the decoded content of a glTF, COLLADA, PLY or image may take, such as 8GiB [4GiB, or 16 "
+         "times "
          "the "
          "file; 512MiB for files of less than 10 MB]")
       ->transform(CLI::AsSizeValue(false))

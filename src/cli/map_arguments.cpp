@@ -1,9 +1,11 @@
 #include "map_arguments.h"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <map>
 
 namespace darboux {
@@ -27,12 +29,18 @@ std::pair<std::size_t, std::optional<std::size_t>> primitive_argument(const std:
   return {numbers[0], numbers[1]};
 }
 
+ChosenPrimitives primitive_arguments(const std::vector<std::string>& texts) {
+  ChosenPrimitives result;
+  for (const std::string& text : texts) result.push_back(primitive_argument(text));
+  return result;
+}
+
 struct Count {
   const char* key;
   std::size_t NormalMapResult::*count;
   const char* text;  // for people; null where it is told elsewhere
 };
-constexpr Count counts[] = {
+constexpr Count texel_counts[] = {
     {"covered", &NormalMapResult::covered, nullptr},
     {"dilated", &NormalMapResult::dilated, nullptr},
     {"conflicts", &NormalMapResult::conflicts, nullptr},
@@ -90,20 +98,32 @@ void add_map_options(CLI::App& sub, MapArguments& a) {
   sub.add_option("--uv-origin", a.uv_origin,
                  "v = 0 is the top or the bottom of the image [top for glTF, else bottom]")
       ->check(CLI::IsMember({"top", "bottom"}));
+  sub.add_option(
+         "--normal-scale", a.normal_scale,
+         "x and y of the tangent-space map are multiplied by it [normalTexture.scale of the glTF, else 1]")
+      ->check(finite_number("a number other than 0", [](double x) { return x != 0; }));
 }
 
-std::vector<MapPiece> map_pieces(const MapArguments& a, const Common& common, bool world) {
+MapSource map_source(const std::string& path, const std::vector<std::string>& primitives,
+                     const Common& common) {
+  return map_source(path, primitive_arguments(primitives), common.read);
+}
+
+std::vector<MapPiece> map_pieces(const MapArguments& a, const Common& common, bool world,
+                                 const ChosenPrimitives& only) {
   MapPieceOptions options{.read = common.read};
-  for (const std::string& text : a.primitives) options.only.push_back(primitive_argument(text));
+  options.only = only.empty() ? primitive_arguments(a.primitives) : only;
   options.sign = a.sign == "raw" ? SignConvention::raw : SignConvention::gltf;
   if (!a.wrap.empty()) options.wrap = wrap_modes.of(a.wrap);
   if (!a.uv_origin.empty()) options.v_up = a.uv_origin == "bottom";
+  options.scale = a.normal_scale;
   options.world = world;
   return normal_map_pieces(a.mesh, options);
 }
 
-Image read_map(const std::string& path, bool drop_colour_tags, bool signed_floats) {
-  Image map = read_image(path, {.drop_colour_tags = drop_colour_tags});
+Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_floats, const Common& common) {
+  Image map = read_image(source.name, source.bytes,
+                         {.drop_colour_tags = drop_colour_tags, .max_memory = common.read.max_memory});
   if (map.type() != SampleType::f32 || signed_floats) return map;
   // A unit vector's codes of 8 bits are off by 1/255 each at most: numbers from -1 - √3/255 on.
   constexpr float least = -0.0034f;
@@ -112,23 +132,39 @@ Image read_map(const std::string& path, bool drop_colour_tags, bool signed_float
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (map.channels != 4 || i % 4 != 3) lowest = std::fmin(lowest, samples[i]);
   if (lowest < least)
-    throw FileError(path, expected_got("numbers from 0 to 1, or --signed-floats", rounded(lowest, 2)));
+    throw FileError(source.name, expected_got("numbers from 0 to 1, or --signed-floats", rounded(lowest, 2)));
   return map;
 }
 
+double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> pieces) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d least = Eigen::Vector3d::Constant(infinity), greatest = -least;
+  double sum = 0, count = 0;
+  for (const MapPiece& piece : pieces)
+    for (const Triangle& triangle : piece.mesh.triangles)
+      for (const std::uint32_t v : triangle) {
+        const Eigen::Vector3d p = to_eigen(piece.mesh.positions[v]);
+        least = least.cwiseMin(p);
+        greatest = greatest.cwiseMax(p);
+        sum += (to_eigen(surface.position(piece.mesh.uvs[v])) - p).squaredNorm();
+        ++count;
+      }
+  return std::sqrt(sum / count) / (greatest - least).norm();
+}
+
 void check_map_files(const std::vector<MapFile>& read, const std::string& output, const std::string& report) {
-  std::vector<MapFile> files = read;
-  files.emplace_back("-o", output);
-  files.emplace_back("--report", report);
   std::map<std::string, const char*> place_of;
-  for (const auto& [place, file] : files) {
-    if (file.empty()) continue;
+  const auto add = [&](const MapFile& of, bool is_read) {
+    if (of.second.empty()) return;
     std::error_code none;
     const auto [at, added] = place_of.emplace(
-        std::filesystem::weakly_canonical(std::filesystem::absolute(file), none).string(), place);
-    if (!added)
-      throw ParameterError(place, expected_got(std::string("another file than that of ") + at->second, file));
-  }
+        std::filesystem::weakly_canonical(std::filesystem::absolute(of.second), none).string(), of.first);
+    if (!added && !is_read)
+      throw ParameterError(of.first,
+                           expected_got(std::string("another file than that of ") + at->second, of.second));
+  };
+  for (const MapFile& of : read) add(of, true);
+  for (const MapFile& of : {MapFile{"-o", output}, MapFile{"--report", report}}) add(of, false);
   if (!output.empty()) image_types(output);
   if (!report.empty() && image_types(report).front() != SampleType::u8)
     throw ParameterError(report, expected_got("a name that ends in .png or .tga", "another"));
@@ -159,14 +195,14 @@ SampleType map_type(const MapArguments& a, SampleType wish) {
 }
 
 void add_counts(Json& json, const NormalMapResult& r) {
-  for (const Count& c : counts) json[c.key] = r.*c.count;
+  for (const Count& c : texel_counts) json[c.key] = r.*c.count;
   json["condition"] = r.condition == 0 ? Json() : number(r.condition);
   json["quantisation_deg"] = {{"max", number(r.quantisation_max_deg)},
                               {"rms", number(r.quantisation_rms_deg)}};
 }
 
 void print_counts(const NormalMapResult& r) {
-  for (const Count& c : counts)
+  for (const Count& c : texel_counts)
     if (c.text != nullptr && r.*c.count != 0) std::cout << r.*c.count << ' ' << c.text << '\n';
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,7 +12,9 @@
 #include <darboux/io.h>
 #include <darboux/normal_map.h>
 #include <darboux/normal_map_files.h>
+#include <darboux/placed_surface.h>
 
+#include "assets/map_source.h"
 #include "command.h"
 
 namespace darboux {
@@ -21,6 +24,7 @@ struct MapArguments {
                                    uv_origin;
   std::vector<std::string> primitives;
   bool signed_floats = false;
+  std::optional<double> normal_scale;
   std::optional<std::uint64_t> dither;
   std::uint64_t dilate = 0;
 };
@@ -33,13 +37,24 @@ inline constexpr Choice<SampleType, 3> map_depths{{"8", "16", "float"}};
 /// All options but --basis, which the two have in other words.
 void add_map_options(CLI::App& sub, MapArguments& arguments);
 
-/// The triangles of --mesh. \throws ParameterError, FileError
-std::vector<MapPiece> map_pieces(const MapArguments& arguments, const Common& common, bool world);
+/// \param primitives as --primitive, of which those that count \throws as map_source() does; ParameterError
+/// for what is no primitive
+MapSource map_source(const std::string& path, const std::vector<std::string>& primitives,
+                     const Common& common);
+
+/// The triangles of --mesh: those of `only`, or without it those of --primitive.
+/// \throws ParameterError, FileError
+std::vector<MapPiece> map_pieces(const MapArguments& arguments, const Common& common, bool world,
+                                 const ChosenPrimitives& only = {});
 
 /// Reads a map, as read_image() does. \throws FileError also for floats that say themselves that they are
 /// signed, without --signed-floats: below 0 by more than unit vectors get that were rounded to codes of 8
 /// bits
-Image read_map(const std::string& path, bool drop_colour_tags, bool signed_floats);
+Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_floats, const Common& common);
+
+/// The rms distance of the corners of triangles from the surface at their uvs, over the diagonal of the box
+/// about them.
+double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> pieces);
 
 /// What `f` gives; a MeshError has the mesh's file before it then. \throws FileError
 template <class F>
@@ -54,7 +69,7 @@ auto naming_the_mesh(const std::string& file, const F& f) {
 /// An option, or another word for where a file's name stands, and the name.
 using MapFile = std::pair<const char*, std::string>;
 
-/// Names of files to be written, images, each another, and none of those that are read.
+/// Names of files to be written, images, each another, and none of those that are read; those may be one.
 /// \throws ParameterError
 void check_map_files(const std::vector<MapFile>& read, const std::string& output,
                      const std::string& report = "");

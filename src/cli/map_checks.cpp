@@ -45,8 +45,9 @@ const char* green_name(const NormalMapCheck& check) {
 }  // namespace
 
 void run_map_check(const MapCheckArguments& a, Common& common) {
-  const std::string tag = image_colour_tag(a.file);
-  const Image map = read_map(a.file, true, a.signed_floats);
+  const MapSource source = map_source(a.file, a.primitives, common);
+  const std::string tag = image_colour_tag(source.name, source.bytes);
+  const Image map = read_map(source, true, a.signed_floats, common);
   const NormalMapCheck check = check_normal_map(map, a.signed_floats);
   const std::vector<MapFinding> findings = findings_of(check, tag, map_greens.of(a.green));
   if (!findings.empty()) common.exit_status = 1;
@@ -96,8 +97,10 @@ void run_map_comparison(const MapCheckArguments& a, const MapArguments& mesh, bo
   if (!a.report.empty()) report.emplace(a.report);
   std::vector<MapPiece> pieces;
   if (!mesh.mesh.empty()) pieces = map_pieces(mesh, common, false);
-  const Image one = read_map(a.compared[0], drop_colour_tags, a.signed_floats),
-              other = read_map(a.compared[1], drop_colour_tags, a.signed_floats);
+  const auto read = [&](const std::string& file) {
+    return read_map(map_source(file, {}, common), drop_colour_tags, a.signed_floats, common);
+  };
+  const Image one = read(a.compared[0]), other = read(a.compared[1]);
   CompareMapsOptions options{.signed_floats = a.signed_floats};
   options.green_a = options.green_b = map_greens.of(a.green);
   options.worst = static_cast<int>(a.worst);

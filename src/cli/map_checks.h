@@ -11,7 +11,8 @@ namespace darboux {
 
 struct MapCheckArguments {
   std::string file, green, report;
-  std::vector<std::string> compared;  ///< two files
+  std::vector<std::string> compared;    ///< two files
+  std::vector<std::string> primitives;  ///< of `file`, where it is a glTF
   bool signed_floats = false;
   double max_angle_deg = 180;
   std::uint64_t worst = 10;

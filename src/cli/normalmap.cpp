@@ -1,5 +1,6 @@
 // `darboux normalmap`: a normal map in another space, alone or beside another.
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <utility>
@@ -93,6 +94,20 @@ NormalMapOptions options_of(const NormalMapArguments& a, const Common& common) {
   return options;
 }
 
+// A glTF as INPUT is the mesh too, unless another is named.
+bool is_whole_asset(const NormalMapArguments& a) {
+  return !a.input.empty() && a.mesh.empty() && a.surface.empty() && is_gltf_file(a.input);
+}
+
+// The map, and the primitives that it belongs to where it comes with the mesh; none: those of --primitive.
+MapSource map_source(const NormalMapArguments& a, const Common& common) {
+  std::error_code none;
+  const bool same_file = std::filesystem::equivalent(a.input, a.mesh, none);
+  MapSource source = map_source(a.input, same_file ? a.primitives : std::vector<std::string>(), common);
+  if (!same_file) source.primitives.clear();
+  return source;
+}
+
 void run_convert(const NormalMapArguments& a, Common& common) {
   check_spaces(a);
   NormalMapOptions options = options_of(a, common);
@@ -106,11 +121,16 @@ void run_convert(const NormalMapArguments& a, Common& common) {
   };
   MapOutputs outputs(a.output, a.report);
   std::vector<MapPiece> pieces;
-  if (!a.mesh.empty()) pieces = map_pieces(a, common, a.from == "world");
-  Image map = read_map(a.input, a.drop_colour_tags, a.signed_floats);
+  Image map;
+  {
+    const MapSource source = map_source(a, common);
+    if (!a.mesh.empty()) pieces = map_pieces(a, common, a.from == "world", source.primitives);
+    map = read_map(source, a.drop_colour_tags, a.signed_floats, common);
+  }
   options.type = map_type(a, map.type());
   const int width = map.width, height = map.height;
   const std::size_t texels = map.texels();
+  check_map_memory(a.input, map.bytes(), texels, map.channels, *options.type, common.read);
   NormalMapSeconds seconds{.read = lap()};
   NormalMapResult result;
   {
@@ -146,8 +166,9 @@ void run_render(const NormalMapArguments& a, Common& common) {
     throw ParameterError("--basis", expected_got("stored or mikktspace beside --render", "analytic"));
   std::tie(options.width, options.height) = parse_grid("--size", a.size);
   OutputFile render(a.render);
-  const std::vector<MapPiece> pieces = map_pieces(a, common, false);
-  const Image map = read_map(a.input, a.drop_colour_tags, a.signed_floats);
+  const MapSource source = map_source(a, common);
+  const std::vector<MapPiece> pieces = map_pieces(a, common, false, source.primitives);
+  const Image map = read_map(source, a.drop_colour_tags, a.signed_floats, common);
   render.write(png_of(naming_the_mesh(a.mesh, [&] { return lit_model(map, pieces, options); })));
   render.commit();
   if (common.json)
@@ -158,9 +179,10 @@ void run_render(const NormalMapArguments& a, Common& common) {
 
 // Options of one of the four ways, beside another.
 void check_ways(const CLI::App& sub, const std::vector<const char*>& others, const char* way) {
-  for (const char* name : others)
-    if (sub.get_option(name)->count() != 0)
-      throw ParameterError(name, std::string("cannot be combined with ") + way);
+  for (const CLI::Option* option : sub.get_options())
+    for (const char* name : others)
+      if (option->count() != 0 && option->check_name(name))
+        throw ParameterError(name, std::string("cannot be combined with ") + way);
 }
 
 void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
@@ -170,21 +192,26 @@ void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
   const std::vector<const char*> of_conversion{"INPUT",   "--output",  "--from",         "--to",
                                                "--basis", "--surface", "--two-channels", "--keep-length",
                                                "--depth", "--dither",  "--dilate"},
-      of_comparison{"--max-angle", "--worst"}, of_mesh{"--primitive", "--sign", "--wrap", "--uv-origin"};
+      of_comparison{"--max-angle", "--worst"},
+      of_mesh{"--primitive", "--sign", "--wrap", "--uv-origin", "--normal-scale"};
   if (!a.checks.file.empty()) {
+    a.checks.primitives = a.primitives;
+    std::vector<const char*> of_others = of_mesh;
+    if (is_gltf_file(a.checks.file)) of_others.erase(of_others.begin());
     check_ways(sub, of_conversion, "--check");
     check_ways(sub, of_comparison, "--check");
-    check_ways(sub, of_mesh, "--check");
+    check_ways(sub, of_others, "--check");
     check_ways(sub, {"--compare", "--mesh", "--report", "--render", "--size", "--decode"}, "--check");
     return run_map_check(a.checks, common);
   }
   if (!a.checks.compared.empty()) {
     check_ways(sub, of_conversion, "--compare");
-    check_ways(sub, {"--render", "--size", "--decode", "--sign"}, "--compare");
+    check_ways(sub, {"--render", "--size", "--decode", "--sign", "--normal-scale"}, "--compare");
     if (a.mesh.empty()) check_ways(sub, of_mesh, "--compare without --mesh");
     return run_map_comparison(a.checks, a, a.drop_colour_tags, common);
   }
   check_ways(sub, of_comparison, "a conversion: it belongs to --compare");
+  if (is_whole_asset(a)) a.mesh = a.input;
   if (!a.render.empty()) {
     check_ways(sub,
                {"--output", "--to", "--surface", "--two-channels", "--keep-length", "--depth", "--dither",
@@ -203,7 +230,10 @@ void add_normalmap(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand(
       "normalmap", "Turn a normal map from one space into another; check and compare maps");
   auto a = std::make_shared<NormalMapArguments>();
-  sub.add_option("INPUT", a->input, "the .png, .tga or .exr to read");
+  sub.add_option(
+      "INPUT", a->input,
+      "the .png, .tga or .exr to read, or a glTF, whose normal texture is taken and, without --mesh, "
+      "whose triangles");
   sub.add_option("--from", a->from, "the space of the map: object, tangent or world")->check(spaces.check());
   sub.add_option("--to", a->to, "the space wanted: object or tangent")
       ->check(CLI::IsMember({"object", "tangent"}));

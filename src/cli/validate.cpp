@@ -22,6 +22,7 @@ struct Arguments {
   bool strict = false, github = false;
   std::string only;
   std::optional<double> budget;
+  std::string normal_map;
   std::string configuration, baseline, sarif, junit;
   Pictures pictures;
 };
@@ -155,6 +156,11 @@ void run(const Arguments& arguments, Common& common) {
                          expected_got("a list with analytic, as --surface or --placement is given",
                                       "one without: no surface "
                                       "would be fitted"));
+  std::optional<MapCostOptions> map_cost;
+  if (!arguments.normal_map.empty()) {
+    map_cost.emplace();
+    std::tie(map_cost->width, map_cost->height) = parse_grid("--normal-map", arguments.normal_map);
+  }
   if (arguments.placement != "fit") options.placement = parse_placement(arguments.placement);
 
   // What cannot be read or written is said before the work, not after it.
@@ -175,7 +181,7 @@ void run(const Arguments& arguments, Common& common) {
     Progress progress("validate", common);
     parallel_for(
         files.size(), common.threads,
-        [&](std::size_t i) { assess_file(files[i], options, policy, common.read); },
+        [&](std::size_t i) { assess_file(files[i], options, policy, common.read, map_cost); },
         [&](double share) { progress.update(share); });
   }
   if (with_baseline) compare_with_baseline(files, arguments.baseline, baseline);
@@ -276,6 +282,10 @@ void add_validate(CLI::App& app, Common& common) {
   sub.add_option(
       "--budget", arguments->budget,
       "seconds per file after which no further surface is looked for (the rest is always complete)");
+  sub.add_option(
+      "--normal-map", arguments->normal_map,
+      "WIDTHxHEIGHT: tell what a normal map of this size would leave of the error of meshes on known "
+      "surfaces");
   sub.add_flag("--github", arguments->github, "also print annotations for GitHub's workflows");
   sub.add_option("--baseline", arguments->baseline,
                  "an earlier --json report: only what is worse than there makes the exit status 1 or 2");

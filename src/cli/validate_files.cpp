@@ -282,7 +282,7 @@ void skip_unneeded(Asset& asset, std::vector<SkippedPrimitive>& skipped) {
 }  // namespace
 
 void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy,
-                 const ReadOptions& read) {
+                 const ReadOptions& read, const std::optional<MapCostOptions>& map_cost) {
   if (file.readable()) try {
       Asset asset = read_asset(file.path, read);
       file.skipped = asset.skipped;
@@ -306,9 +306,13 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
           own.push_back(apply(policy, j.report, file.ignored));
           file.verdict = std::max(file.verdict, j.report.verdict);
         }
+        std::vector<AssessedMapCost> costs;
+        for (const Assessment& j : assessments)
+          if (map_cost) costs.push_back(map_cost_of(primitive, j, *map_cost));
         if (!options.keep_errors) primitive.data = {};
         primitive.other_uvs = {};
-        file.primitives.push_back({std::move(primitive), std::move(assessments), std::move(own)});
+        file.primitives.push_back(
+            {std::move(primitive), std::move(assessments), std::move(own), std::move(costs)});
       }
     } catch (const std::exception&) {
       file.error = error_of(file.path);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 
 #include <darboux/assess.h>
 #include <darboux/io.h>
+#include <darboux/map_cost.h>
 
 #include "command.h"
 #include "validate/findings.h"
@@ -20,13 +22,20 @@ namespace darboux {
 /// Numbers of findings by code and severity, the library's, whatever an option made of it.
 using FindingCounts = std::map<std::pair<Code, Severity>, std::size_t>;
 
+/// What a normal map would cost.
+struct AssessedMapCost {
+  std::optional<MapCost> cost{};
+  std::string why{};  ///< there is none
+};
+
 struct AssessedPrimitive {
   Primitive primitive;  ///< without its data, unless errors are kept
   std::vector<Assessment> assessments;
   /// The library's severity of each finding of each assessment.
   std::vector<std::vector<Severity>> own_severities{};
-  FindingCounts known{};           ///< in the baseline
-  std::size_t known_not_pass = 0;  ///< meshes and parts that did not pass in the baseline
+  std::vector<AssessedMapCost> map_costs{};  ///< of each assessment, where it was asked for
+  FindingCounts known{};                     ///< in the baseline
+  std::size_t known_not_pass = 0;            ///< meshes and parts that did not pass in the baseline
 
   /// Over all parts.
   std::size_t count(Code code, Severity own) const;
@@ -81,8 +90,15 @@ struct Policy {
 inline constexpr std::string_view unneeded_reason = "the material reads no tangents (--only needed)";
 
 /// Reads and assesses one file. What is undetermined has the finding UNDETERMINED.
+/// \param map_cost what of normal_map_cost() is asked for
 void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy,
-                 const ReadOptions& read);
+                 const ReadOptions& read, const std::optional<MapCostOptions>& map_cost = {});
+
+/// Of a mesh or part whose surface is known through its own uvs.
+AssessedMapCost map_cost_of(const Primitive& primitive, const Assessment& assessment,
+                            const MapCostOptions& options);
+Json map_cost_json(const std::optional<MapCost>& cost);
+void print_map_cost(const AssessedMapCost& of);
 
 /// An earlier report, `darboux validate --json`. \throws FileError
 Json read_baseline(const std::string& path);

@@ -129,6 +129,7 @@ Json assessment_json(const AssessedPrimitive& assessed, std::size_t which, bool 
   json["degenerate_triangles"] = report.degenerate_triangles;
   json["degenerate_uv_triangles"] = report.degenerate_uv_triangles;
   json["classes"] = classes_json(report.classes);
+  if (!assessed.map_costs.empty()) json["normal_map"] = map_cost_json(assessed.map_costs[which].cost);
   json["findings"] = findings_json(assessed, which, with_baseline);
   return json;
 }

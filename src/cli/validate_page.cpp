@@ -81,7 +81,7 @@ canvas.view:active{cursor:grabbing}
   .body{padding:.7rem}
   .part{padding:.4rem .5rem}
 }
-@media (prefers-color-scheme:dark){.warn{background:#4b3c08;color:#f6e3a1}}
+@media screen and (prefers-color-scheme:dark){.warn{background:#4b3c08;color:#f6e3a1}}
 )css";
 
 std::string text(std::string_view words) {

@@ -99,6 +99,7 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
     std::cout << '\n';
   }
   if (report.mikktspace) print_mikktspace(*report.mikktspace);
+  if (!assessed.map_costs.empty()) print_map_cost(assessed.map_costs[number]);
   for (std::size_t k = 0; k < report.findings.size(); ++k) {
     const Finding& f = report.findings[k];
     std::string count = std::to_string(f.count);

@@ -199,9 +199,10 @@ void add_choices(CLI::App& sub, WorkArguments& arguments) {
       ->check(CLI::Range(16, most_work_points));
   sub.add_option("--checked", arguments.checked, "of them compared with 40 digits [1000]")
       ->check(CLI::Range(1, most_work_points));
-  sub.add_option(
-         "--timeout", arguments.timeout,
-         "seconds that a call may take; a method that takes longer is recorded, not called again [10]")
+  sub.add_option("--timeout", arguments.timeout,
+                 "seconds that a call may take; a method that takes longer is recorded, not called again; "
+                 "the call is "
+                 "not interrupted [10]")
       ->check(finite_number("seconds above 0", [](double x) { return x > 0; }));
   sub.add_option("--seed", arguments.seed, "of points and meshes [1]")->check(whole_number);
   sub.add_option("--x", arguments.x,

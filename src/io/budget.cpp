@@ -6,7 +6,6 @@ namespace darboux::io {
 namespace {
 
 constexpr std::uint64_t default_memory = std::uint64_t{4} << 30, small_memory = std::uint64_t{512} << 20;
-constexpr std::uint64_t small_file = 10000000;
 
 std::string mebibytes(std::uint64_t bytes) {
   return rounded(static_cast<double>(bytes) / (1 << 20), 4) + " MiB";

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <string>
 
+#include <darboux/error.h>
 #include <darboux/io.h>
 
+#include "base/text.h"
 #include "gltf_file.h"
 
 namespace darboux::io {
@@ -15,6 +17,17 @@ namespace darboux::io {
 /// frames that all commands make of it. validate of a plane grid of 4 million triangles peaks at 119 per
 /// triangle.
 constexpr std::uint64_t triangle_bytes = 128;
+
+/// Of smaller files the default is less: they may ask for much more than they hold.
+inline constexpr std::uint64_t small_file = 10000000;
+
+/// A file as a whole, for Budget::take().
+struct FilePlace {
+  const std::string& file;
+  void fail(const std::string& expected, const std::string& got) const {
+    throw FileError(file, expected_got(expected, got));
+  }
+};
 
 /// What a file asks for, added up against ReadOptions::max_memory.
 class Budget {

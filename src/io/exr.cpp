@@ -74,7 +74,7 @@ Imf::Slice slice_of(Image& image, std::size_t c, int x, int y) {
 }
 
 // The size that the header of the first part claims, before memory is taken for it.
-void check_size(const std::string& file, std::string_view bytes) {
+void check_size(const std::string& file, std::string_view bytes, const ReadImageOptions& options) {
   MemoryInput stream(file, bytes);
   char magic_and_version[8];
   stream.read(magic_and_version, 8);
@@ -87,13 +87,14 @@ void check_size(const std::string& file, std::string_view bytes) {
     return static_cast<std::uint64_t>(std::max<std::int64_t>(std::int64_t{high} - low + 1, 0));
   };
   const std::uint64_t width = size(window.min.x, window.max.x), height = size(window.min.y, window.max.y);
-  check_image_size(file, width, height);
+  const std::uint64_t texel_bytes = (header.channels().findChannel("A") == nullptr ? 3 : 4) * sizeof(float);
+  check_image_size(file, width, height, texel_bytes, bytes.size(), options);
   constexpr std::uint64_t any_compression = 1 << 14;
   check_compression(file, width * height * 3 * sizeof(float), bytes.size(), any_compression);
 }
 
-Image read(const std::string& file, std::string_view bytes) {
-  check_size(file, bytes);
+Image read(const std::string& file, std::string_view bytes, const ReadImageOptions& options) {
+  check_size(file, bytes, options);
   MemoryInput stream(file, bytes);
   Imf::InputFile input(stream, 0);
   const auto& window = input.header().dataWindow();
@@ -121,9 +122,9 @@ bool is_exr(std::string_view bytes) {
   return bytes.starts_with("\x76\x2f\x31\x01");
 }
 
-Image image_of_exr(const std::string& file, std::string_view bytes) {
+Image image_of_exr(const std::string& file, std::string_view bytes, const ReadImageOptions& options) {
   try {
-    return read(file, bytes);
+    return read(file, bytes, options);
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {

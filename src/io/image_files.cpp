@@ -7,6 +7,7 @@
 #include <darboux/io.h>
 
 #include "base/text.h"
+#include "budget.h"
 #include "files.h"
 #include "image_formats.h"
 #include "read_png.h"
@@ -22,11 +23,15 @@ std::string extension_of(const std::string& path) {
 
 namespace io {
 
-void check_image_size(const std::string& file, std::uint64_t width, std::uint64_t height) {
+void check_image_size(const std::string& file, std::uint64_t width, std::uint64_t height,
+                      std::uint64_t texel_bytes, std::uint64_t file_bytes, const ReadImageOptions& options) {
   constexpr std::uint64_t most_texels = std::uint64_t{1} << 28, longest = 1 << 20;
   if (width < 1 || height < 1 || width > longest || height > longest || width * height > most_texels)
     throw FileError(file, expected_got("an image of 1 to " + std::to_string(most_texels) + " texels",
                                        std::to_string(width) + " x " + std::to_string(height)));
+  Budget({.max_memory = options.max_memory}, file_bytes)
+      .take(width * height * texel_bytes, FilePlace{file},
+            "an image of " + std::to_string(width) + " x " + std::to_string(height));
 }
 
 void check_compression(const std::string& file, std::uint64_t raw_bytes, std::uint64_t bytes,
@@ -46,18 +51,25 @@ void refuse_colour_tag(const std::string& file, const std::string& tag, const Re
 
 Image read_image(const std::string& path, const ReadImageOptions& options) {
   io::expect_regular_file(path);
-  const std::string bytes = io::read_file(path);
-  if (io::is_png(bytes)) return io::image_of_png(path, bytes, options);
-  if (io::is_exr(bytes)) return io::image_of_exr(path, bytes);
-  if (extension_of(path) == ".tga") return io::image_of_tga(path, bytes, options);
-  throw FileError(path, expected_got("a PNG, TGA or EXR image", "something else"));
+  return read_image(path, io::read_file(path), options);
+}
+
+Image read_image(const std::string& name, std::string_view bytes, const ReadImageOptions& options) {
+  if (io::is_png(bytes)) return io::image_of_png(name, bytes, options);
+  if (io::is_exr(bytes)) return io::image_of_exr(name, bytes, options);
+  if (extension_of(name) == ".tga") return io::image_of_tga(name, bytes, options);
+  throw FileError(name, expected_got("a PNG, TGA or EXR image",
+                                     bytes.starts_with("\xff\xd8\xff") ? "a JPEG" : "something else"));
 }
 
 std::string image_colour_tag(const std::string& path) {
   io::expect_regular_file(path);
-  const std::string bytes = io::read_file(path);
-  if (io::is_png(bytes)) return io::colour_tag_of_png(path, bytes);
-  return extension_of(path) == ".tga" ? io::colour_tag_of_tga(bytes) : "";
+  return image_colour_tag(path, io::read_file(path));
+}
+
+std::string image_colour_tag(const std::string& name, std::string_view bytes) {
+  if (io::is_png(bytes)) return io::colour_tag_of_png(name, bytes);
+  return extension_of(name) == ".tga" ? io::colour_tag_of_tga(bytes) : "";
 }
 
 std::span<const SampleType> image_types(const std::string& path) {

@@ -10,8 +10,9 @@
 
 namespace darboux::io {
 
-/// Bounds what a file may claim. \throws FileError
-void check_image_size(const std::string& file, std::uint64_t width, std::uint64_t height);
+/// Bounds what a file of so many bytes may claim: its texels, and the memory they take. \throws FileError
+void check_image_size(const std::string& file, std::uint64_t width, std::uint64_t height,
+                      std::uint64_t texel_bytes, std::uint64_t file_bytes, const ReadImageOptions& options);
 
 /// Refuses a file that claims more than `ratio` times its bytes, which no compression gives. \throws
 /// FileError
@@ -29,7 +30,7 @@ Image image_of_png(const std::string& file, std::string_view bytes, const ReadIm
 Image image_of_tga(const std::string& file, std::string_view bytes, const ReadImageOptions& options);
 std::string colour_tag_of_png(const std::string& file, std::string_view bytes);
 std::string colour_tag_of_tga(std::string_view bytes);
-Image image_of_exr(const std::string& file, std::string_view bytes);
+Image image_of_exr(const std::string& file, std::string_view bytes, const ReadImageOptions& options);
 
 /// \throws FileError
 void write_png(OutputFile& file, const std::string& path, const Image& image);

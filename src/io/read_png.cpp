@@ -173,12 +173,11 @@ Image image_of_png(const std::string& file, std::string_view bytes, const ReadIm
           throw FileError(file, expected_got("a PNG image of red, green and blue",
                                              header.palette ? "one with a palette" : "a grey one"));
         if (!header.colour_tag.empty()) refuse_colour_tag(file, header.colour_tag, options);
-        check_image_size(file, header.width, header.height);
+        const std::uint64_t texel_bytes = (header.alpha ? 4u : 3u) * static_cast<unsigned>(header.bits / 8);
+        check_image_size(file, header.width, header.height, texel_bytes, bytes.size(), options);
         constexpr std::uint64_t deflate = 1032;  // times, at most
-        check_compression(file,
-                          std::uint64_t{header.width} * header.height * (header.alpha ? 4 : 3) *
-                              static_cast<std::uint64_t>(header.bits / 8),
-                          bytes.size(), deflate);
+        check_compression(file, std::uint64_t{header.width} * header.height * texel_bytes, bytes.size(),
+                          deflate);
         image = Image(static_cast<int>(header.width), static_cast<int>(header.height), header.alpha ? 4 : 3,
                       header.bits == 16 ? SampleType::u16 : SampleType::u8);
       },

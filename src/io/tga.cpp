@@ -84,7 +84,7 @@ Image image_of_tga(const std::string& file, std::string_view content, const Read
   if (bits != 24 && bits != 32) fail(std::to_string(bits) + " bits");
   constexpr std::size_t from_right = 16;
   if ((bytes.u8(17) & from_right) != 0) fail("rows that run from right to left");
-  check_image_size(file, width, height);
+  check_image_size(file, width, height, 2 * bits / 8, bytes.size(), options);  // stb's and ours
   if (!is_whole(bytes, width * height, bits / 8, type == 10)) fail("a file that ends early");
   if (const std::string tag = colour_tag_of_tga(content); !tag.empty()) refuse_colour_tag(file, tag, options);
   int w = 0, h = 0, channels = 0;

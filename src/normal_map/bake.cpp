@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -12,9 +11,12 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "normal_map/corners.h"
+#include "normal_map/covered.h"
 #include "normal_map/frames.h"
+#include "normal_map/points_inside.h"
 #include "normal_map/sampler.h"
 #include "normal_map/texels.h"
+#include "normal_map/wrap.h"
 
 namespace darboux {
 namespace {
@@ -34,6 +36,25 @@ void check(const BakeOptions& options) {
          std::to_string(options.samples));
 }
 
+// A texel has one normal: a uv outside of the map must mean what the one inside means.
+void check_uvs(const PlacedSurface& surface, const MapPiece& piece) {
+  constexpr double radians = 1e-4;  // of a fitted uv convention
+  const auto inside = [](double x, MapWrap wrap) {
+    if (x >= 0 && x <= 1) return x;
+    const double of_two = x - 2 * std::floor(x / 2);
+    return wrap == MapWrap::mirror ? std::fmin(of_two, 2 - of_two) : x - std::floor(x);
+  };
+  for (const Vec2<double>& uv : piece.mesh.uvs) {
+    const Vec2<double> there{piece.wrap[0] == MapWrap::clamp ? uv.x : inside(uv.x, piece.wrap[0]),
+                             piece.wrap[1] == MapWrap::clamp ? uv.y : inside(uv.y, piece.wrap[1])};
+    if (there == uv) continue;
+    if (angle_between(normal_map::normal_at(surface, uv), normal_map::normal_at(surface, there)) > radians)
+      throw MeshError(normal_map::name_of(piece),
+                      expected_got("uvs from 0 to 1, or a surface that repeats as the map does",
+                                   "(" + rounded(uv.x, 4) + ", " + rounded(uv.y, 4) + ")"));
+  }
+}
+
 // Whether the normals are handed over as they are: convert_normal_map() codes floats of input and output
 // alike.
 bool signed_floats(const BakeOptions& options) {
@@ -42,7 +63,7 @@ bool signed_floats(const BakeOptions& options) {
 
 // The surface's normals in the mesh's space, a texel each: from -1 to 1, or, where floats are to be written
 // so, from 0 to 1.
-Image normals_of(const AnySurface& surface, bool v_up, const BakeOptions& options) {
+Image normals_of(const PlacedSurface& surface, bool v_up, const BakeOptions& options) {
   Image image(options.width, options.height, 3, SampleType::f32);
   auto& samples = std::get<2>(image.samples);
   const auto width = static_cast<std::size_t>(options.width);
@@ -52,8 +73,8 @@ Image normals_of(const AnySurface& surface, bool v_up, const BakeOptions& option
         for (std::size_t y = begin; y < end; ++y)
           for (std::size_t x = 0; x < width; ++x) {
             const double down = (static_cast<double>(y) + 0.5) / options.height;
-            const Vec3<double> n =
-                surface.frame((static_cast<double>(x) + 0.5) / options.width, v_up ? 1 - down : down).n;
+            const Vec3<double> n = normal_map::normal_at(
+                surface, {(static_cast<double>(x) + 0.5) / options.width, v_up ? 1 - down : down});
             float* to = &samples[3 * (y * width + x)];
             const std::array<double, 3> numbers{n.x, n.y, n.z};
             for (std::size_t c = 0; c < 3; ++c)
@@ -69,49 +90,24 @@ struct Angles {
 };
 using AnglesByClass = std::array<Angles, vertex_class_names.size()>;
 
-std::vector<bool> poles_of(const AnySurface& surface, const Mesh& mesh) {
-  std::vector<bool> result;
-  for (const Vec2<double>& uv : mesh.uvs)
-    result.push_back(
-        has(surface.frame(uv.x, uv.y).status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel));
-  return result;
-}
-
 template <class Frames>
-void look_at(const AnySurface& surface, const MapPiece& piece, const BakeResult& result,
+void look_at(const PlacedSurface& surface, const MapPiece& piece, const BakeResult& result,
              const BakeOptions& options, AnglesByClass& angles) {
-  const Mesh& mesh = piece.mesh;
-  const MeshClasses classes = classify(mesh, poles_of(surface, mesh));
   const normal_map::Corners corners(piece, options.basis, options.threads);
   const normal_map::Sampler sampler(result.map.image, piece, options.signed_floats, options.green);
-  std::mt19937_64 random(options.seed);
-  std::uniform_real_distribution<double> uniform;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Triangle& triangle = mesh.triangles[i];
-    if (classes.island_of_triangle[i] < 0) continue;  // no texel is its own
-    const auto of = corners.of(i);
-    Frames frames(of);
-    const VertexClass lowest = std::min(
-        {classes.of_vertex[triangle[0]], classes.of_vertex[triangle[1]], classes.of_vertex[triangle[2]]});
-    for (int s = 0; s < options.samples; ++s) {
-      const double root = std::sqrt(uniform(random)), share = uniform(random);
-      const std::array<double, 3> weights{1 - root, root * (1 - share), root * share};
-      Vec2<double> uv{};
-      Vec3<double> normal{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        uv = uv + weights[k] * mesh.uvs[triangle[k]];
-        normal += weights[k] * of[k].n;
-      }
-      const Vec3<double> truth = surface.frame(uv.x, uv.y).n;
-      frames.start_row(weights);
-      const Vec3<double> shaded = normal_map::times(frames.at(0), sampler.at(uv));
-      const double without = angle_between(normal, truth) * degrees,
-                   with = angle_between(shaded, truth) * degrees;
-      if (!std::isfinite(without) || !std::isfinite(with)) continue;
-      angles[static_cast<std::size_t>(lowest)].without.push_back(without);
-      angles[static_cast<std::size_t>(lowest)].with.push_back(with);
-    }
-  }
+  normal_map::each_point_inside(
+      surface, piece.mesh, options.samples, options.seed, [&](std::size_t triangle, VertexClass lowest) {
+        return [&, frames = Frames(corners.of(triangle), piece.scale),
+                lowest](const normal_map::PointInside& point) mutable {
+          frames.start_row(point.weights);
+          const Vec3<double> shaded = normal_map::times(frames.at(0), sampler.at(point.uv));
+          const double without = angle_between(point.normal, point.truth) * degrees,
+                       with = angle_between(shaded, point.truth) * degrees;
+          if (!std::isfinite(without) || !std::isfinite(with)) return;
+          angles[static_cast<std::size_t>(lowest)].without.push_back(without);
+          angles[static_cast<std::size_t>(lowest)].with.push_back(with);
+        };
+      });
 }
 
 BakeError summed_up(Angles& angles) {
@@ -126,8 +122,14 @@ BakeError summed_up(Angles& angles) {
 
 BakeResult bake_normal_map(const AnySurface& surface, std::span<const MapPiece> pieces,
                            const BakeOptions& options) {
+  return bake_normal_map(PlacedSurface{surface}, pieces, options);
+}
+
+BakeResult bake_normal_map(const PlacedSurface& surface, std::span<const MapPiece> pieces,
+                           const BakeOptions& options) {
   check(options);
   if (pieces.empty()) throw ParameterError("mesh", expected_got("triangles that the map lies on", "none"));
+  for (const MapPiece& piece : pieces) check_uvs(surface, piece);
   NormalMapOptions convert;
   convert.from = MapSpace::object;
   convert.to = MapSpace::tangent;

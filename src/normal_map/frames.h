@@ -47,7 +47,10 @@ struct Along {
 /// The frame that MikkTSpace asks for: t, w n × t, n.
 class MikkFrames {
  public:
-  explicit MikkFrames(const std::array<Corner, 3>& corners) : corners_(corners) {}
+  /// \param scale of t and b
+  MikkFrames(const std::array<Corner, 3>& corners, double scale) : corners_(corners) {
+    for (Corner& c : corners_) c.t = scale * c.t;  // b = w n × t follows
+  }
 
   void set_steps(const std::array<double, 3>& steps) {
     t_.step = n_.step = {};
@@ -69,7 +72,7 @@ class MikkFrames {
   }
   /// Of the singular values of a frame, the square of their ratio. Two are those of (t n), the third is their
   /// product, |n × t|.
-  static double condition_square(const Columns& m, double) {
+  double condition_square(const Columns& m, double) const {
     const double a = dot(m.t, m.t), d = dot(m.n, m.n), g = dot(m.t, m.n), third = dot(m.b, m.b);
     const double largest = (a + d + std::sqrt((a - d) * (a - d) + 4 * g * g)) / 2;
     const double least = third / largest;  // their squares
@@ -84,7 +87,8 @@ class MikkFrames {
 /// The frame of the Khronos sample viewer: t, n and the corners' w n × t interpolated, each made unit.
 class ViewerFrames {
  public:
-  explicit ViewerFrames(std::array<Corner, 3> corners) {
+  /// \param scale of t and b
+  ViewerFrames(const std::array<Corner, 3>& corners, double scale) : scale_(scale) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Corner& c = corners[k];
       const Vec3<double> n = c.n / norm(c.n);
@@ -109,17 +113,18 @@ class ViewerFrames {
       const Vec3<double> a = along_[v](i);
       return a / std::sqrt(dot(a, a));
     };
-    return {unit_of(0), unit_of(1), unit_of(2)};
+    return {scale_ * unit_of(0), scale_ * unit_of(1), unit_of(2)};
   }
-  /// The same; where it is known to be no more than `least`, that. The Gram matrix is 1 + D, D without
-  /// diagonal: eigenvalues of D have the sum 0 and squares of the sum 2 (tb² + tn² + bn²), so none is beyond
-  /// k.
-  static double condition_square(const Columns& m, double least) {
+  /// The same; where it is known to be no more than `least`, that. Without a scale the Gram matrix is 1 + D,
+  /// D without diagonal: eigenvalues of D have the sum 0 and squares of the sum 2 (tb² + tn² + bn²), so none
+  /// is beyond k.
+  double condition_square(const Columns& m, double least) const {
     const double tb = dot(m.t, m.b), tn = dot(m.t, m.n), bn = dot(m.b, m.n);
     const double k = std::sqrt(4.0 / 3 * (tb * tb + tn * tn + bn * bn));
-    if (1 + k <= least * (1 - k)) return least;
+    if (scale_ == 1 && 1 + k <= least * (1 - k)) return least;
+    const double square = scale_ * scale_;
     Eigen::Matrix3d gram;
-    gram << 1, tb, tn, tb, 1, bn, tn, bn, 1;
+    gram << square, tb, tn, tb, square, bn, tn, bn, 1;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     const auto values = solver.computeDirect(gram, Eigen::EigenvaluesOnly).eigenvalues();
     return values[2] / values[0];
@@ -128,6 +133,7 @@ class ViewerFrames {
  private:
   std::array<std::array<Vec3<double>, 3>, 3> vectors_;  // of each corner t, b, n
   std::array<Along, 3> along_;
+  double scale_;
 };
 
 }  // namespace darboux::normal_map

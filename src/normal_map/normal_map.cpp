@@ -145,6 +145,9 @@ class Converter {
       need(options_.basis != MapBasis::stored || !mesh.tangents.empty(),
            "tangents, or --basis mikktspace to make them");
     }
+    if (!std::isfinite(piece.scale) || (piece.scale == 0 && options_.to == MapSpace::tangent))
+      throw MeshError(name,
+                      expected_got("a scale that x and y of a map can be divided by", shortest(piece.scale)));
     if (options_.from == MapSpace::world &&
         !(std::isfinite(piece.to_world.sum()) && piece.to_world.determinant() != 0))
       throw MeshError(name, expected_got("a node whose matrix has an inverse", "a singular one"));
@@ -213,6 +216,7 @@ class Converter {
     }
     for (const std::uint32_t i : bins_[band]) {
       const MapTriangle& of = triangles_[i];
+      const double scale = pieces_[of.piece].scale;
       if (!reads_frames()) {
         rows(band, i, [&](const Span& span, std::int64_t, std::int64_t row) {
           each_texel(span, row, i, tally,
@@ -223,9 +227,9 @@ class Converter {
           analytic_row(span, y, row, &pieces_[of.piece], i, tally);
         });
       } else if (options_.decode == MapDecode::mikktspace) {
-        framed_rows(band, i, normal_map::MikkFrames(corners_[of.piece].of(of.triangle)), tally);
+        framed_rows(band, i, normal_map::MikkFrames(corners_[of.piece].of(of.triangle), scale), tally);
       } else {
-        framed_rows(band, i, normal_map::ViewerFrames(corners_[of.piece].of(of.triangle)), tally);
+        framed_rows(band, i, normal_map::ViewerFrames(corners_[of.piece].of(of.triangle), scale), tally);
       }
     }
   }
@@ -273,7 +277,7 @@ class Converter {
       each_texel(span, row, index, tally, [&](std::int64_t x, std::size_t texel) {
         const Columns frame = frames.at(static_cast<double>(x - span.begin));
         const double condition_square =
-            Frames::condition_square(frame, std::min(tally.condition_square, 100.0));
+            frames.condition_square(frame, std::min(tally.condition_square, 100.0));
         if (!convert(texel, index, frame, tally)) return;
         tally.condition_square = std::max(tally.condition_square, condition_square);
         tally.condition_above_10 += condition_square > 100;
@@ -285,11 +289,14 @@ class Converter {
                     std::uint32_t owner, BandTally& tally) {
     const bool v_up = piece != nullptr && piece->v_up;
     const double down = (static_cast<double>(y) + 0.5) / map_.height, v = v_up ? 1 - down : down;
+    const double scale = piece != nullptr ? piece->scale : 1,
+                 condition_square = std::max(scale * scale, 1 / (scale * scale));
     each_texel(span, row, owner, tally, [&](std::int64_t x, std::size_t texel) {
       const Frame<double> f = options_.surface->frame((static_cast<double>(x) + 0.5) / map_.width, v);
       const double w = v_up ? f.handedness : -f.handedness;
-      if (convert(texel, owner, {f.t, w * cross(f.n, f.t), f.n}, tally))
-        tally.condition_square = std::max(tally.condition_square, 1.0);
+      if (!convert(texel, owner, {scale * f.t, scale * w * cross(f.n, f.t), f.n}, tally)) return;
+      tally.condition_square = std::max(tally.condition_square, condition_square);
+      tally.condition_above_10 += condition_square > 100;
     });
   }
 

@@ -75,7 +75,12 @@ Picture lit_model(const Image& map, std::span<const MapPiece> pieces, const LitM
     const normal_map::Sampler sampler(map, piece, options.signed_floats,
                                       object ? MapGreen::opengl : options.green);
     const PictureMaterial material{.colour = {0.8, 0.8, 0.8},
-                                   .normal_map = [&](const Vec2<double>& uv) { return sampler.at(uv); },
+                                   .normal_map =
+                                       [&](const Vec2<double>& uv) {
+                                         const Vec3<double> x = sampler.at(uv);
+                                         const double scale = object ? 1 : piece.scale;
+                                         return Vec3<double>{scale * x.x, scale * x.y, x.z};
+                                       },
                                    .object_space = object,
                                    .double_sided = true};
     const std::vector<PictureVertex> vertices = vertices_of(piece, options);

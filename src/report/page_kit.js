@@ -97,7 +97,7 @@ const kit = (() => {
   }
 
   // ---- a picture
-  function picture(id, {x, y, tooltip, plugins = [], right = 14}) {
+  function picture(id, {x, y, tooltip, plugins = [], right = 28}) {
     const canvas = $(id);
     const chart = new Chart(canvas, {
       type: 'line',
@@ -241,7 +241,14 @@ const kit = (() => {
         out += `<path fill="${style.backgroundColor}" d="M${n(px)} ${n(r.top - box.top)}h${n(r.width)}v${
             n(r.height)}h${n(-r.width)}z"/>\n`;
       const right = style.textAlign === 'right', middle = style.textAlign === 'center';
-      out += `<text x="${
+      // A head that stands upright, read from below.
+      const upright = style.writingMode !== 'horizontal-tb', foot = [r.left + r.width / 2 + 4, r.bottom - 6];
+      const [fx, fy] = [n(foot[0] - box.left), n(foot[1] - box.top)];
+      if (upright)
+        out += `<text transform="translate(${fx} ${fy}) rotate(-90)" fill="${style.color}">${
+            escaped(cell.innerText.trim())}</text>\n`;
+      else
+        out += `<text x="${
                  n(right      ? px + r.width - 8 :
                        middle ? px + r.width / 2 :
                                 px + 8)}" y="${n((r.top + r.bottom) / 2 - box.top + 4)}" ` +

@@ -40,13 +40,17 @@ th[aria-sort=descending] .sort::after{content:" \2193"}
   text-align:right}
 .map td button:focus-visible{outline:3px solid var(--accent);outline-offset:-3px}
 .map thead th{vertical-align:bottom;white-space:normal}
+.upright thead th+th{writing-mode:vertical-rl;transform:rotate(180deg);text-align:left;white-space:nowrap}
 .s0{background:#f1f6fb;color:#16324a}.s1{background:#d7e7f4;color:#16324a}.s2{background:#a9cbe6;color:#0f2b43}
 .s3{background:#6ba3d0;color:#06192a}.s4{background:#8a3300;color:#fff;font-weight:600}
 .s5{background:#2f6ea5;color:#fff}
+@media screen and (prefers-color-scheme:dark){.s0{background:#222d38;color:#dbe6f0}
+  .s1{background:#21405a;color:#dbe6f0}.s2{background:#1f567f;color:#eef5fb}.s3{background:#2a74ab;color:#fff}
+  .s4{background:#b04a10;color:#fff}.s5{background:#4f9fd8;color:#06192a}}
 .chosen{outline:3px solid var(--accent);outline-offset:-3px}
 @media (max-width:40rem){main{padding:1rem .75rem 2rem}.card{padding:.8rem .75rem}.plot{height:22rem}}
 @media print{.tools,.controls,.legend input,.needs-script{display:none}.scroll{overflow:hidden}
-  table{font-size:.62rem}.map{font-size:.48rem}th,td,.map td button{padding:.12rem .2rem;white-space:normal}
+  table{font-size:.62rem}.map{font-size:.55rem}th,td,.map td button{padding:.12rem .2rem;white-space:normal}
   main{max-width:none;padding:0}.plot{height:20rem}*{print-color-adjust:exact}}
 )css";
 

@@ -132,6 +132,15 @@ std::string_view step_of(const SweepCell& cell) {
   return cell.factor < 0.1 ? "s0" : cell.factor < 0.25 ? "s1" : cell.factor < 0.5 ? "s2" : "s3";
 }
 
+// Two digits in little room: 110, 1600, 1e12.
+std::string in_cell(double error) {
+  std::string text = digits_or_all(error);
+  const std::size_t exponent = text.find("e+");
+  if (exponent == std::string::npos) return text;
+  if (error < 9950) return rounded(std::stod(text), 4);
+  return text.erase(exponent + 1, text[exponent + 2] == '0' ? 2 : 1);
+}
+
 std::string map_table(const Overview& overview) {
   std::string text = "<thead><tr><th scope=col>surface";
   for (const std::string_view sweep : overview.sweeps) text += "<th scope=col class=n>" + words(sweep);
@@ -147,7 +156,7 @@ std::string map_table(const Overview& overview) {
       const SweepCell& c = cell->second;
       text += "<td class=" + std::string(step_of(c)) + "><button data-surface=\"" + escape(surface) +
               "\" data-sweep=" + std::string(sweep) + " title=\"" + share_text(c.factor) +
-              (c.factor < 0 ? "\">" : " of the bound\">") + digits_or_all(c.error) + "</button>";
+              (c.factor < 0 ? "\">" : " of the bound\">") + in_cell(c.error) + "</button>";
     }
     text += "</tr>\n";
   }
@@ -187,11 +196,12 @@ std::string stability_page(const std::vector<StabilityCurve>& curves, const Prov
   page.answer = stability_summary(curves) + ".";
   page.body = R"html(<section class=card>
 <h2>Surfaces by sweeps</h2>
-<p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in roundings, in
-steps of the stored data, in standard errors. The darker, the nearer to its bound: a tenth, a quarter, half, all
-of it; red is beyond, white has no bound. Large errors within their bound are the condition's: no formula in
-these inputs does better. A click shows the curves.</p>
-<div class=scroll><table class=map id=map>
+<p class=soft>The largest error of Darboux in double, of every method over meshes, of the fit: in
+roundings, in steps of the stored data, in standard errors. The stronger the colour, the nearer to its
+bound: a tenth, a quarter, half, all of it; red is beyond, what has no colour has no bound. Large errors
+within their bound are the condition's: no formula in these inputs does better. A click shows the
+curves.</p>
+<div class=scroll><table class="map upright" id=map>
 )html" + map_table(overview_of(curves)) +
               R"html(</table></div>
 </section>

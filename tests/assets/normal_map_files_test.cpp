@@ -8,8 +8,10 @@
 #include <darboux/error.h>
 #include <darboux/normal_map_files.h>
 
+#include "base/base64.h"
 #include "io_files.h"
 #include "map_meshes.h"
+#include "png_bytes.h"
 #include "refusal_of.h"
 #include "second_normal_map.h"
 
@@ -143,6 +145,58 @@ TEST(NormalMapFiles, TakesTheUvSetTransformAndWrapOfTheNormalTexture) {
   piece = normal_map_pieces(folder / "textured.glb", {.wrap = MapWrap::mirror, .v_up = true}).at(0);
   EXPECT_EQ(piece.wrap, (std::array{MapWrap::mirror, MapWrap::mirror}));
   EXPECT_TRUE(piece.v_up);
+}
+
+TEST(NormalMapFiles, TakesTheScaleOfTheNormalTexture) {
+  const TempFolder folder;
+  const Json sampler = Json::object();
+  EXPECT_EQ(normal_map_pieces(textured(folder, {{"index", 0}}, sampler)).at(0).scale, 1);
+  const std::string path = textured(folder, {{"index", 0}, {"scale", 0.25}}, sampler);
+  EXPECT_EQ(normal_map_pieces(path).at(0).scale, 0.25);
+  EXPECT_EQ(normal_map_pieces(path, {.scale = 1}).at(0).scale, 1);
+}
+
+// Two primitives, whose materials have the normal textures that are given, of images that are there in three
+// ways.
+std::string with_images(const TempFolder& folder, const Json& first, const Json& second,
+                        const std::string& png) {
+  Builder b;
+  const auto positions = b.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const auto uvs = b.packed<float>("VEC2", 5126, 3, {0, 0, 1, 0, 0, 1});
+  b.primitive({{"POSITION", positions}, {"TEXCOORD_0", uvs}}, {{"material", 0}});
+  b.primitive({{"POSITION", positions}, {"TEXCOORD_0", uvs}}, {{"material", 1}});
+  b.json["materials"] = {first, second};
+  write_bytes(folder / "beside.png", png);
+  b.json["images"] = {{{"bufferView", b.view(png)}, {"mimeType", "image/png"}},
+                      {{"uri", "data:image/png;base64," + base64(png)}},
+                      {{"uri", "beside.png"}}};
+  b.json["textures"] = {{{"source", 0}}, {{"source", 1}}, {{"source", 2}}, {{"source", 9}}};
+  return write_bytes(folder / "images.glb", b.glb());
+}
+
+TEST(NormalMapFiles, FindsTheImagesOfNormalTextures) {
+  const TempFolder folder;
+  const auto material = [](int texture) { return Json{{"normalTexture", {{"index", texture}}}}; };
+  const std::string png = png_bytes(2, 1, {1, 2, 3, 250, 251, 252});
+  for (int k = 0; k < 3; ++k) {
+    const std::string path = with_images(folder, material(k), Json::object(), png);
+    const auto textures = normal_textures(path);
+    ASSERT_EQ(textures.size(), 1u);
+    EXPECT_EQ(textures[0].primitive, 0u);
+    EXPECT_EQ(textures[0].image, static_cast<std::size_t>(k));
+    EXPECT_EQ(gltf_image_bytes(path, textures[0].image), png) << k;
+  }
+  const auto two = normal_textures(with_images(folder, material(2), material(1), png));
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[1].primitive, 1u);
+  EXPECT_EQ(two[1].image, 1u);
+  const auto refused = [&](const Json& first, const char* part) {
+    const std::string path = with_images(folder, first, Json::object(), png);
+    const std::string refusal = refusal_of<FileError>([&] { normal_textures(path); });
+    EXPECT_NE(refusal.find(part), std::string::npos) << refusal;
+  };
+  refused(material(3), "images");
+  refused(material(4), "a texture 4, which /materials/0/normalTexture names");
 }
 
 TEST(NormalMapFiles, TakesTheNodesMatrixWhereThereIsOne) {

@@ -1,5 +1,7 @@
 // The tables of docs/reports/tools.md, for tools.sh:
 //   benchmark_tools WORK MAKE MODELS FIGURES KEPT [--quick]
+//   benchmark_tools WORK MAKE FIGURES --check: holds the orders against those of earlier.csv, for
+//   tools_orders.sh
 // WORK is an empty folder, MAKE the command of tools/make.mjs, MODELS the folder of Khronos's sample models,
 // FIGURES that of earlier.csv and earlier_models.csv, KEPT that of the files NAME_N.TOOL.glb which tools made
 // earlier.
@@ -245,14 +247,54 @@ std::string sign_convention(const MeshReport& report) {
          (h.wrong > 0 ? ", " + std::to_string(h.wrong) + " not" : "");
 }
 
+// The meshes of one resolution, with the tangents of the tools that run in node.
+void make_meshes(const std::filesystem::path& work, const std::string& make, int n) {
+  std::cerr << "n = " << n << " ...\n";
+  const std::string command = make + " " + work.string() + " " + std::to_string(n);
+  if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
+}
+
+// Every row that was measured earlier at n = 64: an order that was noted within 0.15; what was noted as the
+// noise of floats at the floor; as many zero tangents. \returns whether all hold
+bool check_orders(const std::filesystem::path& work, const std::string& make,
+                  const std::filesystem::path& figures) {
+  constexpr double tolerance = 0.15;
+  Reports reports;
+  for (const int n : {coarse, fine}) {
+    make_meshes(work, make, n);
+    reports.add(assess_tools(work, n));
+  }
+  std::size_t orders = 0, floors = 0, failed = 0;
+  for (const Line& line : read_figures(figures / "earlier.csv")) {
+    if (line.at("n") != std::to_string(coarse)) continue;
+    const std::string &shape = line.at("shape"), &vertex_class = line.at("class"), &tool = line.at("tool"),
+                      &figure = line.at("order");
+    const double rms = reports.rms(shape, tool, coarse, vertex_class);
+    const bool at_floor = rms <= floor_deg(coarse);
+    // Of errors that were below what rounding may cause an order is noted too, but says nothing.
+    const bool was_at_floor = figure.empty() || std::stod(line.at("rms")) <= floor_deg(coarse);
+    const double order = reports.order(shape, tool, vertex_class);
+    const ClassReport* c = reports.find(shape, tool, coarse, vertex_class);
+    const std::size_t zero = c != nullptr ? without_direction(*c) : 0;
+    const bool good = (was_at_floor ? at_floor : std::fabs(order - std::stod(figure)) <= tolerance) &&
+                      std::to_string(zero) == line.at("zero");
+    ++(was_at_floor ? floors : orders);
+    if (good) continue;
+    ++failed;
+    std::cout << "FAILED: " << shape << ' ' << vertex_class << ' ' << tool << ": rms " << rms << ", order "
+              << order << ", " << zero << " zero, earlier rms " << line.at("rms") << ", order " << figure
+              << ", " << line.at("zero") << " zero\n";
+  }
+  std::cout << orders << " orders, " << floors << " at the floor, " << failed << " failed\n";
+  return failed == 0 && orders > 0 && floors > 0;
+}
+
 void run(const std::filesystem::path& work, const std::string& make, const std::filesystem::path& models,
          const std::filesystem::path& figures, const std::filesystem::path& kept, bool quick) {
   Reports reports;
   std::ostringstream kept_rows;
   for (const int n : quick ? quick_resolutions : resolutions) {
-    std::cerr << "n = " << n << " ...\n";
-    const std::string command = make + " " + work.string() + " " + std::to_string(n);
-    if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
+    make_meshes(work, make, n);
     reports.add(assess_tools(work, n));
     beside_kept(work, n, kept, kept_rows);
   }
@@ -294,6 +336,8 @@ void run(const std::filesystem::path& work, const std::string& make, const std::
 int main(int argc, char** argv) {
   try {
     std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (std::erase(arguments, "--check") > 0 && arguments.size() == 3)
+      return darboux::bench::check_orders(arguments[0], arguments[1], arguments[2]) ? 0 : 1;
     const bool quick = std::erase(arguments, "--quick") > 0;
     if (arguments.size() != 5) throw std::runtime_error("usage: tools.sh [--quick]");
     darboux::bench::run(arguments[0], arguments[1], arguments[2], arguments[3], arguments[4], quick);

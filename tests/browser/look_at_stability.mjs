@@ -24,6 +24,8 @@ check(statSync(page).size < 3e6, 'the page has ' + statSync(page).size + ' bytes
 
 await look_at(executable, page, {charts: 1, folder, title: 'stability', check, look: async (browser, name, ok) => {
   ok(await browser.value('document.querySelectorAll("#map button").length') === cells, 'not ' + cells + ' cells');
+  if (name !== 'narrow')
+    ok(await browser.value('(s => s.scrollWidth <= s.clientWidth)(document.querySelector("#map").parentElement)'), 'the map is cut off');
   const offered = await browser.value('document.getElementById("surface").options.length');
   ok(offered === surfaces.length, offered + ' surfaces are offered');
   await browser.value('document.querySelector("#map button[data-surface^=torus][data-sweep=turns]").click()');

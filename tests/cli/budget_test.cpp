@@ -206,6 +206,29 @@ TEST_F(CliBudget, SoDoFacesOfPly) {
   good("darboux validate m.ply");
 }
 
+// A texel in a 32nd of a byte: 128 of them in the 4 bytes of a run.
+TEST_F(CliBudget, SoDoImages) {
+  constexpr std::size_t size = 15000;
+  std::string tga(18, '\0');
+  tga[2] = 10;
+  tga[12] = tga[14] = static_cast<char>(size & 255);
+  tga[13] = tga[15] = static_cast<char>(size >> 8);
+  tga[16] = 24;
+  for (std::size_t i = 0; i < size * size; i += 128) tga += "\xff\xff\x80\x80";
+  write_bytes(path("m.tga"), tga);
+  good("darboux mesh torus --grid 8x4 -o m.glb --quiet");
+  for (const std::string command :
+       {"normalmap --check m.tga", "normalmap m.tga --from tangent --to object --mesh m.glb -o out.png"}) {
+    SCOPED_TRACE(command);
+    const Result r = within_a_gibibyte(command);
+    EXPECT_EQ(r.status, 2);
+    expect_one_line(r.err);
+    for (const char* part :
+         {"m.tga: expected at most 512 MiB", "--max-memory", "for an image of 15000 x 15000"})
+      EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
+  }
+}
+
 // Polygons are cut into triangles in a time that grows with the square of their corners.
 TEST_F(CliBudget, PolygonsOfVeryManyCornersAreRefused) {
   const auto write = [&](int corners, int polygons) {

@@ -52,6 +52,8 @@ constexpr Reading readings[] = {
     {"normalmap FILE --from object --to tangent --surface torus -o out.png", ".tga"},
     {"normalmap FILE --from object --to tangent --surface torus -o out.png", ".exr"},
     {"normalmap normal.png --from object --to tangent --mesh FILE -o out.png", ".ply"},
+    {"normalmap FILE --from tangent --to object -o out.png", ".gltf"},
+    {"normalmap --check FILE", ".glb"},
     {"bake --surface torus --mesh FILE --size 8x8 -o out.png", ".ply"},
     {"scene FILE", ".json"},
     {"scene FILE", ".gltf"},

@@ -1,5 +1,7 @@
 // `normalmap` by running the tool: what it writes and prints, what it refuses, and that nothing half-written
 // is left.
+#include <cstring>
+
 #include <darboux/image_files.h>
 #include <darboux/io.h>
 
@@ -111,7 +113,7 @@ TEST_F(NormalMapCli, RefusesWhatIsMissingOrContradictsItself) {
           {"missing.png"});
   refused("darboux normalmap in.png --from object --to tangent --mesh missing.glb -o out.png",
           {"missing.glb"});
-  refused("darboux normalmap torus.glb --from object --to tangent --mesh in.png -o out.png", {"in.png"});
+  refused("darboux normalmap in.png --from object --to tangent --mesh in16.png -o out.png", {"in16.png"});
   refused(to_tangent + "-o out.png --report out.exr", {"out.exr"});
   refused(to_tangent + "-o missing/out.png", {"missing/out.png"});
   good("ln -s /dev/full full.png");
@@ -189,6 +191,70 @@ TEST_F(NormalMapCli, FloatsSayWhetherTheyAreSigned) {
   refused("darboux normalmap o.exr --from object --mesh torus.glb --render x.png", {"o.exr", expected});
 }
 
+// A glTF is a map by its normal texture, and the mesh of that map.
+TEST_F(NormalMapCli, TakesTheMapFromAnAsset) {
+  const std::string glb = read_bytes(path("torus.glb"));
+  std::uint32_t length = 0;
+  std::memcpy(&length, glb.data() + 12, 4);
+  Builder asset;
+  asset.json = Json::parse(glb.substr(20, length));
+  asset.bin = glb.substr(28 + length, asset.json["buffers"][0]["byteLength"]);
+  asset.json["images"] = {
+      {{"bufferView", asset.view(read_bytes(path("in.png")))}, {"mimeType", "image/png"}}};
+  asset.json["textures"] = {{{"source", 0}}};
+  asset.json["materials"] = {{{"normalTexture", {{"index", 0}, {"scale", 0.5}}}}};
+  Json& primitives = asset.json["meshes"][0]["primitives"];
+  primitives[0]["material"] = 0;
+  write_bytes(path("asset.glb"), asset.glb());
+  const std::string to_object = " --from tangent --to object ";
+  good("darboux normalmap asset.glb" + to_object + "-o one.png");
+  good("darboux normalmap in.png" + to_object + "--mesh torus.glb --normal-scale 0.5 -o two.png");
+  good("darboux normalmap in.png" + to_object + "--mesh torus.glb -o unscaled.png");
+  EXPECT_EQ(read_bytes(path("one.png")), read_bytes(path("two.png")));
+  EXPECT_NE(read_bytes(path("one.png")), read_bytes(path("unscaled.png")));
+  good("darboux normalmap asset.glb" + to_object + "--mesh asset.glb --normal-scale 1 -o two.png");
+  EXPECT_EQ(read_bytes(path("unscaled.png")), read_bytes(path("two.png")));
+  good("darboux normalmap asset.glb" + to_object + "--mesh torus.glb -o two.png");
+  EXPECT_EQ(read_bytes(path("unscaled.png")), read_bytes(path("two.png"))) << "the other mesh has no scale";
+  good("darboux normalmap asset.glb --from tangent --render lit.png");
+  Json of_image = json("darboux normalmap --check in.png --json", 1),
+       of_asset = json("darboux normalmap --check asset.glb --primitive 0 --json", 1);
+  of_image.erase("file"), of_asset.erase("file");
+  EXPECT_EQ(of_image, of_asset);
+  good("darboux normalmap --compare in.png asset.glb --max-angle 0");
+  refused("darboux normalmap asset.glb" + to_object + "-o asset.glb", {"asset.glb"});
+  refused("darboux normalmap torus.glb" + to_object + "-o x.png",
+          {"torus.glb: expected normal textures of one image", "got none"});
+  refused("darboux normalmap asset.glb" + to_object + "--normal-scale 0 -o x.png", {"--normal-scale"});
+  // A second primitive with another image.
+  asset.json["images"].push_back({{"uri", "in16.png"}});
+  asset.json["textures"].push_back({{"source", 1}});
+  asset.json["materials"].push_back({{"normalTexture", {{"index", 1}}}});
+  primitives.push_back(primitives[0]);
+  primitives[1]["material"] = 1;
+  write_bytes(path("asset.glb"), asset.glb());
+  refused("darboux normalmap asset.glb" + to_object + "-o x.png", {"--primitive", "got images 0, 1"});
+  refused("darboux normalmap --check asset.glb", {"--primitive", "got images 0, 1"});
+  good("darboux normalmap asset.glb --primitive 0:1" + to_object + "-o two.png");
+  good("darboux normalmap in16.png" + to_object + "--mesh torus.glb -o one.png");
+  EXPECT_EQ(read_bytes(path("one.png")), read_bytes(path("two.png")));
+}
+
+// What is decoded and made counts.
+TEST_F(NormalMapCli, KeepsWithinTheMemoryThatItMayTake) {
+  const std::string bake = "darboux bake --surface torus --mesh torus.glb -o b.png --size ";
+  refused(bake + "4000x4000 --max-memory 10MB", {"b.png: expected at most ", "a map of 16000000 texels"});
+  refused(bake + "65536x65536", {"a map of 4294967296 texels"});
+  refused(bake + "16000x16000", {"--max-memory"});
+  good(bake + "800x600");
+  const std::string convert = "darboux normalmap b.png --from tangent --to object --mesh torus.glb -o o.png ";
+  refused(convert + "--max-memory 1MB", {"b.png: expected at most ", "an image of 800 x 600"});
+  refused(convert + "--max-memory 2MB", {"b.png: expected at most ", "a map of 480000 texels"});
+  good(convert + "--max-memory 6MB");
+  refused("darboux normalmap --check b.png --max-memory 1MB", {"an image of 800 x 600"});
+  EXPECT_FALSE(fs::exists(path("x.png")));
+}
+
 // ---- bake, check, compare ---------------------------------------------------------------------------------
 
 TEST_F(NormalMapCli, BakesAndTellsTheErrorThatIsLeft) {
@@ -205,6 +271,7 @@ TEST_F(NormalMapCli, BakesAndTellsTheErrorThatIsLeft) {
   EXPECT_EQ(samples, j["error"]["samples"]);
   EXPECT_EQ(read_image(path("normal.png")).height, 96);
   EXPECT_NE(good(bake).find("interior"), std::string::npos);
+  EXPECT_EQ(good(bake + "--samples 0").find("without the map"), std::string::npos) << "no empty table";
   refused("darboux bake", {"--surface"});
   refused("darboux bake --surface torus -o normal.png", {"--mesh"});
   refused("darboux bake --surface torus --mesh low.glb", {"-o"});
@@ -243,7 +310,7 @@ TEST_F(NormalMapCli, ChecksAMapSeenAlone) {
   refused("darboux normalmap --check in.png -o out.png", {"--output", "--check"});
   refused("darboux normalmap --check in.png --compare in.png in.png", {"--compare"});
   for (const std::string option : {"--wrap clamp", "--decode mikktspace", "--primitive 0", "--sign raw",
-                                   "--uv-origin top", "--size 4x4"})
+                                   "--uv-origin top", "--size 4x4", "--normal-scale 2"})
     refused("darboux normalmap --check in.png " + option,
             {option.substr(0, option.find(' ')) + ": cannot be combined with --check"});
 }

@@ -179,6 +179,21 @@ TEST(ImageFiles, RefusesTruncatedFilesOfEveryLength) {
   }
 }
 
+// An image counts against the budget of its file, as meshes do.
+TEST(ImageFiles, TakesNoMoreThanItsBudget) {
+  const TempFolder folder;
+  for (const char* name : {"a.png", "a.tga", "a.exr"}) {
+    const SampleType type = std::string(name) == "a.exr" ? SampleType::f32 : SampleType::u8;
+    write_image(folder / name, image_of(type, 3));
+    const std::size_t bytes = read_image(folder / name).bytes() * (std::string(name) == "a.tga" ? 2 : 1);
+    EXPECT_NO_THROW(read_image(folder / name, {.max_memory = bytes}));
+    const std::string refusal =
+        refusal_of<FileError>([&] { read_image(folder / name, {.max_memory = bytes - 1}); });
+    EXPECT_NE(refusal.find("--max-memory"), std::string::npos) << refusal;
+    EXPECT_NE(refusal.find("for an image of "), std::string::npos) << refusal;
+  }
+}
+
 // What claims to be of 65 536 x 65 536 texels is refused before memory is taken.
 TEST(ImageFiles, RefusesHugeClaims) {
   const TempFolder folder;
@@ -192,13 +207,13 @@ TEST(ImageFiles, RefusesHugeClaims) {
   EXPECT_NE(refusal_of<FileError>([&] { read_image(folder / "a.png"); }).find("65536 x 65536"),
             std::string::npos)
       << refusal_of<FileError>([&] { read_image(folder / "a.png"); });
-  header.replace(0, 8, std::string("\0\0\x40\0\0\0\x40\0", 8));
+  header.replace(0, 8, std::string("\0\0\x20\0\0\0\x20\0", 8));
   write_bytes(
       folder / "b.png",
       with_chunk(png.substr(0, 8) + std::string(25, ' '), "IHDR", header).erase(8, 25) + png.substr(33));
   EXPECT_NE(refusal_of<FileError>([&] { read_image(folder / "b.png"); }).find("1032 times its bytes"),
             std::string::npos)
-      << "268 435 456 texels in 70 bytes: " << refusal_of<FileError>([&] { read_image(folder / "b.png"); });
+      << "67 108 864 texels in 70 bytes: " << refusal_of<FileError>([&] { read_image(folder / "b.png"); });
   std::string tga(18, '\0');
   tga[2] = 10;
   tga[12] = tga[13] = tga[14] = tga[15] = static_cast<char>(255);

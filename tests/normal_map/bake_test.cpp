@@ -131,6 +131,52 @@ TEST(Bake, DoesNotDependOnThreadsNorOnTheGreenAndTheOriginThatBothSidesKnow) {
               0.05 * one.all.with_map_deg.rms);
 }
 
+// The mesh of a surface that lies elsewhere and whose uvs are sheared has the errors of the plain one: the
+// frames turn with it, and the map is the same at other texels.
+TEST(Bake, OfAPlacedSurfaceWithOtherUvs) {
+  const AnySurface torus = make_surface("torus");
+  BakeOptions options;
+  options.width = options.height = 256;
+  options.type = SampleType::u16;
+  const MapPiece plain = coarse(torus);
+  const BakeResult wanted = bake(torus, plain, options);
+  SampleMeshOptions sheared;
+  sheared.columns = 12;
+  sheared.rows = 6;
+  sheared.shear = 1;  // u + v, once round
+  MapPiece piece{.mesh = sample_mesh(torus, sheared)};
+  PlacedSurface surface{torus};
+  surface.placement =
+      Eigen::Translation3d(3, -2, 5) * Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized());
+  surface.uv = {"affine", {1, -1, 0, 1, 0, 0}};
+  const auto turned = [&](const Vec3<double>& a) {
+    return from_eigen(surface.placement.linear() * to_eigen(a));
+  };
+  for (std::size_t v = 0; v < piece.mesh.positions.size(); ++v) {
+    piece.mesh.positions[v] = from_eigen(surface.placement * to_eigen(piece.mesh.positions[v]));
+    piece.mesh.normals[v] = turned(piece.mesh.normals[v]);
+    const Vec3<double> t = turned(piece.mesh.tangents[v].xyz());
+    piece.mesh.tangents[v] = {t.x, t.y, t.z, piece.mesh.tangents[v].w};
+  }
+  const BakeResult r = bake_normal_map(surface, std::span(&piece, 1), options);
+  EXPECT_EQ(r.map.covered, wanted.map.covered);
+  EXPECT_NEAR(r.all.without_map_deg.rms, wanted.all.without_map_deg.rms, 1e-6);
+  // Other texels, so another error between them, of the same size.
+  EXPECT_NEAR(r.all.with_map_deg.rms, wanted.all.with_map_deg.rms, 0.5 * wanted.all.with_map_deg.rms);
+  EXPECT_GT(bake(torus, piece, options).all.with_map_deg.rms, 20) << "taken as it is";
+  // Beyond the map lies what the map repeats, or it is refused.
+  const AnySurface graph = make_surface("graph");
+  MapPiece leaning{.mesh = sample_mesh(graph, sheared)};
+  PlacedSurface open{graph};
+  open.uv = surface.uv;
+  EXPECT_NE(refusal_of<MeshError>([&] {
+              bake_normal_map(open, std::span(&leaning, 1), options);
+            }).find("expected uvs from 0 to 1"),
+            std::string::npos);
+  leaning.wrap = {MapWrap::clamp, MapWrap::clamp};
+  EXPECT_GT(bake_normal_map(open, std::span(&leaning, 1), options).map.outside_map, 0u);
+}
+
 TEST(Bake, RefusesWhatItCannotDo) {
   const AnySurface torus = make_surface("torus");
   const MapPiece piece = coarse(torus);

@@ -191,6 +191,34 @@ TEST(NormalMap, IsWhatASecondImplementationGives) {
 
 // ---- by hand ----------------------------------------------------------------------------------------------
 
+// normalTexture.scale: (0.6, 0, 0.8) scaled by 2 is (1.2, 0, 0.8) made unit.
+TEST(NormalMap, ScaleIsThatOfXAndY) {
+  MapPiece piece = square();
+  piece.scale = 2;
+  const float length = std::sqrt(1.2f * 1.2f + 0.8f * 0.8f);
+  const Image small = constant(4, 4, {0.6f, 0, 0.8f}),
+              large = constant(4, 4, {1.2f / length, 0, 0.8f / length});
+  const AnySurface plane = make_surface("plane");
+  for (const MapBasis basis : {MapBasis::stored, MapBasis::mikktspace, MapBasis::analytic})
+    for (const MapDecode decode : both_decodes) {
+      NormalMapOptions options = in_floats(MapSpace::tangent, MapSpace::object);
+      options.basis = basis;
+      options.decode = decode;
+      options.surface = &plane;
+      const NormalMapResult there = convert(small, piece, options);
+      expect_texel(there.image, 5, {1.2 / length, 0, 0.8 / length}, 1e-6);
+      EXPECT_NEAR(there.condition, 2, 1e-6);
+      std::swap(options.from, options.to);
+      expect_texel(convert(large, piece, options).image, 5, {0.6, 0, 0.8}, 1e-6);
+      MapPiece none = piece;
+      none.scale = 0;
+      EXPECT_NE(refusal_of<MeshError>([&] { convert(large, none, options); }).find("scale"),
+                std::string::npos);
+      std::swap(options.from, options.to);
+      expect_texel(convert(small, none, options).image, 5, {0, 0, 1}, 1e-6);
+    }
+}
+
 TEST(NormalMap, GreenPointsUpTheImageOrDown) {
   const Image up = constant(4, 4, {0, 0.6f, 0.8f}), down = constant(4, 4, {0, -0.6f, 0.8f});
   NormalMapOptions options = in_floats(MapSpace::tangent, MapSpace::object);

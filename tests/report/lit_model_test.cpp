@@ -14,7 +14,7 @@ namespace {
 // Round bumps, as the rasteriser's own.
 Image bumps(int size, SampleType type) {
   Image image(size, size, 3, type);
-  const double most = type == SampleType::u8 ? 255 : 65535;
+  const double most = type == SampleType::f32 ? 1 : type == SampleType::u8 ? 255 : 65535;
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x) {
       const Vec3<double> n = bump({(x + 0.5) / size, (y + 0.5) / size});
@@ -24,7 +24,7 @@ Image bumps(int size, SampleType type) {
             [&](auto& s) {
               s[static_cast<std::size_t>(3 * (y * size + x)) + c] =
                   static_cast<typename std::remove_reference_t<decltype(s)>::value_type>(
-                      std::floor((numbers[c] + 1) / 2 * most + 0.5));
+                      most == 1 ? (numbers[c] + 1) / 2 : std::floor((numbers[c] + 1) / 2 * most + 0.5));
             },
             image.samples);
     }
@@ -49,6 +49,20 @@ Difference difference(const Picture& a, const Picture& b) {
   }
   d.rms = std::sqrt(sum / static_cast<double>(d.drawn));
   return d;
+}
+
+// A map whose x and y are halved, and scaled by 2, is the map.
+TEST(LitModel, ScalesTheMap) {
+  MapPiece piece{.mesh = sample_mesh(make_surface("torus"), {})};
+  Image map = bumps(256, SampleType::f32);
+  const auto drawn = [&] { return lit_model(map, std::span(&piece, 1), {.width = 100, .height = 80}); };
+  const Picture whole = drawn();
+  auto& samples = std::get<2>(map.samples);
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (i % 3 != 2) samples[i] = 0.5f + (samples[i] - 0.5f) / 2;
+  EXPECT_GT(difference(whole, drawn()).most, 10);
+  piece.scale = 2;
+  EXPECT_LE(difference(whole, drawn()).most, 1);
 }
 
 // A grey is off by at most 290 of its codes per radian: 255 √(0.8 (0.12 + 0.88 n·l)) has that slope where the

@@ -36,7 +36,8 @@ inline Mesh halves_apart(const AnySurface& surface, SampleMeshOptions options) {
   return mesh;
 }
 
-/// Sphere, torus, sheared, jittered and mirrored ones, with exact tangents at the corners, and one with any.
+/// Sphere, torus, sheared, jittered and mirrored ones, with exact tangents at the corners, and one with any;
+/// two whose maps are scaled.
 inline std::vector<NamedPiece> map_meshes() {
   const AnySurface torus = make_surface("torus:major_radius=1,minor_radius=0.4"),
                    sphere = make_surface("sphere");
@@ -70,6 +71,10 @@ inline std::vector<NamedPiece> map_meshes() {
   Mesh mesh = sample_mesh(torus, sheared);
   for (Vec2<double>& uv : mesh.uvs) uv.x /= 2;
   add("sheared torus", std::move(mesh));
+  add("scaled", sample_mesh(torus, jittered));
+  result.back().piece.scale = 0.4;
+  add("scaled and turned", sample_mesh(sphere, grid));
+  result.back().piece.scale = -2;
   return result;
 }
 

@@ -133,6 +133,7 @@ class SecondNormalMap {
       n.colwise().normalize();
       m << (t * weights).normalized(), (b * weights).normalized(), (n * weights).normalized();
     }
+    m.leftCols<2>() *= piece_.scale;
     return m;
   }
 

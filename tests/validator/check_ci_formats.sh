@@ -76,6 +76,12 @@ check worse 1 assets --baseline less.json
 for state in new unchanged updated; do
   grep -q "\"baselineState\": \"$state\"" out/*.sarif || { echo "FAILED: nothing is $state"; exit 1; }
 done
+for mesh in "$data/torus_016.three.glb" "$data/mirrortorus_016.mikk.glb" "$data/torus_016.none.glb"; do
+  "$tool" validate "$mesh" --surface torus --normal-map 32x32 --json >"out/normal_map_$(basename "$mesh").json" || true
+done
+"$tool" validate assets/bare.obj --normal-map 32x32 --json >out/normal_map_none.json || true
+grep -q '"codes8_deg": {' out/normal_map_torus_016.three.glb.json
+grep -q '"normal_map": null' out/normal_map_none.json
 node "$here/check_sarif.js" out/*.sarif
 node "$here/check_junit.js" out/*.xml
 node "$here/check_json.js" "$here/../../docs/schemas/validate.schema.json" out/*.json

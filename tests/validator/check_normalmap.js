@@ -18,7 +18,7 @@ call('mesh', 'sphere', '--grid', '12x6', '-o', 'sphere.glb');
 const bake = ['bake', '--surface', 'torus', '--mesh', 'low.glb', '--size', '64x64', '-o', 'tangent.png'];
 const to_object = ['normalmap', 'tangent.png', '--from', 'tangent', '--to', 'object', '-o', 'object.png'];
 for (const [status, ...parameters] of [
-  [0, ...bake],
+  [0, ...bake], [0, ...bake, '--samples', '0'],
   [0, 'bake', '--surface', 'sphere', '--mesh', 'sphere.glb', '--size', '32x16', '-o', 'sphere.exr'],
   [0, ...to_object, '--mesh', 'low.glb'], [1, ...to_object, '--mesh', 'mirrored.glb'],
   [0, ...to_object, '--surface', 'torus'],

@@ -1,0 +1,35 @@
+/// \file map_source.h
+/// Where a normal map comes from, and the memory that one takes.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <darboux/image.h>
+#include <darboux/io.h>
+#include <darboux/normal_map_files.h>
+
+namespace darboux {
+
+/// Primitives of a file, by number: MapPieceOptions::only.
+using ChosenPrimitives = decltype(MapPieceOptions::only);
+
+/// The bytes of a map: of an image file, or of the one image that the normal textures of a glTF have.
+struct MapSource {
+  std::string name, bytes;
+  ChosenPrimitives primitives{};  ///< of a glTF: those that have it
+};
+
+/// Whether a regular file is a glTF, by its content or its extension. \throws FileError
+bool is_gltf_file(const std::string& path);
+
+/// \param only of a glTF, the primitives that count; all where there are none
+/// \throws FileError where a glTF has no normal texture, or several
+MapSource map_source(const std::string& path, const ChosenPrimitives& only, const ReadOptions& options);
+
+/// Holds what convert_normal_map() takes for its result against ReadOptions::max_memory.
+/// \param there bytes of what it reads \param texels with so many channels of a type \throws FileError
+void check_map_memory(const std::string& file, std::uint64_t there, std::uint64_t texels, int channels,
+                      SampleType type, const ReadOptions& options);
+
+}  // namespace darboux
