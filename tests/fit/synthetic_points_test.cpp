@@ -1,13 +1,13 @@
 // The generator of points and the judge of their fits, judged themselves: without any fit of the library.
 #include "synthetic_points.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <numbers>
 
 #include <gtest/gtest.h>
-
-#include "statistics/rows.h"
 
 namespace darboux {
 namespace {
@@ -75,7 +75,7 @@ PlacedSurface surface_at(const SyntheticPoints& points, const Eigen::VectorXd& q
     values[0] += q[5];
     values[1] += q[6];
   } else {
-    const auto turns = synthetic_detail::cube_turns();
+    const auto turns = cube_turns();
     const Eigen::Matrix3d cube = turns[random.below(turns.size())];
     const Eigen::Vector3d omega = q.segment(3, 3);
     local.linear() = Eigen::AngleAxisd(omega.norm(), omega.normalized()).matrix() * cube;
