@@ -45,7 +45,9 @@ PlacedSurface surface_at(const SyntheticPoints& points, const Eigen::VectorXd& q
   Eigen::Isometry3d local = Eigen::Isometry3d::Identity();
   const auto tilt = [&](double a, double b, double z) {
     const Eigen::Vector3d axis = Eigen::Vector3d(a, b, z).normalized() * z;
-    local.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).matrix() *
+    // Eigen's FromTwoVectors compiles a singular value decomposition.
+    const Eigen::Vector3d across = Eigen::Vector3d::UnitZ().cross(axis);
+    local.linear() = Eigen::AngleAxisd(std::atan2(across.norm(), axis.z()), across.normalized()).matrix() *
                      Eigen::AngleAxisd(random.uniform(0, 6), Eigen::Vector3d::UnitZ());
     if (shape.kind != "cone" && random.uniform() < 0.5)
       local.linear() = local.linear() * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX());
