@@ -1,13 +1,13 @@
 // The generator of points and the judge of their fits, judged themselves: without any fit of the library.
 #include "synthetic_points.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <numbers>
 
 #include <gtest/gtest.h>
-
-#include "statistics/rows.h"
 
 namespace darboux {
 namespace {
@@ -45,7 +45,9 @@ PlacedSurface surface_at(const SyntheticPoints& points, const Eigen::VectorXd& q
   Eigen::Isometry3d local = Eigen::Isometry3d::Identity();
   const auto tilt = [&](double a, double b, double z) {
     const Eigen::Vector3d axis = Eigen::Vector3d(a, b, z).normalized() * z;
-    local.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).matrix() *
+    // Eigen's FromTwoVectors compiles a singular value decomposition.
+    const Eigen::Vector3d across = Eigen::Vector3d::UnitZ().cross(axis);
+    local.linear() = Eigen::AngleAxisd(std::atan2(across.norm(), axis.z()), across.normalized()).matrix() *
                      Eigen::AngleAxisd(random.uniform(0, 6), Eigen::Vector3d::UnitZ());
     if (shape.kind != "cone" && random.uniform() < 0.5)
       local.linear() = local.linear() * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX());
@@ -75,7 +77,7 @@ PlacedSurface surface_at(const SyntheticPoints& points, const Eigen::VectorXd& q
     values[0] += q[5];
     values[1] += q[6];
   } else {
-    const auto turns = synthetic_detail::cube_turns();
+    const auto turns = cube_turns();
     const Eigen::Matrix3d cube = turns[random.below(turns.size())];
     const Eigen::Vector3d omega = q.segment(3, 3);
     local.linear() = Eigen::AngleAxisd(omega.norm(), omega.normalized()).matrix() * cube;

@@ -2,8 +2,10 @@
 // required. The program fit_statistics runs them, tests/fit_points_statistics_test.cpp smaller versions.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <string>

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -159,7 +161,7 @@ inline TrueQuantities true_quantities(const SyntheticPoints& points, const Place
     q.centre = (at - Eigen::Vector3d(0, 0, values[1] - height)).norm();
   } else if (shape.kind == "ellipsoid") {
     Eigen::Matrix3d nearest = Eigen::Matrix3d::Identity();
-    for (const Eigen::Matrix3d& cube : synthetic_detail::cube_turns())
+    for (const Eigen::Matrix3d& cube : cube_turns())
       if ((turn * cube).trace() > (turn * nearest).trace()) nearest = cube;
     const Eigen::Vector3d named = (nearest * Eigen::Vector3d(values[0], values[1], values[2])).cwiseAbs();
     q.parameters = {named[0], named[1], named[2]};
