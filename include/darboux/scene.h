@@ -93,6 +93,9 @@ struct ScenePatch {
   std::uint16_t cells_u = 1, cells_v = 1;  ///< powers of two
   std::uint32_t column = 0, row = 0;       ///< of the tile
   Attributes attributes;
+  /// Of all plans of one ScenePlanner: patches of the same number have the same samples, which a caller may
+  /// keep.
+  std::uint64_t id = 0;
   /// Samples that neighbours have on the edges v0, v1, u0, u1 and the corners of the cells have not: how
   /// many, and where in ScenePlan::edge_coordinates they begin. Rising.
   std::array<std::uint32_t, 4> edge_counts{};
@@ -145,12 +148,14 @@ struct ScenePlan {
 /// bound that is out of range, an index that is, or a placement that is singular or not finite
 ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
 
-/// The same for many cameras of a scene: what is known of its surfaces' tiles is kept from one to the next.
-/// Plans are those of plan_scene(), to the bit. Memory: about 1 kB for each tile of a surface that a camera
-/// looked at.
+/// The same for many cameras of a scene. Plans are those of plan_scene(), to the bit, but for the numbers of
+/// patches. Kept from one camera to the next are the bounds of surfaces' tiles, and what was decided for an
+/// instance as long as that provably stays the same: while the camera, of the same lens, has moved and turned
+/// by no more than the nearest of the instance's decisions is from being another. Memory: about 1 kB for each
+/// tile of a surface that a camera looked at, 100 bytes an instance, and the patches of the last plans.
 class ScenePlanner {
  public:
-  /// \param scene lives as long as this; its surfaces do not change
+  /// \param scene lives as long as this, and does not change
   /// \throws ParameterError as plan_scene() for a bound that is out of range
   ScenePlanner(const Scene& scene, const SceneRequest& request);
   ScenePlanner(ScenePlanner&&) noexcept;
@@ -160,7 +165,9 @@ class ScenePlanner {
   ScenePlan plan(const Camera& camera);
 
  private:
+  friend ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
   class Planner;
+  static ScenePlan plan_once(const Scene& scene, const Camera& camera, const SceneRequest& request);
   std::unique_ptr<Planner> planner_;
 };
 

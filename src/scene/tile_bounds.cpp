@@ -7,6 +7,7 @@
 #include <darboux/cone.h>
 #include <darboux/cylinder.h>
 #include <darboux/disk.h>
+#include <darboux/ellipsoid.h>
 #include <darboux/plane.h>
 #include <darboux/sphere.h>
 #include <darboux/tile_bounds.h>
@@ -47,8 +48,22 @@ double most_cosine(const Arc& arc) {
   return std::fmin(std::fmax(arc.most(1, 0), arc.most(-1, 0)), 1);
 }
 
+// No less than its length, and no more than 1.74 times that.
+double sum_of(const Vec3<double>& d) {
+  return std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
+}
+
+// The length of (a, b). hypot is slow, and only needed where squares leave the range of doubles.
+double length_of(double a, double b) {
+  const double square = a * a + b * b;
+  return square > 1e-280 && square < 1e280 ? std::sqrt(square) : std::hypot(a, b);
+}
+
 double size_of(const RoundProfile& s) {
   return s.major_radius + s.radius;
+}
+double size_of(const ScaledSphere& s) {
+  return s.axes.x + s.axes.y + s.axes.z;
 }
 double size_of(const StraightProfile& s) {
   return most_absolute(s.rho[0], s.rho[1]) + most_absolute(s.z[0], s.z[1]);
@@ -65,6 +80,9 @@ double size_of(const EnclosedTile&) {
 double most_along(const RoundProfile& s, const Vec3<double>& d) {
   const double m = s.round.most(d.x, d.y);  // ρ >= 0, so that the outermost φ is best everywhere
   return m * s.major_radius + s.radius * s.profile.most(m, d.z);
+}
+double most_along(const ScaledSphere& s, const Vec3<double>& d) {
+  return s.profile.most(s.round.most(d.x * s.axes.x, d.y * s.axes.y), d.z * s.axes.z);
 }
 double most_along(const StraightProfile& s, const Vec3<double>& d) {
   const double m = s.round.most(d.x, d.y);
@@ -111,6 +129,14 @@ double most_facing(const RoundProfile& s, const Vec3<double>& e, double offset) 
                inner = most_of_side(s.profile, false, -s.round.most(-e.x, -e.y) - R, e.z);
   return std::fmax(outer, inner) - offset * s.radius;
 }
+// A point S of the unit sphere has N = (x/a, y/b, z/c) for normal, and N·P = 1. |N| lies between 1 over the
+// longest axis and 1 over the shortest.
+double most_facing(const ScaledSphere& s, const Vec3<double>& e, double offset) {
+  const Vec3<double> scaled{e.x / s.axes.x, e.y / s.axes.y, e.z / s.axes.z};
+  const double most = s.profile.most(s.round.most(scaled.x, scaled.y), scaled.z) - offset +
+                      rounding * (sum_of(scaled) + offset);
+  return most * (most < 0 ? s.shortest() : s.longest());
+}
 double most_facing(const StraightProfile& s, const Vec3<double>& e, double offset) {
   return s.n_rho * s.round.most(e.x, e.y) + s.n_z * e.z - offset * s.height_over_normal;
 }
@@ -142,6 +168,22 @@ TileRates rates_of(const RoundProfile& s) {
           .frame_uu = bend,
           .frame_uv = tau * per_v * std::fmax(sine, cosine),
           .frame_vv = 0};
+}
+TileRates rates_of(const ScaledSphere& s) {
+  TileRates r = s.enclosed ? enclosed_rates(*s.enclosed) : TileRates{};
+  const auto square = [](double x) { return x * x; };
+  const double sine_u = square(most_sine(s.round)), cosine_u = square(most_cosine(s.round)),
+               sine_v = square(most_sine(s.profile)), cosine_v = square(most_cosine(s.profile)),
+               x = square(s.axes.x), y = square(s.axes.y), z = square(s.axes.z);
+  // Of x cos² + y sin² over an arc, linear in either of the squares.
+  const auto most = [](double x, double y, double cosine, double sine) {
+    return x > y ? y + (x - y) * cosine : x + (y - x) * sine;
+  };
+  const double along = most(x, y, cosine_u, sine_u), across = most(x, y, sine_u, cosine_u);
+  r.position_uu = std::fmin(r.position_uu, tau * tau * std::sqrt(along * cosine_v));
+  r.position_uv = std::fmin(r.position_uv, tau * pi * std::sqrt(across * sine_v));
+  r.position_vv = std::fmin(r.position_vv, pi * pi * std::sqrt(most(along, z, cosine_v, sine_v)));
+  return r;
 }
 TileRates rates_of(const StraightProfile& s) {
   // All turns round the axis: n = (n_rho cos φ, n_rho sin φ, n_z), t = (-sin φ, cos φ, 0), b = (-n_z cos φ,
@@ -226,14 +268,16 @@ StraightProfile straight(double rho_from, double rho_to, double height, const Ti
 }  // namespace
 
 double tiles::Arc::most(double a, double b) const {
-  const double ends = std::fmax(a * cos_from + b * sin_from, a * cos_to + b * sin_to);
-  const double top = std::hypot(a, b);
-  if (to - from >= tau) return top;
-  // The top lies in the arc where it is the first from `from` on: widened by what angles may be rounded.
-  const double slack = rounding * (1 + std::fabs(from) + std::fabs(to));
-  const double beyond = std::remainder(std::atan2(b, a) - from, tau),
-               ahead = beyond < 0 ? beyond + tau : beyond;
-  return ahead <= to - from + slack || ahead >= tau - slack ? top : ends;
+  const double first = a * cos_from + b * sin_from, last = a * cos_to + b * sin_to,
+               ends = first < last ? last : first;
+  if (to - from >= tau) return length_of(a, b);
+  // On which side of the two ends (a, b) lies, by the cross products, and widened by what angles and sines
+  // may be rounded. An arc of no more than half a turn has the top between its ends; of a longer one it is
+  // missing only if it lies between them on the other side.
+  const double slack = rounding * (1 + std::fabs(from) + std::fabs(to)) * (std::fabs(a) + std::fabs(b));
+  const bool after = b * cos_from - a * sin_from >= -slack, before = a * sin_to - b * cos_to >= -slack;
+  const bool within = to - from <= tau / 2 ? after && before && ends >= -slack : after || before;
+  return within || std::isnan(ends) ? length_of(a, b) : ends;
 }
 
 TileBounds::TileBounds(const AnySurface& surface, const Tile& t, TileOrder order) {
@@ -251,6 +295,11 @@ TileBounds::TileBounds(const AnySurface& surface, const Tile& t, TileOrder order
       shape_ = std::move(enclosed);
   } else if (!is_within(t, is_periodic(surface.info().u), is_periodic(surface.info().v))) {
     return;
+  } else if (const auto* ellipsoid = surface.get<Ellipsoid<>>()) {
+    shape_ = ScaledSphere{{ellipsoid->semi_axis_x, ellipsoid->semi_axis_y, ellipsoid->semi_axis_z},
+                          turns(t.u0, t.u1),
+                          latitudes(t.v0, t.v1),
+                          order == TileOrder::position ? nullptr : enclose(surface, t, order)};
   } else if (const auto* cylinder = surface.get<Cylinder<>>()) {
     shape_ = straight(cylinder->radius, cylinder->radius, cylinder->height, t, 1, 0, cylinder->radius);
   } else if (const auto* cone = surface.get<Cone<>>()) {
@@ -267,17 +316,27 @@ TileBounds::TileBounds(const AnySurface& surface, const Tile& t, TileOrder order
   }
 }
 
+bool TileBounds::attained() const {
+  return known() && !std::holds_alternative<EnclosedTile>(shape_);
+}
+
+double TileBounds::facing_rate() const {
+  if (const auto* s = std::get_if<ScaledSphere>(&shape_)) return s->longest() / s->shortest();
+  return attained() ? 1 : infinity;
+}
+
 double TileBounds::support(const Vec3<double>& d) const {
-  return of_known(shape_, [&](const auto& s) { return most_along(s, d) + rounding * norm(d) * size_of(s); });
+  return of_known(shape_,
+                  [&](const auto& s) { return most_along(s, d) + rounding * sum_of(d) * size_of(s); });
 }
 
 double TileBounds::facing(const Vec3<double>& eye) const {
   return of_known(
-      shape_, [&](const auto& s) { return most_facing(s, eye, 1) + rounding * (norm(eye) + size_of(s)); });
+      shape_, [&](const auto& s) { return most_facing(s, eye, 1) + rounding * (sum_of(eye) + size_of(s)); });
 }
 
 double TileBounds::facing_along(const Vec3<double>& d) const {
-  return of_known(shape_, [&](const auto& s) { return most_facing(s, d, 0) + rounding * norm(d); });
+  return of_known(shape_, [&](const auto& s) { return most_facing(s, d, 0) + rounding * sum_of(d); });
 }
 
 TileRates TileBounds::rates() const {
