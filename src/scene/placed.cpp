@@ -72,7 +72,7 @@ void place(const Scene& scene, std::uint32_t index, const SurfaceTiles& tiles, c
       result.planes |= static_cast<std::uint8_t>(1u << k);
   }
   result.away = -inside - reach;
-  result.farthest = (view.eye() - centre).norm() + result.largest * tiles.reach() + surrounds;
+  result.farthest = (view.eye() - centre).norm() + result.largest * tiles.radius() + surrounds;
   if (result.away > 0) return;
   for (std::size_t k = 0; k < 6; ++k) {
     if (!(result.planes >> k & 1)) continue;

@@ -19,7 +19,7 @@ struct Placed {
   double eye_rounding;    // of `eye`
   double plane_rounding;  // of planes
   double away;            // how far all of it, with what surrounds it, is outside the frustum; or not, if < 0
-  double farthest;        // from the eye to whatever bounds of its tiles reach
+  double farthest;        // from the eye to the far side of a sphere round it
   std::uint8_t planes;    // of the frustum, those that may cut it
   double within;          // how far it is within the others
   // Where normal · P >= offset is inside, P in the surface's own space. Only of what is not away.

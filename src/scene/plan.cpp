@@ -10,72 +10,17 @@
 #include <darboux/frame.h>
 #include <darboux/scene.h>
 
-#include "base/hash_table.h"
+#include "known_patches.h"
 #include "patch_layout.h"
-#include "placed.h"
 #include "surface_tiles.h"
 #include "tile_edges.h"
-#include "view.h"
+#include "tile_tests.h"
 
 namespace darboux {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-// 2^-level
-double share_of(int level) {
-  return 1.0 / static_cast<double>(1u << level);
-}
-
-constexpr Attributes tangent_attributes =
-    Attribute::tangent | Attribute::bitangent | Attribute::handedness | Attribute::tangent4;
-
-// The fewest cells on a rectangle of the chart for which error(du, dv) <= 1, which falls with both, or
-// 2^most. Halves that side of the cells that is worth more.
-template <class F>
-TileLevels fewest_cells(double width_u, double width_v, const TileLevels& most, F error) {
-  TileLevels result;
-  double du = width_u, dv = width_v;
-  while ((result.u < most.u || result.v < most.v) && !(error(du, dv) <= 1)) {
-    if (result.v == most.v || (result.u < most.u && !(error(du, dv / 2) < error(du / 2, dv)))) {
-      ++result.u;
-      du /= 2;
-    } else {
-      ++result.v;
-      dv /= 2;
-    }
-  }
-  return result;
-}
-
-// Rates of frames that a placement M stretches, of a given condition. Of f = M x / |M x|, with L and F the
-// rates of x of first and second order, |f'| <= κ L, and across f |f''| <= κ F + 2 κ² L². What is square to
-// two such vectors adds theirs.
-TileRates stretched(const TileRates& r, double condition) {
-  const double k = condition, k2 = condition * condition;
-  TileRates result = r;
-  result.normal_u = k * r.normal_u;
-  result.normal_v = k * r.normal_v;
-  result.normal_uu = k * r.normal_uu + 2 * k2 * r.normal_u * r.normal_u;
-  result.normal_uv = k * r.normal_uv + 2 * k2 * r.normal_u * r.normal_v;
-  result.normal_vv = k * r.normal_vv + 2 * k2 * r.normal_v * r.normal_v;
-  result.frame_u = 2 * k * r.frame_u;
-  result.frame_v = 2 * k * r.frame_v;
-  result.frame_uu = 2 * k * r.frame_uu + 6 * k2 * r.frame_u * r.frame_u;
-  result.frame_uv = 2 * k * r.frame_uv + 6 * k2 * r.frame_u * r.frame_v;
-  result.frame_vv = 2 * k * r.frame_vv + 6 * k2 * r.frame_v * r.frame_v;
-  return result;
-}
-
-// The angle of interpolated frames. Where there is no bound yet, beyond all bounds and falling with the
-// cells.
-double interpolation_angle(const TileRates& r, bool of_tangents, double du, double dv) {
-  const double angle =
-      of_tangents ? r.frame_interpolation_angle(du, dv) : r.normal_interpolation_angle(du, dv);
-  if (std::isfinite(angle)) return angle;
-  return std::numbers::pi +
-         (of_tangents ? r.frame_u * du + r.frame_v * dv : r.normal_u * du + r.normal_v * dv);
-}
+constexpr std::uint8_t all_planes = 63;  // of the frustum
 
 // A tile that was looked at, in the tree of its instance.
 struct Visited {
@@ -85,29 +30,6 @@ struct Visited {
   bool needed = false;
   std::uint8_t planes = 0;  // of the frustum, those that may cut it
   TileLevels cells;         // of a tile that is needed
-};
-
-// The instance that is planned.
-struct Current {
-  SurfaceTiles* tiles;
-  Placed placed;
-  double nearest;  // distance from the eye
-  // Chords, in the surface's own space: `chord`, and per distance from the eye.
-  double chord, chord_per_distance;
-  TileLevels finest;  // cells that the nearest point needs
-  Attributes asked;
-  bool bounds_chord, bounds_frame;  // what is asked for
-};
-
-// The cells of a tile as its place asks for them, whether or not it is seen.
-struct Resolution {
-  TileLevels cells;
-  Proven proven;
-
-  Split split() const {
-    const bool u = cells.u > tile_level, v = cells.v > tile_level;
-    return u && v ? Split::both : u ? Split::u : v ? Split::v : Split::none;
-  }
 };
 
 void check(const Scene& scene, const SceneRequest& request) {
@@ -138,22 +60,26 @@ struct Counts {
   std::uint32_t outside_frustum = 0, back_facing = 0, below_error = 0, unbounded = 0;
 };
 
-// What was decided for an instance: its tiles, and for how long they stay the same.
-struct Decision {
-  // While moved + reach · turned <= limit, of the camera's way.
-  double reach = 0, limit = -infinity;
-  std::size_t first = 0;  // of its patches, among those of the last plan
-  std::uint32_t count = 0;
-  Counts counts;
-  TileLevels finest, uniform;
-  bool reads_nothing = false;
+// An answer about a tile, and how far a camera's way may go until it is another.
+struct Answer {
+  enum class To : std::uint8_t { outside, faces_away, resolution };
+  double limit;
+  std::uint32_t node;
+  To to;
+  std::uint8_t planes;  // that were asked about
+  std::uint16_t value;
 };
 
-// A patch of any plan of a path.
-struct KnownPatch {
-  ScenePatch patch;
-  std::uint32_t samples;
-  std::uint32_t plan = 0, index = 0;  // the last plan that has it, and where
+// What was decided for an instance: its tiles, and by which answers.
+struct Decision {
+  InstanceView whole;
+  Counts counts;
+  bool reads_nothing = false;
+  std::size_t first_patch = 0, first_answer = 0;
+  std::uint32_t patch_count = 0, answer_count = 0;
+  // All answers stay the same while moved <= moving and moved + reach · turned <= turning, of the camera's
+  // way.
+  double reach = 0, moving = -infinity, turning = -infinity;
 };
 
 // How far a camera has moved and turned, all in all: the length of its way, and that of its axes' way as a
@@ -193,228 +119,60 @@ class ScenePlanner::Planner {
   ScenePlan plan(const Camera& camera);
 
  private:
-  double nearest_distance(SurfaceTiles& tiles, const Placed& placed);
-  TileLevels cells_needed(double distance, const TileRates& rates, const ChordLevels& chords,
-                          const TilePlace& place, FrameLevels& kept);
-  bool bounds_frames(Attributes asked) const {
-    return asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi;
-  }
   void begin(const Camera& camera);
+  SurfaceTiles& tiles_of(std::uint32_t instance);
   void plan_instance(std::uint32_t instance);
-  void decide(std::uint32_t instance);
-  void decide_tiles(std::uint32_t instance);
-  void keep(Decision& decision) const;
+  bool holds(const Decision& d) const {
+    return way_.moved <= d.moving && way_.moved + d.reach * way_.turned <= d.turning;
+  }
+  bool still_right(Decision& decision);
+  void decide(std::uint32_t instance, Decision& decision);
+  void drop_old_answers();
   void count(const Decision& decision);
-  void visit_tiles(bool one_sided);
-  void add_patches(std::uint32_t instance);
+
+  // How far the camera's way may go.
+  double limit(double slack, bool turning) const;
+  bool counts_turning(Answer::To to) const { return to == Answer::To::outside || !tests_.perspective(); }
+  std::uint16_t value(Answer::To to, std::uint32_t node, std::uint8_t planes);
+  Answer answer(Answer::To to, std::uint32_t node, std::uint8_t planes);
+  // Asks about a tile, and keeps the answer.
+  std::uint16_t ask(Answer::To to, std::uint32_t node, std::uint8_t planes = 0);
   Resolution resolution(std::uint32_t node);
-  bool outside(const TileNode& node, std::uint8_t& planes);
-  bool faces_away(const TileNode& node);
+
+  void visit_tiles(Counts& counts);
+  void add_patches(std::uint32_t instance);
   void find_edges(const Visited& tile, ScenePatch& patch);
-  std::uint32_t known(ScenePatch patch);
   void add(std::uint32_t instance, std::uint32_t known);
   void finish();
-
-  // Decisions hold while the camera's way, and what it turns times the distance, is shorter than this.
-  void holds_for(double way) { slack_ = slack_ <= way ? slack_ : way > 0 ? way : 0; }
 
   const Scene& scene_;
   SceneRequest request_;
   bool keeps_;
-  View view_{Camera()};
-  double chord_ = 0, chord_per_distance_ = 0;  // in the scene; the latter 0 where the distance does not count
   std::vector<std::unique_ptr<SurfaceTiles>> tiles_;
-
-  Current current_{};
-  Decision decision_;  // of the current instance
-  double slack_ = 0;
-  std::vector<Visited> visited_;
+  TileTests tests_{scene_, request_};
+  std::vector<Visited> visited_;      // of the current instance
   std::vector<std::uint32_t> found_;  // samples on an edge
 
   CameraWay way_;
-  std::vector<Decision> decisions_;              // of all instances
+  double reach_ = 0;  // of the current decision
+  Slack slack_of_whole_;
+  std::vector<Decision> decisions_;  // of all instances
+  std::vector<Answer> answers_;      // of these
+  std::size_t answers_dropped_ = 0;
   std::vector<std::uint32_t> used_, last_used_;  // known patches by instance, of this plan and the last
-  std::vector<KnownPatch> patches_;
-  std::vector<double> edge_coordinates_;  // of these
-  std::uint64_t forgotten_ = 0;           // patches of earlier plans
+  KnownPatches patches_{request_.skip.duplicates};
   std::uint32_t plans_ = 0;
-  Attributes without_tangents_;
   std::array<std::uint64_t, 2> samples_by_attributes_{};  // without tangents, and all that was asked for
-  HashTable by_hash_;
-  bool unfinished_ = false;  // the last plan, that an error ended
+  bool unfinished_ = false;                               // the last plan, that an error ended
   ScenePlan plan_;
 };
 
 ScenePlanner::Planner::Planner(const Scene& scene, const SceneRequest& request, bool keeps)
     : scene_(scene), request_(request), keeps_(keeps), tiles_(scene.surfaces.size()) {
   check(scene, request);
-  for (std::size_t a = 0; a < attribute_count; ++a)
-    if (const auto x = static_cast<Attribute>(a); request.attributes.has(x) && !tangent_attributes.has(x))
-      without_tangents_ |= x;
 }
 
-// From the eye to the surface, in the scene; what is nearer than the near plane is not seen.
-double ScenePlanner::Planner::nearest_distance(SurfaceTiles& tiles, const Placed& placed) {
-  if (!view_.perspective()) return infinity;
-  double jump = infinity;
-  const double nearest = tiles.distance(placed.eye, jump);
-  holds_for(jump * placed.smallest);
-  const double rounded = nearest - placed.eye_rounding - 0x1p-48 * nearest;
-  return std::fmax(rounded * placed.smallest - placed.displacement, view_.near_distance());
-}
-
-// How many cells a tile needs at a distance from the eye: what its chords ask for and what its frames ask
-// for.
-TileLevels ScenePlanner::Planner::cells_needed(double distance, const TileRates& rates,
-                                               const ChordLevels& chords, const TilePlace& place,
-                                               FrameLevels& kept) {
-  const double condition = current_.placed.condition;
-  const Attributes asked = current_.asked;
-  TileLevels result;
-  if (current_.bounds_chord) {
-    const ChordLevels::Answer answer = chords(
-        current_.chord_per_distance == 0 ? current_.chord
-                                         : std::fmin(current_.chord, current_.chord_per_distance * distance));
-    result = answer.levels;
-    if (keeps_ && current_.chord_per_distance != 0) {
-      // The distances between which it is the same.
-      holds_for(distance - answer.least / current_.chord_per_distance);
-      if (!(answer.most > current_.chord)) holds_for(answer.most / current_.chord_per_distance - distance);
-    }
-  }
-  if (!bounds_frames(asked)) return result;
-  // These do not depend on the distance.
-  const TileLevels most{finest_level - place.level_u, finest_level - place.level_v};
-  const double width_u = share_of(place.level_u), width_v = share_of(place.level_v);
-  const bool of_tangents = asked.has_any(tangent_attributes);
-  if (kept.condition != condition || kept.of_tangents != of_tangents ||
-      kept.angle != request_.frame_angle_rad) {
-    // What scales all alike but for rounding, as matrices in single precision do, turns vectors by that much.
-    const double turned = 4 * (condition - 1), asked_for = request_.frame_angle_rad;
-    const bool alike = turned <= 0.01 * asked_for;
-    const TileRates of_frames = alike ? rates : stretched(rates, condition);
-    const double angle = alike ? asked_for - turned : asked_for;
-    kept = {condition, asked_for, of_tangents,
-            fewest_cells(width_u, width_v, most, [&](double du, double dv) {
-              return interpolation_angle(of_frames, of_tangents, du, dv) / angle;
-            })};
-  }
-  return {std::max(result.u, kept.levels.u), std::max(result.v, kept.levels.v)};
-}
-
-// Whether a tile lies wholly beyond a plane of the frustum. By its box, then by itself.
-bool ScenePlanner::Planner::outside(const TileNode& node, std::uint8_t& planes) {
-  const Placed& placed = current_.placed;
-  const double margin = placed.displacement + placed.plane_rounding;
-  double inside = infinity;  // how far the tile reaches into all of those asked
-  const Vec3<double> middle = 0.5 * (node.lo + node.hi), half = 0.5 * (node.hi - node.lo);
-  for (std::size_t k = 0; k < 6; ++k) {
-    if (!(planes >> k & 1)) continue;
-    const Vec3<double>& n = placed.normals[k];
-    const double at = dot(n, middle) - placed.offsets[k],
-                 reach = (std::fabs(n.x) * half.x + std::fabs(n.y) * half.y + std::fabs(n.z) * half.z) *
-                         (1 + 0x1p-48);
-    if (at - reach > margin) {
-      planes = static_cast<std::uint8_t>(planes & ~(1u << k));
-      inside = std::fmin(inside, at - reach);
-      continue;
-    }
-    const bool by_box = at + reach < -margin;
-    const double most = by_box ? at + reach : node.bounds.support(n) - placed.offsets[k];
-    // How bounds on intervals change with the plane is not known.
-    const double certain = by_box || node.bounds.attained() ? std::fabs(most + margin) : 0;
-    if (most < -margin) {
-      holds_for(certain);
-      return true;
-    }
-    inside = std::fmin(inside, certain);
-  }
-  holds_for(inside);
-  return false;
-}
-
-bool ScenePlanner::Planner::faces_away(const TileNode& node) {
-  const Placed& placed = current_.placed;
-  const double facing =
-      view_.perspective() ? node.bounds.facing(placed.eye) : node.bounds.facing_along(placed.eye);
-  // Changes by no more than the eye moves, in the surface's own space, times facing_rate(); or turns.
-  const double rate =
-      node.bounds.facing_rate() / (placed.smallest * (view_.perspective() ? 1 : placed.farthest));
-  holds_for(std::fabs(facing + placed.eye_rounding) / rate);
-  return facing < -placed.eye_rounding;
-}
-
-Resolution ScenePlanner::Planner::resolution(std::uint32_t index) {
-  const Placed& placed = current_.placed;
-  SurfaceTiles& tiles = *current_.tiles;
-  const TileNode& node = tiles[index];
-  // The finest is enough everywhere. The bounds of a large tile may ask for more.
-  const TileLevels most{current_.finest.u - node.place.level_u, current_.finest.v - node.place.level_v};
-  // A chart is never cut finer than 2^finest_level.
-  const bool limited_u = current_.finest.u == finest_level, limited_v = current_.finest.v == finest_level;
-  const Resolution finest{most, limited_u || limited_v ? Proven{} : tiles.proven()};
-  if (!request_.skip.below_error) return finest;
-  // Smaller tiles have bounds where this one has none, but for those at a pole.
-  constexpr int small = 5;
-  const bool bounded =
-      (!current_.bounds_chord || node.proven.chord) && (!current_.bounds_frame || node.proven.frame);
-  if (!bounded && tiles.known() && (node.place.level_u < small || node.place.level_v < small) &&
-      (most.u > tile_level || most.v > tile_level))
-    return finest;
-  double distance = current_.nearest;
-  if (view_.perspective() && tiles.known()) {
-    const double to_box = std::sqrt(squared_distance_to_box(placed.eye, node.lo, node.hi));
-    distance = std::fmax(
-        distance, (to_box - placed.eye_rounding - 0x1p-48 * to_box) * placed.smallest - placed.displacement);
-  }
-  const TileLevels cells =
-      cells_needed(distance, node.rates, node.chord_levels, node.place, tiles.frame_levels(index));
-  const bool enough = cells.u <= most.u - limited_u && cells.v <= most.v - limited_v;
-  return enough ? Resolution{cells, node.proven} : finest;
-}
-
-// What was decided for an earlier camera, as long as that holds; else anew.
-void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
-  if (!keeps_) return decide(index);
-  Decision& kept = decisions_[index];
-  const std::size_t first = used_.size();
-  if (way_.moved + kept.reach * way_.turned <= kept.limit) {
-    for (std::size_t i = kept.first; i < kept.first + kept.count; ++i) add(index, last_used_[i]);
-    count(kept);
-  } else {
-    decide(index);
-    kept = decision_;
-    kept.count = static_cast<std::uint32_t>(used_.size() - first);
-    keep(kept);
-  }
-  kept.first = first;
-}
-
-// For how long a decision holds. Of a point at a distance from the eye, what planes say of it changes by no
-// more than the eye moves, and the distance times what the camera turns.
-void ScenePlanner::Planner::keep(Decision& decision) const {
-  const Placed& placed = current_.placed;
-  const double rounding = 0x1p-40 * placed.condition *
-                          (view_.eye().norm() + 2 * placed.farthest + view_.near_distance() + way_.moved);
-  const double way = std::fmin(std::fmax(slack_ - rounding, 0), placed.farthest);
-  decision.reach = placed.farthest + way;
-  decision.limit = way_.moved + decision.reach * way_.turned + way;
-}
-
-void ScenePlanner::Planner::count(const Decision& decision) {
-  const std::uint64_t all = tiles_within({}, decision.finest);
-  plan_.tiles_all += all;
-  plan_.samples_full +=
-      ((std::uint64_t{1} << decision.uniform.u) + 1) * ((std::uint64_t{1} << decision.uniform.v) + 1);
-  if (decision.reads_nothing) plan_.skipped.no_normal_map += all;
-  plan_.skipped.outside_frustum += decision.counts.outside_frustum;
-  plan_.skipped.back_facing += decision.counts.back_facing;
-  plan_.skipped.below_error += decision.counts.below_error;
-  plan_.tiles_unbounded += decision.counts.unbounded;
-  plan_.instances_needed += decision.count > 0;
-}
-
-void ScenePlanner::Planner::decide(std::uint32_t index) {
+SurfaceTiles& ScenePlanner::Planner::tiles_of(std::uint32_t index) {
   const SceneInstance& instance = scene_.instances[index];
   if (instance.surface >= scene_.surfaces.size() || instance.material >= scene_.materials.size())
     throw ParameterError("instance " + std::to_string(index),
@@ -425,74 +183,160 @@ void ScenePlanner::Planner::decide(std::uint32_t index) {
   if (!kept)
     kept = std::make_unique<SurfaceTiles>(
         scene_.surfaces[instance.surface],
-        bounds_frames(request_.attributes) ? TileOrder::second : TileOrder::position);
-  decision_ = {};
-  slack_ = infinity;
-  current_.tiles = kept.get();
-  place(scene_, index, *kept, view_, current_.placed);
-  const std::size_t first = used_.size();
-  decide_tiles(index);
-  decision_.count = static_cast<std::uint32_t>(used_.size() - first);
-  count(decision_);
+        tests_.bounds_frames(request_.attributes) ? TileOrder::second : TileOrder::position);
+  return *kept;
 }
 
-void ScenePlanner::Planner::decide_tiles(std::uint32_t index) {
-  SurfaceTiles& tiles = *current_.tiles;
-  const SceneMaterial& material = scene_.materials[scene_.instances[index].material];
-  const SceneRequest::Skip& skip = request_.skip;
-
-  // Every tile of the finest resolution.
-  current_.nearest = nearest_distance(tiles, current_.placed);
-  const double largest = current_.placed.largest;
-  current_.chord = chord_ / largest;
-  current_.chord_per_distance = chord_per_distance_ / largest;
-  current_.asked = request_.attributes;
-  current_.bounds_chord = std::isfinite(request_.chord) || std::isfinite(request_.chord_px);
-  decision_.uniform = cells_needed(current_.nearest, tiles.typical(), tiles.typical_chord_levels(), {},
-                                   tiles.typical_frame_levels());
-  current_.finest = decision_.finest =
-      skip.below_error && !tiles.is_typical()
-          ? cells_needed(current_.nearest, tiles.finest(), tiles.finest_chord_levels(), {},
-                         tiles.frame_levels())
-          : decision_.uniform;
-
-  if (skip.unread_attributes && !material.reads_tangents()) current_.asked = without_tangents_;
-  if (current_.asked.empty()) {
-    decision_.reads_nothing = true;
-    return;
+// What was decided for an earlier camera, as long as that holds; else anew.
+void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
+  Decision once;
+  Decision& decision = keeps_ ? decisions_[index] : once;
+  const std::size_t first = used_.size();
+  const bool kept = keeps_ && holds(decision);
+  if (!kept) {
+    tests_.begin(index, tiles_of(index));
+    slack_of_whole_ = tests_.slack;
   }
-  current_.bounds_frame = bounds_frames(current_.asked);
-  if (skip.outside_frustum && tiles.known() && current_.placed.away > 0) {
-    holds_for(current_.placed.away);
-    decision_.counts.outside_frustum = static_cast<std::uint32_t>(tiles_within({}, current_.finest));
-    return;
+  if (kept || (keeps_ && still_right(decision))) {
+    for (std::size_t i = 0; i < decision.patch_count; ++i) add(index, last_used_[decision.first_patch + i]);
+  } else {
+    decide(index, decision);
+    decision.patch_count = static_cast<std::uint32_t>(used_.size() - first);
   }
-  visit_tiles(!material.double_sided && material.displacement == 0);
-  add_patches(index);
+  decision.first_patch = first;
+  count(decision);
+}
+
+// Asks again what may have another answer by now. Whether none has.
+bool ScenePlanner::Planner::still_right(Decision& d) {
+  if (d.reach == 0 || !(tests_.whole() == d.whole) || !(tests_.placed().farthest < d.reach)) return false;
+  reach_ = d.reach;
+  d.moving = limit(slack_of_whole_.moving, false);
+  d.turning = limit(slack_of_whole_.turning, true);
+  for (Answer& known : std::span(answers_).subspan(d.first_answer, d.answer_count)) {
+    const bool turning = counts_turning(known.to);
+    if (!(way_.moved + (turning ? reach_ * way_.turned : 0) <= known.limit)) {
+      const Answer now = answer(known.to, known.node, known.planes);
+      if (now.value != known.value) return false;
+      known = now;
+    }
+    double& least = turning ? d.turning : d.moving;
+    least = std::min(least, known.limit);
+  }
+  return true;
+}
+
+void ScenePlanner::Planner::decide(std::uint32_t index, Decision& d) {
+  const std::size_t first = d.first_answer, place_for = d.answer_count;
+  d = {};
+  d.whole = tests_.whole();
+  d.reach = reach_ = 1.25 * tests_.placed().farthest;
+  d.moving = limit(slack_of_whole_.moving, false);
+  d.turning = limit(slack_of_whole_.turning, true);
+  if (tests_.asked().empty()) {
+    d.reads_nothing = true;
+  } else if (d.whole.outside) {
+    d.counts.outside_frustum = static_cast<std::uint32_t>(tiles_within({}, d.whole.finest));
+  } else {
+    d.first_answer = answers_.size();
+    visit_tiles(d.counts);
+    add_patches(index);
+    d.answer_count = static_cast<std::uint32_t>(answers_.size() - d.first_answer);
+    for (const Answer& a : std::span(answers_).subspan(d.first_answer)) {
+      double& least = counts_turning(a.to) ? d.turning : d.moving;
+      least = std::min(least, a.limit);
+    }
+  }
+  // In the place of the old ones, if there is enough.
+  if (d.answer_count > 0 && d.answer_count <= place_for) {
+    std::copy(answers_.begin() + static_cast<std::ptrdiff_t>(d.first_answer), answers_.end(),
+              answers_.begin() + static_cast<std::ptrdiff_t>(first));
+    answers_.resize(d.first_answer);
+    d.first_answer = first;
+    answers_dropped_ += place_for - d.answer_count;
+  } else {
+    answers_dropped_ += place_for;
+  }
+}
+
+void ScenePlanner::Planner::drop_old_answers() {
+  if (2 * answers_dropped_ <= answers_.size()) return;
+  std::vector<Answer> kept;
+  kept.reserve(answers_.size() - answers_dropped_);
+  for (Decision& d : decisions_) {
+    const auto of_it = std::span(answers_).subspan(d.first_answer, d.answer_count);
+    d.first_answer = kept.size();
+    kept.insert(kept.end(), of_it.begin(), of_it.end());
+  }
+  answers_ = std::move(kept);
+  answers_dropped_ = 0;
+}
+
+void ScenePlanner::Planner::count(const Decision& d) {
+  const std::uint64_t all = tiles_within({}, d.whole.finest);
+  plan_.tiles_all += all;
+  plan_.samples_full +=
+      ((std::uint64_t{1} << d.whole.uniform.u) + 1) * ((std::uint64_t{1} << d.whole.uniform.v) + 1);
+  if (d.reads_nothing) plan_.skipped.no_normal_map += all;
+  plan_.skipped.outside_frustum += d.counts.outside_frustum;
+  plan_.skipped.back_facing += d.counts.back_facing;
+  plan_.skipped.below_error += d.counts.below_error;
+  plan_.tiles_unbounded += d.counts.unbounded;
+  plan_.instances_needed += d.patch_count > 0;
+}
+
+double ScenePlanner::Planner::limit(double slack, bool turning) const {
+  if (!keeps_) return 0;
+  const double way = way_.moved + (turning ? reach_ * way_.turned : 0),
+               certain = slack - tests_.rounding() - 0x1p-40 * way;
+  return way + std::min(std::max(certain, 0.0), std::max(reach_ - tests_.placed().farthest, 0.0));
+}
+
+std::uint16_t ScenePlanner::Planner::value(Answer::To to, std::uint32_t node, std::uint8_t planes) {
+  if (to == Answer::To::outside) {
+    const bool outside = tests_.outside(node, planes);
+    return static_cast<std::uint16_t>(outside ? all_planes + 1 : planes);
+  }
+  if (to == Answer::To::faces_away) return tests_.faces_away(node);
+  const Resolution r = tests_.resolution(node);
+  return static_cast<std::uint16_t>(r.cells.u | r.cells.v << 4 | r.proven.chord << 8 | r.proven.frame << 9);
+}
+
+Answer ScenePlanner::Planner::answer(Answer::To to, std::uint32_t node, std::uint8_t planes) {
+  tests_.slack = {};
+  const std::uint16_t x = value(to, node, planes);
+  const bool turning = counts_turning(to);
+  return {limit(turning ? tests_.slack.turning : tests_.slack.moving, turning), node, to, planes, x};
+}
+
+std::uint16_t ScenePlanner::Planner::ask(Answer::To to, std::uint32_t node, std::uint8_t planes) {
+  if (!keeps_) return value(to, node, planes);
+  answers_.push_back(answer(to, node, planes));
+  return answers_.back().value;
+}
+
+Resolution ScenePlanner::Planner::resolution(std::uint32_t node) {
+  const int x = ask(Answer::To::resolution, node);
+  return {{x & 15, x >> 4 & 15}, {(x >> 8 & 1) != 0, (x >> 9 & 1) != 0}};
 }
 
 // The tiles that the current instance needs, of the coarsest resolution that is enough, and those above them.
-void ScenePlanner::Planner::visit_tiles(bool one_sided) {
-  SurfaceTiles& tiles = *current_.tiles;
-  const SceneRequest::Skip& skip = request_.skip;
+void ScenePlanner::Planner::visit_tiles(Counts& counts) {
+  SurfaceTiles& tiles = tests_.tiles();
   visited_.clear();
-  visited_.push_back({SurfaceTiles::root,
-                      0,
-                      Split::none,
-                      false,
-                      skip.outside_frustum && tiles.known() ? current_.placed.planes : std::uint8_t{0},
-                      {}});
-  if (skip.outside_frustum && tiles.known()) holds_for(current_.placed.within);
-  Counts& counts = decision_.counts;
+  visited_.push_back({SurfaceTiles::root, 0, Split::none, false, tests_.whole().planes, {}});
   for (std::size_t i = 0; i < visited_.size(); ++i) {
     Visited here = visited_[i];
-    const TileNode& node = tiles[here.node];
-    const auto all = static_cast<std::uint32_t>(tiles_within(node.place, current_.finest));
-    if (here.planes != 0 && outside(node, here.planes)) {
-      counts.outside_frustum += all;
-      continue;
+    const auto all = static_cast<std::uint32_t>(tiles_within(tiles[here.node].place, tests_.whole().finest));
+    if (here.planes != 0) {
+      const std::uint16_t left = ask(Answer::To::outside, here.node, here.planes);
+      if (left > all_planes) {
+        counts.outside_frustum += all;
+        continue;
+      }
+      here.planes = static_cast<std::uint8_t>(left);
     }
-    if (skip.back_facing && one_sided && tiles.known() && faces_away(node)) {
+    if (tests_.may_face_away() && ask(Answer::To::faces_away, here.node) != 0) {
       counts.back_facing += all;
       continue;
     }
@@ -506,9 +350,7 @@ void ScenePlanner::Planner::visit_tiles(bool one_sided) {
         visited_.push_back({first + k, 0, Split::none, false, here.planes, {}});
     } else {
       here.needed = true;
-      const Proven& proven = needed.proven;
-      if ((current_.bounds_chord && !proven.chord) || (current_.bounds_frame && !proven.frame))
-        ++counts.unbounded;
+      counts.unbounded += !tests_.bounds(needed.proven);
       counts.below_error += all - 1;
     }
     visited_[i] = here;
@@ -520,7 +362,7 @@ void ScenePlanner::Planner::add_patches(std::uint32_t index) {
   for (std::size_t i = 0; i < visited_.size(); ++i) {
     const Visited& tile = visited_[i];
     if (!tile.needed) continue;
-    const TilePlace& at = (*current_.tiles)[tile.node].place;
+    const TilePlace& at = tests_.tiles()[tile.node].place;
     ScenePatch patch;
     patch.surface = scene_.instances[index].surface;
     patch.level_u = at.level_u;
@@ -529,17 +371,17 @@ void ScenePlanner::Planner::add_patches(std::uint32_t index) {
     patch.cells_v = static_cast<std::uint16_t>(1u << tile.cells.v);
     patch.column = at.column;
     patch.row = at.row;
-    patch.attributes = current_.asked;
-    patch.first_edge_coordinate = static_cast<std::uint32_t>(edge_coordinates_.size());
+    patch.attributes = tests_.asked();
+    patches_.begin(patch);
     if (visited_.size() > 1) find_edges(tile, patch);
-    add(index, known(patch));
+    add(index, patches_.add(patch));
   }
 }
 
 // Tiles that are not seen count like the others: what a tile's triangles are does not depend on what is
 // culled.
 void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
-  SurfaceTiles& tiles = *current_.tiles;
+  SurfaceTiles& tiles = tests_.tiles();
   const auto search = [&](const EdgeSearch& edge) {
     const auto unseen = [&](const auto& self, std::uint32_t node) -> void {
       const Extent extent(tiles[node].place);
@@ -567,8 +409,8 @@ void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
   for (std::size_t k = 0; k < 4; ++k) {
     const bool along_u = k < 2, upper = k % 2 == 1;
     // No tile is finer than the finest.
-    if (along_u ? tiles[tile.node].place.level_u + tile.cells.u >= current_.finest.u
-                : tiles[tile.node].place.level_v + tile.cells.v >= current_.finest.v)
+    if (along_u ? tiles[tile.node].place.level_u + tile.cells.u >= tests_.whole().finest.u
+                : tiles[tile.node].place.level_v + tile.cells.v >= tests_.whole().finest.v)
       continue;
     std::uint32_t line = along_u ? (upper ? e.v1 : e.v0) : (upper ? e.u1 : e.u0);
     std::uint32_t from = along_u ? e.u0 : e.v0, to = along_u ? e.u1 : e.v1;
@@ -587,49 +429,8 @@ void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
     std::sort(found_.begin(), found_.end());
     found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
     patch.edge_counts[k] = static_cast<std::uint32_t>(found_.size());
-    for (const std::uint32_t x : found_) edge_coordinates_.push_back(double(x) * share_of(finest_level));
+    for (const std::uint32_t x : found_) patches_.add_edge_coordinate(double(x) / chart_size);
   }
-}
-
-// The patch, whose further samples are the last there are; or the same one if it is known already.
-std::uint32_t ScenePlanner::Planner::known(ScenePatch patch) {
-  const auto coordinates = [&](const ScenePatch& p) {
-    return std::span<const double>(edge_coordinates_).subspan(p.first_edge_coordinate, edge_samples(p));
-  };
-  const auto fresh = static_cast<std::uint32_t>(patches_.size());
-  std::uint32_t found = fresh;
-  if (request_.skip.duplicates) {
-    std::uint64_t h = 0;
-    const auto mix = [&](std::uint64_t x) {
-      h = (h ^ x) * 0x9E3779B97F4A7C15u;
-      h ^= h >> 32;
-    };
-    mix(std::uint64_t{patch.surface} << 32 | patch.column);
-    mix(std::uint64_t{patch.row} << 32 | std::uint64_t{patch.level_u} << 24 |
-        std::uint64_t{patch.level_v} << 16 | patch.cells_u);
-    mix(std::uint64_t{patch.cells_v} << 32 | edge_samples(patch));
-    for (const double x : coordinates(patch)) mix(std::bit_cast<std::uint64_t>(x));
-    const auto hash = static_cast<std::uint32_t>(h >> 32);
-    by_hash_.any_of(hash, [&](std::uint32_t i) {
-      const ScenePatch& p = patches_[i].patch;
-      const bool same = p.surface == patch.surface && p.level_u == patch.level_u &&
-                        p.level_v == patch.level_v && p.cells_u == patch.cells_u &&
-                        p.cells_v == patch.cells_v && p.column == patch.column && p.row == patch.row &&
-                        p.attributes == patch.attributes && p.edge_counts == patch.edge_counts &&
-                        std::ranges::equal(coordinates(p), coordinates(patch));
-      if (same) found = i;
-      return same;
-    });
-    if (found == fresh)
-      by_hash_.insert(hash, fresh);
-    else
-      edge_coordinates_.resize(patch.first_edge_coordinate);
-  }
-  if (found == fresh) {
-    patch.id = forgotten_ + fresh;
-    patches_.push_back({patch, static_cast<std::uint32_t>(sample_count(patch, edge_coordinates_))});
-  }
-  return found;
 }
 
 // A tile of an instance, by its patch.
@@ -639,9 +440,9 @@ void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
     known.plan = plans_;
     known.index = static_cast<std::uint32_t>(plan_.patches.size());
     plan_.patches.push_back(known.patch);
-    const auto first = edge_coordinates_.begin() + known.patch.first_edge_coordinate;
+    const std::span<const double> edges = patches_.edge_coordinates(known.patch);
     plan_.patches.back().first_edge_coordinate = static_cast<std::uint32_t>(plan_.edge_coordinates.size());
-    plan_.edge_coordinates.insert(plan_.edge_coordinates.end(), first, first + edge_samples(known.patch));
+    plan_.edge_coordinates.insert(plan_.edge_coordinates.end(), edges.begin(), edges.end());
     plan_.samples_needed += known.samples;
     samples_by_attributes_[known.patch.attributes == request_.attributes] += known.samples;
   } else {
@@ -658,20 +459,20 @@ void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
 
 void ScenePlanner::Planner::begin(const Camera& camera) {
   camera.check();
-  view_ = View(camera);
-  const bool by_distance = view_.perspective() && std::isfinite(request_.chord_px);
-  chord_per_distance_ = by_distance ? view_.length_of(request_.chord_px, 1) : 0;
-  chord_ = by_distance ? request_.chord : std::fmin(request_.chord, view_.length_of(request_.chord_px, 1));
+  tests_.look(camera);
+  const bool failed = std::exchange(unfinished_, true), goes_on = way_.goes_on(camera);
   // Patches that no plan needs any more are forgotten, all at once.
   const bool many = patches_.size() > (std::size_t{1} << 16) + 4 * used_.size();
-  if (many) {
-    forgotten_ += patches_.size();
-    patches_.clear();
-    edge_coordinates_.clear();
-    by_hash_ = {};
+  if (many) patches_.forget();
+  if (failed || !goes_on || many) {
+    decisions_.clear();
+    answers_.clear();
+    answers_dropped_ = 0;
   }
-  if (std::exchange(unfinished_, true) || !way_.goes_on(camera) || many) decisions_.clear();
-  if (keeps_) decisions_.resize(scene_.instances.size());
+  if (keeps_) {
+    drop_old_answers();
+    decisions_.resize(scene_.instances.size());
+  }
   std::swap(used_, last_used_);
   used_.clear();
   plan_ = {};
@@ -692,7 +493,7 @@ void ScenePlanner::Planner::finish() {
   plan_.tiles_needed = plan_.patches.size();
   for (std::size_t a = 0; a < attribute_count; ++a)
     for (const bool all : {false, true})
-      if ((all ? request_.attributes : without_tangents_).has(static_cast<Attribute>(a)))
+      if ((all ? request_.attributes : tests_.without_tangents()).has(static_cast<Attribute>(a)))
         plan_.attribute_samples[a] += samples_by_attributes_[all];
   std::uint32_t next = 0;
   for (ScenePatch& patch : plan_.patches) {

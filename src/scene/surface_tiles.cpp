@@ -108,7 +108,6 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
       }
   centre_ = 0.5 * (all.lo + all.hi);
   radius_ = 0.5 * norm(all.hi - all.lo) * (1 + 0x1p-48);
-  reach_of_bounds_ = radius_;
   constexpr TileLevels most{finest_level, finest_level};
   finest_levels_ = ChordLevels(finest_, 1, 1, most);
   typical_levels_ = ChordLevels(typical_, 1, 1, most);
@@ -260,7 +259,7 @@ double SurfaceTiles::distance(const Vec3<double>& from, double& least_change) {
   if (!known_) return estimated_distance(from);
   const double to_box = std::sqrt(squared_distance_to_box(from, nodes_.front()->lo, nodes_.front()->hi)),
                afar = 4 * radius_;
-  least_change = std::fmin(least_change, std::fabs(to_box - afar));
+  least_change = std::min(least_change, std::fabs(to_box - afar));
   if (!(to_box < afar)) return to_box;
   double squared = std::numeric_limits<double>::infinity();
   find_nearest(root, from, squared);
@@ -284,10 +283,6 @@ std::unique_ptr<TileNode> SurfaceTiles::make(const TilePlace& place) {
     const auto reach = [&](double x, double y, double z) { return node->bounds.support({x, y, z}); };
     node->lo = {-reach(-1, 0, 0), -reach(0, -1, 0), -reach(0, 0, -1)};
     node->hi = {reach(1, 0, 0), reach(0, 1, 0), reach(0, 0, 1)};
-    for (const double x : {node->lo.x, node->hi.x})
-      for (const double y : {node->lo.y, node->hi.y})
-        for (const double z : {node->lo.z, node->hi.z})
-          reach_of_bounds_ = std::fmax(reach_of_bounds_, norm(Vec3<double>{x, y, z} - centre_));
   }
   node->chord_levels = {node->rates,
                         std::ldexp(1.0, -place.level_u),

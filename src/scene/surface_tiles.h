@@ -40,6 +40,7 @@ struct FrameLevels {
 // Whether rates are bounds; else they are estimated from samples.
 struct Proven {
   bool chord = false, frame = false;
+  bool operator==(const Proven&) const = default;
 };
 
 struct TileNode {
@@ -76,8 +77,6 @@ class SurfaceTiles {
   bool is_typical() const { return is_typical_; }  // whether these are the largest
   double radius() const { return radius_; }        // of a sphere about centre() that holds all of it
   const Vec3<double>& centre() const { return centre_; }
-  // As far as bounds of the tiles made so far reach from there; no less than the radius.
-  double reach() const { return reach_of_bounds_; }
   const ChordLevels& finest_chord_levels() const { return finest_levels_; }
   const ChordLevels& typical_chord_levels() const { return typical_levels_; }
 
@@ -111,7 +110,6 @@ class SurfaceTiles {
   double radius_ = 0;
   std::vector<Vec3<double>> places_;
   double reach_ = 0;  // from them to all of the surface
-  double reach_of_bounds_ = 0;
   ChordLevels finest_levels_, typical_levels_;
   std::vector<std::unique_ptr<TileNode>> nodes_;
 };

@@ -36,8 +36,13 @@ Arc latitudes(double from, double to) {
   return {pi * (from - 0.5), pi * (to - 0.5), -a.cos, a.sin, -b.cos, b.sin};
 }
 
+// As std::fmax, which takes a call; NaN where the first is.
+double larger(double a, double b) {
+  return a < b ? b : a;
+}
+
 double most_absolute(double a, double b) {
-  return std::fmax(std::fabs(a), std::fabs(b));
+  return larger(std::fabs(a), std::fabs(b));
 }
 
 // The largest |sin x| and |cos x| over an arc.
@@ -86,10 +91,10 @@ double most_along(const ScaledSphere& s, const Vec3<double>& d) {
 }
 double most_along(const StraightProfile& s, const Vec3<double>& d) {
   const double m = s.round.most(d.x, d.y);
-  return std::fmax(m * s.rho[0] + d.z * s.z[0], m * s.rho[1] + d.z * s.z[1]);
+  return larger(m * s.rho[0] + d.z * s.z[0], m * s.rho[1] + d.z * s.z[1]);
 }
 double most_along(const Rectangle& s, const Vec3<double>& d) {
-  return std::fmax(d.x * s.x[0], d.x * s.x[1]) + std::fmax(d.y * s.y[0], d.y * s.y[1]);
+  return larger(d.x * s.x[0], d.x * s.x[1]) + larger(d.y * s.y[0], d.y * s.y[1]);
 }
 
 double most_along(const EnclosedTile& s, const Vec3<double>& d) {
@@ -103,8 +108,7 @@ double most_of_side(const Arc& arc, bool outer, double a, double b) {
   double most = -infinity;
   const double first = outer ? -0.25 : 0.25;  // a half turn from there, and those a turn further
   for (double k = std::floor(arc.from / tau - 1); tau * (k + first) <= arc.to; ++k) {
-    const double from = std::fmax(arc.from, tau * (k + first)),
-                 to = std::fmin(arc.to, tau * (k + first + 0.5));
+    const double from = larger(arc.from, tau * (k + first)), to = std::fmin(arc.to, tau * (k + first + 0.5));
     if (from > to) continue;
     // The ends are the arc's own, or where cos x is 0.
     const double sign = outer ? -1 : 1;
@@ -115,7 +119,7 @@ double most_of_side(const Arc& arc, bool outer, double a, double b) {
                     own_from ? arc.cos_from : 0,
                     own_to ? arc.sin_to : -sign,
                     own_to ? arc.cos_to : 0};
-    most = std::fmax(most, piece.most(a, b));
+    most = larger(most, piece.most(a, b));
   }
   return most;
 }
@@ -127,7 +131,7 @@ double most_facing(const RoundProfile& s, const Vec3<double>& e, double offset) 
     return s.profile.most(s.round.most(e.x, e.y), e.z) - offset * s.radius;
   const double outer = most_of_side(s.profile, true, s.round.most(e.x, e.y) - R, e.z),
                inner = most_of_side(s.profile, false, -s.round.most(-e.x, -e.y) - R, e.z);
-  return std::fmax(outer, inner) - offset * s.radius;
+  return larger(outer, inner) - offset * s.radius;
 }
 // A point S of the unit sphere has N = (x/a, y/b, z/c) for normal, and N·P = 1. |N| lies between 1 over the
 // longest axis and 1 over the shortest.
@@ -281,39 +285,55 @@ double tiles::Arc::most(double a, double b) const {
 }
 
 TileBounds::TileBounds(const AnySurface& surface, const Tile& t, TileOrder order) {
-  if (!std::isfinite(t.u0 + t.u1 + t.v0 + t.v1)) return;
-  for (const ParameterValue& p : surface.parameters())
-    if (!(std::fabs(p.value) < 1e100)) return;
-  if (const auto* s = surface.get<Sphere<>>()) {
-    if (is_within(t, true, false))
-      shape_ = RoundProfile{0, s->radius, turns(t.u0, t.u1), latitudes(t.v0, t.v1)};
-  } else if (const auto* torus = surface.get<Torus<>>()) {
-    if (!is_within(t, true, true)) return;
-    if (torus->major_radius >= torus->minor_radius)
-      shape_ = RoundProfile{torus->major_radius, torus->minor_radius, turns(t.u0, t.u1), turns(t.v0, t.v1)};
-    else if (auto enclosed = enclose(surface, t, order))
-      shape_ = std::move(enclosed);
-  } else if (!is_within(t, is_periodic(surface.info().u), is_periodic(surface.info().v))) {
+  if (!std::isfinite(t.u0 + t.u1 + t.v0 + t.v1) ||
+      !is_within(t, is_periodic(surface.info().u), is_periodic(surface.info().v)))
     return;
-  } else if (const auto* ellipsoid = surface.get<Ellipsoid<>>()) {
-    shape_ = ScaledSphere{{ellipsoid->semi_axis_x, ellipsoid->semi_axis_y, ellipsoid->semi_axis_z},
-                          turns(t.u0, t.u1),
-                          latitudes(t.v0, t.v1),
-                          order == TileOrder::position ? nullptr : enclose(surface, t, order)};
-  } else if (const auto* cylinder = surface.get<Cylinder<>>()) {
-    shape_ = straight(cylinder->radius, cylinder->radius, cylinder->height, t, 1, 0, cylinder->radius);
-  } else if (const auto* cone = surface.get<Cone<>>()) {
-    const double l = std::hypot(cone->radius, cone->height);
-    shape_ = straight(cone->radius, 0, cone->height, t, cone->height / l, cone->radius / l,
-                      cone->height / l * cone->radius);
-  } else if (const auto* disk = surface.get<Disk<>>()) {
-    shape_ = straight(disk->outer_radius, disk->inner_radius, 0, t, 0, 1, 0);
-  } else if (const auto* plane = surface.get<Plane<>>()) {
-    shape_ = Rectangle{{plane->width * (t.u0 - 0.5), plane->width * (t.u1 - 0.5)},
-                       {plane->depth * (t.v0 - 0.5), plane->depth * (t.v1 - 0.5)}};
-  } else if (auto enclosed = enclose(surface, t, order)) {
-    shape_ = std::move(enclosed);
+  const auto moderate = [](auto... x) { return ((std::fabs(x) < 1e100) && ...); };
+  const auto on_intervals = [&]() -> EnclosedTile {
+    for (const ParameterValue& p : surface.parameters())
+      if (!moderate(p.value)) return nullptr;
+    return enclose(surface, t, order);
+  };
+  if (const auto* s = surface.get<Sphere<>>()) {
+    if (moderate(s->radius)) shape_ = RoundProfile{0, s->radius, turns(t.u0, t.u1), latitudes(t.v0, t.v1)};
+    return;
   }
+  if (const auto* s = surface.get<Torus<>>(); s && s->major_radius >= s->minor_radius) {
+    if (moderate(s->major_radius, s->minor_radius))
+      shape_ = RoundProfile{s->major_radius, s->minor_radius, turns(t.u0, t.u1), turns(t.v0, t.v1)};
+    return;
+  }
+  if (const auto* s = surface.get<Ellipsoid<>>()) {
+    if (moderate(s->semi_axis_x, s->semi_axis_y, s->semi_axis_z))
+      shape_ = ScaledSphere{{s->semi_axis_x, s->semi_axis_y, s->semi_axis_z},
+                            turns(t.u0, t.u1),
+                            latitudes(t.v0, t.v1),
+                            order == TileOrder::position ? nullptr : enclose(surface, t, order)};
+    return;
+  }
+  if (const auto* s = surface.get<Cylinder<>>()) {
+    if (moderate(s->radius, s->height))
+      shape_ = straight(s->radius, s->radius, s->height, t, 1, 0, s->radius);
+    return;
+  }
+  if (const auto* s = surface.get<Cone<>>()) {
+    const double l = std::hypot(s->radius, s->height);
+    if (moderate(l))
+      shape_ = straight(s->radius, 0, s->height, t, s->height / l, s->radius / l, s->height / l * s->radius);
+    return;
+  }
+  if (const auto* s = surface.get<Disk<>>()) {
+    if (moderate(s->outer_radius, s->inner_radius))
+      shape_ = straight(s->outer_radius, s->inner_radius, 0, t, 0, 1, 0);
+    return;
+  }
+  if (const auto* s = surface.get<Plane<>>()) {
+    if (moderate(s->width, s->depth))
+      shape_ = Rectangle{{s->width * (t.u0 - 0.5), s->width * (t.u1 - 0.5)},
+                         {s->depth * (t.v0 - 0.5), s->depth * (t.v1 - 0.5)}};
+    return;
+  }
+  if (EnclosedTile enclosed = on_intervals()) shape_ = std::move(enclosed);
 }
 
 bool TileBounds::attained() const {

@@ -15,6 +15,7 @@ constexpr int finest_level = 14;  // of the cells of a chart
 
 struct TileLevels {
   int u = 0, v = 0;
+  bool operator==(const TileLevels&) const = default;
 };
 
 // The cells that a tile is cut into one after the other as its chords have to be smaller, each time across
