@@ -6,7 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <darboux/cone.h>
+#include <darboux/cylinder.h>
+#include <darboux/disk.h>
 #include <darboux/error.h>
+#include <darboux/sphere.h>
+#include <darboux/torus.h>
 
 namespace darboux {
 namespace {
@@ -92,6 +97,7 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
     for (auto rate : position_rates) typical_.*rate = std::fmin(typical_.*rate, sampled_.*rate);
     for (auto rate : frame_rates) typical_.*rate = std::fmin(typical_.*rate, sampled_.*rate);
   }
+  if (known_) find_meridian();
   nodes_.push_back(make({}));
   TileNode& all = *nodes_.front();
   // Bounds on intervals may know no box of the whole, though boxes of its parts.
@@ -111,6 +117,38 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
   constexpr TileLevels most{finest_level, finest_level};
   finest_levels_ = ChordLevels(finest_, 1, 1, most);
   typical_levels_ = ChordLevels(typical_, 1, 1, most);
+}
+
+void SurfaceTiles::find_meridian() {
+  if (const auto* s = surface_.get<Sphere<>>())
+    meridian_ = {Meridian::Kind::circle, 0, s->radius};
+  else if (const auto* torus = surface_.get<Torus<>>(); torus && torus->major_radius >= torus->minor_radius)
+    meridian_ = {Meridian::Kind::circle, torus->major_radius, torus->minor_radius};
+  else if (const auto* cylinder = surface_.get<Cylinder<>>())
+    meridian_ = {Meridian::Kind::line, 0, 0, {cylinder->radius, 0}, {cylinder->radius, cylinder->height}};
+  else if (const auto* cone = surface_.get<Cone<>>())
+    meridian_ = {Meridian::Kind::line, 0, 0, {cone->radius, 0}, {0, cone->height}};
+  else if (const auto* disk = surface_.get<Disk<>>())
+    meridian_ = {Meridian::Kind::line, 0, 0, {disk->outer_radius, 0}, {disk->inner_radius, 0}};
+}
+
+// Of a point to what turns about the axis: that to the meridian in the point's own half-plane. Less what is
+// rounded.
+double SurfaceTiles::Meridian::distance(const Vec3<double>& p) const {
+  const double rho = std::sqrt(p.x * p.x + p.y * p.y);
+  double distance, size;
+  if (kind == Kind::circle) {
+    const double x = rho - centre;
+    distance = std::fabs(std::sqrt(x * x + p.z * p.z) - radius);
+    size = centre + radius;
+  } else {
+    const double x = to[0] - from[0], y = to[1] - from[1], a = rho - from[0], b = p.z - from[1];
+    const double share = std::clamp((a * x + b * y) / (x * x + y * y), 0.0, 1.0);
+    const double off_x = a - share * x, off_y = b - share * y;
+    distance = std::sqrt(off_x * off_x + off_y * off_y);
+    size = std::fabs(from[0]) + std::fabs(from[1]) + std::fabs(to[0]) + std::fabs(to[1]);
+  }
+  return std::max(0.0, distance - 0x1p-48 * (rho + std::fabs(p.z) + size));
 }
 
 // The largest rates over the chart. Bounds on intervals are loose over large tiles: those that bend most are
@@ -257,6 +295,7 @@ void SurfaceTiles::find_nearest(std::uint32_t node, const Vec3<double>& from, do
 
 double SurfaceTiles::distance(const Vec3<double>& from, double& least_change) {
   if (!known_) return estimated_distance(from);
+  if (meridian_.kind != Meridian::Kind::none) return meridian_.distance(from);
   const double to_box = std::sqrt(squared_distance_to_box(from, nodes_.front()->lo, nodes_.front()->hi)),
                afar = 4 * radius_;
   least_change = std::min(least_change, std::fabs(to_box - afar));

@@ -98,6 +98,7 @@ class SurfaceTiles {
   double estimated_distance(const Vec3<double>& from) const;
   void find_nearest(std::uint32_t node, const Vec3<double>& from, double& nearest_squared);
   void find_finest();
+  void find_meridian();
   void sample();
 
   AnySurface surface_;
@@ -111,6 +112,14 @@ class SurfaceTiles {
   std::vector<Vec3<double>> places_;
   double reach_ = 0;  // from them to all of the surface
   ChordLevels finest_levels_, typical_levels_;
+  // What turns about the z axis, in coordinates (ρ, z): a circle about (centre, 0), or a line. None: neither.
+  struct Meridian {
+    enum class Kind : std::uint8_t { none, circle, line } kind = Kind::none;
+    double centre = 0, radius = 0;
+    double from[2]{}, to[2]{};
+
+    double distance(const Vec3<double>& p) const;
+  } meridian_;
   std::vector<std::unique_ptr<TileNode>> nodes_;
 };
 

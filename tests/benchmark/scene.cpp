@@ -1,10 +1,10 @@
 // What planning a scene costs and saves, as the tables of docs/reports/scene.md, for scene.sh:
 //   benchmark_scene [--quick]
-// Seconds of one core, medians of rounds in turns.
+// Seconds of one thread, medians of rounds in turns.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -16,17 +16,25 @@
 #include <darboux/scene.h>
 
 #include "io/scene_file.h"
+#include "scene_contest.h"
+#include "scene_timing.h"
 
 namespace darboux::bench {
 namespace {
 
 double seconds(const std::function<void()>& f) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto now = [] {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  };
+  const double start = now();
   f();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return now() - start;
 }
 
-// The medians of several things done in turns.
+}  // namespace
+
 std::vector<double> medians(int rounds, const std::vector<std::function<void()>>& things) {
   std::vector<std::vector<double>> times(things.size());
   for (int i = 0; i < rounds; ++i)
@@ -39,10 +47,31 @@ std::vector<double> medians(int rounds, const std::vector<std::function<void()>>
   return result;
 }
 
-// What evaluates a plan and throws the numbers away.
 void evaluate(const Scene& scene, const ScenePlan& plan) {
   for_each_tile(scene, plan, [](const TileSamples&) {});
 }
+
+Scene scattered(std::size_t count) {
+  Scene scene;
+  for (const char* name : {"sphere", "torus:major_radius=0.7,minor_radius=0.25", "cylinder", "cone"})
+    scene.surfaces.push_back(make_surface(name));
+  scene.materials = {{}, {.name = "bumpy", .normal_map = true}, {}};
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(std::log(2), std::log(200));
+  for (std::size_t i = 0; i < count; ++i) {
+    SceneInstance instance{static_cast<std::uint32_t>(i % 4), static_cast<std::uint32_t>(i % 3), {}};
+    const auto direction = [&] {
+      return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    };
+    instance.placement = Eigen::AngleAxisd(normal(random), direction());
+    instance.placement.pretranslate(std::exp(uniform(random)) * direction());
+    scene.instances.push_back(instance);
+  }
+  return scene;
+}
+
+namespace {
 
 // Every instance uniformly, through the kernels' own grids: nothing that tiles cost.
 void evaluate_uniformly(const Scene& scene, const ScenePlan& uniform, Attributes asked) {
@@ -96,27 +125,6 @@ void asteroids(int rounds) {
       static_cast<unsigned long long>(plan.skipped.back_facing),
       static_cast<unsigned long long>(plan.skipped.below_error),
       static_cast<unsigned long long>(plan.skipped.duplicates));
-}
-
-// Spheres, tori, cylinders and cones, 2 to 200 radii from the eye.
-Scene scattered(std::size_t count) {
-  Scene scene;
-  for (const char* name : {"sphere", "torus:major_radius=0.7,minor_radius=0.25", "cylinder", "cone"})
-    scene.surfaces.push_back(make_surface(name));
-  scene.materials = {{}, {.name = "bumpy", .normal_map = true}, {}};
-  std::mt19937_64 random(11);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform(std::log(2), std::log(200));
-  for (std::size_t i = 0; i < count; ++i) {
-    SceneInstance instance{static_cast<std::uint32_t>(i % 4), static_cast<std::uint32_t>(i % 3), {}};
-    const auto direction = [&] {
-      return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
-    };
-    instance.placement = Eigen::AngleAxisd(normal(random), direction());
-    instance.placement.pretranslate(std::exp(uniform(random)) * direction());
-    scene.instances.push_back(instance);
-  }
-  return scene;
 }
 
 void growth(int rounds, bool quick) {
@@ -192,6 +200,7 @@ int main(int argc, char** argv) {
     darboux::bench::asteroids(rounds);
     darboux::bench::growth(rounds, quick);
     darboux::bench::overhead(rounds);
+    darboux::bench::contest_of_scenes(rounds);
   } catch (const darboux::Error& error) {
     std::fprintf(stderr, "benchmark_scene: %s\n", error.what());
     return 2;
