@@ -72,6 +72,11 @@ void place(const Scene& scene, std::uint32_t index, const SurfaceTiles& tiles, c
       result.planes |= static_cast<std::uint8_t>(1u << k);
   }
   result.away = -inside - reach;
+  const Eigen::Vector3d forward = -view.backward();
+  const double depth_of_eye = forward.dot(view.eye());
+  result.least_depth = forward.dot(centre) - depth_of_eye - reach;
+  result.depth_normal = from_eigen(m.transpose() * forward);
+  result.depth_offset = depth_of_eye - forward.dot(t);
   result.farthest = (view.eye() - centre).norm() + result.largest * tiles.radius() + surrounds;
   if (result.away > 0) return;
   for (std::size_t k = 0; k < 6; ++k) {

@@ -22,6 +22,10 @@ struct Placed {
   double farthest;        // from the eye to the far side of a sphere round it
   std::uint8_t planes;    // of the frustum, those that may cut it
   double within;          // how far it is within the others
+  // The depth of P, along the view, is depth_normal · P - depth_offset.
+  Vec3<double> depth_normal;
+  double depth_offset;
+  double least_depth;  // of all of it, with what surrounds it
   // Where normal · P >= offset is inside, P in the surface's own space. Only of what is not away.
   std::array<Vec3<double>, 6> normals;
   std::array<double, 6> offsets;

@@ -132,7 +132,7 @@ class ScenePlanner::Planner {
 
   // How far the camera's way may go.
   double limit(double slack, bool turning) const;
-  bool counts_turning(Answer::To to) const { return to == Answer::To::outside || !tests_.perspective(); }
+  bool counts_turning(Answer::To to) const { return to != Answer::To::faces_away || !tests_.perspective(); }
   std::uint16_t value(Answer::To to, std::uint32_t node, std::uint8_t planes);
   Answer answer(Answer::To to, std::uint32_t node, std::uint8_t planes);
   // Asks about a tile, and keeps the answer.

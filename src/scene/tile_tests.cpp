@@ -131,7 +131,8 @@ double TileTests::nearest_distance() {
   const double nearest = tiles_->distance(placed_.eye, jump);
   Slack::lower(slack.moving, jump * placed_.smallest);
   const double rounded = nearest - placed_.eye_rounding - 0x1p-48 * nearest;
-  return std::max(view_.near_distance(), rounded * placed_.smallest - placed_.displacement);
+  const double distance = std::max(view_.near_distance(), rounded * placed_.smallest - placed_.displacement);
+  return tiles_->known() ? std::max(distance, view_.stretch() * placed_.least_depth) : distance;
 }
 
 // How many cells a tile needs at a distance from the eye: what its chords ask for and what its frames ask
@@ -147,9 +148,10 @@ TileLevels TileTests::cells_needed(double distance, const TileRates& rates, cons
     result = answer.levels;
     if (local_chord_per_distance_ != 0) {
       // The distances between which it is the same.
-      Slack::lower(slack.moving, distance - answer.least * distance_per_local_chord_);
+      const double share = 1 / view_.stretch();  // depths count so many times
+      Slack::lower(slack.turning, (distance - answer.least * distance_per_local_chord_) * share);
       if (!(answer.most > local_chord_))
-        Slack::lower(slack.moving, answer.most * distance_per_local_chord_ - distance);
+        Slack::lower(slack.turning, (answer.most * distance_per_local_chord_ - distance) * share);
     }
   }
   if (!bounds_frames(asked_)) return result;
@@ -238,6 +240,14 @@ Resolution TileTests::resolution(std::uint32_t index) {
     const double to_box = std::sqrt(squared_distance_to_box(placed.eye, node.lo, node.hi));
     distance = std::max(
         distance, (to_box - placed.eye_rounding - 0x1p-48 * to_box) * placed.smallest - placed.displacement);
+    // View::length_of() takes a point at a distance for one at the least depth that it may have. It has more
+    // where all of the tile does.
+    const Vec3<double> middle = 0.5 * (node.lo + node.hi), half = 0.5 * (node.hi - node.lo);
+    const Vec3<double>& n = placed.depth_normal;
+    const double depth = dot(n, middle) - placed.depth_offset -
+                         (std::fabs(n.x) * half.x + std::fabs(n.y) * half.y + std::fabs(n.z) * half.z) -
+                         placed.displacement - placed.plane_rounding;
+    distance = std::max(distance, view_.stretch() * depth);
   }
   const TileLevels cells =
       cells_needed(distance, node.rates, node.chord_levels, node.place, tiles.frame_levels(index));

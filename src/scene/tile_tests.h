@@ -29,7 +29,8 @@ struct Resolution {
 };
 
 // How far a camera may move until an answer may be another. What planes say of a point changes by no more
-// than the eye moves, and the point's distance times what the camera turns; the rest by what the eye moves.
+// than the eye moves, and the point's distance times what the camera turns, and so do depths; facing by what
+// the eye moves.
 struct Slack {
   double turning = std::numeric_limits<double>::infinity(), moving = turning;
 
