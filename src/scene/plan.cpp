@@ -51,7 +51,7 @@ void check(const Scene& scene, const SceneRequest& request) {
 
 // Tiles of the finest resolution that a tile is made of.
 std::uint64_t tiles_within(const TilePlace& place, const TileLevels& finest) {
-  const TileLevels deepest{std::max(finest.u - tile_level, 0), std::max(finest.v - tile_level, 0)};
+  const TileLevels deepest{std::max(finest.u - tile_level_u, 0), std::max(finest.v - tile_level_v, 0)};
   return std::uint64_t{1} << (deepest.u - place.level_u + deepest.v - place.level_v);
 }
 

@@ -10,7 +10,8 @@
 
 namespace darboux {
 
-constexpr int tile_level = 4;     // a tile has no more than 2^4 × 2^4 cells
+// A tile has no more than 2^5 × 2^4 cells: kernels run along u, and rows of few points fill them badly.
+constexpr int tile_level_u = 5, tile_level_v = 4;
 constexpr int finest_level = 14;  // of the cells of a chart
 
 struct TileLevels {

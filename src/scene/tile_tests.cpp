@@ -233,7 +233,7 @@ Resolution TileTests::resolution(std::uint32_t index) {
   // Smaller tiles have bounds where this one has none, but for those at a pole.
   constexpr int small = 5;
   if (!bounds(node.proven) && tiles.known() && (node.place.level_u < small || node.place.level_v < small) &&
-      (most.u > tile_level || most.v > tile_level))
+      (most.u > tile_level_u || most.v > tile_level_v))
     return finest;
   double distance = nearest_;
   if (view_.perspective() && tiles.known()) {

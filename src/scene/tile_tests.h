@@ -22,7 +22,7 @@ struct Resolution {
   Proven proven;
 
   Split split() const {
-    const bool u = cells.u > tile_level, v = cells.v > tile_level;
+    const bool u = cells.u > tile_level_u, v = cells.v > tile_level_v;
     return u && v ? Split::both : u ? Split::u : v ? Split::v : Split::none;
   }
   bool operator==(const Resolution&) const = default;

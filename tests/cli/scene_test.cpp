@@ -54,7 +54,7 @@ TEST_F(SceneCli, SaysWhatIsNeededAndWhatWasSkipped) {
   EXPECT_TRUE(report["seconds"]["full"].is_null());
   EXPECT_GT(report["seconds"]["plan"], 0);
   EXPECT_TRUE(report["bounds"]["chord"].is_null());
-  EXPECT_EQ(report["bounds"]["chord_px"], 0.5);
+  EXPECT_EQ(report["bounds"]["chord_px"], 0.1);
   EXPECT_NEAR(report["bounds"]["angle_deg"].get<double>(), 2, 1e-12);
 
   // The same numbers for people.
