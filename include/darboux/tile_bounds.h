@@ -91,8 +91,8 @@ struct ScaledSphere {
 
 /// The bounds of one tile, in the surface's own space: transform the eye into it, not the tile. Sphere, torus
 /// (a ring), cylinder, cone, disk and plane have closed forms, attained over the tile, so that nothing
-/// tighter is true; of an ellipsoid, support and the sign of facing; construction takes 100 to 200 ns, each
-/// bound 10 to 60 ns. The rest of the catalogue runs on intervals with linear forms: bounds that the tile
+/// tighter is true; of an ellipsoid, support and the sign of facing; construction takes 30 to 70 ns, each
+/// bound 4 to 35 ns. The rest of the catalogue runs on intervals with linear forms: bounds that the tile
 /// attains but for terms of second order in its size, so that small tiles have good ones, but where they
 /// touch a pole or hold a knot. Construction takes 1 to 7 us, of splines and what is made of them 20 to 50
 /// us; support and facing 0.1 to 0.25 us, rates 2 to 4 us. (One core of a virtual machine;
