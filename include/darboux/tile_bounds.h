@@ -4,6 +4,7 @@
 /// the safe side of the true one, rounding included.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -44,8 +45,9 @@ struct TileRates {
   double frame_interpolation_angle(double du, double dv) const;
 };
 
-/// The derivatives of frames that are bounded: the first, or the second too, which take the third partials.
-enum class TileOrder : std::uint8_t { first, second };
+/// The derivatives of frames that are bounded: the first, or the second too, which take the third partials;
+/// or perhaps none, where only positions count.
+enum class TileOrder : std::uint8_t { position, first, second };
 
 namespace tiles {
 
@@ -75,19 +77,28 @@ struct Rectangle {
 };
 // Position and partials on intervals.
 struct Enclosed;
+// A unit sphere's tile, stretched along the axes. The rates of its frame are those on intervals.
+struct ScaledSphere {
+  Vec3<double> axes;
+  Arc round, profile;
+  std::shared_ptr<const Enclosed> enclosed;
+
+  double shortest() const { return std::fmin(axes.x, std::fmin(axes.y, axes.z)); }
+  double longest() const { return std::fmax(axes.x, std::fmax(axes.y, axes.z)); }
+};
 
 }  // namespace tiles
 
 /// The bounds of one tile, in the surface's own space: transform the eye into it, not the tile. Sphere, torus
 /// (a ring), cylinder, cone, disk and plane have closed forms, attained over the tile, so that nothing
-/// tighter is true; construction takes 100 to 200 ns, each bound 10 to 180 ns. The rest of the catalogue runs
-/// on intervals with linear forms: bounds that the tile attains but for terms of second order in its size, so
-/// that small tiles have good ones, but where they touch a pole or hold a knot. Construction takes 1 to 7 us,
-/// of splines and what is made of them 20 to 50 us; support and facing 0.1 to 0.25 us, rates 2 to 4 us. (One
-/// core of a virtual machine; tests/benchmark/tile_bounds.cpp.) Extrusions, surfaces of revolution, ruled
-/// surfaces and tubes have bounds if their curves are those that enclose() in src/scene/enclosed.cpp lists:
-/// b-splines, circles, lines, helices. Surfaces from files and types of one's own are not known, and must not
-/// be culled.
+/// tighter is true; of an ellipsoid, support and the sign of facing; construction takes 30 to 70 ns, each
+/// bound 4 to 35 ns. The rest of the catalogue runs on intervals with linear forms: bounds that the tile
+/// attains but for terms of second order in its size, so that small tiles have good ones, but where they
+/// touch a pole or hold a knot. Construction takes 1 to 7 us, of splines and what is made of them 20 to 50
+/// us; support and facing 0.1 to 0.25 us, rates 2 to 4 us. (One core of a virtual machine;
+/// tests/benchmark/tile_bounds.cpp.) Extrusions, surfaces of revolution, ruled surfaces and tubes have bounds
+/// if their curves are those that enclose() in src/scene/enclosed.cpp lists: b-splines, circles, lines,
+/// helices. Surfaces from files and types of one's own are not known, and must not be culled.
 class TileBounds {
  public:
   /// \param tile within the domain of the surface; where it is not, or something is not finite, nothing is
@@ -99,6 +110,11 @@ class TileBounds {
 
   /// Whether there are bounds. Without, those below are infinite.
   bool known() const { return !std::holds_alternative<std::monostate>(shape_); }
+  /// Whether support and facing come from closed forms, which the tile attains.
+  bool attained() const;
+  /// facing() changes by no more than this times the way of the eye, and facing_along() times that of the
+  /// direction. Infinite where that is not known.
+  double facing_rate() const;
 
   /// An upper bound of direction · P over the tile: the tile lies wholly where direction · P <= support. With
   /// the outer normal of a plane of the frustum, a tile is outside where -support(-normal) exceeds its
@@ -126,8 +142,8 @@ class TileBounds {
   double frame_angle(double du, double dv) const;
 
  private:
-  std::variant<std::monostate, tiles::RoundProfile, tiles::StraightProfile, tiles::Rectangle,
-               std::shared_ptr<const tiles::Enclosed>>
+  std::variant<std::monostate, tiles::RoundProfile, tiles::ScaledSphere, tiles::StraightProfile,
+               tiles::Rectangle, std::shared_ptr<const tiles::Enclosed>>
       shape_;
 };
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <sstream>
+#include <unordered_set>
 
 #include <darboux/io.h>
 #include <darboux/scene.h>
@@ -24,6 +25,7 @@ namespace {
 struct SceneArguments {
   std::string file, chord, angle, output, render, render_skipped;
   std::uint64_t camera = 0;
+  std::optional<std::uint64_t> path;  // so many cameras
   bool no_skip = false, no_cull = false;
 };
 
@@ -147,6 +149,12 @@ Picture picture_of_fates(const Scene& scene, const Camera& camera, SceneRequest 
   return rasteriser.picture();
 }
 
+// One camera of a path: what it needs, and what of it the last one had not.
+struct PathCamera {
+  std::uint64_t instances, tiles, samples, samples_new;
+  double plan_seconds;
+};
+
 // What a run found, for both kinds of output.
 struct SceneReport {
   const SceneArguments& arguments;
@@ -156,6 +164,7 @@ struct SceneReport {
   std::size_t instances;
   std::uint64_t samples_evaluated;
   double plan_seconds, needed_seconds, full_seconds;
+  std::vector<PathCamera> path{};  // then all else is their sum
 };
 
 Json report_json(const SceneReport& r) {
@@ -165,7 +174,7 @@ Json report_json(const SceneReport& r) {
       attributes[std::string(attribute_infos[a].name)] = r.plan.attribute_samples[a];
   for (const SkipReason& reason : skip_reasons) skipped[reason.key] = r.plan.skipped.*reason.count;
   const Camera& camera = r.camera.camera;
-  return {
+  Json result = {
       {"file", utf8(r.arguments.file)},
       {"camera",
        {{"index", r.arguments.camera},
@@ -191,6 +200,16 @@ Json report_json(const SceneReport& r) {
        {{"chord", number(r.request.chord)},
         {"chord_px", number(r.request.chord_px)},
         {"angle_deg", number(r.request.frame_angle_rad * (180 / std::numbers::pi))}}}};
+  if (!r.path.empty()) {
+    Json& path = result["path"] = Json::array();
+    for (const PathCamera& frame : r.path)
+      path.push_back({{"instances", frame.instances},
+                      {"tiles", frame.tiles},
+                      {"samples", frame.samples},
+                      {"samples_new", frame.samples_new},
+                      {"seconds_plan", number(frame.plan_seconds)}});
+  }
+  return result;
 }
 
 // "  1 000 tiles  12.5 %"
@@ -205,10 +224,13 @@ std::string share_line(std::uint64_t part, std::uint64_t all, const std::string&
 void print_text(const SceneReport& r) {
   const Camera& camera = r.camera.camera;
   const ScenePlan& plan = r.plan;
-  std::cout << r.arguments.file << ", camera " << r.arguments.camera
-            << (r.camera.name.empty() ? "" : " (" + one_line(r.camera.name) + ")") << ", " << camera.width_px
-            << " x " << camera.height_px << " pixels: " << plan.instances_needed << " of " << r.instances
-            << " instances are needed\n";
+  const std::string which = r.path.empty()
+                                ? "camera " + std::to_string(r.arguments.camera) +
+                                      (r.camera.name.empty() ? "" : " (" + one_line(r.camera.name) + ")")
+                                : std::to_string(r.path.size()) + " cameras of a path";
+  std::cout << r.arguments.file << ", " << which << ", " << camera.width_px << " x " << camera.height_px
+            << " pixels: " << plan.instances_needed << " of "
+            << r.instances * std::max<std::size_t>(r.path.size(), 1) << " instances are needed\n";
   std::cout << "of " << plan.tiles_all << " tiles\n"
             << share_line(plan.tiles_needed, plan.tiles_all, "needed");
   for (const SkipReason& reason : skip_reasons)
@@ -229,6 +251,9 @@ void print_text(const SceneReport& r) {
     if (r.request.attributes.has(static_cast<Attribute>(a)))
       std::cout << share_line(plan.attribute_samples[a], plan.samples_full,
                               std::string(attribute_infos[a].name));
+  if (!r.path.empty())
+    std::cout << share_line(r.samples_evaluated, plan.samples_full,
+                            "evaluated: the last camera had the others");
   std::vector<std::string> bounds;
   if (std::isfinite(r.request.chord_px)) bounds.push_back(rounded(r.request.chord_px, 6) + " pixels");
   if (std::isfinite(r.request.chord)) bounds.push_back("a length of " + rounded(r.request.chord, 6));
@@ -237,6 +262,7 @@ void print_text(const SceneReport& r) {
                      " degrees");
   if (!bounds.empty()) std::cout << "bounds: " << joined(bounds) << '\n';
   std::cout << "seconds: " << rounded(r.plan_seconds, 2) << " to plan"
+            << (r.path.empty() ? "" : ", the first camera " + rounded(r.path.front().plan_seconds, 2))
             << (evaluated ? ", " + rounded(r.needed_seconds, 2) + " to evaluate what is needed" : "")
             << (std::isnan(r.full_seconds) ? "" : ", " + rounded(r.full_seconds, 2) + " to evaluate all")
             << '\n';
@@ -281,6 +307,7 @@ void run_gltf(const SceneArguments& arguments, const Common& common) {
                                                       {"--output", !arguments.output.empty()},
                                                       {"--render", !arguments.render.empty()},
                                                       {"--render-skipped", !arguments.render_skipped.empty()},
+                                                      {"--path", arguments.path.has_value()},
                                                       {"--no-skip", arguments.no_skip},
                                                       {"--no-cull", arguments.no_cull}};
   for (const auto& [option, given] : of_surfaces)
@@ -299,6 +326,67 @@ void run_gltf(const SceneArguments& arguments, const Common& common) {
       common);
 }
 
+void add_to(ScenePlan& sum, const ScenePlan& plan) {
+  for (std::uint64_t ScenePlan::*count :
+       {&ScenePlan::instances_needed, &ScenePlan::tiles_all, &ScenePlan::tiles_needed,
+        &ScenePlan::tiles_unbounded, &ScenePlan::samples_full, &ScenePlan::samples_needed})
+    sum.*count += plan.*count;
+  for (const SkipReason& reason : skip_reasons) sum.skipped.*reason.count += plan.skipped.*reason.count;
+  for (std::size_t a = 0; a < attribute_count; ++a) sum.attribute_samples[a] += plan.attribute_samples[a];
+}
+
+// The camera at a share of the way through all of a file.
+Camera camera_at(const std::vector<io::NamedCamera>& cameras, double share) {
+  const double at = share * static_cast<double>(cameras.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), cameras.size() - 2);
+  return between(cameras[i].camera, cameras[i + 1].camera, at - static_cast<double>(i));
+}
+
+// Cameras along a path: decisions are kept from one to the next, and samples too.
+void run_path(const SceneArguments& arguments, const io::SceneFile& file, const SceneRequest& request,
+              const Common& common) {
+  if (file.cameras.size() < 2)
+    throw ParameterError("--path", expected_got("a scene of at least two cameras", "one"));
+  const std::uint64_t frames = *arguments.path;
+  if (frames < 2) throw ParameterError("--path", expected_got("at least 2 cameras", std::to_string(frames)));
+  ScenePlan sum;
+  SceneReport report{arguments,
+                     file.cameras.front(),
+                     request,
+                     sum,
+                     file.scene.instances.size(),
+                     0,
+                     0,
+                     0,
+                     std::numeric_limits<double>::quiet_NaN()};
+  ScenePlanner planner(file.scene, request);
+  std::unordered_set<std::uint64_t> had, has;
+  Progress progress("scene", common);
+  for (std::uint64_t i = 0; i < frames; ++i) {
+    const Camera camera = camera_at(file.cameras, static_cast<double>(i) / static_cast<double>(frames - 1));
+    if (const auto wrong = refused_eye(file.scene, camera))
+      throw FileError(arguments.file, "camera " + std::to_string(i) + " of the path: " + *wrong);
+    const auto start = std::chrono::steady_clock::now();
+    const ScenePlan plan = planner.plan(camera);
+    PathCamera frame{plan.instances_needed, plan.tiles_needed, plan.samples_needed, 0, seconds_since(start)};
+    TileEvaluator evaluator(file.scene, plan);
+    const auto evaluation = std::chrono::steady_clock::now();
+    has.clear();
+    for (const ScenePatch& patch : plan.patches) {
+      has.insert(patch.id);
+      if (!had.contains(patch.id)) frame.samples_new += evaluator.evaluate(patch).size();
+    }
+    std::swap(has, had);
+    report.needed_seconds += seconds_since(evaluation);
+    report.plan_seconds += frame.plan_seconds;
+    report.samples_evaluated += frame.samples_new;
+    report.path.push_back(frame);
+    add_to(sum, plan);
+    progress.update(static_cast<double>(i + 1) / static_cast<double>(frames));
+  }
+  print_report(report, common);
+}
+
 void run_surfaces(const SceneArguments& arguments, const Common& common) {
   check_outputs(arguments, common);
   const io::SceneFile file = io::read_scene_file(arguments.file, surface_argument);
@@ -307,6 +395,7 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
   SceneRequest request = file.request;
   if (!arguments.chord.empty()) set_chord(arguments.chord, request);
   if (!arguments.angle.empty()) set_angle(arguments.angle, request);
+  if (arguments.path) return run_path(arguments, file, request, common);
   if (!arguments.output.empty()) request.attributes |= Attribute::position;
   if (!arguments.render.empty())
     request.attributes |= Attribute::position | Attribute::normal | Attribute::tangent4;
@@ -415,6 +504,14 @@ void add_scene(CLI::App& app, Common& common) {
          "also evaluate what is out of view or faces away, as fine as its distance needs; the picture stays "
          "the same, bit for bit")
       ->excludes("--no-skip");
+  CLI::Option* path =
+      sub.add_option(
+             "--path", arguments->path,
+             "so many cameras along the way through all of the file's; what did not change is kept from "
+             "one to the next, and the numbers are sums")
+          ->check(whole_number_up_to(1000000));
+  for (const char* other : {"--camera", "--output", "--render", "--render-skipped", "--no-skip", "--no-cull"})
+    path->excludes(other);
   add_read_options(sub, common);
   add_common(sub, common, "darboux scene scene.json --render scene.png");
   sub.callback([arguments, &common] { run(*arguments, common); });

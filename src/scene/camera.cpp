@@ -35,6 +35,23 @@ Eigen::Isometry3d Camera::look_at(const Eigen::Vector3d& eye, const Eigen::Vecto
   return pose;
 }
 
+Camera between(const Camera& from, const Camera& to, double t) {
+  expect(from.projection == to.projection, "camera path", "cameras of one projection", "both");
+  expect(from.width_px == to.width_px && from.height_px == to.height_px, "camera path",
+         "images of one size, " + std::to_string(from.width_px) + " x " + std::to_string(from.height_px),
+         std::to_string(to.width_px) + " x " + std::to_string(to.height_px));
+  const auto mix = [&](double a, double b) { return a == b ? a : (1 - t) * a + t * b; };
+  Camera result = from;
+  const Eigen::Quaterniond a(from.pose.linear()), b(to.pose.linear());
+  result.pose.linear() = a.normalized().slerp(t, b.normalized()).toRotationMatrix();
+  result.pose.translation() = (1 - t) * from.pose.translation() + t * to.pose.translation();
+  result.vertical_field_of_view_rad = mix(from.vertical_field_of_view_rad, to.vertical_field_of_view_rad);
+  result.view_height = mix(from.view_height, to.view_height);
+  result.near_distance = mix(from.near_distance, to.near_distance);
+  result.far_distance = mix(from.far_distance, to.far_distance);
+  return result;
+}
+
 void Camera::check() const {
   // Poses come from files, some in float32.
   const Eigen::Matrix3d r = pose.linear();

@@ -6,7 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <darboux/cone.h>
+#include <darboux/cylinder.h>
+#include <darboux/disk.h>
 #include <darboux/error.h>
+#include <darboux/sphere.h>
+#include <darboux/torus.h>
 
 namespace darboux {
 namespace {
@@ -73,12 +78,15 @@ TilePlace TilePlace::half(bool along_u, bool along_v, std::uint32_t i, std::uint
 }
 
 SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface_(surface), order_(order) {
-  const TileBounds whole(surface, Tile{}, TileOrder::first);
+  const TileBounds whole(surface, Tile{}, order == TileOrder::position ? order : TileOrder::first);
   known_ = whole.known();
-  // Closed forms have rates of second order at once, and tight ones.
-  if (std::isfinite(whole.rates().frame_uu)) {
-    finest_ = typical_ = sampled_ = whole.rates();
-    proven_ = {true, true};
+  // Closed forms have all rates that count at once, and tight ones.
+  const TileRates rates = whole.rates();
+  const bool has_frame = std::isfinite(rates.frame_uu);
+  if (has_frame || (whole.attained() && order == TileOrder::position)) {
+    finest_ = typical_ = sampled_ = rates;
+    proven_ = {true, has_frame};
+    is_typical_ = true;
   } else {
     sample();
     if (known_)
@@ -89,22 +97,58 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
     for (auto rate : position_rates) typical_.*rate = std::fmin(typical_.*rate, sampled_.*rate);
     for (auto rate : frame_rates) typical_.*rate = std::fmin(typical_.*rate, sampled_.*rate);
   }
+  if (known_) find_meridian();
   nodes_.push_back(make({}));
-  TileNode& all = nodes_.front();
+  TileNode& all = *nodes_.front();
   // Bounds on intervals may know no box of the whole, though boxes of its parts.
   for (std::uint8_t level = 1; level <= 3 && !has_box(all); ++level)
     for (std::uint32_t i = 0; i < 1u << level; ++i)
       for (std::uint32_t k = 0; k < 1u << level; ++k) {
-        const TileNode part = make({level, level, i, k});
+        const std::unique_ptr<TileNode> part = make({level, level, i, k});
         if (i + k == 0) {
-          all.lo = part.lo;
-          all.hi = part.hi;
+          all.lo = part->lo;
+          all.hi = part->hi;
         }
-        include(all.lo, all.hi, part.lo);
-        include(all.lo, all.hi, part.hi);
+        include(all.lo, all.hi, part->lo);
+        include(all.lo, all.hi, part->hi);
       }
   centre_ = 0.5 * (all.lo + all.hi);
   radius_ = 0.5 * norm(all.hi - all.lo) * (1 + 0x1p-48);
+  constexpr TileLevels most{finest_level, finest_level};
+  finest_levels_ = ChordLevels(finest_, 1, 1, most);
+  typical_levels_ = ChordLevels(typical_, 1, 1, most);
+}
+
+void SurfaceTiles::find_meridian() {
+  if (const auto* s = surface_.get<Sphere<>>())
+    meridian_ = {Meridian::Kind::circle, 0, s->radius};
+  else if (const auto* torus = surface_.get<Torus<>>(); torus && torus->major_radius >= torus->minor_radius)
+    meridian_ = {Meridian::Kind::circle, torus->major_radius, torus->minor_radius};
+  else if (const auto* cylinder = surface_.get<Cylinder<>>())
+    meridian_ = {Meridian::Kind::line, 0, 0, {cylinder->radius, 0}, {cylinder->radius, cylinder->height}};
+  else if (const auto* cone = surface_.get<Cone<>>())
+    meridian_ = {Meridian::Kind::line, 0, 0, {cone->radius, 0}, {0, cone->height}};
+  else if (const auto* disk = surface_.get<Disk<>>())
+    meridian_ = {Meridian::Kind::line, 0, 0, {disk->outer_radius, 0}, {disk->inner_radius, 0}};
+}
+
+// Of a point to what turns about the axis: that to the meridian in the point's own half-plane. Less what is
+// rounded.
+double SurfaceTiles::Meridian::distance(const Vec3<double>& p) const {
+  const double rho = std::sqrt(p.x * p.x + p.y * p.y);
+  double distance, size;
+  if (kind == Kind::circle) {
+    const double x = rho - centre;
+    distance = std::fabs(std::sqrt(x * x + p.z * p.z) - radius);
+    size = centre + radius;
+  } else {
+    const double x = to[0] - from[0], y = to[1] - from[1], a = rho - from[0], b = p.z - from[1];
+    const double share = std::clamp((a * x + b * y) / (x * x + y * y), 0.0, 1.0);
+    const double off_x = a - share * x, off_y = b - share * y;
+    distance = std::sqrt(off_x * off_x + off_y * off_y);
+    size = std::fabs(from[0]) + std::fabs(from[1]) + std::fabs(to[0]) + std::fabs(to[1]);
+  }
+  return std::max(0.0, distance - 0x1p-48 * (rho + std::fabs(p.z) + size));
 }
 
 // The largest rates over the chart. Bounds on intervals are loose over large tiles: those that bend most are
@@ -229,38 +273,81 @@ double SurfaceTiles::estimated_distance(const Vec3<double>& from) const {
   return std::fmax(nearest - reach_, 0);
 }
 
-TileNode SurfaceTiles::make(const TilePlace& place) const {
-  if (!known_) return {place, TileBounds(surface_, Tile{1, 0, 0, 0}), finest_, {}, lo_, hi_, {}, {}};
-  const TileBounds bounds(surface_, place.tile(), order_);
-  const auto most = [&](double x, double y, double z) { return bounds.support({x, y, z}); };
-  TileRates rates = bounds.rates();
-  const Proven proven = take_estimates(rates, sampled_);
-  return {place,
-          bounds,
-          rates,
-          proven,
-          {-most(-1, 0, 0), -most(0, -1, 0), -most(0, 0, -1)},
-          {most(1, 0, 0), most(0, 1, 0), most(0, 0, 1)},
-          {},
-          {}};
+void SurfaceTiles::find_nearest(std::uint32_t node, const Vec3<double>& from, double& nearest_squared) {
+  constexpr int finest = 4;
+  const std::uint32_t first = parts(node, Split::both);
+  std::array<double, 4> squared;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const TileNode& part = *nodes_[first + i];
+    squared[i] = squared_distance_to_box(from, part.lo, part.hi);
+  }
+  if (nodes_[first]->place.level_u == finest) {
+    for (const double x : squared) nearest_squared = x < nearest_squared ? x : nearest_squared;
+    return;
+  }
+  for (int left = 4; left > 0; --left) {
+    const auto nearest = std::min_element(squared.begin(), squared.end());
+    if (!(*nearest < nearest_squared)) return;
+    *nearest = std::numeric_limits<double>::infinity();
+    find_nearest(first + static_cast<std::uint32_t>(nearest - squared.begin()), from, nearest_squared);
+  }
 }
 
-std::uint32_t SurfaceTiles::parts(std::uint32_t node, Split split) {
-  const auto which = static_cast<std::size_t>(split);
-  if (nodes_[node].parts[which] == 0) {
-    const TilePlace place = nodes_[node].place;
-    const bool along_u = split != Split::v, along_v = split != Split::u;
-    const auto first = static_cast<std::uint32_t>(nodes_.size());
-    for (std::uint32_t k = 0; k < (along_v ? 2u : 1u); ++k)
-      for (std::uint32_t i = 0; i < (along_u ? 2u : 1u); ++i)
-        nodes_.push_back(make(place.half(along_u, along_v, i, k)));
-    nodes_[node].parts[which] = first;
-    if (nodes_.size() > most_tiles)
-      throw ParameterError("scene",
-                           "expected bounds that at most " + std::to_string(most_tiles) +
-                               " tiles of a surface keep, got smaller ones: ask for a larger chord or angle");
+double SurfaceTiles::distance(const Vec3<double>& from, double& least_change) {
+  if (!known_) return estimated_distance(from);
+  if (meridian_.kind != Meridian::Kind::none) return meridian_.distance(from);
+  const double to_box = std::sqrt(squared_distance_to_box(from, nodes_.front()->lo, nodes_.front()->hi)),
+               afar = 4 * radius_;
+  least_change = std::min(least_change, std::fabs(to_box - afar));
+  if (!(to_box < afar)) return to_box;
+  double squared = std::numeric_limits<double>::infinity();
+  find_nearest(root, from, squared);
+  return std::sqrt(squared);
+}
+
+std::unique_ptr<TileNode> SurfaceTiles::make(const TilePlace& place) {
+  auto node =
+      std::make_unique<TileNode>(TileNode{lo_,
+                                          hi_,
+                                          place,
+                                          {},
+                                          {},
+                                          {},
+                                          {},
+                                          {surface_, known_ ? place.tile() : Tile{1, 0, 0, 0}, order_},
+                                          finest_});
+  if (known_) {
+    node->rates = node->bounds.rates();
+    node->proven = take_estimates(node->rates, sampled_);
+    const auto reach = [&](double x, double y, double z) { return node->bounds.support({x, y, z}); };
+    node->lo = {-reach(-1, 0, 0), -reach(0, -1, 0), -reach(0, 0, -1)};
+    node->hi = {reach(1, 0, 0), reach(0, 1, 0), reach(0, 0, 1)};
   }
-  return nodes_[node].parts[which];
+  node->chord_levels = {node->rates,
+                        std::ldexp(1.0, -place.level_u),
+                        std::ldexp(1.0, -place.level_v),
+                        {finest_level - place.level_u, finest_level - place.level_v}};
+  return node;
+}
+
+std::uint32_t SurfaceTiles::parts(std::uint32_t index, Split split) {
+  TileNode& whole = *nodes_[index];
+  std::uint32_t& kept = whole.parts[static_cast<std::size_t>(split)];
+  if (kept != 0) return kept;
+  const bool along_u = split != Split::v, along_v = split != Split::u;
+  const auto first = static_cast<std::uint32_t>(nodes_.size());
+  for (std::uint32_t k = 0; k < (along_v ? 2u : 1u); ++k)
+    for (std::uint32_t i = 0; i < (along_u ? 2u : 1u); ++i) {
+      nodes_.push_back(make(whole.place.half(along_u, along_v, i, k)));
+      Vec3<double>&lo = nodes_.back()->lo, &hi = nodes_.back()->hi;
+      lo = {std::fmax(lo.x, whole.lo.x), std::fmax(lo.y, whole.lo.y), std::fmax(lo.z, whole.lo.z)};
+      hi = {std::fmin(hi.x, whole.hi.x), std::fmin(hi.y, whole.hi.y), std::fmin(hi.z, whole.hi.z)};
+    }
+  if (nodes_.size() > most_tiles)
+    throw ParameterError("scene",
+                         "expected bounds that at most " + std::to_string(most_tiles) +
+                             " tiles of a surface keep, got smaller ones: ask for a larger chord or angle");
+  return kept = first;
 }
 
 }  // namespace darboux

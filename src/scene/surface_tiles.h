@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
+#include <memory>
 #include <vector>
 
 #include <darboux/tile_bounds.h>
+
+#include "tile_levels.h"
 
 namespace darboux {
 
@@ -19,10 +21,14 @@ struct TilePlace {
   TilePlace half(bool along_u, bool along_v, std::uint32_t i, std::uint32_t k) const;
 };
 
-// How many cells, as powers of two.
-struct TileLevels {
-  int u = 0, v = 0;
-};
+// Of a point to a box.
+inline double squared_distance_to_box(const Vec3<double>& p, const Vec3<double>& lo, const Vec3<double>& hi) {
+  const auto beyond = [](double x, double from, double to) {
+    return x < from ? from - x : x > to ? x - to : 0;
+  };
+  const Vec3<double> d{beyond(p.x, lo.x, hi.x), beyond(p.y, lo.y, hi.y), beyond(p.z, lo.z, hi.z)};
+  return dot(d, d);
+}
 
 // Those that the angles of frames asked for, and in which case.
 struct FrameLevels {
@@ -34,17 +40,19 @@ struct FrameLevels {
 // Whether rates are bounds; else they are estimated from samples.
 struct Proven {
   bool chord = false, frame = false;
+  bool operator==(const Proven&) const = default;
 };
 
 struct TileNode {
+  Vec3<double> lo, hi;  // its box, within that of the tile it is part of
   TilePlace place;
-  TileBounds bounds;
-  TileRates rates;
-  Proven proven;
-  Vec3<double> lo, hi;  // its box
   // The first of the parts it is split into: along u, along v, along both. 0 where there are none yet.
   std::array<std::uint32_t, 3> parts{};
+  Proven proven;
   FrameLevels frame_levels{};
+  ChordLevels chord_levels;
+  TileBounds bounds;
+  TileRates rates;
 };
 
 enum class Split : std::uint8_t { u, v, both, none };
@@ -54,7 +62,7 @@ constexpr std::uint32_t part_count(Split split) {
 
 class SurfaceTiles {
  public:
-  // \param order second where frames have bounds
+  // \param order second where frames have bounds, position where only chords have
   SurfaceTiles(const AnySurface& surface, TileOrder order);
 
   const AnySurface& surface() const { return surface_; }
@@ -66,28 +74,36 @@ class SurfaceTiles {
   // The same as samples have them, where these are smaller: bounds on intervals are larger than what they
   // bound.
   const TileRates& typical() const { return typical_; }
-  double radius() const { return radius_; }  // of a sphere about centre() that holds all of it
+  bool is_typical() const { return is_typical_; }  // whether these are the largest
+  double radius() const { return radius_; }        // of a sphere about centre() that holds all of it
   const Vec3<double>& centre() const { return centre_; }
+  const ChordLevels& finest_chord_levels() const { return finest_levels_; }
+  const ChordLevels& typical_chord_levels() const { return typical_levels_; }
 
-  // From samples, for surfaces without bounds.
-  double estimated_distance(const Vec3<double>& from) const;
+  // A lower bound of the distance from a point: of the box from afar, else the least of those of 16 × 16
+  // tiles. Of surfaces without bounds an estimate from samples. Changes by no more than the point moves, but
+  // where `least_change` says that it jumps nearer by.
+  double distance(const Vec3<double>& from, double& least_change);
 
   static constexpr std::uint32_t root = 0;
-  const TileNode& operator[](std::uint32_t node) const { return nodes_[node]; }
-  FrameLevels& frame_levels(std::uint32_t node) { return nodes_[node].frame_levels; }
+  const TileNode& operator[](std::uint32_t node) const { return *nodes_[node]; }
+  FrameLevels& frame_levels(std::uint32_t node) { return nodes_[node]->frame_levels; }
   FrameLevels& frame_levels() { return frame_levels_; }  // of the finest
   FrameLevels& typical_frame_levels() { return typical_frame_levels_; }
   // The first of the parts.
   std::uint32_t parts(std::uint32_t node, Split split);
 
  private:
-  TileNode make(const TilePlace& place) const;
+  std::unique_ptr<TileNode> make(const TilePlace& place);
+  double estimated_distance(const Vec3<double>& from) const;
+  void find_nearest(std::uint32_t node, const Vec3<double>& from, double& nearest_squared);
   void find_finest();
+  void find_meridian();
   void sample();
 
   AnySurface surface_;
   TileOrder order_;
-  bool known_ = true;
+  bool known_ = true, is_typical_ = false;
   Proven proven_;
   TileRates finest_, sampled_, typical_;
   FrameLevels frame_levels_, typical_frame_levels_;
@@ -95,7 +111,16 @@ class SurfaceTiles {
   double radius_ = 0;
   std::vector<Vec3<double>> places_;
   double reach_ = 0;  // from them to all of the surface
-  std::deque<TileNode> nodes_;
+  ChordLevels finest_levels_, typical_levels_;
+  // What turns about the z axis, in coordinates (ρ, z): a circle about (centre, 0), or a line. None: neither.
+  struct Meridian {
+    enum class Kind : std::uint8_t { none, circle, line } kind = Kind::none;
+    double centre = 0, radius = 0;
+    double from[2]{}, to[2]{};
+
+    double distance(const Vec3<double>& p) const;
+  } meridian_;
+  std::vector<std::unique_ptr<TileNode>> nodes_;
 };
 
 }  // namespace darboux

@@ -7,6 +7,7 @@
 #include <darboux/cone.h>
 #include <darboux/cylinder.h>
 #include <darboux/disk.h>
+#include <darboux/ellipsoid.h>
 #include <darboux/plane.h>
 #include <darboux/sphere.h>
 #include <darboux/tile_bounds.h>
@@ -35,8 +36,13 @@ Arc latitudes(double from, double to) {
   return {pi * (from - 0.5), pi * (to - 0.5), -a.cos, a.sin, -b.cos, b.sin};
 }
 
+// As std::fmax, which takes a call; NaN where the first is.
+double larger(double a, double b) {
+  return a < b ? b : a;
+}
+
 double most_absolute(double a, double b) {
-  return std::fmax(std::fabs(a), std::fabs(b));
+  return larger(std::fabs(a), std::fabs(b));
 }
 
 // The largest |sin x| and |cos x| over an arc.
@@ -47,8 +53,22 @@ double most_cosine(const Arc& arc) {
   return std::fmin(std::fmax(arc.most(1, 0), arc.most(-1, 0)), 1);
 }
 
+// No less than its length, and no more than 1.74 times that.
+double sum_of(const Vec3<double>& d) {
+  return std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
+}
+
+// The length of (a, b). hypot is slow, and only needed where squares leave the range of doubles.
+double length_of(double a, double b) {
+  const double square = a * a + b * b;
+  return square > 1e-280 && square < 1e280 ? std::sqrt(square) : std::hypot(a, b);
+}
+
 double size_of(const RoundProfile& s) {
   return s.major_radius + s.radius;
+}
+double size_of(const ScaledSphere& s) {
+  return s.axes.x + s.axes.y + s.axes.z;
 }
 double size_of(const StraightProfile& s) {
   return most_absolute(s.rho[0], s.rho[1]) + most_absolute(s.z[0], s.z[1]);
@@ -66,12 +86,15 @@ double most_along(const RoundProfile& s, const Vec3<double>& d) {
   const double m = s.round.most(d.x, d.y);  // ρ >= 0, so that the outermost φ is best everywhere
   return m * s.major_radius + s.radius * s.profile.most(m, d.z);
 }
+double most_along(const ScaledSphere& s, const Vec3<double>& d) {
+  return s.profile.most(s.round.most(d.x * s.axes.x, d.y * s.axes.y), d.z * s.axes.z);
+}
 double most_along(const StraightProfile& s, const Vec3<double>& d) {
   const double m = s.round.most(d.x, d.y);
-  return std::fmax(m * s.rho[0] + d.z * s.z[0], m * s.rho[1] + d.z * s.z[1]);
+  return larger(m * s.rho[0] + d.z * s.z[0], m * s.rho[1] + d.z * s.z[1]);
 }
 double most_along(const Rectangle& s, const Vec3<double>& d) {
-  return std::fmax(d.x * s.x[0], d.x * s.x[1]) + std::fmax(d.y * s.y[0], d.y * s.y[1]);
+  return larger(d.x * s.x[0], d.x * s.x[1]) + larger(d.y * s.y[0], d.y * s.y[1]);
 }
 
 double most_along(const EnclosedTile& s, const Vec3<double>& d) {
@@ -85,8 +108,7 @@ double most_of_side(const Arc& arc, bool outer, double a, double b) {
   double most = -infinity;
   const double first = outer ? -0.25 : 0.25;  // a half turn from there, and those a turn further
   for (double k = std::floor(arc.from / tau - 1); tau * (k + first) <= arc.to; ++k) {
-    const double from = std::fmax(arc.from, tau * (k + first)),
-                 to = std::fmin(arc.to, tau * (k + first + 0.5));
+    const double from = larger(arc.from, tau * (k + first)), to = std::fmin(arc.to, tau * (k + first + 0.5));
     if (from > to) continue;
     // The ends are the arc's own, or where cos x is 0.
     const double sign = outer ? -1 : 1;
@@ -97,7 +119,7 @@ double most_of_side(const Arc& arc, bool outer, double a, double b) {
                     own_from ? arc.cos_from : 0,
                     own_to ? arc.sin_to : -sign,
                     own_to ? arc.cos_to : 0};
-    most = std::fmax(most, piece.most(a, b));
+    most = larger(most, piece.most(a, b));
   }
   return most;
 }
@@ -109,7 +131,15 @@ double most_facing(const RoundProfile& s, const Vec3<double>& e, double offset) 
     return s.profile.most(s.round.most(e.x, e.y), e.z) - offset * s.radius;
   const double outer = most_of_side(s.profile, true, s.round.most(e.x, e.y) - R, e.z),
                inner = most_of_side(s.profile, false, -s.round.most(-e.x, -e.y) - R, e.z);
-  return std::fmax(outer, inner) - offset * s.radius;
+  return larger(outer, inner) - offset * s.radius;
+}
+// A point S of the unit sphere has N = (x/a, y/b, z/c) for normal, and N·P = 1. |N| lies between 1 over the
+// longest axis and 1 over the shortest.
+double most_facing(const ScaledSphere& s, const Vec3<double>& e, double offset) {
+  const Vec3<double> scaled{e.x / s.axes.x, e.y / s.axes.y, e.z / s.axes.z};
+  const double most = s.profile.most(s.round.most(scaled.x, scaled.y), scaled.z) - offset +
+                      rounding * (sum_of(scaled) + offset);
+  return most * (most < 0 ? s.shortest() : s.longest());
 }
 double most_facing(const StraightProfile& s, const Vec3<double>& e, double offset) {
   return s.n_rho * s.round.most(e.x, e.y) + s.n_z * e.z - offset * s.height_over_normal;
@@ -142,6 +172,22 @@ TileRates rates_of(const RoundProfile& s) {
           .frame_uu = bend,
           .frame_uv = tau * per_v * std::fmax(sine, cosine),
           .frame_vv = 0};
+}
+TileRates rates_of(const ScaledSphere& s) {
+  TileRates r = s.enclosed ? enclosed_rates(*s.enclosed) : TileRates{};
+  const auto square = [](double x) { return x * x; };
+  const double sine_u = square(most_sine(s.round)), cosine_u = square(most_cosine(s.round)),
+               sine_v = square(most_sine(s.profile)), cosine_v = square(most_cosine(s.profile)),
+               x = square(s.axes.x), y = square(s.axes.y), z = square(s.axes.z);
+  // Of x cos² + y sin² over an arc, linear in either of the squares.
+  const auto most = [](double x, double y, double cosine, double sine) {
+    return x > y ? y + (x - y) * cosine : x + (y - x) * sine;
+  };
+  const double along = most(x, y, cosine_u, sine_u), across = most(x, y, sine_u, cosine_u);
+  r.position_uu = std::fmin(r.position_uu, tau * tau * std::sqrt(along * cosine_v));
+  r.position_uv = std::fmin(r.position_uv, tau * pi * std::sqrt(across * sine_v));
+  r.position_vv = std::fmin(r.position_vv, pi * pi * std::sqrt(most(along, z, cosine_v, sine_v)));
+  return r;
 }
 TileRates rates_of(const StraightProfile& s) {
   // All turns round the axis: n = (n_rho cos φ, n_rho sin φ, n_z), t = (-sin φ, cos φ, 0), b = (-n_z cos φ,
@@ -226,58 +272,91 @@ StraightProfile straight(double rho_from, double rho_to, double height, const Ti
 }  // namespace
 
 double tiles::Arc::most(double a, double b) const {
-  const double ends = std::fmax(a * cos_from + b * sin_from, a * cos_to + b * sin_to);
-  const double top = std::hypot(a, b);
-  if (to - from >= tau) return top;
-  // The top lies in the arc where it is the first from `from` on: widened by what angles may be rounded.
-  const double slack = rounding * (1 + std::fabs(from) + std::fabs(to));
-  const double beyond = std::remainder(std::atan2(b, a) - from, tau),
-               ahead = beyond < 0 ? beyond + tau : beyond;
-  return ahead <= to - from + slack || ahead >= tau - slack ? top : ends;
+  const double first = a * cos_from + b * sin_from, last = a * cos_to + b * sin_to,
+               ends = first < last ? last : first;
+  if (to - from >= tau) return length_of(a, b);
+  // On which side of the two ends (a, b) lies, by the cross products, and widened by what angles and sines
+  // may be rounded. An arc of no more than half a turn has the top between its ends; of a longer one it is
+  // missing only if it lies between them on the other side.
+  const double slack = rounding * (1 + std::fabs(from) + std::fabs(to)) * (std::fabs(a) + std::fabs(b));
+  const bool after = b * cos_from - a * sin_from >= -slack, before = a * sin_to - b * cos_to >= -slack;
+  const bool within = to - from <= tau / 2 ? after && before && ends >= -slack : after || before;
+  return within || std::isnan(ends) ? length_of(a, b) : ends;
 }
 
 TileBounds::TileBounds(const AnySurface& surface, const Tile& t, TileOrder order) {
-  if (!std::isfinite(t.u0 + t.u1 + t.v0 + t.v1)) return;
-  for (const ParameterValue& p : surface.parameters())
-    if (!(std::fabs(p.value) < 1e100)) return;
-  if (const auto* s = surface.get<Sphere<>>()) {
-    if (is_within(t, true, false))
-      shape_ = RoundProfile{0, s->radius, turns(t.u0, t.u1), latitudes(t.v0, t.v1)};
-  } else if (const auto* torus = surface.get<Torus<>>()) {
-    if (!is_within(t, true, true)) return;
-    if (torus->major_radius >= torus->minor_radius)
-      shape_ = RoundProfile{torus->major_radius, torus->minor_radius, turns(t.u0, t.u1), turns(t.v0, t.v1)};
-    else if (auto enclosed = enclose(surface, t, order))
-      shape_ = std::move(enclosed);
-  } else if (!is_within(t, is_periodic(surface.info().u), is_periodic(surface.info().v))) {
+  if (!std::isfinite(t.u0 + t.u1 + t.v0 + t.v1) ||
+      !is_within(t, is_periodic(surface.info().u), is_periodic(surface.info().v)))
     return;
-  } else if (const auto* cylinder = surface.get<Cylinder<>>()) {
-    shape_ = straight(cylinder->radius, cylinder->radius, cylinder->height, t, 1, 0, cylinder->radius);
-  } else if (const auto* cone = surface.get<Cone<>>()) {
-    const double l = std::hypot(cone->radius, cone->height);
-    shape_ = straight(cone->radius, 0, cone->height, t, cone->height / l, cone->radius / l,
-                      cone->height / l * cone->radius);
-  } else if (const auto* disk = surface.get<Disk<>>()) {
-    shape_ = straight(disk->outer_radius, disk->inner_radius, 0, t, 0, 1, 0);
-  } else if (const auto* plane = surface.get<Plane<>>()) {
-    shape_ = Rectangle{{plane->width * (t.u0 - 0.5), plane->width * (t.u1 - 0.5)},
-                       {plane->depth * (t.v0 - 0.5), plane->depth * (t.v1 - 0.5)}};
-  } else if (auto enclosed = enclose(surface, t, order)) {
-    shape_ = std::move(enclosed);
+  const auto moderate = [](auto... x) { return ((std::fabs(x) < 1e100) && ...); };
+  const auto on_intervals = [&]() -> EnclosedTile {
+    for (const ParameterValue& p : surface.parameters())
+      if (!moderate(p.value)) return nullptr;
+    return enclose(surface, t, order);
+  };
+  if (const auto* s = surface.get<Sphere<>>()) {
+    if (moderate(s->radius)) shape_ = RoundProfile{0, s->radius, turns(t.u0, t.u1), latitudes(t.v0, t.v1)};
+    return;
   }
+  if (const auto* s = surface.get<Torus<>>(); s && s->major_radius >= s->minor_radius) {
+    if (moderate(s->major_radius, s->minor_radius))
+      shape_ = RoundProfile{s->major_radius, s->minor_radius, turns(t.u0, t.u1), turns(t.v0, t.v1)};
+    return;
+  }
+  if (const auto* s = surface.get<Ellipsoid<>>()) {
+    if (moderate(s->semi_axis_x, s->semi_axis_y, s->semi_axis_z))
+      shape_ = ScaledSphere{{s->semi_axis_x, s->semi_axis_y, s->semi_axis_z},
+                            turns(t.u0, t.u1),
+                            latitudes(t.v0, t.v1),
+                            order == TileOrder::position ? nullptr : enclose(surface, t, order)};
+    return;
+  }
+  if (const auto* s = surface.get<Cylinder<>>()) {
+    if (moderate(s->radius, s->height))
+      shape_ = straight(s->radius, s->radius, s->height, t, 1, 0, s->radius);
+    return;
+  }
+  if (const auto* s = surface.get<Cone<>>()) {
+    const double l = std::hypot(s->radius, s->height);
+    if (moderate(l))
+      shape_ = straight(s->radius, 0, s->height, t, s->height / l, s->radius / l, s->height / l * s->radius);
+    return;
+  }
+  if (const auto* s = surface.get<Disk<>>()) {
+    if (moderate(s->outer_radius, s->inner_radius))
+      shape_ = straight(s->outer_radius, s->inner_radius, 0, t, 0, 1, 0);
+    return;
+  }
+  if (const auto* s = surface.get<Plane<>>()) {
+    if (moderate(s->width, s->depth))
+      shape_ = Rectangle{{s->width * (t.u0 - 0.5), s->width * (t.u1 - 0.5)},
+                         {s->depth * (t.v0 - 0.5), s->depth * (t.v1 - 0.5)}};
+    return;
+  }
+  if (EnclosedTile enclosed = on_intervals()) shape_ = std::move(enclosed);
+}
+
+bool TileBounds::attained() const {
+  return known() && !std::holds_alternative<EnclosedTile>(shape_);
+}
+
+double TileBounds::facing_rate() const {
+  if (const auto* s = std::get_if<ScaledSphere>(&shape_)) return s->longest() / s->shortest();
+  return attained() ? 1 : infinity;
 }
 
 double TileBounds::support(const Vec3<double>& d) const {
-  return of_known(shape_, [&](const auto& s) { return most_along(s, d) + rounding * norm(d) * size_of(s); });
+  return of_known(shape_,
+                  [&](const auto& s) { return most_along(s, d) + rounding * sum_of(d) * size_of(s); });
 }
 
 double TileBounds::facing(const Vec3<double>& eye) const {
   return of_known(
-      shape_, [&](const auto& s) { return most_facing(s, eye, 1) + rounding * (norm(eye) + size_of(s)); });
+      shape_, [&](const auto& s) { return most_facing(s, eye, 1) + rounding * (sum_of(eye) + size_of(s)); });
 }
 
 double TileBounds::facing_along(const Vec3<double>& d) const {
-  return of_known(shape_, [&](const auto& s) { return most_facing(s, d, 0) + rounding * norm(d); });
+  return of_known(shape_, [&](const auto& s) { return most_facing(s, d, 0) + rounding * sum_of(d); });
 }
 
 TileRates TileBounds::rates() const {

@@ -23,6 +23,8 @@ class View {
   const Eigen::Vector3d& eye() const { return eye_; }
   Eigen::Vector3d backward() const { return backward_; }  // towards an orthographic camera
   double near_distance() const { return near_; }
+  // What is seen at a depth is at most so many times that far from the eye.
+  double stretch() const { return stretch_; }
   const std::array<Plane3, 6>& planes() const { return planes_; }
 
   // How far a point that is seen, at this distance from the eye or beyond, may move so that its pixel moves

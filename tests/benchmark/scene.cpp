@@ -1,10 +1,10 @@
 // What planning a scene costs and saves, as the tables of docs/reports/scene.md, for scene.sh:
 //   benchmark_scene [--quick]
-// Seconds of one core, medians of rounds in turns.
+// Seconds of one thread, medians of rounds in turns.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -16,17 +16,25 @@
 #include <darboux/scene.h>
 
 #include "io/scene_file.h"
+#include "scene_contest.h"
+#include "scene_timing.h"
 
 namespace darboux::bench {
 namespace {
 
 double seconds(const std::function<void()>& f) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto now = [] {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  };
+  const double start = now();
   f();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return now() - start;
 }
 
-// The medians of several things done in turns.
+}  // namespace
+
 std::vector<double> medians(int rounds, const std::vector<std::function<void()>>& things) {
   std::vector<std::vector<double>> times(things.size());
   for (int i = 0; i < rounds; ++i)
@@ -39,10 +47,31 @@ std::vector<double> medians(int rounds, const std::vector<std::function<void()>>
   return result;
 }
 
-// What evaluates a plan and throws the numbers away.
 void evaluate(const Scene& scene, const ScenePlan& plan) {
   for_each_tile(scene, plan, [](const TileSamples&) {});
 }
+
+Scene scattered(std::size_t count) {
+  Scene scene;
+  for (const char* name : {"sphere", "torus:major_radius=0.7,minor_radius=0.25", "cylinder", "cone"})
+    scene.surfaces.push_back(make_surface(name));
+  scene.materials = {{}, {.name = "bumpy", .normal_map = true}, {}};
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(std::log(2), std::log(200));
+  for (std::size_t i = 0; i < count; ++i) {
+    SceneInstance instance{static_cast<std::uint32_t>(i % 4), static_cast<std::uint32_t>(i % 3), {}};
+    const auto direction = [&] {
+      return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    };
+    instance.placement = Eigen::AngleAxisd(normal(random), direction());
+    instance.placement.pretranslate(std::exp(uniform(random)) * direction());
+    scene.instances.push_back(instance);
+  }
+  return scene;
+}
+
+namespace {
 
 // Every instance uniformly, through the kernels' own grids: nothing that tiles cost.
 void evaluate_uniformly(const Scene& scene, const ScenePlan& uniform, Attributes asked) {
@@ -58,6 +87,24 @@ void evaluate_uniformly(const Scene& scene, const ScenePlan& uniform, Attributes
   }
 }
 
+// A camera that goes on a hundredth of a radius and turns by a milliradian, about a pixel, at a time.
+class Walk {
+ public:
+  Walk(const Scene& scene, const Camera& camera, const SceneRequest& request)
+      : planner_(scene, request), camera_(camera) {
+    planner_.plan(camera_);
+  }
+  void step() {
+    camera_.pose.translate(Eigen::Vector3d(1e-2, 0, 0));
+    camera_.pose.rotate(Eigen::AngleAxisd(1e-3, Eigen::Vector3d::UnitY()));
+    planner_.plan(camera_);
+  }
+
+ private:
+  ScenePlanner planner_;
+  Camera camera_;
+};
+
 void asteroids(int rounds) {
   const io::SceneFile file = io::read_scene_file("docs/examples/asteroids.json");
   const Camera& camera = file.cameras[0].camera;
@@ -65,17 +112,11 @@ void asteroids(int rounds) {
   everything.skip = {false, false, false, false, false};
   const ScenePlan uniform = plan_scene(file.scene, camera, everything);
   ScenePlan plan;
-  ScenePlanner planner(file.scene, file.request);
-  Camera moving = camera;
-  planner.plan(moving);
+  Walk walk(file.scene, camera, file.request);
   const std::vector<double> s =
       medians(rounds, {[&] { evaluate_uniformly(file.scene, uniform, file.request.attributes); },
                        [&] { plan = plan_scene(file.scene, camera, file.request); },
-                       [&] { evaluate(file.scene, plan); },
-                       [&] {
-                         moving.pose.translate(Eigen::Vector3d(1e-3, 0, 0));
-                         planner.plan(moving);
-                       }});
+                       [&] { evaluate(file.scene, plan); }, [&] { walk.step(); }});
   std::printf(
       "\n### 1000 instances, docs/examples/asteroids.json\n\n"
       "| | samples | ms |\n|---|---:|---:|\n"
@@ -98,32 +139,14 @@ void asteroids(int rounds) {
       static_cast<unsigned long long>(plan.skipped.duplicates));
 }
 
-// Spheres, tori, cylinders and cones, 2 to 200 radii from the eye.
-Scene scattered(std::size_t count) {
-  Scene scene;
-  for (const char* name : {"sphere", "torus:major_radius=0.7,minor_radius=0.25", "cylinder", "cone"})
-    scene.surfaces.push_back(make_surface(name));
-  scene.materials = {{}, {.name = "bumpy", .normal_map = true}, {}};
-  std::mt19937_64 random(11);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform(std::log(2), std::log(200));
-  for (std::size_t i = 0; i < count; ++i) {
-    SceneInstance instance{static_cast<std::uint32_t>(i % 4), static_cast<std::uint32_t>(i % 3), {}};
-    const auto direction = [&] {
-      return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
-    };
-    instance.placement = Eigen::AngleAxisd(normal(random), direction());
-    instance.placement.pretranslate(std::exp(uniform(random)) * direction());
-    scene.instances.push_back(instance);
-  }
-  return scene;
-}
-
 void growth(int rounds, bool quick) {
   std::printf(
       "\n### Planning alone\n\n60 degrees, 1 px, no bound on the angle; instances 2 to 200 radii from the "
-      "eye, all round it or all in view.\n\n"
-      "| instances | all round, ms | µs each | all in view, ms | µs each |\n|---:|---:|---:|---:|---:|\n");
+      "eye, all round it or all in view. The next camera is a hundredth of a radius and a milliradian "
+      "further.\n\n"
+      "| instances | all round, ms | µs each | the next camera, ms | all in view, ms | µs each | the next "
+      "camera, "
+      "ms |\n|---:|---:|---:|---:|---:|---:|---:|\n");
   SceneRequest request;
   request.chord_px = 1;
   request.frame_angle_rad = std::numbers::pi;
@@ -141,44 +164,53 @@ void growth(int rounds, bool quick) {
       at = {0.35 * at.x() / distance, 0.35 * at.y() / distance, -1};
       instance.placement.translation() = distance * at.normalized();
     }
-    const std::vector<double> s =
-        medians(n > 100000 ? 1 : rounds,
-                {[&] { plan_scene(round, camera, request); }, [&] { plan_scene(in_view, camera, request); }});
-    std::printf("| %zu | %.2f | %.2f | %.2f | %.2f |\n", n, 1e3 * s[0], 1e6 * s[0] / double(n), 1e3 * s[1],
-                1e6 * s[1] / double(n));
+    Walk round_walk(round, camera, request), walk(in_view, camera, request);
+    const std::vector<double> s = medians(
+        n > 100000 ? 1 : rounds, {[&] { plan_scene(round, camera, request); }, [&] { round_walk.step(); },
+                                  [&] { plan_scene(in_view, camera, request); }, [&] { walk.step(); }});
+    std::printf("| %zu | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f |\n", n, 1e3 * s[0], 1e6 * s[0] / double(n),
+                1e3 * s[1], 1e3 * s[2], 1e6 * s[2] / double(n), 1e3 * s[3]);
   }
 }
 
-// Nothing to skip: double-sided spheres of one distance, all in view.
+// Nothing to skip: double-sided surfaces of one distance, all in view.
 void overhead(int rounds) {
-  Scene scene;
-  scene.surfaces.push_back(make_surface("sphere"));
-  scene.materials = {{.name = "glass", .normal_map = true, .double_sided = true}};
-  for (int i = 0; i < 100; ++i) {
-    SceneInstance instance;
-    const double angle = 0.2 * i / 100, turn = i;
-    instance.placement = Eigen::AngleAxisd(turn, Eigen::Vector3d(1, 2, 3).normalized());
-    instance.placement.pretranslate(20 * Eigen::Vector3d(std::sin(angle) * std::cos(turn),
-                                                         std::sin(angle) * std::sin(turn), -std::cos(angle)));
-    scene.instances.push_back(instance);
-  }
-  SceneRequest usual, fine;
-  fine.attributes = partial_attributes | frame_attributes;
-  fine.chord_px = 0.005;
-  fine.frame_angle_rad = std::numbers::pi;
   std::printf(
-      "\n### Nothing to skip\n\n100 double-sided spheres in view, 20 radii away, without looking for "
-      "duplicates.\n\n"
-      "| asked for | million samples | planning, ms | evaluation, ms | more |\n|---|---:|---:|---:|---:|\n");
-  for (SceneRequest* request : {&usual, &fine}) {
-    request->skip.duplicates = false;
-    ScenePlan plan;
-    const std::vector<double> s =
-        medians(rounds, {[&] { plan = plan_scene(scene, {}, *request); }, [&] { evaluate(scene, plan); }});
-    std::printf(
-        "| %s | %.2f | %.2f | %.2f | %.1f %% |\n",
-        request == &usual ? "position, normal, tangents; 0.5 px, 1 degree" : "partials and frame; 0.005 px",
-        1e-6 * double(plan.samples_needed), 1e3 * s[0], 1e3 * s[1], 100 * s[0] / s[1]);
+      "\n### Nothing to skip\n\n100 double-sided surfaces in view, 20 radii away, without looking for "
+      "duplicates. Uniformly: each as one grid. Of a sphere, tiles at the poles are coarser all the same.\n\n"
+      "| | asked for | million samples | planning, ms | evaluation, ms | planning more | uniformly, million "
+      "samples "
+      "| ms |\n|---|---|---:|---:|---:|---:|---:|---:|\n");
+  for (const char* name : {"torus", "sphere"}) {
+    Scene scene{{make_surface(name)}, {{.name = "glass", .normal_map = true, .double_sided = true}}, {}};
+    for (int i = 0; i < 100; ++i) {
+      SceneInstance instance;
+      const double angle = 0.2 * i / 100, turn = i;
+      instance.placement = Eigen::AngleAxisd(turn, Eigen::Vector3d(1, 2, 3).normalized());
+      instance.placement.pretranslate(20 * Eigen::Vector3d(std::sin(angle) * std::cos(turn),
+                                                           std::sin(angle) * std::sin(turn),
+                                                           -std::cos(angle)));
+      scene.instances.push_back(instance);
+    }
+    SceneRequest usual, fine;
+    fine.attributes = partial_attributes | frame_attributes;
+    fine.chord_px = 0.005;
+    fine.frame_angle_rad = std::numbers::pi;
+    for (SceneRequest* request : {&usual, &fine}) {
+      request->skip.duplicates = false;
+      SceneRequest everything = *request;
+      everything.skip = {false, false, false, false, false};
+      const ScenePlan uniform = plan_scene(scene, {}, everything);
+      ScenePlan plan;
+      const std::vector<double> s =
+          medians(rounds, {[&] { plan = plan_scene(scene, {}, *request); }, [&] { evaluate(scene, plan); },
+                           [&] { evaluate_uniformly(scene, uniform, request->attributes); }});
+      std::printf(
+          "| %s | %s | %.2f | %.2f | %.2f | %.1f %% | %.2f | %.2f |\n", name,
+          request == &usual ? "position, normal, tangents; 0.5 px, 1 degree" : "partials and frame; 0.005 px",
+          1e-6 * double(plan.samples_needed), 1e3 * s[0], 1e3 * s[1], 100 * s[0] / s[1],
+          1e-6 * double(uniform.samples_full), 1e3 * s[2]);
+    }
   }
 }
 
@@ -192,6 +224,7 @@ int main(int argc, char** argv) {
     darboux::bench::asteroids(rounds);
     darboux::bench::growth(rounds, quick);
     darboux::bench::overhead(rounds);
+    darboux::bench::contest_of_scenes(rounds);
   } catch (const darboux::Error& error) {
     std::fprintf(stderr, "benchmark_scene: %s\n", error.what());
     return 2;

@@ -54,7 +54,7 @@ TEST_F(SceneCli, SaysWhatIsNeededAndWhatWasSkipped) {
   EXPECT_TRUE(report["seconds"]["full"].is_null());
   EXPECT_GT(report["seconds"]["plan"], 0);
   EXPECT_TRUE(report["bounds"]["chord"].is_null());
-  EXPECT_EQ(report["bounds"]["chord_px"], 0.5);
+  EXPECT_EQ(report["bounds"]["chord_px"], 0.1);
   EXPECT_NEAR(report["bounds"]["angle_deg"].get<double>(), 2, 1e-12);
 
   // The same numbers for people.
@@ -136,6 +136,41 @@ TEST_F(SceneCli, WritesTheTilesThatAreNeeded) {
   // What was written is read, and its frames are what `validate` knows of each surface.
   good("darboux plan tiles.glb");
   EXPECT_EQ(good("darboux scene scene.json -o - | cmp - tiles.glb"), "");
+}
+
+// A path of cameras is what its cameras are one by one, and evaluates what the one before had not.
+TEST_F(SceneCli, PlansAPathOfCameras) {
+  Json scene = Json::parse(read_bytes(path("asteroids.json")));
+  Json second = scene["cameras"][0];
+  second["eye"] = {0.4, 0, 0};
+  second["target"] = {1.4, 0.1, 0};
+  scene["cameras"].push_back(second);
+  write_bytes(path("path.json"), scene.dump());
+  const Json along = json("darboux scene path.json --path 5 --json");
+  ASSERT_EQ(along["path"].size(), 5u);
+  const Json first = json("darboux scene path.json --json"),
+             last = json("darboux scene path.json --camera 1 --json");
+  std::uint64_t tiles = 0, samples = 0, fresh = 0;
+  for (const Json& frame : along["path"]) {
+    tiles += frame["tiles"].get<std::uint64_t>();
+    samples += frame["samples"].get<std::uint64_t>();
+    fresh += frame["samples_new"].get<std::uint64_t>();
+  }
+  for (const auto& [report, frame] : {std::pair(first, along["path"][0]), std::pair(last, along["path"][4])})
+    for (const char* key : {"instances", "tiles", "samples"})
+      EXPECT_EQ(report["needed"][key], frame[key]) << key;
+  EXPECT_EQ(along["path"][0]["samples_new"], first["samples_evaluated"]);
+  EXPECT_EQ(along["needed"]["tiles"], tiles);
+  EXPECT_EQ(along["needed"]["samples"], samples);
+  EXPECT_EQ(along["samples_evaluated"], fresh);
+  EXPECT_LT(fresh, samples / 2) << "most is kept";
+  EXPECT_NE(good("darboux scene path.json --path 5").find("5 cameras of a path"), std::string::npos);
+
+  refused("darboux scene path.json --path 1", {"--path", "at least 2 cameras", "got 1"});
+  refused("darboux scene path.json --path 0", {"--path", "at least 2 cameras", "got 0"});
+  refused("darboux scene path.json --path 3 --render a.png", {"--path", "--render"});
+  refused("darboux scene asteroids.json --path 3", {"--path", "at least two cameras", "got one"});
+  refused("darboux scene scene.json --path 3", {"camera path", "cameras of one projection"});
 }
 
 TEST_F(SceneCli, PlansThePrimitivesOfAGltf) {

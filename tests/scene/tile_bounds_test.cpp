@@ -554,6 +554,45 @@ TEST_P(EnclosedTiles, CullNearlyAllThatFacesAway) {
 }
 
 // At a crease the frame is that from above, also where a tile ends there; across it nothing is smooth.
+// Support is attained, and facing has the sign of the farthest sample's, whatever the axes.
+TEST(Tiles, OfEllipsoidsHaveClosedForms) {
+  Random random(23);
+  int culled = 0, back_facing = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const AnySurface surface =
+        Ellipsoid{random.log_uniform(0.1, 10), random.log_uniform(0.1, 10), random.log_uniform(0.1, 10)};
+    const double width = random.log_uniform(0.01, 1), height = random.log_uniform(0.01, 1);
+    Tile t{random.uniform(-1, 1), 0, random.uniform(0, 1 - height), 0};
+    t.u1 = t.u0 + width, t.v1 = t.v0 + height;
+    const TileBounds bounds(surface, t, TileOrder::position);
+    ASSERT_TRUE(bounds.attained());
+    const Vec3<double> d = random.direction(), eye = random.log_uniform(0.3, 100) * random.direction();
+    double farthest = -1e300, most = -1e300, most_along = -1e300;
+    constexpr int n = 24;
+    for (int k = 0; k <= n; ++k)
+      for (int l = 0; l <= n; ++l) {
+        const Sample<double> s = surface.sample(t.u0 + width * k / n, t.v0 + height * l / n);
+        farthest = std::fmax(farthest, dot(d, s.jet.position));
+        most = std::fmax(most, dot(s.frame.n, eye - s.jet.position));
+        most_along = std::fmax(most_along, dot(s.frame.n, d));
+      }
+    ASSERT_GE(bounds.support(d), farthest - 1e-14) << surface.specification();
+    // As of the other closed forms: the next sample is below the maximum by at most the chord of a cell.
+    ASSERT_LE(bounds.support(d), farthest + bounds.chord(width / n, height / n) + 1e-12);
+    ASSERT_GE(bounds.facing(eye), most - 1e-13) << surface.specification();
+    ASSERT_GE(bounds.facing_along(d), most_along - 1e-13) << surface.specification();
+    // What it changes by when the eye moves.
+    const double way = random.log_uniform(1e-3, 1);
+    ASSERT_LE(std::fabs(bounds.facing(eye + way * d) - bounds.facing(eye)),
+              way * bounds.facing_rate() * (1 + 1e-12) + 1e-12);
+    culled += bounds.facing(eye) < 0;
+    back_facing += most < 0;
+  }
+  EXPECT_LE(culled, back_facing);
+  EXPECT_GE(culled, 0.98 * back_facing);
+  EXPECT_GT(back_facing, 250);
+}
+
 TEST(EnclosedTiles, EndAtACreaseWithTheFrameFromAbove) {
   Random random(43);
   const AnySurface patch = sheet(3, {0, 0, 0, 0, 0.3, 0.55, 0.55, 0.55, 1, 1, 1, 1}, true);

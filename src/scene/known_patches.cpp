@@ -1,0 +1,70 @@
+#include "known_patches.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "patch_layout.h"
+
+namespace darboux {
+namespace {
+
+// What makes two patches of a surface the same, but for the samples on their edges.
+std::pair<std::uint64_t, std::uint64_t> place_of(const ScenePatch& p) {
+  return {
+      std::uint64_t{p.surface} << 32 | std::uint64_t{p.cells_u} << 16 | p.cells_v,
+      std::uint64_t{p.column} << 40 | std::uint64_t{p.row} << 16 | std::uint64_t{p.level_u} << 8 | p.level_v};
+}
+
+}  // namespace
+
+std::span<const double> KnownPatches::edge_coordinates(const ScenePatch& p) const {
+  return std::span(edge_coordinates_).subspan(p.first_edge_coordinate, edge_samples(p));
+}
+
+void KnownPatches::begin(ScenePatch& patch) const {
+  patch.first_edge_coordinate = static_cast<std::uint32_t>(edge_coordinates_.size());
+}
+
+std::uint32_t KnownPatches::add(ScenePatch patch) {
+  const auto fresh = static_cast<std::uint32_t>(patches_.size());
+  if (once_) {
+    std::uint64_t h = 0;
+    const auto mix = [&](std::uint64_t x) {
+      h = (h ^ x) * 0x9E3779B97F4A7C15u;
+      h ^= h >> 32;
+    };
+    const auto place = place_of(patch);
+    mix(place.first);
+    mix(place.second);
+    const std::span<const double> coordinates = edge_coordinates(patch);
+    for (const double x : coordinates) mix(std::bit_cast<std::uint64_t>(x));
+    const auto hash = static_cast<std::uint32_t>(h >> 32);
+    std::uint32_t found = fresh;
+    by_hash_.any_of(hash, [&](std::uint32_t i) {
+      const ScenePatch& p = patches_[i].patch;
+      const bool same = place_of(p) == place && p.attributes == patch.attributes &&
+                        p.edge_counts == patch.edge_counts &&
+                        std::ranges::equal(edge_coordinates(p), coordinates);
+      if (same) found = i;
+      return same;
+    });
+    if (found != fresh) {
+      edge_coordinates_.resize(patch.first_edge_coordinate);
+      return found;
+    }
+    by_hash_.insert(hash, fresh);
+  }
+  patch.id = forgotten_ + fresh;
+  patches_.push_back({patch, static_cast<std::uint32_t>(sample_count(patch, edge_coordinates_))});
+  return fresh;
+}
+
+void KnownPatches::forget() {
+  forgotten_ += patches_.size();
+  patches_.clear();
+  edge_coordinates_.clear();
+  by_hash_ = {};
+}
+
+}  // namespace darboux

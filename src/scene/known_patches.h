@@ -1,0 +1,45 @@
+// The patches of the plans of a scene, each once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <darboux/scene.h>
+
+#include "base/hash_table.h"
+
+namespace darboux {
+
+struct KnownPatch {
+  ScenePatch patch;
+  std::uint32_t samples;
+  std::uint32_t plan = 0, index = 0;  // the last plan that has it, and where
+};
+
+class KnownPatches {
+ public:
+  // \param once whether patches of the same samples are one
+  explicit KnownPatches(bool once) : once_(once) {}
+
+  std::size_t size() const { return patches_.size(); }
+  KnownPatch& operator[](std::uint32_t i) { return patches_[i]; }
+  std::span<const double> edge_coordinates(const ScenePatch& p) const;
+
+  // A patch is begun, the further samples on its edges are added, and it is added itself or found.
+  void begin(ScenePatch& patch) const;
+  void add_edge_coordinate(double x) { edge_coordinates_.push_back(x); }
+  std::uint32_t add(ScenePatch patch);
+
+  // All of them; numbers go on.
+  void forget();
+
+ private:
+  bool once_;
+  std::vector<KnownPatch> patches_;
+  std::vector<double> edge_coordinates_;
+  HashTable by_hash_;
+  std::uint64_t forgotten_ = 0;
+};
+
+}  // namespace darboux

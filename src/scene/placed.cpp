@@ -1,0 +1,90 @@
+#include "placed.h"
+
+#include <cmath>
+#include <string>
+
+#include <Eigen/SVD>
+
+#include <darboux/error.h>
+
+namespace darboux {
+namespace {
+
+ParameterError wrong_placement(std::uint32_t instance, const char* what) {
+  return {"instance " + std::to_string(instance),
+          std::string("expected a placement that is finite and invertible, got ") + what};
+}
+
+// The inverse of M, and by what it scales lengths.
+Eigen::Matrix3d inverse_of(const Eigen::Matrix3d& m, std::uint32_t instance, Placed& placed) {
+  const Eigen::Vector3d squares(m.col(0).dot(m.col(0)), m.col(1).dot(m.col(1)), m.col(2).dot(m.col(2))),
+      products(m.col(0).dot(m.col(1)), m.col(1).dot(m.col(2)), m.col(2).dot(m.col(0)));
+  const double scale = squares.sum() / 3;
+  if (scale > 0 && (squares.array() - scale).abs().maxCoeff() <= 1e-14 * scale &&
+      products.cwiseAbs().maxCoeff() <= 1e-14 * scale) {
+    const double length = std::sqrt(scale);
+    placed.smallest = length * (1 - 1e-13);
+    placed.largest = length * (1 + 1e-13);
+    placed.condition = 1;
+    return m.transpose() / scale;
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Vector3d s = svd.singularValues();
+  if (!(s[2] > 1e-12 * s[0])) throw wrong_placement(instance, "a singular one");
+  placed.smallest = s[2] * (1 - 1e-13);
+  placed.largest = s[0] * (1 + 1e-13);
+  placed.condition = placed.largest / placed.smallest;
+  // Cofactors lose the square of the condition.
+  return svd.matrixV() * s.cwiseInverse().asDiagonal() * svd.matrixU().transpose();
+}
+
+}  // namespace
+
+void place(const Scene& scene, std::uint32_t index, const SurfaceTiles& tiles, const View& view,
+           Placed& result) {
+  const SceneInstance& instance = scene.instances[index];
+  const Eigen::Matrix3d m = instance.placement.linear();
+  const Eigen::Vector3d t = instance.placement.translation();
+  if (!((0 * m).sum() + (0 * t).sum() == 0)) throw wrong_placement(index, "one that is not finite");
+  const Eigen::Matrix3d inverse = inverse_of(m, index, result);
+  constexpr double rounding = 0x1p-48;
+  const double lengths = view.eye().norm() + t.norm();
+  result.eye = from_eigen(inverse * (view.perspective() ? Eigen::Vector3d(view.eye() - t) : view.backward()));
+  // With what inverting an ill-conditioned placement loses.
+  result.eye_rounding = rounding * result.condition * (view.perspective() ? lengths : 1) / result.smallest;
+  result.plane_rounding = rounding * (lengths + result.largest * (norm(tiles.centre()) + tiles.radius()));
+  result.displacement = scene.materials[instance.material].displacement;
+
+  const Eigen::Vector3d centre =
+      m * Eigen::Vector3d(tiles.centre().x, tiles.centre().y, tiles.centre().z) + t;
+  const double surrounds = result.displacement + result.plane_rounding,
+               reach = result.largest * tiles.radius() + surrounds;
+  double inside = std::numeric_limits<double>::infinity();
+  result.within = inside;
+  result.planes = 0;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const Plane3& plane = view.planes()[k];
+    const double beyond = plane.normal.dot(centre) - plane.offset;
+    inside = beyond < inside ? beyond : inside;
+    if (beyond > reach)
+      result.within = beyond - reach < result.within ? beyond - reach : result.within;
+    else
+      result.planes |= static_cast<std::uint8_t>(1u << k);
+  }
+  result.away = -inside - reach;
+  const Eigen::Vector3d forward = -view.backward();
+  const double depth_of_eye = forward.dot(view.eye());
+  result.least_depth = forward.dot(centre) - depth_of_eye - reach;
+  result.depth_normal = from_eigen(m.transpose() * forward);
+  result.depth_offset = depth_of_eye - forward.dot(t);
+  result.farthest = (view.eye() - centre).norm() + result.largest * tiles.radius() + surrounds;
+  if (result.away > 0) return;
+  for (std::size_t k = 0; k < 6; ++k) {
+    if (!(result.planes >> k & 1)) continue;
+    const Plane3& plane = view.planes()[k];
+    result.normals[k] = from_eigen(m.transpose() * plane.normal);
+    result.offsets[k] = plane.offset - plane.normal.dot(t);
+  }
+}
+
+}  // namespace darboux

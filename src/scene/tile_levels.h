@@ -1,0 +1,73 @@
+// How many cells a tile is cut into, as powers of two.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include <darboux/tile_bounds.h>
+
+namespace darboux {
+
+// A tile has no more than 2^5 × 2^4 cells: kernels run along u, and rows of few points fill them badly.
+constexpr int tile_level_u = 5, tile_level_v = 4;
+constexpr int finest_level = 14;  // of the cells of a chart
+
+struct TileLevels {
+  int u = 0, v = 0;
+  bool operator==(const TileLevels&) const = default;
+};
+
+// The cells that a tile is cut into one after the other as its chords have to be smaller, each time across
+// that side which is worth more. The error falls with every cut: how many are needed is a search.
+class ChordLevels {
+ public:
+  ChordLevels() = default;
+  // \param du, dv the size of the tile; most: how often it may be cut
+  ChordLevels(const TileRates& rates, double du, double dv, const TileLevels& most) {
+    TileLevels cuts;
+    double uu = rates.position_uu * du * du, uv = 2 * rates.position_uv * du * dv,
+           vv = rates.position_vv * dv * dv;
+    errors_.fill(-1);
+    for (std::size_t k = 0;; ++k) {
+      levels_u_[k] = static_cast<std::uint8_t>(cuts.u);
+      const double error = (1 + 0x1p-48) * (uu + uv + vv) / 8;
+      errors_[k] = error >= 0 ? error : std::numeric_limits<double>::infinity();
+      if (cuts.u == most.u && cuts.v == most.v) break;
+      uv /= 2;
+      if (cuts.v == most.v || (cuts.u < most.u && uu >= vv)) {
+        ++cuts.u;
+        uu /= 4;
+      } else {
+        ++cuts.v;
+        vv /= 4;
+      }
+    }
+  }
+
+  struct Answer {
+    TileLevels levels;
+    double least, most;  // the answer is the same for all chords from `least` to less than `most`
+  };
+  // The fewest cells whose chords are no longer than this one, or all there are.
+  Answer operator()(double chord) const {
+    std::size_t k = 0;
+    for (std::size_t step = size / 2; step > 0; step /= 2) k += errors_[k + step - 1] > chord ? step : 0;
+    const bool enough = errors_[k] >= 0;
+    if (!enough) --k;  // the last one is not either
+    return {{levels_u_[k], static_cast<int>(k) - levels_u_[k]},
+            enough ? errors_[k] : 0,
+            k == 0   ? std::numeric_limits<double>::infinity()
+            : enough ? errors_[k - 1]
+                     : errors_[k]};
+  }
+
+ private:
+  static constexpr std::size_t size = 32;
+  static_assert(2 * finest_level + 1 < size);
+  std::array<double, size> errors_{};  // after so many cuts; -1 where there are no more
+  std::array<std::uint8_t, size> levels_u_{};
+};
+
+}  // namespace darboux
