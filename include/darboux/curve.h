@@ -354,24 +354,29 @@ class BSplineCurve {
   CurveJet<S> jet(const S& t) const {
     const auto span = knots_.span(t);
     const int p = knots_.degree();
-    const Vec3<S> anchor = at<S>(span.first + (knots_.upper(span) ? p : 0));
-    if (weights_.empty()) {
-      detail::ControlWindow<Vec3<S>> x{};
-      for (int i = 0; i <= p; ++i) x[i] = at<S>(span.first + i) - anchor;
-      const auto f = detail::spline_derivatives<4>(x, p, span);
-      return {anchor + f[0], f[1], f[2], f[3]};
-    }
-    detail::ControlWindow<detail::Homogeneous<S>> x{};
-    for (int i = 0; i <= p; ++i) {
-      const S w = lift<S>(weights_[span.first + i]);
-      x[i] = {w * (at<S>(span.first + i) - anchor), w};
-    }
-    const auto [h, h1, h2, h3] = detail::spline_derivatives<4>(x, p, span);
-    const S three = lift<S>(3.0);
-    const Vec3<S> k = h.a / h.w;
-    const Vec3<S> k1 = (h1.a - h1.w * k) / h.w;
-    const Vec3<S> k2 = (h2.a - (lift<S>(2.0) * h1.w) * k1 - h2.w * k) / h.w;
-    return {anchor + k, k1, k2, (h3.a - (three * h1.w) * k2 - (three * h2.w) * k1 - h3.w * k) / h.w};
+    using Place = detail::SpanPlace<S>;
+    const Vec3<S> anchor = (span.first + Place::choose(knots_.upper(span), p)).point(control_points_);
+    return detail::with_degree<S>(p, [&]<class Degree>(Degree degree) -> CurveJet<S> {
+      const detail::KnotWeights<S, Degree, 3> weights(degree, {}, span);
+      detail::ControlWindow<Vec3<S>, Degree> x;
+      span.first.points(control_points_, 0, p + 1, x);
+      for (int i = 0; i <= p; ++i) x[i] = x[i] - anchor;
+      if (weights_.empty()) {
+        const auto f = detail::spline_derivatives<4, Vec3<S>>(x, degree, weights);
+        return {anchor + f[0], f[1], f[2], f[3]};
+      }
+      detail::ControlWindow<detail::Homogeneous<S>, Degree> y;
+      for (int i = 0; i <= p; ++i) {
+        const S w = span.first.number(weights_, i);
+        y[i] = {w * x[i], w};
+      }
+      const auto [h, h1, h2, h3] = detail::spline_derivatives<4, detail::Homogeneous<S>>(y, degree, weights);
+      const S three = lift<S>(3.0);
+      const Vec3<S> k = h.a / h.w;
+      const Vec3<S> k1 = (h1.a - h1.w * k) / h.w;
+      const Vec3<S> k2 = (h2.a - (lift<S>(2.0) * h1.w) * k1 - h2.w * k) / h.w;
+      return {anchor + k, k1, k2, (h3.a - (three * h1.w) * k2 - (three * h2.w) * k1 - h3.w * k) / h.w};
+    });
   }
 
   template <class S>

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include <darboux/binary.h>
 #include <darboux/surface.h>
 
 namespace darboux {
@@ -78,147 +79,321 @@ const S& span_place(const S& t) {
 template <class S>
 struct Homogeneous {
   Vec3<S> a;
-  S w{};
+  S w;
   friend Homogeneous operator+(const Homogeneous& x, const Homogeneous& y) { return {x.a + y.a, x.w + y.w}; }
   friend Homogeneous operator-(const Homogeneous& x, const Homogeneous& y) { return {x.a - y.a, x.w - y.w}; }
   friend Homogeneous operator*(const S& k, const Homogeneous& x) { return {k * x.a, k * x.w}; }
 };
 
-template <class Point>
-using ControlWindow = std::array<Point, max_spline_degree + 1>;
-
-// [0, 1] with all knots at its ends: de Casteljau's weights. Between lo and hi of any level the knots are 0
-// and 1.
+// The place in a list where a span begins: of each number that a scalar stands for, one.
 template <class S>
-struct BezierSpan {
-  S t, rest;  // rest = 1 - t
-  explicit BezierSpan(const S& x) : t(x), rest(lift<S>(1.0) - x) {}
-  template <class Point>
-  Point mix(const Point& x, const Point& y, int, int) const {
-    return rest * x + t * y;
+struct SpanPlace {
+  int at = 0;
+
+  /// KnotVector::find()
+  template <class Knots>
+  static SpanPlace find(const Knots& knots, const S& t) {
+    return {knots.find(t)};
   }
-  S slope(int degree, int, int) const { return lift<S>(static_cast<double>(degree)); }
+  SpanPlace operator+(int n) const { return {at + n}; }
+  SpanPlace operator+(const SpanPlace& other) const { return {at + other.at}; }
+  SpanPlace operator*(int n) const { return {at * n}; }
+  /// n where `condition`, else 0.
+  static SpanPlace choose(bool condition, int n) { return {condition ? n : 0}; }
+  template <class T>
+  S number(const std::vector<T>& list, int offset = 0) const {
+    return lift<S>(list[static_cast<std::size_t>(at + offset)]);
+  }
+  template <class T>
+  Vec3<S> point(const std::vector<Vec3<T>>& list, int offset = 0) const {
+    return lift_vector<S>(list[static_cast<std::size_t>(at + offset)]);
+  }
+  /// `count` of them one after the other.
+  template <class T, class To>
+  void points(const std::vector<Vec3<T>>& list, int offset, int count, To&& to) const {
+    for (int k = 0; k < count; ++k) to[k] = point(list, offset + k);
+  }
+  template <class T, class To>
+  void numbers(const std::vector<T>& list, int offset, int count, To&& to) const {
+    for (int k = 0; k < count; ++k) to[k] = number(list, offset + k);
+  }
 };
 
-// One span of a B-spline: its 2p local knots, knots[p-1] <= t < knots[p].
+// A degree that the compiler knows, for numbers of the machine and degrees that most have, else an int.
+template <int n>
+using Known = std::integral_constant<int, n>;
+template <class Degree>
+inline constexpr int most_of = max_spline_degree;
+template <int p>
+inline constexpr int most_of<Known<p>> = p;
+template <int a, int b>
+constexpr Known<a - b> minus(Known<a>, Known<b>) {
+  return {};
+}
+constexpr int minus(int a, int b) {
+  return a - b;
+}
+// f(0) ... f(n - 1), one after the other where the compiler knows n.
+template <int n, class F>
+constexpr void repeat(Known<n>, const F& f) {
+  [&]<int... i>(std::integer_sequence<int, i...>) {
+    (f(Known<i>{}), ...);
+  }
+  (std::make_integer_sequence<int, n>{});
+}
+template <class F>
+constexpr void repeat(int n, const F& f) {
+  for (int i = 0; i < n; ++i) f(i);
+}
+
+// n values of a type, which begin without one where the type allows it.
+template <class Value, int n>
+struct Room {
+  Room() {}  // NOLINT: without a value
+  Value& operator[](int i) { return at[i]; }
+  const Value& operator[](int i) const { return at[i]; }
+  union {
+    Value at[n];
+  };
+};
+// The points of a window of a spline.
+template <class Point, class Degree>
+using ControlWindow =
+    std::conditional_t<std::is_trivially_copyable_v<Point>, Room<Point, most_of<Degree> + 1>,
+                       std::array<Point, most_of<Degree> + 1>>;
+
+// f(degree), f(degree_u, degree_v)
+template <class S, class F>
+auto with_degree(int p, const F& f) {
+  if constexpr (Binary<S>)
+    if (p == 3) return f(Known<3>{});
+  return f(p);
+}
+// Not for second derivatives: seldom asked for, and each pair of degrees takes long to compile.
+template <int order, class S, class F>
+auto with_degrees(int p, int q, const F& f) {
+  if constexpr (Binary<S> && order < 2) {
+    constexpr Known<2> two;
+    constexpr Known<3> three;
+    if (p == 3 && q == 3) return f(three, three);
+    if (p == 3 && q == 2) return f(three, two);
+    if (p == 2 && q == 2) return f(two, two);
+  }
+  return f(p, q);
+}
+
+// The weights of de Boor's recurrence at a place of a span, taken once for all points of a window: at level l
+// = 1 ... degree
+//   x_j = below(l, j) x_j + above(l, j) x_{j+1},  j = 0 ... degree - l.
+// The derivative of order o has the levels from o + 1 on; the points of the next are slope(o, j) (x_{j+1} -
+// x_j).
+
+// [0, 1] with all knots at its ends: de Casteljau's.
 template <class S>
+struct BezierWeights {
+  int degree;
+  S t, rest;  // rest = 1 - t
+  BezierWeights(int p, const S& x) : degree(p), t(x), rest(lift<S>(1.0) - x) {}
+  const S& below(int, int) const { return rest; }
+  const S& above(int, int) const { return t; }
+  S slope(int order, int) const { return lift<S>(static_cast<double>(degree - order)); }
+};
+
+// One span of a B-spline: its place, and the 2p knots about it, knot p-1 <= t < knot p.
+template <class S, class T>
 struct KnotSpan {
   S t;
-  int first = 0;  // the first control point that counts here
-  std::array<S, 2 * max_spline_degree> knots{};
-  template <class Point>
-  Point mix(const Point& x, const Point& y, int lo, int hi) const {
-    const S length = knots[hi] - knots[lo];
-    return S((knots[hi] - t) / length) * x + S((t - knots[lo]) / length) * y;
+  const std::vector<T>* list;
+  SpanPlace<S> first;  // of its control points
+  S knot(int i) const { return first.number(*list, 1 + i); }
+};
+template <class S, class Degree, int orders>
+struct KnotWeights {
+  static constexpr int most = most_of<Degree>;
+  Degree degree;
+  std::array<S, most*(most + 1) / 2> below_, above_;
+  std::array<std::array<S, most>, orders> slope_;
+
+  /// \param orders of derivatives that are wanted
+  template <class T>
+  KnotWeights(Degree p, Known<orders>, const KnotSpan<S, T>& span) : degree(p) {
+    std::array<S, 2 * most> knots;
+    repeat(minus(p, minus(Known<0>{}, p)), [&](auto i) { knots[i] = span.knot(i); });
+    repeat(p, [&](auto before) {
+      repeat(minus(p, before), [&](auto j) {
+        const S &lo = knots[j + before], &hi = knots[j + p], length = hi - lo;
+        below_[place(before + 1, j)] = (hi - span.t) / length;
+        above_[place(before + 1, j)] = (span.t - lo) / length;
+        if constexpr (orders > 0)
+          if (before < orders) slope_[before][j] = lift<S>(static_cast<double>(p - before)) / length;
+      });
+    });
   }
-  S slope(int degree, int lo, int hi) const {
-    return lift<S>(static_cast<double>(degree)) / (knots[hi] - knots[lo]);
-  }
+  const S& below(int level, int j) const { return below_[place(level, j)]; }
+  const S& above(int level, int j) const { return above_[place(level, j)]; }
+  const S& slope(int order, int j) const { return slope_[order][j]; }
+  // Level 1 has `degree` pairs, each further one fewer.
+  int place(int level, int j) const { return (level - 1) * (2 * degree + 2 - level) / 2 + j; }
 };
 
-// De Boor's recurrence for degree + 1 points of the `order`-th derivative of a spline of degree `degree +
-// order`. At t at a Bézier end or a knot of full multiplicity it returns the control point there, exactly.
-template <class Point, class Span>
-Point de_boor(ControlWindow<Point> x, int degree, int order, const Span& span) {
-  for (int level = 1; level <= degree; ++level)
-    for (int j = 0; j <= degree - level; ++j)
-      x[j] = span.mix(x[j], x[j + 1], order + j + level - 1, order + j + degree);
+// The derivative of an order <= the degree at the place, of its degree + 1 - order points. At t at a Bézier
+// end or a knot of full multiplicity it is the control point there, exactly.
+template <class Point, class Degree, class Order, class Weights>
+Point de_boor(ControlWindow<Point, Degree> x, Degree degree, Order order, const Weights& weights) {
+  const auto levels = minus(degree, order);
+  repeat(levels, [&](auto done) {
+    const int level = order + done + 1;
+    repeat(minus(levels, done),
+           [&](auto j) { x[j] = weights.below(level, j) * x[j] + weights.above(level, j) * x[j + 1]; });
+  });
   return x[0];
 }
 
-// The control points of the derivative (the hodograph) of the same.
-template <class Point, class Span>
-void hodograph(ControlWindow<Point>& x, int degree, int order, const Span& span) {
-  for (int j = 0; j < degree; ++j)
-    x[j] = span.slope(degree, order + j, order + j + degree) * (x[j + 1] - x[j]);
-}
-
-// A spline of the given degree and its derivatives up to `count` - 1.
-template <int count, class Point, class Span>
-std::array<Point, count> spline_derivatives(ControlWindow<Point> x, int degree, const Span& span) {
-  std::array<Point, count> result{};
-  for (int order = 0; order < count && order <= degree; ++order) {
-    result[order] = de_boor(x, degree - order, order, span);
-    if (order < degree) hodograph(x, degree - order, order, span);
+// A spline and its derivatives up to `count` - 1.
+template <int count, class Point, class Degree, class Weights>
+std::array<Point, count> spline_derivatives(ControlWindow<Point, Degree>& x, Degree degree,
+                                            const Weights& weights) {
+  const auto next = [&](auto order) {
+    if (degree < order) return Point{};
+    const Point value = de_boor<Point>(x, degree, order, weights);
+    if constexpr (order + 1 < count)  // the control points of the derivative (the hodograph)
+      repeat(minus(degree, order), [&](auto j) { x[j] = weights.slope(order, j) * (x[j + 1] - x[j]); });
+    return value;
+  };
+  return [&]<int... order>(std::integer_sequence<int, order...>) {
+    return std::array<Point, count>{next(Known<order>{})...};
   }
-  return result;
+  (std::make_integer_sequence<int, count>{});
 }
 
-// The partials (f, f_u, f_v, f_uu, f_uv, f_vv) of a tensor product: along v for each column, then along u.
-// \param at control point (i, j) of the window
-template <class Point, class SpanU, class SpanV, class At>
-std::array<Point, 6> tensor_partials(int degree_u, int degree_v, const SpanU& u, const SpanV& v, At&& at) {
-  ControlWindow<Point> f{}, f_v{}, f_vv{};
-  for (int i = 0; i <= degree_u; ++i) {
-    ControlWindow<Point> column{};
-    for (int j = 0; j <= degree_v; ++j) column[j] = at(i, j);
-    const auto along_v = spline_derivatives<3>(column, degree_v, v);
-    f[i] = along_v[0];
-    f_v[i] = along_v[1];
-    f_vv[i] = along_v[2];
+// The partials (f, f_u, f_v, f_uu, f_uv, f_vv) of a tensor product to an order, zero beyond it: along v for
+// each column, then along u. \param column(i, x) sets the points (i, 0), (i, 1), ... of the window
+template <int order, class Point, class DegreeU, class DegreeV, class WeightsU, class WeightsV, class Column>
+std::array<Point, 6> tensor_partials(DegreeU p, DegreeV q, const WeightsU& u, const WeightsV& v,
+                                     Column&& column) {
+  std::array<ControlWindow<Point, DegreeU>, order + 1> f;  // f, f_v, f_vv
+  for (int i = 0; i <= p; ++i) {
+    ControlWindow<Point, DegreeV> x;
+    column(i, x);
+    const auto along_v = spline_derivatives<order + 1, Point>(x, q, v);
+    for (int k = 0; k <= order; ++k) f[k][i] = along_v[k];
   }
-  const auto a = spline_derivatives<3>(f, degree_u, u);
-  const auto b = spline_derivatives<2>(f_v, degree_u, u);
-  return {a[0], a[1], b[0], a[2], b[1], de_boor(f_vv, degree_u, 0, u)};
+  if constexpr (order >= 2) {
+    const auto along_u = spline_derivatives<3, Point>(f[0], p, u);
+    const auto f_v = spline_derivatives<2, Point>(f[1], p, u);
+    return {along_u[0], along_u[1], f_v[0], along_u[2], f_v[1], de_boor<Point>(f[2], p, Known<0>{}, u)};
+  } else if constexpr (order == 1) {
+    const auto along_u = spline_derivatives<2, Point>(f[0], p, u);
+    return {along_u[0], along_u[1], de_boor<Point>(f[1], p, Known<0>{}, u), Point{}, Point{}, Point{}};
+  } else {
+    return {de_boor<Point>(f[0], p, Known<0>{}, u), Point{}, Point{}, Point{}, Point{}, Point{}};
+  }
 }
 
-// A surface from partials of the net relative to `anchor`.
-template <class S>
+// A surface from partials of the net relative to `anchor`, to an order; zero beyond it.
+template <int order, class S>
 Jet2<S> jet_of(const Vec3<S>& anchor, const std::array<Vec3<S>, 6>& f) {
   return {anchor + f[0], f[1], f[2], f[3], f[4], f[5]};
 }
-template <class S>
+template <int order, class S>
 Jet2<S> jet_of(const Vec3<S>& anchor, const std::array<Homogeneous<S>, 6>& f) {
   const auto& [h, hu, hv, huu, huv, hvv] = f;
   const S two = lift<S>(2.0);
   const Vec3<S> p = h.a / h.w;
-  const Vec3<S> pu = (hu.a - hu.w * p) / h.w, pv = (hv.a - hv.w * p) / h.w;
-  return {anchor + p,
-          pu,
-          pv,
-          (huu.a - (two * hu.w) * pu - huu.w * p) / h.w,
-          (huv.a - hu.w * pv - hv.w * pu - huv.w * p) / h.w,
-          (hvv.a - (two * hv.w) * pv - hvv.w * p) / h.w};
+  Jet2<S> j{};
+  j.position = anchor + p;
+  if constexpr (order >= 1) {
+    j.dpdu = (hu.a - hu.w * p) / h.w;
+    j.dpdv = (hv.a - hv.w * p) / h.w;
+  }
+  if constexpr (order >= 2) {
+    j.d2pdu2 = (huu.a - (two * hu.w) * j.dpdu - huu.w * p) / h.w;
+    j.d2pduv = (huv.a - hu.w * j.dpdv - hv.w * j.dpdu - huv.w * p) / h.w;
+    j.d2pdv2 = (hvv.a - (two * hv.w) * j.dpdv - hvv.w * p) / h.w;
+  }
+  return j;
+}
+
+// A ratio of weights from which on partials may be known worse than to a few roundings.
+inline constexpr double weights_far_apart = 0x1p12;
+template <class T>
+bool are_far_apart(const std::vector<T>& weights) {
+  if (weights.empty()) return false;
+  T least = weights.front(), most = least;
+  for (const T& w : weights) {
+    if (w < least) least = w;
+    if (most < w) most = w;
+  }
+  return !(most < T(weights_far_apart) * least);
 }
 
 // The part of a patch's control net that counts at a place, over the scalar of the place: its point (i, j), i
 // up to degree_u and j up to degree_v, is the net's at first + i row + j.
 template <class S, class T>
 struct NetWindow {
-  const std::vector<Vec3<T>>& points;
+  const std::vector<Vec3<T>>& net_points;
   const std::vector<T>& weights;  // empty: all 1
   int degree_u, degree_v;
-  std::size_t first, row;
+  SpanPlace<S> first;
+  int row;
+  bool far_apart = false;  // some weights of the net are
 
-  std::size_t index(int i, int j) const { return first + static_cast<std::size_t>(i) * row + j; }
-  Vec3<S> point(int i, int j) const { return lift_vector<S>(points[index(i, j)]); }
-  S weight(int i, int j) const { return lift<S>(weights[index(i, j)]); }
+  Vec3<S> point(int i, int j) const { return first.point(net_points, i * row + j); }
+  S weight(int i, int j) const { return first.number(weights, i * row + j); }
   bool rational() const { return !weights.empty(); }
+  // That nearest to (u, v).
+  template <class UpperU, class UpperV>
+  Vec3<S> corner(const UpperU& upper_u, const UpperV& upper_v) const {
+    return (first + SpanPlace<S>::choose(upper_u, degree_u * row) + SpanPlace<S>::choose(upper_v, degree_v))
+        .point(net_points);
+  }
+  // The points (i, 0), (i, 1), ... relative to one, times their weights where it is rational.
+  template <class Degree>
+  void column(int i, Degree q, const Vec3<S>& anchor, ControlWindow<Vec3<S>, Degree>& x) const {
+    first.points(net_points, i * row, q + 1, x);
+    for (int j = 0; j <= q; ++j) x[j] = x[j] - anchor;
+  }
+  template <class Degree>
+  void column(int i, Degree q, const Vec3<S>& anchor, ControlWindow<Homogeneous<S>, Degree>& x) const {
+    ControlWindow<Vec3<S>, Degree> p;
+    ControlWindow<S, Degree> w;
+    first.points(net_points, i * row, q + 1, p);
+    first.numbers(weights, i * row, q + 1, w);
+    for (int j = 0; j <= q; ++j) x[j] = {w[j] * (p[j] - anchor), w[j]};
+  }
 };
 
-// The partials of a (rational) tensor product patch. The net is shifted by the window's corner nearest to (u,
-// v): what is far from the origin loses nothing, a corner is met exactly, and along a collapsed edge the
-// partial is exactly zero, whatever the weights.
-template <class S, class T, class SpanU, class SpanV>
-Jet2<S> patch_jet(const NetWindow<S, T>& net, const SpanU& u, const SpanV& v, bool upper_u, bool upper_v) {
-  const int p = net.degree_u, q = net.degree_v;
-  const Vec3<S> anchor = net.point(upper_u ? p : 0, upper_v ? q : 0);
-  if (!net.rational())
-    return jet_of(
-        anchor, tensor_partials<Vec3<S>>(p, q, u, v, [&](int i, int j) { return net.point(i, j) - anchor; }));
-  return jet_of(anchor, tensor_partials<Homogeneous<S>>(p, q, u, v, [&](int i, int j) {
-                  const S w = net.weight(i, j);
-                  return Homogeneous<S>{w * (net.point(i, j) - anchor), w};
-                }));
+// The partials of a (rational) tensor product patch to an order. The net is shifted by the window's corner
+// nearest to (u, v): what is far from the origin loses nothing, a corner is met exactly, and along a
+// collapsed edge the partial is exactly zero, whatever the weights. \param u, v take a degree and
+// an order and give the weights along it
+template <int order, class S, class T, class U, class V, class UpperU, class UpperV>
+Jet2<S> patch_jet(const NetWindow<S, T>& net, const U& u, const V& v, const UpperU& upper_u,
+                  const UpperV& upper_v) {
+  const Vec3<S> anchor = net.corner(upper_u, upper_v);
+  return with_degrees<order, S>(net.degree_u, net.degree_v, [&](auto p, auto q) {
+    const auto of = [&]<class Point>(const Point&) {
+      return jet_of<order>(
+          anchor, tensor_partials<order, Point>(
+                      p, q, u(p, Known<order>{}), v(q, Known<order>{}),
+                      [&](int i, ControlWindow<Point, decltype(q)>& x) { net.column(i, q, anchor, x); }));
+    };
+    return net.rational() ? of(Homogeneous<S>{}) : of(Vec3<S>{});
+  });
 }
 
 // How many roundings, to the order, the first partials of a patch may err for that hu.a and hu.w p cancel in
 // them: 1 unless weights are so far apart that it may matter.
-template <class S, class T, class SpanU, class SpanV>
-S partials_condition(const NetWindow<S, T>& net, const SpanU& u, const SpanV& v, bool upper_u, bool upper_v) {
-  const S one = lift<S>(1.0), far = lift<S>(0x1p12);
-  if (!net.rational()) return one;
+template <class S, class T, class U, class V, class UpperU, class UpperV>
+S partials_condition(const NetWindow<S, T>& net, const U& u, const V& v, const UpperU& upper_u,
+                     const UpperV& upper_v) {
+  const S one = lift<S>(1.0), far = lift<S>(weights_far_apart);
+  if (!net.rational() || !net.far_apart) return one;
   const int p = net.degree_u, q = net.degree_v;
+  if constexpr (requires { S::diverge(); }) {  // lanes go by themselves
+    S::diverge();
+    return one;
+  }
   S least = net.weight(0, 0), most = least;
   for (int i = 0; i <= p; ++i)
     for (int j = 0; j <= q; ++j) {
@@ -227,11 +402,10 @@ S partials_condition(const NetWindow<S, T>& net, const SpanU& u, const SpanV& v,
       most = most < w ? w : most;
     }
   if (most < far * least) return one;
-  const Vec3<S> anchor = net.point(upper_u ? p : 0, upper_v ? q : 0);
-  const auto [h, hu, hv, huu, huv, hvv] = tensor_partials<Homogeneous<S>>(p, q, u, v, [&](int i, int j) {
-    const S w = net.weight(i, j);
-    return Homogeneous<S>{w * (net.point(i, j) - anchor), w};
-  });
+  const Vec3<S> anchor = net.corner(upper_u, upper_v);
+  const auto [h, hu, hv, huu, huv, hvv] = tensor_partials<1, Homogeneous<S>>(
+      p, q, u(p, Known<1>{}), v(q, Known<1>{}),
+      [&](int i, ControlWindow<Homogeneous<S>, int>& x) { net.column(i, q, anchor, x); });
   const auto condition = [position = h.a / h.w](const Homogeneous<S>& along) {
     const Vec3<S> taken = along.w * position;
     return (norm(along.a) + norm(taken)) / norm(along.a - taken);
@@ -262,8 +436,12 @@ template <class Patch, class S>
 Status collapsed_edges(const Patch& patch, const S& u, const S& v) {
   const S zero = lift<S>(0.0), one = lift<S>(1.0);
   Status result = Status::regular;
+  if constexpr (requires { S::diverge(); }) {  // lanes on an edge go by themselves
+    if ((u == zero || u == one || v == zero || v == one).any()) S::diverge();
+    return result;
+  }
   if (!equal(u, zero) && !equal(u, one) && !equal(v, zero) && !equal(v, one)) return result;
-  const Jet2<S> j = patch.jet(u, v);
+  const Jet2<S> j = patch.template jet_to<1>(u, v);
   if (vanishes(j.dpdu)) result |= Status::dpdu_zero;
   if (vanishes(j.dpdv)) result |= Status::dpdv_zero;
   return result;
@@ -410,37 +588,38 @@ class KnotVector {
       else
         below = middle;
     }
-    while (below > degree_ && !(knots_[below] < knots_[below + 1])) --below;
-    while (!(knots_[below] < knots_[below + 1])) ++below;
-    return below;
+    return not_empty(below);
+  }
+  /// The span nearest to span m that is not empty, below it first.
+  int not_empty(int m) const {
+    while (m > degree_ && !(knots_[m] < knots_[m + 1])) --m;
+    while (!(knots_[m] < knots_[m + 1])) ++m;
+    return m;
   }
 
   template <class S>
-  detail::KnotSpan<S> span(const S& t) const {
-    const int m = find(t);
-    detail::KnotSpan<S> result{t, m - degree_, {}};
-    for (int i = 0; i < 2 * degree_; ++i) result.knots[i] = lift<S>(knots_[m - degree_ + 1 + i]);
-    return result;
+  detail::KnotSpan<S, T> span(const S& t) const {
+    return {t, &knots_, detail::SpanPlace<S>::find(*this, t) + -degree_};
   }
 
   /// Whether t lies in the upper half of the span.
   template <class S>
-  bool upper(const detail::KnotSpan<S>& span) const {
+  auto upper(const detail::KnotSpan<S, T>& span) const {
     using detail::span_place;
-    return span_place(S(span.knots[degree_ - 1] + span.knots[degree_])) <
-           span_place(S(lift<S>(2.0) * span.t));
+    return span_place(S(span.knot(degree_ - 1) + span.knot(degree_))) < span_place(S(lift<S>(2.0) * span.t));
   }
 
   /// Status::crease at an interior knot whose multiplicity is the degree or more: there first derivatives may
   /// jump, and those from above are given.
   template <class S>
   Status singular(const S& t) const {
-    const int m = find(t);
-    const T& knot = knots_[m];
-    if (!detail::equal(t, lift<S>(knot)) || !(knots_[degree_] < knot)) return Status::regular;
-    int multiplicity = 1;
-    while (multiplicity <= m && knots_[m - multiplicity] == knot) ++multiplicity;
-    return multiplicity >= degree_ ? Status::crease : Status::regular;
+    if constexpr (requires { S::diverge(); }) {  // lanes at an interior knot go by themselves
+      const S knot = detail::SpanPlace<S>::find(*this, t).number(knots_);
+      if ((t == knot && S(knots_[degree_]) < knot).any()) S::diverge();
+      return Status::regular;
+    } else {
+      return singular_at(t, find(t));
+    }
   }
 
   /// The degree + 1 basis functions that do not vanish at t, by the recurrence of their definition
@@ -480,6 +659,14 @@ class KnotVector {
  private:
   template <class>
   friend class KnotVector;
+  template <class S>
+  Status singular_at(const S& t, int m) const {
+    const T& knot = knots_[m];
+    if (!detail::equal(t, lift<S>(knot)) || !(knots_[degree_] < knot)) return Status::regular;
+    int multiplicity = 1;
+    while (multiplicity <= m && knots_[m - multiplicity] == knot) ++multiplicity;
+    return multiplicity >= degree_ ? Status::crease : Status::regular;
+  }
   int degree_ = 0;
   std::vector<T> knots_;
 };

@@ -255,6 +255,16 @@ Turn<D> as_constant(const Turn<S>& x) {
 
 namespace detail {
 
+// The jet of a surface, of which partials to an order are wanted: no others are computed where it offers
+// that.
+template <int order, class X, class PU, class PV>
+auto jet_to(const X& surface, const PU& u, const PV& v) {
+  if constexpr (requires { surface.template jet_to<order>(u, v); })
+    return surface.template jet_to<order>(u, v);
+  else
+    return surface.jet(u, v);
+}
+
 // Whether the formula of a surface or curve type runs over SIMD lanes: unless it says no.
 template <class X>
 constexpr bool in_lanes = [] {
@@ -279,6 +289,8 @@ constexpr bool curvature_in_lanes = [] {
 ///   std::string refusal()                 what is wrong with the parameters together, empty when nothing is
 ///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
 ///   Status singular(u, v)                 the bits of Status that hold at this point
+///   Jet2<S> jet_to<order>(u, v)           jet(), the same bits, but partials beyond an order (0, 1, 2) may be
+///                                         anything: where they cost
 ///   S partials_condition(u, v)            without a closed frame: how many times a rounding dpdu and dpdv may
 ///                                         err, where that is cheap to say: see Status::ill_conditioned
 ///   bool tangent_depends_on_u_alone()     whether t and handedness are the same at all v but the poles, with

@@ -24,7 +24,6 @@ template <class T = double>
 class BezierPatch {
  public:
   using scalar = T;
-  static constexpr bool in_lanes = false;  // loops and spans for each point
   static constexpr SurfaceInfo info{"bezier-patch",
                                     "rational Bezier patch",
                                     Coordinate::linear,
@@ -44,6 +43,7 @@ class BezierPatch {
         weights_(std::move(weights)) {
     if (const std::string why = refusal(); !why.empty()) throw_refused(info.name, why);
     detail::normalise_weights(weights_);
+    far_apart_ = detail::are_far_apart(weights_);
   }
 
   int degree_u() const { return degree_u_; }
@@ -61,10 +61,12 @@ class BezierPatch {
 
   template <class S>
   Jet2<S> jet(const S& u, const S& v) const {
-    using detail::span_place;
-    const auto upper = [](const S& x) { return span_place(lift<S>(0.5)) < span_place(x); };
-    return detail::patch_jet(net<S>(), detail::BezierSpan<S>(u), detail::BezierSpan<S>(v), upper(u),
-                             upper(v));
+    return jet_to<2>(u, v);
+  }
+  /// Its partials to an order only, zero beyond it: the same bits.
+  template <int order, class S>
+  Jet2<S> jet_to(const S& u, const S& v) const {
+    return detail::patch_jet<order>(net<S>(), weights_at(u), weights_at(v), upper(u), upper(v));
   }
 
   template <class S>
@@ -74,9 +76,7 @@ class BezierPatch {
 
   template <class S>
   S partials_condition(const S& u, const S& v) const {
-    const S half = lift<S>(0.5);
-    return detail::partials_condition(net<S>(), detail::BezierSpan<S>(u), detail::BezierSpan<S>(v), half < u,
-                                      half < v);
+    return detail::partials_condition(net<S>(), weights_at(u), weights_at(v), upper(u), upper(v));
   }
 
   /// The sums over Bernstein polynomials themselves.
@@ -93,6 +93,7 @@ class BezierPatch {
     result.degree_v_ = degree_v_;
     result.control_points_ = detail::lift_points<To>(control_points_);
     result.weights_ = detail::lift_numbers<To>(weights_);
+    result.far_apart_ = far_apart_;
     return result;
   }
 
@@ -102,7 +103,16 @@ class BezierPatch {
 
   template <class S>
   detail::NetWindow<S, T> net() const {
-    return {control_points_, weights_, degree_u_, degree_v_, 0, static_cast<std::size_t>(degree_v_) + 1};
+    return {control_points_, weights_, degree_u_, degree_v_, {}, degree_v_ + 1, far_apart_};
+  }
+  template <class S>
+  static auto weights_at(const S& t) {
+    return [&t](int p, auto) { return detail::BezierWeights<S>(p, t); };
+  }
+  template <class S>
+  static auto upper(const S& t) {
+    using detail::span_place;
+    return span_place(lift<S>(0.5)) < span_place(t);
   }
 
   static std::vector<Vec3<T>> example_points() {
@@ -139,6 +149,7 @@ class BezierPatch {
   int degree_u_, degree_v_;
   std::vector<Vec3<T>> control_points_;
   std::vector<T> weights_;
+  bool far_apart_ = false;  // the weights
 };
 
 }  // namespace darboux

@@ -25,7 +25,6 @@ template <class T = double>
 class BSplinePatch {
  public:
   using scalar = T;
-  static constexpr bool in_lanes = false;  // loops and spans for each point
   static constexpr SurfaceInfo info{
       "bspline-patch",
       "rational B-spline patch (NURBS)",
@@ -50,6 +49,7 @@ class BSplinePatch {
         !why.empty())
       throw_refused(info.name, why);
     detail::normalise_weights(weights_);
+    far_apart_ = detail::are_far_apart(weights_);
     u_ = KnotVector<T>(degree_u, std::move(knots_u));
     v_ = KnotVector<T>(degree_v, std::move(knots_v));
   }
@@ -80,9 +80,14 @@ class BSplinePatch {
 
   template <class S>
   Jet2<S> jet(const S& u, const S& v) const {
+    return jet_to<2>(u, v);
+  }
+  /// Its partials to an order only, zero beyond it: the same bits.
+  template <int order, class S>
+  Jet2<S> jet_to(const S& u, const S& v) const {
     const auto su = u_.span(u);
     const auto sv = v_.span(v);
-    return detail::patch_jet(net<S>(su.first, sv.first), su, sv, u_.upper(su), v_.upper(sv));
+    return detail::patch_jet<order>(net(su, sv), weights_of(su), weights_of(sv), u_.upper(su), v_.upper(sv));
   }
 
   template <class S>
@@ -94,7 +99,8 @@ class BSplinePatch {
   S partials_condition(const S& u, const S& v) const {
     const auto su = u_.span(u);
     const auto sv = v_.span(v);
-    return detail::partials_condition(net<S>(su.first, sv.first), su, sv, u_.upper(su), v_.upper(sv));
+    return detail::partials_condition(net(su, sv), weights_of(su), weights_of(sv), u_.upper(su),
+                                      v_.upper(sv));
   }
 
   /// The sum over the basis functions of Cox and de Boor.
@@ -102,7 +108,7 @@ class BSplinePatch {
   Vec3<S> second_formula(const S& u, const S& v) const {
     int i = 0, j = 0;
     const auto a = u_.basis(u, i), b = v_.basis(v, j);
-    return detail::patch_position(net<S>(i, j), a, b);
+    return detail::patch_position(window(detail::SpanPlace<S>{i}, detail::SpanPlace<S>{j}), a, b);
   }
 
   /// The same patch over another scalar.
@@ -113,6 +119,7 @@ class BSplinePatch {
     result.v_ = v_.template rebind<To>();
     result.control_points_ = detail::lift_points<To>(control_points_);
     result.weights_ = detail::lift_numbers<To>(weights_);
+    result.far_apart_ = far_apart_;
     return result;
   }
 
@@ -122,9 +129,18 @@ class BSplinePatch {
 
   // The window of the net from point (i, j) on.
   template <class S>
-  detail::NetWindow<S, T> net(int i, int j) const {
-    const auto row = static_cast<std::size_t>(v_.count());
-    return {control_points_, weights_, u_.degree(), v_.degree(), static_cast<std::size_t>(i) * row + j, row};
+  detail::NetWindow<S, T> window(const detail::SpanPlace<S>& i, const detail::SpanPlace<S>& j) const {
+    return {control_points_, weights_, u_.degree(), v_.degree(), i * v_.count() + j, v_.count(), far_apart_};
+  }
+  template <class S>
+  detail::NetWindow<S, T> net(const detail::KnotSpan<S, T>& u, const detail::KnotSpan<S, T>& v) const {
+    return window(u.first, v.first);
+  }
+  template <class S>
+  static auto weights_of(const detail::KnotSpan<S, T>& span) {
+    return [&span]<class Degree, int orders>(Degree p, detail::Known<orders> to) {
+      return detail::KnotWeights<S, Degree, orders>(p, to, span);
+    };
   }
 
   static std::vector<Vec3<T>> example_points() {
@@ -144,6 +160,7 @@ class BSplinePatch {
   KnotVector<T> u_, v_;
   std::vector<Vec3<T>> control_points_;
   std::vector<T> weights_;
+  bool far_apart_ = false;  // the weights
 };
 
 }  // namespace darboux

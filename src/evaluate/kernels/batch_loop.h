@@ -100,7 +100,8 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
   Status status = Status::regular;
   if constexpr (DeclaresSingularPoints<X>) status = surface.singular(u, v);
   Jet2<S> j;
-  if constexpr (variant != Variant::frames || !HasClosedFrame<X>) j = surface.jet(u, v);
+  if constexpr (variant != Variant::frames || !HasClosedFrame<X>)
+    j = detail::jet_to < variant == Variant::everything ? 2 : 1 > (surface, u, v);
   // A partial that is not finite has its status from the single-point functions.
   if constexpr (variant != Variant::frames) {
     S sum = components_sum(j.position) + components_sum(j.dpdu) + components_sum(j.dpdv);
@@ -120,7 +121,10 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
   } else {
     if (has(status, detail::degenerate)) S::diverge();
     frame = frame_from_partials(j.dpdu, j.dpdv);
-    if (detail::is_ill_conditioned(j, frame, S(1))) S::diverge();
+    S condition(T(1));
+    if constexpr (requires { surface.partials_condition(u, v); })
+      condition = surface.partials_condition(u, v);
+    if (detail::is_ill_conditioned(j, frame, condition)) S::diverge();
   }
   put(p, Attribute::tangent, frame.t);
   put(p, Attribute::bitangent, frame.b);

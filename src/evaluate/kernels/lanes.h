@@ -119,7 +119,7 @@ class Lanes {
   using Registers = Several<Register<T>, N>;
   static constexpr std::size_t lanes = N * Register<T>::size;
 
-  Lanes() : Lanes(T(0)) {}
+  Lanes() = default;                                                            // no value
   Lanes(T x) : value_(each<N>([x](std::size_t) { return Register<T>(x); })) {}  // NOLINT: converting
   Lanes(const Registers& x) : value_(x) {}                                      // NOLINT: converting
   static Lanes load(const T* from) {

@@ -10,6 +10,7 @@
 
 #include "batch_loop.h"
 #include "index_in_catalogue.h"
+#include "spline_lanes.h"
 
 namespace darboux::kernels {
 namespace {

@@ -1,0 +1,185 @@
+/// \file spline_lanes.h
+/// Splines over SIMD lanes: each lane has a span of its own. Knots and control points are the same for all
+/// where they share one, as on grids; else they are gathered.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include <darboux/spline.h>
+
+#include "lanes.h"
+
+namespace darboux {
+namespace kernels {
+namespace {
+
+// Vectors of the compiler. Their sizes are written out: some compilers lose those that depend on a parameter.
+template <class T, std::size_t n>
+struct VectorOf;
+#define DARBOUX_VECTOR(T, n)                                    \
+  template <>                                                   \
+  struct VectorOf<T, n> {                                       \
+    using type = T __attribute__((vector_size(sizeof(T) * n))); \
+  };
+DARBOUX_VECTOR(std::int32_t, 2)
+DARBOUX_VECTOR(std::int32_t, 4)
+DARBOUX_VECTOR(std::int32_t, 8)
+DARBOUX_VECTOR(std::int32_t, 16)
+DARBOUX_VECTOR(double, 2)
+DARBOUX_VECTOR(double, 4)
+DARBOUX_VECTOR(double, 8)
+DARBOUX_VECTOR(float, 4)
+DARBOUX_VECTOR(float, 8)
+DARBOUX_VECTOR(float, 16)
+#undef DARBOUX_VECTOR
+
+#if defined(__AVX512F__)
+
+using Row = double __attribute__((vector_size(64)));
+
+// Exchanges the blocks of `width` columns that lie off the diagonal of two rows.
+template <int width, int... k>
+void exchange(Row& a, Row& b, std::integer_sequence<int, k...>) {
+  const Row upper = __builtin_shufflevector(a, b, ((k & width) != 0 ? 8 + k - width : k)...);
+  b = __builtin_shufflevector(a, b, ((k & width) != 0 ? 8 + k : k + width)...);
+  a = upper;
+}
+template <int width>
+void exchange(std::array<Row, 8>& rows) {
+#pragma GCC unroll 8
+  for (int i = 0; i < 8; ++i)
+    if ((i & width) == 0) exchange<width>(rows[i], rows[i + width], std::make_integer_sequence<int, 8>{});
+}
+
+// The `count` points from a place of each lane on: three numbers each, at least eight, are read in rows of
+// eight and turned round in registers.
+template <class Place, class To>
+void transposed_points(const Vec3<double>* from, const Place& at, int count, To&& to) {
+  using S = Lanes<double>;
+  const int numbers = 3 * count;
+  alignas(64) std::array<double, 8 * 3 * (max_spline_degree + 1)> all;
+  for (int first = 0;; first += 8) {
+    if (first + 8 > numbers) first = numbers - 8;
+    std::array<Row, 8> rows;
+#pragma GCC unroll 8
+    for (int k = 0; k < 8; ++k)
+      std::memcpy(&rows[k], reinterpret_cast<const double*>(from + at[k]) + first, sizeof(Row));
+    exchange<4>(rows);
+    exchange<2>(rows);
+    exchange<1>(rows);
+#pragma GCC unroll 8
+    for (int k = 0; k < 8; ++k) std::memcpy(&all[8 * (first + k)], &rows[k], sizeof(Row));
+    if (first + 8 == numbers) break;
+  }
+  for (int j = 0; j < count; ++j)
+    to[j] = {S::load(&all[24 * j]), S::load(&all[24 * j + 8]), S::load(&all[24 * j + 16])};
+}
+
+#endif
+
+}  // namespace
+}  // namespace kernels
+
+namespace detail {
+
+template <class T, std::size_t N>
+struct SpanPlace<kernels::Lanes<T, N>> {
+  using S = kernels::Lanes<T, N>;
+  static constexpr std::size_t lanes = S::lanes;
+  using Places = typename kernels::VectorOf<std::int32_t, lanes>::type;
+  using Numbers = typename kernels::VectorOf<T, lanes>::type;
+  Places at{};
+  bool same = true;  // in all lanes
+
+  // At most as many knots are looked at one after the other.
+  static constexpr int few = 64;
+  template <class Knots>
+  static SpanPlace find(const Knots& knots, const S& t) {
+    const auto& list = knots.knots();
+    const int first = knots.degree(), last = knots.not_empty(knots.count() - 1);
+    if (last - first > few) {
+      alignas(64) T each[lanes];
+      t.store(each);
+      for (T& x : each) x = static_cast<T>(knots.find(x));
+      return SpanPlace(S::load(each));
+    }
+    S found(static_cast<T>(first));
+    for (int i = first + 1; i <= last; ++i)
+      found = found + select(t < S(list[static_cast<std::size_t>(i)]), S(T(0)), S(T(1)));
+    return SpanPlace(found);
+  }
+  SpanPlace() = default;
+  explicit SpanPlace(const S& whole) {
+    Numbers number;
+    whole.store(reinterpret_cast<T*>(&number));
+    at = __builtin_convertvector(number, Places);
+    same = (whole == S(number[0])).all();
+  }
+
+  SpanPlace operator+(int n) const {
+    SpanPlace result = *this;
+    result.at += n;
+    return result;
+  }
+  SpanPlace operator+(const SpanPlace& other) const {
+    SpanPlace result = *this;
+    result.at += other.at;
+    result.same = same && other.same;
+    return result;
+  }
+  SpanPlace operator*(int n) const {
+    SpanPlace result = *this;
+    result.at *= n;
+    return result;
+  }
+  template <class Condition>
+  static SpanPlace choose(const Condition& condition, int n) {
+    return SpanPlace(select(condition, S(static_cast<T>(n)), S(T(0))));
+  }
+
+  S number(const std::vector<T>& list, int offset = 0) const {
+    const T* const from = list.data() + offset;
+    if (same) return S(from[at[0]]);
+    alignas(64) T each[lanes];
+    for (std::size_t k = 0; k < lanes; ++k) each[k] = from[at[k]];
+    return S::load(each);
+  }
+  Vec3<S> point(const std::vector<Vec3<T>>& list, int offset = 0) const {
+    Vec3<S> result;
+    points(list, offset, 1, &result);
+    return result;
+  }
+  template <class To>
+  void points(const std::vector<Vec3<T>>& list, int offset, int count, To&& to) const {
+    const Vec3<T>* const from = list.data() + offset;
+    if (same) {
+      const Vec3<T>* const p = from + at[0];
+      for (int j = 0; j < count; ++j) to[j] = {S(p[j].x), S(p[j].y), S(p[j].z)};
+      return;
+    }
+#if defined(__AVX512F__)
+    if constexpr (sizeof(T) == 8 && lanes == 8)
+      if (3 * count >= 8) return kernels::transposed_points(from, at, count, to);
+#endif
+    for (int j = 0; j < count; ++j) {
+      alignas(64) T x[lanes], y[lanes], z[lanes];
+      for (std::size_t k = 0; k < lanes; ++k) {
+        const Vec3<T>& p = from[at[k] + j];
+        x[k] = p.x, y[k] = p.y, z[k] = p.z;
+      }
+      to[j] = {S::load(x), S::load(y), S::load(z)};
+    }
+  }
+  template <class To>
+  void numbers(const std::vector<T>& list, int offset, int count, To&& to) const {
+    for (int j = 0; j < count; ++j) to[j] = number(list, offset + j);
+  }
+};
+
+}  // namespace detail
+}  // namespace darboux

@@ -1,0 +1,190 @@
+// Batches of splines give the bits of single points: lanes of one span and of several, every degree, rational
+// or not, at knots and edges, on every instruction set.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <darboux/bezier_patch.h>
+#include <darboux/bspline_patch.h>
+#include <darboux/evaluate.h>
+#include <darboux/instruction_set.h>
+
+namespace darboux {
+namespace {
+
+using Numbers = std::vector<double>;
+
+// A net over the unit square whose heights are random, so that it is regular everywhere.
+std::vector<Vec3<double>> random_net(std::mt19937& random, int rows, int columns) {
+  std::uniform_real_distribution<double> height(0, 0.3);
+  std::vector<Vec3<double>> net;
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < columns; ++j)
+      net.push_back({double(i) / (rows - 1), double(j) / (columns - 1), height(random)});
+  return net;
+}
+Numbers random_weights(std::mt19937& random, std::size_t n, double spread) {
+  Numbers weights(n);
+  for (double& w : weights) w = std::pow(spread, std::uniform_real_distribution<double>(-0.5, 0.5)(random));
+  return weights;
+}
+// Knots of `count` control points, some of them repeated up to the degree, the ends less often than that.
+Numbers random_knots(std::mt19937& random, int degree, int count) {
+  Numbers knots;
+  std::uniform_real_distribution<double> step(0.1, 1);
+  do {
+    knots.clear();
+    for (double at = 0; static_cast<int>(knots.size()) < degree + count + 1; at += step(random))
+      for (unsigned k = 0; k <= random() % static_cast<unsigned>(degree); ++k) knots.push_back(at);
+    knots.resize(static_cast<std::size_t>(degree + count + 1));
+  } while (!KnotVector<double>::refusal(degree, knots).empty());
+  return knots;
+}
+
+template <class T>
+struct Places {
+  std::vector<T> u, v;
+};
+// Points at random, along rows, and at the knots.
+template <class T>
+Places<T> places(std::mt19937& random, const Numbers& breaks_u, const Numbers& breaks_v) {
+  std::uniform_real_distribution<double> at(0, 1);
+  Places<T> result;
+  const auto add = [&](double u, double v) {
+    result.u.push_back(static_cast<T>(u)), result.v.push_back(static_cast<T>(v));
+  };
+  for (int i = 0; i < 300; ++i) add(at(random), at(random));
+  for (const double v : {0.31, 0.0, 1.0})
+    for (int i = 0; i <= 64; ++i) add(i / 64.0, v);
+  for (const double x : breaks_u) add(x, at(random));
+  for (const double x : breaks_v) add(at(random), x);
+  return result;
+}
+
+constexpr std::array attributes{Attribute::position, Attribute::dpdu,          Attribute::dpdv,
+                                Attribute::tangent,  Attribute::bitangent,     Attribute::normal,
+                                Attribute::tangent4, Attribute::d2pdu2,        Attribute::d2pduv,
+                                Attribute::d2pdv2,   Attribute::mean_curvature};
+
+template <class X, class T>
+std::size_t expect_same_bits(const X& surface, const Points<T>& points, std::span<const Attribute> asked) {
+  const std::size_t n = points.size();
+  std::size_t singly = 0;
+  std::vector<std::vector<T>> expected;
+  std::vector<Status> status(n);
+  const auto run = [&](InstructionSet set, std::vector<std::vector<T>>& values) {
+    Outputs<T> outputs;
+    values.clear();
+    for (const Attribute a : asked) values.emplace_back(n * info_of(a).components);
+    for (std::size_t k = 0; k < asked.size(); ++k) outputs.packed(asked[k], values[k]);
+    outputs.status(status);
+    return evaluate(surface, points, outputs, {.instruction_set = set});
+  };
+  run(InstructionSet::points, expected);
+  const std::vector<Status> expected_status = status;
+  for (const InstructionSet set : instruction_sets()) {
+    if (set == InstructionSet::points) continue;
+    std::vector<std::vector<T>> got;
+    singly += run(set, got).point_by_point;
+    EXPECT_EQ(status, expected_status) << static_cast<int>(set);
+    for (std::size_t k = 0; k < asked.size(); ++k)
+      for (std::size_t i = 0; i < got[k].size(); ++i)
+        if (!(got[k][i] == expected[k][i]) && !(got[k][i] != got[k][i] && expected[k][i] != expected[k][i])) {
+          ADD_FAILURE() << info_of(asked[k]).name << " of point " << i / info_of(asked[k]).components << ": "
+                        << got[k][i] << ", by itself " << expected[k][i] << ", set " << static_cast<int>(set);
+          return singly;
+        }
+  }
+  return singly;
+}
+
+// The few requests that take other ways through the kernels, over arrays and over a grid.
+template <class T, class X>
+void expect_same_bits(const X& patch, std::mt19937& random, const Numbers& breaks_u,
+                      const Numbers& breaks_v) {
+  const auto surface = rebind<T>(patch);
+  const Places<T> at = places<T>(random, breaks_u, breaks_v);
+  for (const auto& points : {Points<T>::arrays(at.u, at.v), Points<T>::grid(37, 11)}) {
+    expect_same_bits(surface, points, std::span(attributes));
+    expect_same_bits(surface, points, std::span(attributes).first(6));
+    expect_same_bits(surface, points, std::span(attributes).subspan(6, 1));
+    expect_same_bits(surface, points, std::span(attributes).first(1));
+  }
+}
+
+TEST(SplineBatches, EveryDegreeGivesTheBitsOfSinglePoints) {
+  std::mt19937 random(29);
+  for (int p = 1; p <= 5; ++p)
+    for (int q = 1; q <= 5; ++q)
+      for (const double spread : {1.0, 4.0, 1e6}) {
+        SCOPED_TRACE(std::to_string(p) + " x " + std::to_string(q) + ", weights by " +
+                     std::to_string(spread));
+        const int rows = p + 1 + static_cast<int>(random() % 6),
+                  columns = q + 1 + static_cast<int>(random() % 6);
+        const auto weights_of = [&](int n) {
+          return spread == 1 ? Numbers{} : random_weights(random, static_cast<std::size_t>(n), spread);
+        };
+        const BSplinePatch<double> spline(p, q, random_knots(random, p, rows), clamped_knots(q, columns),
+                                          random_net(random, rows, columns), weights_of(rows * columns));
+        expect_same_bits<double>(spline, random, spline.breaks(0), spline.breaks(1));
+        expect_same_bits<float>(spline, random, spline.breaks(0), spline.breaks(1));
+        const BezierPatch<double> bezier(p, q, random_net(random, p + 1, q + 1),
+                                         weights_of((p + 1) * (q + 1)));
+        expect_same_bits<double>(bezier, random, {}, {});
+        expect_same_bits<float>(bezier, random, {}, {});
+      }
+}
+
+TEST(SplineBatches, HighDegreesAndManySpans) {
+  std::mt19937 random(30);
+  for (const auto& [degree, count] : {std::pair{15, 20}, {3, 200}, {2, 70}, {1, 100}}) {
+    SCOPED_TRACE(degree);
+    const BSplinePatch<double> spline(degree, degree, clamped_knots(degree, count),
+                                      clamped_knots(degree, count), random_net(random, count, count));
+    expect_same_bits<double>(spline, random, spline.breaks(0), spline.breaks(1));
+    expect_same_bits<float>(spline, random, spline.breaks(0), spline.breaks(1));
+  }
+}
+
+// Between knots no point goes by itself, whatever its span.
+TEST(SplineBatches, RunInLanes) {
+  std::mt19937 random(31);
+  const BSplinePatch<double> spline(3, 3, clamped_knots(3, 8), clamped_knots(3, 8), random_net(random, 8, 8));
+  const Places<double> at = places<double>(random, {}, {});
+  const std::size_t n = 296;  // those at random, whole registers of them
+  EXPECT_EQ(
+      expect_same_bits(spline, Points<double>::arrays(std::span(at.u).first(n), std::span(at.v).first(n)),
+                       std::span(attributes).first(6)),
+      0U);
+}
+
+// What is not asked for changes no bit of what is.
+TEST(SplineBatches, OrdersAgree) {
+  std::mt19937 random(32);
+  for (const double spread : {1.0, 4.0})
+    for (int p = 1; p <= 4; ++p) {
+      const BSplinePatch<double> spline(p, 3, clamped_knots(p, 7), clamped_knots(3, 6),
+                                        random_net(random, 7, 6),
+                                        spread == 1 ? Numbers{} : random_weights(random, 42, spread));
+      const Places<double> at = places<double>(random, spline.breaks(0), spline.breaks(1));
+      for (std::size_t i = 0; i < at.u.size(); ++i) {
+        const Jet2<double> all = spline.jet(at.u[i], at.v[i]), first = spline.jet_to<1>(at.u[i], at.v[i]),
+                           position = spline.jet_to<0>(at.u[i], at.v[i]);
+        EXPECT_EQ(first.position, all.position);
+        EXPECT_EQ(first.dpdu, all.dpdu);
+        EXPECT_EQ(first.dpdv, all.dpdv);
+        EXPECT_EQ(first.d2pduv, Vec3<double>{});
+        EXPECT_EQ(position.position, all.position);
+        EXPECT_EQ(position.dpdu, Vec3<double>{});
+      }
+    }
+}
+
+}  // namespace
+}  // namespace darboux
