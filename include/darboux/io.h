@@ -299,6 +299,8 @@ class OutputFile {
   ~OutputFile();
   void write(std::string_view content);
   void commit();
+  /// Whether a descriptor of this process names an open regular file: writing changes what others read of it.
+  bool is_written_in_place() const;
 
  private:
   void flush();

@@ -164,7 +164,8 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
         tangents.set_delta(c, k, to_float(frame.t) - tangents.base(c).xyz());
   }
 
-  const std::span corners(mesh.triangles.front().data(), mesh.corners());
+  std::span<const std::uint32_t> corners;
+  if (!mesh.triangles.empty()) corners = {mesh.triangles.front().data(), mesh.corners()};
   const SplitVertices split =
       split_vertices(mesh.positions.size(), corners, std::as_const(tangents).values());
   store(document, p, mesh.positions.size(), tangents, targets.size(), split);

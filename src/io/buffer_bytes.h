@@ -29,24 +29,25 @@ struct Piece {
 /// Pieces one after the other. What was once appended stays where it is: views of it hold.
 class BufferBytes {
  public:
-  BufferBytes(Piece first) : size_(first.bytes.size()), pieces_{std::move(first)} {}
+  BufferBytes(Piece first) { append(std::move(first)); }
   BufferBytes(std::string first) : BufferBytes(Piece::of(std::move(first))) {}
 
   std::size_t size() const { return size_; }
   const std::vector<Piece>& pieces() const { return pieces_; }
   void append(Piece piece) {
+    begins_.push_back(size_);
     size_ += piece.bytes.size();
     pieces_.push_back(std::move(piece));
   }
   /// Some of the bytes, nothing where they do not lie in one piece.
   std::optional<std::string_view> within(std::size_t begin, std::size_t length) const {
-    for (const Piece& piece : pieces_) {
-      if (begin <= piece.bytes.size() && length <= piece.bytes.size() - begin)
-        return piece.bytes.substr(begin, length);
-      if (begin < piece.bytes.size()) return std::nullopt;
-      begin -= piece.bytes.size();
-    }
-    return std::nullopt;
+    // The last piece that begins there or before, of those that begin at one place the one that is not empty.
+    const auto after = std::upper_bound(begins_.begin(), begins_.end(), begin);
+    const auto k = static_cast<std::size_t>(after - begins_.begin()) - 1;
+    const std::string_view bytes = pieces_[k].bytes;
+    begin -= begins_[k];
+    if (begin > bytes.size() || length > bytes.size() - begin) return std::nullopt;
+    return bytes.substr(begin, length);
   }
   std::string joined() const {
     std::string all;
@@ -56,8 +57,9 @@ class BufferBytes {
   }
 
  private:
-  std::size_t size_;
+  std::size_t size_ = 0;
   std::vector<Piece> pieces_;
+  std::vector<std::size_t> begins_;  // of the pieces
 };
 
 }  // namespace darboux::io

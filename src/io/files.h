@@ -21,9 +21,10 @@ void expect_regular_file(const std::string& path);
 /// The bytes of a regular file. \throws FileError
 std::string read_file(const std::string& path);
 
-/// The same bytes, mapped where the system can: pages come as they are looked at, and are not copied. The
-/// file must not be cut short meanwhile: a process that looks at what is gone is ended (SIGBUS). What
-/// replaces it by another of its name, as OutputFile does, does no harm. \throws FileError
+/// The same bytes, mapped where the system can: they are not copied. The file must not be changed meanwhile:
+/// what was checked may be other bytes then, and a process that looks at what is gone, or cannot be read, is
+/// ended (SIGBUS). What replaces it by another of its name, as OutputFile does, does no harm.
+/// \throws FileError
 Piece map_file(const std::string& path);
 
 /// Text of the file or the user made fit for a one-line message: quoted, on one line, shortened.

@@ -392,9 +392,11 @@ void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
 }
 
 void GltfDocument::save_glb(const std::string& path) const {
-  const std::vector<io::Piece> pieces = file_->glb_pieces();
   OutputFile file(path);
-  for (const io::Piece& piece : pieces) file.write(piece.bytes);
+  if (file.is_written_in_place())  // it may be the file that is mapped
+    file.write(file_->to_glb());
+  else
+    for (const io::Piece& piece : file_->glb_pieces()) file.write(piece.bytes);
   file.commit();
 }
 

@@ -166,6 +166,11 @@ OutputFile::OutputFile(const std::string& path) : path_(path) {
   if (exists) keep_attributes(descriptor_, old);
 }
 
+bool OutputFile::is_written_in_place() const {
+  struct stat status {};
+  return target_.empty() && ::fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
+}
+
 OutputFile::~OutputFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
   if (temporary_.empty()) return;

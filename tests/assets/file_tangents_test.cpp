@@ -13,6 +13,8 @@
 
 #include "generated_gltf.h"
 #include "gltf_corners.h"
+#include "io/files.h"
+#include "io/float_mesh.h"
 #include "refusal_of.h"
 
 namespace darboux {
@@ -477,6 +479,32 @@ TEST(FileTangents, FloatsThatLieInTheFileGiveTheSameBits) {
         }
   EXPECT_GT(fallbacks, 1000u) << "the rule for corners without a direction is not met";
   EXPECT_GT(split, 1000u);
+}
+
+// Where they lie is where they are read; numbers beside others, or not at multiples of four bytes, are
+// copied.
+TEST(FileTangents, FloatsAreReadWhereTheyLie) {
+  const TempFolder folder;
+  const auto lies_in_the_file = [&](std::size_t stride, std::size_t offset) {
+    Builder b = random_triangles(7, stride, offset, 5125, 300);
+    if (offset == 2)
+      for (Json& accessor : b.json["accessors"])
+        if (accessor["componentType"] == 5126) accessor["byteOffset"] = 2;
+    const std::string path = test::write_bytes(folder / "in.glb", b.glb());
+    const GltfFile file = io::load_gltf(path, io::map_file(path), {});
+    Primitive primitive;
+    const auto mesh = io::read_float_mesh(
+        file, io::JsonCursor(path, file.json["meshes"][0]["primitives"][0], "meshes[0].primitives[0]"),
+        io::triangles, primitive);
+    EXPECT_TRUE(mesh);
+    if (!mesh) return false;
+    const std::string_view bytes = file.buffers.at(0).value().pieces().at(0).bytes;
+    const auto* const first = reinterpret_cast<const char*>(mesh->positions.span().data());
+    return bytes.data() <= first && first < bytes.data() + bytes.size();
+  };
+  EXPECT_TRUE(lies_in_the_file(0, 0));
+  EXPECT_FALSE(lies_in_the_file(16, 0));
+  EXPECT_FALSE(lies_in_the_file(0, 2));
 }
 
 // A GLB whose numbers do not lie at multiples of four bytes, as glTF forbids and files have.

@@ -81,6 +81,16 @@ TEST_F(Cli, OnStandardOutputStandsTheDocumentAlone) {
   }
 }
 
+// The input is mapped, and what is written where it lies changes what is still to be read.
+TEST_F(Cli, AnInputMayBeItsOwnOutput) {
+  sh("darboux mesh torus --grid 300x300 -o in.glb; darboux tangents in.glb -o expected.glb");
+  for (const std::string output : {"- 1<>same.glb", "/dev/fd/3 3<>same.glb", "same.glb"}) {
+    SCOPED_TRACE(output);
+    sh("cp in.glb same.glb; darboux tangents same.glb -o " + output);
+    EXPECT_TRUE(read_bytes(path("same.glb")) == read_bytes(path("expected.glb")));
+  }
+}
+
 TEST_F(Cli, StandardOutputIsRefusedWhereItIsTaken) {
   for (const std::string output : {"-", "/dev/stdout", "/dev/fd/1"})
     for (const std::string command :

@@ -406,11 +406,30 @@ TEST(FitPoints, FindsNoSurfaceWhereNeighboursAreAlike) {
     return Eigen::Vector3d(Eigen::Vector3d(x, y, x > 0 ? 0.3 : -0.3) + 0.01 * r.normals());
   });
   expect_unusable(cube, "auto", "neighbouring points are alike");
-  expect_unusable(step, "auto", "");
   for (const auto& [cloud, kind] : {std::pair{&cube, "sphere"}, {&step, "plane"}})
     EXPECT_NE(fit_points(*cloud, of_kind(kind)).reason.find("neighbouring points are alike"),
               std::string::npos)
         << kind;
+}
+
+// Points of a row of a grid share coordinates, and so their rounding in a file: that is no other surface.
+TEST(FitPoints, TakesRoundingsForWhatTheyAre) {
+  for (const auto& [around, along] : {std::pair{20, 10}, {16, 20}, {16, 100}})
+    for (const bool decimals : {false, true}) {
+      PointCloud cloud;
+      for (int i = 0; i < around; ++i)
+        for (int k = 0; k <= along; ++k) {
+          const double u = 2 * std::numbers::pi * i / around;
+          Eigen::Vector3d p(std::cos(u), std::sin(u), 2.0 * k / along);
+          for (double& x : p) x = decimals ? std::round(1e6 * x) / 1e6 : static_cast<float>(x);
+          cloud.positions.push_back(from_eigen(p));
+        }
+      for (const std::string kind : {"auto", "cylinder"}) {
+        const PointFit fit = fit_points(cloud, of_kind(kind));
+        EXPECT_TRUE(fit.usable) << around << 'x' << along << ' ' << kind << ": " << fit.reason;
+        EXPECT_EQ(fit.reason.find("alike"), std::string::npos) << fit.reason;
+      }
+    }
 }
 
 // The radius, or that it could be infinite.

@@ -37,6 +37,10 @@ struct NormalisedPoints {
   // What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.
   double least_sigma() const { return 1e-13 + 0x1p-52 * (centre / scale).stableNorm(); }
 
+  // What floats or six decimals leave of a coordinate, with room: errors below are those of the file, and the
+  // same for all points of a row.
+  double stored_rounding() const { return 1e-5 + 0x1p-22 * (centre / scale).stableNorm(); }
+
   // These columns with their uvs alone, in the same units.
   NormalisedPoints part(const std::vector<Eigen::Index>& columns) const;
   // At most `most` of them, one at random of each stretch: a fixed stride could keep step with the rows of a

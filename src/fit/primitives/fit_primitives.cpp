@@ -78,7 +78,7 @@ class PrimitivesFit {
 
   // On a small patch or a thin strip searches that know surfaces which are like others look for those like
   // their own best one, and like the best of all.
-  static void exchange(const OrientedPoints& points, std::vector<Search>& searches) {
+  static void try_lookalikes(const OrientedPoints& points, std::vector<Search>& searches) {
     const auto worse = [](const Search& a, const Search& b) {
       return std::pair(a.has_surface(), a.log_likelihood_ratio()) <
              std::pair(b.has_surface(), b.log_likelihood_ratio());
@@ -126,7 +126,7 @@ class PrimitivesFit {
       for (; search.is_open() && !is_hopeless(search); left *= 0.75) search.look(), work(0.25 * left);
       work(left);
     }
-    if (problem.effort == Effort::full) exchange(problem.oriented, searches);
+    if (problem.effort == Effort::full) try_lookalikes(problem.oriented, searches);
     std::vector<Hypothesis> result;
     for (const Search& search : searches) {
       for (Hypothesis& found : search.hypotheses())
@@ -196,8 +196,7 @@ class PrimitivesFit {
     if (automatic() && 5 * k < 2 * static_cast<double>(points_.cloud.cols()))
       return "undetermined: the nearest is " + name + ", with only " + std::to_string(fit_.inliers) + " of " +
              std::to_string(points_.finite) + " points; fewer outliers help, or naming the kind";
-    // Exact data have roundings for errors.
-    if (best.sigma > 1e-12 && neighbours_are_alike(points_.cloud, best, is_inlier)) {
+    if (best.sigma > points_.stored_rounding() && neighbours_are_alike(points_.cloud, best, is_inlier)) {
       const std::string alike = "distances of neighbouring points are alike, not noise";
       if (automatic())
         return "undetermined: the nearest is " + name + ", but " + alike +

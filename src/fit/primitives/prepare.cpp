@@ -21,6 +21,9 @@ using Eigen::Vector3d;
 
 constexpr Eigen::Index tree_points = 3000, queries = 400;
 
+// Seven times as long as wide.
+constexpr double narrow = 0.02;
+
 std::optional<OrientedPoints> with_own_normals(const Matrix3Xd& cloud, const Matrix3Xd& normals,
                                                std::mt19937_64& random) {
   if (normals.cols() != cloud.cols()) return std::nullopt;
@@ -50,6 +53,7 @@ class LocalPlane {
 
   Vector3d mean, normal;
   double flatness = 0;  // the least of the scatter's eigenvalues over the middle one
+  double width = 0;     // the middle one over the largest: little where all lie along a line
 
  private:
   // A neighbourhood of 20 degrees of a curve, and more where it is wide.
@@ -64,6 +68,7 @@ class LocalPlane {
     const auto [values, vectors] = closed_form_symmetric_eigen(Matrix3d(centred * centred.transpose()));
     normal = vectors.col(0);
     flatness = values[0] / std::fmax(values[1], 1e-300);
+    width = values[1] / std::fmax(values[2], 1e-300);
   }
 
   // Of planes through the point and pairs of others, that to whose nearest three fifths it is the least way.
@@ -101,20 +106,28 @@ OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, bool outliers, std
     chosen.push_back(from_eigen(cloud.col(i)));
   const auto n = static_cast<Eigen::Index>(chosen.size());
   const Neighbours tree(chosen);
-  std::vector<std::uint32_t> nearest(std::clamp<std::size_t>(chosen.size() / 80, 6, 30));
-  std::vector<double> squares(nearest.size());
+  const std::size_t fewest = std::clamp<std::size_t>(chosen.size() / 80, 6, 30),
+                    most = std::max(fewest, chosen.size() / 4);
+  std::vector<std::uint32_t> nearest;
+  std::vector<double> squares;
   const Eigen::Index m = std::min(n, queries);
   OrientedPoints all{Matrix3Xd(3, m), Matrix3Xd(3, m)};
   std::vector<std::pair<double, Eigen::Index>> flatness;
   LocalPlane plane;
   for (Eigen::Index i = 0; i < m; ++i) {
     const Vec3<double>& at = chosen[static_cast<std::size_t>(i * n / m)];
-    Matrix3Xd near(3, static_cast<Eigen::Index>(tree.nearest(at, nearest, squares)));
-    for (Eigen::Index j = 0; j < near.cols(); ++j)
-      near.col(j) = to_eigen(chosen[nearest[static_cast<std::size_t>(j)]]);
-    plane.fit(near, outliers, random);
+    // More of them where all are of one row of a grid.
+    for (std::size_t count = fewest; count <= most; count *= 3) {
+      nearest.resize(count);
+      squares.resize(count);
+      Matrix3Xd near(3, static_cast<Eigen::Index>(tree.nearest(at, nearest, squares)));
+      for (Eigen::Index j = 0; j < near.cols(); ++j)
+        near.col(j) = to_eigen(chosen[nearest[static_cast<std::size_t>(j)]]);
+      plane.fit(near, outliers, random);
+      if (plane.width > narrow) break;
+    }
     // The mean has less noise; among few points it is off the surface.
-    all.points.col(i) = nearest.size() > 6 ? plane.mean : to_eigen(at);
+    all.points.col(i) = fewest > 6 ? plane.mean : to_eigen(at);
     all.normals.col(i) = plane.normal;
     flatness.emplace_back(plane.flatness, i);
   }

@@ -226,13 +226,13 @@ void Search::follow(Candidate c) {
   iterations_ += descend(primitive_, part_, c, problem_.sigma);
   c.refused = is_refused(problem_, primitive_, c, part_);
   if (!c.refused && problem_.effort == Effort::full) likely_.push_back(c);
-  const bool is_best = best_ && !best_->refused && !c.refused &&
-                       std::fabs(c.score.log_likelihood_ratio - best_->score.log_likelihood_ratio) < 1 &&
-                       !differ(primitive_, primitive_.geometric(c.model), primitive_.geometric(best_->model));
+  const bool agrees = best_ && !best_->refused && !c.refused &&
+                      std::fabs(c.score.log_likelihood_ratio - best_->score.log_likelihood_ratio) < 1 &&
+                      !differ(primitive_, primitive_.geometric(c.model), primitive_.geometric(best_->model));
   if (!best_ || better(c, *best_)) {
-    agreeing_ = c.refused ? 0 : is_best ? agreeing_ + 1 : 1;
+    agreeing_ = c.refused ? 0 : agrees ? agreeing_ + 1 : 1;
     best_ = std::move(c);
-  } else if (is_best) {
+  } else if (agrees) {
     ++agreeing_;
   }
 }

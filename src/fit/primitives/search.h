@@ -79,7 +79,7 @@ class Search {
   // Descends from surfaces that are like that, of a primitive that knows such.
   void look_like(const Osculation& o);
   // The best, and beside it others that part of the points cannot tell from it: surfaces that are alike on a
-  // small patch are looked at too. Empty where no start led to a surface.
+  // small patch. Empty where no start led to a surface.
   std::vector<Hypothesis> hypotheses() const;
 
  private:

@@ -124,13 +124,15 @@ std::string numbers_text(const PrimitiveFit& f, double scale) {
 
 // "torus of major radius 2, minor radius 1 or of ..."; the axes where these numbers are alike.
 std::string either_of_a_kind(const PrimitiveFit& a, const PrimitiveFit& b, double scale) {
-  std::array<std::string, 2> of{numbers_text(a, scale), numbers_text(b, scale)};
-  if (of[0] == of[1]) {
-    of[0] += " about " + direction_text(a.surface.axes.col(2));
-    of[1] = " about " + direction_text(b.surface.axes.col(2));
-    return std::string(a.primitive->name) + (of[0].front() == ' ' ? "" : " of ") + of[0] + " or" + of[1];
-  }
-  return std::string(a.primitive->name) + " of " + of[0] + " or of " + of[1];
+  const std::string name(a.primitive->name);
+  const std::string of_a = numbers_text(a, scale), of_b = numbers_text(b, scale);
+  if (of_a != of_b) return name + " of " + of_a + " or of " + of_b;
+  const std::string along_a = direction_text(a.surface.axes.col(2)),
+                    along_b = direction_text(b.surface.axes.col(2));
+  if (a.primitive->orientation != Orientation::axis || along_a == along_b)
+    return name + " or another " + name;
+  return name + (of_a.empty() ? "" : " of " + of_a) + (a.primitive->is_plane ? " across " : " about ") +
+         along_a + " or " + along_b;
 }
 
 // "plane or cylinder of radius > 3"
