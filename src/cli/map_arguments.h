@@ -37,9 +37,9 @@ inline constexpr Choice<SampleType, 3> map_depths{{"8", "16", "float"}};
 /// All options but --basis, which the two have in other words.
 void add_map_options(CLI::App& sub, MapArguments& arguments);
 
-/// \param primitives as --primitive, of which those that count \throws as map_source() does; ParameterError
-/// for what is no primitive
-MapSource map_source(const std::string& path, const std::vector<std::string>& primitives,
+/// \param primitives as --primitive, null where that chooses nothing of this file
+/// \throws as map_source() does; ParameterError for what is no primitive
+MapSource map_source(const std::string& path, const std::vector<std::string>* primitives,
                      const Common& common);
 
 /// The triangles of --mesh: those of `only`, or without it those of --primitive.
@@ -69,8 +69,11 @@ auto naming_the_mesh(const std::string& file, const F& f) {
 /// An option, or another word for where a file's name stands, and the name.
 using MapFile = std::pair<const char*, std::string>;
 
-/// Names of files to be written, images, each another, and none of those that are read; those may be one.
+/// Files to be written are each another, and none of those that are read; those may be one.
 /// \throws ParameterError
+void check_files_apart(const std::vector<MapFile>& read, const std::vector<MapFile>& written);
+
+/// The same of -o and --report, whose names must be those of images.
 void check_map_files(const std::vector<MapFile>& read, const std::string& output,
                      const std::string& report = "");
 
