@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <darboux/fit_mesh.h>
 #include <darboux/image_files.h>
 #include <darboux/io.h>
 #include <darboux/normal_map.h>
@@ -55,6 +56,10 @@ Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_float
 /// The rms distance of the corners of triangles from the surface at their uvs, over the diagonal of the box
 /// about them.
 double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> pieces);
+
+/// What that is at most where the mesh is one of the surface: twice what a fit leaves, as corners count here,
+/// there vertices.
+inline constexpr double corners_fit_below = 2 * fits_below;
 
 /// What `f` gives; a MeshError has the mesh's file before it then. \throws FileError
 template <class F>

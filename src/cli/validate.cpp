@@ -160,6 +160,7 @@ void run(const Arguments& arguments, Common& common) {
   if (!arguments.normal_map.empty()) {
     map_cost.emplace();
     std::tie(map_cost->width, map_cost->height) = parse_grid("--normal-map", arguments.normal_map);
+    check_map_cost(*map_cost, common.read);
   }
   if (arguments.placement != "fit") options.placement = parse_placement(arguments.placement);
 

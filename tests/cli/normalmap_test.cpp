@@ -319,6 +319,49 @@ TEST_F(NormalMapCli, BakesAndTellsTheErrorThatIsLeft) {
   refused("darboux bake --surface torus --mesh low.glb -o low.glb", {"low.glb"});
 }
 
+// The surface's place and what the uvs mean are found, its parameters are not.
+TEST_F(NormalMapCli, BakesOnlyAMeshOfTheSurface) {
+  good("darboux mesh ellipsoid:semi_axis_x=3 --grid 24x12 -o e.glb");
+  const std::string bake = "darboux bake --mesh e.glb --size 32x32 -o e.png --surface ellipsoid";
+  EXPECT_LT(json(bake + ":semi_axis_x=3 --json")["rms_relative"], 1e-6);
+  fs::remove(path("e.png"));
+  refused(bake, {"e.glb: expected a mesh of the surface",
+                 "as in --surface ellipsoid:semi_axis_x=3, got one that is off it by ", " % of its size"});
+  EXPECT_FALSE(fs::exists(path("e.png")));
+  good("darboux mesh torus --grid 24x12 --shear 1 -o sheared.glb");
+  EXPECT_NE(good("darboux bake --mesh sheared.glb --size 32x32 -o s.png --surface torus").find("uvs affine"),
+            std::string::npos);
+}
+
+// ---- validate --normal-map
+// ---------------------------------------------------------------------------------
+
+TEST_F(NormalMapCli, RefusesAMapToWeighThatIsTooLarge) {
+  const std::string weigh = "darboux validate torus.glb --surface torus --json --normal-map ";
+  refused(weigh + "16385x16384", {"--normal-map: expected 1 to 2^28 texels, got 16385 x 16384"});
+  refused(weigh + "1000000000x1000000000", {"--normal-map: expected 1 to 2^28 texels"});
+  refused(weigh + "512x512 --max-memory 9MB", {"--normal-map: expected at most ", "a map of 262144 texels"});
+  refused("darboux validate missing.glb --normal-map 16384x16384 --max-memory 1GB", {"--normal-map: "});
+  const Json j = json(weigh + "64x64 --max-memory 9MB");
+  EXPECT_GT(j["files"][0]["meshes"][0]["normal_map"]["samples"], 0);
+}
+
+// What no triangle of a part has, another part's vertices among it, is not looked at.
+TEST_F(NormalMapCli, WeighsTrianglesAlone) {
+  Mesh mesh = read_asset(path("torus.glb")).primitives[0].data;
+  const std::string weigh = "darboux validate torus.glb --surface torus --normal-map 64x64 --json";
+  const Json wanted = json(weigh)["files"][0]["meshes"][0]["normal_map"];
+  mesh.positions.insert(mesh.positions.begin(), mesh.positions[0]);
+  mesh.normals.insert(mesh.normals.begin(), mesh.normals[0]);
+  mesh.tangents.insert(mesh.tangents.begin(), mesh.tangents[0]);
+  mesh.uvs.insert(mesh.uvs.begin(), {NAN, 7.4});
+  for (Triangle& triangle : mesh.triangles)
+    for (std::uint32_t& v : triangle) ++v;
+  write_glb(path("torus.glb"), mesh, "torus");
+  const Result r = sh(weigh);
+  EXPECT_EQ(Json::parse(r.out)["files"][0]["meshes"][0]["normal_map"], wanted) << r.err;
+}
+
 TEST_F(NormalMapCli, ChecksAMapSeenAlone) {
   const Json j = json("darboux normalmap --check in.png --json", 1);
   EXPECT_EQ(j["green"], "undecided");
