@@ -94,9 +94,9 @@ inline constexpr std::string_view unneeded_reason = "the material reads no tange
 void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy,
                  const ReadOptions& read, const std::optional<MapCostOptions>& map_cost = {});
 
-/// Refuses a --normal-map of more texels than a map can have, or that takes more than --max-memory.
-/// \throws ParameterError, FileError
-void check_map_cost(const MapCostOptions& options, const ReadOptions& read);
+/// What --normal-map asks for, nothing where it is empty. \throws ParameterError, FileError for more texels
+/// than a map can have, or than --max-memory holds
+std::optional<MapCostOptions> map_cost_options(const std::string& size, const ReadOptions& read);
 
 /// Of a mesh or part whose surface is known through its own uvs.
 AssessedMapCost map_cost_of(const Primitive& primitive, const Assessment& assessment,

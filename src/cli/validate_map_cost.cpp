@@ -4,6 +4,7 @@
 #include <iomanip>
 #include <iostream>
 #include <limits>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -75,7 +76,10 @@ Json stages_json(const MapCostStages& of, bool with_map) {
 
 }  // namespace
 
-void check_map_cost(const MapCostOptions& options, const ReadOptions& read) {
+std::optional<MapCostOptions> map_cost_options(const std::string& size, const ReadOptions& read) {
+  if (size.empty()) return std::nullopt;
+  MapCostOptions options;
+  std::tie(options.width, options.height) = parse_grid("--normal-map", size);
   const std::uint64_t texels =
       static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
   if (texels > std::uint64_t{1} << 28)
@@ -85,6 +89,7 @@ void check_map_cost(const MapCostOptions& options, const ReadOptions& read) {
   // Beside the last, of 8 bits: the maps of floats and of 16 bits, and the surface's normals.
   constexpr std::uint64_t there = 3 * (2 * sizeof(float) + sizeof(std::uint16_t));
   check_map_memory("--normal-map", there * texels, texels, 3, SampleType::u8, read);
+  return options;
 }
 
 AssessedMapCost map_cost_of(const Primitive& primitive, const Assessment& assessment,
