@@ -38,6 +38,8 @@ void check(const BakeOptions& options) {
 
 // A texel has one normal: a uv outside of the map must mean what the one inside means.
 void check_uvs(const PlacedSurface& surface, const MapPiece& piece) {
+  check_consistent(piece.mesh, normal_map::name_of(piece));
+  if (piece.mesh.uvs.empty()) return;  // which convert_normal_map() refuses
   constexpr double radians = 1e-4;  // of a fitted uv convention
   const auto inside = [](double x, MapWrap wrap) {
     if (x >= 0 && x <= 1) return x;

@@ -209,6 +209,12 @@ TEST(Bake, RefusesWhatItCannotDo) {
   EXPECT_REFUSED(with([](BakeOptions& o) { o.basis = MapBasis::analytic; }), "stored or mikktspace");
   EXPECT_REFUSED(with([](BakeOptions& o) { o.samples = -1; }), "0 to 10000");
   EXPECT_REFUSED(bake_normal_map(torus, {}), "triangles");
+  MapPiece wrong = piece;
+  wrong.mesh.uvs.clear();
+  EXPECT_NE(refusal_of<MeshError>([&] { bake(torus, wrong, {}); }).find("uvs"), std::string::npos);
+  wrong = piece;
+  wrong.mesh.triangles[0][0] = 1 << 30;
+  EXPECT_NE(refusal_of<MeshError>([&] { bake(torus, wrong, {}); }).find("1073741824"), std::string::npos);
 }
 
 }  // namespace
