@@ -40,7 +40,7 @@ void check(const BakeOptions& options) {
 void check_uvs(const PlacedSurface& surface, const MapPiece& piece) {
   check_consistent(piece.mesh, normal_map::name_of(piece));
   if (piece.mesh.uvs.empty()) return;  // which convert_normal_map() refuses
-  constexpr double radians = 1e-4;  // of a fitted uv convention
+  constexpr double radians = 1e-4;     // of a fitted uv convention
   const auto inside = [](double x, MapWrap wrap) {
     if (x >= 0 && x <= 1) return x;
     const double of_two = x - 2 * std::floor(x / 2);
