@@ -38,6 +38,7 @@ std::vector<MapPiece> normal_map_pieces(const std::string& path, const MapPieceO
 struct NormalTexture {
   std::size_t mesh = 0, primitive = 0;
   std::size_t image = 0;  ///< in "images"
+  std::string file{};     ///< that the image names; empty where it is in the glTF or in a buffer
 };
 
 /// Of the primitives of a glTF those whose normal texture has an image. Reads the document alone.

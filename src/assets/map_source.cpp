@@ -27,7 +27,8 @@ bool is_gltf_file(const std::string& path) {
   return io::is_gltf(path);
 }
 
-MapSource map_source(const std::string& path, const ChosenPrimitives& only, const ReadOptions& options) {
+MapSource map_source(const std::string& path, const std::optional<ChosenPrimitives>& only,
+                     const ReadOptions& options) {
   if (!io::is_gltf(path)) {
     io::expect_regular_file(path);
     return {path, io::read_file(path)};
@@ -35,14 +36,17 @@ MapSource map_source(const std::string& path, const ChosenPrimitives& only, cons
   MapSource source;
   std::set<std::size_t> images;
   for (const NormalTexture& texture : normal_textures(path, options)) {
-    if (!counts(texture, only)) continue;
+    if (only && !counts(texture, *only)) continue;
+    source.file = texture.file;
     images.insert(texture.image);
     source.primitives.emplace_back(texture.mesh, texture.primitive);
   }
   if (images.size() != 1) {
     std::vector<std::string> names;
     for (const std::size_t image : images) names.push_back(std::to_string(image));
-    throw FileError(path, expected_got("normal textures of one image, or --primitive to say whose",
+    const bool choice = only && !(images.empty() && only->empty());
+    throw FileError(path, expected_got(std::string("normal textures of one image") +
+                                           (choice ? ", or --primitive to say whose" : ""),
                                        images.empty() ? "none" : "images " + joined(names)));
   }
   source.name = path + ": images[" + std::to_string(*images.begin()) + "]";

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <darboux/image.h>
@@ -17,15 +18,18 @@ using ChosenPrimitives = decltype(MapPieceOptions::only);
 /// The bytes of a map: of an image file, or of the one image that the normal textures of a glTF have.
 struct MapSource {
   std::string name, bytes;
+  std::string file{};             ///< that holds the image, where a glTF names one
   ChosenPrimitives primitives{};  ///< of a glTF: those that have it
 };
 
 /// Whether a regular file is a glTF, by its content or its extension. \throws FileError
 bool is_gltf_file(const std::string& path);
 
-/// \param only of a glTF, the primitives that count; all where there are none
+/// \param only of a glTF, the primitives that count; all where there are none. Nothing: the caller has no
+/// --primitive that would choose, and no message advises it
 /// \throws FileError where a glTF has no normal texture, or several
-MapSource map_source(const std::string& path, const ChosenPrimitives& only, const ReadOptions& options);
+MapSource map_source(const std::string& path, const std::optional<ChosenPrimitives>& only,
+                     const ReadOptions& options);
 
 /// Holds what convert_normal_map() takes for its result against ReadOptions::max_memory.
 /// \param there bytes of what it reads \param texels with so many channels of a type \throws FileError

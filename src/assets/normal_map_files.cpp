@@ -112,8 +112,9 @@ std::vector<NormalTexture> normal_textures(const std::string& path, const ReadOp
       if (!reader || !reader->is_normal_map) continue;
       const auto texture = texture_of(file, *reader);
       if (!texture || !texture->has("source")) continue;
-      file.element("images", texture->at("source"));  // is there
-      result.push_back({m, p, texture->at("source").integer()});
+      const JsonCursor image = file.element("images", texture->at("source"));
+      result.push_back({m, p, texture->at("source").integer(),
+                        image.has("uri") ? io::file_of_uri(path, image.at("uri").text()) : ""});
     }
   }
   return result;

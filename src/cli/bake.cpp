@@ -5,7 +5,6 @@
 #include <span>
 
 #include <darboux/bake.h>
-#include <darboux/fit_mesh.h>
 
 #include "map_arguments.h"
 
@@ -30,22 +29,25 @@ struct Place {
   double rms_relative = 0;  // to the bounding box's diagonal
 };
 
-// As it is, where the mesh lies on it; else where fit_surface() puts it and as that reads the uvs; else as it
-// is, too.
-Place place_of(const AnySurface& surface, std::span<const MapPiece> pieces) {
+// As it is, where the mesh lies on it; else where fit_surface() puts it and as that reads the uvs. Its
+// parameters are not fitted. \throws FileError where the mesh is none of this surface
+Place place_of(const AnySurface& surface, std::span<const MapPiece> pieces, const std::string& file) {
   const PlacedSurface as_is{surface};
   const auto has_uvs = [](const MapPiece& piece) { return !piece.mesh.uvs.empty(); };
   if (!std::all_of(pieces.begin(), pieces.end(), has_uvs)) return {as_is};  // which is refused
   const double off = rms_relative(as_is, pieces);
-  if (!(off > fits_below)) return {as_is, off};
+  if (!(off > corners_fit_below)) return {as_is, off};
   try {
     const MeshFit fit = fit_surface(pieces[0].mesh, surface);
     const double fitted = rms_relative(fit.surface, pieces);
-    if (fit.fits && fitted <= fits_below) return {fit.surface, fitted};
+    if (fit.fits && fitted <= corners_fit_below) return {fit.surface, fitted};
   } catch (const UndeterminedError&) {
   } catch (const MeshError&) {
   }
-  return {as_is, off};
+  throw FileError(file, expected_got("a mesh of the surface, its parameters given, as in --surface "
+                                     "ellipsoid:semi_axis_x=3",
+                                     "one that is off it by " + rounded(100 * off, 3) +
+                                         " % of its size (rms) at its uvs"));
 }
 
 Json numbers(std::span<const double> values) {
@@ -98,10 +100,7 @@ void print_text(const BakeArguments& a, const Place& place, const BakeResult& r,
                 std::span<const MapPiece> pieces) {
   if (place.surface.uv.name != uv_conventions()[0].name ||
       !place.surface.placement.isApprox(Eigen::Isometry3d::Identity()))
-    std::cout << "the surface is fitted to the mesh, its uvs are taken " << place.surface.uv.name << '\n';
-  if (place.rms_relative > fits_below)
-    std::cout << "the mesh is off the surface at its uvs by " << rounded(100 * place.rms_relative, 3)
-              << " % of its size (rms)\n";
+    std::cout << "the surface is fitted to the mesh, uvs " << place.surface.uv.name << '\n';
   std::cout << a.mesh << ": " << r.map.covered << " of " << r.map.states.size() << " texels covered, "
             << r.map.dilated << " in the gutter filled\n";
   print_counts(r.map);
@@ -138,7 +137,7 @@ void run_bake(const BakeArguments& a, Common& common) {
   check_map_memory(a.output, 3 * sizeof(float) * texels, texels, 3, options.type, common.read);
   MapOutputs outputs(a.output, a.report);
   const std::vector<MapPiece> pieces = map_pieces(a, common, false);
-  const Place place = place_of(surface, pieces);
+  const Place place = place_of(surface, pieces, a.mesh);
   BakeResult result;
   {
     Progress progress("bake", common);

@@ -104,9 +104,10 @@ void add_map_options(CLI::App& sub, MapArguments& a) {
       ->check(finite_number("a number other than 0", [](double x) { return x != 0; }));
 }
 
-MapSource map_source(const std::string& path, const std::vector<std::string>& primitives,
+MapSource map_source(const std::string& path, const std::vector<std::string>* primitives,
                      const Common& common) {
-  return map_source(path, primitive_arguments(primitives), common.read);
+  if (primitives == nullptr) return map_source(path, std::nullopt, common.read);
+  return map_source(path, primitive_arguments(*primitives), common.read);
 }
 
 std::vector<MapPiece> map_pieces(const MapArguments& a, const Common& common, bool world,
@@ -152,7 +153,7 @@ double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> piec
   return std::sqrt(sum / count) / (greatest - least).norm();
 }
 
-void check_map_files(const std::vector<MapFile>& read, const std::string& output, const std::string& report) {
+void check_files_apart(const std::vector<MapFile>& read, const std::vector<MapFile>& written) {
   std::map<std::string, const char*> place_of;
   const auto add = [&](const MapFile& of, bool is_read) {
     if (of.second.empty()) return;
@@ -164,7 +165,11 @@ void check_map_files(const std::vector<MapFile>& read, const std::string& output
                            expected_got(std::string("another file than that of ") + at->second, of.second));
   };
   for (const MapFile& of : read) add(of, true);
-  for (const MapFile& of : {MapFile{"-o", output}, MapFile{"--report", report}}) add(of, false);
+  for (const MapFile& of : written) add(of, false);
+}
+
+void check_map_files(const std::vector<MapFile>& read, const std::string& output, const std::string& report) {
+  check_files_apart(read, {{"-o", output}, {"--report", report}});
   if (!output.empty()) image_types(output);
   if (!report.empty() && image_types(report).front() != SampleType::u8)
     throw ParameterError(report, expected_got("a name that ends in .png or .tga", "another"));

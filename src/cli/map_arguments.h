@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <darboux/fit_mesh.h>
 #include <darboux/image_files.h>
 #include <darboux/io.h>
 #include <darboux/normal_map.h>
@@ -37,9 +38,9 @@ inline constexpr Choice<SampleType, 3> map_depths{{"8", "16", "float"}};
 /// All options but --basis, which the two have in other words.
 void add_map_options(CLI::App& sub, MapArguments& arguments);
 
-/// \param primitives as --primitive, of which those that count \throws as map_source() does; ParameterError
-/// for what is no primitive
-MapSource map_source(const std::string& path, const std::vector<std::string>& primitives,
+/// \param primitives as --primitive, null where that chooses nothing of this file
+/// \throws as map_source() does; ParameterError for what is no primitive
+MapSource map_source(const std::string& path, const std::vector<std::string>* primitives,
                      const Common& common);
 
 /// The triangles of --mesh: those of `only`, or without it those of --primitive.
@@ -56,6 +57,10 @@ Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_float
 /// about them.
 double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> pieces);
 
+/// What that is at most where the mesh is one of the surface: twice what a fit leaves, as corners count here,
+/// there vertices.
+inline constexpr double corners_fit_below = 2 * fits_below;
+
 /// What `f` gives; a MeshError has the mesh's file before it then. \throws FileError
 template <class F>
 auto naming_the_mesh(const std::string& file, const F& f) {
@@ -69,8 +74,11 @@ auto naming_the_mesh(const std::string& file, const F& f) {
 /// An option, or another word for where a file's name stands, and the name.
 using MapFile = std::pair<const char*, std::string>;
 
-/// Names of files to be written, images, each another, and none of those that are read; those may be one.
+/// Files to be written are each another, and none of those that are read; those may be one.
 /// \throws ParameterError
+void check_files_apart(const std::vector<MapFile>& read, const std::vector<MapFile>& written);
+
+/// The same of -o and --report, whose names must be those of images.
 void check_map_files(const std::vector<MapFile>& read, const std::string& output,
                      const std::string& report = "");
 

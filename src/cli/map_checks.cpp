@@ -45,7 +45,7 @@ const char* green_name(const NormalMapCheck& check) {
 }  // namespace
 
 void run_map_check(const MapCheckArguments& a, Common& common) {
-  const MapSource source = map_source(a.file, a.primitives, common);
+  const MapSource source = map_source(a.file, &a.primitives, common);
   const std::string tag = image_colour_tag(source.name, source.bytes);
   const Image map = read_map(source, true, a.signed_floats, common);
   const NormalMapCheck check = check_normal_map(map, a.signed_floats);
@@ -98,7 +98,9 @@ void run_map_comparison(const MapCheckArguments& a, const MapArguments& mesh, bo
   std::vector<MapPiece> pieces;
   if (!mesh.mesh.empty()) pieces = map_pieces(mesh, common, false);
   const auto read = [&](const std::string& file) {
-    return read_map(map_source(file, {}, common), drop_colour_tags, a.signed_floats, common);
+    const MapSource source = map_source(file, nullptr, common);
+    check_files_apart({{"the image of --compare", source.file}}, {{"--report", a.report}});
+    return read_map(source, drop_colour_tags, a.signed_floats, common);
   };
   const Image one = read(a.compared[0]), other = read(a.compared[1]);
   CompareMapsOptions options{.signed_floats = a.signed_floats};

@@ -100,10 +100,12 @@ bool is_whole_asset(const NormalMapArguments& a) {
 }
 
 // The map, and the primitives that it belongs to where it comes with the mesh; none: those of --primitive.
-MapSource map_source(const NormalMapArguments& a, const Common& common) {
+// No output is the image that INPUT names.
+MapSource map_source(const NormalMapArguments& a, const std::vector<MapFile>& written, const Common& common) {
   std::error_code none;
   const bool same_file = std::filesystem::equivalent(a.input, a.mesh, none);
-  MapSource source = map_source(a.input, same_file ? a.primitives : std::vector<std::string>(), common);
+  MapSource source = map_source(a.input, same_file ? &a.primitives : nullptr, common);
+  check_files_apart({{"the image of INPUT", source.file}}, written);
   if (!same_file) source.primitives.clear();
   return source;
 }
@@ -123,7 +125,7 @@ void run_convert(const NormalMapArguments& a, Common& common) {
   std::vector<MapPiece> pieces;
   Image map;
   {
-    const MapSource source = map_source(a, common);
+    const MapSource source = map_source(a, {{"-o", a.output}, {"--report", a.report}}, common);
     if (!a.mesh.empty()) pieces = map_pieces(a, common, a.from == "world", source.primitives);
     map = read_map(source, a.drop_colour_tags, a.signed_floats, common);
   }
@@ -154,7 +156,7 @@ void run_render(const NormalMapArguments& a, Common& common) {
   if (a.input.empty() || a.mesh.empty() || (a.from != "tangent" && a.from != "object"))
     throw ParameterError("--render",
                          expected_got("an image, --mesh FILE and --from tangent or object", "not all"));
-  check_map_files({{"INPUT", a.input}, {"--mesh", a.mesh}, {"--render", a.render}}, "");
+  check_files_apart({{"INPUT", a.input}, {"--mesh", a.mesh}}, {{"--render", a.render}});
   if (image_types(a.render).back() != SampleType::u16)
     throw ParameterError(a.render, expected_got("a name that ends in .png", "another"));
   LitModelOptions options{.space = spaces.of(a.from),
@@ -166,7 +168,7 @@ void run_render(const NormalMapArguments& a, Common& common) {
     throw ParameterError("--basis", expected_got("stored or mikktspace beside --render", "analytic"));
   std::tie(options.width, options.height) = parse_grid("--size", a.size);
   OutputFile render(a.render);
-  const MapSource source = map_source(a, common);
+  const MapSource source = map_source(a, {{"--render", a.render}}, common);
   const std::vector<MapPiece> pieces = map_pieces(a, common, false, source.primitives);
   const Image map = read_map(source, a.drop_colour_tags, a.signed_floats, common);
   render.write(png_of(naming_the_mesh(a.mesh, [&] { return lit_model(map, pieces, options); })));

@@ -156,11 +156,7 @@ void run(const Arguments& arguments, Common& common) {
                          expected_got("a list with analytic, as --surface or --placement is given",
                                       "one without: no surface "
                                       "would be fitted"));
-  std::optional<MapCostOptions> map_cost;
-  if (!arguments.normal_map.empty()) {
-    map_cost.emplace();
-    std::tie(map_cost->width, map_cost->height) = parse_grid("--normal-map", arguments.normal_map);
-  }
+  const std::optional<MapCostOptions> map_cost = map_cost_options(arguments.normal_map, common.read);
   if (arguments.placement != "fit") options.placement = parse_placement(arguments.placement);
 
   // What cannot be read or written is said before the work, not after it.

@@ -94,6 +94,10 @@ inline constexpr std::string_view unneeded_reason = "the material reads no tange
 void assess_file(AssessedFile& file, const AssessOptions& options, const Policy& policy,
                  const ReadOptions& read, const std::optional<MapCostOptions>& map_cost = {});
 
+/// What --normal-map asks for, nothing where it is empty. \throws ParameterError, FileError for more texels
+/// than a map can have, or than --max-memory holds
+std::optional<MapCostOptions> map_cost_options(const std::string& size, const ReadOptions& read);
+
 /// Of a mesh or part whose surface is known through its own uvs.
 AssessedMapCost map_cost_of(const Primitive& primitive, const Assessment& assessment,
                             const MapCostOptions& options);

@@ -3,6 +3,10 @@
 #include <array>
 #include <iomanip>
 #include <iostream>
+#include <limits>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include <darboux/error.h>
 
@@ -25,6 +29,30 @@ constexpr Stage stages[] = {{"triangle_deg", &MapCostStages::triangle_deg, "flat
                             {"codes8_deg", &MapCostStages::codes8_deg, "in 8 bits"}};
 constexpr std::size_t with_texels = 3;
 
+// Without the vertices that no triangle has.
+void drop_unused_vertices(Mesh& mesh) {
+  constexpr auto none = std::numeric_limits<std::uint32_t>::max();
+  Mesh kept;
+  kept.triangles = std::move(mesh.triangles);
+  kept.half_steps = mesh.half_steps;
+  std::vector<std::uint32_t> place(mesh.positions.size(), none);
+  const auto take = [](const auto& from, auto& to, std::uint32_t v) {
+    if (!from.empty()) to.push_back(from[v]);
+  };
+  for (Triangle& triangle : kept.triangles)
+    for (std::uint32_t& v : triangle) {
+      if (place[v] == none) {
+        place[v] = static_cast<std::uint32_t>(kept.positions.size());
+        take(mesh.positions, kept.positions, v);
+        take(mesh.normals, kept.normals, v);
+        take(mesh.uvs, kept.uvs, v);
+        take(mesh.tangents, kept.tangents, v);
+      }
+      v = place[v];
+    }
+  mesh = std::move(kept);
+}
+
 // The triangles of an assessment, with its tangents' signs as glTF has them.
 MapPiece piece_of(const Primitive& primitive, const Assessment& assessment) {
   MapPiece piece{.mesh = primitive.data, .mesh_index = primitive.mesh, .primitive = primitive.primitive};
@@ -33,6 +61,7 @@ MapPiece piece_of(const Primitive& primitive, const Assessment& assessment) {
     for (const std::uint32_t i : assessment.triangles)
       piece.mesh.triangles.push_back(primitive.data.triangles[i]);
   }
+  drop_unused_vertices(piece.mesh);
   if (assessment.report.handedness.convention == HandednessConvention::raw)
     for (Vec4<double>& t : piece.mesh.tangents) t.w = -t.w;
   return piece;
@@ -47,6 +76,22 @@ Json stages_json(const MapCostStages& of, bool with_map) {
 
 }  // namespace
 
+std::optional<MapCostOptions> map_cost_options(const std::string& size, const ReadOptions& read) {
+  if (size.empty()) return std::nullopt;
+  MapCostOptions options;
+  std::tie(options.width, options.height) = parse_grid("--normal-map", size);
+  const std::uint64_t texels =
+      static_cast<std::uint64_t>(options.width) * static_cast<std::uint64_t>(options.height);
+  if (texels > std::uint64_t{1} << 28)
+    throw ParameterError(
+        "--normal-map", expected_got("1 to 2^28 texels",
+                                     std::to_string(options.width) + " x " + std::to_string(options.height)));
+  // Beside the last, of 8 bits: the maps of floats and of 16 bits, and the surface's normals.
+  constexpr std::uint64_t there = 3 * (2 * sizeof(float) + sizeof(std::uint16_t));
+  check_map_memory("--normal-map", there * texels, texels, 3, SampleType::u8, read);
+  return options;
+}
+
 AssessedMapCost map_cost_of(const Primitive& primitive, const Assessment& assessment,
                             const MapCostOptions& options) {
   const AssessedMapCost none{.why = "no surface is known through these uvs"};
@@ -55,8 +100,8 @@ AssessedMapCost map_cost_of(const Primitive& primitive, const Assessment& assess
       mesh.normals.empty())
     return none;
   const MapPiece piece = piece_of(primitive, assessment);
-  // Not where the tangents follow other uvs. Twice: of corners, not of vertices.
-  if (!(rms_relative(assessment.fit->surface, std::span(&piece, 1)) <= 2 * fits_below)) return none;
+  // Not where the tangents follow other uvs.
+  if (!(rms_relative(assessment.fit->surface, std::span(&piece, 1)) <= corners_fit_below)) return none;
   try {
     return {.cost = normal_map_cost(assessment.fit->surface, piece, options)};
   } catch (const MeshError& e) {

@@ -147,6 +147,11 @@ bool is_data_uri(std::string_view uri) {
   return true;
 }
 
+std::string file_of_uri(const std::string& base, const std::string& uri) {
+  if (is_data_uri(uri)) return "";
+  return (std::filesystem::path(base).parent_path() / decode_percent(uri)).string();
+}
+
 std::string load_uri(const std::string& base, const std::string& name, const std::string& uri,
                      const ReadOptions& options) {
   const auto refuse = [&] {
@@ -161,7 +166,8 @@ std::string load_uri(const std::string& base, const std::string& name, const std
   if (relative.empty() || has_scheme(uri) || relative.front() == '/' || relative.front() == '\\' ||
       relative.find('\0') != std::string::npos)
     refuse();
-  const std::filesystem::path folder = std::filesystem::path(base).parent_path(), path = folder / relative;
+  const std::filesystem::path folder = std::filesystem::path(base).parent_path(),
+                              path = file_of_uri(base, uri);
   std::error_code none;
   // An asset that is a link belongs to either folder: stores of files are made of links.
   if (!options.allow_outside && lies_outside(path, folder.empty() ? "." : folder) &&

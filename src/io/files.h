@@ -38,6 +38,10 @@ class OutsideError : public FileError {
   using FileError::FileError;
 };
 
+/// The file that a URI names, from the folder of `base`; empty for a data URI. Whether it may be read is not
+/// looked at.
+std::string file_of_uri(const std::string& base, const std::string& uri);
+
 /// The bytes a URI stands for: those of a base64 data URI, or of a file relative to the folder of `base`.
 /// \param name what a message calls the URI
 /// \throws FileError with the subject `base`, on absolute paths, other schemes and broken base64

@@ -38,21 +38,29 @@ void check(const BakeOptions& options) {
 
 // A texel has one normal: a uv outside of the map must mean what the one inside means.
 void check_uvs(const PlacedSurface& surface, const MapPiece& piece) {
-  constexpr double radians = 1e-4;  // of a fitted uv convention
+  check_consistent(piece.mesh, normal_map::name_of(piece));
+  if (piece.mesh.uvs.empty()) return;  // which convert_normal_map() refuses
+  constexpr double radians = 1e-4;     // of a fitted uv convention
   const auto inside = [](double x, MapWrap wrap) {
     if (x >= 0 && x <= 1) return x;
     const double of_two = x - 2 * std::floor(x / 2);
     return wrap == MapWrap::mirror ? std::fmin(of_two, 2 - of_two) : x - std::floor(x);
   };
-  for (const Vec2<double>& uv : piece.mesh.uvs) {
+  const auto check_one = [&](const Vec2<double>& uv) {
     const Vec2<double> there{piece.wrap[0] == MapWrap::clamp ? uv.x : inside(uv.x, piece.wrap[0]),
                              piece.wrap[1] == MapWrap::clamp ? uv.y : inside(uv.y, piece.wrap[1])};
-    if (there == uv) continue;
+    if (there == uv) return;
     if (angle_between(normal_map::normal_at(surface, uv), normal_map::normal_at(surface, there)) > radians)
       throw MeshError(normal_map::name_of(piece),
                       expected_got("uvs from 0 to 1, or a surface that repeats as the map does",
                                    "(" + rounded(uv.x, 4) + ", " + rounded(uv.y, 4) + ")"));
-  }
+  };
+  std::vector<bool> seen(piece.mesh.uvs.size());  // of corners: what no triangle has, no texel shows
+  for (const Triangle& triangle : piece.mesh.triangles)
+    for (const std::uint32_t v : triangle) {
+      if (!seen[v]) check_one(piece.mesh.uvs[v]);
+      seen[v] = true;
+    }
 }
 
 // Whether the normals are handed over as they are: convert_normal_map() codes floats of input and output

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -115,22 +116,31 @@ class ViewerFrames {
     };
     return {scale_ * unit_of(0), scale_ * unit_of(1), unit_of(2)};
   }
-  /// The same; where it is known to be no more than `least`, that. Without a scale the Gram matrix is 1 + D,
-  /// D without diagonal: eigenvalues of D have the sum 0 and squares of the sum 2 (tb² + tn² + bn²), so none
-  /// is beyond k.
+  /// The same, infinite where the frame has no inverse; where it is known to be no more than `least`, that.
+  /// Without a scale the Gram matrix is 1 + D, D without diagonal: eigenvalues of D have the sum 0 and
+  /// squares of the sum 2 (tb² + tn² + bn²), so none is beyond k.
   double condition_square(const Columns& m, double least) const {
     const double tb = dot(m.t, m.b), tn = dot(m.t, m.n), bn = dot(m.b, m.n);
     const double k = std::sqrt(4.0 / 3 * (tb * tb + tn * tn + bn * bn));
     if (scale_ == 1 && 1 + k <= least * (1 - k)) return least;
-    const double square = scale_ * scale_;
-    Eigen::Matrix3d gram;
-    gram << square, tb, tn, tb, square, bn, tn, bn, 1;
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    const auto values = solver.computeDirect(gram, Eigen::EigenvaluesOnly).eigenvalues();
-    return values[2] / values[0];
+    // The inverse's rows times the determinant are cross products: a scale leaves their digits.
+    const Vec3<double> across = cross(m.b, m.n);
+    const double determinant = dot(m.t, across);
+    const double result = largest_square({m.t, m.b, m.n}) / determinant *
+                          (largest_square({across, cross(m.n, m.t), cross(m.t, m.b)}) / determinant);
+    return std::isnan(result) ? std::numeric_limits<double>::infinity() : result;
   }
 
  private:
+  // The square of the largest singular value.
+  static double largest_square(const Columns& m) {
+    const double tb = dot(m.t, m.b), tn = dot(m.t, m.n), bn = dot(m.b, m.n);
+    Eigen::Matrix3d gram;
+    gram << dot(m.t, m.t), tb, tn, tb, dot(m.b, m.b), bn, tn, bn, dot(m.n, m.n);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    return solver.computeDirect(gram, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  }
+
   std::array<std::array<Vec3<double>, 3>, 3> vectors_;  // of each corner t, b, n
   std::array<Along, 3> along_;
   double scale_;

@@ -185,6 +185,7 @@ TEST(NormalMapFiles, FindsTheImagesOfNormalTextures) {
     EXPECT_EQ(textures[0].primitive, 0u);
     EXPECT_EQ(textures[0].image, static_cast<std::size_t>(k));
     EXPECT_EQ(gltf_image_bytes(path, textures[0].image), png) << k;
+    EXPECT_EQ(textures[0].file, k == 2 ? folder / "beside.png" : std::string()) << k;
   }
   const auto two = normal_textures(with_images(folder, material(2), material(1), png));
   ASSERT_EQ(two.size(), 2u);

@@ -199,6 +199,10 @@ class Faults : public Cli {
           EXPECT_TRUE(whole.contains(name)) << name << " is left";
           if (whole.contains(name)) expect_whole(name, content, whole.at(name), end.status == 2);
         }
+        if (over_old && end.status == 2) {
+          for (const std::string& name : command.outputs)
+            EXPECT_TRUE(fs::exists(path(name))) << "the old " << name << " is lost";
+        }
         if (end.status < 2) {
           EXPECT_EQ(outputs().size(), whole.size()) << "an output is lost";
         }

@@ -18,6 +18,16 @@ class NormalMapCli : public Cli {
     write_image(path("in16.png"), random_directions(40, 30, SampleType::u16, 5));
     good("darboux mesh torus --grid 24x12 -o torus.glb");
   }
+  // torus.glb, to be changed.
+  Builder torus() const {
+    const std::string glb = read_bytes(path("torus.glb"));
+    std::uint32_t length = 0;
+    std::memcpy(&length, glb.data() + 12, 4);
+    Builder result;
+    result.json = Json::parse(glb.substr(20, length));
+    result.bin = glb.substr(28 + length, result.json["buffers"][0]["byteLength"]);
+    return result;
+  }
   const std::string to_tangent = "darboux normalmap in.png --from object --to tangent --mesh torus.glb ";
 };
 
@@ -193,12 +203,7 @@ TEST_F(NormalMapCli, FloatsSayWhetherTheyAreSigned) {
 
 // A glTF is a map by its normal texture, and the mesh of that map.
 TEST_F(NormalMapCli, TakesTheMapFromAnAsset) {
-  const std::string glb = read_bytes(path("torus.glb"));
-  std::uint32_t length = 0;
-  std::memcpy(&length, glb.data() + 12, 4);
-  Builder asset;
-  asset.json = Json::parse(glb.substr(20, length));
-  asset.bin = glb.substr(28 + length, asset.json["buffers"][0]["byteLength"]);
+  Builder asset = torus();
   asset.json["images"] = {
       {{"bufferView", asset.view(read_bytes(path("in.png")))}, {"mimeType", "image/png"}}};
   asset.json["textures"] = {{{"source", 0}}};
@@ -234,10 +239,43 @@ TEST_F(NormalMapCli, TakesTheMapFromAnAsset) {
   primitives[1]["material"] = 1;
   write_bytes(path("asset.glb"), asset.glb());
   refused("darboux normalmap asset.glb" + to_object + "-o x.png", {"--primitive", "got images 0, 1"});
+  // --primitive does not choose of these.
+  for (const std::string& command :
+       {"asset.glb" + to_object + "--mesh torus.glb -o x.png", std::string("--compare in.png asset.glb")})
+    refused("darboux normalmap " + command,
+            {"asset.glb: expected normal textures of one image, got images 0, 1"});
   refused("darboux normalmap --check asset.glb", {"--primitive", "got images 0, 1"});
   good("darboux normalmap asset.glb --primitive 0:1" + to_object + "-o two.png");
   good("darboux normalmap in16.png" + to_object + "--mesh torus.glb -o one.png");
   EXPECT_EQ(read_bytes(path("one.png")), read_bytes(path("two.png")));
+  EXPECT_FALSE(fs::exists(path("x.png")));
+}
+
+// No output takes the place of what is read, be it by the name that a glTF gives it.
+TEST_F(NormalMapCli, OverwritesNothingThatItReads) {
+  Builder asset = torus();
+  asset.json["images"] = {{{"uri", "textures/%6E.png"}}};
+  asset.json["textures"] = {{{"source", 0}}};
+  asset.json["materials"] = {{{"normalTexture", {{"index", 0}}}}};
+  asset.json["meshes"][0]["primitives"][0]["material"] = 0;
+  const std::string model = asset.glb(), map = read_bytes(path("in.png"));
+  for (const char* name : {"asset.glb", "asset.png"}) write_bytes(path(name), model);
+  good("mkdir textures; cp in.png textures/n.png; ln -s textures/n.png link.png");
+  const std::string other = "expected another file than that of ",
+                    render = "darboux normalmap in.png --from tangent --mesh asset.png --size 8x8 --render ",
+                    convert = "darboux normalmap asset.glb --from tangent --to object ";
+  refused(render + "in.png", {"--render: " + other + "INPUT, got in.png"});
+  refused(render + "./asset.png", {"--render: " + other + "--mesh, got ./asset.png"});
+  refused("darboux normalmap asset.glb --from tangent --size 8x8 --render textures/n.png",
+          {"--render: " + other + "the image of INPUT, got textures/n.png"});
+  for (const std::string name : {"textures/n.png", "link.png"})
+    refused(convert + "-o " + name, {"-o: " + other + "the image of INPUT, got " + name});
+  refused(convert + "-o x.png --report textures/n.png", {"--report: " + other + "the image of INPUT"});
+  refused("darboux normalmap --compare in.png asset.glb --report textures/n.png",
+          {"--report: " + other + "the image of --compare"});
+  for (const char* name : {"in.png", "textures/n.png"}) EXPECT_EQ(read_bytes(path(name)), map) << name;
+  EXPECT_EQ(read_bytes(path("asset.png")), model);
+  EXPECT_FALSE(fs::exists(path("x.png")));
 }
 
 // What is decoded and made counts.
@@ -246,13 +284,14 @@ TEST_F(NormalMapCli, KeepsWithinTheMemoryThatItMayTake) {
   refused(bake + "4000x4000 --max-memory 10MB", {"b.png: expected at most ", "a map of 16000000 texels"});
   refused(bake + "65536x65536", {"a map of 4294967296 texels"});
   refused(bake + "16000x16000", {"--max-memory"});
+  EXPECT_FALSE(fs::exists(path("b.png")));
   good(bake + "800x600");
   const std::string convert = "darboux normalmap b.png --from tangent --to object --mesh torus.glb -o o.png ";
   refused(convert + "--max-memory 1MB", {"b.png: expected at most ", "an image of 800 x 600"});
   refused(convert + "--max-memory 2MB", {"b.png: expected at most ", "a map of 480000 texels"});
+  EXPECT_FALSE(fs::exists(path("o.png")));
   good(convert + "--max-memory 6MB");
   refused("darboux normalmap --check b.png --max-memory 1MB", {"an image of 800 x 600"});
-  EXPECT_FALSE(fs::exists(path("x.png")));
 }
 
 // ---- bake, check, compare ---------------------------------------------------------------------------------
@@ -278,6 +317,49 @@ TEST_F(NormalMapCli, BakesAndTellsTheErrorThatIsLeft) {
   refused(bake + "--size 0x4", {"--size"});
   refused(bake + "--basis analytic", {"--basis"});
   refused("darboux bake --surface torus --mesh low.glb -o low.glb", {"low.glb"});
+}
+
+// The surface's place and what the uvs mean are found, its parameters are not.
+TEST_F(NormalMapCli, BakesOnlyAMeshOfTheSurface) {
+  good("darboux mesh ellipsoid:semi_axis_x=3 --grid 24x12 -o e.glb");
+  const std::string bake = "darboux bake --mesh e.glb --size 32x32 -o e.png --surface ellipsoid";
+  EXPECT_LT(json(bake + ":semi_axis_x=3 --json")["rms_relative"], 1e-6);
+  fs::remove(path("e.png"));
+  refused(bake, {"e.glb: expected a mesh of the surface",
+                 "as in --surface ellipsoid:semi_axis_x=3, got one that is off it by ", " % of its size"});
+  EXPECT_FALSE(fs::exists(path("e.png")));
+  good("darboux mesh torus --grid 24x12 --shear 1 -o sheared.glb");
+  EXPECT_NE(good("darboux bake --mesh sheared.glb --size 32x32 -o s.png --surface torus").find("uvs affine"),
+            std::string::npos);
+}
+
+// ---- validate --normal-map
+// ---------------------------------------------------------------------------------
+
+TEST_F(NormalMapCli, RefusesAMapToWeighThatIsTooLarge) {
+  const std::string weigh = "darboux validate torus.glb --surface torus --json --normal-map ";
+  refused(weigh + "16385x16384", {"--normal-map: expected 1 to 2^28 texels, got 16385 x 16384"});
+  refused(weigh + "1000000000x1000000000", {"--normal-map: expected 1 to 2^28 texels"});
+  refused(weigh + "512x512 --max-memory 9MB", {"--normal-map: expected at most ", "a map of 262144 texels"});
+  refused("darboux validate missing.glb --normal-map 16384x16384 --max-memory 1GB", {"--normal-map: "});
+  const Json j = json(weigh + "64x64 --max-memory 9MB");
+  EXPECT_GT(j["files"][0]["meshes"][0]["normal_map"]["samples"], 0);
+}
+
+// What no triangle of a part has, another part's vertices among it, is not looked at.
+TEST_F(NormalMapCli, WeighsTrianglesAlone) {
+  Mesh mesh = read_asset(path("torus.glb")).primitives[0].data;
+  const std::string weigh = "darboux validate torus.glb --surface torus --normal-map 64x64 --json";
+  const Json wanted = json(weigh)["files"][0]["meshes"][0]["normal_map"];
+  mesh.positions.insert(mesh.positions.begin(), mesh.positions[0]);
+  mesh.normals.insert(mesh.normals.begin(), mesh.normals[0]);
+  mesh.tangents.insert(mesh.tangents.begin(), mesh.tangents[0]);
+  mesh.uvs.insert(mesh.uvs.begin(), {NAN, 7.4});
+  for (Triangle& triangle : mesh.triangles)
+    for (std::uint32_t& v : triangle) ++v;
+  write_glb(path("torus.glb"), mesh, "torus");
+  const Result r = sh(weigh);
+  EXPECT_EQ(Json::parse(r.out)["files"][0]["meshes"][0]["normal_map"], wanted) << r.err;
 }
 
 TEST_F(NormalMapCli, ChecksAMapSeenAlone) {

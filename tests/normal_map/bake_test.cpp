@@ -163,7 +163,7 @@ TEST(Bake, OfAPlacedSurfaceWithOtherUvs) {
   EXPECT_NEAR(r.all.without_map_deg.rms, wanted.all.without_map_deg.rms, 1e-6);
   // Other texels, so another error between them, of the same size.
   EXPECT_NEAR(r.all.with_map_deg.rms, wanted.all.with_map_deg.rms, 0.5 * wanted.all.with_map_deg.rms);
-  EXPECT_GT(bake(torus, piece, options).all.with_map_deg.rms, 20) << "taken as it is";
+  EXPECT_GT(bake(torus, piece, options).all.without_map_deg.rms, 20) << "taken as it is";
   // Beyond the map lies what the map repeats, or it is refused.
   const AnySurface graph = make_surface("graph");
   MapPiece leaning{.mesh = sample_mesh(graph, sheared)};
@@ -175,6 +175,24 @@ TEST(Bake, OfAPlacedSurfaceWithOtherUvs) {
             std::string::npos);
   leaning.wrap = {MapWrap::clamp, MapWrap::clamp};
   EXPECT_GT(bake_normal_map(open, std::span(&leaning, 1), options).map.outside_map, 0u);
+}
+
+// A vertex that no triangle has is no part of the map, wherever its uv lies.
+TEST(Bake, IgnoresVerticesWithoutTriangles) {
+  const AnySurface graph = make_surface("graph");
+  MapPiece piece = coarse(graph);
+  BakeOptions options;
+  options.width = options.height = 32;
+  const BakeResult wanted = bake(graph, piece, options);
+  Mesh& mesh = piece.mesh;
+  mesh.positions.push_back(mesh.positions[0]);
+  mesh.normals.push_back(mesh.normals[0]);
+  mesh.tangents.push_back(mesh.tangents[0]);
+  mesh.uvs.push_back({0.3, 7.4});
+  EXPECT_EQ(bake(graph, piece, options).map.image.samples, wanted.map.image.samples);
+  mesh.triangles[0][0] = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  EXPECT_NE(refusal_of<MeshError>([&] { bake(graph, piece, options); }).find("(0.3, 7.4)"),
+            std::string::npos);
 }
 
 TEST(Bake, RefusesWhatItCannotDo) {
@@ -191,6 +209,12 @@ TEST(Bake, RefusesWhatItCannotDo) {
   EXPECT_REFUSED(with([](BakeOptions& o) { o.basis = MapBasis::analytic; }), "stored or mikktspace");
   EXPECT_REFUSED(with([](BakeOptions& o) { o.samples = -1; }), "0 to 10000");
   EXPECT_REFUSED(bake_normal_map(torus, {}), "triangles");
+  MapPiece wrong = piece;
+  wrong.mesh.uvs.clear();
+  EXPECT_NE(refusal_of<MeshError>([&] { bake(torus, wrong, {}); }).find("uvs"), std::string::npos);
+  wrong = piece;
+  wrong.mesh.triangles[0][0] = 1 << 30;
+  EXPECT_NE(refusal_of<MeshError>([&] { bake(torus, wrong, {}); }).find("1073741824"), std::string::npos);
 }
 
 }  // namespace

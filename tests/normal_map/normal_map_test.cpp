@@ -189,6 +189,27 @@ TEST(NormalMap, IsWhatASecondImplementationGives) {
   EXPECT_LT(ties, texels / 1000);
 }
 
+// The condition that the result names, and so the bound of a bake, holds at any scale of x and y.
+TEST(NormalMap, ConditionKeepsItsDigitsAtAnyScale) {
+  MapPiece piece = map_meshes().front().piece;
+  constexpr int size = 24;
+  const Image map = random_directions(size, size, SampleType::u8, 3);
+  for (const MapDecode decode : both_decodes)
+    for (const double scale : {1e-9, 1e-6, 1e-3, 0.5, 1.0, 20.0, 1e4}) {
+      piece.scale = scale;
+      NormalMapOptions options = between(MapSpace::tangent, MapSpace::object);
+      options.decode = decode;
+      const SecondNormalMap second(piece, options, size, size);
+      double condition = 0;
+      for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+          for (const SecondFrame& f : second.frames(x, y)) condition = std::fmax(condition, f.condition());
+      // Of what Eigen's singular values lose: 2^-53 of the largest.
+      EXPECT_NEAR(convert(map, piece, options).condition, condition, (1e-6 + 1e-15 * condition) * condition)
+          << scale;
+    }
+}
+
 // ---- by hand ----------------------------------------------------------------------------------------------
 
 // normalTexture.scale: (0.6, 0, 0.8) scaled by 2 is (1.2, 0, 0.8) made unit.
