@@ -161,7 +161,7 @@ void SurfaceTiles::find_finest() {
     double bend() const {
       const TileRates& r = rates;
       const double positions = r.position_uu + 2 * r.position_uv + r.position_vv;
-      return order == TileOrder::first
+      return order != TileOrder::second
                  ? positions
                  : positions + r.frame_u + r.frame_v + r.frame_uu + 2 * r.frame_uv + r.frame_vv;
     }
@@ -196,7 +196,7 @@ void SurfaceTiles::find_finest() {
   const bool everywhere = std::isfinite(open.front().bend());
   proven_ = take_estimates(finest_, sampled_);
   proven_.chord = proven_.chord && everywhere;
-  proven_.frame = proven_.frame && everywhere;
+  proven_.frame = proven_.frame && everywhere && order_ == TileOrder::second;
 }
 
 // From samples, half as much again: no bound, but as good a guess as any. By differences over stencils that

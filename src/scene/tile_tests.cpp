@@ -228,7 +228,8 @@ Resolution TileTests::resolution(std::uint32_t index) {
   const TileLevels most{whole_.finest.u - node.place.level_u, whole_.finest.v - node.place.level_v};
   // A chart is never cut finer than 2^finest_level.
   const bool limited_u = whole_.finest.u == finest_level, limited_v = whole_.finest.v == finest_level;
-  const Resolution finest{most, limited_u || limited_v ? Proven{} : tiles.proven()};
+  const bool by_bounds = request_.skip.below_error || tiles.is_typical();
+  const Resolution finest{most, limited_u || limited_v || !by_bounds ? Proven{} : tiles.proven()};
   if (!request_.skip.below_error) return finest;
   // Smaller tiles have bounds where this one has none, but for those at a pole.
   constexpr int small = 5;

@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include <darboux/bspline_patch.h>
 #include <darboux/frame.h>
 #include <darboux/scene.h>
 
@@ -111,6 +112,44 @@ TEST(Scene, WithoutSkippingAllIsEvaluated) {
   EXPECT_EQ(total(plan.skipped), 0u);
   EXPECT_EQ(plan.instances_needed, scene.instances.size());
   EXPECT_EQ(plan.attribute_samples[static_cast<std::size_t>(Attribute::tangent4)], plan.samples_needed);
+}
+
+// Chords of splines have bounds, whether or not frames are asked for.
+TEST(Scene, ChordsOfSplinesHaveBoundsByThemselves) {
+  Random random(15);
+  std::size_t tiles = 0;
+  for (int degree = 2; degree <= 3; ++degree)
+    for (int i = 0; i < 40; ++i) {
+      std::vector<Vec3<double>> net;
+      for (int k = 0; k < 36; ++k) net.push_back({k / 6 / 5.0, k % 6 / 5.0, random.uniform(0, 0.3)});
+      const BSplinePatch<> spline(degree, degree, clamped_knots(degree, 6), clamped_knots(degree, 6), net);
+      const Scene scene{{AnySurface(spline)}, {{}}, {{}}};
+      Camera camera;
+      camera.pose = Camera::look_at(to_eigen(random.log_uniform(3, 30) * random.direction()), {0.5, 0.5, 0});
+      SceneRequest request;
+      request.frame_angle_rad = std::numbers::pi;
+      request.chord_px = random.log_uniform(0.1, 10);
+      const ScenePlan plan = plan_scene(scene, camera, request);
+      EXPECT_EQ(plan.tiles_unbounded, 0u) << "degree " << degree << ", chord " << request.chord_px;
+      tiles += plan.tiles.size();
+    }
+  EXPECT_GT(tiles, 100u);
+}
+
+// The resolution of all tiles is what samples tell, half as much again, but of closed forms.
+TEST(Scene, UniformResolutionsOfSplinesAreEstimates) {
+  for (const double angle : {0.1, std::numbers::pi})
+    for (const auto& [name, bounded] :
+         {std::pair{"bezier-patch", false}, {"sphere", true}, {"torus", true}}) {
+      const Scene scene{
+          {make_surface(name)}, {{}}, {SceneInstance{0, 0, Eigen::Affine3d(Eigen::Translation3d(0, 0, -5))}}};
+      SceneRequest request;
+      request.frame_angle_rad = angle;
+      request.chord_px = 2;
+      request.skip = {false, false, false, false, false};
+      const ScenePlan plan = plan_scene(scene, {}, request);
+      EXPECT_EQ(plan.tiles_unbounded, bounded ? 0 : plan.tiles.size()) << name << ", angle " << angle;
+    }
 }
 
 // Where in the chart, with the seams joined and poles one point.
