@@ -604,6 +604,22 @@ TEST(Scene, BoundsHoldOnUnusualSurfaces) {
   }
 }
 
+// Squares of some of these scales underflow or overflow.
+TEST(Scene, VerySmallAndLargeInstancesAreCulledRightly) {
+  for (const double scale : {1e-160, 1e-150, 1e-100, 1e100, 1e150}) {
+    Scene scene{{make_surface("sphere")}, {{}}, {{}}};
+    scene.instances[0].placement.linear() *= scale;
+    scene.instances[0].placement.translation() = Eigen::Vector3d(0, 0, -3 * scale);
+    Camera camera;
+    camera.near_distance = scale;
+    camera.far_distance = 5 * scale;
+    const ScenePlan plan = plan_scene(scene, camera, {});
+    EXPECT_EQ(plan.instances_needed, 1u) << scale;
+    EXPECT_GT(plan.skipped.back_facing, 0u) << scale;
+    EXPECT_EQ(plan.skipped.outside_frustum, 0u) << scale;
+  }
+}
+
 // Placements that lose digits when they are inverted.
 TEST(Scene, NeedlesAreCulledRightly) {
   Random random(10);
@@ -732,6 +748,9 @@ TEST(Scene, RefusesWhatMakesNoSense) {
             "frame_angle_rad: expected a bound > 0, got -1.000000");
   EXPECT_EQ(refusal([](S& s, C&, R&) { s.instances[0].placement.linear().setZero(); }),
             "instance 0: expected a placement that is finite and invertible, got a singular one");
+  for (int k = 0; k < 3; ++k)  // whose square overflows
+    EXPECT_EQ(refusal([k](S& s, C&, R&) { s.instances[0].placement.linear()(k, k) = 1e200; }),
+              "instance 0: expected a placement that is finite and invertible, got a singular one");
   EXPECT_EQ(refusal([](S& s, C&, R&) { s.instances[0].placement.translation()[1] = NAN; }),
             "instance 0: expected a placement that is finite and invertible, got one that is not finite");
   EXPECT_EQ(refusal([](S& s, C&, R&) { s.instances[0].surface = 1; }),
