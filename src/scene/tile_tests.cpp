@@ -86,7 +86,8 @@ void TileTests::look(const Camera& camera) {
 }
 
 double TileTests::rounding() const {
-  return 0x1p-40 * placed_.condition * (view_.eye().norm() + 2 * placed_.farthest + view_.near_distance());
+  return placed_.condition * (0x1p-40 * (view_.eye().norm() + 2 * placed_.farthest + view_.near_distance()) +
+                              0x1p8 * placed_.plane_rounding);
 }
 
 void TileTests::begin(std::uint32_t index, SurfaceTiles& tiles) {
