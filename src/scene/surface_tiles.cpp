@@ -293,16 +293,15 @@ void SurfaceTiles::find_nearest(std::uint32_t node, const Vec3<double>& from, do
   }
 }
 
-double SurfaceTiles::distance(const Vec3<double>& from, double& least_change) {
-  if (!known_) return estimated_distance(from);
-  if (meridian_.kind != Meridian::Kind::none) return meridian_.distance(from);
+SurfaceTiles::Distance SurfaceTiles::distance(const Vec3<double>& from) {
+  if (!known_) return {estimated_distance(from)};
+  if (meridian_.kind != Meridian::Kind::none) return {meridian_.distance(from)};
   const double to_box = std::sqrt(squared_distance_to_box(from, nodes_.front()->lo, nodes_.front()->hi)),
-               afar = 4 * radius_;
-  least_change = std::min(least_change, std::fabs(to_box - afar));
-  if (!(to_box < afar)) return to_box;
+               afar = 4 * radius_, way_to_jump = std::fabs(to_box - afar);
+  if (!(to_box < afar)) return {to_box, false, way_to_jump};
   double squared = std::numeric_limits<double>::infinity();
   find_nearest(root, from, squared);
-  return std::sqrt(squared);
+  return {std::sqrt(squared), true, way_to_jump};
 }
 
 std::unique_ptr<TileNode> SurfaceTiles::make(const TilePlace& place) {

@@ -127,10 +127,11 @@ void TileTests::find_resolutions() {
 
 // From the eye to the surface, in the scene; what is nearer than the near plane is not seen.
 double TileTests::nearest_distance() {
+  whole_.by_tiles = false;
   if (!view_.perspective()) return infinity;
-  double jump = infinity;
-  const double nearest = tiles_->distance(placed_.eye, jump);
-  Slack::lower(slack.moving, jump * placed_.smallest);
+  const auto [nearest, by_tiles, way_to_jump] = tiles_->distance(placed_.eye);
+  whole_.by_tiles = by_tiles;
+  Slack::lower(slack.moving, way_to_jump * placed_.smallest);
   const double rounded = nearest - placed_.eye_rounding - 0x1p-48 * nearest;
   const double distance = std::max(view_.near_distance(), rounded * placed_.smallest - placed_.displacement);
   return tiles_->known() ? std::max(distance, view_.stretch() * placed_.least_depth) : distance;

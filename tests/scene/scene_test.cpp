@@ -508,6 +508,37 @@ TEST(Scene, SmallStepsChangeWhatTheyMust) {
   EXPECT_GT(changes, 20u);
 }
 
+// The distance of a surface is that of its box from afar, and of its parts from near: it jumps between. Boxes
+// are up to 1.4 from centre to corner.
+TEST(Scene, DistancesThatJumpChangeWhatTheyMust) {
+  Random random(16);
+  for (int round = 0; round < 3; ++round) {
+    Scene scene{{}, {{}}, {}};
+    if (round == 0)
+      scene.surfaces = {make_surface("bezier-patch"), make_surface("bspline-patch")};
+    else
+      scene.surfaces = {make_surface("ellipsoid"),
+                        make_surface("ellipsoid:semi_axis_x=1,semi_axis_y=1,semi_axis_z=0.2")};
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+      Eigen::Affine3d placement = random_placement(random, true);
+      placement.translation() = to_eigen(random.uniform(5, 6.5) * random.direction());
+      scene.instances.push_back({i % 2, 0, placement});
+    }
+    SceneRequest request;
+    request.attributes = Attribute::position | Attribute::normal;
+    request.chord_px = random.log_uniform(0.03, 0.3);
+    request.frame_angle_rad = std::numbers::pi;
+    request.skip.outside_frustum = request.skip.back_facing = false;  // depths say little
+    ScenePlanner planner(scene, request);
+    Camera camera;
+    for (int i = 0; i < 20; ++i) {
+      camera.pose.translation() += to_eigen(0.03 * random.direction());
+      expect_same_plan(planner.plan(camera), plan_scene(scene, camera, request));
+      if (HasFailure()) return;
+    }
+  }
+}
+
 // A plan that an error ends in the middle leaves nothing behind.
 TEST(Scene, APathGoesOnAfterAnError) {
   Random random(12);
