@@ -259,18 +259,18 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 
 /// Evaluates a surface type at all points: those of the catalogue by kernels over SIMD lanes where their
 /// formulas allow, any other point by point. What is not asked for is not computed, but for all partials of
-/// splines, and for the frame, which tells the status, where points go one by one. Nothing is allocated but
-/// by threads, and once for good by the first call. Results must not overlap one another or the points. In
-/// float the coordinates and parameters are rounded to float first, which alone may cost hundreds of units in
-/// the last place; for floats that are the nearest to the values at doubles, evaluate in double and round.
-/// Numbers and statuses are to the bit those of sample() and curvature() (NaN for NaN), whatever the
-/// instruction set, layout, number of threads and place in the batch; the status has overflow where a partial
-/// asked for is not finite, and umbilic only where principal directions are asked for. Where no frame exists
-/// vectors are NaN. About 5 ns a point for position, dpdu, dpdv, t, b, n of a torus in double;
-/// docs/reports/evaluation.md has the figures. \throws ParameterError when an output has room for fewer
-/// points than there are, the number of threads is negative, or the instruction set, or what DARBOUX_ISA
-/// names, is not one of instruction_sets(); nothing is written then. Exceptions of a user's surface are
-/// passed on.
+/// surfaces made of spline curves, and for the frame, which tells the status, where points go one by one.
+/// Nothing is allocated but by threads, and once for good by the first call. Results must not overlap one
+/// another or the points. In float the coordinates and parameters are rounded to float first, which alone may
+/// cost hundreds of units in the last place; for floats that are the nearest to the values at doubles,
+/// evaluate in double and round. Numbers and statuses are to the bit those of sample() and curvature() (NaN
+/// for NaN), whatever the instruction set, layout, number of threads and place in the batch; the status has
+/// overflow where a partial asked for is not finite, and umbilic only where principal directions are asked
+/// for. Where no frame exists vectors are NaN. About 5 ns a point for position, dpdu, dpdv, t, b, n of a
+/// torus in double; docs/reports/evaluation.md has the figures. \throws ParameterError when an output has
+/// room for fewer points than there are, the number of threads is negative, or the instruction set, or what
+/// DARBOUX_ISA names, is not one of instruction_sets(); nothing is written then. Exceptions of a user's
+/// surface are passed on.
 template <ParametricSurface X, std::floating_point T>
 StatusSummary evaluate(const X& surface, const Points<T>& points, const Outputs<T>& outputs,
                        const EvaluateOptions& options = {}) {

@@ -136,8 +136,8 @@ struct ScenePlan {
   std::uint64_t tiles_needed = 0;      ///< all, less those skipped: the number of patches
   SkippedTiles skipped;
   /// Of those needed, before duplicates: their resolution is an estimate from samples, half as much again,
-  /// next to poles and on surfaces without bounds, or the finest there is, 2^14 cells along a side. Surfaces
-  /// without bounds are never culled.
+  /// next to poles, on surfaces without bounds, and without skip.below_error on those without closed forms,
+  /// or the finest there is, 2^14 cells along a side. Surfaces without bounds are never culled.
   std::uint64_t tiles_unbounded = 0;
   std::uint64_t samples_full = 0;    ///< every instance uniformly at the resolution of its nearest point
   std::uint64_t samples_needed = 0;  ///< of the patches

@@ -15,18 +15,24 @@ ParameterError wrong_placement(std::uint32_t instance, const char* what) {
           std::string("expected a placement that is finite and invertible, got ") + what};
 }
 
-// The inverse of M, and by what it scales lengths.
-Eigen::Matrix3d inverse_of(const Eigen::Matrix3d& m, std::uint32_t instance, Placed& placed) {
+struct Inverse {
+  Eigen::Matrix3d matrix;
+  double rounding;  // of its products, times the condition
+};
+
+// The inverse of M, and by what M scales lengths.
+Inverse inverse_of(const Eigen::Matrix3d& m, std::uint32_t instance, Placed& placed) {
   const Eigen::Vector3d squares(m.col(0).dot(m.col(0)), m.col(1).dot(m.col(1)), m.col(2).dot(m.col(2))),
       products(m.col(0).dot(m.col(1)), m.col(1).dot(m.col(2)), m.col(2).dot(m.col(0)));
   const double scale = squares.sum() / 3;
-  if (scale > 0 && (squares.array() - scale).abs().maxCoeff() <= 1e-14 * scale &&
+  // Mᵀ M / scale is 1 but for 3e-14 < 2^-44, and so are products. Squares neither underflow nor overflow.
+  if (scale > 1e-280 && scale < 1e280 && (squares.array() - scale).abs().maxCoeff() <= 1e-14 * scale &&
       products.cwiseAbs().maxCoeff() <= 1e-14 * scale) {
     const double length = std::sqrt(scale);
     placed.smallest = length * (1 - 1e-13);
     placed.largest = length * (1 + 1e-13);
     placed.condition = 1;
-    return m.transpose() / scale;
+    return {m.transpose() / scale, 0x1p-44 + 0x1p-48};
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d s = svd.singularValues();
@@ -35,7 +41,7 @@ Eigen::Matrix3d inverse_of(const Eigen::Matrix3d& m, std::uint32_t instance, Pla
   placed.largest = s[0] * (1 + 1e-13);
   placed.condition = placed.largest / placed.smallest;
   // Cofactors lose the square of the condition.
-  return svd.matrixV() * s.cwiseInverse().asDiagonal() * svd.matrixU().transpose();
+  return {svd.matrixV() * s.cwiseInverse().asDiagonal() * svd.matrixU().transpose(), 0x1p-48};
 }
 
 }  // namespace
@@ -46,12 +52,14 @@ void place(const Scene& scene, std::uint32_t index, const SurfaceTiles& tiles, c
   const Eigen::Matrix3d m = instance.placement.linear();
   const Eigen::Vector3d t = instance.placement.translation();
   if (!((0 * m).sum() + (0 * t).sum() == 0)) throw wrong_placement(index, "one that is not finite");
-  const Eigen::Matrix3d inverse = inverse_of(m, index, result);
+  const Inverse inverse = inverse_of(m, index, result);
   constexpr double rounding = 0x1p-48;
   const double lengths = view.eye().norm() + t.norm();
-  result.eye = from_eigen(inverse * (view.perspective() ? Eigen::Vector3d(view.eye() - t) : view.backward()));
+  result.eye =
+      from_eigen(inverse.matrix * (view.perspective() ? Eigen::Vector3d(view.eye() - t) : view.backward()));
   // With what inverting an ill-conditioned placement loses.
-  result.eye_rounding = rounding * result.condition * (view.perspective() ? lengths : 1) / result.smallest;
+  result.eye_rounding =
+      inverse.rounding * result.condition * (view.perspective() ? lengths : 1) / result.smallest;
   result.plane_rounding = rounding * (lengths + result.largest * (norm(tiles.centre()) + tiles.radius()));
   result.displacement = scene.materials[instance.material].displacement;
 

@@ -83,7 +83,8 @@ struct Decision {
 };
 
 // How far a camera has moved and turned, all in all: the length of its way, and that of its axes' way as a
-// matrix, which is no less than the angle.
+// matrix: a turn by the angle a moves no unit vector by more than 2 sin(a/2), and the matrix by √2 times
+// that. Each step adds more than is rounded, so that none is lost in a long way.
 class CameraWay {
  public:
   double moved = 0, turned = 0;
@@ -95,12 +96,13 @@ class CameraWay {
                       last_->vertical_field_of_view_rad == next.vertical_field_of_view_rad &&
                       last_->view_height == next.view_height && last_->near_distance == next.near_distance &&
                       last_->far_distance == next.far_distance;
-    if (same) {
-      moved += (next.pose.translation() - last_->pose.translation()).norm() * (1 + 0x1p-48);
-      turned +=
-          (next.pose.linear() - last_->pose.linear()).norm() * (1 + 0x1p-15);  // poses are rigid to 1e-5
-    } else {
+    if (!same) {
       moved = turned = 0;
+    } else if (next.pose.matrix() != last_->pose.matrix()) {
+      constexpr double up = 1 + 0x1p-50;
+      moved = (moved + (next.pose.translation() - last_->pose.translation()).norm() * (1 + 0x1p-48)) * up;
+      // Poses are rigid to 1e-5.
+      turned = (turned + (next.pose.linear() - last_->pose.linear()).norm() * (1 + 0x1p-15)) * up;
     }
     last_ = next;
     return same;

@@ -161,7 +161,7 @@ void SurfaceTiles::find_finest() {
     double bend() const {
       const TileRates& r = rates;
       const double positions = r.position_uu + 2 * r.position_uv + r.position_vv;
-      return order == TileOrder::first
+      return order != TileOrder::second
                  ? positions
                  : positions + r.frame_u + r.frame_v + r.frame_uu + 2 * r.frame_uv + r.frame_vv;
     }
@@ -196,7 +196,7 @@ void SurfaceTiles::find_finest() {
   const bool everywhere = std::isfinite(open.front().bend());
   proven_ = take_estimates(finest_, sampled_);
   proven_.chord = proven_.chord && everywhere;
-  proven_.frame = proven_.frame && everywhere;
+  proven_.frame = proven_.frame && everywhere && order_ == TileOrder::second;
 }
 
 // From samples, half as much again: no bound, but as good a guess as any. By differences over stencils that
@@ -293,16 +293,15 @@ void SurfaceTiles::find_nearest(std::uint32_t node, const Vec3<double>& from, do
   }
 }
 
-double SurfaceTiles::distance(const Vec3<double>& from, double& least_change) {
-  if (!known_) return estimated_distance(from);
-  if (meridian_.kind != Meridian::Kind::none) return meridian_.distance(from);
+SurfaceTiles::Distance SurfaceTiles::distance(const Vec3<double>& from) {
+  if (!known_) return {estimated_distance(from)};
+  if (meridian_.kind != Meridian::Kind::none) return {meridian_.distance(from)};
   const double to_box = std::sqrt(squared_distance_to_box(from, nodes_.front()->lo, nodes_.front()->hi)),
-               afar = 4 * radius_;
-  least_change = std::min(least_change, std::fabs(to_box - afar));
-  if (!(to_box < afar)) return to_box;
+               afar = 4 * radius_, way_to_jump = std::fabs(to_box - afar);
+  if (!(to_box < afar)) return {to_box, false, way_to_jump};
   double squared = std::numeric_limits<double>::infinity();
   find_nearest(root, from, squared);
-  return std::sqrt(squared);
+  return {std::sqrt(squared), true, way_to_jump};
 }
 
 std::unique_ptr<TileNode> SurfaceTiles::make(const TilePlace& place) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -81,9 +82,14 @@ class SurfaceTiles {
   const ChordLevels& typical_chord_levels() const { return typical_levels_; }
 
   // A lower bound of the distance from a point: of the box from afar, else the least of those of 16 × 16
-  // tiles. Of surfaces without bounds an estimate from samples. Changes by no more than the point moves, but
-  // where `least_change` says that it jumps nearer by.
-  double distance(const Vec3<double>& from, double& least_change);
+  // tiles. Of surfaces without bounds an estimate from samples. It changes by no more than the point moves,
+  // but jumps where it is another's distance.
+  struct Distance {
+    double least;
+    bool by_tiles = false;
+    double way_to_jump = std::numeric_limits<double>::infinity();  // at least so far
+  };
+  Distance distance(const Vec3<double>& from);
 
   static constexpr std::uint32_t root = 0;
   const TileNode& operator[](std::uint32_t node) const { return *nodes_[node]; }

@@ -86,7 +86,8 @@ void TileTests::look(const Camera& camera) {
 }
 
 double TileTests::rounding() const {
-  return 0x1p-40 * placed_.condition * (view_.eye().norm() + 2 * placed_.farthest + view_.near_distance());
+  return placed_.condition * (0x1p-40 * (view_.eye().norm() + 2 * placed_.farthest + view_.near_distance()) +
+                              0x1p8 * placed_.plane_rounding);
 }
 
 void TileTests::begin(std::uint32_t index, SurfaceTiles& tiles) {
@@ -126,10 +127,11 @@ void TileTests::find_resolutions() {
 
 // From the eye to the surface, in the scene; what is nearer than the near plane is not seen.
 double TileTests::nearest_distance() {
+  whole_.by_tiles = false;
   if (!view_.perspective()) return infinity;
-  double jump = infinity;
-  const double nearest = tiles_->distance(placed_.eye, jump);
-  Slack::lower(slack.moving, jump * placed_.smallest);
+  const auto [nearest, by_tiles, way_to_jump] = tiles_->distance(placed_.eye);
+  whole_.by_tiles = by_tiles;
+  Slack::lower(slack.moving, way_to_jump * placed_.smallest);
   const double rounded = nearest - placed_.eye_rounding - 0x1p-48 * nearest;
   const double distance = std::max(view_.near_distance(), rounded * placed_.smallest - placed_.displacement);
   return tiles_->known() ? std::max(distance, view_.stretch() * placed_.least_depth) : distance;
@@ -228,7 +230,8 @@ Resolution TileTests::resolution(std::uint32_t index) {
   const TileLevels most{whole_.finest.u - node.place.level_u, whole_.finest.v - node.place.level_v};
   // A chart is never cut finer than 2^finest_level.
   const bool limited_u = whole_.finest.u == finest_level, limited_v = whole_.finest.v == finest_level;
-  const Resolution finest{most, limited_u || limited_v ? Proven{} : tiles.proven()};
+  const bool by_bounds = request_.skip.below_error || tiles.is_typical();
+  const Resolution finest{most, limited_u || limited_v || !by_bounds ? Proven{} : tiles.proven()};
   if (!request_.skip.below_error) return finest;
   // Smaller tiles have bounds where this one has none, but for those at a pole.
   constexpr int small = 5;

@@ -42,6 +42,7 @@ struct InstanceView {
   TileLevels uniform;  // cells that the nearest point needs, everywhere
   TileLevels finest;   // the same by the bounds: no tile needs more
   bool outside = false;
+  bool by_tiles = false;    // SurfaceTiles::Distance: where it changes, answers about tiles jump with it
   std::uint8_t planes = 0;  // of the frustum, those that may cut it
 
   bool operator==(const InstanceView&) const = default;

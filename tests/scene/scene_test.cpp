@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include <darboux/bspline_patch.h>
 #include <darboux/frame.h>
 #include <darboux/scene.h>
 
@@ -90,7 +91,8 @@ TEST(Scene, EveryTileIsCountedOnce) {
         ASSERT_EQ(scene.instances[t.instance].surface, tile.patch().surface);
     });
     EXPECT_EQ(samples, plan.samples_needed);
-    EXPECT_LE(corners, 1.13 * plan.samples_full + 4 * scene.instances.size());  // 17²/16²: tiles repeat edges
+    // Tiles repeat edges: 33·17/(32·16) = 1.096.
+    EXPECT_LE(corners, 1.13 * plan.samples_full + 4 * scene.instances.size());
     if (i % 4 == 0) {
       EXPECT_GT(plan.skipped.no_normal_map, 0u);
     } else {
@@ -111,6 +113,44 @@ TEST(Scene, WithoutSkippingAllIsEvaluated) {
   EXPECT_EQ(total(plan.skipped), 0u);
   EXPECT_EQ(plan.instances_needed, scene.instances.size());
   EXPECT_EQ(plan.attribute_samples[static_cast<std::size_t>(Attribute::tangent4)], plan.samples_needed);
+}
+
+// Chords of splines have bounds, whether or not frames are asked for.
+TEST(Scene, ChordsOfSplinesHaveBoundsByThemselves) {
+  Random random(15);
+  std::size_t tiles = 0;
+  for (int degree = 2; degree <= 3; ++degree)
+    for (int i = 0; i < 40; ++i) {
+      std::vector<Vec3<double>> net;
+      for (int k = 0; k < 36; ++k) net.push_back({k / 6 / 5.0, k % 6 / 5.0, random.uniform(0, 0.3)});
+      const BSplinePatch<> spline(degree, degree, clamped_knots(degree, 6), clamped_knots(degree, 6), net);
+      const Scene scene{{AnySurface(spline)}, {{}}, {{}}};
+      Camera camera;
+      camera.pose = Camera::look_at(to_eigen(random.log_uniform(3, 30) * random.direction()), {0.5, 0.5, 0});
+      SceneRequest request;
+      request.frame_angle_rad = std::numbers::pi;
+      request.chord_px = random.log_uniform(0.1, 10);
+      const ScenePlan plan = plan_scene(scene, camera, request);
+      EXPECT_EQ(plan.tiles_unbounded, 0u) << "degree " << degree << ", chord " << request.chord_px;
+      tiles += plan.tiles.size();
+    }
+  EXPECT_GT(tiles, 100u);
+}
+
+// The resolution of all tiles is what samples tell, half as much again, but of closed forms.
+TEST(Scene, UniformResolutionsOfSplinesAreEstimates) {
+  for (const double angle : {0.1, std::numbers::pi})
+    for (const auto& [name, bounded] :
+         {std::pair{"bezier-patch", false}, {"sphere", true}, {"torus", true}}) {
+      const Scene scene{
+          {make_surface(name)}, {{}}, {SceneInstance{0, 0, Eigen::Affine3d(Eigen::Translation3d(0, 0, -5))}}};
+      SceneRequest request;
+      request.frame_angle_rad = angle;
+      request.chord_px = 2;
+      request.skip = {false, false, false, false, false};
+      const ScenePlan plan = plan_scene(scene, {}, request);
+      EXPECT_EQ(plan.tiles_unbounded, bounded ? 0 : plan.tiles.size()) << name << ", angle " << angle;
+    }
 }
 
 // Where in the chart, with the seams joined and poles one point.
@@ -469,6 +509,37 @@ TEST(Scene, SmallStepsChangeWhatTheyMust) {
   EXPECT_GT(changes, 20u);
 }
 
+// The distance of a surface is that of its box from afar, and of its parts from near: it jumps between. Boxes
+// are up to 1.4 from centre to corner.
+TEST(Scene, DistancesThatJumpChangeWhatTheyMust) {
+  Random random(19);
+  for (int round = 0; round < 5; ++round) {
+    Scene scene{{}, {{}}, {}};
+    if (round == 0)
+      scene.surfaces = {make_surface("bezier-patch"), make_surface("bspline-patch")};
+    else
+      scene.surfaces = {make_surface("ellipsoid"),
+                        make_surface("ellipsoid:semi_axis_x=1,semi_axis_y=1,semi_axis_z=0.2")};
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+      Eigen::Affine3d placement = random_placement(random, true);
+      placement.translation() = to_eigen(random.uniform(5, 6.5) * random.direction());
+      scene.instances.push_back({i % 2, 0, placement});
+    }
+    SceneRequest request;
+    request.attributes = Attribute::position | Attribute::normal;
+    request.chord_px = random.log_uniform(0.03, 0.3);
+    request.frame_angle_rad = std::numbers::pi;
+    request.skip.outside_frustum = request.skip.back_facing = false;  // depths say little
+    ScenePlanner planner(scene, request);
+    Camera camera;
+    for (int i = 0; i < 20; ++i) {
+      camera.pose.translation() += to_eigen(0.03 * random.direction());
+      expect_same_plan(planner.plan(camera), plan_scene(scene, camera, request));
+      if (HasFailure()) return;
+    }
+  }
+}
+
 // A plan that an error ends in the middle leaves nothing behind.
 TEST(Scene, APathGoesOnAfterAnError) {
   Random random(12);
@@ -562,6 +633,22 @@ TEST(Scene, BoundsHoldOnUnusualSurfaces) {
       }
     });
     EXPECT_GT(looked_at, 50u) << name;
+  }
+}
+
+// Squares of some of these scales underflow or overflow.
+TEST(Scene, VerySmallAndLargeInstancesAreCulledRightly) {
+  for (const double scale : {1e-160, 1e-150, 1e-100, 1e100, 1e150}) {
+    Scene scene{{make_surface("sphere")}, {{}}, {{}}};
+    scene.instances[0].placement.linear() *= scale;
+    scene.instances[0].placement.translation() = Eigen::Vector3d(0, 0, -3 * scale);
+    Camera camera;
+    camera.near_distance = scale;
+    camera.far_distance = 5 * scale;
+    const ScenePlan plan = plan_scene(scene, camera, {});
+    EXPECT_EQ(plan.instances_needed, 1u) << scale;
+    EXPECT_GT(plan.skipped.back_facing, 0u) << scale;
+    EXPECT_EQ(plan.skipped.outside_frustum, 0u) << scale;
   }
 }
 
@@ -693,6 +780,9 @@ TEST(Scene, RefusesWhatMakesNoSense) {
             "frame_angle_rad: expected a bound > 0, got -1.000000");
   EXPECT_EQ(refusal([](S& s, C&, R&) { s.instances[0].placement.linear().setZero(); }),
             "instance 0: expected a placement that is finite and invertible, got a singular one");
+  for (int k = 0; k < 3; ++k)  // whose square overflows
+    EXPECT_EQ(refusal([k](S& s, C&, R&) { s.instances[0].placement.linear()(k, k) = 1e200; }),
+              "instance 0: expected a placement that is finite and invertible, got a singular one");
   EXPECT_EQ(refusal([](S& s, C&, R&) { s.instances[0].placement.translation()[1] = NAN; }),
             "instance 0: expected a placement that is finite and invertible, got one that is not finite");
   EXPECT_EQ(refusal([](S& s, C&, R&) { s.instances[0].surface = 1; }),

@@ -553,7 +553,6 @@ TEST_P(EnclosedTiles, CullNearlyAllThatFacesAway) {
   EXPECT_GT(back_facing, 400);
 }
 
-// At a crease the frame is that from above, also where a tile ends there; across it nothing is smooth.
 // Support is attained, and facing has the sign of the farthest sample's, whatever the axes.
 TEST(Tiles, OfEllipsoidsHaveClosedForms) {
   Random random(23);
@@ -593,6 +592,7 @@ TEST(Tiles, OfEllipsoidsHaveClosedForms) {
   EXPECT_GT(back_facing, 250);
 }
 
+// At a crease the frame is that from above, also where a tile ends there; across it nothing is smooth.
 TEST(EnclosedTiles, EndAtACreaseWithTheFrameFromAbove) {
   Random random(43);
   const AnySurface patch = sheet(3, {0, 0, 0, 0, 0.3, 0.55, 0.55, 0.55, 1, 1, 1, 1}, true);

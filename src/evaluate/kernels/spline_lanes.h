@@ -105,8 +105,13 @@ struct SpanPlace<kernels::Lanes<T, N>> {
     if (last - first > few) {
       alignas(64) T each[lanes];
       t.store(each);
-      for (T& x : each) x = static_cast<T>(knots.find(x));
-      return SpanPlace(S::load(each));
+      SpanPlace result;
+      for (std::size_t k = 0; k < lanes; ++k) {
+        const int found = knots.find(each[k]);
+        result.at[k] = found;
+        result.same = result.same && found == result.at[0];
+      }
+      return result;
     }
     S found(static_cast<T>(first));
     for (int i = first + 1; i <= last; ++i)
@@ -114,6 +119,7 @@ struct SpanPlace<kernels::Lanes<T, N>> {
     return SpanPlace(found);
   }
   SpanPlace() = default;
+  // Small numbers: T is exact up to 2^24 only.
   explicit SpanPlace(const S& whole) {
     Numbers number;
     whole.store(reinterpret_cast<T*>(&number));
@@ -139,7 +145,7 @@ struct SpanPlace<kernels::Lanes<T, N>> {
   }
   template <class Condition>
   static SpanPlace choose(const Condition& condition, int n) {
-    return SpanPlace(select(condition, S(static_cast<T>(n)), S(T(0))));
+    return SpanPlace(select(condition, S(T(1)), S(T(0)))) * n;
   }
 
   S number(const std::vector<T>& list, int offset = 0) const {
