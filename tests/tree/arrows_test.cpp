@@ -169,7 +169,7 @@ std::vector<Rule> rules(const Includes& tree) {
       {"vector and multiprecision stand on scalar", "include/darboux/(vector|multiprecision)\\.h",
        std::string(standard) + "|Eigen/.*|darboux/scalar\\.h", ""},
       {"curves know no engine", "include/darboux/(curve|spline)\\.h",
-       std::string(standard) + "|darboux/(scalar|vector|surface|spline|error)\\.h", ""},
+       std::string(standard) + "|darboux/(binary|scalar|vector|surface|spline|error)\\.h", ""},
       {"surface.h stands on scalar and vector", "include/darboux/surface\\.h",
        std::string(standard) + "|darboux/(scalar|vector)\\.h", ""},
       {"a mesh knows no parametric surface, only its plain types", "src/mesh/(?!sample/).*", "",

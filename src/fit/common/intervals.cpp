@@ -52,4 +52,8 @@ double greatest_sigma_ratio(double degrees_of_freedom) {
                    boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), 0.05));
 }
 
+double chance_of_ratio(double ratio, double freedom_of_one, double freedom_of_other) {
+  return cdf(complement(boost::math::fisher_f(freedom_of_one, freedom_of_other), ratio));
+}
+
 }  // namespace darboux::fit

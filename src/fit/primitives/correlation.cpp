@@ -4,7 +4,8 @@
 #include <cstddef>
 
 #include <Eigen/Geometry>
-#include <boost/math/distributions/fisher_f.hpp>
+
+#include "fit/common/intervals.h"
 
 namespace darboux::fit {
 namespace {
@@ -49,8 +50,7 @@ bool groups_differ(const std::vector<double>& errors, std::size_t size) {
                within = (squares - of_means) / (g * (m - 1));
   if (!(within > 0)) return between > 0;
   if (!(between - within > least_correlation * (between + (m - 1) * within))) return false;
-  const boost::math::fisher_f noise(g - 1, g * (m - 1));
-  return cdf(complement(noise, between / within)) < chance;
+  return chance_of_ratio(between / within, g - 1, g * (m - 1)) < chance;
 }
 
 }  // namespace
