@@ -67,7 +67,7 @@ TEST_F(SceneFiles, AreReadWhole) {
   EXPECT_EQ(standing.pose.translation(), Eigen::Vector3d(7, -6, 3.5));
   EXPECT_EQ(file.cameras[1].camera.projection, Camera::Projection::orthographic);
   EXPECT_EQ(file.cameras[1].camera.view_height, 9);
-  EXPECT_EQ(file.request.chord_px, 0.5);
+  EXPECT_EQ(file.request.chord_px, 0.1);
   EXPECT_EQ(file.request.frame_angle_rad, 2 * (std::numbers::pi / 180));
   EXPECT_EQ(file.request.attributes, Attribute::position | Attribute::normal | Attribute::tangent4);
 }
