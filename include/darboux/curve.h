@@ -24,9 +24,9 @@ struct CurveJet {
 
 /// An orthonormal right-handed frame (T, N, B) along a curve and its rates by t:
 ///   T' = bend N + side B,   N' = -bend T + twist B,   B' = -side T - twist N,   speed = |K'|
-/// Frenet's frame has side = 0, bend = speed · curvature and twist = speed · torsion; a planar curve may keep
-/// N on one side instead, the bend is then signed. A rotation-minimising frame has twist = 0. [doCarmo2016,
-/// sec. 1-5], [Bishop1975]
+/// Frenet's frame has side = 0, bend = speed · curvature and twist = speed · torsion; a planar curve may
+/// keep N on one side instead, the bend is then signed. A rotation-minimising frame has twist = 0.
+/// [doCarmo2016, sec. 1-5], [Bishop1975]
 template <class S>
 struct CurveFrame {
   Vec3<S> T, N, B;
@@ -221,7 +221,8 @@ struct CircleCurve {
 CircleCurve(double)->CircleCurve<double>;
 
 /// The circular helix (R cos x, R sin x, p x), x = 2π turns t, p the pitch per radian (negative:
-/// left-handed). N points to the axis. Curvature R/(R² + p²), torsion p/(R² + p²). [doCarmo2016, sec. 1-5]
+/// left-handed). N points to the axis. Curvature R/(R² + p²), torsion p/(R² + p²).
+/// [doCarmo2016, sec. 1-5]
 template <class T = double>
 struct HelixCurve {
   using scalar = T;
@@ -576,8 +577,8 @@ template <class Curve, class T>
 UprightCurve(Curve, Vec3<T>) -> UprightCurve<Curve>;
 
 /// A curve in space with a rotation-minimising frame: N and B turn about T not at all. It is the frame of
-/// UprightCurve turned by φ(t) = -∫ twist dt from 0 to t, so that N at t = 0 leans to `up`. [Bishop1975] The
-/// integral is Gauss's with four points on each of `panels` equal pieces of [0, t]; turning_error() tells
+/// UprightCurve turned by φ(t) = -∫ twist dt from 0 to t, so that N at t = 0 leans to `up` [Bishop1975].
+/// The integral is Gauss's with four points on each of `panels` equal pieces of [0, t]; turning_error() tells
 /// what it leaves. T and the rates are in closed form; N and B turn by that error, and a tube's points by it
 /// times the radius, which their derivatives do not show. Cost: 4 panels evaluations of the curve. Not for
 /// closed curves: the frame does not come back to itself. There is no frame if the curve runs along `up`

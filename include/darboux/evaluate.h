@@ -223,7 +223,8 @@ void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConventi
   if (asked.has(Attribute::principal_directions)) result.status |= c.status & Status::umbilic;
 }
 
-// Parameters for which nothing overflows inside the domain: zero, or of a proven size, in float within 1e±12.
+// Parameters for which nothing overflows inside the domain: zero, or of a proven size, in float within
+// 1e±12.
 template <class T, class X>
 bool sizes_are_proven(const X& surface) {
   bool proven = true;

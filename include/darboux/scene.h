@@ -89,9 +89,9 @@ struct SceneRequest {
   } skip;
 };
 
-/// Samples on the corners of cells_u × cells_v cells of one of 2^level_u × 2^level_v tiles of a chart, and on
-/// edges those of its neighbours too. Coordinates are whole multiples of powers of two: neighbours have the
-/// same bits on their common edge.
+/// Samples on the corners of cells_u × cells_v cells of one of 2^level_u × 2^level_v tiles of a chart, and
+/// on edges those of its neighbours too. Coordinates are whole multiples of powers of two: neighbours have
+/// the same bits on their common edge.
 struct ScenePatch {
   std::uint32_t surface = 0;
   std::uint8_t level_u = 0, level_v = 0;

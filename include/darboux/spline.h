@@ -414,8 +414,8 @@ S partials_condition(const NetWindow<S, T>& net, const U& u, const V& v, const U
   return of_u < of_v ? of_v : of_u;
 }
 
-// The position by its definition, Σ a_i b_j w_ij P_ij / Σ a_i b_j w_ij, from the values a and b of the basis
-// functions.
+// The position by its definition, Σ a_i b_j w_ij P_ij / Σ a_i b_j w_ij, from the values a and b of the
+// basis functions.
 template <class S, class T, class Basis>
 Vec3<S> patch_position(const NetWindow<S, T>& net, const Basis& a, const Basis& b) {
   const S zero = lift<S>(0.0);

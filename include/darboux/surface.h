@@ -289,10 +289,10 @@ constexpr bool curvature_in_lanes = [] {
 ///   std::string refusal()                 what is wrong with the parameters together, empty when nothing is
 ///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
 ///   Status singular(u, v)                 the bits of Status that hold at this point
-///   Jet2<S> jet_to<order>(u, v)           jet(), the same bits, but partials beyond an order (0, 1, 2) may be
-///                                         anything: where they cost
-///   S partials_condition(u, v)            without a closed frame: how many times a rounding dpdu and dpdv may
-///                                         err, where that is cheap to say: see Status::ill_conditioned
+///   Jet2<S> jet_to<order>(u, v)           jet(), the same bits, but partials beyond an order (0, 1, 2) may
+///                                         be anything: where they cost
+///   S partials_condition(u, v)            without a closed frame: how many times a rounding dpdu and dpdv
+///                                         may err, where that is cheap to say: see Status::ill_conditioned
 ///   bool tangent_depends_on_u_alone()     whether t and handedness are the same at all v but the poles, with
 ///                                         no status: where only they are asked for, batches then take no
 ///                                         sines of v
