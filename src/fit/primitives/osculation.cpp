@@ -19,10 +19,10 @@ std::optional<Osculation> osculation(const Primitive& primitive, const LocalMode
   const Eigen::Matrix3Xd from_feet = beside - feet(beside);
   Eigen::Index best = 0;
   from_feet.colwise().norm().maxCoeff(&best);
-  const Vector3d inward = from_feet.col(best).normalized();
-  const Vector3d u = inward.unitOrthogonal(), v = inward.cross(u);
+  const Vector3d normal = from_feet.col(best).normalized();
+  const Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
   const Eigen::Matrix3Xd off =
-      (step * (Matrix3d() << Vector3d::Zero(), u, v).finished()).colwise() + (at + step * inward);
+      (step * (Matrix3d() << Vector3d::Zero(), u, v).finished()).colwise() + (at + step * normal);
   const Eigen::Matrix3Xd normals = (off - feet(off)).colwise().normalized();
   Eigen::Matrix2d shape;  // the centre lies along the normal where that turns back
   for (Eigen::Index k = 0; k < 2; ++k) {
@@ -33,7 +33,7 @@ std::optional<Osculation> osculation(const Primitive& primitive, const LocalMode
   const auto [values, vectors] = symmetric_eigen(Eigen::MatrixXd(0.5 * (shape + shape.transpose())));
   Osculation result{at, {}, {values[0], values[1]}, circle};
   for (Eigen::Index k = 0; k < 2; ++k) result.frame.col(k) = vectors(0, k) * u + vectors(1, k) * v;
-  result.frame.col(2) = inward;
+  result.frame.col(2) = normal;
   return result;
 }
 
