@@ -214,11 +214,14 @@ TEST_F(Kills, OnlySigkillLeavesAFileThatHasAName) {
 #endif
   const std::set<int> others{SIGKILL, SIGCHLD, SIGCONT, SIGSTOP,  SIGTSTP,
                              SIGTTIN, SIGTTOU, SIGURG,  SIGWINCH, SIGXFSZ};
+  const Writing w{{"mesh", "torus", "--grid", "300x300", "-o", "o.glb"}, {"o.glb"}};
+  run(w, FileSystem::without_tmpfile, 0, {});
+  const std::string whole = read_bytes(path("o.glb"));
+  remove_outputs();
   int caught = 0;
   for (int signal = 1; signal <= SIGRTMAX; ++signal) {
     if (others.contains(signal) || (signal > SIGSYS && signal != SIGRTMIN && signal != SIGRTMAX)) continue;
     SCOPED_TRACE(signal);
-    const Writing w{{"mesh", "torus", "--grid", "300x300", "-o", "o.glb"}, {"o.glb"}};
     const pid_t child = start(w, FileSystem::without_tmpfile);
     int status = 0;
     bool ended = false;
@@ -227,8 +230,10 @@ TEST_F(Kills, OnlySigkillLeavesAFileThatHasAName) {
     if (!ended) ::waitpid(child, &status, 0);
     if (WIFSIGNALED(status)) {
       EXPECT_EQ(WTERMSIG(status), signal);
-      EXPECT_EQ(outputs(), std::set<std::string>{});
-      ++caught;
+      // Where this test had to wait for a core, the tool has already finished the file, and was about to end.
+      const bool finished = outputs() == std::set<std::string>{"o.glb"} && read_bytes(path("o.glb")) == whole;
+      EXPECT_TRUE(finished || outputs().empty()) << testing::PrintToString(outputs());
+      caught += !finished;
     }
     remove_outputs();
   }
