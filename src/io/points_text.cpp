@@ -73,8 +73,10 @@ PointFile read_table(PointReader& reader) {
   while (lines.next(columns.slots.empty())) {
     const bool first = columns.slots.empty();
     if (first && (lines.text().starts_with("#") || lines.text().starts_with("//"))) {
-      const std::string_view text =
-          lines.text().substr(std::min(lines.text().find_first_not_of("#/"), lines.text().size()));
+      // "# x y z [nx ny nz]": brackets are no part of a name.
+      std::string text(lines.text());
+      for (char& c : text)
+        if (std::string_view("#/[](){}").find(c) != std::string_view::npos) c = ' ';
       split_row(text, separator_of(text), fields);
       try {
         commented = named_columns(fields, reader, lines);

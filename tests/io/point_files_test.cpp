@@ -200,6 +200,8 @@ TEST_F(PointFiles, HeadersAndQuotesOfOtherTools) {
                 two);
   expect_same(read("a.txt", "//X Y Z R G B Nx Ny Nz\n1 2 3 255 0 7 0 0 1\n").cloud,
               {{{1, 2, 3}}, {{0, 0, 1}}, {}});
+  for (const std::string header : {"# x y z [nx ny nz]\n", "# (x, y, z), (nx, ny, nz)\n"})
+    expect_same(read("a.xyz", header + "1 2 3 0 0 1\n").cloud, {{{1, 2, 3}}, {{0, 0, 1}}, {}});
   // A comment that happens to name columns, but not those of the rows.
   expect_same(read("a.xyz", "# the columns are x y z\n1 2 3\n4 5 6\n").cloud, two);
   expect_same(read("a.xyz", "# x y z x\n//\n1 2 3\n4 5 6\n").cloud, two);
