@@ -2,8 +2,8 @@
 // statistics (fit_statistics --replay ROW SEED shows one). Bounds: what is required, widened by four standard
 // deviations of what so few runs tell; a fit that just meets the requirement misses one of these tests once
 // in 10^4.
-#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -118,7 +118,7 @@ TEST(FitPointsStatistics, NoiseFreePointsGiveEverythingBack) {
 
 // PCL's own test sets, outside this repository: within the tolerance of its tests.
 TEST(FitPointsStatistics, PublicPoints) {
-  std::size_t found = 0, found_unnamed = 0;
+  std::size_t found = 0;
   for (const PublicFile& file : public_files) {
     const PublicPoints points = read_public_points(DARBOUX_SHARED "/points", file.name);
     if (!points.found) continue;
@@ -127,15 +127,18 @@ TEST(FitPointsStatistics, PublicPoints) {
     ASSERT_TRUE(fit.usable) << file.name << ": " << fit.reason;
     EXPECT_LE(public_error(points.expected, pcl_coefficients(*fit.surface)), points.tolerance)
         << file.name << ' ' << fit.surface->surface.specification();
-    // Without its name it is found or undetermined. Those of few outliers are found, and the torus of 25 points
-    // of 50: beside it kinds that explain few of the points are none.
-    const PointFit unnamed = fit_points(points.cloud);
-    if (unnamed.usable) {
-      EXPECT_EQ(unnamed.candidates.front().name, file.kind) << file.name;
-      ++found_unnamed;
+    // Without its name it is found, whatever the seed, but for the cone, of which 31 points
+    // are a torus as well, and the spindle torus of 15 points. A plane through 9 of 27 points of a sphere and
+    // a paraboloid near 20 of 50 of a torus are none.
+    const bool is_found = file.name != "Cone_RANSAC" && file.name != "TorusSelfIntersectSpindle_RANSAC";
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      const PointFit unnamed = fit_points(points.cloud, {.seed = seed});
+      EXPECT_EQ(unnamed.usable, is_found) << file.name << ' ' << seed << ": " << unnamed.reason;
+      if (is_found) {
+        EXPECT_EQ(unnamed.candidates.front().name, file.kind) << file.name << ' ' << seed;
+      }
     }
   }
-  EXPECT_GE(found_unnamed, std::min<std::size_t>(found, 4));
   if (found == 0) GTEST_SKIP() << DARBOUX_SHARED << "/points is not there";
 }
 

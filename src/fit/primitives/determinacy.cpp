@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <string_view>
 #include <utility>
@@ -16,7 +17,7 @@
 namespace darboux::fit {
 namespace {
 
-double inliers_of(const PrimitiveFit& f) {
+double expected_inliers(const PrimitiveFit& f) {
   double inliers = 0;
   for (std::size_t i = 0; i < f.error.size(); ++i)
     if (f.in_support[i]) inliers += inlier_probability(f.error[i], {f.sigma, f.outliers});
@@ -112,6 +113,22 @@ std::string direction_text(const Vector3d& direction) {
   return "(" + rounded(unit.x(), 3) + ", " + rounded(unit.y(), 3) + ", " + rounded(unit.z(), 3) + ")";
 }
 
+std::vector<bool> inliers_of(const PrimitiveFit& fit) {
+  std::vector<bool> is_inlier(fit.error.size());
+  for (std::size_t i = 0; i < is_inlier.size(); ++i) {
+    // Beyond the support inliers are rare: a point is one only where outliers are much rarer still.
+    const double outliers = fit.outliers * (fit.in_support[i] ? 1 : 1000);
+    is_inlier[i] = inlier_probability(fit.error[i], {fit.sigma, outliers}) > 0.5;
+  }
+  return is_inlier;
+}
+
+bool explains_enough(const PrimitiveFit& fit) {
+  const std::vector<bool> is_inlier = inliers_of(fit);
+  return 5 * std::count(is_inlier.begin(), is_inlier.end(), true) >=
+         2 * static_cast<std::ptrdiff_t>(is_inlier.size());
+}
+
 bool are_same(const PrimitiveFit& a, const PrimitiveFit& b) {
   if (!a.covariance.allFinite() || !b.covariance.allFinite()) return false;
   // Of the better known one: what determines nothing is not the same as everything.
@@ -156,12 +173,12 @@ double log_likelihood_ratio(double k, double n, double sigma, int unknowns) {
 }
 
 double log_likelihood_ratio(const PrimitiveFit& f) {
-  return log_likelihood_ratio(inliers_of(f), static_cast<double>(f.error.size()), f.sigma,
+  return log_likelihood_ratio(expected_inliers(f), static_cast<double>(f.error.size()), f.sigma,
                               f.primitive->unknowns);
 }
 
 Determinacy determinacy(const PrimitiveFit& f) {
-  const double k = inliers_of(f), n = static_cast<double>(f.error.size());
+  const double k = expected_inliers(f), n = static_cast<double>(f.error.size());
   if (k < f.primitive->unknowns + 0.5)
     return none("has only " + std::to_string(std::lround(k)) +
                 " of the points, as many lie on one by chance; more points help");

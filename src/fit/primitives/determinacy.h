@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "refine.h"
 
@@ -30,6 +31,12 @@ inline constexpr double exact = 1e-12;
 // the points' size, over that of all spread evenly.
 double log_likelihood_ratio(double inliers, double points, double sigma, int unknowns);
 double log_likelihood_ratio(const PrimitiveFit& fit);
+
+// Which columns of the points are inliers.
+std::vector<bool> inliers_of(const PrimitiveFit& fit);
+
+// Whether it may be the answer where no kind was named: two fifths of the points are on it.
+bool explains_enough(const PrimitiveFit& fit);
 
 // Whether two fits of one primitive are one surface: lengths and axes within six standard errors. Equal ones
 // at different places are one hypothesis: that with more points is taken.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "correlation.h"
+#include "determinacy.h"
 #include "fit/common/arguments.h"
 #include "fit/common/kinds.h"
 #include "fit/common/normalised_points.h"
@@ -191,9 +192,8 @@ class PrimitivesFit {
     const std::vector<bool> is_inlier = inliers_of(best);
     const NoiseKnowledge noise = report_points(best, points_, is_inlier, options_.noise.has_value(), fit_);
     if (!selection.usable) return selection.reason;
-    const auto k = static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true));
     const std::string name = with_article(best.primitive->name);
-    if (automatic() && 5 * k < 2 * static_cast<double>(points_.cloud.cols()))
+    if (automatic() && !explains_enough(best))
       return "undetermined: the nearest is " + name + ", with only " + std::to_string(fit_.inliers) + " of " +
              std::to_string(points_.finite) + " points; fewer outliers help, or naming the kind";
     if (best.sigma > points_.stored_rounding() && neighbours_are_alike(points_.cloud, best, is_inlier)) {

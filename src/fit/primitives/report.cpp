@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "determinacy.h"
 #include "fit/common/intervals.h"
 
 namespace darboux::fit {
@@ -46,16 +47,6 @@ void state_numbers(const PrimitiveFit& fit, const CatalogueSurface& surface,
 }
 
 }  // namespace
-
-std::vector<bool> inliers_of(const PrimitiveFit& fit) {
-  std::vector<bool> is_inlier(fit.error.size());
-  for (std::size_t i = 0; i < is_inlier.size(); ++i) {
-    // Beyond the support inliers are rare: a point is one only where outliers are much rarer still.
-    const double outliers = fit.outliers * (fit.in_support[i] ? 1 : 1000);
-    is_inlier[i] = inlier_probability(fit.error[i], {fit.sigma, outliers}) > 0.5;
-  }
-  return is_inlier;
-}
 
 double rms_of(const PrimitiveFit& fit, const std::vector<bool>& is_inlier) {
   double squares = 0;

@@ -11,9 +11,6 @@
 
 namespace darboux::fit {
 
-// Which columns of the points are inliers.
-std::vector<bool> inliers_of(const PrimitiveFit& fit);
-
 // Root mean square of their errors.
 double rms_of(const PrimitiveFit& fit, const std::vector<bool>& is_inlier);
 

@@ -175,11 +175,13 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
                           determinacies[i].why);
     const Nesting* nested = nesting(tried[best], tried[i]);
     if (!nested) {
-      // Every kind becomes a plane; what the points allow is seen by sphere and cylinder. On the footing of a
-      // kind that explains few of the points the others hardly count: it is none where it is far less likely
-      // even with noise and outliers of its own, which flatter it.
+      // Every kind becomes a plane; what the points allow is seen by sphere and cylinder. None is a kind that
+      // explains too few of the points to be the answer, or is far less likely even with noise and outliers
+      // of its own, which flatter it.
       constexpr double far_less_likely = 100;
-      const bool is_none = log_likelihood_ratio(other) < log_likelihood_ratio(chosen) - far_less_likely;
+      const bool is_none = other.primitive != chosen.primitive &&
+                           (!explains_enough(other) ||
+                            log_likelihood_ratio(other) < log_likelihood_ratio(chosen) - far_less_likely);
       if (!chosen.primitive->is_plane && least < margin && !is_none) return undetermined(help);
       continue;
     }
