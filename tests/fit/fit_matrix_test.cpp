@@ -107,7 +107,7 @@ TEST(FitStrips, AutoTellsATorusFromWhatIsLikeIt) {
   const auto wrong = [](std::map<std::string, int>& count) { return 12 - count["torus"] - count[""]; };
   EXPECT_EQ(wrong(patches), 0);
   EXPECT_GE(patches["torus"], 10);
-  EXPECT_LE(wrong(strips), 2);  // a plane, and a thin ellipsoid whose two sides share the noise out
+  EXPECT_LE(wrong(strips), 1);  // a plane, which is as likely
   EXPECT_GE(strips["torus"], 4);
 }
 

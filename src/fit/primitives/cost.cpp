@@ -85,7 +85,7 @@ void BatchedCost::accumulate_at(const LocalModel& model) const {
 }
 
 Solved solve(BatchedCost& cost, LocalModel& model, int most_iterations, double parameter_tolerance,
-             double function_tolerance) {
+             double function_tolerance, double trust) {
   if (!cost.evaluate_at(model)) return {};
   static const RotationManifold manifold;
   ceres::Problem::Options ownership;
@@ -101,13 +101,13 @@ Solved solve(BatchedCost& cost, LocalModel& model, int most_iterations, double p
   options.function_tolerance = function_tolerance;  // Ceres does not take the step that meets it
   options.gradient_tolerance = 1e-30;
   options.parameter_tolerance = parameter_tolerance;
-  // Near the root the damping would show in long valleys.
-  options.initial_trust_region_radius = cost.phase() == Phase::score ? 1e16 : 1e4;
+  options.initial_trust_region_radius = cost.phase() == Phase::score ? 1e16 : trust;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   return {cost.evaluate_at(model) && summary.IsSolutionUsable(), summary.num_successful_steps > 1,
-          static_cast<int>(summary.iterations.size())};
+          static_cast<int>(summary.iterations.size()),
+          summary.iterations.empty() ? trust : summary.iterations.back().trust_region_radius};
 }
 
 }  // namespace darboux::fit

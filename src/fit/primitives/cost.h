@@ -52,12 +52,17 @@ class BatchedCost final : public ceres::CostFunction {
   mutable bool convex_ = false;
 };
 
+// Radius of Ceres' trust region that leaves Gauss-Newton's step as it is but for a rounding.
+inline constexpr double wide_trust = 1e4;
+
 struct Solved {
   bool usable = false, moved = false;
   int iterations = 0;
+  double trust = wide_trust;  // where it ended
 };
 
+// The score phase, near the root, where damping would show in long valleys, has no trust region.
 Solved solve(BatchedCost& cost, LocalModel& model, int most_iterations, double parameter_tolerance,
-             double function_tolerance);
+             double function_tolerance, double trust = wide_trust);
 
 }  // namespace darboux::fit

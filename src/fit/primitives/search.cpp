@@ -106,6 +106,8 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
   PointStates states(static_cast<std::size_t>(part.cols()));
   std::vector<double> weights;
   int iterations = 0;
+  // Kept from round to round: in a curved valley a round may only find that its steps are too long.
+  double trust = wide_trust;
   for (int round = 0; round < 25; ++round) {
     primitive.distance.measure(part, candidate.model, states);
     states.in_support = states.regular;
@@ -114,8 +116,9 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
     if (sigma) mixture.sigma = std::max(mixture.sigma, *sigma);
     weights = inlier_probabilities(states, mixture);
     BatchedCost cost(primitive, Phase::robust, part, candidate.model.origin, mixture, states, weights);
-    const Solved solved = solve(cost, candidate.model, 2, 1e-9, 1e-7);
+    const Solved solved = solve(cost, candidate.model, 2, 1e-9, 1e-7, trust);
     iterations += solved.iterations;
+    trust = std::min(solved.trust, wide_trust);
     const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
     // What is left is small beside what so few points leave open.
     if (cost.first_step() <= 0.3 * mixture.sigma * std::sqrt(primitive.unknowns) + 1e-14 * std::sqrt(inliers))
