@@ -40,6 +40,14 @@ std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b
   return std::minmax(deviance(b, a) - deviance(a, a), deviance(b, b) - deviance(a, b));
 }
 
+// Of a fit with its own noise and outliers. Points are counted whole: the shares of a thousand points that
+// are almost certain inliers would add up to outliers.
+double evidence(const PrimitiveFit& f) {
+  const std::vector<bool> is_inlier = inliers_of(f);
+  return log_likelihood_ratio(static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true)),
+                              static_cast<double>(is_inlier.size()), f.sigma, f.primitive->unknowns);
+}
+
 // A kind that is the limit of another. The other always fits as well; how far it may be from that limit is
 // what decides.
 struct Nesting {
@@ -176,12 +184,11 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     const Nesting* nested = nesting(tried[best], tried[i]);
     if (!nested) {
       // Every kind becomes a plane; what the points allow is seen by sphere and cylinder. None is a kind that
-      // explains too few of the points to be the answer, or is far less likely even with noise and outliers
-      // of its own, which flatter it.
+      // explains too few of the points to be the answer, or is far less likely with noise of its own, as on
+      // the footing of that the chosen one hardly counts.
       constexpr double far_less_likely = 100;
       const bool is_none = other.primitive != chosen.primitive &&
-                           (!explains_enough(other) ||
-                            log_likelihood_ratio(other) < log_likelihood_ratio(chosen) - far_less_likely);
+                           (!explains_enough(other) || evidence(other) < evidence(chosen) - far_less_likely);
       if (!chosen.primitive->is_plane && least < margin && !is_none) return undetermined(help);
       continue;
     }
