@@ -17,9 +17,10 @@ namespace darboux::fit {
 
 struct Mixture {
   double sigma = 1;
-  double outliers = 0;       // 0: there are none, and the likelihood is that of least squares
-  bool sigma_known = false;  // then it stays
-  double inliers = 1;        // the sum of their probabilities, where it was taken
+  double outliers = 0;         // 0: there are none, and the likelihood is that of least squares
+  bool sigma_known = false;    // then it stays
+  double inliers = 1;          // the sum of their probabilities, where it was taken
+  double least_sigma = 1e-15;  // no estimate is less
 
   // \param exponent |e|^2 / 2 sigma^2
   double inlier_probability(double exponent) const {

@@ -51,6 +51,29 @@ Eigen::Vector3d middle_of(const PointCloud& points, const std::vector<std::size_
   return middle;
 }
 
+// Half of the greatest error that the coordinates' last digit leaves: of floats, also where a file has eight
+// of their digits, or of decimals. Coordinates of fewer than five decimals are as likely exact.
+double stored_error(const std::vector<Vec3<double>>& points, const std::vector<std::size_t>& finite) {
+  double largest = 0;
+  bool floats = true;
+  constexpr int least = 4, most = 8;
+  int decimals = least;
+  for (const std::size_t i : finite)
+    for (const double x : {points[i].x, points[i].y, points[i].z}) {
+      largest = std::fmax(largest, std::fabs(x));
+      constexpr double of_eight_digits = 5e-9;
+      floats = floats &&
+               std::fabs(x - static_cast<double>(static_cast<float>(x))) <= of_eight_digits * std::fabs(x);
+      const auto is_decimal = [&](int d) {
+        const double y = x * std::pow(10, d);
+        return std::fabs(y - std::rint(y)) <= 1e-4 && std::fabs(y) < 1e11;
+      };
+      while (decimals <= most && !is_decimal(decimals)) ++decimals;
+    }
+  const double of_decimals = decimals > least && decimals <= most ? 0.25 * std::pow(10, -decimals) : 0;
+  return std::fmax(floats ? 0x1p-26 * largest : 0, of_decimals);
+}
+
 }  // namespace
 
 NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
@@ -89,7 +112,10 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
     if (!points.normals.empty()) result.normals.col(c) = to_eigen(points.normals[i]);
     if (with_uv) result.uvs.push_back(points.uvs[i]);
   }
-  if (result.scale > 0) result.cloud /= result.scale;
+  if (result.scale > 0) {
+    result.cloud /= result.scale;
+    result.rounding = std::fmax(result.rounding, stored_error(points.positions, result.index) / result.scale);
+  }
   return result;
 }
 
@@ -100,6 +126,7 @@ NormalisedPoints NormalisedPoints::part(const std::vector<Eigen::Index>& columns
     if (!uvs.empty()) result.uvs.push_back(uvs[static_cast<std::size_t>(c)]);
   result.centre = centre;
   result.scale = scale;
+  result.rounding = rounding;
   return result;
 }
 

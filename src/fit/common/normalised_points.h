@@ -32,6 +32,9 @@ struct NormalisedPoints {
   std::size_t finite = 0;  // points of the input that are
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double scale = 0;  // 0 where all points are at one place
+  // Half of the greatest error of a coordinate by how it was stored: no noise is taken to be less. Floats,
+  // and five to eight decimals, are told by their values; of others that of doubles.
+  double rounding = 1e-15;
 
   std::size_t count() const { return static_cast<std::size_t>(cloud.cols()); }
   // What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.

@@ -123,6 +123,10 @@ std::vector<bool> inliers_of(const PrimitiveFit& fit) {
   return is_inlier;
 }
 
+double noise_and_rounding(const PrimitiveFit& fit) {
+  return std::hypot(fit.sigma, std::sqrt(static_cast<double>(fit.error.size())) * fit.least_sigma);
+}
+
 bool explains_enough(const PrimitiveFit& fit) {
   const std::vector<bool> is_inlier = inliers_of(fit);
   return 5 * std::count(is_inlier.begin(), is_inlier.end(), true) >=

@@ -47,7 +47,7 @@ void update(Mixture& mixture, const PointStates& points, bool robust_phase) {
       const double w = inlier_probability(e, at);
       expected.add(w, w * e * e);
     }
-    expected.estimate_sigma(at, 1, least_sigma);
+    expected.estimate_sigma(at, 1, at.least_sigma);
     at.inliers = std::max(at.inliers, 1.0);
     return at;
   };
@@ -56,7 +56,7 @@ void update(Mixture& mixture, const PointStates& points, bool robust_phase) {
   const double ratio = second / first;
   mixture = twice;
   if (ratio > -0.8 && ratio < 0.8)
-    mixture.sigma = std::max(mixture.sigma * std::exp(ratio / (1 - ratio) * second), least_sigma);
+    mixture.sigma = std::max(mixture.sigma * std::exp(ratio / (1 - ratio) * second), mixture.least_sigma);
   // The biases are those of the sigma before; they go with it, and the distances by as much.
   if (!mixture.sigma_known) mixture.sigma = std::max(mixture.sigma, root_mean_square_of_bias(points));
   count(mixture);

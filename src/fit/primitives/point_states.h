@@ -12,9 +12,6 @@
 
 namespace darboux::fit {
 
-// Rounding of points scaled to size 1.
-inline constexpr double least_sigma = 1e-15;
-
 struct PointStates {
   std::vector<double> d, curvature;    // signed distance, k1 + k2
   std::vector<double> bias;            // sigma^2 H: what the distance of an inlier is on average

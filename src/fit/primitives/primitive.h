@@ -127,6 +127,8 @@ struct Primitive {
 
   // The surface that fits a sample best in the sense of linear equations; nothing where they determine none.
   std::optional<GeometricParameters> (*start)(const OrientedPoints& sample);
+  // As well, by an equation that needs no normals: neighbours in a grid may lie on one curve, and have none.
+  std::optional<GeometricParameters> (*start_by_equation)(const Eigen::Matrix3Xd& sample) = nullptr;
   // The local model at the surface point nearest to `at`; an inverse of geometric(). Not finite where there
   // is no such point.
   LocalModel (*localise)(const GeometricParameters&, const Vector3d& at);

@@ -97,6 +97,7 @@ class Refinement {
     fit.surface = primitive_.geometric(model_);
     fit.sigma = mixture_.sigma;
     fit.sigma_known = mixture_.sigma_known;
+    fit.least_sigma = mixture_.least_sigma;
     fit.outliers = mixture_.outliers;
     fit.doubles_itself = doubles_itself(primitive_, fit.surface, problem_.cloud, fit.sigma);
     const std::vector<double> weights = inlier_probabilities(states_, mixture_);

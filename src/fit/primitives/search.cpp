@@ -100,9 +100,10 @@ std::optional<Vector3d> middle_inlier(const Matrix3Xd& part, const std::vector<d
 // The robust phase: the mixture by the distances, then weighted least squares by Ceres, until the surface
 // stays about where it is.
 int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candidate,
-            std::optional<double> sigma) {
+            std::optional<double> sigma, double least_sigma) {
   Mixture& mixture = candidate.mixture;
   mixture = {std::max(0.7 * candidate.score.band, least_sigma), 0.05};
+  mixture.least_sigma = least_sigma;
   PointStates states(static_cast<std::size_t>(part.cols()));
   std::vector<double> weights;
   int iterations = 0;
@@ -149,6 +150,8 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
     candidates.push_back({model, scorer(model), {}, crosses_itself_unasked(problem, primitive, n)});
   };
   if (guess) consider(*guess, scored.col(0));
+  if (primitive.start_by_equation)
+    if (const auto n = primitive.start_by_equation(scored)) consider(*n, scored.col(0));
   const auto m = problem.oriented.points.cols();
   const int least = primitive.sample_size;
   for (const auto& [size, share] : {std::pair{least, 100}, {least + 8, 60}, {3 * least + 20, 30}}) {
@@ -226,7 +229,7 @@ void Search::look() {
 }
 
 void Search::follow(Candidate c) {
-  iterations_ += descend(primitive_, part_, c, problem_.sigma);
+  iterations_ += descend(primitive_, part_, c, problem_.sigma, problem_.least_sigma);
   c.refused = is_refused(problem_, primitive_, c, part_);
   if (!c.refused && problem_.effort == Effort::full) likely_.push_back(c);
   const bool agrees = best_ && !best_->refused && !c.refused &&

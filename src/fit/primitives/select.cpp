@@ -18,7 +18,7 @@ namespace {
 // Twice the negative log likelihood of one candidate on another's footing: noise, outliers' density and
 // support, so that only the distances differ.
 double deviance(const PrimitiveFit& f, const PrimitiveFit& footing) {
-  const double sigma = std::max(footing.sigma, exact);
+  const double sigma = std::max(noise_and_rounding(footing), exact);
   double likelihood = 0;
   for (std::size_t i = 0; i < f.error.size(); ++i) {
     if (!footing.in_support[i]) continue;

@@ -6,6 +6,7 @@
 
 #include <darboux/torus.h>
 
+#include "base/linear_algebra.h"
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
@@ -76,6 +77,42 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
   return checked_start({axis.point + circle->centre.y() * axis.direction,
                         axes_with_z(axis.direction),
                         {std::fmax(circle->centre.x(), 0), circle->radius}});
+}
+
+// The cyclide of Darboux that fits best, |x|^4 + |x|^2 b x + x Q x + c x + d = 0, of which a torus about o is
+// one: b = -4 o, and about o the quadratic part is 4 R^2 a a - 2 (R^2 + r^2).
+std::optional<GeometricParameters> start_by_equation(const Eigen::Matrix3Xd& sample) {
+  constexpr Eigen::Index coefficients = 14;
+  if (sample.cols() < coefficients) return std::nullopt;
+  const Vector3d mean = sample.rowwise().mean();
+  const Eigen::Matrix3Xd centred = sample.colwise() - mean;
+  const double size = std::sqrt(centred.squaredNorm() / static_cast<double>(sample.cols()));
+  if (!(size > 0)) return std::nullopt;
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(coefficients, coefficients);
+  for (const auto& p : centred.colwise()) {
+    const Vector3d x = p / size;
+    const double square = x.squaredNorm();
+    Eigen::Matrix<double, coefficients, 1> terms;
+    terms << square * square, square * x, x.cwiseAbs2(), x.y() * x.z(), x.z() * x.x(), x.x() * x.y(), x, 1;
+    sums += terms * terms.transpose();
+  }
+  const Eigen::VectorXd cyclide = symmetric_eigen(sums).vectors.col(0);
+  const double quartic = cyclide[0];
+  if (!(std::fabs(quartic) > 1e-6)) return std::nullopt;  // a quadric
+  const Vector3d centre = -cyclide.segment<3>(1) / (4 * quartic),
+                 mixed = cyclide.segment<3>(7) / (2 * quartic);
+  Matrix3d quadratic = (cyclide.segment<3>(4) / quartic).asDiagonal();
+  quadratic(1, 2) = quadratic(2, 1) = mixed.x();
+  quadratic(2, 0) = quadratic(0, 2) = mixed.y();
+  quadratic(0, 1) = quadratic(1, 0) = mixed.z();
+  quadratic -= 2 * centre.squaredNorm() * Matrix3d::Identity() + 4 * centre * centre.transpose();
+  const auto [values, vectors] = symmetric_eigen(quadratic);
+  const double across = 0.5 * (values[0] + values[1]);
+  const double major = 0.25 * (values[2] - across), minor = -0.5 * across - major;  // squared
+  if (!(minor > 0)) return std::nullopt;
+  return checked_start({mean + size * centre,
+                        axes_with_z(vectors.col(2)),
+                        {size * std::sqrt(major), size * std::sqrt(minor)}});
 }
 
 std::array<double, 2> sheets(const GeometricParameters& n, const Vector3d& p) {
@@ -192,6 +229,7 @@ constinit const Primitive torus_primitive{
     .lengths = 2,
     .length_names = {"major radius", "minor radius"},
     .start = start,
+    .start_by_equation = start_by_equation,
     .localise = localise,
     .geometric = geometric,
     .support = {support_frame, coordinates, 2 * std::numbers::pi, 2 * std::numbers::pi},
