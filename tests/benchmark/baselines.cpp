@@ -178,15 +178,22 @@ void by_hand(Method method, Layout layout, Wanted wanted, const T* u, const T* v
       }
       return;
     case Method::points: {
-      const auto point = [surface = Surface::catalogued()](T x, T y) {
-        const auto vector = [](const Vec3<T>& a) { return Vector<T>{a.x, a.y, a.z}; };
-        const Jet2<T> j = jet(surface, x, y);
-        const Frame<T> f = frame(surface, x, y);
-        return Numbers<T>{vector(j.position), vector(j.dpdu), vector(j.dpdv),
-                          vector(f.t),        vector(f.b),    vector(f.n)};
-      };
-      return wanted == all ? loop<separate, all>(point, u, v, n, to)
-                           : loop<separate, Wanted::frame>(point, u, v, n, to);
+      const auto surface = Surface::catalogued();
+      const auto vector = [](const Vec3<T>& a) { return Vector<T>{a.x, a.y, a.z}; };
+      if (wanted == all)
+        return loop<separate, all>(
+            [&](T x, T y) {
+              const auto [at_u, at_v, j, f] = sample(surface, x, y);
+              return Numbers<T>{vector(j.position), vector(j.dpdu), vector(j.dpdv),
+                                vector(f.t),        vector(f.b),    vector(f.n)};
+            },
+            u, v, n, to);
+      return loop<separate, Wanted::frame>(
+          [&](T x, T y) {
+            const Frame<T> f = frame(surface, x, y);
+            return Numbers<T>{{}, {}, {}, vector(f.t), vector(f.b), vector(f.n)};
+          },
+          u, v, n, to);
     }
     case Method::closed_form:
       return loop<separate, all>([](T x, T y) { return Surface::closed_form(x, y); }, u, v, n, to);

@@ -65,7 +65,7 @@ enum class Method {
   differences,  ///< partials by central differences of the second order, the frame as in naive
   occt_d1,      ///< OCCT's D1, the frame as in naive
   occt_d2,      ///< OCCT's D2, the frame as in naive
-  points,       ///< the library's functions for single points: jet() and frame(), or frame() alone
+  points,       ///< the library's functions for single points: sample(), or frame() alone
 };
 
 /// Whether OCCT is compiled in.

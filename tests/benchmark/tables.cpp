@@ -197,7 +197,7 @@ class Report {
               << (exempt.empty() ? "" : "; exempt, curves of splines: " + exempt) << " |\n"
               << "| accuracy | frames 4u or 8u, partials 8u, times 1 + condition, on every path | | | held "
                  "by `darboux "
-                 "check` and, bit for bit on every instruction set, by tests/batch_test.cpp |\n";
+                 "check` and, bit for bit on every instruction set, by tests/evaluate/batch_test.cpp |\n";
   }
 
   void points_and_splines() const {
@@ -233,7 +233,7 @@ class Report {
 
   void points() const {
     std::cout << "\n### Single points\n\nDouble, separate arrays, L2, in a loop of the caller's that is "
-                 "compiled at -O2: jet() and frame() for 18 numbers, frame() for t, b, n. Nanoseconds a "
+                 "compiled at -O2: sample() for 18 numbers, frame() for t, b, n. Nanoseconds a "
                  "point, best / median.\n\n"
                  "| surface | written | naive | Darboux | × the time of naive |\n|---|---|---:|---:|---:|\n";
     for (const std::string surface : {"torus", "sphere"})
