@@ -186,8 +186,12 @@ void Connectivity::find_neighbours() {
         count += first > v ? 1 : 0;
       }
       if (count < 24) {
-        for (std::size_t i = 1; i < count; ++i)
-          for (std::size_t j = i; j > 0 && keys[j] < keys[j - 1]; --j) std::swap(keys[j], keys[j - 1]);
+        for (std::size_t i = 1; i < count; ++i) {
+          const std::uint64_t one = keys[i];
+          std::size_t j = i;
+          for (; j > 0 && one < keys[j - 1]; --j) keys[j] = keys[j - 1];
+          keys[j] = one;
+        }
       } else {
         std::sort(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(count));
       }

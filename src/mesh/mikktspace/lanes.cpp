@@ -355,25 +355,28 @@ void find_parts(const Directions* directions, const Index* corners, std::size_t 
     }
     for (int begin = 0; begin < 2 * at_once; begin += blocks) {  // of blocks
       std::array<Blocks, 4> x;
+      Blocks angles;
 #pragma GCC unroll 4
-      for (int block = 0; block < blocks; ++block)
+      for (int block = 0; block < blocks; ++block) {
+        const auto four = static_cast<std::size_t>((begin + block) / 2 * 4);
+        angles[block] = Four{angle[four], angle[four + 1], angle[four + 2], angle[four + 3]};
 #pragma GCC unroll 4
         for (int r = 0; r < 4; ++r) {
-          const Directions& d = *from[static_cast<std::size_t>((begin + block) / 2 * 4 + r)];
+          const Directions& d = *from[four + static_cast<std::size_t>(r)];
           x[r][block] = load((begin + block) % 2 == 0 ? &d.s.x : &d.t.x);
         }
+      }
       const Rows columns = turned({joined(x[0]), joined(x[1]), joined(x[2]), joined(x[3])});
       const Vectors part = across(n, {columns.a, columns.b, columns.c});
-      const std::array<Blocks, 4> back = blocks_of(turned({part.x, part.y, part.z, zero}));
+      const std::array<Blocks, 4> back = blocks_of(turned({part.x, part.y, part.z, joined(angles)}));
 #pragma GCC unroll 4
       for (int block = 0; block < blocks; ++block)
 #pragma GCC unroll 4
         for (int r = 0; r < 4; ++r) {
           Part& to = parts[first + static_cast<std::size_t>((begin + block) / 2 * 4 + r)];
-          store((begin + block) % 2 == 0 ? &to.s.x : &to.t.x, back[r][block]);  // then what comes behind
+          store((begin + block) % 2 == 0 ? &to.s.x : &to.t.x, back[r][block]);
         }
     }
-    for (std::size_t i = 0; i < 4 * at_once; ++i) parts[first + i].angle = angle[i];
   }
 }
 

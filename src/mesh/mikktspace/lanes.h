@@ -27,9 +27,12 @@ struct Directions {
   std::array<float, 3> angle;
 };
 // What a corner adds, weighted by the angle: the directions, unit and across the normal there.
+// Each beside the angle, so that they are stored and loaded four numbers at a time.
 struct Part {
-  Vector s, t;
+  Vector s;
   float angle;
+  Vector t;
+  float same_angle;
 };
 // Lengths of the derivatives in u and v.
 struct Lengths {

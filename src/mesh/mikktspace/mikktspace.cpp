@@ -60,9 +60,10 @@ struct Tangents::Scratch {
 
 // The average over some corners, weighted by the angle between a triangle's edges as seen along the normal.
 MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x) const {
-  // x, y, z, and what stands behind them in a part.
+  // x, y, z, and the angle.
   using Four = float __attribute__((vector_size(16)));
-  static_assert(offsetof(Part, t) == 3 * sizeof(float) && sizeof(Part) >= offsetof(Part, t) + sizeof(Four));
+  static_assert(offsetof(Part, t) == sizeof(Four) && sizeof(Part) == 2 * sizeof(Four));
+  const bool all = !lengths_.empty();  // else nobody asks for more than t
   Four s_sum{}, t_sum{};
   float s_length = 0, t_length = 0, sum = 0;
   for (const Index i : members) {
@@ -73,8 +74,8 @@ MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x)
     std::memcpy(&part_s, &part.s, sizeof part_s);
     std::memcpy(&part_t, &part.t, sizeof part_t);
     s_sum += part.angle * part_s;
-    t_sum += part.angle * part_t;
-    if (!lengths_.empty()) {
+    if (all) {
+      t_sum += part.angle * part_t;
       s_length += part.angle * lengths_[at / 3].s;
       t_length += part.angle * lengths_[at / 3].t;
     }
@@ -82,6 +83,7 @@ MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x)
   }
   Vector s{s_sum[0], s_sum[1], s_sum[2]}, t{t_sum[0], t_sum[1], t_sum[2]};
   s = normalised(s);
+  if (!all) return {.t = {s.x, s.y, s.z}, .served = true};
   t = normalised(t);
   if (sum > 0) {
     s_length /= sum;
