@@ -79,7 +79,8 @@ struct MikkTangent {
 /// \param tangent4 x, y, z of t and the raw sign, four numbers per corner
 /// \throws MeshError for attributes of unequal length, faces of other than three or four corners, indices out
 /// of range, numbers that are not finite, a normal with a component beyond ±2^28; ParameterError for an
-/// option out of its range, or a tangent4 of another length
+/// option out of its range, a tangent4 of another length, or where DARBOUX_ISA names none of
+/// instruction_sets()
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options = {});
 /// The same with bitangents and lengths, of each corner.
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options = {});
