@@ -73,13 +73,14 @@ struct MikkTangent {
 /// glTF's w is the raw sign, negated. The bits do not depend on the order of the vertices of an indexed mesh,
 /// nor on threads. Cost: linear in the triangles; quadratic in the number of those at one vertex whose
 /// directions are not all within 84 degrees of one of them, or with a threshold below 180, and in vertices
-/// that were made to have one hash. Memory beyond input and output: about 135 bytes per triangle where
-/// triangles share most vertices, up to 190 where they share none.
+/// that were made to have one hash. Memory beyond input and output: about 90 bytes per triangle where
+/// triangles share most vertices, up to 155 where they share none.
 ///
 /// \param tangent4 x, y, z of t and the raw sign, four numbers per corner
 /// \throws MeshError for attributes of unequal length, faces of other than three or four corners, indices out
 /// of range, numbers that are not finite, a normal with a component beyond ±2^28; ParameterError for an
-/// option out of its range, or a tangent4 of another length
+/// option out of its range, a tangent4 of another length, or where DARBOUX_ISA names none of
+/// instruction_sets()
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options = {});
 /// The same with bitangents and lengths, of each corner.
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options = {});

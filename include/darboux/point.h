@@ -53,6 +53,12 @@ bool parameters_are_finite(const X& surface) {
   if constexpr (requires { surface.base; }) finite = finite && parameters_are_finite(surface.base);
   return finite;
 }
+// The same of any parameters.
+template <class X, std::floating_point S, class PU, class PV>
+Status status_at(const X& surface, S u, S v, const PU& pu, const PV& pv) {
+  return parameters_are_finite(surface) ? status_of_point(surface, u, v, pu, pv) : Status::non_finite_input;
+}
+
 }  // namespace detail
 
 /// What the surface and the domain say of (u, v), before any frame is made: dpdu_zero, dpdv_zero, parallel,
@@ -60,8 +66,7 @@ bool parameters_are_finite(const X& surface) {
 /// parameter).
 template <ParametricSurface X, std::floating_point S>
 Status status(const X& surface, S u, S v) {
-  if (!detail::parameters_are_finite(surface)) return Status::non_finite_input;
-  return detail::status_of_point(surface, u, v, prepare<X::info.u>(u), prepare<X::info.v>(v));
+  return detail::status_at(surface, u, v, prepare<X::info.u>(u), prepare<X::info.v>(v));
 }
 
 namespace detail {
@@ -153,7 +158,9 @@ Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
 template <ParametricSurface X, std::floating_point S>
 Frame<S> frame(const X& surface, S u, S v) {
   detail::assert_permitted(surface);
-  return detail::frame_at<S>(surface, prepare<X::info.u>(u), prepare<X::info.v>(v), status(surface, u, v));
+  const auto pu = prepare<X::info.u>(u);
+  const auto pv = prepare<X::info.v>(v);
+  return detail::frame_at<S>(surface, pu, pv, detail::status_at(surface, u, v, pu, pv));
 }
 
 /// The unit vectors along the coordinate curves, from an orthonormal frame and the partials there. Where dpdu
@@ -206,7 +213,12 @@ Sample<S> make_sample(S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
 }
 template <ParametricSurface X, std::floating_point S>
 Sample<S> sample(const X& surface, S u, S v) {
-  return make_sample(u, v, jet(surface, u, v), frame(surface, u, v));
+  detail::assert_permitted(surface);
+  const auto pu = prepare<X::info.u>(u);
+  const auto pv = prepare<X::info.v>(v);
+  const Jet2<S> j = surface.jet(pu, pv);
+  return make_sample(u, v, j,
+                     detail::frame_at<S>(surface, pu, pv, detail::status_at(surface, u, v, pu, pv), j));
 }
 
 namespace detail {

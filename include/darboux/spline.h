@@ -434,16 +434,16 @@ Vec3<S> patch_position(const NetWindow<S, T>& net, const Basis& a, const Basis& 
 // there, where the control points that count are one point.
 template <class Patch, class S>
 Status collapsed_edges(const Patch& patch, const S& u, const S& v) {
-  const S zero = lift<S>(0.0), one = lift<S>(1.0);
   Status result = Status::regular;
-  if constexpr (requires { S::diverge(); }) {  // lanes on an edge go by themselves
-    if ((u == zero || u == one || v == zero || v == one).any()) S::diverge();
-    return result;
+  if constexpr (!requires {
+                  S::diverge();
+                }) {  // lanes whose partials vanish diverge when their frame is made
+    const S zero = lift<S>(0.0), one = lift<S>(1.0);
+    if (!equal(u, zero) && !equal(u, one) && !equal(v, zero) && !equal(v, one)) return result;
+    const Jet2<S> j = patch.template jet_to<1>(u, v);
+    if (vanishes(j.dpdu)) result |= Status::dpdu_zero;
+    if (vanishes(j.dpdv)) result |= Status::dpdv_zero;
   }
-  if (!equal(u, zero) && !equal(u, one) && !equal(v, zero) && !equal(v, one)) return result;
-  const Jet2<S> j = patch.template jet_to<1>(u, v);
-  if (vanishes(j.dpdu)) result |= Status::dpdu_zero;
-  if (vanishes(j.dpdv)) result |= Status::dpdv_zero;
   return result;
 }
 
@@ -544,6 +544,7 @@ class KnotVector {
     const T length = end / T(2) - start / T(2);
     if (!(start == T(0) && end == T(1)))
       for (T& k : knots_) k = k == end ? T(1) : (k / T(2) - start / T(2)) / length;
+    creases_ = has_creases();
   }
   /// What is wrong with degree and knots; empty when nothing is: a degree out of range, too few knots, a
   /// decreasing or non-finite one, a multiplicity above degree + 1, an empty domain.
@@ -570,6 +571,7 @@ class KnotVector {
     KnotVector<To> result;
     result.degree_ = degree_;
     result.knots_ = detail::lift_numbers<To>(knots_);
+    result.creases_ = result.has_creases();
     return result;
   }
 
@@ -613,7 +615,10 @@ class KnotVector {
   /// jump, and those from above are given.
   template <class S>
   Status singular(const S& t) const {
-    if constexpr (requires { S::diverge(); }) {  // lanes at an interior knot go by themselves
+    if constexpr (requires {
+                    S::diverge();
+                  }) {  // lanes at an interior knot go by themselves where one is a crease
+      if (!creases_) return Status::regular;
       const S knot = detail::SpanPlace<S>::find(*this, t).number(knots_);
       if ((t == knot && S(knots_[degree_]) < knot).any()) S::diverge();
       return Status::regular;
@@ -662,13 +667,24 @@ class KnotVector {
   template <class S>
   Status singular_at(const S& t, int m) const {
     const T& knot = knots_[m];
-    if (!detail::equal(t, lift<S>(knot)) || !(knots_[degree_] < knot)) return Status::regular;
+    return detail::equal(t, lift<S>(knot)) && is_crease(m) ? Status::crease : Status::regular;
+  }
+  // Of an interior knot, the last of its value.
+  bool is_crease(int m) const {
+    const T& knot = knots_[m];
+    if (!(knots_[degree_] < knot) || !(knot < knots_[m + 1])) return false;
     int multiplicity = 1;
     while (multiplicity <= m && knots_[m - multiplicity] == knot) ++multiplicity;
-    return multiplicity >= degree_ ? Status::crease : Status::regular;
+    return multiplicity >= degree_;
+  }
+  bool has_creases() const {
+    for (int m = degree_ + 1; m < count(); ++m)
+      if (is_crease(m)) return true;
+    return false;
   }
   int degree_ = 0;
   std::vector<T> knots_;
+  bool creases_ = false;  // at some interior knot
 };
 
 }  // namespace darboux

@@ -1,4 +1,4 @@
-#include "evaluate/kernels/instruction_set.h"
+#include "base/instruction_set.h"
 #include "uv_jets.h"
 
 namespace darboux::kernels {

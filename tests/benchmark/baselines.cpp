@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include <darboux/catalogue.h>
 #include <darboux/point.h>
@@ -41,6 +42,8 @@ void loop(const F& f, const T* u, const T* v, std::size_t n, const Destination& 
       put(9, x.t);
       put(12, x.b);
       put(15, x.n);
+    } else if constexpr (wanted == Wanted::position) {
+      put(0, x.position);
     } else if constexpr (wanted == Wanted::frame) {
       put(0, x.t);
       put(3, x.b);
@@ -58,6 +61,7 @@ template <class T>
 struct TorusByHand {
   static constexpr T R = 1, r = T(0.25), tau = T(2 * M_PI);
   static constexpr T du = tau, dv = tau;
+  static Torus<T> catalogued() { return {R, r}; }
 
   static Numbers<T> naive(T u, T v) {
     const T su = std::sin(tau * u), cu = std::cos(tau * u), sv = std::sin(tau * v), cv = std::cos(tau * v);
@@ -99,6 +103,7 @@ template <class T>
 struct SphereByHand {
   static constexpr T r = 1, tau = T(2 * M_PI), pi = T(M_PI);
   static constexpr T du = tau, dv = pi;
+  static Sphere<T> catalogued() { return {r}; }
 
   static Numbers<T> naive(T u, T v) {
     const T su = std::sin(tau * u), cu = std::cos(tau * u), sv = std::sin(pi * v), cv = std::cos(pi * v);
@@ -168,8 +173,28 @@ void by_hand(Method method, Layout layout, Wanted wanted, const T* u, const T* v
                                     : loop<vectors, Wanted::frame>(naive, u, v, n, to);
         case Wanted::tangent4:
           return loop<structs, Wanted::tangent4>(naive, u, v, n, to);
+        case Wanted::position:
+          return;
       }
       return;
+    case Method::points: {
+      const auto surface = Surface::catalogued();
+      const auto vector = [](const Vec3<T>& a) { return Vector<T>{a.x, a.y, a.z}; };
+      if (wanted == all)
+        return loop<separate, all>(
+            [&](T x, T y) {
+              const auto [at_u, at_v, j, f] = sample(surface, x, y);
+              return Numbers<T>{vector(j.position), vector(j.dpdu), vector(j.dpdv),
+                                vector(f.t),        vector(f.b),    vector(f.n)};
+            },
+            u, v, n, to);
+      return loop<separate, Wanted::frame>(
+          [&](T x, T y) {
+            const Frame<T> f = frame(surface, x, y);
+            return Numbers<T>{{}, {}, {}, vector(f.t), vector(f.b), vector(f.n)};
+          },
+          u, v, n, to);
+    }
     case Method::closed_form:
       return loop<separate, all>([](T x, T y) { return Surface::closed_form(x, y); }, u, v, n, to);
     case Method::dual:
@@ -213,6 +238,62 @@ template <class X, class T>
 void naive_through(const T* u, const T* v, std::size_t n, const Destination& to) {
   const auto& surface = instance<X, T>();
   loop<Layout::separate, Wanted::all>([&surface](T x, T y) { return naive<T>(surface, x, y); }, u, v, n, to);
+}
+
+// ---- a spline as a textbook has it ------------------------------------------------------------------------
+
+constexpr int spline_degree = 3, net_points = 8;
+
+struct Basis {
+  int first;  // control point
+  std::array<double, spline_degree + 1> value, derivative;
+};
+
+Basis basis_at(const std::vector<double>& knots, int p, double t) {
+  int low = p, high = net_points;
+  int span = high - 1;
+  if (t < knots[static_cast<std::size_t>(high)])
+    for (span = (low + high) / 2; t < knots[span] || t >= knots[span + 1]; span = (low + high) / 2)
+      (t < knots[span] ? high : low) = span;
+  Basis basis{span - p, {1}, {}};
+  std::array<double, spline_degree + 1> left, right, lower{};
+  for (int j = 1; j <= p; ++j) {
+    if (j == p) lower = basis.value;
+    left[j] = t - knots[span + 1 - j];
+    right[j] = knots[span + j] - t;
+    double saved = 0;
+    for (int r = 0; r < j; ++r) {
+      const double part = basis.value[r] / (right[r + 1] + left[j - r]);
+      basis.value[r] = saved + right[r + 1] * part;
+      saved = left[j - r] * part;
+    }
+    basis.value[j] = saved;
+  }
+  for (int r = 0; r <= p; ++r) {
+    const double before = r == 0 ? 0 : lower[r - 1] / (knots[span + r] - knots[span - p + r]);
+    const double after = r == p ? 0 : lower[r] / (knots[span + r + 1] - knots[span - p + r + 1]);
+    basis.derivative[r] = p * (before - after);
+  }
+  return basis;
+}
+
+Numbers<double> spline_point(const BSplinePatch<double>& spline, double u, double v) {
+  const int p = spline.knots_u().degree(), q = spline.knots_v().degree();
+  const Basis a = basis_at(spline.knots_u().knots(), p, u), b = basis_at(spline.knots_v().knots(), q, v);
+  Vector<double> position = Vector<double>::Zero(), dpdu = position, dpdv = position;
+  for (int i = 0; i <= p; ++i) {
+    Vector<double> along = Vector<double>::Zero(), slope = along;
+    for (int j = 0; j <= q; ++j) {
+      const Vec3<double>& x = spline.control_points()[(a.first + i) * net_points + b.first + j];
+      const Vector<double> point{x.x, x.y, x.z};
+      along += b.value[j] * point;
+      slope += b.derivative[j] * point;
+    }
+    position += a.value[i] * along;
+    dpdu += a.derivative[i] * along;
+    dpdv += a.value[i] * slope;
+  }
+  return with_frame<double>(position, dpdu, dpdv);
 }
 
 // ---- limits -----------------------------------------------------------------------------------------------
@@ -307,6 +388,20 @@ const std::vector<CatalogueLoops<T>>& catalogue_loops() {
 }
 template const std::vector<CatalogueLoops<double>>& catalogue_loops();
 template const std::vector<CatalogueLoops<float>>& catalogue_loops();
+
+BSplinePatch<double> timed_spline() {
+  std::vector<Vec3<double>> points;
+  for (int i = 0; i < net_points; ++i)
+    for (int j = 0; j < net_points; ++j)
+      points.push_back({i / 7.0, j / 7.0, 0.2 * std::sin(1.3 * i + 0.7 * j)});
+  const std::vector<double> knots = clamped_knots<double>(spline_degree, net_points);
+  return {spline_degree, spline_degree, knots, knots, std::move(points)};
+}
+void textbook_spline(const double* u, const double* v, std::size_t n, const Destination& to) {
+  static const BSplinePatch<double> spline = timed_spline();
+  loop<Layout::separate, Wanted::all>([](double x, double y) { return spline_point(spline, x, y); }, u, v, n,
+                                      to);
+}
 
 std::vector<Writer> writers() {
 #if defined(__x86_64__)

@@ -9,15 +9,17 @@
 #include <string_view>
 #include <vector>
 
+#include <darboux/bspline_patch.h>
+
 namespace darboux::bench {
 
 /// How the numbers of a point lie in memory.
 enum class Layout { separate, vectors, structs };
-/// Which numbers: position, dpdu, dpdv, t, b, n; or t, b, n; or t and the sign w.
-enum class Wanted { all, frame, tangent4 };
+/// Which numbers: position, dpdu, dpdv, t, b, n; or t, b, n; or t and the sign w; or position.
+enum class Wanted { all, frame, tangent4, position };
 
 constexpr std::size_t numbers_of(Wanted wanted) {
-  return wanted == Wanted::all ? 18 : wanted == Wanted::frame ? 9 : 4;
+  return wanted == Wanted::all ? 18 : wanted == Wanted::frame ? 9 : wanted == Wanted::tangent4 ? 4 : 3;
 }
 
 /// Where a loop writes: `arrays` arrays of `bytes` bytes each, `stride` bytes apart.
@@ -63,12 +65,14 @@ enum class Method {
   differences,  ///< partials by central differences of the second order, the frame as in naive
   occt_d1,      ///< OCCT's D1, the frame as in naive
   occt_d2,      ///< OCCT's D2, the frame as in naive
+  points,       ///< the library's functions for single points: sample(), or frame() alone
 };
 
 /// Whether OCCT is compiled in.
 extern const bool with_occt;
 
-/// Evaluates at n points. Only naive knows other layouts and fewer numbers than 18 separate arrays.
+/// Evaluates at n points. Only naive knows other layouts and fewer numbers than 18 separate arrays, but
+/// points also knows t, b, n.
 template <class T>
 void evaluate_by(Method method, ByHand surface, Layout layout, Wanted wanted, const T* u, const T* v,
                  std::size_t n, const Destination& to);
@@ -84,6 +88,13 @@ struct CatalogueLoops {
 /// In the catalogue's order.
 template <class T>
 const std::vector<CatalogueLoops<T>>& catalogue_loops();
+
+/// The B-spline that is timed: bicubic, on a net of 8 x 8 points without weights, clamped.
+BSplinePatch<double> timed_spline();
+/// It as a textbook has it, at n points, 18 separate arrays: each point's spans by bisection, its basis
+/// functions and their first derivatives by Cox and de Boor, sums over sixteen control points, the frame as
+/// in Method::naive. [PieglTiller1997, A2.1, A2.2, eq. 2.7, A3.6]
+void textbook_spline(const double* u, const double* v, std::size_t n, const Destination& to);
 
 /// A way to fill memory with registers of one width.
 struct Writer {

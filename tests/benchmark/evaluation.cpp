@@ -43,6 +43,7 @@ AnySurface surface_of(ByHand surface) {
 }
 std::string shape_name(Layout layout, Wanted wanted) {
   if (wanted == Wanted::tangent4) return "tangent4";
+  if (wanted == Wanted::position) return "position, separate arrays";
   return std::string(wanted == Wanted::all ? "18" : "t, b, n") +
          (layout == Layout::separate  ? ", separate arrays"
           : layout == Layout::vectors ? ", vec3 arrays"
@@ -98,8 +99,9 @@ Outputs<T> outputs(Layout layout, Wanted wanted, const Destination& to, std::siz
   Outputs<T> out;
   const auto at = [&](std::size_t k) { return number_at<T>(layout, wanted, to, k, 0); };
   if (wanted == Wanted::tangent4) return out.packed(Attribute::tangent4, {at(0), 4 * n});
-  const std::size_t first = wanted == Wanted::all ? 0 : 3;
-  for (std::size_t a = first; a < all_attributes.size(); ++a) {
+  const std::size_t first = wanted == Wanted::frame ? 3 : 0,
+                    last = wanted == Wanted::position ? 1 : all_attributes.size();
+  for (std::size_t a = first; a < last; ++a) {
     const std::size_t k = 3 * (a - first);
     if (layout == Layout::separate)
       out.separate(all_attributes[a],
@@ -293,6 +295,47 @@ Group crossover_group() {
   return group;
 }
 
+// A B-spline against the textbook: all, less, and on a grid, on every instruction set.
+Group spline_group() {
+  Group group{"spline/double/L2", {}};
+  const auto place = [](Wanted wanted) {
+    return destination_of<double>(wanted == Wanted::tangent4 ? Layout::structs : Layout::separate, wanted,
+                                  reused(), few);
+  };
+  group.add(shape_name(Layout::separate, Wanted::all), "textbook loop", few,
+            [=] { textbook_spline(inputs<double>().u(), inputs<double>().v(), few, place(Wanted::all)); });
+  constexpr int cells = 63;  // few points
+  const auto add = [&](const std::string& shape, const Points<double>& points, Wanted wanted) {
+    for (const InstructionSet set : instruction_sets())
+      if (set != InstructionSet::points)
+        group.add(shape, ours(set), few,
+                  [=, surface = AnySurface(timed_spline()),
+                   out = outputs<double>(Layout::separate, wanted, place(wanted), few)] {
+                    surface.evaluate(points, out, {.instruction_set = set});
+                  });
+  };
+  for (const Wanted wanted : {Wanted::all, Wanted::tangent4, Wanted::position}) {
+    const std::string shape = shape_name(Layout::separate, wanted);
+    add(shape, random_points<double>(few), wanted);
+    if (wanted != Wanted::tangent4) add("grid: " + shape, Points<double>::grid(cells, cells), wanted);
+  }
+  return group;
+}
+
+// Point by point, in the caller's own loop.
+Group points_group(ByHand kind) {
+  Group group{std::string(name_of(kind)) + "/double/points", {}};
+  for (const Wanted wanted : {Wanted::all, Wanted::frame})
+    for (const auto& [name, method] :
+         {std::pair{"naive", Method::naive}, std::pair{"points", Method::points}})
+      group.add(shape_name(Layout::separate, wanted), name, few, [=, method = method] {
+        evaluate_by<double>(method, kind, Layout::separate, wanted, inputs<double>().u(),
+                            inputs<double>().v(), few,
+                            destination_of<double>(Layout::separate, wanted, reused(), few));
+      });
+  return group;
+}
+
 Group catalogue_group() {
   Group group{"catalogue/double/L2", {}};
   const std::vector<CatalogueLoops<double>>& loops = catalogue_loops<double>();
@@ -322,6 +365,8 @@ std::vector<Group> all_groups() {
   }
   groups.push_back(crossover_group<double>());
   groups.push_back(crossover_group<float>());
+  for (const ByHand kind : {ByHand::torus, ByHand::sphere}) groups.push_back(points_group(kind));
+  groups.push_back(spline_group());
   groups.push_back(catalogue_group());
   return groups;
 }
@@ -332,10 +377,11 @@ void check_numbers(const Group& group, ByHand kind) {
   std::map<std::string, std::vector<double>> expected;
   for (const Timing& timing : group.timings)
     for (const Layout layout : {Layout::separate, Layout::vectors, Layout::structs})
-      for (const Wanted wanted : {Wanted::all, Wanted::frame, Wanted::tangent4}) {
+      for (const Wanted wanted : {Wanted::all, Wanted::frame, Wanted::tangent4, Wanted::position}) {
         if (timing.shape != shape_name(layout, wanted) ||
-            (wanted == Wanted::tangent4 && layout != Layout::structs) || timing.method.starts_with("limit") ||
-            timing.method.starts_with("copy"))
+            (wanted == Wanted::tangent4 && layout != Layout::structs) ||
+            (wanted == Wanted::position && layout != Layout::separate) ||
+            timing.method.starts_with("limit") || timing.method.starts_with("copy"))
           continue;
         const Destination place = destination_of<T>(layout, wanted, reused(), few);
         std::memset(place.base, 0xff, place.arrays * place.stride);
@@ -359,7 +405,8 @@ void check_numbers(const Group& group, ByHand kind) {
 
 int table(std::vector<Group>& groups, bool quick) {
   for (const Group& group : groups)
-    if (group.name.ends_with("/L2") && !group.name.starts_with("catalogue")) {
+    if ((group.name.ends_with("/L2") && !group.name.starts_with("catalogue")) ||
+        group.name.ends_with("/points")) {
       const ByHand kind = group.name.starts_with("torus") ? ByHand::torus : ByHand::sphere;
       if (group.name.find("/double/") != std::string::npos)
         check_numbers<double>(group, kind);
@@ -368,7 +415,7 @@ int table(std::vector<Group>& groups, bool quick) {
     }
   const int rounds = quick ? 5 : 40;
   for (Group& group : groups) {
-    const bool in_cache = group.name.ends_with("/L2");
+    const bool in_cache = group.name.ends_with("/L2") || group.name.ends_with("/points");
     std::cerr << group.name << " ...\n";
     measure(group.timings, in_cache ? 2 * rounds : rounds);
   }

@@ -1,11 +1,13 @@
 #include "tables.h"
 
+#include <cmath>
 #include <functional>
 #include <iostream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <darboux/evaluate.h>
@@ -39,6 +41,8 @@ class Report {
            "writing the same numbers to the same layout; the time over the write limit of the same layout.\n";
     for (const std::string regime : {"memory", "L2"})
       for (const std::string scalar : {"double", "float"}) by_hand(regime, scalar);
+    points();
+    splines();
     catalogue();
     threads();
     stores();
@@ -140,13 +144,13 @@ class Report {
     const std::string separate = "18, separate arrays", vectors = "18, vec3 arrays",
                       structs = "18, array of structs";
     for (const std::string scalar : {"double", "float"}) {
-      at_most_limit(scalar, separate, best_of_ours(), 1.15);
+      at_most_limit(scalar, separate, best_of_ours(), scalar == "double" ? 1.2 : 1.15);
       times_naive(scalar, "memory", separate, best_of_ours(), scalar == "double" ? 7 : 8);
       at_most_limit(scalar, vectors, best_of_ours(), 1.25);
       at_most_limit(scalar, structs, best_of_ours(), 1.3);
       at_most_limit(scalar, "grid: " + separate, best_of_ours(), 1.1);
       at_most_limit(scalar, "grid: " + structs, best_of_ours(), 1.3);
-      times_naive(scalar, "L2", separate, best_of_ours(), scalar == "double" ? 14 : 16);
+      times_naive(scalar, "L2", separate, best_of_ours(), scalar == "double" ? 13 : 16);
     }
     times_naive("float", "L2", "t, b, n, vec3 arrays", best_of_ours(), 30);
     times_naive("float", "L2", "tangent4", best_of_ours(), 40);
@@ -162,13 +166,17 @@ class Report {
     }
     for (const std::string scalar : {"double", "float"})
       for (const std::size_t n : thread_sizes) {
-        const double least = n == many ? 1.9 : 1.8;
+        const auto gain = [&](const Group& g, const std::string& by) {
+          return ratio(g.at(size_name(n), by + "1"), g.at(size_name(n), by + "2"));
+        };
+        // Of what is asked: 1.7, or 0.95 of what two threads gain that only write.
         if (std::thread::hardware_concurrency() >= 2)
           target(
-              scalar + ", two threads, " + size_name(n) + " points", ">= " + number(least, 1) + " × one",
+              scalar + ", two threads, " + size_name(n) + " points, over what is asked",
+              ">= min(1.7, 0.95 × the limit's gain) × one",
               both(scalar, "threads",
-                   [&](const Group& g) { return ratio(g.at(size_name(n), "1"), g.at(size_name(n), "2")); }),
-              [=](double x) { return x >= least; }, "");
+                   [&](const Group& g) { return gain(g, "") / std::fmin(1.7, 0.95 * gain(g, "limit ")); }),
+              [](double x) { return x >= 1; }, "");
       }
     const auto tangent4_share = [&](const Group& g) {
       return ratio(g.at("tangent4", best_of_ours()), g.at(separate, best_of_ours()));
@@ -177,6 +185,7 @@ class Report {
               << number(tangent4_share(group("torus/float/L2")), 2) << " | "
               << number(tangent4_share(group("sphere/float/L2")), 2) << " | "
               << (tangent4_share(group("torus/float/L2")) <= 0.25 ? "pass" : "**missed**") << " |\n";
+    points_and_splines();
     std::string below, exempt;
     for (const CatalogueLoops<double>& x : catalogue_loops<double>()) {
       if (catalogue_ratio(x) >= 5) continue;
@@ -185,10 +194,69 @@ class Report {
     }
     std::cout << "| every surface of the catalogue, double, L2 | >= 5 × its own naive loop | see below | | "
               << (below.empty() ? "pass" : "**missed**: " + below)
-              << (exempt.empty() ? "" : "; exempt, splines with a search at each point: " + exempt) << " |\n"
+              << (exempt.empty() ? "" : "; exempt, curves of splines: " + exempt) << " |\n"
               << "| accuracy | frames 4u or 8u, partials 8u, times 1 + condition, on every path | | | held "
                  "by `darboux "
-                 "check` and, bit for bit on every instruction set, by tests/batch_test.cpp |\n";
+                 "check` and, bit for bit on every instruction set, by tests/evaluate/batch_test.cpp |\n";
+  }
+
+  void points_and_splines() const {
+    for (const auto& [shape, most] : {std::pair<std::string, double>{"18, separate arrays", 1.0},
+                                      std::pair<std::string, double>{"t, b, n, separate arrays", 0.6}}) {
+      const auto share = [&](const std::string& surface) {
+        const Group& g = group(surface + "/double/points");
+        return ratio(g.at(shape, "points"), g.at(shape, "naive"));
+      };
+      target(
+          "single points in double: " + shape, "<= " + number(most, 1) + " × the time of naive",
+          {share("torus"), share("sphere")}, [=](double x) { return x <= most; }, "");
+    }
+    const Group& g = group("spline/double/L2");
+    const std::string all = "18, separate arrays", position = "position, separate arrays";
+    const Timing& textbook = g.at(all, "textbook loop");
+    const auto row = [&](const std::string& what, double least, const std::string& unit, double value) {
+      std::cout << "| bicubic B-spline, double, L2: " << what << " | >= " << number(least, 1) << unit << " | "
+                << number(value, 2) << " | | " << (value >= least ? "pass" : "**missed**") << " |\n";
+    };
+    for (const InstructionSet set : {InstructionSet::avx512, InstructionSet::avx2}) {
+      if (g.find(all, ours(set)) == nullptr) continue;
+      const std::string by = ", " + std::string(darboux::name_of(set));
+      const auto over_all = [&](const std::string& shape) {
+        return ratio(g.at(all, ours(set)), g.at(shape, ours(set)));
+      };
+      row("18" + by, 4, " × the textbook loop", ratio(textbook, g.at(all, ours(set))));
+      row("grid, 18" + by, 10, " × the textbook loop", ratio(textbook, g.at("grid: " + all, ours(set))));
+      row("tangent4 alone" + by, 1.5, " × as fast as 18", over_all("tangent4"));
+      row("position alone" + by, 2, " × as fast as 18", over_all(position));
+    }
+  }
+
+  void points() const {
+    std::cout << "\n### Single points\n\nDouble, separate arrays, L2, in a loop of the caller's that is "
+                 "compiled at -O2: sample() for 18 numbers, frame() for t, b, n. Nanoseconds a "
+                 "point, best / median.\n\n"
+                 "| surface | written | naive | Darboux | × the time of naive |\n|---|---|---:|---:|---:|\n";
+    for (const std::string surface : {"torus", "sphere"})
+      for (const std::string shape : {"18, separate arrays", "t, b, n, separate arrays"}) {
+        const Group& g = group(surface + "/double/points");
+        const Timing &naive = g.at(shape, "naive"), &ours = g.at(shape, "points");
+        std::cout << "| " << surface << " | " << shape.substr(0, shape.find(", sep")) << " | "
+                  << nanoseconds(naive) << " | " << nanoseconds(ours) << " | "
+                  << number(ratio(ours, naive), 2) << " |\n";
+      }
+  }
+
+  void splines() const {
+    const Group& g = group("spline/double/L2");
+    const Timing& textbook = g.at("18, separate arrays", "textbook loop");
+    std::cout << "\n### A B-spline\n\nBicubic, a net of 8 x 8 points without weights, double, L2; random "
+                 "points, and a grid of 64 x 64. The textbook loop finds each point's spans, its basis "
+                 "functions and their derivatives, and adds up sixteen control points; × is its time for 18 "
+                 "numbers at random points over the row's. Nanoseconds a point, best / median.\n\n"
+                 "| written | by | ns | × the textbook loop |\n|---|---|---:|---:|\n";
+    for (const Timing& x : g.timings)
+      std::cout << "| " << x.shape << " | " << x.method << " | " << nanoseconds(x) << " | "
+                << number(ratio(textbook, x), 2) << " |\n";
   }
 
   double catalogue_ratio(const CatalogueLoops<double>& x) const {
@@ -207,7 +275,7 @@ class Report {
       std::cout << "| " << name << " | " << nanoseconds(g.at(name, "naive")) << " | "
                 << nanoseconds(g.at(name, best_of_ours())) << " | " << number(times, 2) << " | "
                 << (times >= 5    ? ""
-                    : !x.in_lanes ? "a spline: point by point, with a search at each"
+                    : !x.in_lanes ? "a curve of splines: point by point"
                                   : "**below 5**")
                 << " |\n";
     }

@@ -6,7 +6,7 @@ failures=0
 for object in "$@"; do
   # Defined and visible: only the tables. An exception's personality is data that every compiler emits.
   shared=$(nm -C --defined-only "$object" | grep -E ' [TWVuDBRi] ' |
-    grep -vE ' (__odr_asan|DW\.ref)\.| darboux::kernels::(uv_jet_)?table_([a-z_]+_)?(baseline|avx2|avx512)$' || true)
+    grep -vE ' (__odr_asan|DW\.ref)\.| darboux::kernels::(uv_jet_|mikktspace_)?table_([a-z_]+_)?(baseline|avx2|avx512)$' || true)
   if [[ -n $shared ]]; then
     echo "FAILED: $object shares:" >&2
     echo "$shared" >&2
@@ -19,7 +19,7 @@ for object in "$@"; do
     echo "FAILED: $object calls $called" >&2
     failures=$((failures + 1))
   fi
-  tables=$(nm -C --defined-only "$object" | grep -cE 'kernels::(uv_jet_)?table_' || true)
+  tables=$(nm -C --defined-only "$object" | grep -cE 'kernels::(uv_jet_|mikktspace_)?table_' || true)
   [[ $tables -gt 0 ]] || {
     echo "FAILED: $object has no table: is this the right file?" >&2
     failures=$((failures + 1))

@@ -189,7 +189,7 @@ TEST(SplineBatches, CollapsedEdges) {
   }
 }
 
-// Between knots no point goes by itself, whatever its span.
+// No point goes by itself, whatever its span.
 TEST(SplineBatches, RunInLanes) {
   if (instruction_sets().back() == InstructionSet::points) GTEST_SKIP() << "only `points` here";
   std::mt19937 random(31);
@@ -200,6 +200,9 @@ TEST(SplineBatches, RunInLanes) {
       expect_same_bits(spline, Points<double>::arrays(std::span(at.u).first(n), std::span(at.v).first(n)),
                        std::span(attributes).first(6)),
       0U);
+  // Nor at simple knots, and on edges that are no point: the columns and rows 3, 6, ... of this grid are
+  // knots.
+  EXPECT_EQ(expect_same_bits(spline, Points<double>::grid(15, 15), std::span(attributes).first(6)), 0U);
 }
 
 // What is not asked for changes no bit of what is.

@@ -1,9 +1,11 @@
 // MikkTSpace to the bit: against tangents that the npm package mikktspace made, which are those of the C
 // original.
 #include <array>
+#include <bit>
 #include <cfloat>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -17,8 +19,10 @@
 #include <gtest/gtest.h>
 
 #include <darboux/error.h>
+#include <darboux/instruction_set.h>
 #include <darboux/mikktspace.h>
 
+#include "mesh/mikktspace/connectivity.h"
 #include "mikktspace/generated_meshes.h"
 #include "refusal_of.h"
 
@@ -154,6 +158,53 @@ TEST(MikkTSpace, ThreadsGiveTheSameBits) {
   const Arrays torus(torus_soup(200, 100));
   const std::vector<float> one = torus.tangents();
   for (const int threads : {2, 5}) EXPECT_TRUE(same_bits(torus.tangents({.threads = threads}), one));
+}
+
+TEST(MikkTSpace, EveryInstructionSetGivesTheSameBits) {
+  Arrays all;
+  for (std::uint32_t k = 0; k < generated_meshes; ++k)
+    for (const Corner& x : generated_mesh(k)) all.add(x);
+  Arrays far = all;  // beyond the range of squares
+  for (float& x : far.positions) x *= 0x1p70F;
+  for (const Arrays* arrays : {&all, &far}) {
+    std::vector<float> tangents;
+    std::vector<MikkTangent> full;
+    for (const InstructionSet set : instruction_sets()) {
+      ASSERT_EQ(::setenv("DARBOUX_ISA", std::string(name_of(set)).c_str(), 1), 0);
+      const std::vector<float> here = arrays->tangents();
+      const std::vector<MikkTangent> full_here = mikktspace(arrays->mesh());
+      if (tangents.empty()) tangents = here, full = full_here;
+      EXPECT_TRUE(same_bits(here, tangents)) << name_of(set);
+      for (std::size_t c = 0; c < full.size(); ++c) {
+        ASSERT_EQ(full_here[c].t_length, full[c].t_length) << name_of(set);
+        ASSERT_EQ(full_here[c].b_length, full[c].b_length) << name_of(set);
+      }
+    }
+    ASSERT_EQ(::unsetenv("DARBOUX_ISA"), 0);
+  }
+}
+
+// Lanes take the arc cosine by a polynomial, and ask the C library where that does not tell which float.
+TEST(MikkTSpace, AnglesAreThoseOfTheLibraryToTheBit) {
+  static int asked;
+  const auto exactly = [](float x) {
+    ++asked;
+    return static_cast<float>(std::acos(static_cast<double>(x)));
+  };
+  std::vector<float> cosines{0, 1, -1, 0.5F, -0.5F, std::nextafter(0.5F, 1.0F), std::nextafter(-0.5F, -1.0F)};
+  constexpr std::uint32_t one = 0x3f800000, step = 2039;  // bits of floats
+  for (std::uint32_t bits = one; bits > one / 2; bits -= step)
+    for (const std::uint32_t sign : {0U, 0x80000000U}) cosines.push_back(std::bit_cast<float>(bits | sign));
+  cosines.resize(cosines.size() / 16 * 16);
+  std::vector<float> angles(cosines.size());
+  for (const InstructionSet set : instruction_sets()) {
+    asked = 0;
+    mikk::lanes_of(set).arc_cosines(cosines.data(), cosines.size(), exactly, angles.data());
+    EXPECT_GT(asked, 0);
+    EXPECT_LT(static_cast<std::size_t>(asked), cosines.size() / 1000);
+    for (std::size_t i = 0; i < cosines.size(); ++i)
+      ASSERT_EQ(angles[i], exactly(cosines[i])) << name_of(set) << ": arc cosine of " << cosines[i];
+  }
 }
 
 TEST(MikkTSpace, IndexedIsAsUnindexed) {

@@ -6,7 +6,7 @@
 
 #include <darboux/catalogue.h>
 
-#include "instruction_set.h"
+#include "base/instruction_set.h"
 
 namespace darboux::kernels {
 

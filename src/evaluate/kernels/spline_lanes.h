@@ -38,49 +38,54 @@ DARBOUX_VECTOR(float, 8)
 DARBOUX_VECTOR(float, 16)
 #undef DARBOUX_VECTOR
 
-#if defined(__AVX512F__)
-
-using Row = double __attribute__((vector_size(64)));
+// Rows of as many numbers as a register has.
+template <class T>
+inline constexpr int row_size = static_cast<int>(sizeof(Register<T>) / sizeof(T));
+template <class T>
+using Row = typename VectorOf<T, row_size<T>>::type;
 
 // Exchanges the blocks of `width` columns that lie off the diagonal of two rows.
-template <int width, int... k>
-void exchange(Row& a, Row& b, std::integer_sequence<int, k...>) {
-  const Row upper = __builtin_shufflevector(a, b, ((k & width) != 0 ? 8 + k - width : k)...);
-  b = __builtin_shufflevector(a, b, ((k & width) != 0 ? 8 + k : k + width)...);
+template <int width, class R, int... k>
+[[gnu::always_inline]] inline void exchange(R& a, R& b, std::integer_sequence<int, k...>) {
+  constexpr int n = sizeof...(k);
+  const R upper = __builtin_shufflevector(a, b, ((k & width) != 0 ? n + k - width : k)...);
+  b = __builtin_shufflevector(a, b, ((k & width) != 0 ? n + k : k + width)...);
   a = upper;
 }
-template <int width>
-void exchange(std::array<Row, 8>& rows) {
-#pragma GCC unroll 8
-  for (int i = 0; i < 8; ++i)
-    if ((i & width) == 0) exchange<width>(rows[i], rows[i + width], std::make_integer_sequence<int, 8>{});
+template <int width, class R, std::size_t n>
+[[gnu::always_inline]] inline void turn_round(std::array<R, n>& rows) {
+#pragma GCC unroll 16
+  for (std::size_t i = 0; i < n; ++i)
+    if ((i & width) == 0)
+      exchange<width>(rows[i], rows[i + width], std::make_integer_sequence<int, static_cast<int>(n)>{});
+  if constexpr (width > 1) turn_round<width / 2>(rows);
 }
 
-// The `count` points from a place of each lane on: three numbers each, at least eight, are read in rows of
-// eight and turned round in registers.
-template <class Place, class To>
-void transposed_points(const Vec3<double>* from, const Place& at, int count, To&& to) {
-  using S = Lanes<double>;
+// The `count` points from a place of each lane on: three numbers each, at least a row, are read in rows and
+// turned round in registers. Numbers that are stored one by one would wait to be loaded as a register.
+template <class S, class T, class Place, class To>
+void transposed_points(const Vec3<T>* from, const Place& at, int count, To&& to) {
+  constexpr int size = row_size<T>, lanes = static_cast<int>(S::lanes);
   const int numbers = 3 * count;
-  alignas(64) std::array<double, 8 * 3 * (max_spline_degree + 1)> all;
-  for (int first = 0;; first += 8) {
-    if (first + 8 > numbers) first = numbers - 8;
-    std::array<Row, 8> rows;
-#pragma GCC unroll 8
-    for (int k = 0; k < 8; ++k)
-      std::memcpy(&rows[k], reinterpret_cast<const double*>(from + at[k]) + first, sizeof(Row));
-    exchange<4>(rows);
-    exchange<2>(rows);
-    exchange<1>(rows);
-#pragma GCC unroll 8
-    for (int k = 0; k < 8; ++k) std::memcpy(&all[8 * (first + k)], &rows[k], sizeof(Row));
-    if (first + 8 == numbers) break;
+  alignas(64) std::array<T, 3 * (max_spline_degree + 1) * static_cast<std::size_t>(lanes)> all;
+  for (int first = 0;; first += size) {
+    if (first + size > numbers) first = numbers - size;
+    for (int lane = 0; lane < lanes; lane += size) {
+      std::array<Row<T>, static_cast<std::size_t>(size)> rows;
+#pragma GCC unroll 16
+      for (int k = 0; k < size; ++k)
+        std::memcpy(&rows[k], reinterpret_cast<const T*>(from + at[lane + k]) + first, sizeof(Row<T>));
+      turn_round<size / 2>(rows);
+#pragma GCC unroll 16
+      for (int k = 0; k < size; ++k) std::memcpy(&all[lanes * (first + k) + lane], &rows[k], sizeof(Row<T>));
+    }
+    if (first + size == numbers) break;
   }
-  for (int j = 0; j < count; ++j)
-    to[j] = {S::load(&all[24 * j]), S::load(&all[24 * j + 8]), S::load(&all[24 * j + 16])};
+  for (int j = 0; j < count; ++j) {
+    const T* const point = &all[3 * lanes * j];
+    to[j] = {S::load(point), S::load(point + lanes), S::load(point + 2 * lanes)};
+  }
 }
-
-#endif
 
 }  // namespace
 }  // namespace kernels
@@ -168,10 +173,8 @@ struct SpanPlace<kernels::Lanes<T, N>> {
       for (int j = 0; j < count; ++j) to[j] = {S(p[j].x), S(p[j].y), S(p[j].z)};
       return;
     }
-#if defined(__AVX512F__)
-    if constexpr (sizeof(T) == 8 && lanes == 8)
-      if (3 * count >= 8) return kernels::transposed_points(from, at, count, to);
-#endif
+    if constexpr (sizeof(T) == 8)
+      if (3 * count >= kernels::row_size<T>) return kernels::transposed_points<S>(from, at, count, to);
     for (int j = 0; j < count; ++j) {
       alignas(64) T x[lanes], y[lanes], z[lanes];
       for (std::size_t k = 0; k < lanes; ++k) {

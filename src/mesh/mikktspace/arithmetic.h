@@ -5,11 +5,9 @@
 #include <cfloat>
 #include <cmath>
 
-#include <darboux/vector.h>
+#include "lanes.h"
 
 namespace darboux::mikk {
-
-using Vector = Vec3<float>;
 
 inline bool not_zero(float x) {
   return std::fabs(x) > FLT_MIN;

@@ -13,9 +13,9 @@ namespace {
 
 // The most that any step takes.
 std::size_t scratch_bytes(const MikkMesh& mesh) {
-  const std::size_t corners =
-      mesh.face_sizes.empty() ? mesh.corner_count() : 6 * mesh.face_sizes.size();  // a quad is two triangles
-  return std::max(weld_places(mesh.vertex_count()) * sizeof(Index), sizeof(Part) * corners);
+  const std::size_t triangles =
+      mesh.face_sizes.empty() ? mesh.corner_count() / 3 : 2 * mesh.face_sizes.size();  // a quad is two
+  return std::max(weld_places(mesh.vertex_count()) * sizeof(std::uint64_t), sizeof(Directions) * triangles);
 }
 
 }  // namespace
@@ -164,27 +164,51 @@ void Connectivity::find_neighbours() {
     std::fill(neighbour_.data() + begin, neighbour_.data() + end, none);
   });
   parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
-    std::vector<Edge> edges;
+    // As one number each: the other vertex, the corner, the direction. A good triangle has one edge between
+    // two vertices, so that these stand in the order of the triangles.
+    std::vector<std::uint64_t> keys;
+    std::vector<Edge> run;
+    const auto key = [](Index other, std::size_t at, unsigned leaves) {
+      return std::uint64_t{other} << 32 | at << 1 | leaves;
+    };
+    const auto other_of = [](std::uint64_t k) { return static_cast<Index>(k >> 32); };
+    const auto corner_of = [](std::uint64_t k) { return static_cast<Index>(k) >> 1; };
     for (std::size_t v = begin; v < end; ++v) {
-      edges.clear();
-      for (const Index at : corners_at(static_cast<Index>(v))) {
-        const auto after = static_cast<Index>(next(at)), before = static_cast<Index>(previous(at));
-        if (const Index other = welded(after); other > v) edges.push_back({other, at, true});
-        if (const Index other = welded(before); other > v) edges.push_back({other, before, false});
+      const std::span<const Index> corners = corners_at(static_cast<Index>(v));
+      if (keys.size() < 2 * corners.size()) keys.resize(2 * corners.size());
+      std::size_t count = 0;
+      for (const Index at : corners) {
+        const std::size_t before = previous(at);
+        const Index last = welded(next(at)), first = welded(before);
+        keys[count] = key(last, at, 1);
+        count += last > v ? 1 : 0;
+        keys[count] = key(first, before, 0);
+        count += first > v ? 1 : 0;
       }
-      const auto by_triangle = [](const Edge& a, const Edge& b) {
-        return a.other != b.other ? a.other < b.other : a.at / 3 < b.at / 3;
-      };
-      if (edges.size() < 24) {
-        for (std::size_t i = 1; i < edges.size(); ++i)
-          for (std::size_t j = i; j > 0 && by_triangle(edges[j], edges[j - 1]); --j)
-            std::swap(edges[j], edges[j - 1]);
+      if (count < 24) {
+        for (std::size_t i = 1; i < count; ++i) {
+          const std::uint64_t one = keys[i];
+          std::size_t j = i;
+          for (; j > 0 && one < keys[j - 1]; --j) keys[j] = keys[j - 1];
+          keys[j] = one;
+        }
       } else {
-        std::stable_sort(edges.begin(), edges.end(), by_triangle);
+        std::sort(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(count));
       }
-      for (std::size_t first = 0, last; first < edges.size(); first = last) {
-        for (last = first; last < edges.size() && edges[last].other == edges[first].other;) ++last;
-        pair_up(std::span(edges).subspan(first, last - first));
+      for (std::size_t first = 0, last; first < count; first = last) {
+        for (last = first + 1; last < count && other_of(keys[last]) == other_of(keys[first]);) ++last;
+        if (last == first + 1) continue;
+        if (last == first + 2) {  // nearly always
+          const std::uint64_t a = keys[first], b = keys[first + 1];
+          if (((a ^ b) & 1) == 0) continue;
+          neighbour_[corner_of(a)] = corner_of(b) / 3;
+          neighbour_[corner_of(b)] = corner_of(a) / 3;
+          continue;
+        }
+        run.clear();
+        for (std::size_t i = first; i < last; ++i)
+          run.push_back({other_of(keys[i]), corner_of(keys[i]), (keys[i] & 1) != 0});
+        pair_up(run);
       }
     }
   });

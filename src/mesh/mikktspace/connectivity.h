@@ -9,37 +9,26 @@
 #include <span>
 #include <vector>
 
+#include <darboux/instruction_set.h>
 #include <darboux/mikktspace.h>
 
 #include "arithmetic.h"
 #include "base/parallel.h"
 #include "buffer.h"
 #include "input.h"
+#include "lanes.h"
 
 namespace darboux::mikk {
 
-using Index = std::uint32_t;
 constexpr Index none = ~Index{0};
-
-// Of a triangle that is not degenerate.
-struct Orientation {
-  std::uint8_t preserves : 1;  // the uvs wind as the triangle does
-  std::uint8_t any : 1;  // joins groups of either orientation: its uvs have no area, or s or t no length
-};
-// What a corner adds, weighted by the angle: unit directions in which u and v grow, across the normal there.
-struct Part {
-  Vector s, t;
-  float angle;  // between the triangle's edges as seen along the normal
-};
-// Lengths of the derivatives in u and v.
-struct Lengths {
-  float s, t;
-};
 
 // Of a hash table that has room for all vertices.
 constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
 }
+
+// Of `points` those of the baseline.
+const LaneKernels& lanes_of(InstructionSet set);
 
 // All of it stands when the constructor is done, and is only read then.
 struct Connectivity {
@@ -73,7 +62,8 @@ struct Connectivity {
   std::size_t listed(std::size_t entry) const { return cut_.empty() ? entry : cut_[entry]; }
 
   void weld();
-  bool weld_with(std::span<Index> table, std::size_t most_steps);
+  template <class Access>
+  bool weld_with(std::span<std::uint64_t> table, std::size_t most_steps);
   void list_triangles();
   void set_degenerate_apart();
   void list_corners();
@@ -91,11 +81,14 @@ struct Connectivity {
   void find_last_neighbours();
   void differentiate(bool lengths);
   void orient_any();
+  // Of corners at one vertex. There may be room for more.
+  void find_parts(std::span<const Index> corners, std::vector<Part>& parts) const;
 
   const MikkMesh& mesh_;
   Range range_;
   std::size_t threads_;
-  Scratch scratch_;                 // of the welding, then of the representatives, then of the parts
+  const LaneKernels& lanes_ = lanes_of(chosen_instruction_set());
+  Scratch scratch_;                 // of the welding, then of the representatives, then of the directions
   std::size_t ids_ = 0;             // some may not be used
   bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs
   bool any_ = false;                // some triangle is `any`
@@ -112,7 +105,7 @@ struct Connectivity {
       representative_;  // of each id, while that is needed: the corner by which the original knows it
   Buffer<Index> begin_, at_vertex_;     // of each id: its corners in good triangles, ascending
   Buffer<Index> neighbour_;             // of each good triangle: across the edges that begin at its corners
-  std::span<Part> part_;                // of each corner of the good triangles
+  std::span<Directions> directions_;    // of the good triangles
   Buffer<Orientation> orientation_;     // of the good triangles
   Buffer<Lengths> lengths_;             // of the good triangles, if wanted
   std::vector<Index> label_;            // of corners at vertices of `any` triangles: the first of their group

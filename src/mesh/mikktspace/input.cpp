@@ -1,6 +1,7 @@
 #include "input.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <limits>
@@ -60,19 +61,24 @@ void check(const MikkOptions& options) {
                          expected_got("0 <= degrees <= 180", std::to_string(options.angular_threshold)));
 }
 
-// The bits of a magnitude grow with it; those of infinity and NaN are the greatest.
-std::uint32_t magnitude_bits(float x) {
-  return std::bit_cast<std::uint32_t>(x) & 0x7fffffffU;
+// The bits of a magnitude grow with it; those of infinity and NaN are the greatest. Signed, as lanes compare.
+std::int32_t magnitude_bits(float x) {
+  return std::bit_cast<std::int32_t>(x) & 0x7fffffff;
 }
 
 float greatest_magnitude(std::span<const float> x, int threads) {
   std::mutex mutex;
-  std::uint32_t greatest = 0;
+  std::int32_t greatest = 0;
   parallel_ranges(x.size(), thread_count(threads), [&](std::size_t begin, std::size_t end) {
-    std::uint32_t here = 0;
-    for (std::size_t i = begin; i < end; ++i) here = std::max(here, magnitude_bits(x[i]));
+    std::array<std::int32_t, 16> here{};  // none waits for another
+    const auto take = [&](std::size_t i, std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) here[k] = std::max(here[k], magnitude_bits(x[i + k]));
+    };
+    std::size_t i = begin;
+    for (; i + here.size() <= end; i += here.size()) take(i, here.size());
+    take(i, end - i);
     const std::lock_guard lock(mutex);
-    greatest = std::max(greatest, here);
+    greatest = std::max(greatest, *std::max_element(here.begin(), here.end()));
   });
   return std::bit_cast<float>(greatest);
 }

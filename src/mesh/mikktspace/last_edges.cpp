@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <mutex>
 #include <span>
 #include <utility>
@@ -124,23 +125,38 @@ class Cells {
   std::size_t axis() const { return axis_; }
   // The cell of a coordinate along the axis; 0 in a flat mesh too.
   std::size_t at(float x) const {
-    const float at = cell_count * ((x - low_) / (high_ - low_));
+    const float at = place(x);
     return at >= 0 ? at < cell_count ? static_cast<std::size_t>(at) : cell_count - 1 : 0;
   }
 
   // A counting sort of the entries of the cells asked for; within a cell they keep their order.
   void sort(const std::vector<std::uint8_t>& asked) {
-    // Behind the entries stand, block by block, those asked for.
-    const std::span<Index> hits = mesh_.scratch_.as<Index>(entries_, entries_ * sizeof(Entry));
+    // Block by block those asked for.
+    const std::span<Index> hits = mesh_.scratch_.as<Index>(entries_);
     std::vector<std::size_t> hits_of(blocks_);
     std::vector<Index> next(blocks_ * cell_count, 0);  // per block and cell: a count, then where they go
+    // Most entries are before all cells asked for or after them.
+    const auto is_asked = [](std::uint8_t x) { return x != 0; };
+    const auto first_asked = std::find_if(asked.begin(), asked.end(), is_asked) - asked.begin(),
+               past_asked = asked.rend() - std::find_if(asked.rbegin(), asked.rend(), is_asked);
+    constexpr float infinite = std::numeric_limits<float>::infinity();
+    const float from = first_asked == 0 ? -infinite : static_cast<float>(first_asked),
+                to = past_asked == cell_count ? infinite : static_cast<float>(past_asked);
     in_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
       std::size_t hit = begin;
-      for (std::size_t e = begin; e < end; ++e) {
-        const std::size_t cell = at(position(e)[axis_]);
-        hits[hit] = static_cast<Index>(e);
-        hit += asked[cell];
-        next[b * cell_count + cell] += asked[cell];
+      for (std::size_t four = begin; four < end; four += 4) {
+        const std::size_t count = std::min<std::size_t>(4, end - four);
+        Floats x{};
+        for (std::size_t k = 0; k < count; ++k) x[k] = position(four + k)[axis_];
+        const Floats places = place(x);
+        const auto outside = (places < from) | (places >= to);
+        if ((outside[0] & outside[1] & outside[2] & outside[3]) != 0) continue;
+        for (std::size_t e = four; e < four + count; ++e) {
+          const std::size_t cell = at(position(e)[axis_]);
+          hits[hit] = static_cast<Index>(e);
+          hit += asked[cell];
+          next[b * cell_count + cell] += asked[cell];
+        }
       }
       hits_of[b] = hit - begin;
     });
@@ -151,7 +167,7 @@ class Cells {
         sum += std::exchange(next[b * cell_count + cell], static_cast<Index>(sum));
     }
     first_[cell_count] = sum;
-    sorted_ = mesh_.scratch_.as<Entry>(sum);
+    sorted_ = Buffer<Entry>(sum);
     in_blocks([&](std::size_t b, std::size_t begin, std::size_t) {
       for (const Index e : hits.subspan(begin, hits_of[b])) {
         const float* p = position(e);
@@ -160,13 +176,18 @@ class Cells {
       }
     });
   }
-  std::span<Entry> operator[](std::size_t cell) const {
-    return sorted_.subspan(first_[cell], first_[cell + 1] - first_[cell]);
+  std::span<Entry> operator[](std::size_t cell) {
+    return {sorted_.data() + first_[cell], first_[cell + 1] - first_[cell]};
   }
 
  private:
   static constexpr std::size_t block = 1 << 16;
 
+  // Along the axis, in cells.
+  template <class X>
+  X place(const X& x) const {
+    return static_cast<float>(cell_count) * ((x - low_) / (high_ - low_));
+  }
   const float* position(std::size_t entry) const {
     return &mesh_.mesh_.positions[3 * std::size_t{mesh_.vertex(mesh_.listed(entry))}];
   }
@@ -189,7 +210,7 @@ class Cells {
   std::size_t entries_, blocks_, axis_ = 0;
   float low_ = 0, high_ = 0;
   std::array<std::size_t, cell_count + 1> first_{};
-  std::span<Entry> sorted_;
+  Buffer<Entry> sorted_;
 };
 
 struct KeyedEdge {

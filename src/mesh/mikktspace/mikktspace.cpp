@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <utility>
 
@@ -37,36 +39,51 @@ class Tangents : mikk::Connectivity {
   struct Scratch;
   template <class Put>
   void serve(Index id, Scratch& scratch, const Put& put) const;
+  // Groups and members: places in the corners of the vertex.
   template <class Put>
   void serve_group(std::span<const Index> group, Scratch& scratch, const Put& put) const;
   bool are_one_group(Index id) const;
-  MikkTangent evaluate(std::span<const Index> members) const;
+  MikkTangent evaluate(std::span<const Index> members, const Scratch& scratch) const;
   bool any(std::size_t at) const { return orientation_[at / 3].any != 0; }
   bool preserves(std::size_t at) const { return orientation_[at / 3].preserves != 0; }
 
   float cosine_;
 };
 
+// Of the vertex that is served.
 struct Tangents::Scratch {
-  std::vector<Index> group, reached, first, next, corners, members;
+  std::span<const Index> corners;
+  std::vector<Part> part;       // of each, and more
+  std::vector<Index> in_order;  // 0, 1, ...: all of them, and more
+  std::vector<Index> group, reached, first, next, members, served;
 };
 
 // The average over some corners, weighted by the angle between a triangle's edges as seen along the normal.
-MikkTangent Tangents::evaluate(std::span<const Index> members) const {
-  Vector s{0, 0, 0}, t{0, 0, 0};
+MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x) const {
+  // x, y, z, and the angle.
+  using Four = float __attribute__((vector_size(16)));
+  static_assert(offsetof(Part, t) == sizeof(Four) && sizeof(Part) == 2 * sizeof(Four));
+  const bool all = !lengths_.empty();  // else nobody asks for more than t
+  Four s_sum{}, t_sum{};
   float s_length = 0, t_length = 0, sum = 0;
-  for (const Index at : members) {
+  for (const Index i : members) {
+    const Index at = x.corners[i];
     if (any(at)) continue;
-    const Part& part = part_[at];
-    s += part.angle * part.s;
-    t += part.angle * part.t;
-    if (!lengths_.empty()) {
+    const Part& part = x.part[i];
+    Four part_s, part_t;
+    std::memcpy(&part_s, &part.s, sizeof part_s);
+    std::memcpy(&part_t, &part.t, sizeof part_t);
+    s_sum += part.angle * part_s;
+    if (all) {
+      t_sum += part.angle * part_t;
       s_length += part.angle * lengths_[at / 3].s;
       t_length += part.angle * lengths_[at / 3].t;
     }
     sum += part.angle;
   }
+  Vector s{s_sum[0], s_sum[1], s_sum[2]}, t{t_sum[0], t_sum[1], t_sum[2]};
   s = normalised(s);
+  if (!all) return {.t = {s.x, s.y, s.z}, .served = true};
   t = normalised(t);
   if (sum > 0) {
     s_length /= sum;
@@ -94,22 +111,23 @@ bool Tangents::are_one_group(Index id) const {
 
 template <class Put>
 void Tangents::serve_group(std::span<const Index> group, Scratch& x, const Put& put) const {
-  const float sign = preserves(group[0]) ? 1.0F : -1.0F;
-  const auto write = [&](Index at, MikkTangent tangent) {
+  const float sign = preserves(x.corners[group[0]]) ? 1.0F : -1.0F;
+  const auto write = [&](Index i, MikkTangent tangent) {
     tangent.sign = sign;
-    put(corner(at), tangent);
+    put(corner(x.corners[i]), tangent);
   };
-  const auto together = [&](Index a, Index b) {
+  const auto together = [&](Index i, Index j) {
+    const Index a = x.corners[i], b = x.corners[j];
     return any(a) || any(b) || face(a / 3) == face(b / 3) ||
-           (dot(part_[a].s, part_[b].s) > cosine_ && dot(part_[a].t, part_[b].t) > cosine_);
+           (dot(x.part[i].s, x.part[j].s) > cosine_ && dot(x.part[i].t, x.part[j].t) > cosine_);
   };
   // At the usual 180 degrees only opposite directions part: there are none where all are on one side.
   bool all = cosine_ <= -1;
   Index first = none;
   for (std::size_t i = 0; all && i < group.size(); ++i) {
-    if (any(group[i])) continue;
+    if (any(x.corners[group[i]])) continue;
     if (first == none) first = group[i];
-    const Part &a = part_[group[i]], &b = part_[first];
+    const Part &a = x.part[group[i]], &b = x.part[first];
     all = group[i] == first || (dot(a.s, b.s) > 0.1F && dot(a.t, b.t) > 0.1F);
   }
   if (!all) {
@@ -118,23 +136,28 @@ void Tangents::serve_group(std::span<const Index> group, Scratch& x, const Put& 
       for (std::size_t j = 0; all && j < i; ++j) all = together(group[i], group[j]);
   }
   if (all) {
-    const MikkTangent tangent = evaluate(group);
-    for (const Index at : group) write(at, tangent);
+    const MikkTangent tangent = evaluate(group, x);
+    for (const Index i : group) write(i, tangent);
     return;
   }
   for (const Index a : group) {
     x.members.clear();
     for (const Index b : group)
       if (together(a, b)) x.members.push_back(b);
-    write(a, evaluate(x.members));
+    write(a, evaluate(x.members, x));
   }
 }
 
 template <class Put>
 void Tangents::serve(Index id, Scratch& x, const Put& put) const {
   const std::span<const Index> corners = corners_at(id);
+  x.corners = corners;
+  find_parts(corners, x.part);
   const bool labelled = !labelled_.empty() && labelled_[id] != 0;
-  if (!labelled && are_one_group(id)) return serve_group(corners, x, put);
+  if (!labelled && are_one_group(id)) {
+    while (x.in_order.size() < corners.size()) x.in_order.push_back(static_cast<Index>(x.in_order.size()));
+    return serve_group(std::span(x.in_order).first(corners.size()), x, put);
+  }
   // Groups: corners joined by edges at the vertex between triangles of one orientation; numbered by their
   // first.
   x.group.assign(corners.size(), none);
@@ -175,9 +198,9 @@ void Tangents::serve(Index id, Scratch& x, const Put& put) const {
   for (std::size_t i = corners.size(); i-- > 0;)
     if (x.group[i] != none) x.next[i] = std::exchange(x.first[x.group[i]], static_cast<Index>(i));
   for (Index g = 0; g < groups; ++g) {
-    x.corners.clear();
-    for (Index i = x.first[g]; i != none; i = x.next[i]) x.corners.push_back(corners[i]);
-    serve_group(x.corners, x, put);
+    x.served.clear();
+    for (Index i = x.first[g]; i != none; i = x.next[i]) x.served.push_back(i);
+    serve_group(x.served, x, put);
   }
 }
 

@@ -1,0 +1,70 @@
+/// \file lanes.h
+/// Between corners.cpp, which knows the mesh, and lanes.cpp, which is compiled once per instruction set: four
+/// triangles or corners at a time, or more. Plain data only: nothing here may be compiled differently in the
+/// two.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <darboux/vector.h>
+
+namespace darboux::mikk {
+
+using Vector = Vec3<float>;
+using Index = std::uint32_t;
+
+// Of a triangle that is not degenerate.
+struct Orientation {
+  std::uint8_t preserves : 1;  // the uvs wind as the triangle does
+  std::uint8_t any : 1;  // joins groups of either orientation: its uvs have no area, or s or t no length
+};
+// Unit directions in which u and v grow in a triangle, and at each corner the angle between its edges as seen
+// along the normal there.
+struct Directions {
+  Vector s, t;
+  std::array<float, 3> angle;
+};
+// What a corner adds, weighted by the angle: the directions, unit and across the normal there.
+// Each beside the angle, so that they are stored and loaded four numbers at a time.
+struct Part {
+  Vector s;
+  float angle;
+  Vector t;
+  float same_angle;
+};
+// Lengths of the derivatives in u and v.
+struct Lengths {
+  float s, t;
+};
+
+// Some triangles.
+struct Triangles {
+  const float *positions, *normals, *uvs;  // of vertices
+  Index last_vertex;
+  const Index* vertices;  // three per triangle
+  std::size_t count;
+  bool scale;                         // triangle by triangle, by powers of two, to about 1
+  bool shrink_positions, shrink_uvs;  // by a quarter first
+  float (*arc_cosine)(float x);       // where lanes cannot tell which of two floats
+  Directions* directions;
+  Orientation* orientation;
+  Lengths* lengths;  // null: not wanted
+};
+
+// Of one instruction set. All give the same bits.
+struct LaneKernels {
+  // Whether one of the triangles is `any`.
+  bool (*differentiate)(const Triangles& triangles);
+  // The parts of corners 3 t + k at a vertex with this normal. Room for parts is a multiple of
+  // parts_at_once.
+  void (*find_parts)(const Directions* directions, const Index* corners, std::size_t count,
+                     const float* normal, Part* parts);
+  // acos as differentiate() takes it, for its test; `exactly` is Triangles::arc_cosine. \param count a
+  // multiple of 16
+  void (*arc_cosines)(const float* cosines, std::size_t count, float (*exactly)(float x), float* angles);
+};
+constexpr std::size_t parts_at_once = 8;
+
+}  // namespace darboux::mikk
