@@ -118,11 +118,13 @@ Picture picture_of_fates(const Scene& scene, const Camera& camera, SceneRequest 
                          const Common& common) {
   request.attributes = Attribute::position | Attribute::normal;
   const ScenePlan needed_plan = plan_scene(scene, camera, request);
+  request.skip.occluded = false;
+  const ScenePlan facing_plan = plan_scene(scene, camera, request);
   request.skip.back_facing = false;
   const ScenePlan within_plan = plan_scene(scene, camera, request);
   request.skip.outside_frustum = false;
   const ScenePlan all = plan_scene(scene, camera, request);
-  const TileKeys needed = keys_of(needed_plan), within = keys_of(within_plan);
+  const TileKeys needed = keys_of(needed_plan), facing = keys_of(facing_plan), within = keys_of(within_plan);
   const Eigen::Matrix3d axes = axes_beside(camera);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Vec3<double> least{infinity, infinity, infinity}, greatest = -least;
@@ -142,6 +144,7 @@ Picture picture_of_fates(const Scene& scene, const Camera& camera, SceneRequest 
     draw_tiles(rasteriser, scene, samples, [&](const PlannedTile& tile) {
       const auto key = key_of(samples.patch(), tile);
       return picture_material(needed.contains(key)   ? TileFate::needed
+                              : facing.contains(key) ? TileFate::occluded
                               : within.contains(key) ? TileFate::back_facing
                                                      : TileFate::outside_frustum);
     });
@@ -395,6 +398,7 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
   SceneRequest request = file.request;
   if (!arguments.chord.empty()) set_chord(arguments.chord, request);
   if (!arguments.angle.empty()) set_angle(arguments.angle, request);
+  request.skip.occluded = true;
   if (arguments.path) return run_path(arguments, file, request, common);
   if (!arguments.output.empty()) request.attributes |= Attribute::position;
   if (!arguments.render.empty())
@@ -439,8 +443,8 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
   }
   if (other) {
     SceneRequest all = request;
-    all.skip.outside_frustum = all.skip.back_facing = false;
-    if (arguments.no_skip) all.skip = {false, false, false, false, false};
+    all.skip.outside_frustum = all.skip.back_facing = all.skip.occluded = false;
+    if (arguments.no_skip) all.skip = SceneRequest::Skip::nothing();
     Progress progress("scene, with what is skipped", common);
     report.samples_evaluated = 0;
     report.full_seconds = evaluate_patches(scene, plan_scene(scene, camera.camera, all), progress,
@@ -493,16 +497,16 @@ void add_scene(CLI::App& app, Common& common) {
   sub.add_option("--render", arguments->render, "draw what the camera sees, as a .png");
   sub.add_option(
       "--render-skipped", arguments->render_skipped,
-      "draw the scene from outside, as a .png: green what is needed, orange what faces away, grey what "
-      "is out of view");
+      "draw the scene from outside, as a .png: green what is needed, orange what faces away, blue what is "
+      "hidden, grey what is out of view");
   sub.add_flag(
       "--no-skip", arguments->no_skip,
       "also evaluate all: every instance with all attributes, as fine as its nearest point needs; that is "
       "written and drawn");
   sub.add_flag(
          "--no-cull", arguments->no_cull,
-         "also evaluate what is out of view or faces away, as fine as its distance needs; the picture stays "
-         "the same, bit for bit")
+         "also evaluate what is out of view, faces away or is hidden, as fine as its distance needs; the "
+         "picture stays the same, bit for bit")
       ->excludes("--no-skip");
   CLI::Option* path =
       sub.add_option(

@@ -11,6 +11,7 @@
 #include <darboux/scene.h>
 
 #include "known_patches.h"
+#include "occlusion.h"
 #include "patch_layout.h"
 #include "surface_tiles.h"
 #include "tile_edges.h"
@@ -73,6 +74,8 @@ struct Answer {
 // What was decided for an instance: its tiles, and by which answers.
 struct Decision {
   InstanceView whole;
+  Occlusion::Ball ball;  // that holds it, whatever the camera
+  double largest = 0;    // by what it is scaled, at most
   Counts counts;
   bool reads_nothing = false;
   std::size_t first_patch = 0, first_answer = 0;
@@ -80,6 +83,14 @@ struct Decision {
   // All answers stay the same while moved <= moving and moved + reach · turned <= turning, of the camera's
   // way.
   double reach = 0, moving = -infinity, turning = -infinity;
+};
+
+// The patches of an instance that is in view: known ones, as they are used by this plan.
+struct Shown {
+  std::uint32_t instance, patch_count;
+  std::size_t first_patch;
+  Occlusion::Ball ball;
+  double largest;
 };
 
 // How far a camera has moved and turned, all in all: the length of its way, and that of its axes' way as a
@@ -144,6 +155,9 @@ class ScenePlanner::Planner {
   void visit_tiles(Counts& counts);
   void add_patches(std::uint32_t instance);
   void find_edges(const Visited& tile, ScenePatch& patch);
+  void hide(const Camera& camera);
+  void cover(Occlusion& occlusion);
+  void hide_tiles(const Occlusion& occlusion, const Shown& shown);
   void add(std::uint32_t instance, std::uint32_t known);
   void finish();
 
@@ -162,6 +176,8 @@ class ScenePlanner::Planner {
   std::vector<Answer> answers_;      // of these
   std::size_t answers_dropped_ = 0;
   std::vector<std::uint32_t> used_, last_used_;  // known patches by instance, of this plan and the last
+  std::vector<Shown> shown_;
+  std::vector<bool> hidden_;  // of used_
   KnownPatches patches_{request_.skip.duplicates};
   std::uint32_t plans_ = 0;
   std::array<std::uint64_t, 2> samples_by_attributes_{};  // without tangents, and all that was asked for
@@ -200,13 +216,16 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
     slack_of_whole_ = tests_.slack;
   }
   if (kept || (keeps_ && still_right(decision))) {
-    for (std::size_t i = 0; i < decision.patch_count; ++i) add(index, last_used_[decision.first_patch + i]);
+    const auto known = last_used_.begin() + static_cast<std::ptrdiff_t>(decision.first_patch);
+    used_.insert(used_.end(), known, known + decision.patch_count);
   } else {
     decide(index, decision);
     decision.patch_count = static_cast<std::uint32_t>(used_.size() - first);
   }
   decision.first_patch = first;
   count(decision);
+  if (decision.patch_count > 0)
+    shown_.push_back({index, decision.patch_count, first, decision.ball, decision.largest});
 }
 
 // Asks again what may have another answer by now. Whether none has.
@@ -232,6 +251,9 @@ void ScenePlanner::Planner::decide(std::uint32_t index, Decision& d) {
   const std::size_t first = d.first_answer, place_for = d.answer_count;
   d = {};
   d.whole = tests_.whole();
+  d.ball = {tests_.placed().centre,
+            (1 + 0x1p-40) * tests_.placed().largest * tests_.tiles().radius() + tests_.placed().displacement};
+  d.largest = tests_.placed().largest;
   d.reach = reach_ = 1.25 * tests_.placed().farthest;
   d.moving = limit(slack_of_whole_.moving, false);
   d.turning = limit(slack_of_whole_.turning, true);
@@ -284,7 +306,6 @@ void ScenePlanner::Planner::count(const Decision& d) {
   plan_.skipped.back_facing += d.counts.back_facing;
   plan_.skipped.below_error += d.counts.below_error;
   plan_.tiles_unbounded += d.counts.unbounded;
-  plan_.instances_needed += d.patch_count > 0;
 }
 
 double ScenePlanner::Planner::limit(double slack, bool turning) const {
@@ -376,7 +397,7 @@ void ScenePlanner::Planner::add_patches(std::uint32_t index) {
     patch.attributes = tests_.asked();
     patches_.begin(patch);
     if (visited_.size() > 1) find_edges(tile, patch);
-    add(index, patches_.add(patch));
+    used_.push_back(patches_.add(patch, tile.node));
   }
 }
 
@@ -435,6 +456,76 @@ void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
   }
 }
 
+// What lies behind the largest of those in view, as seen.
+void ScenePlanner::Planner::hide(const Camera& camera) {
+  Occlusion occlusion(camera);
+  cover(occlusion);
+  occlusion.finish();
+  if (occlusion.empty()) return;
+  // Of smaller ones, tiles one by one are not worth it.
+  constexpr double large = 4;
+  for (const Shown& shown : shown_) {
+    if (!tiles_[scene_.instances[shown.instance].surface]->known()) continue;
+    if (occlusion.hides(shown.ball)) {
+      for (std::size_t i = 0; i < shown.patch_count; ++i) hidden_[shown.first_patch + i] = true;
+      plan_.skipped.occluded += shown.patch_count;
+    } else if (shown.patch_count > 1 && occlusion.size_of(shown.ball) > large &&
+               occlusion.may_hide_of(shown.ball)) {
+      hide_tiles(occlusion, shown);
+    }
+  }
+}
+
+void ScenePlanner::Planner::cover(Occlusion& occlusion) {
+  // Smaller ones hide little. In cells of the view, of which there are 128 in a row.
+  constexpr double smallest = 5;
+  constexpr std::size_t most = 12;
+  struct Candidate {
+    double size;
+    std::uint32_t shown;
+    bool operator<(const Candidate& other) const {
+      return size != other.size ? size > other.size : shown < other.shown;
+    }
+  };
+  std::vector<Candidate> candidates;
+  for (std::uint32_t i = 0; i < shown_.size(); ++i) {
+    const double size = occlusion.size_of(shown_[i].ball);
+    if (!(size >= smallest)) continue;
+    const SceneMaterial& material = scene_.materials[scene_.instances[shown_[i].instance].material];
+    if (!material.see_through && material.displacement == 0) candidates.push_back({size, i});
+  }
+  const std::size_t count = std::min(most, candidates.size());
+  std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
+                    candidates.end());
+  candidates.resize(count);
+  std::vector<Occlusion::Drawn> drawn;
+  for (const Candidate& candidate : candidates) {
+    const Shown& shown = shown_[candidate.shown];
+    if (occlusion.hides(shown.ball)) continue;
+    const SceneInstance& instance = scene_.instances[shown.instance];
+    drawn.clear();
+    for (std::size_t i = 0; i < shown.patch_count; ++i) {
+      const ScenePatch& p = patches_[used_[shown.first_patch + i]].patch;
+      drawn.push_back({{p.level_u, p.level_v, p.column, p.row},
+                       {std::countr_zero(p.cells_u), std::countr_zero(p.cells_v)}});
+    }
+    occlusion.add({instance, *tiles_[instance.surface], scene_.materials[instance.material].double_sided,
+                   shown.ball, shown.largest, drawn});
+  }
+}
+
+void ScenePlanner::Planner::hide_tiles(const Occlusion& occlusion, const Shown& shown) {
+  const SceneInstance& instance = scene_.instances[shown.instance];
+  if (scene_.materials[instance.material].displacement > 0) return;
+  const Occlusion::OfCamera of_camera(occlusion, instance.placement);
+  for (std::size_t k = shown.first_patch; k < shown.first_patch + shown.patch_count; ++k) {
+    const TileNode& node = (*tiles_[instance.surface])[patches_[used_[k]].node];
+    if (!occlusion.hides(of_camera, node.lo, node.hi)) continue;
+    hidden_[k] = true;
+    ++plan_.skipped.occluded;
+  }
+}
+
 // A tile of an instance, by its patch.
 void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
   KnownPatch& known = patches_[id];
@@ -456,7 +547,6 @@ void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
                                       " tiles keep, got smaller ones: ask for a larger chord or angle");
   ++plan_.patches[known.index].tile_count;
   plan_.tiles.push_back({instance, known.index});
-  used_.push_back(id);
 }
 
 void ScenePlanner::Planner::begin(const Camera& camera) {
@@ -477,6 +567,7 @@ void ScenePlanner::Planner::begin(const Camera& camera) {
   }
   std::swap(used_, last_used_);
   used_.clear();
+  shown_.clear();
   plan_ = {};
   samples_by_attributes_ = {};
   ++plans_;
@@ -485,6 +576,17 @@ void ScenePlanner::Planner::begin(const Camera& camera) {
 ScenePlan ScenePlanner::Planner::plan(const Camera& camera) {
   begin(camera);
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) plan_instance(i);
+  hidden_.assign(used_.size(), false);
+  if (request_.skip.occluded) hide(camera);
+  for (const Shown& shown : shown_) {
+    bool needed = false;
+    for (std::size_t i = 0; i < shown.patch_count; ++i)
+      if (const std::size_t k = shown.first_patch + i; !hidden_[k]) {
+        needed = true;
+        add(shown.instance, used_[k]);
+      }
+    plan_.instances_needed += needed;
+  }
   finish();
   return std::move(plan_);
 }

@@ -109,7 +109,7 @@ void asteroids(int rounds) {
   const io::SceneFile file = io::read_scene_file("docs/examples/asteroids.json");
   const Camera& camera = file.cameras[0].camera;
   SceneRequest everything = file.request;
-  everything.skip = {false, false, false, false, false};
+  everything.skip = SceneRequest::Skip::nothing();
   const ScenePlan uniform = plan_scene(file.scene, camera, everything);
   ScenePlan plan;
   Walk walk(file.scene, camera, file.request);
@@ -199,7 +199,7 @@ void overhead(int rounds) {
     for (SceneRequest* request : {&usual, &fine}) {
       request->skip.duplicates = false;
       SceneRequest everything = *request;
-      everything.skip = {false, false, false, false, false};
+      everything.skip = SceneRequest::Skip::nothing();
       const ScenePlan uniform = plan_scene(scene, {}, everything);
       ScenePlan plan;
       const std::vector<double> s =
