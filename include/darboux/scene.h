@@ -19,6 +19,7 @@
 #include <Eigen/Geometry>
 
 #include <darboux/any_surface.h>
+#include <darboux/scene_mesh.h>
 #include <darboux/tile_bounds.h>
 
 namespace darboux {
@@ -48,6 +49,9 @@ struct Scene {
   std::vector<AnySurface> surfaces;
   std::vector<SceneMaterial> materials;
   std::vector<SceneInstance> instances;
+  /// Triangles that are there: planned by whole parts, and not evaluated.
+  std::vector<SceneMesh> meshes{};
+  std::vector<SceneMeshInstance> mesh_instances{};
 };
 
 /// A camera as glTF has it: it looks along its -z, y is up.
@@ -128,7 +132,12 @@ struct PlannedTile {
   std::uint32_t instance, patch;
 };
 
-/// Tiles, each counted under one reason.
+/// A part of a mesh that is needed.
+struct PlannedPart {
+  std::uint32_t instance, part;  ///< of Scene::mesh_instances, and of its mesh
+};
+
+/// Tiles, each counted under one reason. A part of an instance of a mesh counts as one.
 struct SkippedTiles {
   std::uint64_t no_normal_map = 0;  ///< all that was asked for is tangents, and the material reads none
   std::uint64_t outside_frustum = 0;
@@ -142,19 +151,21 @@ struct ScenePlan {
   std::vector<ScenePatch> patches;       ///< what is to be evaluated
   std::vector<PlannedTile> tiles;        ///< what is to be drawn, by patch
   std::vector<double> edge_coordinates;  ///< of the patches
+  std::vector<PlannedPart> parts;        ///< of meshes, what is to be drawn
 
-  std::uint64_t instances_needed = 0;  ///< those with at least one tile
+  std::uint64_t instances_needed = 0;  ///< those with at least one tile, and parts of instances of meshes
   std::uint64_t tiles_all = 0;         ///< of all instances at their finest resolution
-  std::uint64_t tiles_needed = 0;      ///< all, less those skipped: the number of patches
+  std::uint64_t tiles_needed = 0;      ///< all, less those skipped: patches, and parts of meshes once
   SkippedTiles skipped;
   /// Of those needed, before duplicates and what is hidden: their resolution is an estimate from samples,
   /// half as much again, next to poles, on surfaces without bounds, and without skip.below_error on those
   /// without closed forms, or the finest there is, 2^14 cells along a side. Surfaces without bounds are never
   /// culled.
   std::uint64_t tiles_unbounded = 0;
-  std::uint64_t samples_full = 0;    ///< every instance uniformly at the resolution of its nearest point
-  std::uint64_t samples_needed = 0;  ///< of the patches
-  /// Samples of each attribute that are evaluated.
+  /// Every instance uniformly at the resolution of its nearest point; of meshes, their vertices.
+  std::uint64_t samples_full = 0;
+  std::uint64_t samples_needed = 0;  ///< of the patches, and vertices
+  /// Samples of each attribute that are evaluated, or read.
   std::array<std::uint64_t, attribute_count> attribute_samples{};
 };
 

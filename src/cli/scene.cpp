@@ -323,7 +323,7 @@ void run_gltf(const SceneArguments& arguments, const Common& common) {
   request.chord_px = request.frame_angle_rad = infinity;
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   const auto start = std::chrono::steady_clock::now();
-  const ScenePlan plan = plan_primitives(scene, camera.camera);
+  const ScenePlan plan = plan_scene(scene.scene, camera.camera, request);
   print_report(
       {arguments, camera, request, plan, scene.primitive_instances, 0, seconds_since(start), none, none},
       common);

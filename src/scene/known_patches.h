@@ -13,7 +13,7 @@ namespace darboux {
 
 struct KnownPatch {
   ScenePatch patch;
-  std::uint32_t samples, node;  // of SurfaceTiles
+  std::uint32_t samples, node;        // of SurfaceTiles
   std::uint32_t plan = 0, index = 0;  // the last plan that has it, and where
 };
 

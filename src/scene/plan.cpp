@@ -11,6 +11,7 @@
 #include <darboux/scene.h>
 
 #include "known_patches.h"
+#include "mesh_parts.h"
 #include "occlusion.h"
 #include "patch_layout.h"
 #include "surface_tiles.h"
@@ -155,9 +156,11 @@ class ScenePlanner::Planner {
   void visit_tiles(Counts& counts);
   void add_patches(std::uint32_t instance);
   void find_edges(const Visited& tile, ScenePatch& patch);
-  void hide(const Camera& camera);
-  void cover(Occlusion& occlusion);
-  void hide_tiles(const Occlusion& occlusion, const Shown& shown);
+  void hide();
+  void plan_meshes();
+  void plan_part(std::uint32_t instance, std::uint32_t part, std::vector<bool>& known);
+  void cover();
+  void hide_tiles(const Shown& shown);
   void add(std::uint32_t instance, std::uint32_t known);
   void finish();
 
@@ -178,6 +181,7 @@ class ScenePlanner::Planner {
   std::vector<std::uint32_t> used_, last_used_;  // known patches by instance, of this plan and the last
   std::vector<Shown> shown_;
   std::vector<bool> hidden_;  // of used_
+  Occlusion occlusion_{Camera()};
   KnownPatches patches_{request_.skip.duplicates};
   std::uint32_t plans_ = 0;
   std::array<std::uint64_t, 2> samples_by_attributes_{};  // without tangents, and all that was asked for
@@ -457,26 +461,25 @@ void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
 }
 
 // What lies behind the largest of those in view, as seen.
-void ScenePlanner::Planner::hide(const Camera& camera) {
-  Occlusion occlusion(camera);
-  cover(occlusion);
-  occlusion.finish();
-  if (occlusion.empty()) return;
+void ScenePlanner::Planner::hide() {
+  cover();
+  occlusion_.finish();
+  if (occlusion_.empty()) return;
   // Of smaller ones, tiles one by one are not worth it.
   constexpr double large = 4;
   for (const Shown& shown : shown_) {
     if (!tiles_[scene_.instances[shown.instance].surface]->known()) continue;
-    if (occlusion.hides(shown.ball)) {
+    if (occlusion_.hides(shown.ball)) {
       for (std::size_t i = 0; i < shown.patch_count; ++i) hidden_[shown.first_patch + i] = true;
       plan_.skipped.occluded += shown.patch_count;
-    } else if (shown.patch_count > 1 && occlusion.size_of(shown.ball) > large &&
-               occlusion.may_hide_of(shown.ball)) {
-      hide_tiles(occlusion, shown);
+    } else if (shown.patch_count > 1 && occlusion_.size_of(shown.ball) > large &&
+               occlusion_.may_hide_of(shown.ball)) {
+      hide_tiles(shown);
     }
   }
 }
 
-void ScenePlanner::Planner::cover(Occlusion& occlusion) {
+void ScenePlanner::Planner::cover() {
   // Smaller ones hide little. In cells of the view, of which there are 128 in a row.
   constexpr double smallest = 5;
   constexpr std::size_t most = 12;
@@ -489,7 +492,7 @@ void ScenePlanner::Planner::cover(Occlusion& occlusion) {
   };
   std::vector<Candidate> candidates;
   for (std::uint32_t i = 0; i < shown_.size(); ++i) {
-    const double size = occlusion.size_of(shown_[i].ball);
+    const double size = occlusion_.size_of(shown_[i].ball);
     if (!(size >= smallest)) continue;
     const SceneMaterial& material = scene_.materials[scene_.instances[shown_[i].instance].material];
     if (!material.see_through && material.displacement == 0) candidates.push_back({size, i});
@@ -501,7 +504,7 @@ void ScenePlanner::Planner::cover(Occlusion& occlusion) {
   std::vector<Occlusion::Drawn> drawn;
   for (const Candidate& candidate : candidates) {
     const Shown& shown = shown_[candidate.shown];
-    if (occlusion.hides(shown.ball)) continue;
+    if (occlusion_.hides(shown.ball)) continue;
     const SceneInstance& instance = scene_.instances[shown.instance];
     drawn.clear();
     for (std::size_t i = 0; i < shown.patch_count; ++i) {
@@ -509,18 +512,18 @@ void ScenePlanner::Planner::cover(Occlusion& occlusion) {
       drawn.push_back({{p.level_u, p.level_v, p.column, p.row},
                        {std::countr_zero(p.cells_u), std::countr_zero(p.cells_v)}});
     }
-    occlusion.add({instance, *tiles_[instance.surface], scene_.materials[instance.material].double_sided,
-                   shown.ball, shown.largest, drawn});
+    occlusion_.add({instance, *tiles_[instance.surface], scene_.materials[instance.material].double_sided,
+                    shown.ball, shown.largest, drawn});
   }
 }
 
-void ScenePlanner::Planner::hide_tiles(const Occlusion& occlusion, const Shown& shown) {
+void ScenePlanner::Planner::hide_tiles(const Shown& shown) {
   const SceneInstance& instance = scene_.instances[shown.instance];
   if (scene_.materials[instance.material].displacement > 0) return;
-  const Occlusion::OfCamera of_camera(occlusion, instance.placement);
+  const Occlusion::OfCamera of_camera(occlusion_, instance.placement);
   for (std::size_t k = shown.first_patch; k < shown.first_patch + shown.patch_count; ++k) {
     const TileNode& node = (*tiles_[instance.surface])[patches_[used_[k]].node];
-    if (!occlusion.hides(of_camera, node.lo, node.hi)) continue;
+    if (!occlusion_.hides(of_camera, node.lo, node.hi)) continue;
     hidden_[k] = true;
     ++plan_.skipped.occluded;
   }
@@ -577,7 +580,8 @@ ScenePlan ScenePlanner::Planner::plan(const Camera& camera) {
   begin(camera);
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) plan_instance(i);
   hidden_.assign(used_.size(), false);
-  if (request_.skip.occluded) hide(camera);
+  occlusion_ = Occlusion(camera);
+  if (request_.skip.occluded) hide();
   for (const Shown& shown : shown_) {
     bool needed = false;
     for (std::size_t i = 0; i < shown.patch_count; ++i)
@@ -588,7 +592,74 @@ ScenePlan ScenePlanner::Planner::plan(const Camera& camera) {
     plan_.instances_needed += needed;
   }
   finish();
+  plan_meshes();
   return std::move(plan_);
+}
+
+// Parts of meshes, each as one tile: nothing of them is evaluated.
+void ScenePlanner::Planner::plan_meshes() {
+  // Which parts an instance before needs already.
+  std::vector<std::vector<bool>> known(scene_.meshes.size());
+  for (std::uint32_t i = 0; i < scene_.mesh_instances.size(); ++i) {
+    const SceneMeshInstance& instance = scene_.mesh_instances[i];
+    const auto refuse = [&](const char* expected, const std::string& got) {
+      throw ParameterError("mesh instance " + std::to_string(i),
+                           std::string("expected ") + expected + ", got " + got);
+    };
+    if (instance.mesh >= scene_.meshes.size()) refuse("a mesh of the scene", std::to_string(instance.mesh));
+    if (!instance.placement.matrix().allFinite()) refuse("a placement that is finite", "another");
+    const std::vector<SceneMeshPart>& parts = scene_.meshes[instance.mesh].parts;
+    known[instance.mesh].resize(parts.size());
+    for (std::uint32_t k = 0; k < parts.size(); ++k) {
+      if (parts[k].material >= scene_.materials.size())
+        refuse("materials of the scene", std::to_string(parts[k].material));
+      plan_part(i, k, known[instance.mesh]);
+    }
+  }
+}
+
+void ScenePlanner::Planner::plan_part(std::uint32_t index, std::uint32_t number, std::vector<bool>& known) {
+  const SceneMeshInstance& instance = scene_.mesh_instances[index];
+  const SceneMeshPart& part = scene_.meshes[instance.mesh].parts[number];
+  const SceneMaterial& material = scene_.materials[part.material];
+  const SceneRequest::Skip& skip = request_.skip;
+  const bool bounded = !part.moves && !instance.moves;
+  ++plan_.tiles_all;
+  plan_.samples_full += part.vertices;
+  const bool all = !skip.unread_attributes || material.reads_tangents();
+  if (!all && tests_.without_tangents().empty()) {
+    ++plan_.skipped.no_normal_map;
+    return;
+  }
+  if (skip.outside_frustum && bounded &&
+      is_outside(part, instance.placement, material.displacement, tests_.view())) {
+    ++plan_.skipped.outside_frustum;
+    return;
+  }
+  if (skip.back_facing && bounded && !material.double_sided && material.displacement == 0 &&
+      faces_away(part, instance.placement, tests_.view())) {
+    ++plan_.skipped.back_facing;
+    return;
+  }
+  if (skip.occluded && bounded && material.displacement == 0 && !occlusion_.empty() && !part.box.isEmpty() &&
+      occlusion_.hides({occlusion_, instance.placement}, from_eigen(part.box.min()),
+                       from_eigen(part.box.max()))) {
+    ++plan_.skipped.occluded;
+    return;
+  }
+  ++plan_.instances_needed;
+  plan_.tiles_unbounded += !bounded;
+  plan_.parts.push_back({index, number});
+  if (skip.duplicates && known[number]) {
+    ++plan_.skipped.duplicates;
+    return;
+  }
+  known[number] = true;
+  ++plan_.tiles_needed;
+  plan_.samples_needed += part.vertices;
+  for (std::size_t a = 0; a < attribute_count; ++a)
+    if ((all ? request_.attributes : tests_.without_tangents()).has(static_cast<Attribute>(a)))
+      plan_.attribute_samples[a] += part.vertices;
 }
 
 // Sums, and tiles by patch.

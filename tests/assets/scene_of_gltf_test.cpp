@@ -28,7 +28,7 @@ class GltfScenes : public ::testing::Test {
   }
   ScenePlan plan(std::size_t camera = 0) const {
     const GltfScene s = scene();
-    return plan_primitives(s, s.cameras.at(camera).camera);
+    return plan_scene(s.scene, s.cameras.at(camera).camera, {});
   }
   // What becomes of the square, moved or turned.
   std::string fate(const Json& placement, std::size_t camera = 0) {
