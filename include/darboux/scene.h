@@ -91,7 +91,7 @@ struct SceneRequest {
   struct Skip {
     bool unread_attributes = true;  ///< tangents of materials that read none
     bool outside_frustum = true, back_facing = true, below_error = true, duplicates = true;
-    /// Tiles that lie wholly behind opaque surface that is drawn. It takes about 30 us for each of up to 12
+    /// Tiles that lie wholly behind opaque surface that is drawn. It takes about 30 us for each of up to 16
     /// instances that are seen large, and 0.05 to 0.5 us for each in view, and pays where much is hidden.
     bool occluded = false;
     static constexpr Skip nothing() {

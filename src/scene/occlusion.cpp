@@ -56,9 +56,7 @@ Occlusion::Range Occlusion::range(double x0, double x1, double y0, double y1) co
 
 double Occlusion::size_of(const Ball& ball) const {
   const double scale = std::max(scale_x_, scale_y_);
-  if (!perspective_) return ball.radius * scale;
-  const double depth = to_camera_.row(2).dot(ball.centre - eye_);
-  return ball.radius * scale / std::max(near_, std::max(depth, ball.radius));
+  return ball.radius * (perspective_ ? scale / std::max(near_, (ball.centre - eye_).norm()) : scale);
 }
 
 void Occlusion::finish() {

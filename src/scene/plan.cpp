@@ -482,7 +482,7 @@ void ScenePlanner::Planner::hide() {
 void ScenePlanner::Planner::cover() {
   // Smaller ones hide little. In cells of the view, of which there are 128 in a row.
   constexpr double smallest = 5;
-  constexpr std::size_t most = 12;
+  constexpr std::size_t most = 16;
   struct Candidate {
     double size;
     std::uint32_t shown;
