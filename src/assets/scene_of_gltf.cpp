@@ -123,7 +123,7 @@ static io::NamedCamera camera_before(const Scene& scene) {
   return result;
 }
 
-GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options) {
+GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options, bool with_motion) {
   const GltfFile file = io::load_gltf(path, io::map_file(path), options);
   const JsonCursor root = file.root();
   GltfScene result;
@@ -148,7 +148,11 @@ GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options) {
   std::size_t decoded = 0;
   for (const io::ShownNode& shown : io::shown_nodes(file)) {
     const JsonCursor node = root.at("nodes").at(shown.node);
-    if (node.has("camera")) result.cameras.push_back(camera_of_node(file, node, shown.world));
+    if (node.has("camera")) {
+      result.cameras.push_back(camera_of_node(file, node, shown.world));
+      if (with_motion && !result.motion && shown.moves)
+        result.motion = CameraMotion::of(file, shown.node, result.cameras.back().camera);
+    }
     if (!node.has("mesh")) continue;
     const std::size_t mesh = node.at("mesh").integer();
     const std::size_t primitives = scene.meshes[mesh].parts.size();

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <darboux/io.h>
 #include <darboux/scene.h>
 
+#include "camera_motion.h"
 #include "io/scene_file.h"
 
 namespace darboux {
@@ -18,11 +20,13 @@ struct GltfScene {
   Scene scene;
   std::size_t primitive_instances = 0;   ///< how many parts its instances show
   std::vector<io::NamedCamera> cameras;  ///< one per node that has one, else one that sees all
+  std::optional<CameraMotion> motion{};  ///< of the first of them that an animation moves
 };
 
 /// Reads nodes, cameras, EXT_mesh_gpu_instancing, and the triangles with what their materials read.
+/// \param with_motion whether keys of animations are read, and GltfScene::motion is found
 /// \throws FileError for a file that contradicts itself, cyclic nodes, a camera that sees nothing, more than
 /// 10^7 instances of primitives
-GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options = {});
+GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options = {}, bool with_motion = false);
 
 }  // namespace darboux

@@ -321,9 +321,9 @@ Camera camera_at(const std::vector<io::NamedCamera>& cameras, double share) {
 
 // Cameras along a path: decisions are kept from one to the next, and samples too.
 void run_path(const SceneArguments& arguments, const Scene& scene,
-              const std::vector<io::NamedCamera>& cameras, std::size_t instances, const SceneRequest& request,
-              const Common& common) {
-  if (cameras.size() < 2)
+              const std::vector<io::NamedCamera>& cameras, const std::optional<CameraMotion>& motion,
+              std::size_t instances, const SceneRequest& request, const Common& common) {
+  if (!motion && cameras.size() < 2)
     throw ParameterError("--path", expected_got("a scene of at least two cameras", "one"));
   const std::uint64_t frames = *arguments.path;
   if (frames < 2) throw ParameterError("--path", expected_got("at least 2 cameras", std::to_string(frames)));
@@ -336,7 +336,8 @@ void run_path(const SceneArguments& arguments, const Scene& scene,
   std::unordered_set<std::uint64_t> had, has;
   Progress progress("scene", common);
   for (std::uint64_t i = 0; i < frames; ++i) {
-    const Camera camera = camera_at(cameras, static_cast<double>(i) / static_cast<double>(frames - 1));
+    const double share = static_cast<double>(i) / static_cast<double>(frames - 1);
+    const Camera camera = motion ? motion->at(share) : camera_at(cameras, share);
     if (const auto wrong = refused_eye(scene, camera))
       throw FileError(arguments.file, "camera " + std::to_string(i) + " of the path: " + *wrong);
     const auto start = std::chrono::steady_clock::now();
@@ -372,13 +373,14 @@ void run_gltf(const SceneArguments& arguments, const Common& common) {
   for (const auto& [option, given] : of_surfaces)
     if (given)
       throw ParameterError(option, expected_got("a scene of surfaces in JSON", "triangles of a glTF"));
-  const GltfScene scene = scene_of_gltf(arguments.file, common.read);
+  const GltfScene scene = scene_of_gltf(arguments.file, common.read, arguments.path.has_value());
   const io::NamedCamera& camera = chosen_camera(arguments, scene.cameras);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   SceneRequest request;
   request.chord_px = request.frame_angle_rad = infinity;
   if (arguments.path)
-    return run_path(arguments, scene.scene, scene.cameras, scene.primitive_instances, request, common);
+    return run_path(arguments, scene.scene, scene.cameras, scene.motion, scene.primitive_instances, request,
+                    common);
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   const auto start = std::chrono::steady_clock::now();
   const ScenePlan plan = plan_scene(scene.scene, camera.camera, request);
@@ -397,7 +399,7 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
   if (!arguments.angle.empty()) set_angle(arguments.angle, request);
   request.skip.occluded = true;
   if (arguments.path)
-    return run_path(arguments, scene, file.cameras, scene.instances.size(), request, common);
+    return run_path(arguments, scene, file.cameras, std::nullopt, scene.instances.size(), request, common);
   if (!arguments.output.empty()) request.attributes |= Attribute::position;
   if (!arguments.render.empty())
     request.attributes |= Attribute::position | Attribute::normal | Attribute::tangent4;

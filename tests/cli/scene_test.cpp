@@ -210,6 +210,15 @@ TEST_F(SceneCli, PlansThePrimitivesOfAGltf) {
   EXPECT_EQ(along["samples_full"], 27);
   EXPECT_TRUE(along["seconds"]["needed"].is_null());
   EXPECT_EQ(good("darboux scene two.glb --path 3").find("evaluated"), std::string::npos);
+  // One camera that an animation moves there and further.
+  Builder moving = b;
+  const std::size_t times = moving.packed<float>("SCALAR", 5126, 2, {0, 1}),
+                    places = moving.packed<float>("VEC3", 5126, 2, {0, 0, 5, 0, 0, 15});
+  moving.json["animations"] = Json::array(
+      {{{"samplers", Json::array({{{"input", times}, {"output", places}}})},
+        {"channels", Json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}})}}});
+  write_bytes(path("moving.glb"), moving.glb());
+  EXPECT_EQ(json("darboux scene moving.glb --path 3 --json")["needed"], along["needed"]);
   b.json["nodes"][1]["children"] = {1};
   write_bytes(path("cyclic.glb"), b.glb());
   refused("darboux scene cyclic.glb", {"cyclic.glb", "its own ancestor"});
