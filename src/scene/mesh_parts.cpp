@@ -3,8 +3,11 @@
 #include <cmath>
 
 namespace darboux {
+namespace {
 
 constexpr double rounding = 0x1p-40;
+
+}  // namespace
 
 bool is_outside(const SceneMeshPart& part, const Eigen::Affine3d& placement, double displacement,
                 const View& view) {

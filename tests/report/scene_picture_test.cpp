@@ -190,7 +190,7 @@ std::pair<std::size_t, std::size_t> expect_same_picture(const Scene& scene, Came
 TEST(ScenePicture, IsTheSameWithoutWhatIsHidden) {
   Random random(11);
   std::size_t hidden = 0, all = 0;
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < 12; ++round) {
     SCOPED_TRACE(round);
     const Scene scene = crowded_scene(random, round);
     Camera camera;
