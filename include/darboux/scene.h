@@ -19,6 +19,7 @@
 #include <Eigen/Geometry>
 
 #include <darboux/any_surface.h>
+#include <darboux/scene_mesh.h>
 #include <darboux/tile_bounds.h>
 
 namespace darboux {
@@ -29,6 +30,7 @@ struct SceneMaterial {
   bool normal_map = false, clearcoat_normal_map = false;
   bool anisotropy = false;    ///< with a texture or without
   bool double_sided = false;  ///< both sides are seen
+  bool see_through = false;   ///< it is transparent, or has holes: what lies behind is seen
   /// The most that a displacement moves a point, in the scene's unit of length.
   double displacement = 0;
 
@@ -47,6 +49,9 @@ struct Scene {
   std::vector<AnySurface> surfaces;
   std::vector<SceneMaterial> materials;
   std::vector<SceneInstance> instances;
+  /// Triangles that are there: planned by whole parts, and not evaluated.
+  std::vector<SceneMesh> meshes{};
+  std::vector<SceneMeshInstance> mesh_instances{};
 };
 
 /// A camera as glTF has it: it looks along its -z, y is up.
@@ -81,11 +86,22 @@ struct SceneRequest {
   double chord_px = 0.5, chord = std::numeric_limits<double>::infinity();
   /// By how much t, b and n may differ from those interpolated in a triangle and normalised.
   double frame_angle_rad = 0.0175;
-  /// What may be skipped. All false is every instance uniformly, at the resolution that its nearest point
+  /// What may be skipped. Nothing is every instance uniformly, at the resolution that its nearest point
   /// needs.
   struct Skip {
     bool unread_attributes = true;  ///< tangents of materials that read none
     bool outside_frustum = true, back_facing = true, below_error = true, duplicates = true;
+    /// Tiles that lie wholly behind opaque surface that is drawn. It takes about 30 us for each of up to 16
+    /// instances that are seen large, and 0.05 to 0.5 us for each in view, and pays where much is hidden.
+    bool occluded = false;
+    static constexpr Skip nothing() {
+      return {.unread_attributes = false,
+              .outside_frustum = false,
+              .back_facing = false,
+              .below_error = false,
+              .duplicates = false,
+              .occluded = false};
+    }
   } skip;
 };
 
@@ -116,12 +132,17 @@ struct PlannedTile {
   std::uint32_t instance, patch;
 };
 
-/// Tiles, each counted under one reason.
+/// A part of a mesh that is needed.
+struct PlannedPart {
+  std::uint32_t instance, part;  ///< of Scene::mesh_instances, and of its mesh
+};
+
+/// Tiles, each counted under one reason. A part of an instance of a mesh counts as one.
 struct SkippedTiles {
   std::uint64_t no_normal_map = 0;  ///< all that was asked for is tangents, and the material reads none
   std::uint64_t outside_frustum = 0;
   std::uint64_t back_facing = 0;
-  std::uint64_t occluded = 0;     ///< hidden behind others; not looked for yet, so 0
+  std::uint64_t occluded = 0;     ///< hidden behind others, before duplicates
   std::uint64_t below_error = 0;  ///< a larger tile with as few samples does
   std::uint64_t duplicates = 0;   ///< computed once, for another instance of the surface
 };
@@ -130,18 +151,21 @@ struct ScenePlan {
   std::vector<ScenePatch> patches;       ///< what is to be evaluated
   std::vector<PlannedTile> tiles;        ///< what is to be drawn, by patch
   std::vector<double> edge_coordinates;  ///< of the patches
+  std::vector<PlannedPart> parts;        ///< of meshes, what is to be drawn
 
-  std::uint64_t instances_needed = 0;  ///< those with at least one tile
+  std::uint64_t instances_needed = 0;  ///< those with at least one tile, and parts of instances of meshes
   std::uint64_t tiles_all = 0;         ///< of all instances at their finest resolution
-  std::uint64_t tiles_needed = 0;      ///< all, less those skipped: the number of patches
+  std::uint64_t tiles_needed = 0;      ///< all, less those skipped: patches, and parts of meshes once
   SkippedTiles skipped;
-  /// Of those needed, before duplicates: their resolution is an estimate from samples, half as much again,
-  /// next to poles, on surfaces without bounds, and without skip.below_error on those without closed forms,
-  /// or the finest there is, 2^14 cells along a side. Surfaces without bounds are never culled.
+  /// Of those needed, before duplicates and what is hidden: their resolution is an estimate from samples,
+  /// half as much again, next to poles, on surfaces without bounds, and without skip.below_error on those
+  /// without closed forms, or the finest there is, 2^14 cells along a side. Surfaces without bounds are never
+  /// culled.
   std::uint64_t tiles_unbounded = 0;
-  std::uint64_t samples_full = 0;    ///< every instance uniformly at the resolution of its nearest point
-  std::uint64_t samples_needed = 0;  ///< of the patches
-  /// Samples of each attribute that are evaluated.
+  /// Every instance uniformly at the resolution of its nearest point; of meshes, their vertices.
+  std::uint64_t samples_full = 0;
+  std::uint64_t samples_needed = 0;  ///< of the patches, and vertices
+  /// Samples of each attribute that are evaluated, or read.
   std::array<std::uint64_t, attribute_count> attribute_samples{};
 };
 

@@ -118,11 +118,13 @@ Picture picture_of_fates(const Scene& scene, const Camera& camera, SceneRequest 
                          const Common& common) {
   request.attributes = Attribute::position | Attribute::normal;
   const ScenePlan needed_plan = plan_scene(scene, camera, request);
+  request.skip.occluded = false;
+  const ScenePlan facing_plan = plan_scene(scene, camera, request);
   request.skip.back_facing = false;
   const ScenePlan within_plan = plan_scene(scene, camera, request);
   request.skip.outside_frustum = false;
   const ScenePlan all = plan_scene(scene, camera, request);
-  const TileKeys needed = keys_of(needed_plan), within = keys_of(within_plan);
+  const TileKeys needed = keys_of(needed_plan), facing = keys_of(facing_plan), within = keys_of(within_plan);
   const Eigen::Matrix3d axes = axes_beside(camera);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Vec3<double> least{infinity, infinity, infinity}, greatest = -least;
@@ -142,6 +144,7 @@ Picture picture_of_fates(const Scene& scene, const Camera& camera, SceneRequest 
     draw_tiles(rasteriser, scene, samples, [&](const PlannedTile& tile) {
       const auto key = key_of(samples.patch(), tile);
       return picture_material(needed.contains(key)   ? TileFate::needed
+                              : facing.contains(key) ? TileFate::occluded
                               : within.contains(key) ? TileFate::back_facing
                                                      : TileFate::outside_frustum);
     });
@@ -251,7 +254,7 @@ void print_text(const SceneReport& r) {
     if (r.request.attributes.has(static_cast<Attribute>(a)))
       std::cout << share_line(plan.attribute_samples[a], plan.samples_full,
                               std::string(attribute_infos[a].name));
-  if (!r.path.empty())
+  if (!r.path.empty() && evaluated)
     std::cout << share_line(r.samples_evaluated, plan.samples_full,
                             "evaluated: the last camera had the others");
   std::vector<std::string> bounds;
@@ -300,32 +303,6 @@ void print_report(const SceneReport& report, const Common& common) {
     print_text(report);
 }
 
-// The triangles of a glTF: planned by whole primitives, nothing is evaluated.
-void run_gltf(const SceneArguments& arguments, const Common& common) {
-  const std::pair<const char*, bool> of_surfaces[] = {{"--chord", !arguments.chord.empty()},
-                                                      {"--angle", !arguments.angle.empty()},
-                                                      {"--output", !arguments.output.empty()},
-                                                      {"--render", !arguments.render.empty()},
-                                                      {"--render-skipped", !arguments.render_skipped.empty()},
-                                                      {"--path", arguments.path.has_value()},
-                                                      {"--no-skip", arguments.no_skip},
-                                                      {"--no-cull", arguments.no_cull}};
-  for (const auto& [option, given] : of_surfaces)
-    if (given)
-      throw ParameterError(option, expected_got("a scene of surfaces in JSON", "triangles of a glTF"));
-  const GltfScene scene = scene_of_gltf(arguments.file, common.read);
-  const io::NamedCamera& camera = chosen_camera(arguments, scene.cameras);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  SceneRequest request;
-  request.chord_px = request.frame_angle_rad = infinity;
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  const auto start = std::chrono::steady_clock::now();
-  const ScenePlan plan = plan_primitives(scene, camera.camera);
-  print_report(
-      {arguments, camera, request, plan, scene.primitive_instances, 0, seconds_since(start), none, none},
-      common);
-}
-
 void add_to(ScenePlan& sum, const ScenePlan& plan) {
   for (std::uint64_t ScenePlan::*count :
        {&ScenePlan::instances_needed, &ScenePlan::tiles_all, &ScenePlan::tiles_needed,
@@ -343,33 +320,30 @@ Camera camera_at(const std::vector<io::NamedCamera>& cameras, double share) {
 }
 
 // Cameras along a path: decisions are kept from one to the next, and samples too.
-void run_path(const SceneArguments& arguments, const io::SceneFile& file, const SceneRequest& request,
-              const Common& common) {
-  if (file.cameras.size() < 2)
+void run_path(const SceneArguments& arguments, const Scene& scene,
+              const std::vector<io::NamedCamera>& cameras, const std::optional<CameraMotion>& motion,
+              std::size_t instances, const SceneRequest& request, const Common& common) {
+  if (!motion && cameras.size() < 2)
     throw ParameterError("--path", expected_got("a scene of at least two cameras", "one"));
   const std::uint64_t frames = *arguments.path;
   if (frames < 2) throw ParameterError("--path", expected_got("at least 2 cameras", std::to_string(frames)));
   ScenePlan sum;
-  SceneReport report{arguments,
-                     file.cameras.front(),
-                     request,
-                     sum,
-                     file.scene.instances.size(),
-                     0,
-                     0,
-                     0,
-                     std::numeric_limits<double>::quiet_NaN()};
-  ScenePlanner planner(file.scene, request);
+  SceneReport report{
+      arguments, cameras.front(), request, sum, instances, 0, 0, 0, std::numeric_limits<double>::quiet_NaN()};
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (scene.surfaces.empty()) report.needed_seconds = none;  // nothing is evaluated
+  ScenePlanner planner(scene, request);
   std::unordered_set<std::uint64_t> had, has;
   Progress progress("scene", common);
   for (std::uint64_t i = 0; i < frames; ++i) {
-    const Camera camera = camera_at(file.cameras, static_cast<double>(i) / static_cast<double>(frames - 1));
-    if (const auto wrong = refused_eye(file.scene, camera))
+    const double share = static_cast<double>(i) / static_cast<double>(frames - 1);
+    const Camera camera = motion ? motion->at(share) : camera_at(cameras, share);
+    if (const auto wrong = refused_eye(scene, camera))
       throw FileError(arguments.file, "camera " + std::to_string(i) + " of the path: " + *wrong);
     const auto start = std::chrono::steady_clock::now();
     const ScenePlan plan = planner.plan(camera);
     PathCamera frame{plan.instances_needed, plan.tiles_needed, plan.samples_needed, 0, seconds_since(start)};
-    TileEvaluator evaluator(file.scene, plan);
+    TileEvaluator evaluator(scene, plan);
     const auto evaluation = std::chrono::steady_clock::now();
     has.clear();
     for (const ScenePatch& patch : plan.patches) {
@@ -377,7 +351,7 @@ void run_path(const SceneArguments& arguments, const io::SceneFile& file, const 
       if (!had.contains(patch.id)) frame.samples_new += evaluator.evaluate(patch).size();
     }
     std::swap(has, had);
-    report.needed_seconds += seconds_since(evaluation);
+    if (!scene.surfaces.empty()) report.needed_seconds += seconds_since(evaluation);
     report.plan_seconds += frame.plan_seconds;
     report.samples_evaluated += frame.samples_new;
     report.path.push_back(frame);
@@ -385,6 +359,34 @@ void run_path(const SceneArguments& arguments, const io::SceneFile& file, const 
     progress.update(static_cast<double>(i + 1) / static_cast<double>(frames));
   }
   print_report(report, common);
+}
+
+// The triangles of a glTF: planned by whole primitives, nothing is evaluated.
+void run_gltf(const SceneArguments& arguments, const Common& common) {
+  const std::pair<const char*, bool> of_surfaces[] = {{"--chord", !arguments.chord.empty()},
+                                                      {"--angle", !arguments.angle.empty()},
+                                                      {"--output", !arguments.output.empty()},
+                                                      {"--render", !arguments.render.empty()},
+                                                      {"--render-skipped", !arguments.render_skipped.empty()},
+                                                      {"--no-skip", arguments.no_skip},
+                                                      {"--no-cull", arguments.no_cull}};
+  for (const auto& [option, given] : of_surfaces)
+    if (given)
+      throw ParameterError(option, expected_got("a scene of surfaces in JSON", "triangles of a glTF"));
+  const GltfScene scene = scene_of_gltf(arguments.file, common.read, arguments.path.has_value());
+  const io::NamedCamera& camera = chosen_camera(arguments, scene.cameras);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  SceneRequest request;
+  request.chord_px = request.frame_angle_rad = infinity;
+  if (arguments.path)
+    return run_path(arguments, scene.scene, scene.cameras, scene.motion, scene.primitive_instances, request,
+                    common);
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const auto start = std::chrono::steady_clock::now();
+  const ScenePlan plan = plan_scene(scene.scene, camera.camera, request);
+  print_report(
+      {arguments, camera, request, plan, scene.primitive_instances, 0, seconds_since(start), none, none},
+      common);
 }
 
 void run_surfaces(const SceneArguments& arguments, const Common& common) {
@@ -395,7 +397,9 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
   SceneRequest request = file.request;
   if (!arguments.chord.empty()) set_chord(arguments.chord, request);
   if (!arguments.angle.empty()) set_angle(arguments.angle, request);
-  if (arguments.path) return run_path(arguments, file, request, common);
+  request.skip.occluded = true;
+  if (arguments.path)
+    return run_path(arguments, scene, file.cameras, std::nullopt, scene.instances.size(), request, common);
   if (!arguments.output.empty()) request.attributes |= Attribute::position;
   if (!arguments.render.empty())
     request.attributes |= Attribute::position | Attribute::normal | Attribute::tangent4;
@@ -439,8 +443,8 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
   }
   if (other) {
     SceneRequest all = request;
-    all.skip.outside_frustum = all.skip.back_facing = false;
-    if (arguments.no_skip) all.skip = {false, false, false, false, false};
+    all.skip.outside_frustum = all.skip.back_facing = all.skip.occluded = false;
+    if (arguments.no_skip) all.skip = SceneRequest::Skip::nothing();
     Progress progress("scene, with what is skipped", common);
     report.samples_evaluated = 0;
     report.full_seconds = evaluate_patches(scene, plan_scene(scene, camera.camera, all), progress,
@@ -493,16 +497,16 @@ void add_scene(CLI::App& app, Common& common) {
   sub.add_option("--render", arguments->render, "draw what the camera sees, as a .png");
   sub.add_option(
       "--render-skipped", arguments->render_skipped,
-      "draw the scene from outside, as a .png: green what is needed, orange what faces away, grey what "
-      "is out of view");
+      "draw the scene from outside, as a .png: green what is needed, orange what faces away, blue what is "
+      "hidden, grey what is out of view");
   sub.add_flag(
       "--no-skip", arguments->no_skip,
       "also evaluate all: every instance with all attributes, as fine as its nearest point needs; that is "
       "written and drawn");
   sub.add_flag(
          "--no-cull", arguments->no_cull,
-         "also evaluate what is out of view or faces away, as fine as its distance needs; the picture stays "
-         "the same, bit for bit")
+         "also evaluate what is out of view, faces away or is hidden, as fine as its distance needs; the "
+         "picture stays the same, bit for bit")
       ->excludes("--no-skip");
   CLI::Option* path =
       sub.add_option(

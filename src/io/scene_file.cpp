@@ -127,8 +127,8 @@ class SceneReader {
     list.has("");
     for (const auto& [name, value] : list.json().items()) {
       const JsonCursor material = list.at(name);
-      material.expect_keys(
-          {"normal_map", "clearcoat_normal_map", "anisotropy", "double_sided", "displacement"});
+      material.expect_keys({"normal_map", "clearcoat_normal_map", "anisotropy", "double_sided", "see_through",
+                            "displacement"});
       const auto flag = [&](const char* key) { return material.has(key) && material.at(key).boolean(); };
       SceneMaterial m;
       m.name = name;
@@ -136,6 +136,7 @@ class SceneReader {
       m.clearcoat_normal_map = flag("clearcoat_normal_map");
       m.anisotropy = flag("anisotropy");
       m.double_sided = flag("double_sided");
+      m.see_through = flag("see_through");
       if (material.has("displacement")) {
         m.displacement = material.at("displacement").number();
         if (!(m.displacement >= 0)) material.at("displacement").fail("a number not below 0");

@@ -56,7 +56,7 @@ PictureMaterial picture_material(const Scene& scene, const PlannedTile& tile) {
 
 PictureMaterial picture_material(TileFate fate) {
   static constexpr std::array<Vec3<double>, tile_fates> colours{
-      {{0.0, 0.34, 0.17}, {0.79, 0.35, 0.0}, {0.6, 0.6, 0.6}}};
+      {{0.0, 0.34, 0.17}, {0.79, 0.35, 0.0}, {0.6, 0.6, 0.6}, {0.09, 0.46, 0.81}}};
   return {.colour = colours[static_cast<std::size_t>(fate)], .double_sided = true};
 }
 

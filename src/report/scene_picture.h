@@ -20,9 +20,9 @@ void draw_tiles(Rasteriser& picture, const Scene& scene, const TileSamples& samp
 PictureMaterial picture_material(const Scene& scene, const PlannedTile& tile);
 
 /// What became of a tile.
-enum class TileFate { needed, back_facing, outside_frustum };
-inline constexpr int tile_fates = 3;
-/// Both sides of it, in the colour of that: green, orange, grey.
+enum class TileFate { needed, back_facing, outside_frustum, occluded };
+inline constexpr int tile_fates = 4;
+/// Both sides of it, in the colour of that: green, orange, grey, blue.
 PictureMaterial picture_material(TileFate fate);
 
 /// The axes of a view from beside another camera, from its right and a little above.

@@ -26,7 +26,7 @@ void KnownPatches::begin(ScenePatch& patch) const {
   patch.first_edge_coordinate = static_cast<std::uint32_t>(edge_coordinates_.size());
 }
 
-std::uint32_t KnownPatches::add(ScenePatch patch) {
+std::uint32_t KnownPatches::add(ScenePatch patch, std::uint32_t node) {
   const auto fresh = static_cast<std::uint32_t>(patches_.size());
   if (once_) {
     std::uint64_t h = 0;
@@ -56,7 +56,7 @@ std::uint32_t KnownPatches::add(ScenePatch patch) {
     by_hash_.insert(hash, fresh);
   }
   patch.id = forgotten_ + fresh;
-  patches_.push_back({patch, static_cast<std::uint32_t>(sample_count(patch, edge_coordinates_))});
+  patches_.push_back({patch, static_cast<std::uint32_t>(sample_count(patch, edge_coordinates_)), node});
   return fresh;
 }
 

@@ -13,7 +13,7 @@ namespace darboux {
 
 struct KnownPatch {
   ScenePatch patch;
-  std::uint32_t samples;
+  std::uint32_t samples, node;        // of SurfaceTiles
   std::uint32_t plan = 0, index = 0;  // the last plan that has it, and where
 };
 
@@ -29,7 +29,7 @@ class KnownPatches {
   // A patch is begun, the further samples on its edges are added, and it is added itself or found.
   void begin(ScenePatch& patch) const;
   void add_edge_coordinate(double x) { edge_coordinates_.push_back(x); }
-  std::uint32_t add(ScenePatch patch);
+  std::uint32_t add(ScenePatch patch, std::uint32_t node);
 
   // All of them; numbers go on.
   void forget();

@@ -63,8 +63,8 @@ void place(const Scene& scene, std::uint32_t index, const SurfaceTiles& tiles, c
   result.plane_rounding = rounding * (lengths + result.largest * (norm(tiles.centre()) + tiles.radius()));
   result.displacement = scene.materials[instance.material].displacement;
 
-  const Eigen::Vector3d centre =
-      m * Eigen::Vector3d(tiles.centre().x, tiles.centre().y, tiles.centre().z) + t;
+  result.centre = m * Eigen::Vector3d(tiles.centre().x, tiles.centre().y, tiles.centre().z) + t;
+  const Eigen::Vector3d& centre = result.centre;
   const double surrounds = result.displacement + result.plane_rounding,
                reach = result.largest * tiles.radius() + surrounds;
   double inside = std::numeric_limits<double>::infinity();

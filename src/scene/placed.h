@@ -15,6 +15,7 @@ struct Placed {
   Vec3<double> eye;          // in the surface's own space; of an orthographic camera the direction to it
   double smallest, largest;  // by what the placement scales lengths
   double condition;          // their ratio, 1 where it scales all alike
+  Eigen::Vector3d centre;    // of the surface's sphere, in the scene
   double displacement;
   double eye_rounding;    // of `eye`
   double plane_rounding;  // of planes

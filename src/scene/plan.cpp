@@ -11,6 +11,8 @@
 #include <darboux/scene.h>
 
 #include "known_patches.h"
+#include "mesh_parts.h"
+#include "occlusion.h"
 #include "patch_layout.h"
 #include "surface_tiles.h"
 #include "tile_edges.h"
@@ -73,6 +75,8 @@ struct Answer {
 // What was decided for an instance: its tiles, and by which answers.
 struct Decision {
   InstanceView whole;
+  Occlusion::Ball ball;  // that holds it, whatever the camera
+  double largest = 0;    // by what it is scaled, at most
   Counts counts;
   bool reads_nothing = false;
   std::size_t first_patch = 0, first_answer = 0;
@@ -80,6 +84,14 @@ struct Decision {
   // All answers stay the same while moved <= moving and moved + reach · turned <= turning, of the camera's
   // way.
   double reach = 0, moving = -infinity, turning = -infinity;
+};
+
+// The patches of an instance that is in view: known ones, as they are used by this plan.
+struct Shown {
+  std::uint32_t instance, patch_count;
+  std::size_t first_patch;
+  Occlusion::Ball ball;
+  double largest;
 };
 
 // How far a camera has moved and turned, all in all: the length of its way, and that of its axes' way as a
@@ -144,6 +156,11 @@ class ScenePlanner::Planner {
   void visit_tiles(Counts& counts);
   void add_patches(std::uint32_t instance);
   void find_edges(const Visited& tile, ScenePatch& patch);
+  void hide();
+  void plan_meshes();
+  void plan_part(std::uint32_t instance, std::uint32_t part, std::vector<bool>& known);
+  void cover();
+  void hide_tiles(const Shown& shown);
   void add(std::uint32_t instance, std::uint32_t known);
   void finish();
 
@@ -162,6 +179,9 @@ class ScenePlanner::Planner {
   std::vector<Answer> answers_;      // of these
   std::size_t answers_dropped_ = 0;
   std::vector<std::uint32_t> used_, last_used_;  // known patches by instance, of this plan and the last
+  std::vector<Shown> shown_;
+  std::vector<bool> hidden_;  // of used_
+  Occlusion occlusion_{Camera()};
   KnownPatches patches_{request_.skip.duplicates};
   std::uint32_t plans_ = 0;
   std::array<std::uint64_t, 2> samples_by_attributes_{};  // without tangents, and all that was asked for
@@ -200,13 +220,16 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
     slack_of_whole_ = tests_.slack;
   }
   if (kept || (keeps_ && still_right(decision))) {
-    for (std::size_t i = 0; i < decision.patch_count; ++i) add(index, last_used_[decision.first_patch + i]);
+    const auto known = last_used_.begin() + static_cast<std::ptrdiff_t>(decision.first_patch);
+    used_.insert(used_.end(), known, known + decision.patch_count);
   } else {
     decide(index, decision);
     decision.patch_count = static_cast<std::uint32_t>(used_.size() - first);
   }
   decision.first_patch = first;
   count(decision);
+  if (decision.patch_count > 0)
+    shown_.push_back({index, decision.patch_count, first, decision.ball, decision.largest});
 }
 
 // Asks again what may have another answer by now. Whether none has.
@@ -232,6 +255,9 @@ void ScenePlanner::Planner::decide(std::uint32_t index, Decision& d) {
   const std::size_t first = d.first_answer, place_for = d.answer_count;
   d = {};
   d.whole = tests_.whole();
+  d.ball = {tests_.placed().centre,
+            (1 + 0x1p-40) * tests_.placed().largest * tests_.tiles().radius() + tests_.placed().displacement};
+  d.largest = tests_.placed().largest;
   d.reach = reach_ = 1.25 * tests_.placed().farthest;
   d.moving = limit(slack_of_whole_.moving, false);
   d.turning = limit(slack_of_whole_.turning, true);
@@ -284,7 +310,6 @@ void ScenePlanner::Planner::count(const Decision& d) {
   plan_.skipped.back_facing += d.counts.back_facing;
   plan_.skipped.below_error += d.counts.below_error;
   plan_.tiles_unbounded += d.counts.unbounded;
-  plan_.instances_needed += d.patch_count > 0;
 }
 
 double ScenePlanner::Planner::limit(double slack, bool turning) const {
@@ -376,7 +401,7 @@ void ScenePlanner::Planner::add_patches(std::uint32_t index) {
     patch.attributes = tests_.asked();
     patches_.begin(patch);
     if (visited_.size() > 1) find_edges(tile, patch);
-    add(index, patches_.add(patch));
+    used_.push_back(patches_.add(patch, tile.node));
   }
 }
 
@@ -435,6 +460,75 @@ void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
   }
 }
 
+// What lies behind the largest of those in view, as seen.
+void ScenePlanner::Planner::hide() {
+  cover();
+  occlusion_.finish();
+  if (occlusion_.empty()) return;
+  // Of smaller ones, tiles one by one are not worth it.
+  constexpr double large = 4;
+  for (const Shown& shown : shown_) {
+    if (!tiles_[scene_.instances[shown.instance].surface]->known()) continue;
+    if (occlusion_.hides(shown.ball)) {
+      for (std::size_t i = 0; i < shown.patch_count; ++i) hidden_[shown.first_patch + i] = true;
+      plan_.skipped.occluded += shown.patch_count;
+    } else if (shown.patch_count > 1 && occlusion_.size_of(shown.ball) > large &&
+               occlusion_.may_hide_of(shown.ball)) {
+      hide_tiles(shown);
+    }
+  }
+}
+
+void ScenePlanner::Planner::cover() {
+  // Smaller ones hide little. In cells of the view, of which there are 128 in a row.
+  constexpr double smallest = 5;
+  constexpr std::size_t most = 16;
+  struct Candidate {
+    double size;
+    std::uint32_t shown;
+    bool operator<(const Candidate& other) const {
+      return size != other.size ? size > other.size : shown < other.shown;
+    }
+  };
+  std::vector<Candidate> candidates;
+  for (std::uint32_t i = 0; i < shown_.size(); ++i) {
+    const double size = occlusion_.size_of(shown_[i].ball);
+    if (!(size >= smallest)) continue;
+    const SceneMaterial& material = scene_.materials[scene_.instances[shown_[i].instance].material];
+    if (!material.see_through && material.displacement == 0) candidates.push_back({size, i});
+  }
+  const std::size_t count = std::min(most, candidates.size());
+  std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
+                    candidates.end());
+  candidates.resize(count);
+  std::vector<Occlusion::Drawn> drawn;
+  for (const Candidate& candidate : candidates) {
+    const Shown& shown = shown_[candidate.shown];
+    if (occlusion_.hides(shown.ball)) continue;
+    const SceneInstance& instance = scene_.instances[shown.instance];
+    drawn.clear();
+    for (std::size_t i = 0; i < shown.patch_count; ++i) {
+      const ScenePatch& p = patches_[used_[shown.first_patch + i]].patch;
+      drawn.push_back({{p.level_u, p.level_v, p.column, p.row},
+                       {std::countr_zero(p.cells_u), std::countr_zero(p.cells_v)}});
+    }
+    occlusion_.add({instance, *tiles_[instance.surface], scene_.materials[instance.material].double_sided,
+                    shown.ball, shown.largest, drawn});
+  }
+}
+
+void ScenePlanner::Planner::hide_tiles(const Shown& shown) {
+  const SceneInstance& instance = scene_.instances[shown.instance];
+  if (scene_.materials[instance.material].displacement > 0) return;
+  const Occlusion::OfCamera of_camera(occlusion_, instance.placement);
+  for (std::size_t k = shown.first_patch; k < shown.first_patch + shown.patch_count; ++k) {
+    const TileNode& node = (*tiles_[instance.surface])[patches_[used_[k]].node];
+    if (!occlusion_.hides(of_camera, node.lo, node.hi)) continue;
+    hidden_[k] = true;
+    ++plan_.skipped.occluded;
+  }
+}
+
 // A tile of an instance, by its patch.
 void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
   KnownPatch& known = patches_[id];
@@ -456,7 +550,6 @@ void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
                                       " tiles keep, got smaller ones: ask for a larger chord or angle");
   ++plan_.patches[known.index].tile_count;
   plan_.tiles.push_back({instance, known.index});
-  used_.push_back(id);
 }
 
 void ScenePlanner::Planner::begin(const Camera& camera) {
@@ -477,6 +570,7 @@ void ScenePlanner::Planner::begin(const Camera& camera) {
   }
   std::swap(used_, last_used_);
   used_.clear();
+  shown_.clear();
   plan_ = {};
   samples_by_attributes_ = {};
   ++plans_;
@@ -485,8 +579,87 @@ void ScenePlanner::Planner::begin(const Camera& camera) {
 ScenePlan ScenePlanner::Planner::plan(const Camera& camera) {
   begin(camera);
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) plan_instance(i);
+  hidden_.assign(used_.size(), false);
+  occlusion_ = Occlusion(camera);
+  if (request_.skip.occluded) hide();
+  for (const Shown& shown : shown_) {
+    bool needed = false;
+    for (std::size_t i = 0; i < shown.patch_count; ++i)
+      if (const std::size_t k = shown.first_patch + i; !hidden_[k]) {
+        needed = true;
+        add(shown.instance, used_[k]);
+      }
+    plan_.instances_needed += needed;
+  }
   finish();
+  plan_meshes();
   return std::move(plan_);
+}
+
+// Parts of meshes, each as one tile: nothing of them is evaluated.
+void ScenePlanner::Planner::plan_meshes() {
+  // Which parts an instance before needs already.
+  std::vector<std::vector<bool>> known(scene_.meshes.size());
+  for (std::uint32_t i = 0; i < scene_.mesh_instances.size(); ++i) {
+    const SceneMeshInstance& instance = scene_.mesh_instances[i];
+    const auto refuse = [&](const char* expected, const std::string& got) {
+      throw ParameterError("mesh instance " + std::to_string(i),
+                           std::string("expected ") + expected + ", got " + got);
+    };
+    if (instance.mesh >= scene_.meshes.size()) refuse("a mesh of the scene", std::to_string(instance.mesh));
+    if (!instance.placement.matrix().allFinite()) refuse("a placement that is finite", "another");
+    const std::vector<SceneMeshPart>& parts = scene_.meshes[instance.mesh].parts;
+    known[instance.mesh].resize(parts.size());
+    for (std::uint32_t k = 0; k < parts.size(); ++k) {
+      if (parts[k].material >= scene_.materials.size())
+        refuse("materials of the scene", std::to_string(parts[k].material));
+      plan_part(i, k, known[instance.mesh]);
+    }
+  }
+}
+
+void ScenePlanner::Planner::plan_part(std::uint32_t index, std::uint32_t number, std::vector<bool>& known) {
+  const SceneMeshInstance& instance = scene_.mesh_instances[index];
+  const SceneMeshPart& part = scene_.meshes[instance.mesh].parts[number];
+  const SceneMaterial& material = scene_.materials[part.material];
+  const SceneRequest::Skip& skip = request_.skip;
+  const bool bounded = !part.moves && !instance.moves;
+  ++plan_.tiles_all;
+  plan_.samples_full += part.vertices;
+  const bool all = !skip.unread_attributes || material.reads_tangents();
+  if (!all && tests_.without_tangents().empty()) {
+    ++plan_.skipped.no_normal_map;
+    return;
+  }
+  if (skip.outside_frustum && bounded &&
+      is_outside(part, instance.placement, material.displacement, tests_.view())) {
+    ++plan_.skipped.outside_frustum;
+    return;
+  }
+  if (skip.back_facing && bounded && !material.double_sided && material.displacement == 0 &&
+      faces_away(part, instance.placement, tests_.view())) {
+    ++plan_.skipped.back_facing;
+    return;
+  }
+  if (skip.occluded && bounded && material.displacement == 0 && !occlusion_.empty() && !part.box.isEmpty() &&
+      occlusion_.hides({occlusion_, instance.placement}, from_eigen(part.box.min()),
+                       from_eigen(part.box.max()))) {
+    ++plan_.skipped.occluded;
+    return;
+  }
+  ++plan_.instances_needed;
+  plan_.tiles_unbounded += !bounded;
+  plan_.parts.push_back({index, number});
+  if (skip.duplicates && known[number]) {
+    ++plan_.skipped.duplicates;
+    return;
+  }
+  known[number] = true;
+  ++plan_.tiles_needed;
+  plan_.samples_needed += part.vertices;
+  for (std::size_t a = 0; a < attribute_count; ++a)
+    if ((all ? request_.attributes : tests_.without_tangents()).has(static_cast<Attribute>(a)))
+      plan_.attribute_samples[a] += part.vertices;
 }
 
 // Sums, and tiles by patch.

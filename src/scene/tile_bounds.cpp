@@ -187,6 +187,10 @@ TileRates rates_of(const ScaledSphere& s) {
   r.position_uu = std::fmin(r.position_uu, tau * tau * std::sqrt(along * cosine_v));
   r.position_uv = std::fmin(r.position_uv, tau * pi * std::sqrt(across * sine_v));
   r.position_vv = std::fmin(r.position_vv, pi * pi * std::sqrt(most(along, z, cosine_v, sine_v)));
+  // n = m/|m| with m the point of the sphere divided by the axes: |dn| <= |dm|/|m|, and |m| >= 1/longest.
+  r.normal_u =
+      std::fmin(r.normal_u, tau * most_cosine(s.profile) * s.longest() / std::fmin(s.axes.x, s.axes.y));
+  r.normal_v = std::fmin(r.normal_v, pi * s.longest() / s.shortest());
   return r;
 }
 TileRates rates_of(const StraightProfile& s) {

@@ -60,6 +60,7 @@ class TileTests {
   const Placed& placed() const { return placed_; }
   const InstanceView& whole() const { return whole_; }
   Attributes asked() const { return asked_; }  // of it, perhaps nothing
+  const View& view() const { return view_; }
   bool perspective() const { return view_.perspective(); }
   Attributes without_tangents() const { return without_tangents_; }
   bool may_face_away() const { return may_face_away_; }

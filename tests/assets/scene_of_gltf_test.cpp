@@ -22,13 +22,13 @@ class GltfScenes : public ::testing::Test {
   }
 
   std::string path() const { return folder_ / "scene.glb"; }
-  GltfScene scene() const {
+  GltfScene scene(bool with_motion = false) const {
     write_bytes(path(), b_.glb());
-    return scene_of_gltf(path());
+    return scene_of_gltf(path(), {}, with_motion);
   }
   ScenePlan plan(std::size_t camera = 0) const {
     const GltfScene s = scene();
-    return plan_primitives(s, s.cameras.at(camera).camera);
+    return plan_scene(s.scene, s.cameras.at(camera).camera, {});
   }
   // What becomes of the square, moved or turned.
   std::string fate(const Json& placement, std::size_t camera = 0) {
@@ -174,6 +174,64 @@ TEST_F(GltfScenes, ScenesThatNothingCanSeeAreRefused) {
   expect("cameras[0]: camera: expected near < far");
   b_.json["cameras"][0]["perspective"]["aspectRatio"] = 0;
   expect("cameras[0]: expected a width over height");
+}
+
+// A node above the camera is moved in steps of all kinds, the camera's own turns.
+TEST_F(GltfScenes, AnimationsMoveCameras) {
+  EXPECT_FALSE(scene(true).motion);
+  const auto add = [&](const char* type, std::size_t count, std::initializer_list<float> x) {
+    return b_.packed<float>(type, 5126, count, x);
+  };
+  const std::size_t two = add("SCALAR", 2, {1, 3}), three = add("SCALAR", 3, {1, 2, 3});
+  const std::size_t line = add("VEC3", 2, {0, 0, 0, 4, 0, 0});
+  const std::size_t turn = add("VEC4", 2, {0, 0, 0, 1, 0, 1, 0, 0});
+  const std::size_t steps = add("VEC3", 3, {0, 1, 0, 0, 2, 0, 0, 3, 0});
+  // From 0 to 1 with a tangent of 1, as long as the step of 2: x = 2 (s³ - 2 s² + s) + 3 s² - 2 s³.
+  const std::size_t curve = add("VEC3", 6, {9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 9, 9, 9});
+  b_.json["nodes"][0].erase("translation");
+  b_.json["nodes"].push_back({{"children", {0}}, {"translation", {0, 0, 5}}});
+  b_.json["scenes"][0]["nodes"] = {2, 1};
+  const auto motion = [&](std::size_t input, std::size_t output, const char* interpolation) {
+    b_.json["animations"] =
+        Json::array({{{"samplers",
+                       {{{"input", two}, {"output", turn}},
+                        {{"input", input}, {"output", output}, {"interpolation", interpolation}}}},
+                      {"channels",
+                       {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "rotation"}}}},
+                        {{"sampler", 1}, {"target", {{"node", 2}, {"path", "translation"}}}}}}}});
+    const GltfScene s = scene(true);
+    return s.motion.value();
+  };
+  const auto expect_at = [](const CameraMotion& m, double share, double x, double y, double z) {
+    EXPECT_LT((m.at(share).pose.translation() - Eigen::Vector3d(x, y, z)).norm(), 1e-12)
+        << share << ": " << m.at(share).pose.translation().transpose();
+  };
+  const CameraMotion linear = motion(two, line, "LINEAR");
+  expect_at(linear, 0, 0, 0, 0);
+  expect_at(linear, 0.25, 1, 0, 0);
+  expect_at(linear, 1, 4, 0, 0);
+  // Half a turn about y, after its half a quarter.
+  const Eigen::Vector3d back = linear.at(0.5).pose.linear().col(2);
+  EXPECT_LT((back - Eigen::Vector3d(1, 0, 0)).norm(), 1e-12) << back.transpose();
+  linear.at(0.5).check();
+  EXPECT_EQ(linear.at(0.5).height_px, 640) << "the lens stays";
+  const CameraMotion stepped = motion(three, steps, "STEP");
+  expect_at(stepped, 0.49, 0, 1, 0);
+  expect_at(stepped, 0.5, 0, 2, 0);
+  expect_at(stepped, 1, 0, 3, 0);
+  const CameraMotion cubic = motion(two, curve, "CUBICSPLINE");
+  expect_at(cubic, 0.5, 2 * (0.125 - 0.5 + 0.5) + 0.75 - 0.25, 0, 0);
+  expect_at(cubic, 0, 0, 0, 0);
+  expect_at(cubic, 1, 1, 0, 0);
+  const auto refused = [&](std::size_t input, std::size_t output, const char* interpolation) {
+    return refusal_of<FileError>([&] { motion(input, output, interpolation); });
+  };
+  EXPECT_NE(refused(two, steps, "LINEAR").find("expected 2 elements for these keys, got 3"),
+            std::string::npos);
+  EXPECT_NE(refused(two, line, "BEZIER").find("expected LINEAR, STEP or CUBICSPLINE"), std::string::npos);
+  EXPECT_NE(refused(two, turn, "LINEAR").find("expected an accessor of 3 components"), std::string::npos);
+  EXPECT_NE(refused(add("SCALAR", 2, {3, 1}), line, "LINEAR").find("expected times that rise"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ void asteroids(int rounds) {
   const io::SceneFile file = io::read_scene_file("docs/examples/asteroids.json");
   const Camera& camera = file.cameras[0].camera;
   SceneRequest everything = file.request;
-  everything.skip = {false, false, false, false, false};
+  everything.skip = SceneRequest::Skip::nothing();
   const ScenePlan uniform = plan_scene(file.scene, camera, everything);
   ScenePlan plan;
   Walk walk(file.scene, camera, file.request);
@@ -139,6 +139,17 @@ void asteroids(int rounds) {
       static_cast<unsigned long long>(plan.skipped.duplicates));
 }
 
+// Instances in a cone about the camera's axis.
+Scene in_view(Scene scene) {
+  for (SceneInstance& instance : scene.instances) {
+    const Eigen::Vector3d at = instance.placement.translation();
+    const double distance = at.norm();
+    instance.placement.translation() =
+        distance * Eigen::Vector3d(0.35 * at.x() / distance, 0.35 * at.y() / distance, -1).normalized();
+  }
+  return scene;
+}
+
 void growth(int rounds, bool quick) {
   std::printf(
       "\n### Planning alone\n\n60 degrees, 1 px, no bound on the angle; instances 2 to 200 radii from the "
@@ -156,20 +167,52 @@ void growth(int rounds, bool quick) {
        {std::size_t{1000}, std::size_t{10000}, std::size_t{100000}, std::size_t{1000000}}) {
     if (quick && n > 100000) break;
     const Scene round = scattered(n);
-    Scene in_view = round;
-    for (SceneInstance& instance : in_view.instances) {
-      // Into a cone about the camera's axis.
-      Eigen::Vector3d at = instance.placement.translation();
-      const double distance = at.norm();
-      at = {0.35 * at.x() / distance, 0.35 * at.y() / distance, -1};
-      instance.placement.translation() = distance * at.normalized();
-    }
-    Walk round_walk(round, camera, request), walk(in_view, camera, request);
+    const Scene before = in_view(round);
+    Walk round_walk(round, camera, request), walk(before, camera, request);
     const std::vector<double> s = medians(
         n > 100000 ? 1 : rounds, {[&] { plan_scene(round, camera, request); }, [&] { round_walk.step(); },
-                                  [&] { plan_scene(in_view, camera, request); }, [&] { walk.step(); }});
+                                  [&] { plan_scene(before, camera, request); }, [&] { walk.step(); }});
     std::printf("| %zu | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f |\n", n, 1e3 * s[0], 1e6 * s[0] / double(n),
                 1e3 * s[1], 1e3 * s[2], 1e6 * s[2] / double(n), 1e3 * s[3]);
+  }
+}
+
+// What skip.occluded costs and saves.
+void hidden(int rounds) {
+  std::printf(
+      "\n### Hidden behind others\n\nWithout `skip.occluded`, and with it: the file's scene, and those of "
+      "the "
+      "table above. Tiles that are drawn; samples, of which instances of a surface share many.\n\n"
+      "| | tiles | hidden | samples, thousands | | planning, ms | | the next camera, ms | | evaluation, ms | "
+      "|\n"
+      "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
+  const io::SceneFile file = io::read_scene_file("docs/examples/asteroids.json");
+  Camera camera;
+  camera.vertical_field_of_view_rad = std::numbers::pi / 3;
+  struct Case {
+    const char* name;
+    Scene scene;
+    Camera camera;
+  };
+  for (const Case& c : {Case{"asteroids.json", file.scene, file.cameras[0].camera},
+                        Case{"10000 all round", scattered(10000), camera},
+                        Case{"10000 in view", in_view(scattered(10000)), camera},
+                        Case{"100000 all round", scattered(100000), camera},
+                        Case{"100000 in view", in_view(scattered(100000)), camera}}) {
+    SceneRequest without, with;
+    without.chord_px = with.chord_px = 1;
+    without.frame_angle_rad = with.frame_angle_rad = std::numbers::pi;
+    with.skip.occluded = true;
+    ScenePlan all, shown;
+    Walk walk_without(c.scene, c.camera, without), walk_with(c.scene, c.camera, with);
+    const std::vector<double> s = medians(
+        rounds, {[&] { all = plan_scene(c.scene, c.camera, without); }, [&] { evaluate(c.scene, all); },
+                 [&] { walk_without.step(); }, [&] { shown = plan_scene(c.scene, c.camera, with); },
+                 [&] { evaluate(c.scene, shown); }, [&] { walk_with.step(); }});
+    std::printf("| %s | %zu | %llu | %.0f | %.0f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f |\n", c.name,
+                all.tiles.size(), static_cast<unsigned long long>(shown.skipped.occluded),
+                1e-3 * double(all.samples_needed), 1e-3 * double(shown.samples_needed), 1e3 * s[0],
+                1e3 * s[3], 1e3 * s[2], 1e3 * s[5], 1e3 * s[1], 1e3 * s[4]);
   }
 }
 
@@ -199,7 +242,7 @@ void overhead(int rounds) {
     for (SceneRequest* request : {&usual, &fine}) {
       request->skip.duplicates = false;
       SceneRequest everything = *request;
-      everything.skip = {false, false, false, false, false};
+      everything.skip = SceneRequest::Skip::nothing();
       const ScenePlan uniform = plan_scene(scene, {}, everything);
       ScenePlan plan;
       const std::vector<double> s =
@@ -223,6 +266,7 @@ int main(int argc, char** argv) {
   try {
     darboux::bench::asteroids(rounds);
     darboux::bench::growth(rounds, quick);
+    darboux::bench::hidden(quick ? 3 : 5);
     darboux::bench::overhead(rounds);
     darboux::bench::contest_of_scenes(rounds);
   } catch (const darboux::Error& error) {

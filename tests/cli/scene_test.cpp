@@ -194,7 +194,31 @@ TEST_F(SceneCli, PlansThePrimitivesOfAGltf) {
   EXPECT_NE(good("darboux scene made.glb").find("1 of 3 instances are needed"), std::string::npos);
   refused("darboux scene made.glb --render a.png", {"--render", "JSON"});
   refused("darboux scene made.glb --camera 1", {"--camera"});
+  refused("darboux scene made.glb --path 3", {"--path", "at least two cameras", "got one"});
   EXPECT_NE(good("darboux scene data/torus_016.none.glb").find("before the scene"), std::string::npos);
+  // A path to a second camera, from which the triangle behind the first is seen.
+  Builder two = b;
+  two.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 15}}});
+  two.json["scenes"][0]["nodes"].push_back(4);
+  write_bytes(path("two.glb"), two.glb());
+  const Json along = json("darboux scene two.glb --path 3 --json");
+  ASSERT_EQ(along["path"].size(), 3u);
+  EXPECT_EQ(along["path"][0]["instances"], 1);
+  EXPECT_EQ(along["path"][2]["instances"], 2);
+  EXPECT_EQ(along["path"][2]["samples_new"], 0);
+  EXPECT_EQ(along["needed"]["tiles"], 3);
+  EXPECT_EQ(along["samples_full"], 27);
+  EXPECT_TRUE(along["seconds"]["needed"].is_null());
+  EXPECT_EQ(good("darboux scene two.glb --path 3").find("evaluated"), std::string::npos);
+  // One camera that an animation moves there and further.
+  Builder moving = b;
+  const std::size_t times = moving.packed<float>("SCALAR", 5126, 2, {0, 1}),
+                    places = moving.packed<float>("VEC3", 5126, 2, {0, 0, 5, 0, 0, 15});
+  moving.json["animations"] = Json::array(
+      {{{"samplers", Json::array({{{"input", times}, {"output", places}}})},
+        {"channels", Json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}})}}});
+  write_bytes(path("moving.glb"), moving.glb());
+  EXPECT_EQ(json("darboux scene moving.glb --path 3 --json")["needed"], along["needed"]);
   b.json["nodes"][1]["children"] = {1};
   write_bytes(path("cyclic.glb"), b.glb());
   refused("darboux scene cyclic.glb", {"cyclic.glb", "its own ancestor"});

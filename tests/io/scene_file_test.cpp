@@ -45,6 +45,15 @@ class SceneFiles : public ::testing::Test {
   TempFolder folder_;
 };
 
+TEST_F(SceneFiles, MaterialsSayWhatIsSeenThrough) {
+  Json json = small();
+  json["materials"]["plain"]["see_through"] = true;
+  const SceneFile file = read(json.dump());
+  for (const SceneMaterial& m : file.scene.materials) EXPECT_EQ(m.see_through, m.name == "plain") << m.name;
+  EXPECT_NE(refusal("/materials/plain/see_through", 1).find("/materials/plain/see_through"),
+            std::string::npos);
+}
+
 TEST_F(SceneFiles, AreReadWhole) {
   const SceneFile file = io::read_scene_file(std::string(DARBOUX_SOURCE) + "/docs/examples/scene.json");
   ASSERT_EQ(file.surface_names, (std::vector<std::string>{"ring", "ball", "column", "shell", "floor"}));

@@ -1,6 +1,8 @@
 #include "report/scene_picture.h"
 
 #include <cmath>
+#include <iostream>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -119,6 +121,137 @@ TEST(ScenePicture, IsTheSameWithAndWithoutCulling) {
   }
   EXPECT_GT(outside, 100u);
   EXPECT_GT(back_facing, 100u);
+}
+
+// Something large before small things of all kinds, close enough together that many are hidden in part.
+Scene crowded_scene(Random& random, int round) {
+  static const char* large[] = {"sphere",       "torus:major_radius=1,minor_radius=0.6",
+                                "plane",        "cylinder",
+                                "ellipsoid",    "cone",
+                                "disk",         "catenoid",
+                                "bspline-patch"};
+  Scene scene;
+  scene.surfaces = all_surfaces();
+  scene.materials = {{.name = "plain"}, {.name = "cloth", .double_sided = true}, {.name = "veil"}};
+  scene.materials[2].double_sided = scene.materials[2].see_through = true;
+  const auto turned = [&] {
+    return Eigen::Affine3d(Eigen::AngleAxisd(random.uniform(0, 6), to_eigen(random.direction())));
+  };
+  const auto first_large = static_cast<std::uint32_t>(scene.surfaces.size());
+  for (const char* name : large) scene.surfaces.push_back(make_surface(name));
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    SceneInstance instance{first_large + static_cast<std::uint32_t>(random.bits() % std::size(large)),
+                           random.uniform() < 0.1 ? 2u : i % 2, turned()};
+    if (round % 2 == 0)
+      instance.placement.linear() *= Eigen::Vector3d(random.sign(), random.uniform(0.6, 1.5), 1).asDiagonal();
+    instance.placement.pretranslate(
+        Eigen::Vector3d(random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(-6, -2)));
+    scene.instances.push_back(instance);
+  }
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    SceneInstance instance{static_cast<std::uint32_t>(random.bits() % first_large), i % 2, turned()};
+    instance.placement.linear() *= 0.15;
+    const double depth = random.uniform(3, 12);
+    instance.placement.pretranslate(
+        Eigen::Vector3d(random.uniform(-0.4, 0.4) * depth, random.uniform(-0.3, 0.3) * depth, -depth));
+    scene.instances.push_back(instance);
+  }
+  return scene;
+}
+
+// Every pixel of a picture, against that of all tiles: what is hidden is nowhere in it. With three times as
+// many pixels along a side as planned for, so that slivers are seen too.
+// \returns how many tiles are hidden, and of how many
+std::pair<std::size_t, std::size_t> expect_same_picture(const Scene& scene, Camera camera,
+                                                        SceneRequest request) {
+  request.attributes = Attribute::position | Attribute::normal;
+  request.skip.occluded = true;
+  const ScenePlan culled = plan_scene(scene, camera, request);
+  request.skip.occluded = false;
+  const ScenePlan all = plan_scene(scene, camera, request);
+  EXPECT_EQ(all.tiles.size(), culled.tiles.size() + culled.skipped.occluded);
+  camera.width_px *= 3;
+  camera.height_px *= 3;
+  const auto picture_of = [&](const ScenePlan& plan) {
+    Rasteriser picture(camera);
+    for_each_tile(scene, plan, [&](const TileSamples& samples) {
+      draw_tiles(picture, scene, samples,
+                 [&](const PlannedTile& tile) { return picture_material(scene, tile); });
+    });
+    return picture.picture().rgb;
+  };
+  const auto with = picture_of(culled), without = picture_of(all);
+  std::size_t differing = 0;
+  for (std::size_t i = 0; i < with.size(); ++i) differing += with[i] != without[i];
+  EXPECT_EQ(differing, 0u);
+  return {culled.skipped.occluded, all.tiles.size()};
+}
+
+TEST(ScenePicture, IsTheSameWithoutWhatIsHidden) {
+  Random random(11);
+  std::size_t hidden = 0, all = 0;
+  for (int round = 0; round < 12; ++round) {
+    SCOPED_TRACE(round);
+    const Scene scene = crowded_scene(random, round);
+    Camera camera;
+    camera.width_px = 160;
+    camera.height_px = 120;
+    camera.near_distance = random.log_uniform(0.01, 3);
+    camera.far_distance = random.uniform(8, 40);
+    if (round % 5 == 0) {
+      camera.projection = Camera::Projection::orthographic;
+      camera.view_height = 5;
+    }
+    SceneRequest request;
+    request.chord_px = random.log_uniform(0.2, 8);
+    request.frame_angle_rad = round % 3 == 0 ? 0.3 : std::numbers::pi;
+    const auto [some, of] = expect_same_picture(scene, camera, request);
+    hidden += some;
+    all += of;
+  }
+  std::cout << hidden << " of " << all << " tiles hidden\n";
+  EXPECT_GT(hidden, all / 20);
+}
+
+// Squares of a pixel close to a ring, on both sides of it and about its rims: slopes, and borders that
+// coarse triangles cut off.
+TEST(ScenePicture, ShowsWhatIsCloseToWhatHides) {
+  Random random(12);
+  std::size_t hidden = 0, all = 0;
+  for (int round = 0; round < 12; ++round) {
+    SCOPED_TRACE(round);
+    Scene scene;
+    scene.surfaces = {make_surface("disk:inner_radius=0.4,outer_radius=1"), make_surface("plane")};
+    scene.materials = {{.name = "ring", .double_sided = true}, {.name = "square"}};
+    const Eigen::Affine3d turned = Eigen::Translation3d(0, 0, -3) *
+                                   Eigen::AngleAxisd(random.uniform(0, 1.45), Eigen::Vector3d::UnitY()) *
+                                   Eigen::AngleAxisd(random.uniform(0, 6), Eigen::Vector3d::UnitZ());
+    scene.instances.push_back({0, 0, turned});
+    for (int i = 0; i < 1000; ++i) {
+      const double rim = i % 2 == 0 ? 1 : 0.4, angle = random.uniform(0, 6.3),
+                   from_axis = i % 4 < 2 ? random.uniform(0.4, 1) : rim + random.uniform(-0.1, 0.1);
+      SceneInstance square{1, 1, Eigen::Affine3d(Eigen::Scaling(0.012))};
+      square.placement.pretranslate(turned * Eigen::Vector3d(from_axis * std::cos(angle),
+                                                             from_axis * std::sin(angle),
+                                                             random.uniform(-0.3, 0.3)));
+      scene.instances.push_back(square);
+    }
+    Camera camera;
+    camera.width_px = camera.height_px = 200;
+    camera.vertical_field_of_view_rad = 0.8;
+    if (round % 4 == 3) {
+      camera.projection = Camera::Projection::orthographic;
+      camera.view_height = 2.4;
+    }
+    SceneRequest request;
+    request.frame_angle_rad = std::numbers::pi;
+    request.chord_px = round % 2 == 0 ? 9 : random.log_uniform(0.2, 3);
+    const auto [some, of] = expect_same_picture(scene, camera, request);
+    hidden += some;
+    all += of;
+  }
+  std::cout << hidden << " of " << all << " tiles hidden\n";
+  EXPECT_GT(hidden, all / 20);
 }
 
 }  // namespace

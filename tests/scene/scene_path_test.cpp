@@ -21,6 +21,7 @@ void expect_same_plan(const ScenePlan& kept, const ScenePlan& anew) {
   EXPECT_EQ(kept.skipped.no_normal_map, anew.skipped.no_normal_map);
   EXPECT_EQ(kept.skipped.outside_frustum, anew.skipped.outside_frustum);
   EXPECT_EQ(kept.skipped.back_facing, anew.skipped.back_facing);
+  EXPECT_EQ(kept.skipped.occluded, anew.skipped.occluded);
   EXPECT_EQ(kept.skipped.below_error, anew.skipped.below_error);
   EXPECT_EQ(kept.skipped.duplicates, anew.skipped.duplicates);
   EXPECT_EQ(kept.instances_needed, anew.instances_needed);
@@ -54,6 +55,7 @@ TEST(ScenePath, PlansOfAPathAreThoseOfEachCamera) {
     request.frame_angle_rad = round % 3 == 0 ? 0.3 : std::numbers::pi;
     if (round == 3) request.skip.duplicates = false;
     if (round == 4) request.chord = 0.01;
+    request.skip.occluded = round % 2 == 1;
     ScenePlanner planner(scene, request);
     Camera camera = random_camera(random);
     for (int i = 0; i < 12; ++i) {
@@ -89,6 +91,7 @@ TEST(ScenePath, SmallStepsChangeWhatTheyMust) {
     SceneRequest request;
     request.chord_px = round % 2 == 0 ? 2 : 0.5;
     request.frame_angle_rad = std::numbers::pi;
+    request.skip.occluded = round % 3 == 1;
     ScenePlanner planner(scene, request);
     Camera camera;
     camera.far_distance = 40;

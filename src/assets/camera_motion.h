@@ -1,0 +1,49 @@
+/// \file camera_motion.h
+/// A camera of a glTF file that an animation moves.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <darboux/scene.h>
+
+#include "io/gltf_file.h"
+
+namespace darboux {
+
+/// The way of a camera by the first animation that moves it or what it hangs on: translations, rotations and
+/// scales of nodes, at linear, step and cubic keys as glTF has them. The lens stays what it is.
+class CameraMotion {
+ public:
+  /// Nothing where no animation moves it. \param node that has the camera, which is `camera` at rest
+  /// \throws FileError for keys that contradict themselves
+  static std::optional<CameraMotion> of(const GltfFile& file, std::size_t node, const Camera& camera);
+
+  /// At a share of the time from the first key to the last, 0 to 1.
+  Camera at(double share) const;
+
+ private:
+  enum class Interpolation { linear, step, cubic };
+  struct Channel {
+    Interpolation interpolation;
+    std::vector<double> times, values;  // of cubic keys: tangent before, value, tangent behind
+
+    Eigen::Vector4d at(double time, std::size_t components) const;
+  };
+  struct Node {
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();  // of one without the others
+    Eigen::Vector4d translation{0, 0, 0, 0}, rotation{0, 0, 0, 1}, scale{1, 1, 1, 0};
+    std::optional<Channel> translations{}, rotations{}, scales{};
+
+    Eigen::Matrix4d at(double time) const;
+  };
+  static Channel read_channel(const GltfFile& file, const io::JsonCursor& sampler, std::size_t components);
+
+  Camera camera_;
+  std::vector<Node> nodes_;  // from the root to that of the camera
+  double from_ = 0, to_ = 0;
+};
+
+}  // namespace darboux
