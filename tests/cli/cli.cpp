@@ -40,6 +40,17 @@ Json Cli::json(const std::string& command, int status) const {
   return result;
 }
 
+Json Cli::written_in_all_formats(const std::string& run, const std::string& heading) const {
+  good(run + "-o page.html");
+  good(run + "-o picture.svg");
+  good(run + "-o tables.md");
+  good(run + "-o same --format json");
+  EXPECT_NE(read_bytes(path("page.html")).find("<!DOCTYPE html>"), std::string::npos);
+  EXPECT_NE(read_bytes(path("picture.svg")).find("</svg>"), std::string::npos);
+  EXPECT_NE(read_bytes(path("tables.md")).find(heading), std::string::npos);
+  return Json::parse(read_bytes(path("same")));
+}
+
 void Cli::refused(const std::string& command, const std::vector<std::string>& parts) const {
   SCOPED_TRACE(command);
   const Result r = sh(command);

@@ -43,6 +43,9 @@ class Cli : public ::testing::Test {
   // The same for a command whose whole stdout is one JSON document.
   Json json(const std::string& command, int status = 0) const;
 
+  // Runs a report command into a page, a picture, tables that hold `heading`, and JSON. \returns the last
+  Json written_in_all_formats(const std::string& run, const std::string& heading) const;
+
   // Runs a command that must be refused: status 2, one line on stderr that begins with "darboux: " and holds
   // all of `parts`, nothing on stdout.
   void refused(const std::string& command, const std::vector<std::string>& parts = {}) const;
