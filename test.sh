@@ -3,6 +3,7 @@
 #   ./test.sh            the release build and all its tests, after clang has read each source of library and tool, alone and
 #                        without warnings (it generates no code: ./test.sh clang does, and passes the tests)
 #   ./test.sh PRESET     one preset of CMakePresets.json with its tests: release, debug, asan, clang
+#   ./test.sh tidy       clang-tidy by .clang-tidy over all of src and the headers it reads; half an hour of one core
 set -euo pipefail
 cd "$(dirname "$0")"
 .ci/install build test
@@ -11,11 +12,16 @@ check() {
   cmake --build --preset "$1"
   ctest --preset "$1" -j 2
 }
+read_only=build/clang-syntax
+if [ "$*" = tidy ]; then
+  .ci/install tidy
+  cmake --preset clang -B "$read_only" -DDARBOUX_BUILD_TESTS=OFF
+  exec tests/tree/check_tidy.sh "$read_only"
+fi
 if [ $# -gt 0 ]; then
   for preset in "$@"; do check "$preset"; done
   exit
 fi
-read_only=build/clang-syntax
 cmake --preset clang -B "$read_only" -DDARBOUX_BUILD_TESTS=OFF
 # A second time: CMake must find a compiler that works. Nothing is left to archive.
 cmake -B "$read_only" -DCMAKE_CXX_FLAGS=-fsyntax-only -DCMAKE_CXX_ARCHIVE_CREATE=true -DCMAKE_CXX_ARCHIVE_FINISH=true

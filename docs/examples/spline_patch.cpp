@@ -3,8 +3,8 @@
 #include <vector>
 
 #include <darboux/bspline_patch.h>
+#include <darboux/curvature.h>
 #include <darboux/evaluate.h>
-#include <darboux/forms.h>
 
 int main() {
   // A quarter of a cylinder of radius 2 and height 3: a circle's arc is a rational curve of degree 2 whose

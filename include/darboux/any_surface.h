@@ -72,7 +72,7 @@ class AnySurface {
                          const EvaluateOptions& options = {}) const {
     return held_->evaluate(points, outputs, options);
   }
-  /// From the jet and the frame there: see curvature() in forms.h, which calls this.
+  /// From the jet and the frame there: see curvature() in curvature.h, which calls this.
   Curvature<double> curvature(double u, double v, const Jet2<double>& jet, const Frame<double>& frame) const {
     return held_->curvature(u, v, jet, frame);
   }

@@ -17,7 +17,7 @@
 #include <typeinfo>
 
 #include <darboux/attributes.h>
-#include <darboux/forms.h>
+#include <darboux/curvature.h>
 #include <darboux/instruction_set.h>
 #include <darboux/point.h>
 

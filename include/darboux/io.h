@@ -47,7 +47,7 @@ struct ReadOptions {
 class Instances {
  public:
   Instances() = default;
-  Instances(std::vector<Eigen::Matrix4d> matrices)
+  Instances(std::vector<Eigen::Matrix4d> matrices)  // NOLINT: converting
       : matrices_(std::make_shared<const std::vector<Eigen::Matrix4d>>(std::move(matrices))) {}
 
   std::span<const Eigen::Matrix4d> matrices() const {

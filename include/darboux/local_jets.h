@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include <darboux/forms.h>
+#include <darboux/curvature.h>
 #include <darboux/point_cloud.h>
 #include <darboux/surface.h>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <darboux/adaptor.h>
-#include <darboux/forms.h>
+#include <darboux/shape_operator.h>
 
 namespace darboux {
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <darboux/christoffel.h>
 #include <darboux/forms.h>
+#include <darboux/shape_operator.h>
 
 namespace darboux {
 namespace {

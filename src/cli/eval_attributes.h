@@ -9,6 +9,7 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/attributes.h>
+#include <darboux/christoffel.h>
 
 namespace darboux {
 

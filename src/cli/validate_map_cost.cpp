@@ -94,7 +94,7 @@ std::optional<MapCostOptions> map_cost_options(const std::string& size, const Re
 
 AssessedMapCost map_cost_of(const Primitive& primitive, const Assessment& assessment,
                             const MapCostOptions& options) {
-  const AssessedMapCost none{.why = "no surface is known through these uvs"};
+  AssessedMapCost none{.why = "no surface is known through these uvs"};
   const Mesh& mesh = primitive.data;
   if (!assessment.fit || !assessment.fit->fits || assessment.fit->chart != UvChart::own || mesh.uvs.empty() ||
       mesh.normals.empty())

@@ -8,8 +8,8 @@
 
 #include <darboux/error.h>
 #include <darboux/fit_mesh.h>
-#include <darboux/forms.h>
 #include <darboux/project.h>
+#include <darboux/shape_operator.h>
 
 #include "fit/common/parameter_jet.h"
 #include "fit/primitives/list.h"

@@ -29,8 +29,8 @@ struct Piece {
 /// Pieces one after the other. What was once appended stays where it is: views of it hold.
 class BufferBytes {
  public:
-  BufferBytes(Piece first) { append(std::move(first)); }
-  BufferBytes(std::string first) : BufferBytes(Piece::of(std::move(first))) {}
+  BufferBytes(Piece first) { append(std::move(first)); }                        // NOLINT: converting
+  BufferBytes(std::string first) : BufferBytes(Piece::of(std::move(first))) {}  // NOLINT: converting
 
   std::size_t size() const { return size_; }
   const std::vector<Piece>& pieces() const { return pieces_; }

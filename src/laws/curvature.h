@@ -6,7 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include <darboux/forms.h>
+#include <darboux/curvature.h>
+#include <darboux/shape_operator.h>
 
 #include "law.h"
 

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <concepts>
 
+#include <darboux/christoffel.h>
+#include <darboux/curvature.h>
 #include <darboux/forms.h>
+#include <darboux/shape_operator.h>
 
 namespace darboux::laws {
 namespace {

@@ -32,6 +32,45 @@ struct Names {
   }
 };
 
+// A study as the script unpacks it, in the order of its columns; `grid` are the widths of its surface and
+// mesh.
+Json study_row(const Study& s, std::size_t surface, std::size_t mesh, std::size_t method,
+               const std::map<int, double>& grid) {
+  Json at = Json::array(), rms = Json::array(), p95 = Json::array(), max = Json::array(),
+       used = Json::array(), least = Json::array(), most = Json::array();
+  for (const Level& l : s.levels) {
+    at.push_back(std::distance(grid.begin(), grid.find(l.resolution)));
+    rms.push_back(shown(l.rms_deg));
+    p95.push_back(shown(l.p95_deg));
+    max.push_back(shown(l.max_deg));
+    used.push_back(l.used ? 1 : 0);
+    const auto [low, high] = std::minmax_element(l.rms_of_mesh.begin(), l.rms_of_mesh.end());
+    least.push_back(shown(*low));
+    most.push_back(shown(*high));
+  }
+  const bool spread = s.levels.front().rms_of_mesh.size() > 1;
+  return {surface,
+          mesh,
+          method,
+          static_cast<std::size_t>(s.vertex_class),
+          std::find(study_quantities.begin(), study_quantities.end(), s.quantity) - study_quantities.begin(),
+          shown(s.order),
+          shown(s.order_low),
+          shown(s.order_high),
+          s.expected_order,
+          shown(s.max_order),
+          static_cast<std::size_t>(s.verdict),
+          s.holds() ? 1 : 0,
+          shown(s.levels.back().floor_deg, 2),
+          s.levels.size() == grid.size() ? Json(nullptr) : at,
+          rms,
+          p95,
+          max,
+          used,
+          spread ? least : Json(nullptr),
+          spread ? most : Json(nullptr)};
+}
+
 // What the page's script unpacks: names by their places, widths once per surface and mesh, times once per
 // surface, mesh and method.
 Json page_data(const std::vector<Study>& studies) {
@@ -66,42 +105,11 @@ Json page_data(const std::vector<Study>& studies) {
     const std::size_t surface = surfaces.place(s.surface), mesh = meshes.place(s.mesh),
                       method = methods.place(s.method);
     const auto& grid = widths[{surface, mesh}];
-    Json at = Json::array(), rms = Json::array(), p95 = Json::array(), max = Json::array(),
-         used = Json::array(), least = Json::array(), most = Json::array();
-    for (const Level& l : s.levels) {
-      const auto place = static_cast<std::size_t>(std::distance(grid.begin(), grid.find(l.resolution)));
-      at.push_back(place);
-      seconds[surface][mesh][method][place] = shown(l.seconds);
-      rms.push_back(shown(l.rms_deg));
-      p95.push_back(shown(l.p95_deg));
-      max.push_back(shown(l.max_deg));
-      used.push_back(l.used ? 1 : 0);
-      const auto [low, high] = std::minmax_element(l.rms_of_mesh.begin(), l.rms_of_mesh.end());
-      least.push_back(shown(*low));
-      most.push_back(shown(*high));
-    }
-    const bool spread = s.levels.front().rms_of_mesh.size() > 1;
-    list.push_back(
-        {surface,
-         mesh,
-         method,
-         static_cast<std::size_t>(s.vertex_class),
-         std::find(study_quantities.begin(), study_quantities.end(), s.quantity) - study_quantities.begin(),
-         shown(s.order),
-         shown(s.order_low),
-         shown(s.order_high),
-         s.expected_order,
-         shown(s.max_order),
-         static_cast<std::size_t>(s.verdict),
-         s.holds() ? 1 : 0,
-         shown(s.levels.back().floor_deg, 2),
-         s.levels.size() == grid.size() ? Json(nullptr) : at,
-         rms,
-         p95,
-         max,
-         used,
-         spread ? least : Json(nullptr),
-         spread ? most : Json(nullptr)});
+    for (const Level& l : s.levels)
+      seconds[surface][mesh][method]
+             [static_cast<std::size_t>(std::distance(grid.begin(), grid.find(l.resolution)))] =
+                 shown(l.seconds);
+    list.push_back(study_row(s, surface, mesh, method, grid));
   }
   Json of_meshes = Json::array(), of_methods = Json::array();
   for (const std::string& name : meshes.list) {

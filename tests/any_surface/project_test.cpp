@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include <darboux/forms.h>
 #include <darboux/project.h>
+#include <darboux/shape_operator.h>
 
 #include "every_surface.h"
 #include "random_pose.h"

@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint64_t seed = 2026;
 
 TEST(Recognition, ClaimsNothingOfPolyhedra) {
-  constexpr int each = 150;
+  constexpr int each = 50;  // 750 shapes: claims of one in 250 pass once in 20
   std::cout << "seeds from " << seed << '\n';
   for (const test::NegativeFamily& family : test::negative_families())
     for (int i = 0; i < each; ++i) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <darboux/catalogue.h>
-#include <darboux/forms.h>
+#include <darboux/curvature.h>
 #include <darboux/local_jets.h>
 
 #ifdef DARBOUX_BENCHMARK_CGAL

@@ -2,7 +2,10 @@
 #include <array>
 #include <cstring>
 
+#include <darboux/christoffel.h>
+#include <darboux/curvature.h>
 #include <darboux/forms.h>
+#include <darboux/shape_operator.h>
 
 #include "cli.h"
 

@@ -38,14 +38,7 @@ TEST_F(WorkCli, WritesWhatIsAskedFor) {
   }
   const std::string csv = good(run + "--csv -");
   EXPECT_EQ(lines(csv).size(), samples + 1);
-  good(run + "-o page.html");
-  good(run + "-o picture.svg");
-  good(run + "-o tables.md");
-  good(run + "-o same --format json");
-  EXPECT_NE(read_bytes(path("page.html")).find("<!DOCTYPE html>"), std::string::npos);
-  EXPECT_NE(read_bytes(path("picture.svg")).find("</svg>"), std::string::npos);
-  EXPECT_NE(read_bytes(path("tables.md")).find("## sphere at points"), std::string::npos);
-  EXPECT_EQ(errors(Json::parse(read_bytes(path("same")))), errors(document));
+  EXPECT_EQ(errors(written_in_all_formats(run, "## sphere at points")), errors(document));
   // Two of one kind are told apart.
   const std::string two =
       good("darboux work-precision torus torus:minor_radius=0.4 --rounds 3 --points 64 --methods naive");

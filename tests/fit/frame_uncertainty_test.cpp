@@ -7,8 +7,8 @@
 
 #include <darboux/error.h>
 #include <darboux/fit_points.h>
-#include <darboux/forms.h>
 #include <darboux/project.h>
+#include <darboux/shape_operator.h>
 
 #include "every_surface.h"
 #include "random_pose.h"

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <darboux/any_surface.h>
-#include <darboux/forms.h>
+#include <darboux/curvature.h>
 #include <darboux/frame.h>
 #include <darboux/local_jets.h>
 

@@ -5,10 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <darboux/curvature.h>
 #include <darboux/error.h>
 #include <darboux/forms.h>
 #include <darboux/moebius_strip.h>
 #include <darboux/reparametrised.h>
+#include <darboux/shape_operator.h>
 #include <darboux/stability.h>
 
 #include "every_surface.h"

@@ -129,8 +129,10 @@ inline Outcome judged(std::string_view row, const SyntheticPoints& points, const
   return outcome;
 }
 
-inline Outcome outcome_of(std::string_view row, std::uint64_t seed) {
-  const Case c = case_of(row, seed);
+inline Outcome outcome_of(std::string_view row, std::uint64_t seed,
+                          std::size_t count = SyntheticOptions{}.count) {
+  Case c = case_of(row, seed);
+  c.options.count = count;
   const SyntheticPoints points = make_points(c.kind, c.options);
   return judged(row, points, fit_of(c, points), c.options.seed);
 }

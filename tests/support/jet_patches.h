@@ -13,8 +13,8 @@
 #include <vector>
 
 #include <darboux/any_surface.h>
-#include <darboux/forms.h>
 #include <darboux/frame.h>
+#include <darboux/shape_operator.h>
 
 namespace darboux::test {
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <darboux/catalogue.h>
-#include <darboux/forms.h>
+#include <darboux/curvature.h>
 #include <darboux/offset.h>
 #include <darboux/placed.h>
 #include <darboux/reparametrised.h>

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <darboux/darboux_frame.h>
 #include <darboux/evaluate.h>
 
 #include "multiprecision_forms.h"

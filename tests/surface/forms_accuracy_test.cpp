@@ -10,8 +10,11 @@
 #include <gtest/gtest.h>
 
 #include <darboux/catalogue.h>
+#include <darboux/christoffel.h>
+#include <darboux/curvature.h>
 #include <darboux/error.h>
 #include <darboux/forms.h>
+#include <darboux/shape_operator.h>
 
 #include "every_surface.h"
 #include "multiprecision.h"

@@ -8,10 +8,14 @@
 #include <gtest/gtest.h>
 
 #include <darboux/any_surface.h>
+#include <darboux/christoffel.h>
+#include <darboux/curvature.h>
+#include <darboux/darboux_frame.h>
 #include <darboux/differentiate.h>
 #include <darboux/evaluate.h>
 #include <darboux/forms.h>
 #include <darboux/reparametrised.h>
+#include <darboux/shape_operator.h>
 
 #include "multiprecision_forms.h"
 

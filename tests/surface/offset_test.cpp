@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <darboux/catalogue.h>
+#include <darboux/curvature.h>
 #include <darboux/offset.h>
 #include <darboux/reparametrised.h>
 #include <darboux/testing.h>

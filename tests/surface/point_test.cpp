@@ -10,9 +10,11 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/catalogue.h>
+#include <darboux/curvature.h>
+#include <darboux/darboux_frame.h>
 #include <darboux/error.h>
 #include <darboux/evaluate.h>
-#include <darboux/forms.h>
+#include <darboux/shape_operator.h>
 
 #include "every_surface.h"
 

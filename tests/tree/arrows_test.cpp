@@ -58,6 +58,10 @@ const std::map<std::string, std::string> folder_of_header{{"attributes", "base"}
                                                           {"curve", "surface"},
                                                           {"differentiate", "surface"},
                                                           {"forms", "surface"},
+                                                          {"shape_operator", "surface"},
+                                                          {"curvature", "surface"},
+                                                          {"christoffel", "surface"},
+                                                          {"darboux_frame", "surface"},
                                                           {"frame", "surface"},
                                                           {"from_position", "surface"},
                                                           {"limit", "surface"},
@@ -174,7 +178,8 @@ std::vector<Rule> rules(const Includes& tree) {
        std::string(standard) + "|darboux/(scalar|vector)\\.h", ""},
       {"a mesh knows no parametric surface, only its plain types", "src/mesh/(?!sample/).*", "",
        "darboux/"
-       "(limit|point|forms|differentiate|curve|spline|placed|offset|reparametrised|from_position)\\.h"},
+       "(limit|point|forms|shape_operator|curvature|christoffel|darboux_frame|differentiate|curve|spline|"
+       "placed|offset|reparametrised|from_position)\\.h"},
       {"public headers show Eigen and the standard library only", "(include|surfaces)/.*",
        std::string(standard) + "|Eigen/.*|darboux/.*", ""},
       {"only these know all surfaces", "(?!src/(any_surface|fit|evaluate/kernels|work_precision|cli)/).*", "",

@@ -7,7 +7,7 @@ shift
 command -v clang-tidy >/dev/null || { echo "SKIPPED: clang-tidy is not installed"; exit 77; }
 cd "$(dirname "$0")/../.."
 if [ $# -eq 0 ]; then
-  mapfile -t files < <(git ls-files 'src/*.cpp' | grep -vE 'evaluate/kernels/kernel_table|local_jets/uv_jets\.cpp')
+  mapfile -t files < <(git ls-files 'src/*.cpp' | grep -vE 'evaluate/kernels/baseline_avx2_avx512|local_jets/uv_jets\.cpp')
 else
   files=("$@")
 fi

@@ -172,7 +172,7 @@ Mesh wronged(Mesh mesh, Wrong how) {
 
 TEST(Cones, HoldEveryAverage) {
   constexpr std::uint64_t seed = 97;
-  constexpr int meshes = 100000;
+  constexpr int meshes = 30000;  // a law, broken by one mesh in 10 000, holds for all of these once in 20
   int collapsed = 0;
   // Of MikkTSpace's: all corners, those assessed; of wrong ones, each of three kinds, those outside and those
   // not distinguished from right ones.
@@ -231,7 +231,7 @@ TEST(Cones, HoldEveryAverage) {
     ASSERT_GT(c.mesh.half_steps.position, 0) << "mesh " << i << " by mikktspace of quads";
     ++collapsed;
   }
-  EXPECT_LE(collapsed, 3) << "of " << meshes;
+  EXPECT_LE(collapsed, 1) << "of " << meshes;
   // The rest are directions that span 180 degrees, slivers, and tangents that none has.
   const auto share = [](std::size_t part, std::size_t all) {
     return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(all, 1));

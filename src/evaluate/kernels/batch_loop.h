@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <type_traits>
 
-#include <darboux/forms.h>
+#include <darboux/curvature.h>
+#include <darboux/shape_operator.h>
 
 #include "batch_width.h"
 #include "lanes.h"

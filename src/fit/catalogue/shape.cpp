@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <darboux/error.h>
-#include <darboux/forms.h>
+#include <darboux/shape_operator.h>
 
 #include "fit/common/rotation_manifold.h"
 

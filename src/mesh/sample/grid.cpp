@@ -5,6 +5,33 @@
 #include "chart_mesh.h"
 
 namespace darboux {
+namespace {
+
+double graded(double x, double grading) {  // 0, 1/2 and 1 stay where they are, to the bit
+  return grading == 0 ? x : x + grading * sincos_turns(x).sin / (2 * std::numbers::pi);
+}
+
+// The grid of (u, v), row by row, before any vertex is doubled.
+std::vector<Vec2<double>> uv_grid(const SampleMeshOptions& o, std::mt19937_64& random) {
+  const int columns = o.columns, rows = o.rows;
+  const bool staggered = o.topology == MeshTopology::lantern;
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<Vec2<double>> grid;
+  grid.reserve(static_cast<std::size_t>(columns + 1) * (rows + 1));
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i <= columns; ++i) {
+      const bool moves = o.jitter > 0 && i > 0 && i < columns && j > 0 && j < rows;
+      const bool on_fold = o.mirror && 2 * i == columns;  // stays at u = 1/2
+      const double turned = staggered && j % 2 == 1 ? 0.5 : 0;
+      const double du = moves && !on_fold ? o.jitter * uniform(random) : turned;
+      const double dv = moves ? o.jitter * uniform(random) : 0;
+      const double v = o.v_first + (o.v_last - o.v_first) * graded((j + dv) / rows, o.grading);
+      grid.push_back({graded((i + du) / columns, o.grading), j == rows ? o.v_last : v});
+    }
+  return grid;
+}
+
+}  // namespace
 
 ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
   const int columns = o.columns, rows = o.rows;
@@ -18,24 +45,8 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
   std::mt19937_64 random(o.seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
 
-  const auto graded = [&](double x) {  // 0, 1/2 and 1 stay where they are, to the bit
-    return o.grading == 0 ? x : x + o.grading * sincos_turns(x).sin / (2 * std::numbers::pi);
-  };
-
-  // The grid of (u, v), before any vertex is doubled.
+  const std::vector<Vec2<double>> grid = uv_grid(o, random);
   const auto at = [&](int i, int j) { return static_cast<std::size_t>(j) * (columns + 1) + i; };
-  std::vector<Vec2<double>> grid(static_cast<std::size_t>(columns + 1) * (rows + 1));
-  for (int j = 0; j <= rows; ++j)
-    for (int i = 0; i <= columns; ++i) {
-      const bool moves = o.jitter > 0 && i > 0 && i < columns && j > 0 && j < rows;
-      const bool on_fold = o.mirror && 2 * i == columns;  // stays at u = 1/2
-      const double turned = staggered && j % 2 == 1 ? 0.5 : 0;
-      const double du = moves && !on_fold ? o.jitter * uniform(random) : turned;
-      const double dv = moves ? o.jitter * uniform(random) : 0;
-      const double share = j == rows ? 1 : graded((j + dv) / rows);  // the last row is v_last to the bit
-      grid[at(i, j)] = {graded((i + du) / columns), o.v_first + (o.v_last - o.v_first) * share};
-      if (j == rows) grid[at(i, j)].y = o.v_last;
-    }
 
   ChartMesh mesh;
   constexpr auto unused = static_cast<std::uint32_t>(-1);
@@ -48,7 +59,7 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
     if ((first_is_pole && j == 0) || (last_is_pole && j == rows)) {
       const bool shared = o.pole == PolePlacement::shared;
       gi = shared ? 0 : column;
-      uv.x = shared ? 0.5 : graded((column + 0.5) / columns);
+      uv.x = shared ? 0.5 : graded((column + 0.5) / columns, o.grading);
     }
     const bool second_half = o.mirror && 2 * column >= columns;
     std::uint32_t& known = index[2 * at(gi, gj) + second_half];

@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include <darboux/forms.h>
+#include <darboux/christoffel.h>
+#include <darboux/shape_operator.h>
 
 #include "curvature.h"
 #include "law.h"

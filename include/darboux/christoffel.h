@@ -1,0 +1,66 @@
+/// \file christoffel.h
+/// Christoffel symbols of a surface.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+
+#include <darboux/shape_operator.h>
+
+namespace darboux {
+
+/// The Christoffel symbols Γ^k_ij: d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part). u[0], u[1], u[2]
+/// are Γ^u_uu, Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Without units. NaN where dpdu and dpdv span no plane.
+/// [doCarmo2016, sec. 4-3]
+template <class S>
+struct Christoffel {
+  S u[3], v[3];
+};
+template <class S>
+Christoffel<S> christoffel(const Jet2<S>& j, const Frame<S>& frame) {
+  const S e = dot(j.dpdu, frame.t), f = dot(j.dpdv, frame.t), g = dot(j.dpdv, frame.b);
+  Christoffel<S> result;
+  int k = 0;
+  for (const Vec3<S>* second : {&j.d2pdu2, &j.d2pduv, &j.d2pdv2}) {
+    result.v[k] = dot(*second, frame.b) / g;
+    result.u[k] = (dot(*second, frame.t) - f * result.v[k]) / e;
+    ++k;
+  }
+  return result;
+}
+
+/// Of a surface at (u, v), from a jet and frame of it at hand, within the bound of curvature.h: symbols whose
+/// terms cancel are taken again in 40 digits. \param surface a surface type, or AnySurface
+template <class X, std::floating_point S>
+Christoffel<S> christoffel(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
+  const Christoffel<S> symbols = christoffel(j, frame);
+  if constexpr (detail::runs_in_40_digits<X>)
+    if (!has(frame.status, detail::degenerate)) {
+      const S e = std::fabs(dot(j.dpdu, frame.t)), f = std::fabs(dot(j.dpdv, frame.t)),
+              g = std::fabs(dot(j.dpdv, frame.b));
+      S terms(0), sum(0), lengths(0);
+      int k = 0;
+      for (const Vec3<S>* second : {&j.d2pdu2, &j.d2pduv, &j.d2pdv2}) {
+        const S along_b = detail::terms_size(*second, frame.b) / g;
+        terms += along_b + (detail::terms_size(*second, frame.t) + f * along_b) / e;
+        lengths += norm(*second) / std::fmin(e, g);
+        sum += detail::size_of_both(symbols.u[k], symbols.v[k]);
+        ++k;
+      }
+      // t and b may err by some u themselves, not by so little of each component.
+      if (detail::cancels(terms, sum, detail::small_cancellation) || detail::cancels(lengths, sum, 16) ||
+          (!HasClosedFrame<X> && detail::cancels(f, g))) {
+        const detail::WideForms wide(surface, u, v, frame);
+        const Christoffel<Multiprecision> exact = christoffel(wide.jet, wide.frame);
+        Christoffel<S> result;
+        for (int i = 0; i < 3; ++i) {
+          result.u[i] = detail::rounded_to<S>(exact.u[i]);
+          result.v[i] = detail::rounded_to<S>(exact.v[i]);
+        }
+        return result;
+      }
+    }
+  return symbols;
+}
+
+}  // namespace darboux

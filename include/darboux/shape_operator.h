@@ -1,0 +1,356 @@
+/// \file shape_operator.h
+/// The shape operator, at poles and collapsed edges too, and what it gives at once: second form and
+/// derivatives of the normal of a surface, area element.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <type_traits>
+
+#include <darboux/forms.h>
+#include <darboux/frame.h>
+#include <darboux/multiprecision.h>
+#include <darboux/point.h>
+#include <darboux/surface.h>
+
+namespace darboux {
+
+/// The shape operator in the orthonormal basis (t, b): S t = a t + m b, S b = m t + c b. Units: 1/length.
+/// With n outward a sphere of radius r has a = c = -1/r, m = 0. Beside it the partials in that basis: dpdu =
+/// e t, dpdv = f t + g b; S dpdv = v_t t + v_b b; and the sizes of the terms whose sums are a, m, c and v_t,
+/// v_b: rounding leaves some a_size u of a.
+template <class S>
+struct ShapeOperator {
+  S a, m, c;
+  S e, f, g;
+  S v_t, v_b;
+  S a_size, m_size, c_size, v_t_size, v_b_size;
+};
+
+namespace detail {
+
+// Of the terms of a · b.
+template <class S>
+S terms_size(const Vec3<S>& a, const Vec3<S>& b) {
+  using std::abs;
+  return abs(a.x * b.x) + abs(a.y * b.y) + abs(a.z * b.z);
+}
+
+}  // namespace detail
+
+/// S = [[a, m], [m, c]] from a jet and its orthonormal frame: L = e² a, M = e (f a + g m), N = f² a + 2 f g m
+/// + g² c. NaN where dpdu and dpdv span no plane.
+template <class S>
+ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
+  using std::abs;
+  ShapeOperator<S> s;
+  s.e = dot(j.dpdu, frame.t);
+  s.f = dot(j.dpdv, frame.t);
+  s.g = dot(j.dpdv, frame.b);
+  // Each second derivative is divided once before the dot product, which near a pole would underflow.
+  const Vec3<S> along_u = j.d2pdu2 / s.e, mixed = j.d2pduv / s.e, along_v = j.d2pdv2 / s.g;
+  const S f = abs(s.f), g = abs(s.g), skew = s.f / s.g, two = lift<S>(2.0);
+  const S excess = detail::terms_size(j.dpdv, frame.b) - g;  // what has cancelled in g
+  s.a = dot(frame.n, along_u) / s.e;
+  s.a_size = detail::terms_size(frame.n, along_u) / abs(s.e);
+  s.v_t = dot(frame.n, mixed);
+  s.v_t_size = detail::terms_size(frame.n, mixed);
+  s.m = (s.v_t - s.f * s.a) / s.g;
+  s.m_size = (s.v_t_size + f * s.a_size + abs(s.m) * excess) / g;
+  const S N = dot(frame.n, along_v), N_size = detail::terms_size(frame.n, along_v);
+  s.v_b = N - skew * s.v_t;
+  s.v_b_size = N_size + abs(skew) * s.v_t_size;
+  s.c = (N - s.f * (s.a * skew + two * s.m)) / s.g;
+  s.c_size = (N_size + f * (s.a_size * abs(skew) + two * s.m_size) + abs(s.c) * excess) / g;
+  return s;
+}
+
+/// The derivatives of the unit normal (Weingarten's equations): dndu = -S dpdu, dndv = -S dpdv. [doCarmo2016,
+/// sec. 3-3]
+template <class S>
+struct NormalDerivatives {
+  Vec3<S> dndu, dndv;
+};
+template <class S>
+NormalDerivatives<S> normal_derivatives(const ShapeOperator<S>& s, const Frame<S>& frame) {
+  return {-(s.e * (s.a * frame.t + s.m * frame.b)), -(s.v_t * frame.t + s.v_b * frame.b)};
+}
+
+/// |dpdu × dpdv|, the area element dA/(du dv). Units: length².
+template <class S>
+S area_element(const ShapeOperator<S>& s) {
+  using std::abs;
+  return abs(s.e * s.g);
+}
+
+namespace detail {
+
+// How many times its result the terms of a sum may be that is not taken again, in another way: of the
+// curvatures, and of what batches do not give.
+inline constexpr double cancellation = 8, small_cancellation = 4;
+// The same where that costs some 50 us, and the sum is often small because its condition is large: K and H
+// that a surface does not state, and a surface of data instead of parameters, whose every number is as
+// uncertain as the terms; and of the difference of the principal curvatures, which fixes the directions.
+inline constexpr double large_cancellation = 0x1p12, cancellation_of_directions = 256;
+
+// A partial at a point, and its first and second derivative along y, from nested dual numbers over (x, y).
+template <class S>
+struct AlongY {
+  Vec3<S> value, first, second;
+
+  explicit AlongY(const Vec3<Dual<Dual<S, 2>, 2>>& p)
+      : value{p.x.value.value, p.y.value.value, p.z.value.value},
+        first{p.x.value.derivative[1], p.y.value.derivative[1], p.z.value.derivative[1]},
+        second{p.x.derivative[1].derivative[1], p.y.derivative[1].derivative[1],
+               p.z.derivative[1].derivative[1]} {}
+};
+
+// The limit of the shape operator where the chart collapses along x: P_x = P_xx = 0 there, P_y and P_xy span
+// the plane. With s the distance from there along y: P_x = s P_xy + ..., P_xx = s P_xxy + s²/2 P_xxyy + ...,
+// n = n0 + s n_y + ..., n_y = -S P_y. To first order in s
+//   n·P_xy = s (n_y·P_xy + n0·P_xyy),  and by the definition of S  n·P_xy = -n_y·P_x = -s n_y·P_xy,
+// so that q = -n_y·t = n0·P_xyy / 2|P_xy| for t = P_xy / |P_xy|. With b = n0 × t and P_y = f t + g b
+//   -n_y·P_y = n0·P_yy  gives  -n_y·b = (n0·P_yy - f q)/g,
+// and the second order of n·P_xx = |P_x|² (t·S t) gives t·S t. Its first order, n0·P_xxy, must vanish: else
+// the normal depends on x at one and the same point, as at the apex of a cone, and the curvature grows
+// without bound.
+template <class Jets, class S>
+ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Jet2<S>& j,
+                                            const Frame<S>& frame) {
+  using D = Dual<S, 2>;
+  using N = Dual<D, 2>;
+  constexpr S nan = std::numeric_limits<S>::quiet_NaN();
+  constexpr S rounding = S(32) * std::numeric_limits<S>::epsilon();
+  const S e = dot(j.dpdu, frame.t), f = dot(j.dpdv, frame.t), g = dot(j.dpdv, frame.b);
+  ShapeOperator<S> result{nan, nan, nan, e, f, g, nan, nan, nan, nan, nan, nan, nan};
+  // x = (x_u, x_v) is the direction in which the position does not move, y = (-x_v, x_u). Next to a collapse,
+  // where no status says so, it is that of the smaller partial.
+  S x_u = 1, x_v = 0;
+  const bool flagged = has(frame.status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel);
+  if (has(frame.status, Status::dpdv_zero) || (!flagged && norm(j.dpdv) < norm(j.dpdu))) {
+    if (has(frame.status, Status::dpdu_zero)) return result;
+    x_u = 0;
+    x_v = 1;
+  } else if (has(frame.status, Status::parallel) && !has(frame.status, Status::dpdu_zero)) {
+    const Vec3<S> d = unit(j.dpdv);
+    const Vec2<S> x = unit(Vec2<S>{dot(j.dpdv, d), -dot(j.dpdu, d)});
+    x_u = x.x;
+    x_v = x.y;
+  }
+  const auto variable = [](S at, S along_x, S along_y) {
+    D inner(at);
+    inner.derivative = {along_x, along_y};
+    N result(inner);
+    result.derivative = {D(along_x), D(along_y)};
+    return result;
+  };
+  const Jet2<N> k = jets(variable(u, x_u, -x_v), variable(v, x_v, x_u));
+  const N xu(D{x_u}), xv(D{x_v});
+  const AlongY<S> xx(xu * xu * k.d2pdu2 + lift<N>(2.0) * xu * xv * k.d2pduv + xv * xv * k.d2pdv2);
+  const AlongY<S> xy(xu * xu * k.d2pduv + xu * xv * (k.d2pdv2 - k.d2pdu2) - xv * xv * k.d2pduv);
+  const AlongY<S> y(xu * k.dpdv - xv * k.dpdu);
+  const Vec3<S> t = unit(xy.value), n = frame.n, b = cross(n, t);
+  const S length = norm(xy.value), sizes = norm(j.d2pdu2) + norm(j.d2pduv) + norm(j.d2pdv2);
+  const S y_t = dot(y.value, t), y_b = dot(y.value, b);
+  if (!(length > rounding * sizes) || !(norm(xx.value) <= rounding * sizes) ||
+      !(std::fabs(dot(n, xx.first)) <= rounding * norm(xx.first)))
+    return result;
+  const S q = dot(n, xy.first / length) / S(2);
+  const S h = (dot(n, y.first) - y_t * q) / y_b;
+  const Vec3<S> bend = xx.first / length;
+  const S tt = (dot(n, xx.second / length) / S(2) - q * dot(bend, t) - h * dot(bend, b)) / length;
+  const S tb = (q - y_t * tt) / y_b;
+  const S bb = (h - y_t * tb) / y_b;
+  // From the basis (t, b) here to that of the frame.
+  const S cosine = dot(frame.t, t), sine = dot(frame.t, b);
+  result.a = cosine * cosine * tt + S(2) * cosine * sine * tb + sine * sine * bb;
+  result.m = cosine * sine * (bb - tt) + (cosine * cosine - sine * sine) * tb;
+  result.c = sine * sine * tt - S(2) * cosine * sine * tb + cosine * cosine * bb;
+  result.v_t = f * result.a + g * result.m;
+  result.v_b = f * result.m + g * result.c;
+  result.a_size = result.m_size = result.c_size = S(4) * (std::fabs(tt) + std::fabs(tb) + std::fabs(bb));
+  result.v_t_size = result.v_b_size = (std::fabs(f) + std::fabs(g)) * result.m_size;
+  return result;
+}
+
+// Jet and frame of a surface type, or of a surface chosen at run time (any_surface.h), which has them as
+// members. Compiled once per scalar: over nested dual numbers that takes long.
+template <class X, class S>
+[[gnu::noinline]] auto jet_of(const X& surface, const S& u, const S& v) {
+  if constexpr (ParametricSurface<X>)
+    return darboux::jet(surface, u, v);
+  else
+    return surface.jet(u, v);
+}
+template <class X, class S>
+Frame<S> frame_of(const X& surface, S u, S v) {
+  if constexpr (ParametricSurface<X>)
+    return darboux::frame(surface, u, v);
+  else
+    return surface.frame(u, v);
+}
+
+// Whether terms cancel to less than a share of their size.
+template <class S>
+auto cancels(const S& terms, const S& sum, double most = cancellation) {
+  using std::abs;
+  return terms > S(static_cast<Element<S>>(most)) * abs(sum);
+}
+template <class S>
+S size_of_both(const S& x, const S& y) {
+  using std::abs;
+  return abs(x) + abs(y);
+}
+
+// Whether the formula of a surface type runs over 40 digits: a user's may not.
+template <class X>
+constexpr bool runs_in_40_digits = [] {
+  if constexpr (ParametricSurface<X>)
+    return requires(const X& x, const Prepared<X::info.u, Multiprecision>& u,
+                    const Prepared<X::info.v, Multiprecision>& v) {
+      x.jet(u, v);
+    };
+  else
+    return true;
+}();
+
+// The jet of a surface at a regular point in 40 digits, and the frame that one in S stands for: t and n lie
+// on its sides.
+struct WideForms {
+  Jet2<Multiprecision> jet;
+  Frame<Multiprecision> frame;
+  ShapeOperator<Multiprecision> shape;
+
+  template <class X, class S>
+  WideForms(const X& surface, S u, S v, const Frame<S>& narrow)
+      : jet(jet_of(surface, Multiprecision(static_cast<double>(u)), Multiprecision(static_cast<double>(v)))) {
+    frame.t = on_side(unit(jet.dpdu), narrow.t);
+    frame.n = on_side(unit(cross(jet.dpdu, jet.dpdv)), narrow.n);
+    frame.b = cross(frame.n, frame.t);
+    frame.status = narrow.status;
+    shape = shape_operator(jet, frame);
+  }
+
+ private:
+  template <class S>
+  static Vec3<Multiprecision> on_side(const Vec3<Multiprecision>& a, const Vec3<S>& of) {
+    const Multiprecision along = dot(a, lift_vector(of));
+    return along < Multiprecision(0.0) ? -a : a;
+  }
+  template <class S>
+  static Vec3<Multiprecision> lift_vector(const Vec3<S>& a) {
+    return {static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z)};
+  }
+};
+
+template <class S>
+S rounded_to(const Multiprecision& x) {
+  return static_cast<S>(x);
+}
+template <class S>
+Vec3<S> rounded_to(const Vec3<Multiprecision>& a) {
+  return {static_cast<S>(a.x), static_cast<S>(a.y), static_cast<S>(a.z)};
+}
+template <class S>
+ShapeOperator<S> rounded_to(const ShapeOperator<Multiprecision>& s) {
+  const auto r = [](const Multiprecision& x) { return static_cast<S>(x); };
+  return {r(s.a),   r(s.m),      r(s.c),      r(s.e),      r(s.f),        r(s.g),       r(s.v_t),
+          r(s.v_b), r(s.a_size), r(s.m_size), r(s.c_size), r(s.v_t_size), r(s.v_b_size)};
+}
+// Whether there is a shape operator that is no limit: see shape_operator below.
+inline bool is_limit(Status status) {
+  constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
+  return has(status, Status::limit_frame) && has(status, singular) && !has(status, Status::no_frame);
+}
+template <class S>
+bool finite(const ShapeOperator<S>& s) {
+  return std::isfinite(s.a) && std::isfinite(s.m) && std::isfinite(s.c);
+}
+template <class X, class S>
+ShapeOperator<S> limit_shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
+  const auto jets = [&](const auto& a, const auto& b) { return detail::jet_of(surface, a, b); };
+  return detail::shape_operator_at_collapse(jets, u, v, j, frame);
+}
+// Whether terms of a regular point left the range, so that the limit beside it stands for it.
+template <class S>
+bool left_range(const ShapeOperator<S>& s, const Jet2<S>& j, const Frame<S>& frame) {
+  return !finite(s) && finite(frame.n) && finite(j.d2pdu2) && finite(j.d2pduv) && finite(j.d2pdv2);
+}
+
+// Whether entries of a shape operator have lost digits: of S dpdu = e (a t + m b), S b = m t + c b, S dpdv.
+template <class X, class S>
+bool loses_digits(const ShapeOperator<S>& s) {
+  const auto lost = [](S terms, S x, S y) { return cancels(terms, size_of_both(x, y), small_cancellation); };
+  return lost(s.a_size + s.m_size, s.a, s.m) || lost(s.m_size + s.c_size, s.m, s.c) ||
+         lost(s.v_t_size + s.v_b_size, s.v_t, s.v_b) || (!HasClosedFrame<X> && cancels(abs(s.f), s.g));
+}
+
+}  // namespace detail
+
+/// The shape operator of a surface at (u, v), from a jet and frame of it at hand. Where they carry
+/// limit_frame (poles, collapsed edges) it is the limit, of derivatives to fourth order by nested dual
+/// numbers, within a few dozen roundings of its terms; so it is where a regular point is so close to one that
+/// terms leave the range of the scalar. Elsewhere it is that of the jet; where terms of that cancel, taken
+/// again in 40 digits (see curvature below). NaN where there is none: at
+/// the apex of a cone and wherever else the curvature grows without bound, where d2pduv vanishes with dpdu,
+/// or where those derivatives do not exist. \param surface a surface type, or AnySurface
+template <class X, std::floating_point S>
+ShapeOperator<S> shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
+  if (detail::is_limit(frame.status)) return detail::limit_shape_operator(surface, u, v, j, frame);
+  const ShapeOperator<S> s = shape_operator(j, frame);
+  if (detail::left_range(s, j, frame)) return detail::limit_shape_operator(surface, u, v, j, frame);
+  if constexpr (detail::runs_in_40_digits<X>)
+    if (detail::loses_digits<X>(s))
+      return detail::rounded_to<S>(detail::WideForms(surface, u, v, frame).shape);
+  return s;
+}
+
+template <class X, std::floating_point S>
+requires std::is_class_v<X> ShapeOperator<S> shape_operator(const X& surface, S u, S v) {
+  return shape_operator(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));
+}
+
+template <class X, class U, class V>
+requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>)
+    ShapeOperator<double> shape_operator(const X& surface, U u, V v) {
+  return shape_operator(surface, static_cast<double>(u), static_cast<double>(v));
+}
+
+/// The second form of a surface at (u, v), from a jet and frame of it at hand, within the bound of
+/// curvature.h. The plain one of forms.h loses digits where terms cancel; those this takes again in 40
+/// digits. \param surface a surface type, or AnySurface
+template <class X, std::floating_point S>
+SecondForm<S> second_form(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
+  const SecondForm<S> form = second_form(j, frame.n);
+  const S terms = detail::terms_size(frame.n, j.d2pdu2) + detail::terms_size(frame.n, j.d2pduv) +
+                  detail::terms_size(frame.n, j.d2pdv2);
+  if constexpr (detail::runs_in_40_digits<X>)
+    if (!has(frame.status, detail::degenerate) &&
+        detail::cancels(terms, S(std::fabs(form.L) + std::fabs(form.M) + std::fabs(form.N)),
+                        detail::small_cancellation)) {
+      const detail::WideForms wide(surface, u, v, frame);
+      const SecondForm<Multiprecision> exact = second_form(wide.jet, wide.frame.n);
+      return {detail::rounded_to<S>(exact.L), detail::rounded_to<S>(exact.M), detail::rounded_to<S>(exact.N)};
+    }
+  return form;
+}
+/// The derivatives of the normal likewise.
+template <class X, std::floating_point S>
+NormalDerivatives<S> normal_derivatives(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
+  if (!detail::is_limit(frame.status)) {
+    const ShapeOperator<S> s = shape_operator(j, frame);
+    if (!detail::left_range(s, j, frame)) {
+      if constexpr (detail::runs_in_40_digits<X>)
+        if (detail::loses_digits<X>(s)) {
+          const detail::WideForms wide(surface, u, v, frame);
+          const NormalDerivatives<Multiprecision> d = normal_derivatives(wide.shape, wide.frame);
+          return {detail::rounded_to<S>(d.dndu), detail::rounded_to<S>(d.dndv)};
+        }
+      return normal_derivatives(s, frame);
+    }
+  }
+  return normal_derivatives(shape_operator(surface, u, v, j, frame), frame);
+}
+
+}  // namespace darboux
