@@ -31,19 +31,18 @@ class Call {
       prepare = found.prepare;
       const Attributes asked = all_outputs.attributes();
       const auto only = [&](Attributes allowed) { return (asked | allowed) == allowed; };
-      variant = only(frame_attributes)   ? Variant::frames
-                : only(first_attributes) ? Variant::first
-                                         : Variant::everything;
+      const Variant variant = only(frame_attributes)   ? Variant::frames
+                              : only(first_attributes) ? Variant::first
+                                                       : Variant::everything;
       kernel = (*found.kernels)[static_cast<std::size_t>(variant)];
       v_is_needed = !erased.tangent_depends_on_u_alone ||
                     !only(Attribute::tangent | Attribute::tangent4 | Attribute::handedness);
     }
-    past_caches = layout.without_gaps && kernel != nullptr && set->pass_caches &&
+    past_caches = layout.without_gaps && kernel.run != nullptr && set->pass_caches &&
                   (options.stores == Stores::past_caches ||
                    (options.stores == Stores::automatic &&
                     all_points.size() >= past_caches_from / std::max<std::size_t>(layout.bytes_a_point, 1)));
-    direct = past_caches && layout.run_count == 0 && set->writes_lines[static_cast<std::size_t>(variant)] &&
-             can_be_aligned();
+    direct = past_caches && layout.run_count == 0 && kernel.writes_lines && can_be_aligned();
   }
 
   const detail::ErasedSurface<T>& surface;
@@ -53,9 +52,8 @@ class Call {
   Layout<T> layout;
   const kernels::Kernels* set = nullptr;
   const std::array<kernels::Prepare<T>, 4>* prepare = nullptr;
-  kernels::Kernel<T> kernel = nullptr;  // null: point by point
+  kernels::Kernel<T> kernel;  // none: point by point
   bool v_is_needed = true;
-  Variant variant = Variant::everything;
   bool past_caches = false;
   bool direct = false;  // past the caches from registers; else by way of the stages
 

@@ -41,7 +41,7 @@ class Worker {
 
   // Points `first` to `last` of the call.
   StatusSummary run(std::size_t first, std::size_t last) {
-    if (call_.kernel == nullptr)
+    if (call_.kernel.run == nullptr)
       one_by_one(first, last);
     else if (call_.points.is_grid() && first < last)
       grid(first, last);
@@ -198,7 +198,7 @@ class Worker {
       if (work_.count < batch_size<T>)
         fallback_(work_first_, 0, work_.count);
       else
-        any = call_.kernel(work_);
+        any = call_.kernel.run(work_);
       statuses_.note(work_first_, work_.count, any);
       if (call_.on_stages()) stages_.pass_on(work_.count);
     }

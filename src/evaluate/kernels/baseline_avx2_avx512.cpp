@@ -1,6 +1,5 @@
 // The table of an instruction set, baseline, AVX2 or AVX-512; compiled once for each, DARBOUX_ISA names this
 // one. Everything but the table has internal linkage.
-#include "batch_width.h"
 #include "index_in_catalogue.h"
 #include "kernel_list.h"
 #include "lanes.h"
@@ -40,13 +39,11 @@ constexpr std::array<const SurfaceKernels*, most_surfaces> kernels_by_surface() 
 }  // namespace
 
 extern const Kernels DARBOUX_TABLE(DARBOUX_ISA);
-constinit const Kernels DARBOUX_TABLE(DARBOUX_ISA){
-    prepare_by_coordinate<double>(),
-    prepare_by_coordinate<float>(),
-    kernels_by_surface(),
-    {writes_lines<Variant::frames>, writes_lines<Variant::first>, writes_lines<Variant::everything>},
-    stores_can_pass_caches,
-    &stream_lines,
-    &fence};
+constinit const Kernels DARBOUX_TABLE(DARBOUX_ISA){prepare_by_coordinate<double>(),
+                                                   prepare_by_coordinate<float>(),
+                                                   kernels_by_surface(),
+                                                   stores_can_pass_caches,
+                                                   &stream_lines,
+                                                   &fence};
 
 }  // namespace darboux::kernels

@@ -97,7 +97,7 @@ void take_stated(const X& surface, const PU& u, const PV& v, const ShapeOperator
 template <class X, class T, Variant variant, class PU, class PV>
 Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
   const Work<T>& w = p.work;
-  using S = Batch<T, variant>;
+  using S = Batch<X, T, variant>;
   Status status = Status::regular;
   if constexpr (DeclaresSingularPoints<X>) status = surface.singular(u, v);
   Jet2<S> j;
@@ -167,7 +167,7 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
 // that is not: some points are done again, to the same bits.
 template <class X, class T, Variant variant>
 DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
-  using S = Batch<T, variant>;
+  using S = Batch<X, T, variant>;
   constexpr std::size_t W = S::lanes, G = group_size<T>;
   const X& surface = *static_cast<const X*>(w.surface);
   alignas(64) T sine_u[G], cosine_u[G], sine_v[G], cosine_v[G];

@@ -67,7 +67,7 @@ FoundKernels<T> find_kernels(const std::type_info& type, InstructionSet set) {
     found.prepare = &kernels->prepare_double, found.kernels = &of_surface.in_double;
   else
     found.prepare = &kernels->prepare_float, found.kernels = &of_surface.in_float;
-  if ((*found.kernels)[0] == nullptr) found.kernels = nullptr;
+  if ((*found.kernels)[0].run == nullptr) found.kernels = nullptr;
   return found;
 }
 template FoundKernels<double> find_kernels(const std::type_info&, InstructionSet);

@@ -132,10 +132,9 @@ void put(const Target<T>& p, Attribute a, const Lanes<T, N>& first, const C&... 
   const Slot<T>& slot = p.work.slots[static_cast<std::size_t>(a)];
   if (slot.arrangement == Arrangement::absent) return;
   const auto write = [&](T* to, const Vector<T>& x) {
-    if (p.past_caches)
-      store_past_caches(to, x);
-    else
-      store(to, x);
+    if constexpr (N * sizeof x == line)
+      if (p.past_caches) return store_past_caches(to, x);
+    store(to, x);
   };
   if (slot.arrangement == Arrangement::separate) {
     const auto one = [&](T* to, const Lanes<T, N>& x) {

@@ -25,12 +25,21 @@ std::tuple<X...> tuple_of(SurfaceList<X...>);
 template <std::size_t index>
 using SurfaceAt = std::tuple_element_t<index, decltype(tuple_of(Catalogue{}))>;
 
+template <class X, class T, Variant variant>
+constexpr Kernel<T> kernel_of() {
+  return {&kernel<X, T, variant>, Batch<X, T, variant>::lanes == batch_size<T>};
+}
+
 template <class T, class Surface>
 constexpr std::array<Kernel<T>, 3> kernels_over() {
   using X = OverT<T, Surface>;
+  // Frames without a closed form take all first partials: a long formula is compiled once for both. Not on
+  // AVX-512, where frames alone are worth up to a fifth of the time.
+  constexpr bool together = LongFormula<X, T> && !HasClosedFrame<X> && sizeof(Register<T>) < line;
+  constexpr Variant frames = together ? Variant::first : Variant::frames;
   if constexpr (detail::in_lanes<X>)
-    return {&kernel<X, T, Variant::frames>, &kernel<X, T, Variant::first>,
-            &kernel<X, T, Variant::everything>};
+    return {kernel_of<X, T, frames>(), kernel_of<X, T, Variant::first>(),
+            kernel_of<X, T, Variant::everything>()};
   else
     return {};
 }

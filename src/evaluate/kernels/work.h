@@ -79,9 +79,12 @@ struct Work {
   void* context = nullptr;
 };
 
-/// Computes the work's attributes; whether a status other than zero was written.
+/// Computes the work's attributes.
 template <class T>
-using Kernel = bool (*)(const Work<T>&);
+struct Kernel {
+  bool (*run)(const Work<T>&) = nullptr;  ///< whether a status other than zero was written
+  bool writes_lines = false;              ///< whether it can pass the caches
+};
 
 /// What is compiled of a surface: by what may be asked for.
 enum class Variant : std::uint8_t {
@@ -96,7 +99,7 @@ using Prepare = void (*)(const T* x, std::size_t count, T* sine, T* cosine);
 
 inline constexpr std::size_t most_surfaces = 64;
 
-/// Of one surface, by Variant; null: point by point.
+/// Of one surface, by Variant; without a function: point by point.
 struct SurfaceKernels {
   std::array<Kernel<double>, 3> in_double;
   std::array<Kernel<float>, 3> in_float;
@@ -107,8 +110,7 @@ struct Kernels {
   std::array<Prepare<double>, 4> prepare_double;  ///< by Coordinate
   std::array<Prepare<float>, 4> prepare_float;
   std::array<const SurfaceKernels*, most_surfaces> surface;  ///< by the catalogue's order
-  std::array<bool, 3> writes_lines;  ///< whether a Variant's kernels can pass the caches
-  bool pass_caches;                  ///< whether stream_lines can
+  bool pass_caches;                                          ///< whether stream_lines can
   /// Copies whole lines past the caches; both addresses are aligned to them.
   void (*stream_lines)(char* to, const char* from, std::size_t lines);
   /// Orders what was streamed before what this thread writes next.
