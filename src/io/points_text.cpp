@@ -29,6 +29,23 @@ char separator_of(std::string_view line) {
   return separator;
 }
 
+// "x y z [nx ny nz]": brackets about names are no part of them; those of a unit, "x[m]", are.
+std::string without_brackets(std::string_view line) {
+  std::string text(line);
+  int open = 0;
+  char before = ' ';
+  for (char& c : text) {
+    const char now = c;
+    const bool is_start = std::string_view(" \t,;").find(before) != std::string_view::npos;
+    if (std::string_view("[({").find(c) != std::string_view::npos && is_start)
+      c = ' ', ++open;
+    else if (std::string_view("])}").find(c) != std::string_view::npos && open > 0)
+      c = ' ', --open;
+    before = now;
+  }
+  return text;
+}
+
 // Whether the first field that is not empty is a name; a number that is misspelt is none.
 bool is_header(const std::vector<std::string_view>& fields) {
   const auto first =
@@ -73,10 +90,8 @@ PointFile read_table(PointReader& reader) {
   while (lines.next(columns.slots.empty())) {
     const bool first = columns.slots.empty();
     if (first && (lines.text().starts_with("#") || lines.text().starts_with("//"))) {
-      // "# x y z [nx ny nz]": brackets are no part of a name.
-      std::string text(lines.text());
-      for (char& c : text)
-        if (std::string_view("#/[](){}").find(c) != std::string_view::npos) c = ' ';
+      const std::string text = without_brackets(
+          lines.text().substr(std::min(lines.text().find_first_not_of("#/"), lines.text().size())));
       split_row(text, separator_of(text), fields);
       try {
         commented = named_columns(fields, reader, lines);

@@ -202,6 +202,8 @@ TEST_F(PointFiles, HeadersAndQuotesOfOtherTools) {
               {{{1, 2, 3}}, {{0, 0, 1}}, {}});
   for (const std::string header : {"# x y z [nx ny nz]\n", "# (x, y, z), (nx, ny, nz)\n"})
     expect_same(read("a.xyz", header + "1 2 3 0 0 1\n").cloud, {{{1, 2, 3}}, {{0, 0, 1}}, {}});
+  // A unit is part of a name, and "x[m]" names no column.
+  expect_same(read("a.xyz", "# x[m] y[m] z[m]\n1 2 3 0 0 1\n").cloud, {{{1, 2, 3}}, {{0, 0, 1}}, {}});
   // A comment that happens to name columns, but not those of the rows.
   expect_same(read("a.xyz", "# the columns are x y z\n1 2 3\n4 5 6\n").cloud, two);
   expect_same(read("a.xyz", "# x y z x\n//\n1 2 3\n4 5 6\n").cloud, two);

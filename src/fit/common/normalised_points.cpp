@@ -51,27 +51,44 @@ Eigen::Vector3d middle_of(const PointCloud& points, const std::vector<std::size_
   return middle;
 }
 
-// Half of the greatest error that the coordinates' last digit leaves: of floats, also where a file has eight
-// of their digits, or of decimals. Coordinates of fewer than five decimals are as likely exact.
-double stored_error(const std::vector<Vec3<double>>& points, const std::vector<std::size_t>& finite) {
+// How many of the digits, counted from the one of 10^first down, a number needs, at most `most`; one more
+// where it needs more. Products with powers of ten are off by some roundings of theirs.
+int digits_needed(double x, int first, int least, int most) {
+  for (int k = least; k <= most; ++k) {
+    const double y = x * std::pow(10, k - 1 - first);
+    if (std::fabs(y - std::rint(y)) <= 1e-4 + 0x1p-50 * std::fabs(y)) return k;
+  }
+  return most + 1;
+}
+
+// The greatest error that the last digit of the coordinates leaves. It is told by their values: floats, also
+// where nine of their digits are written; three to eight decimals; four to eight significant digits. The
+// coarsest counts. Multiples of 2^-12, and what has fewer digits, may as well be exact.
+// \param limit coordinates beyond are outliers', and do not say how large the others are
+double stored_error(const std::vector<Vec3<double>>& points, const std::vector<std::size_t>& used,
+                    double limit) {
+  constexpr int few_decimals = 2, few_digits = 3, most = 8;
+  bool is_dyadic = true, is_float = true;
+  int decimals = few_decimals, digits = few_digits;
   double largest = 0;
-  bool floats = true;
-  constexpr int least = 4, most = 8;
-  int decimals = least;
-  for (const std::size_t i : finite)
+  for (const std::size_t i : used)
     for (const double x : {points[i].x, points[i].y, points[i].z}) {
+      if (x == 0 || std::fabs(x) > limit) continue;
       largest = std::fmax(largest, std::fabs(x));
-      constexpr double of_eight_digits = 5e-9;
-      floats = floats &&
-               std::fabs(x - static_cast<double>(static_cast<float>(x))) <= of_eight_digits * std::fabs(x);
-      const auto is_decimal = [&](int d) {
-        const double y = x * std::pow(10, d);
-        return std::fabs(y - std::rint(y)) <= 1e-4 && std::fabs(y) < 1e11;
-      };
-      while (decimals <= most && !is_decimal(decimals)) ++decimals;
+      constexpr double of_nine_digits = 5e-9;
+      is_dyadic = is_dyadic && std::rint(0x1p12 * x) == 0x1p12 * x;
+      is_float = is_float &&
+                 std::fabs(x - static_cast<double>(static_cast<float>(x))) <= of_nine_digits * std::fabs(x);
+      const int first = static_cast<int>(std::floor(std::log10(std::fabs(x))));
+      if (decimals <= most) decimals = digits_needed(x, -1, decimals, most);
+      if (digits <= most) digits = digits_needed(x, first, digits, most);
     }
-  const double of_decimals = decimals > least && decimals <= most ? 0.25 * std::pow(10, -decimals) : 0;
-  return std::fmax(floats ? 0x1p-26 * largest : 0, of_decimals);
+  if (is_dyadic) return 0;
+  double error = is_float ? 0x1p-24 * largest : 0;
+  if (decimals > few_decimals && decimals <= most) error = std::fmax(error, 0.5 * std::pow(10, -decimals));
+  if (digits > few_digits && digits <= most)
+    error = std::fmax(error, 0.5 * std::pow(10, std::floor(std::log10(largest)) + 1 - digits));
+  return error;
 }
 
 }  // namespace
@@ -114,7 +131,9 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
   }
   if (result.scale > 0) {
     result.cloud /= result.scale;
-    result.rounding = std::fmax(result.rounding, stored_error(points.positions, result.index) / result.scale);
+    const double limit = result.centre.cwiseAbs().maxCoeff() + 8 * size;
+    result.rounding =
+        std::fmax(result.rounding, 0.5 * stored_error(points.positions, result.index, limit) / result.scale);
   }
   return result;
 }

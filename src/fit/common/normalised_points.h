@@ -32,8 +32,8 @@ struct NormalisedPoints {
   std::size_t finite = 0;  // points of the input that are
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double scale = 0;  // 0 where all points are at one place
-  // Half of the greatest error of a coordinate by how it was stored: no noise is taken to be less. Floats,
-  // and five to eight decimals, are told by their values; of others that of doubles.
+  // Half of the greatest error of a coordinate by how it was stored, as far as its value tells: no noise is
+  // taken to be less.
   double rounding = 1e-15;
 
   std::size_t count() const { return static_cast<std::size_t>(cloud.cols()); }

@@ -124,7 +124,14 @@ std::vector<bool> inliers_of(const PrimitiveFit& fit) {
 }
 
 double noise_and_rounding(const PrimitiveFit& fit) {
-  return std::hypot(fit.sigma, std::sqrt(static_cast<double>(fit.error.size())) * fit.least_sigma);
+  if (!(fit.least_sigma > 0)) return fit.sigma;
+  // Noise dithers the roundings: the mean of a number's rounding is a wave over a step, 4 least_sigma, that
+  // noise damps by exp(-2 (pi noise / step)^2) [Widrow1996]. sigma^2 is that of noise and of rounding, here
+  // at most 2 least_sigma^2.
+  constexpr double pi = std::numbers::pi;
+  const double ratio = fit.sigma / fit.least_sigma, noise = std::fmax(0, ratio * ratio - 2) / 16;
+  const double alike = fit.least_sigma * std::exp(-2 * pi * pi * noise);
+  return std::hypot(fit.sigma, std::sqrt(expected_inliers(fit)) * alike);
 }
 
 bool explains_enough(const PrimitiveFit& fit) {
@@ -158,7 +165,7 @@ bool are_same(const PrimitiveFit& a, const PrimitiveFit& b) {
 
 double deviation(const PrimitiveFit& f, std::size_t k) {
   const auto at = 6 + static_cast<Eigen::Index>(k);
-  return std::sqrt(std::fmax(f.covariance(at, at), 0));
+  return noise_and_rounding(f) / f.sigma * std::sqrt(std::fmax(f.covariance(at, at), 0));
 }
 
 double least_length(const PrimitiveFit& f, std::size_t k) {

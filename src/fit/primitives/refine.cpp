@@ -77,7 +77,7 @@ class Refinement {
         model_(primitive_.localise(hypothesis.surface, hypothesis.at)),
         hessian_(
             Eigen::MatrixXd::Zero(3 + primitive_.distance.parameters, 3 + primitive_.distance.parameters)) {
-    if (problem.sigma) mixture_ = {*problem.sigma, mixture_.outliers, true};
+    if (problem.sigma) mixture_.sigma = *problem.sigma, mixture_.sigma_known = true;
     primitive_.distance.measure(problem.cloud, model_, states_);
   }
 

@@ -81,7 +81,7 @@ void report_surface(const PrimitiveFit& best, const NormalisedPoints& points, co
   by.topLeftCorner<3, 3>().setIdentity();
   by.block<3, 3>(3, 3).setIdentity();
   by.bottomRightCorner(parameters, 3) = surface.by_lengths / points.scale;
-  const double with_rounding = best.sigma_known ? 1 : noise_and_rounding(best) / best.sigma;
+  const double with_rounding = noise_and_rounding(best) / best.sigma;
   const Eigen::MatrixXd covariance =
       noise.squared_factor * with_rounding * with_rounding * by * best.covariance * by.transpose();
   Eigen::VectorXd units = Eigen::VectorXd::Constant(6 + parameters, points.scale);

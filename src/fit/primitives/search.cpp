@@ -138,10 +138,11 @@ bool crosses_itself_unasked(const SearchProblem& problem, const Primitive& primi
   return !problem.may_cross_itself && primitive.crosses_itself && primitive.crosses_itself(surface);
 }
 
-// Surfaces through random samples, each with its score, and the guess where there is one; the best of them.
-std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& primitive,
-                              const GeometricParameters* guess, const Matrix3Xd& scored, int repeat,
-                              std::ptrdiff_t most, std::mt19937_64& random) {
+// Surfaces through random samples, each with its score; first also what does not depend on chance, the guess
+// and the start by equation. The best of them.
+std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& primitive, bool is_first,
+                              const Matrix3Xd& scored, int repeat, std::ptrdiff_t most,
+                              std::mt19937_64& random) {
   Scorer scorer(scored, primitive);
   std::vector<Candidate> candidates;
   const auto consider = [&](const GeometricParameters& n, const Vector3d& at) {
@@ -149,8 +150,8 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
     if (!model.origin.allFinite() || !model.rotation.coeffs().allFinite()) return;
     candidates.push_back({model, scorer(model), {}, crosses_itself_unasked(problem, primitive, n)});
   };
-  if (guess) consider(*guess, scored.col(0));
-  if (primitive.start_by_equation)
+  if (is_first && problem.guess) consider(*problem.guess, scored.col(0));
+  if (primitive.start_by_equation && is_first)
     if (const auto n = primitive.start_by_equation(scored)) consider(*n, scored.col(0));
   const auto m = problem.oriented.points.cols();
   const int least = primitive.sample_size;
@@ -220,9 +221,8 @@ void Search::look() {
   const int followed = (thorough && repeat > 1 ? 5 * repeat : repeat) * refined_starts;
   enough_ = repeat == 1 ? 3 : thorough ? 10 : std::numeric_limits<int>::max();
   rounds_ = thorough && repeat == 1 ? most_rounds : 1;
-  const GeometricParameters* guess = round_ == 0 && problem_.guess ? &*problem_.guess : nullptr;
-  ++round_;
-  for (Candidate& c : starts(problem_, primitive_, guess, scored_, repeat, followed, random_)) {
+  const bool is_first = round_++ == 0;
+  for (Candidate& c : starts(problem_, primitive_, is_first, scored_, repeat, followed, random_)) {
     follow(std::move(c));
     if (agreeing_ >= enough_) break;
   }

@@ -19,11 +19,13 @@ namespace {
 // support, so that only the distances differ.
 double deviance(const PrimitiveFit& f, const PrimitiveFit& footing) {
   const double sigma = std::max(noise_and_rounding(footing), exact);
+  // A density over that of the inliers at their middle.
+  const double outliers = footing.outliers * sigma / std::max(footing.sigma, exact);
   double likelihood = 0;
   for (std::size_t i = 0; i < f.error.size(); ++i) {
     if (!footing.in_support[i]) continue;
     const double r = f.error[i] / sigma;
-    likelihood += Mixture{sigma, footing.outliers}.log_likelihood_ratio(0.5 * r * r);
+    likelihood += Mixture{sigma, outliers}.log_likelihood_ratio(0.5 * r * r);
   }
   return -2 * likelihood;
 }
@@ -184,11 +186,13 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     const Nesting* nested = nesting(tried[best], tried[i]);
     if (!nested) {
       // Every kind becomes a plane; what the points allow is seen by sphere and cylinder. None is a kind that
-      // explains too few of the points to be the answer, or is far less likely with noise of its own, as on
-      // the footing of that the chosen one hardly counts.
+      // explains too few of the points to be the answer, or has far more noise and is far less
+      // likely even with that: on its footing the chosen one hardly counts.
       constexpr double far_less_likely = 100;
-      const bool is_none = other.primitive != chosen.primitive &&
-                           (!explains_enough(other) || evidence(other) < evidence(chosen) - far_less_likely);
+      const bool is_none =
+          other.primitive != chosen.primitive &&
+          (!explains_enough(other) ||
+           (other.sigma > 10 * chosen.sigma && evidence(other) < evidence(chosen) - far_less_likely));
       if (!chosen.primitive->is_plane && least < margin && !is_none) return undetermined(help);
       continue;
     }
