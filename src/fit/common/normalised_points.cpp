@@ -86,8 +86,12 @@ double stored_error(const std::vector<Vec3<double>>& points, const std::vector<s
   if (is_dyadic) return 0;
   double error = is_float ? 0x1p-24 * largest : 0;
   if (decimals > few_decimals && decimals <= most) error = std::fmax(error, 0.5 * std::pow(10, -decimals));
-  if (digits > few_digits && digits <= most)
-    error = std::fmax(error, 0.5 * std::pow(10, std::floor(std::log10(largest)) + 1 - digits));
+  if (digits > few_digits && digits <= most) {
+    const int of_largest = digits - 1 - static_cast<int>(std::floor(std::log10(largest)));  // decimals
+    // So many digits, not decimals, are also written of floats.
+    const double of_float = digits == most && decimals > of_largest ? 0x1p-24 * largest : 0;
+    error = std::fmax(error, of_float + 0.5 * std::pow(10, -of_largest));
+  }
   return error;
 }
 

@@ -40,9 +40,11 @@ struct NormalisedPoints {
   // What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.
   double least_sigma() const { return 1e-13 + 0x1p-52 * (centre / scale).stableNorm(); }
 
-  // What floats or six decimals leave of a coordinate, with room: errors below are those of the file, and the
-  // same for all points of a row.
-  double stored_rounding() const { return 1e-5 + 0x1p-22 * (centre / scale).stableNorm(); }
+  // What the file leaves of a coordinate, with room, floats or six decimals also where its values do not tell
+  // them any more: errors below are the same for all points of a row.
+  double stored_rounding() const {
+    return std::fmax(3 * rounding, 1e-5 + 0x1p-22 * (centre / scale).stableNorm());
+  }
 
   // These columns with their uvs alone, in the same units.
   NormalisedPoints part(const std::vector<Eigen::Index>& columns) const;
