@@ -65,7 +65,6 @@ struct Tangents::Scratch {
 MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x) const {
   // x, y, z, and the angle.
   using Four = float __attribute__((vector_size(16)));
-  static_assert(offsetof(Part, t) == sizeof(Four) && sizeof(Part) == 2 * sizeof(Four));
   const bool all = !lengths_.empty();  // else nobody asks for more than t
   Four s_sum{}, t_sum{};
   float s_length = 0, t_length = 0, sum = 0;
@@ -74,8 +73,8 @@ MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x)
     if (any(at)) continue;
     const Part& part = x.part[i];
     Four part_s, part_t;
-    std::memcpy(&part_s, &part.s, sizeof part_s);
-    std::memcpy(&part_t, &part.t, sizeof part_t);
+    std::memcpy(&part_s, &part, sizeof part_s);
+    std::memcpy(&part_t, reinterpret_cast<const char*>(&part) + offsetof(Part, t), sizeof part_t);
     s_sum += part.angle * part_s;
     if (all) {
       t_sum += part.angle * part_t;
