@@ -57,7 +57,7 @@ struct FileTangents {
 ///
 /// \throws FileError when the file's data cannot be read \throws MeshError naming file, primitive and vertex
 /// for the first position, normal or uv that is not finite, a morph target's included \throws ParameterError
-/// for an unknown method
+/// for an unknown method, or as mesh_frames()
 FileTangents add_tangents(GltfDocument& document, const FileTangentOptions& options = {});
 
 /// What drop_idle_tangents() did.

@@ -100,7 +100,8 @@ const FrameMethod& find_frame_method(std::string_view name);
 /// serves are flagged `fallback`. Cost: linear in the triangles, FrameMethod::cost.
 /// \param threads 0: all; used by mikktspace, procrustes, quadratic and cubic; results do not depend on it
 /// \throws MeshError when the mesh is inconsistent, has numbers that are not finite, or lacks uvs or, where
-/// the method needs them, normals
+/// the method needs them, normals; by mikktspace and mikktspace-bitangent ParameterError as
+/// chosen_instruction_set()
 MeshFrames mesh_frames(const Mesh& mesh, const FrameMethod& method, int threads = 1);
 
 }  // namespace darboux

@@ -149,8 +149,8 @@ struct NormalMapResult {
 /// Cost: linear in texels and triangles, some 0.1 µs per texel. Memory beyond input and output: 5 bytes per
 /// texel and 300 per triangle.
 /// \throws ParameterError for options that do not go together, an image without 3 or 4 channels of the right
-/// count \throws MeshError for pieces without what the basis needs, with numbers that are not finite, with
-/// uvs beyond 2^22 texels, or that cover the map more than 64 times
+/// count, or as chosen_instruction_set() \throws MeshError for pieces without what the basis needs, with
+/// numbers that are not finite, with uvs beyond 2^22 texels, or that cover the map more than 64 times
 NormalMapResult convert_normal_map(const Image& map, std::span<const MapPiece> pieces,
                                    const NormalMapOptions& options);
 

@@ -82,7 +82,7 @@ TangentNeeds tangent_need(const std::string& path, NeedLevel level = NeedLevel::
                           const ReadOptions& options = {});
 
 /// How many vertices MikkTSpace's tangents would add to each primitive that needs them, as add_tangents()
-/// splits them. Reads the geometry of the file. \throws FileError, MeshError as add_tangents() does
+/// splits them. Reads the geometry of the file. \throws as add_tangents() does
 void count_splits(const std::string& path, TangentNeeds& needs, int threads = 1,
                   const ReadOptions& options = {});
 

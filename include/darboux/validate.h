@@ -182,7 +182,7 @@ struct ValidateOptions {
 /// Cost: linear in the corners; local_truth()'s 1 us a vertex, MikkTSpace 0.3 us a triangle.
 /// \param truth at each vertex; empty: the other references decide
 /// \throws MeshError when the mesh is inconsistent, or for another number of truths, or of uvs of a set, than
-/// vertices
+/// vertices; ParameterError as chosen_instruction_set()
 MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options = {});
 
 /// \param truth the surface the mesh was made from, known exactly; without one the other references decide

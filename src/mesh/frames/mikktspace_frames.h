@@ -17,7 +17,7 @@ struct MikktspaceCounts {
 /// The t and the raw sign that mesh_frames() gives each corner by "mikktspace", t rounded to float: bit for
 /// bit. Takes 16 bytes per corner beside mikktspace(), where mesh_frames() takes 130. \param mesh triangles
 /// whose numbers are finite, and neither all positions nor all uvs below 2^-100 \param tangent4 four numbers
-/// per corner \throws MeshError as mikktspace()
+/// per corner \throws as mikktspace()
 MikktspaceCounts mikktspace_tangents(const MikkMesh& mesh, std::span<float> tangent4, int threads);
 
 }  // namespace darboux

@@ -20,8 +20,13 @@ std::size_t scratch_bytes(const MikkMesh& mesh) {
 
 }  // namespace
 
-Connectivity::Connectivity(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths)
-    : mesh_(mesh), range_(range), threads_(thread_count(options.threads)), scratch_(scratch_bytes(mesh)) {
+Connectivity::Connectivity(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes,
+                           const MikkOptions& options, bool lengths)
+    : mesh_(mesh),
+      range_(range),
+      threads_(thread_count(options.threads)),
+      lanes_(lanes),
+      scratch_(scratch_bytes(mesh)) {
   weld();
   list_triangles();
   take_values_of_representatives();

@@ -27,13 +27,17 @@ constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
 }
 
+// Of a vertex, for its test: its low bits are where the search in the table begins.
+std::uint64_t weld_hash(const MikkMesh& mesh, std::size_t v);
+
 // Of `points` those of the baseline.
 const LaneKernels& lanes_of(InstructionSet set);
 
 // All of it stands when the constructor is done, and is only read then.
 struct Connectivity {
   // `lengths` says whether these are wanted.
-  Connectivity(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths);
+  Connectivity(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes, const MikkOptions& options,
+               bool lengths);
 
   Index vertex(std::size_t corner) const {
     return mesh_.corners.empty() ? static_cast<Index>(corner) : mesh_.corners[corner];
@@ -87,7 +91,7 @@ struct Connectivity {
   const MikkMesh& mesh_;
   Range range_;
   std::size_t threads_;
-  const LaneKernels& lanes_ = lanes_of(chosen_instruction_set());
+  const LaneKernels& lanes_;
   Scratch scratch_;                 // of the welding, then of the representatives, then of the directions
   std::size_t ids_ = 0;             // some may not be used
   bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs

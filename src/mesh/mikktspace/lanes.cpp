@@ -87,13 +87,14 @@ DARBOUX_INLINE Rows turned(const Rows& row) {
   return {mix<0, 1, 4, 5>(a, b), mix<2, 3, 6, 7>(a, b), mix<0, 1, 4, 5>(c, d), mix<2, 3, 6, 7>(c, d)};
 }
 
-DARBOUX_INLINE Four load(const float* from) {
+// From or to a byte of an object, over its members.
+DARBOUX_INLINE Four load(const void* from, std::size_t byte = 0) {
   Four x;
-  std::memcpy(&x, from, sizeof x);
+  std::memcpy(&x, static_cast<const char*>(from) + byte, sizeof x);
   return x;
 }
-DARBOUX_INLINE void store(float* to, const Four& x) {
-  std::memcpy(to, &x, sizeof x);
+DARBOUX_INLINE void store(void* to, std::size_t byte, const Four& x) {
+  std::memcpy(static_cast<char*>(to) + byte, &x, sizeof x);
 }
 
 // ---- the original's arithmetic
@@ -316,10 +317,10 @@ bool differentiate_all(const Triangles& x) {
                                 back = blocks_of(turned({found.t.y, found.t.z, angle[0], angle[1]}));
     const std::size_t count = x.count - first < lanes ? x.count - first : lanes;
     for (std::size_t i = 0; i < count; ++i) {
-      float* const to = &x.directions[first + i].s.x;
-      store(to, front[i % 4][i / 4]);
-      store(to + 4, back[i % 4][i / 4]);
-      to[8] = angle[2][i];
+      Directions& to = x.directions[first + i];
+      store(&to, 0, front[i % 4][i / 4]);
+      store(&to, sizeof(Four), back[i % 4][i / 4]);
+      to.angle[2] = angle[2][i];
       x.orientation[first + i] = {found.preserves[i] != 0, found.any[i] != 0};
       if (x.lengths != nullptr) {
         const double unit = (x.shrink_positions ? 4.0 : 1.0) / (x.shrink_uvs ? 4.0 : 1.0) *
@@ -362,8 +363,8 @@ void find_parts(const Directions* directions, const Index* corners, std::size_t 
         angles[block] = Four{angle[four], angle[four + 1], angle[four + 2], angle[four + 3]};
 #pragma GCC unroll 4
         for (int r = 0; r < 4; ++r) {
-          const Directions& d = *from[four + static_cast<std::size_t>(r)];
-          x[r][block] = load((begin + block) % 2 == 0 ? &d.s.x : &d.t.x);
+          x[r][block] = load(from[four + static_cast<std::size_t>(r)],
+                             (begin + block) % 2 == 0 ? offsetof(Directions, s) : offsetof(Directions, t));
         }
       }
       const Rows columns = turned({joined(x[0]), joined(x[1]), joined(x[2]), joined(x[3])});
@@ -374,7 +375,7 @@ void find_parts(const Directions* directions, const Index* corners, std::size_t 
 #pragma GCC unroll 4
         for (int r = 0; r < 4; ++r) {
           Part& to = parts[first + static_cast<std::size_t>((begin + block) / 2 * 4 + r)];
-          store((begin + block) % 2 == 0 ? &to.s.x : &to.t.x, back[r][block]);
+          store(&to, (begin + block) % 2 == 0 ? offsetof(Part, s) : offsetof(Part, t), back[r][block]);
         }
     }
   }

@@ -34,6 +34,9 @@ struct Part {
   Vector t;
   float same_angle;
 };
+// Lanes are stored over several members at once.
+static_assert(sizeof(Directions) == 36 && offsetof(Directions, t) == 12 && offsetof(Directions, angle) == 24);
+static_assert(sizeof(Part) == 32 && offsetof(Part, angle) == 12 && offsetof(Part, t) == 16);
 // Lengths of the derivatives in u and v.
 struct Lengths {
   float s, t;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <darboux/error.h>
+#include <darboux/instruction_set.h>
 #include <darboux/mikktspace.h>
 
 #include "base/text.h"
@@ -16,6 +17,7 @@ namespace darboux {
 namespace {
 
 using mikk::Index;
+using mikk::LaneKernels;
 using mikk::none;
 using mikk::normalised;
 using mikk::Part;
@@ -25,8 +27,9 @@ using mikk::Vector;
 // Groups about each vertex and their averages.
 class Tangents : mikk::Connectivity {
  public:
-  Tangents(const MikkMesh& mesh, const Range& range, const MikkOptions& options, bool lengths)
-      : Connectivity(mesh, range, options, lengths),
+  Tangents(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes, const MikkOptions& options,
+           bool lengths)
+      : Connectivity(mesh, range, lanes, options, lengths),
         cosine_(static_cast<float>(
             std::cos(static_cast<double>(options.angular_threshold * static_cast<float>(M_PI) / 180.0F)))) {}
 
@@ -62,7 +65,6 @@ struct Tangents::Scratch {
 MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x) const {
   // x, y, z, and the angle.
   using Four = float __attribute__((vector_size(16)));
-  static_assert(offsetof(Part, t) == sizeof(Four) && sizeof(Part) == 2 * sizeof(Four));
   const bool all = !lengths_.empty();  // else nobody asks for more than t
   Four s_sum{}, t_sum{};
   float s_length = 0, t_length = 0, sum = 0;
@@ -71,8 +73,8 @@ MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x)
     if (any(at)) continue;
     const Part& part = x.part[i];
     Four part_s, part_t;
-    std::memcpy(&part_s, &part.s, sizeof part_s);
-    std::memcpy(&part_t, &part.t, sizeof part_t);
+    std::memcpy(&part_s, &part, sizeof part_s);
+    std::memcpy(&part_t, reinterpret_cast<const char*>(&part) + offsetof(Part, t), sizeof part_t);
     s_sum += part.angle * part_s;
     if (all) {
       t_sum += part.angle * part_t;
@@ -261,9 +263,10 @@ MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
 
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options) {
   const mikk::Range range = mikk::check(mesh, options);
+  const LaneKernels& lanes = mikk::lanes_of(chosen_instruction_set());
   std::vector<MikkTangent> result(mesh.corner_count(), MikkTangent{.sign = options.unserved_sign});
   std::vector<std::uint8_t> written(has_quads(mesh) ? result.size() : 0);
-  Tangents(mesh, range, options, true)
+  Tangents(mesh, range, lanes, options, true)
       .of_corners(
           [&](std::size_t corner, const MikkTangent& tangent) {
             result[corner] = !written.empty() && std::exchange(written[corner], 1) != 0
@@ -276,6 +279,7 @@ std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& opt
 
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options) {
   const mikk::Range range = mikk::check(mesh, options);
+  const LaneKernels& lanes = mikk::lanes_of(chosen_instruction_set());
   if (tangent4.size() != 4 * mesh.corner_count())
     throw ParameterError("tangent4", expected_got("four numbers for each of the " +
                                                       std::to_string(mesh.corner_count()) + " corners",
@@ -290,7 +294,7 @@ void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptio
     return;
   }
   for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{.sign = options.unserved_sign});
-  Tangents(mesh, range, options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
+  Tangents(mesh, range, lanes, options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
     std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
   });
 }

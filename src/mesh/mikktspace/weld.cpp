@@ -8,6 +8,9 @@
 #include "connectivity.h"
 
 namespace darboux::mikk {
+
+static_assert(std::endian::native == std::endian::little, "a number is the lower half of the two it begins");
+
 namespace {
 
 struct Vertices {
@@ -31,7 +34,10 @@ struct Vertices {
     // Multipliers are odd: what differs in one of the four never collides.
     const std::uint64_t sum = w[0] * 0xff51afd7ed558ccd + w[1] * 0xc4ceb9fe1a85ec53 +
                               w[2] * 0x9e3779b97f4a7c15 + w[3] * 0xd6e8feb86659fd93;
-    return (sum ^ sum >> 32) * 0xff51afd7ed558ccd;
+    const std::uint64_t product = (sum ^ sum >> 32) * 0xff51afd7ed558ccd;
+    // Numbers with many zero bits at their end, as of a grid of small steps, reach the upper half alone. It
+    // is what same_half() compares, and stays.
+    return product ^ product >> 32;
   }
   bool same_bits(std::size_t a, std::size_t b) const {
     using Words = std::uint64_t __attribute__((vector_size(16)));
@@ -110,6 +116,10 @@ struct Shared {
 };
 
 }  // namespace
+
+std::uint64_t weld_hash(const MikkMesh& mesh, std::size_t v) {
+  return Vertices{mesh}.hash(v);
+}
 
 // A hash table with a place for each value. False when so much room does not do.
 template <class Access>
