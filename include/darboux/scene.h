@@ -74,8 +74,8 @@ struct Camera {
 };
 
 /// A camera on the way from one to another, t from 0 to 1: positions and lenses in equal steps, and a
-/// rotation about one axis, the shorter way round. \throws ParameterError where projections or image sizes
-/// differ
+/// rotation about one axis, the shorter way round. Where one of the two has no far plane, none between has.
+/// \throws ParameterError where projections or image sizes differ
 Camera between(const Camera& from, const Camera& to, double t);
 
 /// What is asked for. A bound of infinity asks for nothing; the strictest of them decides.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -61,7 +62,8 @@ CameraMotion::Channel CameraMotion::read_channel(const GltfFile& file, const Jso
   }
   const std::size_t keys = channel.times.size(),
                     values = keys * components * (channel.interpolation == Interpolation::cubic ? 3 : 1);
-  if (keys == 0 || !std::is_sorted(channel.times.begin(), channel.times.end()))
+  if (keys == 0 || std::adjacent_find(channel.times.begin(), channel.times.end(), std::greater_equal()) !=
+                       channel.times.end())
     sampler.at("input").fail("times that rise", keys == 0 ? "none" : "others");
   if (channel.values.size() != values)
     sampler.at("output").fail(std::to_string(values / components) + " elements for these keys",

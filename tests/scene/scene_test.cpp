@@ -391,7 +391,7 @@ TEST(Scene, HiddenTilesLieBehindOthers) {
         // Of a large one a far side may lie behind its own near side.
         if (i < 8 && i % 2 == 0 && !behind) {
           const Eigen::Affine3d to_local = scene.instances[i].placement.inverse();
-          behind = sphere_is_before(to_local * from, to_local * (p + 1e-9 * (p - from)));
+          behind = sphere_is_before(to_local * from, to_local * (p - 1e-9 * (p - from)));
         }
         ASSERT_TRUE(behind) << scene.surfaces[scene.instances[i].surface].specification() << " at " << u
                             << ' ' << v << ", round " << round;
