@@ -211,6 +211,12 @@ TEST_F(SceneCli, PlansThePrimitivesOfAGltf) {
   EXPECT_EQ(along["samples_full"], 27);
   EXPECT_TRUE(along["seconds"]["needed"].is_null());
   EXPECT_EQ(good("darboux scene two.glb --path 3").find("evaluated"), std::string::npos);
+  // The first without a far plane: it ends where the second is.
+  two.json["cameras"].push_back(two.json["cameras"][0]);
+  two.json["cameras"][1]["perspective"]["zfar"] = 100;
+  two.json["nodes"][4]["camera"] = 1;
+  write_bytes(path("far.glb"), two.glb());
+  EXPECT_EQ(json("darboux scene far.glb --path 3 --json")["needed"], along["needed"]);
   // One camera that an animation moves there and further.
   Builder moving = b;
   const std::size_t times = moving.packed<float>("SCALAR", 5126, 2, {0, 1}),

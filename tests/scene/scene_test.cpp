@@ -402,6 +402,33 @@ TEST(Scene, HiddenTilesLieBehindOthers) {
   EXPECT_GT(looked_at, 1000u);
 }
 
+TEST(Scene, WhatIsSeenThroughHidesNothing) {
+  Scene scene;
+  scene.surfaces = {make_surface("plane"), make_surface("sphere")};
+  scene.materials = {{.name = "wall"}, {.name = "ball"}};
+  scene.instances = {{0, 0, Eigen::Translation3d(0, 0, -5) * Eigen::Affine3d(Eigen::Scaling(4.0))},
+                     {1, 1, Eigen::Translation3d(0, 0, -8) * Eigen::Affine3d(Eigen::Scaling(0.5))}};
+  SceneRequest request;
+  request.skip.occluded = true;
+  EXPECT_GT(plan_scene(scene, Camera(), request).skipped.occluded, 0u);
+  scene.materials[0].see_through = true;
+  const ScenePlan plan = plan_scene(scene, Camera(), request);
+  EXPECT_EQ(plan.skipped.occluded, 0u);
+  EXPECT_EQ(plan.instances_needed, 2u);
+}
+
+TEST(Scene, CamerasWithoutAFarPlaneAreMixed) {
+  Camera endless;
+  endless.far_distance = infinity;
+  const Camera other;
+  for (const auto& [from, to] : {std::pair(endless, other), std::pair(other, endless)}) {
+    EXPECT_EQ(between(from, to, 0).far_distance, from.far_distance);
+    EXPECT_EQ(between(from, to, 0.25).far_distance, infinity);
+    EXPECT_EQ(between(from, to, 1).far_distance, to.far_distance);
+  }
+  EXPECT_EQ(between(endless, endless, 0.5).far_distance, infinity);
+}
+
 // Two triangles, a square of side 1 about the origin that faces +z.
 SceneMeshPart square_part(std::uint32_t material) {
   Mesh mesh;
