@@ -417,6 +417,21 @@ TEST(Scene, WhatIsSeenThroughHidesNothing) {
   EXPECT_EQ(plan.instances_needed, 2u);
 }
 
+// Larger ones that cannot hide, of one side only, are no reason not to look at the wall.
+TEST(Scene, WhatCannotHideTakesNoPlaceOfWhatCan) {
+  Scene scene;
+  scene.surfaces = {make_surface("plane"), make_surface("sphere"), make_surface("moebius-strip")};
+  scene.materials = {{.name = "all"}};
+  scene.instances = {{0, 0, Eigen::Translation3d(0, 0, -5) * Eigen::Affine3d(Eigen::Scaling(4.0))},
+                     {1, 0, Eigen::Translation3d(0, 0, -8) * Eigen::Affine3d(Eigen::Scaling(0.5))}};
+  for (int i = 0; i < 20; ++i)
+    scene.instances.push_back(
+        {2, 0, Eigen::Translation3d(0, 0, -40 - i) * Eigen::Affine3d(Eigen::Scaling(30.0))});
+  SceneRequest request;
+  request.skip.occluded = true;
+  EXPECT_GT(plan_scene(scene, Camera(), request).skipped.occluded, 0u);
+}
+
 TEST(Scene, CamerasWithoutAFarPlaneAreMixed) {
   Camera endless;
   endless.far_distance = infinity;
