@@ -74,8 +74,8 @@ struct Camera {
 };
 
 /// A camera on the way from one to another, t from 0 to 1: positions and lenses in equal steps, and a
-/// rotation about one axis, the shorter way round. \throws ParameterError where projections or image sizes
-/// differ
+/// rotation about one axis, the shorter way round. Where one of the two has no far plane, none between has.
+/// \throws ParameterError where projections or image sizes differ
 Camera between(const Camera& from, const Camera& to, double t);
 
 /// What is asked for. A bound of infinity asks for nothing; the strictest of them decides.
@@ -92,7 +92,7 @@ struct SceneRequest {
     bool unread_attributes = true;  ///< tangents of materials that read none
     bool outside_frustum = true, back_facing = true, below_error = true, duplicates = true;
     /// Tiles that lie wholly behind opaque surface that is drawn. It takes about 30 us for each of up to 16
-    /// instances that are seen large, and 0.05 to 0.5 us for each in view, and pays where much is hidden.
+    /// instances that are seen large, and 0.05 to 0.5 us for each in view, for fewer tiles to draw.
     bool occluded = false;
     static constexpr Skip nothing() {
       return {.unread_attributes = false,
@@ -174,7 +174,8 @@ struct ScenePlan {
 /// without bounds are not culled, and their resolution is estimated from samples. Cost: about 0.2 us per
 /// instance outside the frustum, 1 us per small one in view, and up to some ms per surface without closed
 /// forms, whose tiles are bounded first: docs/reports/scene.md. \throws ParameterError for a camera or a
-/// bound that is out of range, an index that is, or a placement that is singular or not finite
+/// bound that is out of range, an index that is, a placement that is singular or not finite, or bounds that
+/// ask for more than 2^24 tiles in view, duplicates and what others hide included
 ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
 
 /// The same for many cameras of a scene. Plans are those of plan_scene(), to the bit, but for the numbers of

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -12,18 +13,25 @@ namespace {
 
 using io::JsonCursor;
 
-// The nodes from a root to this one. There are no cycles: shown_nodes() has seen to that.
-std::vector<std::size_t> nodes_above(const JsonCursor& nodes, std::size_t node) {
-  std::vector<std::size_t> parents(nodes.size(), nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (!nodes.at(i).has("children")) continue;
-    const JsonCursor children = nodes.at(i).at("children");
-    for (std::size_t k = 0; k < children.size(); ++k) parents[children.at(k).integer()] = i;
-  }
-  std::vector<std::size_t> result;
-  for (std::size_t i = node; i < nodes.size(); i = parents[i]) result.push_back(i);
+// Nodes of a file, from a root to one that is shown.
+std::vector<std::size_t> nodes_above(const std::vector<io::ShownNode>& shown, std::size_t at) {
+  std::vector<std::size_t> result{shown[at].node};
+  for (; shown[at].parent != at; at = shown[at].parent) result.push_back(shown[shown[at].parent].node);
   std::reverse(result.begin(), result.end());
   return result;
+}
+
+// f(channel, node, path) for the channels of an animation that move nodes.
+template <class F>
+void for_each_move(const JsonCursor& animation, F&& f) {
+  const JsonCursor channels = animation.at("channels");
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const JsonCursor channel = channels.at(c), target = channel.at("target");
+    if (!target.has("node")) continue;
+    const std::string path = target.at("path").text();
+    if (path == "translation" || path == "rotation" || path == "scale")
+      f(channel, target.at("node").integer(), path);
+  }
 }
 
 std::vector<double> numbers_of(const GltfFile& file, const JsonCursor& index, std::size_t components) {
@@ -54,7 +62,8 @@ CameraMotion::Channel CameraMotion::read_channel(const GltfFile& file, const Jso
   }
   const std::size_t keys = channel.times.size(),
                     values = keys * components * (channel.interpolation == Interpolation::cubic ? 3 : 1);
-  if (keys == 0 || !std::is_sorted(channel.times.begin(), channel.times.end()))
+  if (keys == 0 || std::adjacent_find(channel.times.begin(), channel.times.end(), std::greater_equal()) !=
+                       channel.times.end())
     sampler.at("input").fail("times that rise", keys == 0 ? "none" : "others");
   if (channel.values.size() != values)
     sampler.at("output").fail(std::to_string(values / components) + " elements for these keys",
@@ -106,11 +115,30 @@ Camera CameraMotion::at(double share) const {
   return camera;
 }
 
-std::optional<CameraMotion> CameraMotion::of(const GltfFile& file, std::size_t node, const Camera& camera) {
+std::optional<std::size_t> CameraMotion::first_moved(const GltfFile& file,
+                                                     const std::vector<io::ShownNode>& shown) {
   const JsonCursor root = file.root();
-  if (!root.has("animations")) return std::nullopt;
+  if (!root.has("animations") || !root.has("nodes")) return std::nullopt;
   const JsonCursor nodes = root.at("nodes"), animations = root.at("animations");
-  const std::vector<std::size_t> chain = nodes_above(nodes, node);
+  std::vector<bool> has_keys(nodes.size(), false);
+  for (std::size_t a = 0; a < animations.size(); ++a)
+    for_each_move(animations.at(a), [&](const JsonCursor&, std::uint64_t node, const std::string&) {
+      if (node < has_keys.size()) has_keys[node] = true;
+    });
+  std::vector<bool> moved(shown.size(), false);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    moved[i] = has_keys[shown[i].node] || moved[shown[i].parent];
+    if (moved[i] && nodes.at(shown[i].node).has("camera")) return i;
+  }
+  return std::nullopt;
+}
+
+CameraMotion CameraMotion::of(const GltfFile& file, const std::vector<io::ShownNode>& shown, std::size_t at,
+                              const Camera& camera) {
+  const JsonCursor root = file.root(), nodes = root.at("nodes"), animations = root.at("animations");
+  const std::vector<std::size_t> chain = nodes_above(shown, at);
+  std::vector<std::size_t> place(nodes.size(), chain.size());
+  for (std::size_t i = 0; i < chain.size(); ++i) place[chain[i]] = i;
   CameraMotion motion;
   motion.camera_ = camera;
   for (const std::size_t i : chain) {
@@ -133,27 +161,22 @@ std::optional<CameraMotion> CameraMotion::of(const GltfFile& file, std::size_t n
   motion.from_ = infinity;
   motion.to_ = -infinity;
   for (std::size_t a = 0; a < animations.size() && !(motion.from_ <= motion.to_); ++a) {
-    const JsonCursor channels = animations.at(a).at("channels");
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-      const JsonCursor channel = channels.at(c), target = channel.at("target");
-      if (!target.has("node")) continue;
-      const auto found = std::find(chain.begin(), chain.end(), target.at("node").integer());
-      const std::string path = target.at("path").text();
-      if (found == chain.end() || (path != "translation" && path != "rotation" && path != "scale")) continue;
-      const JsonCursor samplers = animations.at(a).at("samplers");
-      if (channel.at("sampler").integer() >= samplers.size())
-        channel.at("sampler").fail("one of the samplers of its animation", "another");
-      Channel read =
-          read_channel(file, samplers.at(channel.at("sampler").integer()), path == "rotation" ? 4 : 3);
-      motion.from_ = std::min(motion.from_, read.times.front());
-      motion.to_ = std::max(motion.to_, read.times.back());
-      Node& moved = motion.nodes_[static_cast<std::size_t>(found - chain.begin())];
-      (path == "translation" ? moved.translations
-       : path == "rotation"  ? moved.rotations
-                             : moved.scales) = std::move(read);
-    }
+    for_each_move(
+        animations.at(a), [&](const JsonCursor& channel, std::uint64_t node, const std::string& path) {
+          if (node >= place.size() || place[node] == chain.size()) return;
+          const JsonCursor samplers = animations.at(a).at("samplers");
+          if (channel.at("sampler").integer() >= samplers.size())
+            channel.at("sampler").fail("one of the samplers of its animation", "another");
+          Channel read =
+              read_channel(file, samplers.at(channel.at("sampler").integer()), path == "rotation" ? 4 : 3);
+          motion.from_ = std::min(motion.from_, read.times.front());
+          motion.to_ = std::max(motion.to_, read.times.back());
+          Node& moved = motion.nodes_[place[node]];
+          (path == "translation" ? moved.translations
+           : path == "rotation"  ? moved.rotations
+                                 : moved.scales) = std::move(read);
+        });
   }
-  if (!(motion.from_ <= motion.to_)) return std::nullopt;
   return motion;
 }
 

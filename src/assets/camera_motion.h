@@ -17,9 +17,15 @@ namespace darboux {
 /// scales of nodes, at linear, step and cubic keys as glTF has them. The lens stays what it is.
 class CameraMotion {
  public:
-  /// Nothing where no animation moves it. \param node that has the camera, which is `camera` at rest
+  /// Which of the nodes that are shown is the first that has a camera and that keys of translations,
+  /// rotations or scales move, its own or those of what it hangs on. Cost: linear in nodes and channels
+  static std::optional<std::size_t> first_moved(const GltfFile& file,
+                                                const std::vector<io::ShownNode>& shown);
+
+  /// \param at of first_moved() \param camera its, at rest
   /// \throws FileError for keys that contradict themselves
-  static std::optional<CameraMotion> of(const GltfFile& file, std::size_t node, const Camera& camera);
+  static CameraMotion of(const GltfFile& file, const std::vector<io::ShownNode>& shown, std::size_t at,
+                         const Camera& camera);
 
   /// At a share of the time from the first key to the last, 0 to 1.
   Camera at(double share) const;

@@ -146,12 +146,18 @@ GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options, boo
   }
   io::Budget budget(file);
   std::size_t decoded = 0;
-  for (const io::ShownNode& shown : io::shown_nodes(file)) {
+  const std::vector<io::ShownNode> all_shown = io::shown_nodes(file);
+  const std::optional<std::size_t> moved =
+      with_motion ? CameraMotion::first_moved(file, all_shown) : std::nullopt;
+  for (std::size_t at = 0; at < all_shown.size(); ++at) {
+    const io::ShownNode& shown = all_shown[at];
     const JsonCursor node = root.at("nodes").at(shown.node);
     if (node.has("camera")) {
       result.cameras.push_back(camera_of_node(file, node, shown.world));
-      if (with_motion && !result.motion && shown.moves)
-        result.motion = CameraMotion::of(file, shown.node, result.cameras.back().camera);
+      if (at == moved) {
+        result.moving_camera = result.cameras.size() - 1;
+        result.motion = CameraMotion::of(file, all_shown, at, result.cameras.back().camera);
+      }
     }
     if (!node.has("mesh")) continue;
     const std::size_t mesh = node.at("mesh").integer();

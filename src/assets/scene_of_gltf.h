@@ -20,7 +20,8 @@ struct GltfScene {
   Scene scene;
   std::size_t primitive_instances = 0;   ///< how many parts its instances show
   std::vector<io::NamedCamera> cameras;  ///< one per node that has one, else one that sees all
-  std::optional<CameraMotion> motion{};  ///< of the first of them that an animation moves
+  std::optional<CameraMotion> motion{};  ///< of the first of them that an animation moves,
+  std::size_t moving_camera = 0;         ///< this one
 };
 
 /// Reads nodes, cameras, EXT_mesh_gpu_instancing, and the triangles with what their materials read.

@@ -320,16 +320,26 @@ Camera camera_at(const std::vector<io::NamedCamera>& cameras, double share) {
 }
 
 // Cameras along a path: decisions are kept from one to the next, and samples too.
+// \param arguments whose camera is that of the motion, if there is one
 void run_path(const SceneArguments& arguments, const Scene& scene,
               const std::vector<io::NamedCamera>& cameras, const std::optional<CameraMotion>& motion,
               std::size_t instances, const SceneRequest& request, const Common& common) {
   if (!motion && cameras.size() < 2)
-    throw ParameterError("--path", expected_got("a scene of at least two cameras", "one"));
+    throw ParameterError(
+        "--path",
+        expected_got("a scene of at least two cameras, or a glTF with one that an animation moves", "one"));
   const std::uint64_t frames = *arguments.path;
   if (frames < 2) throw ParameterError("--path", expected_got("at least 2 cameras", std::to_string(frames)));
   ScenePlan sum;
-  SceneReport report{
-      arguments, cameras.front(), request, sum, instances, 0, 0, 0, std::numeric_limits<double>::quiet_NaN()};
+  SceneReport report{arguments,
+                     cameras[arguments.camera],
+                     request,
+                     sum,
+                     instances,
+                     0,
+                     0,
+                     0,
+                     std::numeric_limits<double>::quiet_NaN()};
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   if (scene.surfaces.empty()) report.needed_seconds = none;  // nothing is evaluated
   ScenePlanner planner(scene, request);
@@ -338,8 +348,15 @@ void run_path(const SceneArguments& arguments, const Scene& scene,
   for (std::uint64_t i = 0; i < frames; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(frames - 1);
     const Camera camera = motion ? motion->at(share) : camera_at(cameras, share);
-    if (const auto wrong = refused_eye(scene, camera))
-      throw FileError(arguments.file, "camera " + std::to_string(i) + " of the path: " + *wrong);
+    const auto refuse = [&](const std::string& why) {
+      throw FileError(arguments.file, "camera " + std::to_string(i) + " of the path: " + why);
+    };
+    try {
+      camera.check();
+    } catch (const ParameterError& error) {
+      refuse(error.what());
+    }
+    if (const auto wrong = refused_eye(scene, camera)) refuse(*wrong);
     const auto start = std::chrono::steady_clock::now();
     const ScenePlan plan = planner.plan(camera);
     PathCamera frame{plan.instances_needed, plan.tiles_needed, plan.samples_needed, 0, seconds_since(start)};
@@ -378,9 +395,12 @@ void run_gltf(const SceneArguments& arguments, const Common& common) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   SceneRequest request;
   request.chord_px = request.frame_angle_rad = infinity;
-  if (arguments.path)
-    return run_path(arguments, scene.scene, scene.cameras, scene.motion, scene.primitive_instances, request,
+  if (arguments.path) {
+    SceneArguments of_path = arguments;
+    of_path.camera = scene.moving_camera;
+    return run_path(of_path, scene.scene, scene.cameras, scene.motion, scene.primitive_instances, request,
                     common);
+  }
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   const auto start = std::chrono::steady_clock::now();
   const ScenePlan plan = plan_scene(scene.scene, camera.camera, request);
@@ -511,8 +531,8 @@ void add_scene(CLI::App& app, Common& common) {
   CLI::Option* path =
       sub.add_option(
              "--path", arguments->path,
-             "so many cameras along the way through all of the file's; what did not change is kept from "
-             "one to the next, and the numbers are sums")
+             "so many cameras along the way of the first that an animation of a glTF moves, else through all "
+             "of the file's; what did not change is kept from one to the next, and the numbers are sums")
           ->check(whole_number_up_to(1000000));
   for (const char* other : {"--camera", "--output", "--render", "--render-skipped", "--no-skip", "--no-cull"})
     path->excludes(other);

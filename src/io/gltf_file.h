@@ -140,6 +140,7 @@ struct ShownNode {
   std::size_t node;
   Eigen::Matrix4d world;  ///< its space to the scene's, at rest
   bool moves = false;     ///< an animation moves it or what it hangs on
+  std::size_t parent;     ///< which of those shown, before it; a root itself
 };
 /// Depth first. \throws FileError where a node is its own ancestor or has two parents
 std::vector<ShownNode> shown_nodes(const GltfFile& file);

@@ -328,11 +328,12 @@ std::vector<ShownNode> shown_nodes(const GltfFile& file) {
     std::size_t node;
     Eigen::Matrix4d parent;
     bool moves;
+    std::size_t above;  // of those shown
   };
   const std::vector<bool> animated = animated_nodes(root, count);
   std::vector<Visit> stack;
   for (auto node = roots.rbegin(); node != roots.rend(); ++node)
-    stack.push_back({*node, Eigen::Matrix4d::Identity(), false});
+    stack.push_back({*node, Eigen::Matrix4d::Identity(), false, count});
   std::vector<bool> visited(count, false);
   std::size_t visits = 0;
   const auto refuse = [&](std::size_t node) {
@@ -347,11 +348,12 @@ std::vector<ShownNode> shown_nodes(const GltfFile& file) {
     const JsonCursor node = nodes.at(visit.node);
     const Eigen::Matrix4d world = visit.parent * local_matrix(node);
     const bool moves = visit.moves || animated[visit.node];
-    shown.push_back({visit.node, world, moves});
+    const std::size_t here = shown.size();
+    shown.push_back({visit.node, world, moves, std::min(visit.above, here)});
     std::vector<std::size_t> children;
     append_nodes(file, node, "children", children);
     for (auto child = children.rbegin(); child != children.rend(); ++child)
-      stack.push_back({*child, world, moves});
+      stack.push_back({*child, world, moves, here});
   }
   // Without scenes every node hangs from a root, unless it is on a cycle.
   if (!has_scenes && visits != count)

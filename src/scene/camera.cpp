@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -48,7 +49,11 @@ Camera between(const Camera& from, const Camera& to, double t) {
   result.vertical_field_of_view_rad = mix(from.vertical_field_of_view_rad, to.vertical_field_of_view_rad);
   result.view_height = mix(from.view_height, to.view_height);
   result.near_distance = mix(from.near_distance, to.near_distance);
-  result.far_distance = mix(from.far_distance, to.far_distance);
+  const bool finite = std::isfinite(from.far_distance) && std::isfinite(to.far_distance);
+  result.far_distance = t == 0   ? from.far_distance
+                        : t == 1 ? to.far_distance
+                        : finite ? mix(from.far_distance, to.far_distance)
+                                 : std::numeric_limits<double>::infinity();
   return result;
 }
 

@@ -262,18 +262,21 @@ void Occlusion::find_sides(const Occluder& o, const TileLevels& levels) {
     }
 }
 
-void Occlusion::add(const Occluder& o) {
-  const SurfaceTiles& tiles = o.tiles;
+bool Occlusion::can_hide(const SurfaceTiles& tiles, const Eigen::Affine3d& placement) {
   const SurfaceInfo& info = tiles.surface().info();
   const TileRates& rates = tiles.finest();
   const bool bounded = tiles.known() &&
                        (tiles.is_typical() || (tiles.proven().chord && tiles.proven().frame)) &&
                        std::isfinite(rates.chord(1, 1) + rates.normal_u + rates.normal_v);
-  const Eigen::Matrix3d& m = o.instance.placement.linear();
+  const Eigen::Matrix3d m = placement.linear();
   constexpr double most_condition = 1e6;  // facing is exact enough
-  if (!bounded || info.u == Coordinate::twisted_turn || info.v == Coordinate::twisted_turn ||
-      !(m.norm() * m.inverse().norm() < most_condition))
-    return;
+  return bounded && info.u != Coordinate::twisted_turn && info.v != Coordinate::twisted_turn &&
+         m.norm() * m.inverse().norm() < most_condition;
+}
+
+void Occlusion::add(const Occluder& o) {
+  const SurfaceTiles& tiles = o.tiles;
+  const SurfaceInfo& info = tiles.surface().info();
   const double depth = to_camera_.row(2).dot(o.ball.centre - eye_) - o.ball.radius;
   const double cell = (perspective_ ? std::max(near_, depth) : 1) / std::max(scale_x_, scale_y_);
   TileLevels levels = tiles.finest_chord_levels()(0.25 * cell / o.largest).levels;

@@ -49,7 +49,9 @@ class Occlusion {
     double largest;  // by what the placement scales lengths, at most
     std::span<const Drawn> drawn;
   };
-  // Not what has no proven bounds of chords and normals. Cost: about 30 us, by up to 33 x 17 samples.
+  // Not what has no proven bounds of chords and normals, or is too flat.
+  static bool can_hide(const SurfaceTiles& tiles, const Eigen::Affine3d& placement);
+  // \param occluder that can. Cost: about 30 us, by up to 33 x 17 samples.
   void add(const Occluder& occluder);
   void finish();  // after the last one: questions are answered faster
 

@@ -124,6 +124,14 @@ class CameraWay {
   std::optional<Camera> last_;
 };
 
+// As many tiles as a plan has at most, before any are hidden: what is refused is so before the work.
+constexpr std::size_t most_tiles = std::size_t{1} << 24;
+
+void refuse_small_bounds() {
+  throw ParameterError("scene", "expected bounds that at most " + std::to_string(most_tiles) +
+                                    " tiles keep, got smaller ones: ask for a larger chord or angle");
+}
+
 }  // namespace
 
 class ScenePlanner::Planner {
@@ -154,6 +162,7 @@ class ScenePlanner::Planner {
   Resolution resolution(std::uint32_t node);
 
   void visit_tiles(Counts& counts);
+  void expect_room(std::size_t more) const;
   void add_patches(std::uint32_t instance);
   void find_edges(const Visited& tile, ScenePatch& patch);
   void hide();
@@ -220,6 +229,7 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
     slack_of_whole_ = tests_.slack;
   }
   if (kept || (keeps_ && still_right(decision))) {
+    expect_room(decision.patch_count);
     const auto known = last_used_.begin() + static_cast<std::ptrdiff_t>(decision.first_patch);
     used_.insert(used_.end(), known, known + decision.patch_count);
   } else {
@@ -384,11 +394,16 @@ void ScenePlanner::Planner::visit_tiles(Counts& counts) {
   }
 }
 
+void ScenePlanner::Planner::expect_room(std::size_t more) const {
+  if (more > most_tiles - used_.size()) refuse_small_bounds();
+}
+
 // A patch for each tile that is needed.
 void ScenePlanner::Planner::add_patches(std::uint32_t index) {
   for (std::size_t i = 0; i < visited_.size(); ++i) {
     const Visited& tile = visited_[i];
     if (!tile.needed) continue;
+    expect_room(1);
     const TilePlace& at = tests_.tiles()[tile.node].place;
     ScenePatch patch;
     patch.surface = scene_.instances[index].surface;
@@ -494,8 +509,11 @@ void ScenePlanner::Planner::cover() {
   for (std::uint32_t i = 0; i < shown_.size(); ++i) {
     const double size = occlusion_.size_of(shown_[i].ball);
     if (!(size >= smallest)) continue;
-    const SceneMaterial& material = scene_.materials[scene_.instances[shown_[i].instance].material];
-    if (!material.see_through && material.displacement == 0) candidates.push_back({size, i});
+    const SceneInstance& instance = scene_.instances[shown_[i].instance];
+    const SceneMaterial& material = scene_.materials[instance.material];
+    if (!material.see_through && material.displacement == 0 &&
+        Occlusion::can_hide(*tiles_[instance.surface], instance.placement))
+      candidates.push_back({size, i});
   }
   const std::size_t count = std::min(most, candidates.size());
   std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
@@ -544,10 +562,7 @@ void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
   } else {
     ++plan_.skipped.duplicates;
   }
-  constexpr std::size_t most = std::size_t{1} << 24;
-  if (plan_.tiles.size() == most || plan_.edge_coordinates.size() > 4 * most)
-    throw ParameterError("scene", "expected bounds that at most " + std::to_string(most) +
-                                      " tiles keep, got smaller ones: ask for a larger chord or angle");
+  if (plan_.edge_coordinates.size() > 4 * most_tiles) refuse_small_bounds();
   ++plan_.patches[known.index].tile_count;
   plan_.tiles.push_back({instance, known.index});
 }

@@ -232,6 +232,54 @@ TEST_F(GltfScenes, AnimationsMoveCameras) {
   EXPECT_NE(refused(two, turn, "LINEAR").find("expected an accessor of 3 components"), std::string::npos);
   EXPECT_NE(refused(add("SCALAR", 2, {3, 1}), line, "LINEAR").find("expected times that rise"),
             std::string::npos);
+  EXPECT_NE(refused(add("SCALAR", 2, {1, 1}), line, "LINEAR").find("expected times that rise"),
+            std::string::npos);
+}
+
+// What no scene reaches may be anything: it is nowhere above a camera.
+TEST_F(GltfScenes, NodesThatNoSceneReachesMoveNoCamera) {
+  const std::size_t times = b_.packed<float>("SCALAR", 5126, 2, {0, 1}),
+                    line = b_.packed<float>("VEC3", 5126, 2, {0, 0, 5, 4, 0, 5});
+  const auto keys_of = [&](int node) {
+    b_.json["animations"] = Json::array(
+        {{{"samplers", Json::array({{{"input", times}, {"output", line}}})},
+          {"channels",
+           Json::array({{{"sampler", 0}, {"target", {{"node", node}, {"path", "translation"}}}}})}}});
+  };
+  const Builder rest = b_;
+  for (const char* others : {R"([{"children": [400000000]}])", R"([{"children": [3, 0]}, {"children": [2]}])",
+                             R"([{"children": [0], "translation": [9, 9, 9]}])"}) {
+    b_.json = rest.json;
+    for (const Json& node : Json::parse(others)) b_.json["nodes"].push_back(node);
+    keys_of(0);
+    const GltfScene s = scene(true);
+    ASSERT_TRUE(s.motion) << others;
+    EXPECT_EQ(s.motion->at(1).pose.translation(), Eigen::Vector3d(4, 0, 5)) << others;
+    keys_of(2);
+    EXPECT_FALSE(scene(true).motion) << others;
+  }
+}
+
+// Keys of the second camera, and a pointer that may move both.
+TEST_F(GltfScenes, TheCameraThatMovesIsNamed) {
+  const std::size_t times = b_.packed<float>("SCALAR", 5126, 2, {0, 1}),
+                    line = b_.packed<float>("VEC3", 5126, 2, {0, 0, 5, 4, 0, 5});
+  b_.json["nodes"].push_back({{"camera", 1}});
+  b_.json["scenes"][0]["nodes"].push_back(2);
+  const auto animations = [&](const char* channels) {
+    b_.json["animations"] = Json::array({{{"samplers", Json::array({{{"input", times}, {"output", line}}})},
+                                          {"channels", Json::parse(channels)}}});
+  };
+  const std::string pointer =
+      R"({"sampler": 0, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer":
+         {"pointer": "/nodes/0/translation"}}}})";
+  animations(("[" + pointer + "]").c_str());
+  EXPECT_FALSE(scene(true).motion);
+  animations(("[" + pointer + R"(, {"sampler": 0, "target": {"node": 2, "path": "translation"}}])").c_str());
+  const GltfScene s = scene(true);
+  ASSERT_TRUE(s.motion);
+  EXPECT_EQ(s.moving_camera, 1u);
+  EXPECT_EQ(s.motion->at(0).projection, Camera::Projection::orthographic);
 }
 
 }  // namespace

@@ -194,7 +194,8 @@ TEST_F(SceneCli, PlansThePrimitivesOfAGltf) {
   EXPECT_NE(good("darboux scene made.glb").find("1 of 3 instances are needed"), std::string::npos);
   refused("darboux scene made.glb --render a.png", {"--render", "JSON"});
   refused("darboux scene made.glb --camera 1", {"--camera"});
-  refused("darboux scene made.glb --path 3", {"--path", "at least two cameras", "got one"});
+  refused("darboux scene made.glb --path 3",
+          {"--path", "at least two cameras, or a glTF with one that an animation moves, got one"});
   EXPECT_NE(good("darboux scene data/torus_016.none.glb").find("before the scene"), std::string::npos);
   // A path to a second camera, from which the triangle behind the first is seen.
   Builder two = b;
@@ -210,6 +211,12 @@ TEST_F(SceneCli, PlansThePrimitivesOfAGltf) {
   EXPECT_EQ(along["samples_full"], 27);
   EXPECT_TRUE(along["seconds"]["needed"].is_null());
   EXPECT_EQ(good("darboux scene two.glb --path 3").find("evaluated"), std::string::npos);
+  // The first without a far plane: it ends where the second is.
+  two.json["cameras"].push_back(two.json["cameras"][0]);
+  two.json["cameras"][1]["perspective"]["zfar"] = 100;
+  two.json["nodes"][4]["camera"] = 1;
+  write_bytes(path("far.glb"), two.glb());
+  EXPECT_EQ(json("darboux scene far.glb --path 3 --json")["needed"], along["needed"]);
   // One camera that an animation moves there and further.
   Builder moving = b;
   const std::size_t times = moving.packed<float>("SCALAR", 5126, 2, {0, 1}),
@@ -219,6 +226,23 @@ TEST_F(SceneCli, PlansThePrimitivesOfAGltf) {
         {"channels", Json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}})}}});
   write_bytes(path("moving.glb"), moving.glb());
   EXPECT_EQ(json("darboux scene moving.glb --path 3 --json")["needed"], along["needed"]);
+  // One before it that stays. The report names the one that moves.
+  moving.json["nodes"][0]["name"] = "rider";
+  moving.json["nodes"].push_back({{"camera", 0}, {"name", "post"}, {"translation", {0, 0, 5}}});
+  moving.json["scenes"][0]["nodes"] = {4, 0, 1, 2, 3};
+  write_bytes(path("second.glb"), moving.glb());
+  const Json second = json("darboux scene second.glb --path 3 --json");
+  EXPECT_EQ(second["needed"], along["needed"]);
+  EXPECT_EQ(second["camera"]["index"], 1);
+  EXPECT_EQ(second["camera"]["name"], "rider");
+  // Scaled to nothing at its end, where it has no axes.
+  Builder shrinking = moving;
+  const std::size_t scales = shrinking.packed<float>("VEC3", 5126, 2, {1, 1, 1, 0, 0, 0});
+  shrinking.json["animations"][0]["samplers"][0]["output"] = scales;
+  shrinking.json["animations"][0]["channels"][0]["target"]["path"] = "scale";
+  write_bytes(path("shrinking.glb"), shrinking.glb());
+  refused("darboux scene shrinking.glb --path 3",
+          {"shrinking.glb: camera 2 of the path: camera pose: expected finite numbers"});
   b.json["nodes"][1]["children"] = {1};
   write_bytes(path("cyclic.glb"), b.glb());
   refused("darboux scene cyclic.glb", {"cyclic.glb", "its own ancestor"});

@@ -391,7 +391,7 @@ TEST(Scene, HiddenTilesLieBehindOthers) {
         // Of a large one a far side may lie behind its own near side.
         if (i < 8 && i % 2 == 0 && !behind) {
           const Eigen::Affine3d to_local = scene.instances[i].placement.inverse();
-          behind = sphere_is_before(to_local * from, to_local * (p + 1e-9 * (p - from)));
+          behind = sphere_is_before(to_local * from, to_local * (p - 1e-9 * (p - from)));
         }
         ASSERT_TRUE(behind) << scene.surfaces[scene.instances[i].surface].specification() << " at " << u
                             << ' ' << v << ", round " << round;
@@ -400,6 +400,48 @@ TEST(Scene, HiddenTilesLieBehindOthers) {
   }
   std::cout << looked_at << " points of hidden tiles\n";
   EXPECT_GT(looked_at, 1000u);
+}
+
+TEST(Scene, WhatIsSeenThroughHidesNothing) {
+  Scene scene;
+  scene.surfaces = {make_surface("plane"), make_surface("sphere")};
+  scene.materials = {{.name = "wall"}, {.name = "ball"}};
+  scene.instances = {{0, 0, Eigen::Translation3d(0, 0, -5) * Eigen::Affine3d(Eigen::Scaling(4.0))},
+                     {1, 1, Eigen::Translation3d(0, 0, -8) * Eigen::Affine3d(Eigen::Scaling(0.5))}};
+  SceneRequest request;
+  request.skip.occluded = true;
+  EXPECT_GT(plan_scene(scene, Camera(), request).skipped.occluded, 0u);
+  scene.materials[0].see_through = true;
+  const ScenePlan plan = plan_scene(scene, Camera(), request);
+  EXPECT_EQ(plan.skipped.occluded, 0u);
+  EXPECT_EQ(plan.instances_needed, 2u);
+}
+
+// Larger ones that cannot hide, of one side only, are no reason not to look at the wall.
+TEST(Scene, WhatCannotHideTakesNoPlaceOfWhatCan) {
+  Scene scene;
+  scene.surfaces = {make_surface("plane"), make_surface("sphere"), make_surface("moebius-strip")};
+  scene.materials = {{.name = "all"}};
+  scene.instances = {{0, 0, Eigen::Translation3d(0, 0, -5) * Eigen::Affine3d(Eigen::Scaling(4.0))},
+                     {1, 0, Eigen::Translation3d(0, 0, -8) * Eigen::Affine3d(Eigen::Scaling(0.5))}};
+  for (int i = 0; i < 20; ++i)
+    scene.instances.push_back(
+        {2, 0, Eigen::Translation3d(0, 0, -40 - i) * Eigen::Affine3d(Eigen::Scaling(30.0))});
+  SceneRequest request;
+  request.skip.occluded = true;
+  EXPECT_GT(plan_scene(scene, Camera(), request).skipped.occluded, 0u);
+}
+
+TEST(Scene, CamerasWithoutAFarPlaneAreMixed) {
+  Camera endless;
+  endless.far_distance = infinity;
+  const Camera other;
+  for (const auto& [from, to] : {std::pair(endless, other), std::pair(other, endless)}) {
+    EXPECT_EQ(between(from, to, 0).far_distance, from.far_distance);
+    EXPECT_EQ(between(from, to, 0.25).far_distance, infinity);
+    EXPECT_EQ(between(from, to, 1).far_distance, to.far_distance);
+  }
+  EXPECT_EQ(between(endless, endless, 0.5).far_distance, infinity);
 }
 
 // Two triangles, a square of side 1 about the origin that faces +z.
