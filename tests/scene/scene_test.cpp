@@ -177,8 +177,8 @@ TEST(Scene, ClosedSurfacesAreWatertight) {
       const Scene scene{{surface}, {{}}, {{}}};
       const ScenePlan plan = plan_from_near(random, scene);
       Welded welded;
-      for_each_tile(scene, plan, [&](const TileSamples& tile) {
-        welded.add(surface.info(), tile);
+      for_each_tile(scene, plan, [&, &info = surface.info()](const TileSamples& tile) {
+        welded.add(info, tile);
         stitched += !tile.patch().plain();
       });
       EXPECT_EQ(welded.gaps, 0u);
