@@ -31,7 +31,7 @@ SecondForm<S> second_form(const Jet2<S>& j, const Vec3<S>& n) {
 }
 
 /// K = (LN - M²)/(EG - F²) and H = (EN - 2FM + GL)/(2(EG - F²)) as the literature writes them; any scalar,
-/// regular points, radii whose fourth power is representable. curvature() below is the robust form.
+/// regular points, radii whose fourth power is representable. curvature() of curvature.h is the robust form.
 /// [doCarmo2016, sec. 3-3]
 template <class S>
 S gaussian_curvature(const FirstForm<S>& I, const SecondForm<S>& II) {

@@ -1,5 +1,6 @@
 // Smaller versions of the rows of docs/reports/fit.md: their first data sets, with a quarter of the points.
-// What these statistics tell grows with the number of sets, not with that of points, which only takes time.
+// What they tell of scatter grows with the number of sets alone; a bias shows half as well as in the whole
+// statistics, of which fit_statistics --replay ROW SEED 2500 shows one of these sets.
 // Bounds: what is required, widened by four standard deviations of what so few runs tell; a fit that just
 // meets the requirement misses one of these tests once in 10^4.
 #include <cmath>
@@ -129,8 +130,8 @@ TEST(FitPointsStatistics, PublicPoints) {
     ASSERT_TRUE(fit.usable) << file.name << ": " << fit.reason;
     EXPECT_LE(public_error(points.expected, pcl_coefficients(*fit.surface)), points.tolerance)
         << file.name << ' ' << fit.surface->surface.specification();
-    // Without its name it is found, whatever the seed, but for the spindle torus of 15 points. A plane through
-    // 9 of 27 points of a sphere and a paraboloid near 20 of 50 of a torus are none.
+    // Without its name it is found, whatever the seed, but for the spindle torus of 15 points. A plane
+    // through 9 of 27 points of a sphere and a paraboloid near 20 of 50 of a torus are none.
     const bool is_found = file.name != "TorusSelfIntersectSpindle_RANSAC";
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
       const PointFit unnamed = fit_points(points.cloud, {.seed = seed});

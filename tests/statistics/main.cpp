@@ -1,7 +1,7 @@
 // The measured part of docs/reports/fit.md, for fit.sh:
 //   fit_statistics [--quick] [--row NAME] [--sets N]   all rows or one, with so many data sets instead of its
 //                                                      own number
-//   fit_statistics --replay ROW SEED                   one data set, with all that its fit says
+//   fit_statistics --replay ROW SEED [POINTS]          one data set, with all that its fit says
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -447,8 +447,9 @@ const std::vector<Row>& all_rows() {
   return rows;
 }
 
-void replay(std::string_view row, std::uint64_t seed) {
-  const Case c = case_of(row, seed);
+void replay(std::string_view row, std::uint64_t seed, std::size_t count) {
+  Case c = case_of(row, seed);
+  if (count > 0) c.options.count = count;
   const SyntheticPoints points = make_points(c.kind, c.options);
   const PointFit fit = fit_of(c, points);
   std::cout << c.group << ", fitted as " << c.fitted_as << ", options.seed " << c.options.seed << "\ntruth "
@@ -490,7 +491,7 @@ int run(const std::vector<std::string>& arguments) {
     } else if (*a == "--sets" && std::next(a) != arguments.end()) {
       sets = std::stoul(*++a);
     } else if (*a == "--replay" && arguments.end() - a > 2) {
-      replay(a[1], std::stoull(a[2]));
+      replay(a[1], std::stoull(a[2]), arguments.end() - a > 3 ? std::stoull(a[3]) : 0);
       return 0;
     } else {
       throw std::runtime_error("unknown argument " + *a +

@@ -129,12 +129,15 @@ inline Outcome judged(std::string_view row, const SyntheticPoints& points, const
   return outcome;
 }
 
-inline Outcome outcome_of(std::string_view row, std::uint64_t seed,
-                          std::size_t count = SyntheticOptions{}.count) {
+inline Outcome outcome_of(std::string_view row, std::uint64_t seed, std::size_t count) {
   Case c = case_of(row, seed);
   c.options.count = count;
   const SyntheticPoints points = make_points(c.kind, c.options);
   return judged(row, points, fit_of(c, points), c.options.seed);
+}
+
+inline Outcome outcome_of(std::string_view row, std::uint64_t seed) {
+  return outcome_of(row, seed, case_of(row, seed).options.count);
 }
 
 // Of a fit that is told which points are inliers, the noise, and the truth as a start: where it misses the
