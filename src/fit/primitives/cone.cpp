@@ -87,7 +87,9 @@ LocalModel localise(const GeometricParameters& n, const Vector3d& at) {
 }
 
 GeometricParameters geometric(const LocalModel& m) {
-  const double kappa = std::fabs(m.s[1]), alpha = m.s[1] < 0 ? -m.s[2] : m.s[2];
+  // A descent may turn it on by half turns, which leave the cone as it is.
+  const double angle = std::remainder(m.s[2], std::numbers::pi);
+  const double kappa = std::fabs(m.s[1]), alpha = m.s[1] < 0 ? -angle : angle;
   const double sine = std::sin(alpha), side = m.s[1] < 0 ? -1 : 1;
   const Vector3d axis(std::cos(alpha), 0, side * sine);
   const Vector3d apex = Vector3d(0, 0, m.s[0] + side / kappa) - axis / (kappa * sine);
