@@ -9,9 +9,9 @@
 
 namespace darboux {
 
-/// The Christoffel symbols Γ^k_ij: d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part). u[0], u[1], u[2]
-/// are Γ^u_uu, Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Without units. NaN where dpdu and dpdv span no plane.
-/// [doCarmo2016, sec. 4-3]
+/// The Christoffel symbols Γ^k_ij: d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part). u[0], u[1],
+/// u[2] are Γ^u_uu, Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Without units. NaN where dpdu and dpdv span no
+/// plane. [doCarmo2016, sec. 4-3]
 template <class S>
 struct Christoffel {
   S u[3], v[3];

@@ -11,15 +11,15 @@
 
 namespace darboux {
 
-/// Curvatures at a point, with respect to the frame's n: with n outward a sphere of radius r has κ1 = κ2 = H
-/// = -1/r.
+/// Curvatures at a point, with respect to the frame's n: with n outward a sphere of radius r has κ1 = κ2
+/// = H = -1/r.
 template <class S>
 struct Curvature {
   S gaussian;      ///< K = κ1 κ2, 1/length²
   S mean;          ///< H = (κ1 + κ2)/2, 1/length
   S principal[2];  ///< κ1 >= κ2, 1/length
-  /// Unit; directions[1] = n × directions[0]. directions[0]·t > 0, or directions[0] = b exactly where it lies
-  /// along b as far as rounding tells.
+  /// Unit; directions[1] = n × directions[0]. directions[0]·t > 0, or directions[0] = b exactly where it
+  /// lies along b as far as rounding tells.
   Vec3<S> directions[2];
   Status status;  ///< the frame's, with `umbilic` where κ1 = κ2 (the directions are then t and b)
 };
@@ -186,12 +186,12 @@ Curvature<S> regular_curvature(const X& surface, S u, S v, const Frame<S>& frame
 
 }  // namespace detail
 
-/// The curvatures of a surface at (u, v), at poles and collapsed edges too: see shape_operator above. At
-/// regular points they err by at most 8u times (1 + condition), as vectors: K, H, (κ1, κ2), the directions;
-/// the condition is the sum over u, v and the parameters of |x ∂q/∂x| / |q|. About 100 ns. Where terms cancel
-/// to less than an eighth, K and H are those that the surface states in closed form (some 20 ns more), and
-/// what it does not state, or κ and the directions, is computed in 40 digits: some 50 µs, for points where
-/// a chart is very oblique or a curvature is small beside the bending of the coordinate curves.
+/// The curvatures of a surface at (u, v), at poles and collapsed edges too, as shape_operator() says. At
+/// regular points they err by at most 8u times (1 + condition), as vectors: K, H, (κ1, κ2), the directions.
+/// The condition is the sum over u, v and the parameters of |x ∂q/∂x| / |q|. About 100 ns. Where terms
+/// cancel to less than an eighth, K and H are those that the surface states in closed form (some 20 ns
+/// more), and what it does not state, or κ and the directions, is computed in 40 digits: some 50 µs, for
+/// points where a chart is very oblique or a curvature is small beside the bending of the coordinate curves.
 template <class X, std::floating_point S>
 Curvature<S> curvature(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   if constexpr (!ParametricSurface<X>) {

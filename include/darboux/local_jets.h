@@ -43,8 +43,8 @@ struct LocalJet {
   double normal_error = 0;  ///< radians
   double principal_error[2] = {};  ///< of κ1 and κ2, 1/length
   double direction_error = 0;      ///< of the principal directions, radians; infinite where κ1 = κ2
-  /// ||A||_F ||A⁺||_F of the system matrix A in coordinates scaled by the neighbourhood's size: 1 to N times
-  /// its condition number, N = jet_coefficients(degree). A rotation does not change it.
+  /// ||A||_F ||A⁺||_F of the system matrix A in coordinates scaled by the neighbourhood's size: 1 to N
+  /// times its condition number, N = jet_coefficients(degree). A rotation does not change it.
   double condition = 0;
   double residual_rms =
       0;  ///< of the neighbours' heights over the fitted polynomial, weighted, in units of the points

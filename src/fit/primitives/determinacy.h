@@ -35,8 +35,8 @@ double log_likelihood_ratio(const PrimitiveFit& fit);
 // Which columns of the points are inliers.
 std::vector<bool> inliers_of(const PrimitiveFit& fit);
 
-// The noise, and beside it roundings, which without noise may be alike at all points: what they add up to does
-// not go down with the number of points.
+// The noise, and beside it roundings, which without noise may be alike at all points: what they add up to
+// does not go down with the number of points.
 double noise_and_rounding(const PrimitiveFit& fit);
 
 // Whether it may be the answer where no kind was named: two fifths of the points are on it.
