@@ -57,7 +57,7 @@ template <std::floating_point S>
 DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const CurveOnSurface<S>& curve) {
   return darboux_frame(j, frame, shape_operator(j, frame), curve);
 }
-/// At (u, v) of a surface, at poles and collapsed edges too: see shape_operator above.
+/// At (u, v) of a surface, at poles and collapsed edges too: see shape_operator().
 template <class X, std::floating_point S>
 DarbouxFrame<S> darboux_frame(const X& surface, S u, S v, const CurveOnSurface<S>& curve) {
   const Jet2<S> j = detail::jet_of(surface, u, v);

@@ -292,7 +292,7 @@ bool loses_digits(const ShapeOperator<S>& s) {
 /// limit_frame (poles, collapsed edges) it is the limit, of derivatives to fourth order by nested dual
 /// numbers, within a few dozen roundings of its terms; so it is where a regular point is so close to one that
 /// terms leave the range of the scalar. Elsewhere it is that of the jet; where terms of that cancel, taken
-/// again in 40 digits (see curvature below). NaN where there is none: at
+/// again in 40 digits (see curvature()). NaN where there is none: at
 /// the apex of a cone and wherever else the curvature grows without bound, where d2pduv vanishes with dpdu,
 /// or where those derivatives do not exist. \param surface a surface type, or AnySurface
 template <class X, std::floating_point S>
