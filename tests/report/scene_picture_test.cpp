@@ -1,8 +1,10 @@
 #include "report/scene_picture.h"
 
 #include <cmath>
+#include <cstdint>
 #include <iostream>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +14,19 @@
 
 namespace darboux::test {
 namespace {
+
+void draw(Rasteriser& picture, const Scene& scene, const ScenePlan& plan) {
+  for_each_tile(scene, plan, [&](const TileSamples& samples) {
+    draw_tiles(picture, scene, samples,
+               [&](const PlannedTile& tile) { return picture_material(scene, tile); });
+  });
+}
+
+std::vector<std::uint8_t> picture_of(const Scene& scene, const Camera& camera, const ScenePlan& plan) {
+  Rasteriser picture(camera);
+  draw(picture, scene, plan);
+  return picture.picture().rgb;
+}
 
 // A plane of normal +z with a normal map, seen from the front, as it is and mirrored: t goes along with the
 // mirror, b stays against v, and the normal still faces us.
@@ -28,11 +43,7 @@ TEST(ScenePicture, FramesGoAlongWithTheirPlacement) {
     scene.instances.emplace_back();
     scene.instances[0].placement = Eigen::Translation3d(0, 0, -3) * Eigen::Scaling(side, 1.0, 1.0);
     Rasteriser picture(camera);
-    const ScenePlan plan = plan_scene(scene, camera, {});
-    for_each_tile(scene, plan, [&](const TileSamples& samples) {
-      draw_tiles(picture, scene, samples,
-                 [&](const PlannedTile& tile) { return picture_material(scene, tile); });
-    });
+    draw(picture, scene, plan_scene(scene, camera, {}));
     const Vec3<double> to_light = Vec3<double>{-1, 2, 3} / std::sqrt(14.0);
     const double colour = picture_material(scene, {0, 0}).colour.x;
     for (int y = 0; y < 32; ++y)
@@ -100,20 +111,12 @@ TEST(ScenePicture, IsTheSameWithAndWithoutCulling) {
     request.attributes = request.attributes | Attribute::tangent | Attribute::bitangent;
     request.chord_px = 1;
     request.frame_angle_rad = 0.3;
-    const auto picture_of = [&](const ScenePlan& plan) {
-      Rasteriser picture(camera);
-      for_each_tile(scene, plan, [&](const TileSamples& samples) {
-        draw_tiles(picture, scene, samples,
-                   [&](const PlannedTile& tile) { return picture_material(scene, tile); });
-      });
-      return picture.picture().rgb;
-    };
     const ScenePlan culled = plan_scene(scene, camera, request);
     request.skip.outside_frustum = request.skip.back_facing = false;
     const ScenePlan all = plan_scene(scene, camera, request);
     outside += culled.skipped.outside_frustum;
     back_facing += culled.skipped.back_facing;
-    const auto with = picture_of(culled), without = picture_of(all);
+    const auto with = picture_of(scene, camera, culled), without = picture_of(scene, camera, all);
     std::size_t differing = 0;
     for (std::size_t i = 0; i < with.size(); ++i) differing += with[i] != without[i];
     EXPECT_EQ(differing, 0u) << "round " << round;
@@ -172,15 +175,7 @@ std::pair<std::size_t, std::size_t> expect_same_picture(const Scene& scene, Came
   EXPECT_EQ(all.tiles.size(), culled.tiles.size() + culled.skipped.occluded);
   camera.width_px *= 3;
   camera.height_px *= 3;
-  const auto picture_of = [&](const ScenePlan& plan) {
-    Rasteriser picture(camera);
-    for_each_tile(scene, plan, [&](const TileSamples& samples) {
-      draw_tiles(picture, scene, samples,
-                 [&](const PlannedTile& tile) { return picture_material(scene, tile); });
-    });
-    return picture.picture().rgb;
-  };
-  const auto with = picture_of(culled), without = picture_of(all);
+  const auto with = picture_of(scene, camera, culled), without = picture_of(scene, camera, all);
   std::size_t differing = 0;
   for (std::size_t i = 0; i < with.size(); ++i) differing += with[i] != without[i];
   EXPECT_EQ(differing, 0u);

@@ -24,10 +24,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::uint64_t total(const SkippedTiles& s) {
-  return s.no_normal_map + s.outside_frustum + s.back_facing + s.occluded + s.below_error + s.duplicates;
-}
-
 TEST(Scene, EveryTileIsCountedOnce) {
   Random random(1);
   for (int i = 0; i < 20; ++i) {
@@ -249,15 +245,6 @@ TEST(Scene, CullingDoesNotChangeWhatIsLeft) {
   EXPECT_GT(stitched, 20u);
 }
 
-bool is_in_view(const Camera& camera, const Eigen::Vector3d& p) {
-  const Eigen::Vector3d q = camera.pose.inverse() * p;
-  const double z = -q.z(), aspect = double(camera.width_px) / camera.height_px;
-  const bool perspective = camera.projection == Camera::Projection::perspective;
-  const double y = perspective ? z * std::tan(camera.vertical_field_of_view_rad / 2) : camera.view_height / 2;
-  return z >= camera.near_distance && z <= camera.far_distance && std::fabs(q.y()) <= y &&
-         std::fabs(q.x()) <= y * aspect;
-}
-
 TEST(Scene, NoVisibleSampleIsSkipped) {
   Random random(5);
   std::size_t visible = 0, seen = 0, all = 0;
@@ -301,137 +288,6 @@ TEST(Scene, NoVisibleSampleIsSkipped) {
   EXPECT_GT(visible, 5000u);
 }
 
-// Whether the way from a to b meets a unit sphere, of either side, or the unit square about the origin.
-bool sphere_is_before(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const Eigen::Vector3d d = b - a;
-  const double half = a.dot(d), square = d.squaredNorm(),
-               under = half * half - square * (a.squaredNorm() - 1);
-  if (under <= 0) return false;
-  const auto on_way = [](double at) { return at > 0 && at < 1; };
-  return on_way((-half - std::sqrt(under)) / square) || on_way((-half + std::sqrt(under)) / square);
-}
-bool square_is_before(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const double at = a.z() / (a.z() - b.z());
-  const Eigen::Vector3d p = a + at * (b - a);
-  const auto within = [](double x) { return std::fabs(x) <= 0.5; };
-  return at > 0 && at < 1 && within(p.x()) && within(p.y());
-}
-
-// Of the surfaces themselves, whatever their triangles: what is hidden lies behind another point of one.
-TEST(Scene, HiddenTilesLieBehindOthers) {
-  Random random(21);
-  std::size_t looked_at = 0;
-  for (int round = 0; round < 12; ++round) {
-    Scene scene;
-    scene.surfaces = all_surfaces();
-    const auto sphere = static_cast<std::uint32_t>(scene.surfaces.size());
-    scene.surfaces.push_back(make_surface("sphere"));
-    scene.surfaces.push_back(make_surface("plane"));
-    scene.materials = {{.name = "thin", .double_sided = true},
-                       {.name = "glass", .double_sided = true, .see_through = true}};
-    for (std::uint32_t i = 0; i < 8; ++i) {
-      Eigen::Affine3d placement = random_placement(random, i % 4 < 2);
-      placement.translation() =
-          Eigen::Vector3d(random.uniform(-3, 3), random.uniform(-2, 2), -random.uniform(4, 6));
-      if (i % 2 == 1) placement.linear() *= 3;
-      scene.instances.push_back({sphere + i % 2, i == 7 ? 1u : 0u, placement});
-    }
-    for (std::uint32_t i = 0; i < 300; ++i) {
-      Eigen::Affine3d placement = random_placement(random, i % 2 == 0);
-      placement.linear() *= 0.05;
-      placement.translation() =
-          Eigen::Vector3d(random.uniform(-6, 6), random.uniform(-4, 4), -random.uniform(2, 12));
-      scene.instances.push_back({static_cast<std::uint32_t>(random.bits() % sphere), 1, placement});
-    }
-    Camera camera;
-    camera.near_distance = round % 2 == 0 ? 0.1 : 3.5;
-    const bool perspective = round % 3 > 0;
-    if (!perspective) {
-      camera.projection = Camera::Projection::orthographic;
-      camera.view_height = 7;
-    }
-    SceneRequest request;
-    request.chord_px = random.log_uniform(0.5, 20);
-    request.frame_angle_rad = std::numbers::pi;
-    const auto tiles_of = [&](const ScenePlan& plan) {
-      std::set<std::tuple<std::uint32_t, int, int, std::uint32_t, std::uint32_t>> tiles;
-      for (const PlannedTile& t : plan.tiles) {
-        const ScenePatch& p = plan.patches[t.patch];
-        tiles.insert({t.instance, p.level_u, p.level_v, p.column, p.row});
-      }
-      return tiles;
-    };
-    const auto all = tiles_of(plan_scene(scene, camera, request));
-    request.skip.occluded = true;
-    const ScenePlan plan = plan_scene(scene, camera, request);
-    const auto shown = tiles_of(plan);
-    EXPECT_EQ(all.size(), shown.size() + plan.skipped.occluded);
-    for (const auto& hidden : all) {
-      if (shown.contains(hidden)) continue;
-      const auto& [i, level_u, level_v, column, row] = hidden;
-      for (int k = 0; k < 20; ++k) {
-        const double u = std::ldexp(column + random.uniform(), -level_u),
-                     v = std::ldexp(row + random.uniform(), -level_v);
-        const Eigen::Vector3d p =
-            scene.instances[i].placement *
-            to_eigen(scene.surfaces[scene.instances[i].surface].sample(u, v).jet.position);
-        if (!is_in_view(camera, p)) continue;
-        ++looked_at;
-        // From the near plane on.
-        const double near = camera.near_distance;
-        const Eigen::Vector3d from =
-            perspective ? Eigen::Vector3d(p * (near / -p.z())) : Eigen::Vector3d(p.x(), p.y(), -near);
-        bool behind = false;
-        for (std::uint32_t other = 0; other < 7 && !behind; ++other) {
-          if (other == i) continue;
-          const Eigen::Affine3d to_local = scene.instances[other].placement.inverse();
-          behind = other % 2 == 0 ? sphere_is_before(to_local * from, to_local * p)
-                                  : square_is_before(to_local * from, to_local * p);
-        }
-        // Of a large one a far side may lie behind its own near side.
-        if (i < 8 && i % 2 == 0 && !behind) {
-          const Eigen::Affine3d to_local = scene.instances[i].placement.inverse();
-          behind = sphere_is_before(to_local * from, to_local * (p - 1e-9 * (p - from)));
-        }
-        ASSERT_TRUE(behind) << scene.surfaces[scene.instances[i].surface].specification() << " at " << u
-                            << ' ' << v << ", round " << round;
-      }
-    }
-  }
-  std::cout << looked_at << " points of hidden tiles\n";
-  EXPECT_GT(looked_at, 1000u);
-}
-
-TEST(Scene, WhatIsSeenThroughHidesNothing) {
-  Scene scene;
-  scene.surfaces = {make_surface("plane"), make_surface("sphere")};
-  scene.materials = {{.name = "wall"}, {.name = "ball"}};
-  scene.instances = {{0, 0, Eigen::Translation3d(0, 0, -5) * Eigen::Affine3d(Eigen::Scaling(4.0))},
-                     {1, 1, Eigen::Translation3d(0, 0, -8) * Eigen::Affine3d(Eigen::Scaling(0.5))}};
-  SceneRequest request;
-  request.skip.occluded = true;
-  EXPECT_GT(plan_scene(scene, Camera(), request).skipped.occluded, 0u);
-  scene.materials[0].see_through = true;
-  const ScenePlan plan = plan_scene(scene, Camera(), request);
-  EXPECT_EQ(plan.skipped.occluded, 0u);
-  EXPECT_EQ(plan.instances_needed, 2u);
-}
-
-// Larger ones that cannot hide, of one side only, are no reason not to look at the wall.
-TEST(Scene, WhatCannotHideTakesNoPlaceOfWhatCan) {
-  Scene scene;
-  scene.surfaces = {make_surface("plane"), make_surface("sphere"), make_surface("moebius-strip")};
-  scene.materials = {{.name = "all"}};
-  scene.instances = {{0, 0, Eigen::Translation3d(0, 0, -5) * Eigen::Affine3d(Eigen::Scaling(4.0))},
-                     {1, 0, Eigen::Translation3d(0, 0, -8) * Eigen::Affine3d(Eigen::Scaling(0.5))}};
-  for (int i = 0; i < 20; ++i)
-    scene.instances.push_back(
-        {2, 0, Eigen::Translation3d(0, 0, -40 - i) * Eigen::Affine3d(Eigen::Scaling(30.0))});
-  SceneRequest request;
-  request.skip.occluded = true;
-  EXPECT_GT(plan_scene(scene, Camera(), request).skipped.occluded, 0u);
-}
-
 TEST(Scene, CamerasWithoutAFarPlaneAreMixed) {
   Camera endless;
   endless.far_distance = infinity;
@@ -442,89 +298,6 @@ TEST(Scene, CamerasWithoutAFarPlaneAreMixed) {
     EXPECT_EQ(between(from, to, 1).far_distance, to.far_distance);
   }
   EXPECT_EQ(between(endless, endless, 0.5).far_distance, infinity);
-}
-
-// Two triangles, a square of side 1 about the origin that faces +z.
-SceneMeshPart square_part(std::uint32_t material) {
-  Mesh mesh;
-  mesh.positions = {{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}, {-0.5, 0.5, 0}};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  return SceneMeshPart::of(mesh, material);
-}
-
-TEST(Scene, BoundsOfPartsOfMeshesHoldTheirTriangles) {
-  const SceneMeshPart part = square_part(3);
-  EXPECT_EQ(part.box.min(), Eigen::Vector3d(-0.5, -0.5, 0));
-  EXPECT_EQ(part.box.max(), Eigen::Vector3d(0.5, 0.5, 0));
-  EXPECT_EQ(part.axis, Eigen::Vector3d(0, 0, 1));
-  EXPECT_EQ(part.half_angle_rad, 0);
-  EXPECT_EQ(part.material, 3u);
-  EXPECT_EQ(part.vertices, 4u);
-  EXPECT_FALSE(part.moves);
-  Mesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, infinity}};
-  EXPECT_TRUE(SceneMeshPart::of(mesh, 0).moves);
-}
-
-// Meshes beside surfaces: each part of an instance has one fate.
-TEST(Scene, PartsOfMeshesArePlannedAsAWhole) {
-  Scene scene;
-  scene.surfaces = {make_surface("plane")};
-  scene.materials = {
-      {.name = "wall"}, {.name = "bumpy", .normal_map = true}, {.name = "moved", .displacement = 2.1}};
-  scene.instances = {{0, 0, Eigen::Translation3d(0, 0, -5) * Eigen::Affine3d(Eigen::Scaling(4.0))}};
-  scene.meshes = {{{square_part(0), square_part(1)}}, {{square_part(2)}}};
-  const auto add = [&](std::uint32_t mesh, double x, double z, double turn = 0) {
-    scene.mesh_instances.push_back(
-        {mesh, false,
-         Eigen::Translation3d(x, 0, z) * Eigen::Affine3d(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitY()))});
-  };
-  add(0, 0, -3);                    // in view
-  add(0, 0.2, -3.5);                // the same vertices
-  add(0, 0, -3, std::numbers::pi);  // from behind
-  add(0, 0, 3);                     // behind the camera
-  add(0, 0, -8);                    // behind the wall
-  add(1, 0, -8);                    // may come out of it
-  add(1, 0, 2);                     // displaced into view
-  add(1, 0, 2.1);
-  Camera camera;
-  SceneRequest request;
-  request.skip.occluded = true;
-  ScenePlan plan = plan_scene(scene, camera, request);
-  EXPECT_EQ(plan.skipped.back_facing, 2u);
-  EXPECT_EQ(plan.skipped.outside_frustum, 3u);
-  EXPECT_EQ(plan.skipped.occluded, 2u);
-  EXPECT_EQ(plan.skipped.duplicates, 3u) << "two parts, and the displaced one";
-  ASSERT_EQ(plan.parts.size(), 6u);
-  EXPECT_EQ(plan.parts[2].instance, 1u);
-  EXPECT_EQ(plan.parts[3].part, 1u);
-  EXPECT_EQ(plan.tiles_needed, plan.patches.size() + 3);
-  EXPECT_EQ(plan.tiles_needed + total(plan.skipped), plan.tiles_all);
-  EXPECT_EQ(plan.instances_needed, 1u + 6u);
-  const auto samples = [&](Attribute a) { return plan.attribute_samples[static_cast<std::size_t>(a)]; };
-  EXPECT_EQ(samples(Attribute::position), plan.samples_needed);
-  EXPECT_EQ(samples(Attribute::tangent4), 4u) << "of the bumpy part, once";
-
-  request.skip.occluded = request.skip.duplicates = false;
-  plan = plan_scene(scene, camera, request);
-  EXPECT_EQ(plan.parts.size(), 8u);
-  EXPECT_EQ(plan.skipped.duplicates, 0u);
-  scene.mesh_instances[3].moves = true;
-  scene.meshes[0].parts[0].moves = true;
-  plan = plan_scene(scene, camera, request);
-  EXPECT_EQ(plan.parts.size(), 11u) << "its place is not known, nor where the first part is";
-  EXPECT_EQ(plan.tiles_unbounded, 6u);
-
-  const auto refusal = [&](const Scene& s) { return refusal_of([&] { plan_scene(s, camera, request); }); };
-  Scene bad = scene;
-  bad.mesh_instances[1].mesh = 2;
-  EXPECT_NE(refusal(bad).find("mesh instance 1: expected a mesh of the scene, got 2"), std::string::npos);
-  bad = scene;
-  bad.meshes[0].parts[1].material = 7;
-  EXPECT_NE(refusal(bad).find("expected materials of the scene, got 7"), std::string::npos) << refusal(bad);
-  bad = scene;
-  bad.mesh_instances[0].placement.translation().x() = infinity;
-  EXPECT_NE(refusal(bad).find("expected a placement that is finite"), std::string::npos);
 }
 
 // Between the samples, over random points of random triangles.

@@ -1,6 +1,7 @@
 // Cameras among surfaces of all kinds, anyhow.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 
@@ -52,6 +53,19 @@ inline Scene random_scene(Random& random, std::size_t instances) {
                                static_cast<std::uint32_t>(random.bits() % scene.materials.size()),
                                random_placement(random, random.uniform() < 0.5)});
   return scene;
+}
+
+inline bool is_in_view(const Camera& camera, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d q = camera.pose.inverse() * p;
+  const double z = -q.z(), aspect = double(camera.width_px) / camera.height_px;
+  const bool perspective = camera.projection == Camera::Projection::perspective;
+  const double y = perspective ? z * std::tan(camera.vertical_field_of_view_rad / 2) : camera.view_height / 2;
+  return z >= camera.near_distance && z <= camera.far_distance && std::fabs(q.y()) <= y &&
+         std::fabs(q.x()) <= y * aspect;
+}
+
+inline std::uint64_t total(const SkippedTiles& s) {
+  return s.no_normal_map + s.outside_frustum + s.back_facing + s.occluded + s.below_error + s.duplicates;
 }
 
 }  // namespace darboux::test

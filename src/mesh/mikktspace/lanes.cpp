@@ -12,23 +12,15 @@ namespace {
 
 #if defined(__AVX512F__)
 constexpr int lanes = 16;
-using Floats = float __attribute__((vector_size(64)));
-using Mask = std::int32_t __attribute__((vector_size(64)));
-using Half = float __attribute__((vector_size(32)));
-using Doubles = double __attribute__((vector_size(64)));  // half as many
 #elif defined(__AVX2__)
 constexpr int lanes = 8;
-using Floats = float __attribute__((vector_size(32)));
-using Mask = std::int32_t __attribute__((vector_size(32)));
-using Half = float __attribute__((vector_size(16)));
-using Doubles = double __attribute__((vector_size(32)));
 #else
 constexpr int lanes = 4;
-using Floats = float __attribute__((vector_size(16)));
-using Mask = std::int32_t __attribute__((vector_size(16)));
-using Half = float __attribute__((vector_size(8)));
-using Doubles = double __attribute__((vector_size(16)));
 #endif
+using Floats = float __attribute__((vector_size(4 * lanes)));
+using Mask = std::int32_t __attribute__((vector_size(4 * lanes)));
+using Half = float __attribute__((vector_size(2 * lanes)));
+using Doubles = double __attribute__((vector_size(4 * lanes)));  // half as many
 using Four = float __attribute__((vector_size(16)));
 using Two = double __attribute__((vector_size(16)));
 constexpr int blocks = lanes / 4;  // of four lanes
