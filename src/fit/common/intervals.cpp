@@ -7,6 +7,7 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/students_t.hpp>
 
 namespace darboux::fit {
 namespace {
@@ -50,6 +51,10 @@ double Intervals::widening() const {
 double greatest_sigma_ratio(double degrees_of_freedom) {
   return std::sqrt(degrees_of_freedom /
                    boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), 0.05));
+}
+
+double students_t(double level, double degrees_of_freedom) {
+  return boost::math::quantile(boost::math::students_t(degrees_of_freedom), level);
 }
 
 double chance_of_ratio(double ratio, double freedom_of_one, double freedom_of_other) {

@@ -37,6 +37,9 @@ class Intervals {
 // freedom, at 95 % confidence.
 double greatest_sigma_ratio(double degrees_of_freedom);
 
+// The quantile of Student's t.
+double students_t(double level, double degrees_of_freedom);
+
 // How likely noise makes one estimate of a variance so many times another, with these degrees of freedom.
 double chance_of_ratio(double ratio, double freedom_of_one, double freedom_of_other);
 

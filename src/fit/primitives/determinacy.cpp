@@ -52,16 +52,23 @@ std::string least_identifiable(const PrimitiveFit& f) {
 // model. Of an angle, in radians.
 constexpr double largest_share = 0.2;
 
+double degrees_of_freedom(const PrimitiveFit& f, double inliers) {
+  return std::max(0.5, inliers - f.primitive->unknowns);
+}
+
 // What the standard errors may be, over those of the covariance: few points estimate the noise badly, and of
 // many such fits those that underestimate it would pass.
 double greatest_error_ratio(const PrimitiveFit& f, double inliers) {
   if (f.sigma_known) return 1;
-  const double freedom = std::max(0.5, inliers - f.primitive->unknowns);
+  const double freedom = degrees_of_freedom(f, inliers);
   return std::sqrt(inliers / freedom) * greatest_sigma_ratio(freedom);
 }
 
 Determinacy unsure(std::string why) {
   return {Determinacy::Kind::unsure, std::move(why)};
+}
+Determinacy unproven(std::string why) {
+  return {Determinacy::Kind::unproven, std::move(why)};
 }
 Determinacy none(std::string why) {
   return {Determinacy::Kind::none, std::move(why)};
@@ -168,10 +175,16 @@ double deviation(const PrimitiveFit& f, std::size_t k) {
   return noise_and_rounding(f) / f.sigma * std::sqrt(std::fmax(f.covariance(at, at), 0));
 }
 
+double most_deviations(const PrimitiveFit& f) {
+  if (f.sigma_known) return 3;
+  const double inliers = expected_inliers(f), freedom = degrees_of_freedom(f, inliers);
+  return std::fmax(3, std::sqrt(inliers / freedom) * students_t(0.99, freedom));
+}
+
 double least_length(const PrimitiveFit& f, std::size_t k) {
   // Of 1 / length the standard deviation is deviation / length^2.
   const double length = f.surface.lengths[k];
-  return length / (1 + 3 * deviation(f, k) / length);
+  return length / (1 + most_deviations(f) * deviation(f, k) / length);
 }
 
 double log_likelihood_ratio(double k, double n, double sigma, int unknowns) {
@@ -191,7 +204,7 @@ double log_likelihood_ratio(const PrimitiveFit& f) {
 Determinacy determinacy(const PrimitiveFit& f) {
   const double k = expected_inliers(f), n = static_cast<double>(f.error.size());
   if (k < f.primitive->unknowns + 0.5)
-    return none("has only " + std::to_string(std::lround(k)) +
+    return unproven("has only " + std::to_string(std::lround(k)) +
                 " of the points, as many lie on one by chance; more points help");
   if (f.sigma > largest_sigma)
     return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
@@ -204,7 +217,7 @@ Determinacy determinacy(const PrimitiveFit& f) {
   if (f.doubles_itself) return none("crosses itself within the noise: no fit; less noise helps");
   if (f.given_up) return none("explains far fewer of the points than another kind");
   if (log_likelihood_ratio(f) < 0.5 * f.primitive->unknowns * std::log(n) + margin)
-    return none(
+    return unproven(
         "is no more than points of constant density show by chance: no fit; fewer outliers or less noise "
         "help");
   if (f.outliers > 0.5)

@@ -11,8 +11,9 @@ namespace darboux::fit {
 struct Determinacy {
   enum class Kind {
     good,
-    unsure,  // of this kind the points may still be: not converged, or some of it is not identifiable
-    none     // what was found explains nothing
+    unsure,    // of this kind the points may still be: not converged, or some of it is not identifiable
+    unproven,  // too few points, or too much noise, to tell it from chance
+    none       // what was found explains nothing
   };
   Kind kind = Kind::good;
   std::string why{};  // goes on after the name of the kind: "an ellipsoid " + why
@@ -52,7 +53,11 @@ std::string direction_text(const Vector3d& direction);
 // Standard deviation of length k.
 double deviation(const PrimitiveFit& fit, std::size_t k);
 
-// The least length k of the surface that the points allow: its curvature, three standard errors more.
+// How many standard errors off a number may be: three, and with few points, which know the noise badly, as
+// many as Student's t has at 99 %.
+double most_deviations(const PrimitiveFit& fit);
+
+// The least length k of the surface that the points allow: its curvature, most_deviations() more.
 double least_length(const PrimitiveFit& fit, std::size_t k);
 
 }  // namespace darboux::fit

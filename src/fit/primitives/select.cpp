@@ -44,10 +44,13 @@ std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b
 
 // Of a fit with its own noise and outliers. Points are counted whole: the shares of a thousand points that
 // are almost certain inliers would add up to outliers.
-double evidence(const PrimitiveFit& f) {
+std::ptrdiff_t count_inliers(const PrimitiveFit& f) {
   const std::vector<bool> is_inlier = inliers_of(f);
-  return log_likelihood_ratio(static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true)),
-                              static_cast<double>(is_inlier.size()), f.sigma, f.primitive->unknowns);
+  return std::count(is_inlier.begin(), is_inlier.end(), true);
+}
+double evidence(const PrimitiveFit& f) {
+  return log_likelihood_ratio(static_cast<double>(count_inliers(f)), static_cast<double>(f.error.size()),
+                              f.sigma, f.primitive->unknowns);
 }
 
 // A kind that is the limit of another. The other always fits as well; how far it may be from that limit is
@@ -55,12 +58,12 @@ double evidence(const PrimitiveFit& f) {
 struct Nesting {
   std::string_view inner, outer;
   double most;  // beyond, the outer kind is another thing
-  // How far from the limit the points allow the outer kind to be, three standard errors more.
+  // How far from the limit the points allow the outer kind to be.
   double (*departure)(const PrimitiveFit& outer);
 };
 
 double upper(const PrimitiveFit& f, std::size_t k) {
-  return f.surface.lengths[k] + 3 * deviation(f, k);
+  return f.surface.lengths[k] + most_deviations(f) * deviation(f, k);
 }
 
 // The least semi-axis over the greatest.
@@ -78,7 +81,7 @@ double curvature_along(const PrimitiveFit& f) {
   const auto longest = static_cast<std::size_t>(
       std::max_element(f.surface.lengths.begin(), f.surface.lengths.end()) - f.surface.lengths.begin());
   const double ratio = sorted[1] / sorted[2];
-  return ratio * ratio * (1 + 6 * deviation(f, longest) / sorted[2]);
+  return ratio * ratio * (1 + 2 * most_deviations(f) * deviation(f, longest) / sorted[2]);
 }
 
 // How fast it closes: 1 over the longest semi-axis, whose ends look like paraboloids.
@@ -95,7 +98,7 @@ double curvature_across(const PrimitiveFit& f) {
   const auto& c = f.covariance;
   const double spread = std::sqrt(std::fmax(c(6, 6) + c(7, 7) - 2 * c(6, 7), 0));
   return std::min(upper(f, 1) / least_length(f, 0),
-                  (std::fabs(ring - tube) + 3 * spread) / least_length(f, 1));
+                  (std::fabs(ring - tube) + most_deviations(f) * spread) / least_length(f, 1));
 }
 
 constexpr double degrees = 180 / std::numbers::pi;
@@ -179,11 +182,15 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     constexpr const char* help = "; points over a larger part of it or less noise help";
     // Better, but it is no surface that could be given.
     const PrimitiveFit &chosen = tried[best], &other = tried[i];
-    const auto [least, most] = advantage(chosen, other);
-    if (most + price(chosen) * (other.primitive->unknowns - chosen.primitive->unknowns) < -margin)
+    const Nesting* nested = nesting(chosen, other);
+    const bool is_unproven = determinacies[i].kind == Determinacy::Kind::unproven;
+    // A surface with an unknown for every second point says little of them.
+    if (is_unproven && count_inliers(chosen) + 2 < 2 * other.primitive->unknowns) continue;
+    auto [least, most] = advantage(chosen, other);
+    if (is_unproven) least = deviance(other, chosen) - deviance(chosen, chosen);
+    if (!is_unproven && most + price(chosen) * (other.primitive->unknowns - chosen.primitive->unknowns) < -margin)
       return undetermined(": the points speak for " + with_article(tried[i].primitive->name) + ", which " +
                           determinacies[i].why);
-    const Nesting* nested = nesting(tried[best], tried[i]);
     if (!nested) {
       // Every kind becomes a plane; what the points allow is seen by sphere and cylinder. None is a kind that
       // explains too few of the points to be the answer, or has far more noise and is far less
