@@ -56,6 +56,10 @@ double degrees_of_freedom(const PrimitiveFit& f, double inliers) {
   return std::max(0.5, inliers - f.primitive->unknowns);
 }
 
+// A line's own noise makes it look like a strip, of a plane or beside a circle: a sigma wide, and wider where
+// outliers are taken for noise.
+constexpr double least_width_over_sigma = 2.5;
+
 // What the standard errors may be, over those of the covariance: few points estimate the noise badly, and of
 // many such fits those that underestimate it would pass.
 double greatest_error_ratio(const PrimitiveFit& f, double inliers) {
@@ -79,13 +83,13 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
   const Primitive& primitive = *f.primitive;
   const std::string help = "; points over a larger part of it help";
   // Movement of the surface at the points, root mean square, by a unit of the direction that they tell the
-  // least about. The normal equations know its square but for their rounding. A line's own noise makes it
-  // look like a strip of a plane.
+  // least about. The normal equations know its square but for their rounding.
   const Covariance c = of_the_surface(f);
   const double movement = primitive.orientation == Orientation::frame
                               ? f.sigma / std::sqrt(k * symmetric_eigenvalues(Eigen::MatrixXd(c))[8])
                               : 1 / (f.largest_deviation * std::sqrt(k));
-  if (!f.covariance.allFinite() || !(movement > 1e-7) || (primitive.is_plane && movement < 1.5 * f.sigma))
+  if (!f.covariance.allFinite() || !(movement > 1e-7) ||
+      (primitive.is_plane && movement < least_width_over_sigma * f.sigma))
     return unsure("is not determined: " + least_identifiable(f) + " is not observable" + help);
   const double ratio = greatest_error_ratio(f, k) / largest_share;
   for (std::size_t j = 0; j < static_cast<std::size_t>(f.primitive->lengths); ++j) {
@@ -105,7 +109,7 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
     return unsure("has an axis that is not observable" + help);
   // Noise about a circle lies near many surfaces: such points are one sigma from it, those of a surface that
   // is determined three at least.
-  if (!primitive.is_plane && f.circle_deviation < 2 * f.sigma)
+  if (!primitive.is_plane && f.circle_deviation < least_width_over_sigma * f.sigma)
     return unsure("is not determined: the points are no further than their noise from a circle" + help);
   if (!f.converged) return unsure("did not converge");
   return {};
@@ -143,8 +147,8 @@ double noise_and_rounding(const PrimitiveFit& fit) {
 
 bool explains_enough(const PrimitiveFit& fit) {
   const std::vector<bool> is_inlier = inliers_of(fit);
-  return 5 * std::count(is_inlier.begin(), is_inlier.end(), true) >=
-         2 * static_cast<std::ptrdiff_t>(is_inlier.size());
+  return static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true)) >=
+         enough_inliers * static_cast<double>(is_inlier.size());
 }
 
 bool are_same(const PrimitiveFit& a, const PrimitiveFit& b) {
@@ -187,25 +191,37 @@ double least_length(const PrimitiveFit& f, std::size_t k) {
   return length / (1 + most_deviations(f) * deviation(f, k) / length);
 }
 
-double log_likelihood_ratio(double k, double n, double sigma, int unknowns) {
+double range_of_outliers(double mean_distance, double sigma, double share_of_inliers) {
+  constexpr double least = 10;
+  if (share_of_inliers < enough_inliers) return 1;
+  return std::fmin(std::fmax(2 * mean_distance, least * sigma), 1);
+}
+
+double log_likelihood_ratio(double k, double n, double sigma, int unknowns, double range) {
   constexpr double band =
       4.132731354122493;  // sqrt(2 pi e): a Gaussian's entropy is that of a band so many sigma wide
   const auto x_log_x = [](double x) { return x > 0 ? x * std::log(x) : 0; };
   // `unknowns` of the inliers lie on the surface because it was laid through them.
   return std::max(0.0, k - unknowns) * std::log(2 / (band * std::max(sigma, exact))) + x_log_x(k) +
-         x_log_x(std::max(0.0, n - k)) - x_log_x(n);
+         x_log_x(std::max(0.0, n - k)) - x_log_x(n) - std::max(0.0, n - k) * std::log(range);
 }
 
 double log_likelihood_ratio(const PrimitiveFit& f) {
-  return log_likelihood_ratio(expected_inliers(f), static_cast<double>(f.error.size()), f.sigma,
-                              f.primitive->unknowns);
+  double sum = 0, count = 1e-300;
+  for (std::size_t i = 0; i < f.error.size(); ++i) {
+    const double outlier = f.in_support[i] ? 1 - inlier_probability(f.error[i], {f.sigma, f.outliers}) : 1;
+    sum += outlier * std::fabs(f.error[i]), count += outlier;
+  }
+  const double k = expected_inliers(f), n = static_cast<double>(f.error.size());
+  return log_likelihood_ratio(k, n, f.sigma, f.primitive->unknowns,
+                              range_of_outliers(sum / count, f.sigma, k / n));
 }
 
 Determinacy determinacy(const PrimitiveFit& f) {
   const double k = expected_inliers(f), n = static_cast<double>(f.error.size());
   if (k < f.primitive->unknowns + 0.5)
     return unproven("has only " + std::to_string(std::lround(k)) +
-                " of the points, as many lie on one by chance; more points help");
+                    " of the points, as many lie on one by chance; more points help");
   if (f.sigma > largest_sigma)
     return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
   // Curvature and noise are of one size: the model, of first order in their product, and the distances mean
@@ -216,7 +232,8 @@ Determinacy determinacy(const PrimitiveFit& f) {
                 " times the noise: no fit; less noise helps");
   if (f.doubles_itself) return none("crosses itself within the noise: no fit; less noise helps");
   if (f.given_up) return none("explains far fewer of the points than another kind");
-  if (log_likelihood_ratio(f) < 0.5 * f.primitive->unknowns * std::log(n) + margin)
+  if (log_likelihood_ratio(k, n, f.sigma, f.primitive->unknowns) <
+      0.5 * f.primitive->unknowns * std::log(n) + margin)
     return unproven(
         "is no more than points of constant density show by chance: no fit; fewer outliers or less noise "
         "help");

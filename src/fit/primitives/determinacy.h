@@ -25,13 +25,22 @@ Determinacy determinacy(const PrimitiveFit& fit);
 // the noise.
 inline constexpr double largest_sigma = 0.2, least_radius_over_sigma = 5;
 
+// The share of the points that the answer has at least, where no kind was named.
+inline constexpr double enough_inliers = 0.4;
+
 // Roundings are not compared: what fits to this much, of the points' size, fits exactly.
 inline constexpr double exact = 1e-12;
 
 // Log likelihood of k inliers in a Gaussian band of distances, the others spread evenly over distances up to
-// the points' size, over that of all spread evenly.
-double log_likelihood_ratio(double inliers, double points, double sigma, int unknowns);
+// `range`, over that of all spread evenly up to 1, the points' size.
+double log_likelihood_ratio(double inliers, double points, double sigma, int unknowns, double range = 1);
 double log_likelihood_ratio(const PrimitiveFit& fit);
+
+// The range of outliers whose distances have this mean. Where they lie near the surface, as a cluster or all
+// that is in a thin box, taking them for far ones would make inliers of them, and noise of their distances.
+// No range is so short that it would explain noise better than a Gaussian does; nor, beside few inliers, is
+// the range that of outliers.
+double range_of_outliers(double mean_distance, double sigma, double share_of_inliers);
 
 // Which columns of the points are inliers.
 std::vector<bool> inliers_of(const PrimitiveFit& fit);
@@ -40,7 +49,7 @@ std::vector<bool> inliers_of(const PrimitiveFit& fit);
 // does not go down with the number of points.
 double noise_and_rounding(const PrimitiveFit& fit);
 
-// Whether it may be the answer where no kind was named: two fifths of the points are on it.
+// Whether it may be the answer where no kind was named.
 bool explains_enough(const PrimitiveFit& fit);
 
 // Whether two fits of one primitive are one surface: lengths and axes within six standard errors. Equal ones

@@ -18,10 +18,10 @@ double root_mean_square_of_bias(const PointStates& points) {
 }  // namespace
 
 // The outliers' density is counted where it cannot be mistaken for the inliers', in windows (1 - x^2)^3 some
-// nine sigma to either side, with a tenth of a point more so that it is never zero. Sigma is found by
+// seven sigma to either side, with a tenth of a point more so that it is never zero. Sigma is found by
 // expectation and maximisation: two steps, and on to where they lead, as each gains about the same factor.
 void update(Mixture& mixture, const PointStates& points, bool robust_phase) {
-  constexpr double middle = 9, half_width = 4;
+  constexpr double middle = 7, half_width = 3;
   // The windows' integral over that of exp(-r^2 / 2): 2 half_width 32 / 35 / sqrt(2 pi).
   constexpr double windows = 2 * half_width * 32 / 35 / 2.506628274631001;
   std::vector<double> near;

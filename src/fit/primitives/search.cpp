@@ -47,21 +47,29 @@ class Scorer {
   Score operator()(const LocalModel& model) {
     constexpr int lowest = -100, highest = 4;  // halves of powers of two
     std::array<std::size_t, highest - lowest + 1> count{};
+    std::array<double, highest - lowest + 1> sum{};
     primitive_.distance.rough_distances(cloud_, model, distances_);
     for (const double d : distances_) {
       const double square = d * d;
       // Twice the binary logarithm of |d|, rounded down: the exponent of its square.
       const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(square) >> 52) - 1023;
-      ++count[static_cast<std::size_t>(std::clamp(exponent, lowest, highest) - lowest)];
+      const auto band = static_cast<std::size_t>(std::clamp(exponent, lowest, highest) - lowest);
+      ++count[band], sum[band] += std::fabs(d);
     }
+    double outside = std::accumulate(sum.begin(), sum.end(), 0.0);
     const auto unknowns = static_cast<std::size_t>(primitive_.unknowns);
     Score best;
     std::size_t k = 0;
     for (int e = lowest; e < highest; ++e) {
       k += count[static_cast<std::size_t>(e - lowest)];
+      outside -= sum[static_cast<std::size_t>(e - lowest)];
       if (10 * k < n_ || k <= unknowns) continue;
       const double log_band = 0.5 * (e + 1) * std::numbers::ln2;
-      const double value = k_log_k_[k] + k_log_k_[n_ - k] - static_cast<double>(k - unknowns) * log_band;
+      const auto n = static_cast<double>(n_), outliers = static_cast<double>(n_ - k);
+      double value = k_log_k_[k] + k_log_k_[n_ - k] - static_cast<double>(k - unknowns) * log_band;
+      if (k < n_)
+        value -= outliers *
+                 std::log(range_of_outliers(outside / outliers, 0.5 * std::exp(log_band), 1 - outliers / n));
       if (value > best.log_likelihood_ratio) best = {value, std::exp(log_band)};
     }
     return best;
@@ -127,9 +135,13 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
   }
   if (const auto at = middle_inlier(part, weights))
     candidate.model = primitive.localise(primitive.geometric(candidate.model), *at);
-  candidate.score.log_likelihood_ratio =
-      log_likelihood_ratio(std::accumulate(weights.begin(), weights.end(), 0.0),
-                           static_cast<double>(weights.size()), mixture.sigma, primitive.unknowns);
+  double inliers = 0, of_outliers = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    inliers += weights[i], of_outliers += (1 - weights[i]) * std::fabs(states.error(i));
+  const auto n = static_cast<double>(weights.size());
+  candidate.score.log_likelihood_ratio = log_likelihood_ratio(
+      inliers, n, mixture.sigma, primitive.unknowns,
+      range_of_outliers(of_outliers / std::fmax(n - inliers, 1e-300), mixture.sigma, inliers / n));
   return iterations;
 }
 

@@ -188,7 +188,8 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     if (is_unproven && count_inliers(chosen) + 2 < 2 * other.primitive->unknowns) continue;
     auto [least, most] = advantage(chosen, other);
     if (is_unproven) least = deviance(other, chosen) - deviance(chosen, chosen);
-    if (!is_unproven && most + price(chosen) * (other.primitive->unknowns - chosen.primitive->unknowns) < -margin)
+    if (!is_unproven &&
+        most + price(chosen) * (other.primitive->unknowns - chosen.primitive->unknowns) < -margin)
       return undetermined(": the points speak for " + with_article(tried[i].primitive->name) + ", which " +
                           determinacies[i].why);
     if (!nested) {

@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/quantile.h"
+#include "fit/common/intervals.h"
+
 namespace darboux::fit {
 namespace {
 
@@ -91,7 +94,7 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
         frame, to_frame * (cloud.col(static_cast<Eigen::Index>(x.point)) - frame.centre));
   const Cells along_a(near, &SupportCoordinates::a, primitive.support.range_a, total, cells),
       along_b(near, &SupportCoordinates::b, primitive.support.range_b, total, cells);
-  std::vector<double> count(most * most, 0), area(most * most, 0);
+  std::vector<double> count(most * most, 0), area(most * most, 0), squares(most * most, 0);
   std::vector<int> points(most * most, 0);
   for (NearPoint& x : near) {
     const double a = along_a(x.at.a), b = along_b(x.at.b);
@@ -99,20 +102,52 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
     if (x.cell < 0) continue;
     const auto cell = static_cast<std::size_t>(x.cell);
     count[cell] += x.weight;
+    squares[cell] += x.weight * states.error(x.point) * states.error(x.point);
     area[cell] += x.at.area;
     ++points[cell];
   }
+  std::vector<double> density(most * most, 0), variances;
   std::vector<std::pair<double, double>> densities;  // with the points that have it
   for (std::size_t c = 0; c < count.size(); ++c) {
     if (points[c] == 0) continue;
-    count[c] /= area[c] / points[c];
-    densities.emplace_back(count[c], count[c] * area[c] / points[c]);
+    density[c] = count[c] * points[c] / area[c];
+    densities.emplace_back(density[c], count[c]);
+    if (count[c] >= 8) variances.push_back(squares[c] / count[c]);
   }
   if (densities.empty()) return;
   std::sort(densities.begin(), densities.end());
-  const double median = weighted_quantile(densities, 0.5 * total);
-  for (const NearPoint& x : near)
-    states.in_support[x.point] = x.cell >= 0 && count[static_cast<std::size_t>(x.cell)] >= 0.3 * median;
+  // A clump: far denser than where a third of the points are, with distances that are not the others' noise,
+  // and what is about it of its kind.
+  const double sparse = weighted_quantile(densities, 0.3 * total),
+               variance = variances.empty() ? 0 : median(variances);
+  const auto is_wider = [&](std::size_t c, double factor, double chance) {
+    const double ratio = squares[c] / (variance * count[c]);
+    return ratio > factor && chance_of_ratio(ratio, count[c], total) < chance;
+  };
+  std::vector<unsigned char> is_clump(most * most, 0);
+  for (int a = 0; a < most; ++a) {
+    for (int b = 0; b < most; ++b) {
+      const auto c = static_cast<std::size_t>(a * most + b);
+      if (!(density[c] > 2 * sparse) || !is_wider(c, 1.5, 1e-6)) continue;
+      is_clump[c] = 1;
+      for (int i = std::max(a - 1, 0); i <= std::min(a + 1, most - 1); ++i) {
+        for (int j = std::max(b - 1, 0); j <= std::min(b + 1, most - 1); ++j) {
+          const auto near_it = static_cast<std::size_t>(i * most + j);
+          if (points[near_it] > 0 && is_wider(near_it, 1.15, 0.01)) is_clump[near_it] = 1;
+        }
+      }
+    }
+  }
+  for (std::size_t c = 0; c < count.size(); ++c) {
+    if (!is_clump[c]) continue;
+    std::erase(densities, std::pair(density[c], count[c]));
+    total -= count[c];
+  }
+  const double typical = densities.empty() ? 0 : weighted_quantile(densities, 0.5 * total);
+  for (const NearPoint& x : near) {
+    const auto c = static_cast<std::size_t>(x.cell);
+    states.in_support[x.point] = x.cell >= 0 && density[c] >= 0.3 * typical && !is_clump[c];
+  }
 }
 
 // Where there are too few for cells: by the distance within which the others weigh `enough`.
@@ -135,9 +170,20 @@ void keep_points_with_neighbours(const Eigen::Matrix3Xd& cloud, const std::vecto
   }
   auto sorted = reach;
   std::sort(sorted.begin(), sorted.end());
-  const double median = weighted_quantile(sorted, 0.5 * total);
+  // A clump, as above.
+  const double sparse = weighted_quantile(sorted, 0.7 * total);
+  const auto is_dense = [&](std::size_t k) { return reach[k].first < 0.16 * sparse; };
+  double count[2]{}, squares[2]{};
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    const double e = states.error(near[k].point);
+    count[is_dense(k)] += near[k].weight, squares[is_dense(k)] += near[k].weight * e * e;
+  }
+  const double ratio = count[1] > 4 ? squares[1] * count[0] / (squares[0] * count[1]) : 0;
+  const bool clump = ratio > 1.5 && chance_of_ratio(ratio, count[1], count[0]) < 1e-3;
+  const double typical = weighted_quantile(sorted, clump ? count[1] + 0.5 * count[0] : 0.5 * total);
   for (std::size_t k = 0; k < near.size(); ++k)
-    states.in_support[near[k].point] = reach[k].first <= furthest * furthest * median;
+    states.in_support[near[k].point] =
+        reach[k].first <= furthest * furthest * typical && !(clump && is_dense(k));
 }
 
 }  // namespace
