@@ -184,8 +184,9 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     const PrimitiveFit &chosen = tried[best], &other = tried[i];
     const Nesting* nested = nesting(chosen, other);
     const bool is_unproven = determinacies[i].kind == Determinacy::Kind::unproven;
-    // A surface with an unknown for every second point says little of them.
-    if (is_unproven && count_inliers(chosen) + 2 < 2 * other.primitive->unknowns) continue;
+    // A surface with an unknown for every second point, or of few of the points, says little of them.
+    if (is_unproven && (!explains_enough(other) || count_inliers(chosen) + 2 < 2 * other.primitive->unknowns))
+      continue;
     auto [least, most] = advantage(chosen, other);
     if (is_unproven) least = deviance(other, chosen) - deviance(chosen, chosen);
     if (!is_unproven &&
