@@ -106,6 +106,15 @@ struct AlongY {
                p.z.derivative[1].derivative[1]} {}
 };
 
+// The jets of a surface of any type over nested dual numbers: what follows from them is compiled once for all
+// types.
+template <class S>
+struct NestedJets {
+  using N = Dual<Dual<S, 2>, 2>;
+  const void* surface;
+  Jet2<N> (*jet)(const void* surface, const N& u, const N& v);
+};
+
 // The limit of the shape operator where the chart collapses along x: P_x = P_xx = 0 there, P_y and P_xy span
 // the plane. With s the distance from there along y: P_x = s P_xy + ..., P_xx = s P_xxy + s²/2 P_xxyy + ...,
 // n = n0 + s n_y + ..., n_y = -S P_y. To first order in s
@@ -115,8 +124,8 @@ struct AlongY {
 // and the second order of n·P_xx = |P_x|² (t·S t) gives t·S t. Its first order, n0·P_xxy, must vanish: else
 // the normal depends on x at one and the same point, as at the apex of a cone, and the curvature grows
 // without bound.
-template <class Jets, class S>
-ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Jet2<S>& j,
+template <class S>
+ShapeOperator<S> shape_operator_at_collapse(const NestedJets<S>& jets, S u, S v, const Jet2<S>& j,
                                             const Frame<S>& frame) {
   using D = Dual<S, 2>;
   using N = Dual<D, 2>;
@@ -145,7 +154,7 @@ ShapeOperator<S> shape_operator_at_collapse(const Jets& jets, S u, S v, const Je
     result.derivative = {D(along_x), D(along_y)};
     return result;
   };
-  const Jet2<N> k = jets(variable(u, x_u, -x_v), variable(v, x_v, x_u));
+  const Jet2<N> k = jets.jet(jets.surface, variable(u, x_u, -x_v), variable(v, x_v, x_u));
   const N xu(D{x_u}), xv(D{x_v});
   const AlongY<S> xx(xu * xu * k.d2pdu2 + lift<N>(2.0) * xu * xv * k.d2pduv + xv * xv * k.d2pdv2);
   const AlongY<S> xy(xu * xu * k.d2pduv + xu * xv * (k.d2pdv2 - k.d2pdu2) - xv * xv * k.d2pduv);
@@ -269,8 +278,11 @@ bool finite(const ShapeOperator<S>& s) {
 }
 template <class X, class S>
 ShapeOperator<S> limit_shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
-  const auto jets = [&](const auto& a, const auto& b) { return detail::jet_of(surface, a, b); };
-  return detail::shape_operator_at_collapse(jets, u, v, j, frame);
+  using N = typename NestedJets<S>::N;
+  const NestedJets<S> jets{&surface, [](const void* x, const N& a, const N& b) {
+                             return jet_of(*static_cast<const X*>(x), a, b);
+                           }};
+  return shape_operator_at_collapse(jets, u, v, j, frame);
 }
 // Whether terms of a regular point left the range, so that the limit beside it stands for it.
 template <class S>

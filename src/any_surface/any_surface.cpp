@@ -6,8 +6,19 @@
 #include <darboux/error.h>
 
 #include "base/text.h"
+#if __has_include("kernel_list.h")  // somebody else's catalogue has none
+#include "evaluate/kernels/index_in_catalogue.h"
+#include "kernel_list.h"
+#else
+#define DARBOUX_FOR_EACH_SURFACE_HEADER(X)
+#endif
 
 namespace darboux {
+
+// For compiled_models.h.
+#define DARBOUX_COMPILE_MODEL(header) template struct AnySurface::Model<DARBOUX_SURFACE_OF(header)>;
+DARBOUX_FOR_EACH_SURFACE_HEADER(DARBOUX_COMPILE_MODEL)
+
 namespace {
 
 template <class Range, class Name>

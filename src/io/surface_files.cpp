@@ -11,8 +11,13 @@
 #include <darboux/io.h>
 #include <darboux/surface_of_revolution.h>
 
+#include "any_surface/compiled_models.h"
 #include "base/text.h"
 #include "json_cursor.h"
+
+DARBOUX_COMPILED_MODEL(darboux::BezierPatch<>)
+DARBOUX_COMPILED_MODEL(darboux::BSplinePatch<>)
+DARBOUX_COMPILED_MODEL(darboux::SurfaceOfRevolution<>)
 
 namespace darboux {
 namespace {

@@ -9,9 +9,13 @@
 #include <darboux/placed.h>
 #include <darboux/reparametrised.h>
 
+#include "any_surface/compiled_models.h"
 #include "base/text.h"
 #include "held.h"
 #include "measure.h"
+
+DARBOUX_COMPILED_MODEL(darboux::BezierPatch<>)
+DARBOUX_COMPILED_MODEL(darboux::BSplinePatch<>)
 
 namespace darboux {
 namespace sweeps {

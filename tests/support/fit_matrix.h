@@ -108,6 +108,7 @@ struct Run {
   int parameters = 0, covered = 0;  // of the intervals of the surface's own parameters
   std::optional<bool> axis{}, centre{}, normal{};
   double largest_bound = 0;  // of the standard errors of all parameters: Cramer-Rao, sizes are about 1
+  bool automatic = false;    // whether it was fitted under auto as well
   std::string found{};       // under auto; empty where that is not usable
   std::string auto_reason{};
   double seconds = 0;
@@ -213,6 +214,7 @@ inline Run run_of(const Cell& cell, std::uint64_t number, const Asked& asked = {
     run.mahalanobis = mahalanobis_per_parameter(points, *fit.surface);
     judge_intervals(points, fit, number, run);
   }
+  run.automatic = asked.automatic;
   if (asked.automatic) {
     const PointFit found = fit_points(points.cloud, {.seed = number + 1});
     if (found.usable) run.found = found.surface->surface.info().name;
@@ -267,14 +269,14 @@ struct Tally {
     hits[0].add(run.usable);
     if (run.largest_bound < 0.1) hits[1].add(run.usable);
     const std::string& kind = std::string(kinds[cell.kind]);
-    hits[7].add(!run.found.empty());
+    if (run.automatic) hits[7].add(!run.found.empty());
     // On a second surface, a sphere, either is right at half of the points.
     if (!run.found.empty()) {
       const bool second = outliers[cell.outliers].pattern == OutlierPattern::second_surface &&
                           outliers[cell.outliers].share >= 0.5 && run.found == "sphere";
       hits[6].add(run.found != kind && !second);
       if (run.found != kind && !second) ++reasons["auto: " + run.found];
-    } else {
+    } else if (run.automatic) {
       ++reasons["auto: " + run.auto_reason.substr(0, 60)];
     }
     seconds = std::max(seconds, run.seconds);

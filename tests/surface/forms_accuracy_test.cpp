@@ -16,6 +16,7 @@
 #include <darboux/forms.h>
 #include <darboux/shape_operator.h>
 
+#include "any_surface/all_compiled_models.h"
 #include "every_surface.h"
 #include "multiprecision.h"
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <string_view>
+#include <tuple>
 
 #include <darboux/catalogue.h>
 
@@ -12,6 +13,9 @@
 #define DARBOUX_JOIN_(a, b) a##_##b
 #define DARBOUX_JOIN(a, b) DARBOUX_JOIN_(a, b)
 #define DARBOUX_TABLE(isa) DARBOUX_JOIN(table, isa)
+// The catalogue's type of a header.
+#define DARBOUX_SURFACE_OF(header) \
+  ::darboux::kernels::SurfaceAt<::darboux::kernels::index_in_catalogue(DARBOUX_STRING(header))>
 #define DARBOUX_OF_SURFACE(header) DARBOUX_JOIN(DARBOUX_JOIN(table, header), DARBOUX_ISA)
 
 namespace darboux::kernels {
@@ -33,6 +37,12 @@ consteval std::size_t index_in(std::string_view header, SurfaceList<X...>) {
 consteval std::size_t index_in_catalogue(std::string_view header) {
   return index_in(header, Catalogue{});
 }
+
+template <class... X>
+std::tuple<X...> tuple_of(SurfaceList<X...>);
+
+template <std::size_t index>
+using SurfaceAt = std::tuple_element_t<index, decltype(tuple_of(Catalogue{}))>;
 
 }  // namespace
 }  // namespace darboux::kernels

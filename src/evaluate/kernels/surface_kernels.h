@@ -3,7 +3,6 @@
 // instruction set.
 #pragma once
 
-#include <tuple>
 #include <utility>
 
 #include <darboux/catalogue.h>
@@ -18,12 +17,6 @@ namespace {
 // A catalogue's type over T.
 template <class T, class X>
 using OverT = decltype(darboux::rebind<T>(std::declval<const X&>()));
-
-template <class... X>
-std::tuple<X...> tuple_of(SurfaceList<X...>);
-
-template <std::size_t index>
-using SurfaceAt = std::tuple_element_t<index, decltype(tuple_of(Catalogue{}))>;
 
 template <class X, class T, Variant variant>
 constexpr Kernel<T> kernel_of() {
@@ -52,9 +45,8 @@ constexpr SurfaceKernels kernels_of() {
 }  // namespace
 }  // namespace darboux::kernels
 
-#define DARBOUX_SURFACE_KERNELS(header)                                    \
-  namespace darboux::kernels {                                             \
-  extern const SurfaceKernels DARBOUX_OF_SURFACE(header);                  \
-  constinit const SurfaceKernels DARBOUX_OF_SURFACE(header) =              \
-      kernels_of<SurfaceAt<index_in_catalogue(DARBOUX_STRING(header))>>(); \
+#define DARBOUX_SURFACE_KERNELS(header)                                                                 \
+  namespace darboux::kernels {                                                                          \
+  extern const SurfaceKernels DARBOUX_OF_SURFACE(header);                                               \
+  constinit const SurfaceKernels DARBOUX_OF_SURFACE(header) = kernels_of<DARBOUX_SURFACE_OF(header)>(); \
   }

@@ -2,10 +2,13 @@
 
 #include <darboux/cone.h>
 
+#include "any_surface/compiled_models.h"
 #include "base/linear_algebra.h"
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
+
+DARBOUX_COMPILED_MODEL(darboux::Cone<>)
 
 namespace darboux::fit {
 namespace {

@@ -4,10 +4,13 @@
 
 #include <darboux/ellipsoid.h>
 
+#include "any_surface/compiled_models.h"
 #include "base/linear_algebra.h"
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
+
+DARBOUX_COMPILED_MODEL(darboux::Ellipsoid<>)
 
 namespace darboux::fit {
 namespace {

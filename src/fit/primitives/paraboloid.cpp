@@ -4,9 +4,12 @@
 
 #include <darboux/elliptic_paraboloid.h>
 
+#include "any_surface/compiled_models.h"
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
+
+DARBOUX_COMPILED_MODEL(darboux::EllipticParaboloid<>)
 
 namespace darboux::fit {
 namespace {

@@ -1,8 +1,11 @@
 #include <darboux/plane.h>
 
+#include "any_surface/compiled_models.h"
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
+
+DARBOUX_COMPILED_MODEL(darboux::Plane<>)
 
 namespace darboux::fit {
 namespace {

@@ -2,9 +2,12 @@
 
 #include <darboux/sphere.h>
 
+#include "any_surface/compiled_models.h"
 #include "geometry.h"
 #include "list.h"
 #include "sphere_model.h"
+
+DARBOUX_COMPILED_MODEL(darboux::Sphere<>)
 
 namespace darboux::fit {
 namespace {

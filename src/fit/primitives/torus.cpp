@@ -6,11 +6,14 @@
 
 #include <darboux/torus.h>
 
+#include "any_surface/compiled_models.h"
 #include "base/linear_algebra.h"
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
 #include "osculation.h"
+
+DARBOUX_COMPILED_MODEL(darboux::Torus<>)
 
 namespace darboux::fit {
 namespace {

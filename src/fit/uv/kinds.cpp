@@ -5,6 +5,7 @@
 
 #include <darboux/catalogue.h>
 
+#include "any_surface/all_compiled_models.h"
 #include "base/flatten.h"
 #include "base/text.h"
 #include "fit/common/kinds.h"
