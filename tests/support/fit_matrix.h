@@ -312,7 +312,11 @@ struct Tally {
     Tally t;
     for (std::size_t k = 0; k < t.hits.size(); ++k)
       t.hits[k] = {j[names[k]][0].get<std::size_t>(), j[names[k]][1].get<std::size_t>()};
-    t.squares = j["squares"], t.told = j["told"], t.told_of = j["told_of"], t.asked = j["asked"];
+    // JSON has no infinity: an error beyond all bounds.
+    const auto sum = [&](const char* name) {
+      return j[name].is_null() ? std::numeric_limits<double>::infinity() : j[name].get<double>();
+    };
+    t.squares = sum("squares"), t.told = sum("told"), t.told_of = sum("told_of"), t.asked = j["asked"];
     t.seconds = j["seconds"];
     t.reasons = j["reasons"].get<std::map<std::string, std::size_t>>();
     t.usable = t.hits[0].k;
