@@ -3,6 +3,7 @@
 // tests/statistics/matrix.sh.
 #include "fit_matrix.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -65,6 +66,46 @@ TEST_P(FitMatrix, WhatIsStatedHolds) {
   // Four data sets of a cell show little, those of all cells more.
   EXPECT_GE(wrong_kind.n, 2 * cells.size());
   EXPECT_FALSE(wrong_kind.above(0.01)) << wrong_kind.k << " of " << wrong_kind.n << " of the wrong kind";
+}
+
+// Runs 0 to 11 of some cells.
+matrix::Tally tally_of(const std::vector<std::string_view>& keys) {
+  matrix::Tally tally;
+  std::size_t found = 0;
+  for (const matrix::Cell& cell : matrix::cells()) {
+    if (std::find(keys.begin(), keys.end(), cell.key()) == keys.end()) continue;
+    ++found;
+    for (std::uint64_t run = 0; run < 12; ++run) tally.add(matrix::run_of(cell, run), cell);
+  }
+  EXPECT_EQ(found, keys.size());
+  return tally;
+}
+
+// Ten points on a noisy patch are a plane, or a sphere, as well as what they are: of 48 such sets 20 were
+// "converged" as another kind.
+TEST(FitFewPoints, AutoDoesNotChooseAmongWhatTheyCannotTell) {
+  const matrix::Tally tally =
+      tally_of({"cone/30 degree patch/10/0%/1e-2", "cone/half/10/0%/3e-2",
+                "cylinder/30 degree patch/10/0%/3e-2", "cylinder/thin strip/10/0%/1e-2"});
+  EXPECT_LE(tally.hits[6].k, 4U) << tally.reasons_text();
+}
+
+TEST(FitFewPoints, AutoFindsWhatTheyTell) {
+  const matrix::Tally tally =
+      tally_of({"plane/full/10/0%/1e-4", "sphere/half/10/0%/1e-4", "cone/half/10/0%/1e-4"});
+  EXPECT_EQ(tally.hits[6].k, 0U) << tally.reasons_text();
+  EXPECT_GE(tally.hits[7].k, 30U) << tally.reasons_text();
+}
+
+// A cluster that straddles the surface was taken for noise, and a half of the intervals held.
+TEST(FitClusters, AreNoNoise) {
+  const matrix::Tally tally =
+      tally_of({"sphere/full/1000/30% cluster/3e-2", "sphere/quarter/1000/30% cluster/3e-2",
+                "cylinder/full/1000/30% cluster/3e-2", "cylinder/30 degree patch/1000/30% cluster/3e-2"});
+  for (const std::size_t k : {2, 4, 5})
+    EXPECT_GE(100 * tally.hits[k].k, 75 * tally.hits[k].n) << matrix::Tally::names[k] << '\n'
+                                                           << tally.reasons_text();
+  EXPECT_GE(tally.usable, 40U) << tally.reasons_text();
 }
 
 // Runs 0 to 11 of torus/thin strip/1000/`outliers`/1e-2, fitted as tori.

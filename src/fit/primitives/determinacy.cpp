@@ -107,8 +107,7 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
   if (primitive.orientation != Orientation::frame &&
       ratio * std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()) > 1)
     return unsure("has an axis that is not observable" + help);
-  // Noise about a circle lies near many surfaces: such points are one sigma from it, those of a surface that
-  // is determined three at least.
+  // Noise about a circle lies near many surfaces.
   if (!primitive.is_plane && f.circle_deviation < least_width_over_sigma * f.sigma)
     return unsure("is not determined: the points are no further than their noise from a circle" + help);
   if (!f.converged) return unsure("did not converge");

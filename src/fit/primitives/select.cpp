@@ -42,12 +42,13 @@ std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b
   return std::minmax(deviance(b, a) - deviance(a, a), deviance(b, b) - deviance(a, b));
 }
 
-// Of a fit with its own noise and outliers. Points are counted whole: the shares of a thousand points that
-// are almost certain inliers would add up to outliers.
 std::ptrdiff_t count_inliers(const PrimitiveFit& f) {
   const std::vector<bool> is_inlier = inliers_of(f);
   return std::count(is_inlier.begin(), is_inlier.end(), true);
 }
+
+// Of a fit with its own noise and outliers. Points are counted whole: the shares of a thousand points that
+// are almost certain inliers would add up to outliers.
 double evidence(const PrimitiveFit& f) {
   return log_likelihood_ratio(static_cast<double>(count_inliers(f)), static_cast<double>(f.error.size()),
                               f.sigma, f.primitive->unknowns);

@@ -122,27 +122,30 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
                variance = variances.empty() ? 0 : median(variances);
   const auto is_wider = [&](std::size_t c, double factor, double chance) {
     const double ratio = squares[c] / (variance * count[c]);
-    return ratio > factor && chance_of_ratio(ratio, count[c], total) < chance;
+    return count[c] >= 2 && ratio > factor && chance_of_ratio(ratio, count[c], total) < chance;
   };
   std::vector<unsigned char> is_clump(most * most, 0);
   for (int a = 0; a < most; ++a) {
     for (int b = 0; b < most; ++b) {
       const auto c = static_cast<std::size_t>(a * most + b);
-      if (!(density[c] > 2 * sparse) || !is_wider(c, 1.5, 1e-6)) continue;
+      if (variances.empty() || !(density[c] > 2 * sparse) || !is_wider(c, 1.5, 1e-6)) continue;
       is_clump[c] = 1;
       for (int i = std::max(a - 1, 0); i <= std::min(a + 1, most - 1); ++i) {
         for (int j = std::max(b - 1, 0); j <= std::min(b + 1, most - 1); ++j) {
           const auto near_it = static_cast<std::size_t>(i * most + j);
-          if (points[near_it] > 0 && is_wider(near_it, 1.15, 0.01)) is_clump[near_it] = 1;
+          if (is_wider(near_it, 1.15, 0.01)) is_clump[near_it] = 1;
         }
       }
     }
   }
+  densities.clear();
+  total = 0;
   for (std::size_t c = 0; c < count.size(); ++c) {
-    if (!is_clump[c]) continue;
-    std::erase(densities, std::pair(density[c], count[c]));
-    total -= count[c];
+    if (points[c] == 0 || is_clump[c]) continue;
+    densities.emplace_back(density[c], count[c]);
+    total += count[c];
   }
+  std::sort(densities.begin(), densities.end());
   const double typical = densities.empty() ? 0 : weighted_quantile(densities, 0.5 * total);
   for (const NearPoint& x : near) {
     const auto c = static_cast<std::size_t>(x.cell);
