@@ -280,7 +280,7 @@ template <class X, class S>
 ShapeOperator<S> limit_shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   using N = typename NestedJets<S>::N;
   const NestedJets<S> jets{&surface, [](const void* x, const N& a, const N& b) {
-                             return jet_of(*static_cast<const X*>(x), a, b);
+                             return detail::jet_of(*static_cast<const X*>(x), a, b);
                            }};
   return shape_operator_at_collapse(jets, u, v, j, frame);
 }

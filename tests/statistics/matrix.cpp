@@ -1,4 +1,4 @@
-// The matrix of docs/reports/fit.md, for matrix.sh:
+// The matrix of docs/reports/fit-matrix.md, for matrix.sh:
 //   fit_matrix [--cells PART-OF-KEY]... [--usable N] [--tries N] [--results FILE.jsonl [--shard I/N]] [--list]
 // A results file is resumed; `darboux merge` joins those of shards. Prints the pooled rows and every cell
 // that is outside.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # matrix.sh [--results FILE.jsonl] [--shard I/N] [--cells PART-OF-KEY]... [--usable N] [--tries N]: builds the matrix of
 # fits in build/benchmark and runs it: every kind, part of the surface, number of points, outliers and noise, up to 300
-# data sets each. All of it takes about ten hours on two cores; a results file is resumed. Prints the cells that are
+# data sets each. All of it takes some thirty hours of one core; a results file is resumed. Prints the cells that are
 # outside.
 set -euo pipefail
 arguments=("$@")

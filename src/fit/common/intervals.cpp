@@ -58,7 +58,6 @@ double students_t(double level, double degrees_of_freedom) {
 }
 
 double chance_of_ratio(double ratio, double freedom_of_one, double freedom_of_other) {
-  if (std::isinf(ratio)) return 0;  // over a variance of zero
   return cdf(complement(boost::math::fisher_f(freedom_of_one, freedom_of_other), ratio));
 }
 

@@ -144,10 +144,13 @@ double noise_and_rounding(const PrimitiveFit& fit) {
   return std::hypot(fit.sigma, std::sqrt(expected_inliers(fit)) * alike);
 }
 
-bool explains_enough(const PrimitiveFit& fit) {
+std::ptrdiff_t count_inliers(const PrimitiveFit& fit) {
   const std::vector<bool> is_inlier = inliers_of(fit);
-  return static_cast<double>(std::count(is_inlier.begin(), is_inlier.end(), true)) >=
-         enough_inliers * static_cast<double>(is_inlier.size());
+  return std::count(is_inlier.begin(), is_inlier.end(), true);
+}
+
+bool explains_enough(const PrimitiveFit& fit) {
+  return static_cast<double>(count_inliers(fit)) >= enough_inliers * static_cast<double>(fit.error.size());
 }
 
 bool are_same(const PrimitiveFit& a, const PrimitiveFit& b) {
@@ -180,7 +183,8 @@ double deviation(const PrimitiveFit& f, std::size_t k) {
 
 double most_deviations(const PrimitiveFit& f) {
   if (f.sigma_known) return 3;
-  const double inliers = expected_inliers(f), freedom = degrees_of_freedom(f, inliers);
+  const double inliers = std::fmax(expected_inliers(f), f.primitive->unknowns),
+               freedom = degrees_of_freedom(f, inliers);
   return std::fmax(3, std::sqrt(inliers / freedom) * students_t(0.99, freedom));
 }
 
@@ -192,7 +196,7 @@ double least_length(const PrimitiveFit& f, std::size_t k) {
 
 double range_of_outliers(double mean_distance, double sigma, double share_of_inliers) {
   constexpr double least = 10;
-  if (share_of_inliers < enough_inliers) return 1;
+  if (share_of_inliers < enough_inliers || !(mean_distance < 1)) return 1;
   return std::fmin(std::fmax(2 * mean_distance, least * sigma), 1);
 }
 
@@ -218,9 +222,6 @@ double log_likelihood_ratio(const PrimitiveFit& f) {
 
 Determinacy determinacy(const PrimitiveFit& f) {
   const double k = expected_inliers(f), n = static_cast<double>(f.error.size());
-  if (k < f.primitive->unknowns + 0.5)
-    return unproven("has only " + std::to_string(std::lround(k)) +
-                    " of the points, as many lie on one by chance; more points help");
   if (f.sigma > largest_sigma)
     return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
   // Curvature and noise are of one size: the model, of first order in their product, and the distances mean
@@ -231,6 +232,9 @@ Determinacy determinacy(const PrimitiveFit& f) {
                 " times the noise: no fit; less noise helps");
   if (f.doubles_itself) return none("crosses itself within the noise: no fit; less noise helps");
   if (f.given_up) return none("explains far fewer of the points than another kind");
+  if (k < f.primitive->unknowns + 0.5)
+    return unproven("has only " + std::to_string(std::lround(k)) +
+                    " of the points, as many lie on one by chance; more points help");
   if (log_likelihood_ratio(k, n, f.sigma, f.primitive->unknowns) <
       0.5 * f.primitive->unknowns * std::log(n) + margin)
     return unproven(

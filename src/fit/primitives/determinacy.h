@@ -1,6 +1,7 @@
 // Whether the points determine a primitive that was fitted to them.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,7 @@ double range_of_outliers(double mean_distance, double sigma, double share_of_inl
 
 // Which columns of the points are inliers.
 std::vector<bool> inliers_of(const PrimitiveFit& fit);
+std::ptrdiff_t count_inliers(const PrimitiveFit& fit);
 
 // The noise, and beside it roundings, which without noise may be alike at all points: what they add up to
 // does not go down with the number of points.

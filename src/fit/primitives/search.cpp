@@ -31,9 +31,9 @@ constexpr std::size_t most_alike = 3;
 constexpr double refusal = 1e6;
 
 // How well distances look like a narrow band of inliers among outliers of constant density, without knowing
-// how narrow: the log likelihood of k of n points spread evenly over |d| < band and the others over the size
-// of the cloud, at the best band. As many points as the surface has unknowns may lie on it because it was
-// laid through them: they count for nothing. Bands are a factor of the square root of two apart.
+// how narrow: the log likelihood of k of n points spread evenly over |d| < band and the others over
+// range_of_outliers(), at the best band. As many points as the surface has unknowns may lie on it because it
+// was laid through them: they count for nothing. Bands are a factor of the square root of two apart.
 class Scorer {
  public:
   Scorer(const Matrix3Xd& cloud, const Primitive& primitive)
@@ -56,6 +56,7 @@ class Scorer {
       const auto band = static_cast<std::size_t>(std::clamp(exponent, lowest, highest) - lowest);
       ++count[band], sum[band] += std::fabs(d);
     }
+    constexpr double uniform = 0.577;  // a band's root mean square
     double outside = std::accumulate(sum.begin(), sum.end(), 0.0);
     const auto unknowns = static_cast<std::size_t>(primitive_.unknowns);
     Score best;
@@ -68,8 +69,8 @@ class Scorer {
       const auto n = static_cast<double>(n_), outliers = static_cast<double>(n_ - k);
       double value = k_log_k_[k] + k_log_k_[n_ - k] - static_cast<double>(k - unknowns) * log_band;
       if (k < n_)
-        value -= outliers *
-                 std::log(range_of_outliers(outside / outliers, 0.5 * std::exp(log_band), 1 - outliers / n));
+        value -= outliers * std::log(range_of_outliers(outside / outliers, uniform * std::exp(log_band),
+                                                       1 - outliers / n));
       if (value > best.log_likelihood_ratio) best = {value, std::exp(log_band)};
     }
     return best;

@@ -42,11 +42,6 @@ std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b
   return std::minmax(deviance(b, a) - deviance(a, a), deviance(b, b) - deviance(a, b));
 }
 
-std::ptrdiff_t count_inliers(const PrimitiveFit& f) {
-  const std::vector<bool> is_inlier = inliers_of(f);
-  return std::count(is_inlier.begin(), is_inlier.end(), true);
-}
-
 // Of a fit with its own noise and outliers. Points are counted whole: the shares of a thousand points that
 // are almost certain inliers would add up to outliers.
 double evidence(const PrimitiveFit& f) {
@@ -185,7 +180,8 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     const PrimitiveFit &chosen = tried[best], &other = tried[i];
     const Nesting* nested = nesting(chosen, other);
     const bool is_unproven = determinacies[i].kind == Determinacy::Kind::unproven;
-    // A surface with an unknown for every second point, or of few of the points, says little of them.
+    // A surface of few of the points says little of them, and one with more unknowns than half of the chosen
+    // one's points, and one more, fits any. The noise of others is unproven too: the chosen one's is taken.
     if (is_unproven && (!explains_enough(other) || count_inliers(chosen) + 2 < 2 * other.primitive->unknowns))
       continue;
     auto [least, most] = advantage(chosen, other);

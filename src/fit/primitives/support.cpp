@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -84,7 +85,7 @@ class Cells {
 
 void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
                       const GeometricParameters& surface, std::vector<NearPoint>& near, double total,
-                      PointStates& states) {
+                      double least_sigma, PointStates& states) {
   const int cells = std::min(12, static_cast<int>(std::sqrt(total / 60)));
   const Moments m = moments(near, cloud, total);
   const GeometricParameters frame = primitive.support.frame(surface, m.mean, m.scatter);
@@ -116,10 +117,11 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
   }
   if (densities.empty()) return;
   std::sort(densities.begin(), densities.end());
-  // A clump: far denser than where a third of the points are, with distances that are not the others' noise,
-  // and what is about it of its kind.
+  // A clump: cells twice as dense as where a third of the points are, with distances that are not the others'
+  // noise, nor roundings, and cells beside it whose distances are wider too.
   const double sparse = weighted_quantile(densities, 0.3 * total),
-               variance = variances.empty() ? 0 : median(variances);
+               variance = variances.empty() ? std::numeric_limits<double>::infinity()
+                                            : std::fmax(median(variances), least_sigma * least_sigma);
   const auto is_wider = [&](std::size_t c, double factor, double chance) {
     const double ratio = squares[c] / (variance * count[c]);
     return count[c] >= 2 && ratio > factor && chance_of_ratio(ratio, count[c], total) < chance;
@@ -128,7 +130,7 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
   for (int a = 0; a < most; ++a) {
     for (int b = 0; b < most; ++b) {
       const auto c = static_cast<std::size_t>(a * most + b);
-      if (variances.empty() || !(density[c] > 2 * sparse) || !is_wider(c, 1.5, 1e-6)) continue;
+      if (!(density[c] > 2 * sparse) || !is_wider(c, 1.5, 1e-6)) continue;
       is_clump[c] = 1;
       for (int i = std::max(a - 1, 0); i <= std::min(a + 1, most - 1); ++i) {
         for (int j = std::max(b - 1, 0); j <= std::min(b + 1, most - 1); ++j) {
@@ -155,7 +157,7 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
 
 // Where there are too few for cells: by the distance within which the others weigh `enough`.
 void keep_points_with_neighbours(const Eigen::Matrix3Xd& cloud, const std::vector<NearPoint>& near,
-                                 double total, PointStates& states) {
+                                 double total, double least_sigma, PointStates& states) {
   constexpr double enough = 4,
                    furthest = 2.9;  // times the median: half as dense at an edge, a quarter at a corner
   std::vector<std::pair<double, double>> reach;  // squared, with the point's weight
@@ -173,7 +175,7 @@ void keep_points_with_neighbours(const Eigen::Matrix3Xd& cloud, const std::vecto
   }
   auto sorted = reach;
   std::sort(sorted.begin(), sorted.end());
-  // A clump, as above.
+  // A clump: points within two fifths of the distance that the sparser third have, again wider than noise.
   const double sparse = weighted_quantile(sorted, 0.7 * total);
   const auto is_dense = [&](std::size_t k) { return reach[k].first < 0.16 * sparse; };
   double count[2]{}, squares[2]{};
@@ -181,7 +183,8 @@ void keep_points_with_neighbours(const Eigen::Matrix3Xd& cloud, const std::vecto
     const double e = states.error(near[k].point);
     count[is_dense(k)] += near[k].weight, squares[is_dense(k)] += near[k].weight * e * e;
   }
-  const double ratio = count[1] > 4 ? squares[1] * count[0] / (squares[0] * count[1]) : 0;
+  const double variance = std::fmax(squares[0] / count[0], least_sigma * least_sigma),
+               ratio = count[1] > 4 ? squares[1] / (variance * count[1]) : 0;
   const bool clump = ratio > 1.5 && chance_of_ratio(ratio, count[1], count[0]) < 1e-3;
   const double typical = weighted_quantile(sorted, clump ? count[1] + 0.5 * count[0] : 0.5 * total);
   for (std::size_t k = 0; k < near.size(); ++k)
@@ -202,9 +205,9 @@ void find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
   }
   states.in_support = states.regular;
   if (total >= 240)
-    keep_dense_cells(primitive, cloud, surface, near, total, states);
+    keep_dense_cells(primitive, cloud, surface, near, total, mixture.least_sigma, states);
   else if (total >= 16)
-    keep_points_with_neighbours(cloud, near, total, states);
+    keep_points_with_neighbours(cloud, near, total, mixture.least_sigma, states);
 }
 
 }  // namespace darboux::fit
