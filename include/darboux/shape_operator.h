@@ -39,8 +39,8 @@ S terms_size(const Vec3<S>& a, const Vec3<S>& b) {
 
 }  // namespace detail
 
-/// S = [[a, m], [m, c]] from a jet and its orthonormal frame: L = e² a, M = e (f a + g m), N = f² a + 2 f g m
-/// + g² c. NaN where dpdu and dpdv span no plane.
+/// S = [[a, m], [m, c]] from a jet and its orthonormal frame: L = e² a, M = e (f a + g m),
+/// N = f² a + 2 f g m + g² c. NaN where dpdu and dpdv span no plane.
 template <class S>
 ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
   using std::abs;
@@ -121,8 +121,8 @@ struct NestedJets {
 //   n·P_xy = s (n_y·P_xy + n0·P_xyy),  and by the definition of S  n·P_xy = -n_y·P_x = -s n_y·P_xy,
 // so that q = -n_y·t = n0·P_xyy / 2|P_xy| for t = P_xy / |P_xy|. With b = n0 × t and P_y = f t + g b
 //   -n_y·P_y = n0·P_yy  gives  -n_y·b = (n0·P_yy - f q)/g,
-// and the second order of n·P_xx = |P_x|² (t·S t) gives t·S t. Its first order, n0·P_xxy, must vanish: else
-// the normal depends on x at one and the same point, as at the apex of a cone, and the curvature grows
+// and the second order of n·P_xx = |P_x|² (t·S t) gives t·S t. Its first order, n0·P_xxy, must vanish:
+// else the normal depends on x at one and the same point, as at the apex of a cone, and the curvature grows
 // without bound.
 template <class S>
 ShapeOperator<S> shape_operator_at_collapse(const NestedJets<S>& jets, S u, S v, const Jet2<S>& j,

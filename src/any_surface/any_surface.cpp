@@ -6,7 +6,7 @@
 #include <darboux/error.h>
 
 #include "base/text.h"
-#if __has_include("kernel_list.h")  // somebody else's catalogue has none
+#if __has_include("kernel_list.h")  // not where this file is compiled without the build
 #include "evaluate/kernels/index_in_catalogue.h"
 #include "kernel_list.h"
 #else

@@ -1,12 +1,15 @@
 // The matrix of docs/reports/fit-matrix.md, for matrix.sh:
-//   fit_matrix [--cells PART-OF-KEY]... [--usable N] [--tries N] [--results FILE.jsonl [--shard I/N]] [--list]
-// A results file is resumed; `darboux merge` joins those of shards. Prints the pooled rows and every cell
-// that is outside.
+//   fit_matrix [--cells PART-OF-KEY]... [--usable N] [--tries N] [--results FILE.jsonl [--shard I/N]]
+//              [--threads N] [--list]
+// A results file is resumed; `darboux merge` joins those of shards. Prints every cell that is outside, a row
+// per kind, region and number of points, and what is pooled.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <iostream>
-#include <map>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "fit_matrix.h"
 #include "intervals.h"
@@ -67,6 +70,41 @@ Json run_cell(const Cell& cell, const Arguments& arguments) {
   return tally.json();
 }
 
+// Cells that are asked alike.
+struct Pool {
+  const char* name;
+  bool (*holds)(const Cell&);
+};
+bool has(const Cell& c, OutlierPattern pattern) {
+  return outliers[c.outliers].share > 0 && outliers[c.outliers].pattern == pattern;
+}
+bool is_large(const Cell& c) {
+  return regions[c.region] != Region::patch && regions[c.region] != Region::strip;
+}
+constexpr Pool pools[]{
+    {"no outliers", [](const Cell& c) { return outliers[c.outliers].share == 0; }},
+    {"scattered", [](const Cell& c) { return has(c, OutlierPattern::scattered); }},
+    {"clusters", [](const Cell& c) { return has(c, OutlierPattern::cluster); }},
+    {"a second surface", [](const Cell& c) { return has(c, OutlierPattern::second_surface); }},
+    {"no outliers, full, half or quarter, 50 points and more",
+     [](const Cell& c) { return outliers[c.outliers].share == 0 && is_large(c) && counts[c.count] >= 50; }},
+    {"scattered, full, half or quarter, 1000 points and more",
+     [](const Cell& c) {
+       return has(c, OutlierPattern::scattered) && is_large(c) && counts[c.count] >= 1000;
+     }},
+    {"σ 1e-4", [](const Cell& c) { return sigmas[c.sigma] == 1e-4; }},
+    {"σ 1e-2", [](const Cell& c) { return sigmas[c.sigma] == 1e-2; }},
+    {"σ 3e-2", [](const Cell& c) { return sigmas[c.sigma] == 3e-2; }},
+};
+
+std::string share(const Hits& hits) {
+  if (hits.n == 0) return "-";
+  std::array<char, 16> text;
+  std::snprintf(text.data(), text.size(), "%.1f %%",
+                100.0 * static_cast<double>(hits.k) / static_cast<double>(hits.n));
+  return text.data();
+}
+
 int main_of(int count, char** values) {
   const Arguments arguments = parse(count, values);
   std::vector<Cell> chosen;
@@ -88,7 +126,8 @@ int main_of(int count, char** values) {
   const std::vector<Json> results = run_study(identity, jobs, arguments.study, [&](double share) {
     if (share >= shown + 0.05) std::fprintf(stderr, "%.0f %%\n", 100 * (shown = share));
   });
-  std::map<std::string, Tally> rows;
+  std::vector<std::pair<std::string, Tally>> rows;
+  std::vector<Tally> pooled(std::size(pools));
   std::size_t outside = 0;
   std::cout << Tally::header() << '\n';
   for (std::size_t k = 0; k < chosen.size(); ++k) {
@@ -96,8 +135,12 @@ int main_of(int count, char** values) {
     const Tally tally = Tally::of(results[k]);
     const Cell& cell = chosen[k];
     const std::string kind(kinds[cell.kind]);
-    rows[kind + ", " + std::string(name_of(regions[cell.region])) + ", " +
-         std::to_string(counts[cell.count])] += tally;
+    const std::string row =
+        kind + ", " + std::string(name_of(regions[cell.region])) + ", " + std::to_string(counts[cell.count]);
+    if (rows.empty() || rows.back().first != row) rows.push_back({row, {}});
+    rows.back().second += tally;
+    for (std::size_t p = 0; p < pooled.size(); ++p)
+      if (pools[p].holds(cell)) pooled[p] += tally;
     const std::string what = tally.outside(cell);
     outside += !what.empty();
     if (!what.empty() || chosen.size() < 50)
@@ -105,6 +148,11 @@ int main_of(int count, char** values) {
   }
   std::cout << '\n';
   for (const auto& [name, tally] : rows) std::cout << tally.row(name) << '\n';
+  std::cout << "\n| | intervals of parameters | of normals | another kind under auto |\n";
+  for (std::size_t p = 0; p < pooled.size(); ++p)
+    std::printf("| %s | %s | %s | %s |\n", pools[p].name, share(pooled[p].hits[2]).c_str(),
+                share(pooled[p].hits[5]).c_str(), share(pooled[p].hits[6]).c_str());
+  std::fflush(stdout);
   std::cout << outside << " of " << chosen.size() << " cells outside\n";
   return outside > 0;
 }

@@ -1,5 +1,5 @@
-// The matrix of docs/reports/fit-matrix.md: kinds x parts of the surface x numbers of points x outliers x noise, and
-// what one fit of one of its data sets gives. tests/statistics/matrix.cpp runs all of it, and
+// The matrix of docs/reports/fit-matrix.md: kinds x parts of the surface x numbers of points x outliers x
+// noise, and what one fit of one of its data sets gives. tests/statistics/matrix.cpp runs all of it, and
 // tests/fit/fit_matrix_test.cpp some.
 #pragma once
 

@@ -180,8 +180,9 @@ CatalogueSurface to_catalogue(const GeometricParameters& n, double scale, const 
           n.centre, by};
 }
 
-// The foot is x_i = e_i² p_i / (e_i² + t) with t the largest root of F(t) = Σ (e_i p_i / (e_i² + t))² - 1,
-// convex and falling there: Newton's steps from the left end of its interval never pass it.
+// The foot is x_i = e_i² p_i / (e_i² + t) with t the largest root of
+// F(t) = Σ (e_i p_i / (e_i² + t))² - 1, convex and falling there: Newton's steps from the left end of its
+// interval never pass it.
 Vec2<double> foot_on(const Ellipsoid<>& s, const Vec3<double>& p) {
   const double size = std::max({s.semi_axis_x, s.semi_axis_y, s.semi_axis_z});
   const std::array<double, 3> e{s.semi_axis_x / size, s.semi_axis_y / size, s.semi_axis_z / size};
