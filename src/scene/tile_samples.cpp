@@ -47,14 +47,17 @@ void add_triangle(std::vector<std::uint32_t>& triangles, std::size_t a, std::siz
 // Two for each cell that is not split.
 void add_triangles(std::uint32_t columns, std::uint32_t rows, const std::vector<bool>& is_split,
                    std::vector<std::uint32_t>& triangles) {
-  const std::size_t width = std::size_t{columns} + 1;
+  const std::uint32_t width = columns + 1;
+  const std::size_t before = triangles.size();
+  triangles.resize(before + std::size_t{6} * columns * rows);
+  std::uint32_t* next = triangles.data() + before;
   for (std::uint32_t row = 0; row < rows; ++row)
     for (std::uint32_t column = 0; column < columns; ++column) {
       if (!is_split.empty() && is_split[std::size_t{row} * columns + column]) continue;
-      const std::size_t a = row * width + column, b = a + 1, c = a + width + 1, d = a + width;
-      add_triangle(triangles, a, b, c);
-      add_triangle(triangles, a, c, d);
+      const std::uint32_t a = row * width + column, b = a + 1, c = a + width + 1, d = a + width;
+      for (const std::uint32_t i : {a, b, c, a, c, d}) *next++ = i;
     }
+  triangles.resize(static_cast<std::size_t>(next - triangles.data()));
 }
 
 // The samples of a patch beyond the corners of its cells, and its triangles: a fan around the centre of each
