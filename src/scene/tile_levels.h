@@ -20,7 +20,8 @@ struct TileLevels {
 };
 
 // The cells that a tile is cut into one after the other as its chords have to be smaller, each time across
-// that side which is worth more. The error falls with every cut: how many are needed is a search.
+// that side where the error falls by more for each sample that the chart then has more. The error falls with
+// every cut: how many are needed is a search.
 class ChordLevels {
  public:
   ChordLevels() = default;
@@ -29,6 +30,7 @@ class ChordLevels {
     TileLevels cuts;
     double uu = rates.position_uu * du * du, uv = 2 * rates.position_uv * du * dv,
            vv = rates.position_vv * dv * dv;
+    double cells_u = 1 / du, cells_v = 1 / dv;  // of the chart
     errors_.fill(-1);
     for (std::size_t k = 0;; ++k) {
       levels_u_[k] = static_cast<std::uint8_t>(cuts.u);
@@ -36,12 +38,16 @@ class ChordLevels {
       errors_[k] = error >= 0 ? error : std::numeric_limits<double>::infinity();
       if (cuts.u == most.u && cuts.v == most.v) break;
       uv /= 2;
-      if (cuts.v == most.v || (cuts.u < most.u && uu >= vv)) {
+      const double gain_u = (0.75 * uu + uv) * (cells_v * cells_u + cells_v),
+                   gain_v = (0.75 * vv + uv) * (cells_v * cells_u + cells_u);
+      if (cuts.v == most.v || (cuts.u < most.u && gain_u >= gain_v)) {
         ++cuts.u;
         uu /= 4;
+        cells_u *= 2;
       } else {
         ++cuts.v;
         vv /= 4;
+        cells_v *= 2;
       }
     }
   }
