@@ -314,7 +314,8 @@ std::unique_ptr<TileNode> SurfaceTiles::make(const TilePlace& place) {
                                           {},
                                           {},
                                           {surface_, known_ ? place.tile() : Tile{1, 0, 0, 0}, order_},
-                                          finest_});
+                                          finest_,
+                                          {}});
   if (known_) {
     node->rates = node->bounds.rates();
     node->proven = take_estimates(node->rates, sampled_);
@@ -327,6 +328,35 @@ std::unique_ptr<TileNode> SurfaceTiles::make(const TilePlace& place) {
                         std::ldexp(1.0, -place.level_v),
                         {finest_level - place.level_u, finest_level - place.level_v}};
   return node;
+}
+
+FacingPoint SurfaceTiles::facing_point_at(double u, double v) const {
+  const Frame<double> frame = surface_.frame(u, v);
+  const double height = dot(frame.n, surface_.jet(u, v).position);
+  if (frame.status != Status::regular || !std::isfinite(height)) return {{}, 0, true};
+  return {frame.n, height, true};
+}
+
+void SurfaceTiles::make_middle(TileNode& node) const {
+  const Tile t = node.place.tile();
+  node.middle = facing_point_at(0.5 * (t.u0 + t.u1), 0.5 * (t.v0 + t.v1));
+}
+
+// Of 4 x 4 points that whose normal is nearest to the octant's.
+void SurfaceTiles::make_octants() {
+  of_octants_.fill({{}, 0, true});
+  std::array<double, 8> best{};
+  for (int i = 0; i < 16; ++i) {
+    const FacingPoint point = facing_point_at((i % 4 + 0.5) / 4, (i / 4 + 0.5) / 4);
+    for (std::size_t k = 0; k < 8; ++k) {
+      const double along = (k & 1 ? -point.normal.x : point.normal.x) +
+                           (k & 2 ? -point.normal.y : point.normal.y) +
+                           (k & 4 ? -point.normal.z : point.normal.z);
+      if (!(along > best[k])) continue;
+      best[k] = along;
+      of_octants_[k] = point;
+    }
+  }
 }
 
 std::uint32_t SurfaceTiles::parts(std::uint32_t index, Split split) {

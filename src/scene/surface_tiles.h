@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -44,6 +45,20 @@ struct Proven {
   bool operator==(const Proven&) const = default;
 };
 
+// A point of a tile by its normal n and n · P: where it is seen from the side of n, not all of the tile faces
+// away. Unknown where n = 0.
+struct FacingPoint {
+  Vec3<double> normal{};
+  double height = 0;
+  bool made = false;
+
+  // Of an eye; or of a direction towards it, offset 0. Not where roundings decide.
+  bool faces(const Vec3<double>& eye, double offset) const {
+    const double x = normal.x * eye.x, y = normal.y * eye.y, z = normal.z * eye.z, h = offset * height;
+    return x + y + z - h > 0x1p-40 * (std::fabs(x) + std::fabs(y) + std::fabs(z) + std::fabs(h));
+  }
+};
+
 struct TileNode {
   Vec3<double> lo, hi;  // its box, within that of the tile it is part of
   TilePlace place;
@@ -54,6 +69,7 @@ struct TileNode {
   ChordLevels chord_levels;
   TileBounds bounds;
   TileRates rates;
+  FacingPoint middle;
 };
 
 enum class Split : std::uint8_t { u, v, both, none };
@@ -96,11 +112,23 @@ class SurfaceTiles {
   FrameLevels& frame_levels(std::uint32_t node) { return nodes_[node]->frame_levels; }
   FrameLevels& frame_levels() { return frame_levels_; }  // of the finest
   FrameLevels& typical_frame_levels() { return typical_frame_levels_; }
+  // A point of a tile that an eye or a direction towards it may see from that side: the middle, or of all of
+  // the chart one of some, by the octant.
+  const FacingPoint& facing_point(std::uint32_t node, const Vec3<double>& eye) {
+    FacingPoint& point =
+        node == root ? of_octants_[(eye.x < 0 ? 1u : 0u) + (eye.y < 0 ? 2u : 0u) + (eye.z < 0 ? 4u : 0u)]
+                     : nodes_[node]->middle;
+    if (!point.made) node == root ? make_octants() : make_middle(*nodes_[node]);
+    return point;
+  }
   // The first of the parts.
   std::uint32_t parts(std::uint32_t node, Split split);
 
  private:
   std::unique_ptr<TileNode> make(const TilePlace& place);
+  FacingPoint facing_point_at(double u, double v) const;
+  void make_middle(TileNode& node) const;
+  void make_octants();
   double estimated_distance(const Vec3<double>& from) const;
   void find_nearest(std::uint32_t node, const Vec3<double>& from, double& nearest_squared);
   void find_finest();
@@ -127,6 +155,7 @@ class SurfaceTiles {
     double distance(const Vec3<double>& p) const;
   } meridian_;
   std::vector<std::unique_ptr<TileNode>> nodes_;
+  std::array<FacingPoint, 8> of_octants_;
 };
 
 }  // namespace darboux
