@@ -73,11 +73,16 @@ struct Answer {
   std::uint16_t value;
 };
 
+// What holds an instance, for what it hides and what hides it.
+struct Around {
+  Occlusion::Ball ball;
+  double largest = 0;  // by what it is scaled, at most
+};
+
 // What was decided for an instance: its tiles, and by which answers.
 struct Decision {
   InstanceView whole;
-  Occlusion::Ball ball;  // that holds it, whatever the camera
-  double largest = 0;    // by what it is scaled, at most
+  Around around;  // whatever the camera
   Counts counts;
   bool reads_nothing = false;
   std::size_t first_patch = 0, first_answer = 0;
@@ -89,10 +94,7 @@ struct Decision {
 
 // The patches of an instance that is in view: known ones, as they are used by this plan.
 struct Shown {
-  std::uint32_t instance, patch_count;
-  std::size_t first_patch;
-  Occlusion::Ball ball;
-  double largest;
+  std::uint32_t instance, first_patch, patch_count;
 };
 
 // How far a camera has moved and turned, all in all: the length of its way, and that of its axes' way as a
@@ -192,7 +194,9 @@ class ScenePlanner::Planner {
   std::size_t answers_dropped_ = 0;
   std::vector<std::uint32_t> used_, last_used_;  // known patches by instance, of this plan and the last
   std::vector<Shown> shown_;
-  std::vector<bool> hidden_;  // of used_
+  std::vector<Around> around_;      // of these, where what is hidden is asked for
+  std::vector<bool> hidden_;        // of used_
+  std::vector<PlannedTile> drawn_;  // by instances
   Occlusion occlusion_{Camera()};
   KnownPatches patches_{request_.skip.duplicates};
   std::uint32_t plans_ = 0;
@@ -241,8 +245,9 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
   }
   decision.first_patch = first;
   count(decision);
-  if (decision.patch_count > 0)
-    shown_.push_back({index, decision.patch_count, first, decision.ball, decision.largest});
+  if (decision.patch_count == 0) return;
+  shown_.push_back({index, static_cast<std::uint32_t>(first), decision.patch_count});
+  if (request_.skip.occluded) around_.push_back(decision.around);
 }
 
 // Asks again what may have another answer by now. Whether none has.
@@ -268,9 +273,9 @@ void ScenePlanner::Planner::decide(std::uint32_t index, Decision& d) {
   const std::size_t first = d.first_answer, place_for = d.answer_count;
   d = {};
   d.whole = tests_.whole();
-  d.ball = {tests_.placed().centre,
-            (1 + 0x1p-40) * tests_.placed().largest * tests_.tiles().radius() + tests_.placed().displacement};
-  d.largest = tests_.placed().largest;
+  d.around = {{tests_.placed().centre, (1 + 0x1p-40) * tests_.placed().largest * tests_.tiles().radius() +
+                                           tests_.placed().displacement},
+              tests_.placed().largest};
   d.reach = reach_ = 1.25 * tests_.placed().farthest;
   d.moving = limit(slack_of_whole_.moving, false);
   d.turning = limit(slack_of_whole_.turning, true);
@@ -530,13 +535,14 @@ void ScenePlanner::Planner::hide() {
   if (occlusion_.empty()) return;
   // Of smaller ones, tiles one by one are not worth it.
   constexpr double large = 4;
-  for (const Shown& shown : shown_) {
+  for (std::size_t k = 0; k < shown_.size(); ++k) {
+    const Shown& shown = shown_[k];
+    const Occlusion::Ball& ball = around_[k].ball;
     if (!tiles_[scene_.instances[shown.instance].surface]->known()) continue;
-    if (occlusion_.hides(shown.ball)) {
+    if (occlusion_.hides(ball)) {
       for (std::size_t i = 0; i < shown.patch_count; ++i) hidden_[shown.first_patch + i] = true;
       plan_.skipped.occluded += shown.patch_count;
-    } else if (shown.patch_count > 1 && occlusion_.size_of(shown.ball) > large &&
-               occlusion_.may_hide_of(shown.ball)) {
+    } else if (shown.patch_count > 1 && occlusion_.size_of(ball) > large && occlusion_.may_hide_of(ball)) {
       hide_tiles(shown);
     }
   }
@@ -555,7 +561,7 @@ void ScenePlanner::Planner::cover() {
   };
   std::vector<Candidate> candidates;
   for (std::uint32_t i = 0; i < shown_.size(); ++i) {
-    const double size = occlusion_.size_of(shown_[i].ball);
+    const double size = occlusion_.size_of(around_[i].ball);
     if (!(size >= smallest)) continue;
     const SceneInstance& instance = scene_.instances[shown_[i].instance];
     const SceneMaterial& material = scene_.materials[instance.material];
@@ -570,7 +576,8 @@ void ScenePlanner::Planner::cover() {
   std::vector<Occlusion::Drawn> drawn;
   for (const Candidate& candidate : candidates) {
     const Shown& shown = shown_[candidate.shown];
-    if (occlusion_.hides(shown.ball)) continue;
+    const auto& [ball, largest] = around_[candidate.shown];
+    if (occlusion_.hides(ball)) continue;
     const SceneInstance& instance = scene_.instances[shown.instance];
     drawn.clear();
     for (std::size_t i = 0; i < shown.patch_count; ++i) {
@@ -579,7 +586,7 @@ void ScenePlanner::Planner::cover() {
                        {std::countr_zero(p.cells_u), std::countr_zero(p.cells_v)}});
     }
     occlusion_.add({instance, *tiles_[instance.surface], scene_.materials[instance.material].double_sided,
-                    shown.ball, shown.largest, drawn});
+                    ball, largest, drawn});
   }
 }
 
@@ -612,7 +619,7 @@ void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
   }
   if (plan_.edge_coordinates.size() > 4 * most_tiles) refuse_small_bounds();
   ++plan_.patches[known.index].tile_count;
-  plan_.tiles.push_back({instance, known.index});
+  drawn_.push_back({instance, known.index});
 }
 
 void ScenePlanner::Planner::begin(const Camera& camera) {
@@ -634,6 +641,8 @@ void ScenePlanner::Planner::begin(const Camera& camera) {
   std::swap(used_, last_used_);
   used_.clear();
   shown_.clear();
+  around_.clear();
+  drawn_.clear();
   plan_ = {};
   samples_by_attributes_ = {};
   ++plans_;
@@ -744,12 +753,10 @@ void ScenePlanner::Planner::finish() {
     patch.first_tile = next;
     next += patch.tile_count;
   }
-  if (plan_.tiles.size() == plan_.patches.size()) return;
-  std::vector<PlannedTile> sorted(plan_.tiles.size());
+  plan_.tiles.resize(drawn_.size());
   std::vector<std::uint32_t> place(plan_.patches.size());
   for (std::size_t i = 0; i < place.size(); ++i) place[i] = plan_.patches[i].first_tile;
-  for (const PlannedTile& tile : plan_.tiles) sorted[place[tile.patch]++] = tile;
-  plan_.tiles = std::move(sorted);
+  for (const PlannedTile& tile : drawn_) plan_.tiles[place[tile.patch]++] = tile;
 }
 
 ScenePlanner::ScenePlanner(const Scene& scene, const SceneRequest& request)

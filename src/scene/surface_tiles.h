@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <darboux/tile_bounds.h>
@@ -97,9 +98,9 @@ class SurfaceTiles {
   const ChordLevels& finest_chord_levels() const { return finest_levels_; }
   const ChordLevels& typical_chord_levels() const { return typical_levels_; }
 
-  // A lower bound of the distance from a point: of the box from afar, else the least of those of 16 × 16
-  // tiles. Of surfaces without bounds an estimate from samples. It changes by no more than the point moves,
-  // but jumps where it is another's distance.
+  // A lower bound of the distance from a point: in closed form, or of the box from afar, else the least of
+  // those of 16 × 16 tiles. Of surfaces without bounds an estimate from samples. It changes by no more than
+  // the point moves, but jumps where it is another's distance.
   struct Distance {
     double least;
     bool by_tiles = false;
@@ -132,7 +133,7 @@ class SurfaceTiles {
   double estimated_distance(const Vec3<double>& from) const;
   void find_nearest(std::uint32_t node, const Vec3<double>& from, double& nearest_squared);
   void find_finest();
-  void find_meridian();
+  void find_closed_form();
   void sample();
 
   AnySurface surface_;
@@ -154,6 +155,7 @@ class SurfaceTiles {
 
     double distance(const Vec3<double>& p) const;
   } meridian_;
+  std::optional<Vec3<double>> ellipsoid_;  // its axes
   std::vector<std::unique_ptr<TileNode>> nodes_;
   std::array<FacingPoint, 8> of_octants_;
 };
