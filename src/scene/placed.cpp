@@ -60,7 +60,7 @@ void place(const Scene& scene, std::uint32_t index, const SurfaceTiles& tiles, c
   // With what inverting an ill-conditioned placement loses.
   result.eye_rounding =
       inverse.rounding * result.condition * (view.perspective() ? lengths : 1) / result.smallest;
-  result.plane_rounding = rounding * (lengths + result.largest * (norm(tiles.centre()) + tiles.radius()));
+  result.plane_rounding = rounding * (lengths + result.largest * tiles.reach());
   result.displacement = scene.materials[instance.material].displacement;
 
   result.centre = m * Eigen::Vector3d(tiles.centre().x, tiles.centre().y, tiles.centre().z) + t;

@@ -67,11 +67,9 @@ double distance_to_ellipsoid(const Vec3<double>& axes, const Vec3<double>& p) {
   const Vec3<double> q{p.x / axes.x, p.y / axes.y, p.z / axes.z};
   const double square = dot(q, q);
   const double longest = std::fmax(axes.x, std::fmax(axes.y, axes.z)),
+               shortest = std::fmin(axes.x, std::fmin(axes.y, axes.z)),
                rounded = 0x1p-46 * (std::fabs(p.x) + std::fabs(p.y) + std::fabs(p.z) + longest);
-  if (square <= 1) {
-    const double shortest = std::fmin(axes.x, std::fmin(axes.y, axes.z));
-    return std::fmax((1 - std::sqrt(square)) * shortest - rounded, 0);
-  }
+  if (square <= 1) return std::fmax((1 - std::sqrt(square)) * shortest - rounded, 0);
   const Vec3<double> scaled{p.x * axes.x, p.y * axes.y, p.z * axes.z},
       squares{axes.x * axes.x, axes.y * axes.y, axes.z * axes.z};
   // Newton's method on 1/|s(t)| = 1, s = (a x/(a² + t), ...), nearly linear in t, from where |s| >= 1.
@@ -84,8 +82,8 @@ double distance_to_ellipsoid(const Vec3<double>& axes, const Vec3<double>& p) {
     const double length = norm(s),
                  falls = s.x * s.x * over.x + s.y * s.y * over.y + s.z * s.z * over.z;  // -½ d(|s|²)/dt
     const double step = length * length * (length - 1) / falls;
-    // What is left is of second order in the distance.
-    if (!(std::fabs(step) > 1e-9 * (t + squares.x + squares.y + squares.z))) break;
+    // Of what is left, d has as much in proportion, and the distance the square.
+    if (!(std::fabs(step) > 1e-9 * (t + shortest * shortest))) break;
     t = std::fmax(t + step, 0);
   }
   const Vec3<double> a{axes.x * d.x, axes.y * d.y, axes.z * d.z};
@@ -150,6 +148,7 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
       }
   centre_ = 0.5 * (all.lo + all.hi);
   radius_ = 0.5 * norm(all.hi - all.lo) * (1 + 0x1p-48);
+  reach_of_all_ = norm(centre_) + radius_;
   constexpr TileLevels most{finest_level, finest_level};
   finest_levels_ = ChordLevels(finest_, 1, 1, most);
   typical_levels_ = ChordLevels(typical_, 1, 1, most);

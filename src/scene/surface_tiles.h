@@ -95,6 +95,7 @@ class SurfaceTiles {
   bool is_typical() const { return is_typical_; }  // whether these are the largest
   double radius() const { return radius_; }        // of a sphere about centre() that holds all of it
   const Vec3<double>& centre() const { return centre_; }
+  double reach() const { return reach_of_all_; }  // from the origin of its own space to all of that sphere
   const ChordLevels& finest_chord_levels() const { return finest_levels_; }
   const ChordLevels& typical_chord_levels() const { return typical_levels_; }
 
@@ -143,7 +144,7 @@ class SurfaceTiles {
   TileRates finest_, sampled_, typical_;
   FrameLevels frame_levels_, typical_frame_levels_;
   Vec3<double> centre_{}, lo_{}, hi_{};
-  double radius_ = 0;
+  double radius_ = 0, reach_of_all_ = 0;
   std::vector<Vec3<double>> places_;
   double reach_ = 0;  // from them to all of the surface
   ChordLevels finest_levels_, typical_levels_;
