@@ -660,6 +660,7 @@ ScenePlan ScenePlanner::Planner::plan(const Camera& camera) {
   hidden_.assign(used_.size(), false);
   occlusion_ = Occlusion(camera);
   if (request_.skip.occluded) hide();
+  drawn_.reserve(used_.size());
   for (const Shown& shown : shown_) {
     bool needed = false;
     for (std::size_t i = 0; i < shown.patch_count; ++i)
