@@ -124,7 +124,7 @@ struct ScenePatch {
   std::uint32_t first_tile = 0, tile_count = 0;  ///< in ScenePlan::tiles: those that it is the samples of
 
   Tile tile() const;
-  bool plain() const { return edge_counts == std::array<std::uint32_t, 4>{}; }
+  bool plain() const { return (edge_counts[0] | edge_counts[1] | edge_counts[2] | edge_counts[3]) == 0; }
 };
 
 /// A tile that is needed.

@@ -65,6 +65,13 @@ io::NamedCamera camera_of_node(const GltfFile& file, const JsonCursor& node, con
   return result;
 }
 
+// Whether what lies behind a material is seen: it blends, has holes, or transmits light without scattering
+// it. A factor of 0 may be animated.
+bool is_see_through(const JsonCursor& material) {
+  return (material.has("alphaMode") && material.at("alphaMode").text() != "OPAQUE") ||
+         material.extension("KHR_materials_transmission").has_value();
+}
+
 // The transforms that EXT_mesh_gpu_instancing gives a node, the identity without.
 std::vector<Eigen::Matrix4d> gpu_instances(const GltfFile& file, const JsonCursor& node) {
   const auto extension = node.extension("EXT_mesh_gpu_instancing");
@@ -132,12 +139,13 @@ GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options, boo
   for (const Primitive& p : io::read_gltf(file).primitives) {
     const JsonCursor place = root.at("meshes").at(p.mesh).at("primitives").at(p.primitive);
     SceneMaterial material;
-    if (place.has("material")) {
-      const JsonCursor stored = file.element("materials", place.at("material"));
-      material.double_sided = stored.has("doubleSided") && stored.at("doubleSided").boolean();
+    // Of variants any may be shown.
+    for (const std::size_t index : io::materials_of(file, place)) {
+      const JsonCursor stored = root.at("materials").at(index);
+      material.double_sided =
+          material.double_sided || (stored.has("doubleSided") && stored.at("doubleSided").boolean());
+      material.see_through = material.see_through || is_see_through(stored);
     }
-    // Materials of variants may be double-sided.
-    material.double_sided = material.double_sided || io::materials_of(file, place).size() > 1;
     material.normal_map = p.needs_tangents.value_or(false);  // or whatever else reads them
     SceneMeshPart part = SceneMeshPart::of(p.data, static_cast<std::uint32_t>(scene.materials.size()));
     part.moves = part.moves || place.has("targets");

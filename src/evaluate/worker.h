@@ -77,18 +77,20 @@ class Worker {
     stages_.end();
   }
 
+  void prepare(Coordinate kind, const T* x, std::size_t count, T* sine, T* cosine) const {
+    (*call_.prepare)[static_cast<std::size_t>(kind)](x, count, sine, cosine);
+  }
+
   // The sines of the columns are taken once for all rows, or where these are long for the pieces of them
   // that lie below each other.
   void grid(std::size_t first, std::size_t last) {
     const std::size_t width = call_.points.columns() + 1;
     if (width < batch_size<T>) return short_rows(first, last);
+    if (width < joined_rows_below<T>) return joined_rows(first, last);
     work_.in_domain = true;
     const std::size_t tiles = (width + most_columns<T> - 1) / most_columns<T>;
     const std::size_t tile_width = (width + tiles - 1) / tiles;  // as many in each, none too few for a kernel
     const std::size_t offset = call_.points.offset();            // in the rows, of the call's first point
-    const auto prepare = [&](Coordinate kind, const T* x, std::size_t count, T* sine, T* cosine) {
-      (*call_.prepare)[static_cast<std::size_t>(kind)](x, count, sine, cosine);
-    };
     const std::size_t first_row = (offset + first) / width, last_row = (offset + last - 1) / width;
     if (last_row == first_row + 1) {  // no row is whole: each meets columns of its own
       grid(first, last_row * width - offset);
@@ -125,6 +127,62 @@ class Worker {
       }
       if (open) stages_.end();
     }
+  }
+
+  // Rows of few points, which would fill the last registers of each badly: several one after the other, with
+  // copies of the sines of the columns. What is singular at an end of the chart is so in all of the row, and
+  // goes without the others.
+  void joined_rows(std::size_t first, std::size_t last) {
+    work_.in_domain = true;
+    const Points<T>& points = call_.points;
+    const std::size_t width = points.columns() + 1, offset = points.offset();
+    const std::size_t last_row = (offset + last - 1) / width;
+    const bool linear_u = call_.surface.u == Coordinate::linear;
+    const bool linear_v = call_.surface.v == Coordinate::linear;
+    // A register more than there is room for is written each time, and then overwritten.
+    const auto copy = [](const T* from, std::size_t count, T* to) {
+      for (std::size_t i = 0; i < count; i += batch_size<T>)
+        for (std::size_t k = 0; k < batch_size<T>; ++k) to[i + k] = from[i + k];
+    };
+    const auto repeat = [](T x, std::size_t count, T* to) {
+      for (std::size_t i = 0; i < count; i += batch_size<T>)
+        for (std::size_t k = 0; k < batch_size<T>; ++k) to[i + k] = x;
+    };
+    const std::size_t padded = (width + batch_size<T> - 1) / batch_size<T> * batch_size<T>;
+    for (std::size_t i = 0; i < padded; ++i) columns_u_[i] = points.column(std::min(i, width - 1));
+    prepare(call_.surface.u, columns_u_.data(), padded, sine_u_.data(), cosine_u_.data());
+    const bool has_ends = linear_v || call_.surface.v == Coordinate::half_turn;
+    const auto is_end = [&](std::size_t row) {
+      return has_ends && (points.row(row) == T(0) || points.row(row) == T(1));
+    };
+    std::size_t rows_from = 0, rows_to = 0;  // whose sines are taken
+    stages_.begin(first);
+    for (std::size_t at = first, n = 0; at < last; at += n) {
+      std::size_t row = (offset + at) / width, column = (offset + at) % width;
+      std::size_t rest = last - at;
+      if (is_end(row))
+        rest = std::min(rest, width - column);
+      else if (row < last_row && is_end(last_row))
+        rest = last_row * width - offset - at;
+      n = rest < joined_points<T> + batch_size<T> ? rest : joined_points<T>;
+      for (std::size_t done = 0; done < n; ++row, column = 0) {
+        if (row >= rows_to) {
+          rows_from = row;
+          rows_to = row + group_size<T>;
+          for (std::size_t k = 0; k < group_size<T>; ++k) raw_v_[k] = points.row(std::min(row + k, last_row));
+          prepare(call_.surface.v, raw_v_.data(), group_size<T>, sine_v_.data(), cosine_v_.data());
+        }
+        const std::size_t count = std::min(width - column, n - done), k = row - rows_from;
+        copy(column + (linear_u ? columns_u_.data() : sine_u_.data()), count, joined_[0].data() + done);
+        if (!linear_u) copy(cosine_u_.data() + column, count, joined_[1].data() + done);
+        repeat(linear_v ? raw_v_[k] : sine_v_[k], count, joined_[2].data() + done);
+        if (!linear_v) repeat(cosine_v_[k], count, joined_[3].data() + done);
+        done += count;
+      }
+      block(at, n, {joined_[0].data(), joined_[0].data(), joined_[1].data()},
+            {joined_[2].data(), joined_[2].data(), joined_[3].data()});
+    }
+    stages_.end();
   }
 
   // Rows of fewer points than a kernel takes: as if they were arrays.
@@ -216,6 +274,8 @@ class Worker {
   alignas(line) std::array<T, block_room<T>> raw_u_, raw_v_;
   alignas(line) std::array<T, group_size<T>> sine_v_, cosine_v_;
   alignas(line) std::array<T, most_columns<T> + batch_size<T>> columns_u_, sine_u_, cosine_u_;
+  // Of rows one after the other: sines and cosines of u and v, or instead of sines the values of linear ones.
+  alignas(line) std::array<std::array<T, joined_points<T> + 2 * batch_size<T>>, 4> joined_;
 };
 
 }  // namespace darboux::evaluation

@@ -60,6 +60,7 @@ std::size_t SceneTiles::material(std::uint32_t index) {
     Json json = Json::object();
     if (!m.name.empty()) json["name"] = m.name;
     if (m.double_sided) json["doubleSided"] = true;
+    if (m.see_through) json["alphaMode"] = "BLEND";
     file_->json["materials"].push_back(std::move(json));
   }
   return found->second;

@@ -60,11 +60,24 @@ std::uint32_t KnownPatches::add(ScenePatch patch, std::uint32_t node) {
   return fresh;
 }
 
+std::uint32_t& KnownPatches::plain(std::uint32_t surface, std::uint32_t node, const TileLevels& cells,
+                                   bool all) {
+  if (surface >= plain_.size()) plain_.resize(surface + 1);
+  std::vector<OfNode>& of_surface = plain_[surface];
+  if (node >= of_surface.size()) {
+    OfNode unknown;
+    unknown.fill(none);
+    of_surface.resize(node + 1, unknown);
+  }
+  return of_surface[node][static_cast<std::size_t>(2 * (cells.u * (tile_level_v + 1) + cells.v) + all)];
+}
+
 void KnownPatches::forget() {
   forgotten_ += patches_.size();
   patches_.clear();
   edge_coordinates_.clear();
   by_hash_ = {};
+  plain_.clear();
 }
 
 }  // namespace darboux

@@ -1,13 +1,16 @@
 // The patches of the plans of a scene, each once.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include <darboux/scene.h>
 
 #include "base/hash_table.h"
+#include "tile_levels.h"
 
 namespace darboux {
 
@@ -30,6 +33,11 @@ class KnownPatches {
   void begin(ScenePatch& patch) const;
   void add_edge_coordinate(double x) { edge_coordinates_.push_back(x); }
   std::uint32_t add(ScenePatch patch, std::uint32_t node);
+  // Where the number of the patch stands that is the node of a surface cut into so many cells, in powers of
+  // two, with none but their corners; none where there is none yet. A table: of small instances all patches
+  // are such. \param all whether it has all attributes that are asked for
+  std::uint32_t& plain(std::uint32_t surface, std::uint32_t node, const TileLevels& cells, bool all);
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
   // All of them; numbers go on.
   void forget();
@@ -39,6 +47,8 @@ class KnownPatches {
   std::vector<KnownPatch> patches_;
   std::vector<double> edge_coordinates_;
   HashTable by_hash_;
+  using OfNode = std::array<std::uint32_t, 2 * (tile_level_u + 1) * (tile_level_v + 1)>;
+  std::vector<std::vector<OfNode>> plain_;  // by surface and node
   std::uint64_t forgotten_ = 0;
 };
 

@@ -32,7 +32,7 @@ Inverse inverse_of(const Eigen::Matrix3d& m, std::uint32_t instance, Placed& pla
     placed.smallest = length * (1 - 1e-13);
     placed.largest = length * (1 + 1e-13);
     placed.condition = 1;
-    return {m.transpose() / scale, 0x1p-44 + 0x1p-48};
+    return {m.transpose() * (1 / scale), 0x1p-44 + 0x1p-48};
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d s = svd.singularValues();
@@ -54,13 +54,13 @@ void place(const Scene& scene, std::uint32_t index, const SurfaceTiles& tiles, c
   if (!((0 * m).sum() + (0 * t).sum() == 0)) throw wrong_placement(index, "one that is not finite");
   const Inverse inverse = inverse_of(m, index, result);
   constexpr double rounding = 0x1p-48;
-  const double lengths = view.eye().norm() + t.norm();
+  const double lengths = view.distance_of_eye() + t.norm();
   result.eye =
       from_eigen(inverse.matrix * (view.perspective() ? Eigen::Vector3d(view.eye() - t) : view.backward()));
   // With what inverting an ill-conditioned placement loses.
   result.eye_rounding =
       inverse.rounding * result.condition * (view.perspective() ? lengths : 1) / result.smallest;
-  result.plane_rounding = rounding * (lengths + result.largest * (norm(tiles.centre()) + tiles.radius()));
+  result.plane_rounding = rounding * (lengths + result.largest * tiles.reach());
   result.displacement = scene.materials[instance.material].displacement;
 
   result.centre = m * Eigen::Vector3d(tiles.centre().x, tiles.centre().y, tiles.centre().z) + t;

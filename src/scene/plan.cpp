@@ -30,8 +30,9 @@ struct Visited {
   std::uint32_t first_part = 0;
   Split split = Split::none;
   bool needed = false;
+  bool has_cells = false;
   std::uint8_t planes = 0;  // of the frustum, those that may cut it
-  TileLevels cells;         // of a tile that is needed
+  TileLevels cells{};       // of a tile that is needed, or of another if it is known
 };
 
 void check(const Scene& scene, const SceneRequest& request) {
@@ -72,11 +73,16 @@ struct Answer {
   std::uint16_t value;
 };
 
+// What holds an instance, for what it hides and what hides it.
+struct Around {
+  Occlusion::Ball ball;
+  double largest = 0;  // by what it is scaled, at most
+};
+
 // What was decided for an instance: its tiles, and by which answers.
 struct Decision {
   InstanceView whole;
-  Occlusion::Ball ball;  // that holds it, whatever the camera
-  double largest = 0;    // by what it is scaled, at most
+  Around around;  // whatever the camera
   Counts counts;
   bool reads_nothing = false;
   std::size_t first_patch = 0, first_answer = 0;
@@ -88,10 +94,7 @@ struct Decision {
 
 // The patches of an instance that is in view: known ones, as they are used by this plan.
 struct Shown {
-  std::uint32_t instance, patch_count;
-  std::size_t first_patch;
-  Occlusion::Ball ball;
-  double largest;
+  std::uint32_t instance, first_patch, patch_count;
 };
 
 // How far a camera has moved and turned, all in all: the length of its way, and that of its axes' way as a
@@ -149,6 +152,7 @@ class ScenePlanner::Planner {
   }
   bool still_right(Decision& decision);
   void decide(std::uint32_t instance, Decision& decision);
+  void prefetch(std::uint32_t instance) const;
   void drop_old_answers();
   void count(const Decision& decision);
 
@@ -164,7 +168,8 @@ class ScenePlanner::Planner {
   void visit_tiles(Counts& counts);
   void expect_room(std::size_t more) const;
   void add_patches(std::uint32_t instance);
-  void find_edges(const Visited& tile, ScenePatch& patch);
+  TileLevels finest_of_visited();
+  void find_edges(const Visited& tile, const TileLevels& finest, ScenePatch& patch);
   void hide();
   void plan_meshes();
   void plan_part(std::uint32_t instance, std::uint32_t part, std::vector<bool>& known);
@@ -177,7 +182,7 @@ class ScenePlanner::Planner {
   SceneRequest request_;
   bool keeps_;
   std::vector<std::unique_ptr<SurfaceTiles>> tiles_;
-  TileTests tests_{scene_, request_};
+  TileTests tests_{scene_, request_, keeps_};
   std::vector<Visited> visited_;      // of the current instance
   std::vector<std::uint32_t> found_;  // samples on an edge
 
@@ -189,7 +194,9 @@ class ScenePlanner::Planner {
   std::size_t answers_dropped_ = 0;
   std::vector<std::uint32_t> used_, last_used_;  // known patches by instance, of this plan and the last
   std::vector<Shown> shown_;
-  std::vector<bool> hidden_;  // of used_
+  std::vector<Around> around_;      // of these, where what is hidden is asked for
+  std::vector<bool> hidden_;        // of used_
+  std::vector<PlannedTile> drawn_;  // by instances
   Occlusion occlusion_{Camera()};
   KnownPatches patches_{request_.skip.duplicates};
   std::uint32_t plans_ = 0;
@@ -238,8 +245,9 @@ void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
   }
   decision.first_patch = first;
   count(decision);
-  if (decision.patch_count > 0)
-    shown_.push_back({index, decision.patch_count, first, decision.ball, decision.largest});
+  if (decision.patch_count == 0) return;
+  shown_.push_back({index, static_cast<std::uint32_t>(first), decision.patch_count});
+  if (request_.skip.occluded) around_.push_back(decision.around);
 }
 
 // Asks again what may have another answer by now. Whether none has.
@@ -265,9 +273,9 @@ void ScenePlanner::Planner::decide(std::uint32_t index, Decision& d) {
   const std::size_t first = d.first_answer, place_for = d.answer_count;
   d = {};
   d.whole = tests_.whole();
-  d.ball = {tests_.placed().centre,
-            (1 + 0x1p-40) * tests_.placed().largest * tests_.tiles().radius() + tests_.placed().displacement};
-  d.largest = tests_.placed().largest;
+  d.around = {{tests_.placed().centre, (1 + 0x1p-40) * tests_.placed().largest * tests_.tiles().radius() +
+                                           tests_.placed().displacement},
+              tests_.placed().largest};
   d.reach = reach_ = 1.25 * tests_.placed().farthest;
   d.moving = limit(slack_of_whole_.moving, false);
   d.turning = limit(slack_of_whole_.turning, true);
@@ -295,6 +303,15 @@ void ScenePlanner::Planner::decide(std::uint32_t index, Decision& d) {
   } else {
     answers_dropped_ += place_for;
   }
+}
+
+void ScenePlanner::Planner::prefetch(std::uint32_t index) const {
+  const auto fetch = [](const void* first, std::size_t bytes) {
+    for (std::size_t i = 0; i < bytes; i += 64) __builtin_prefetch(static_cast<const char*>(first) + i);
+  };
+  const Decision& d = decisions_[index];
+  fetch(&scene_.instances[index], sizeof(SceneInstance));
+  fetch(answers_.data() + d.first_answer, d.answer_count * sizeof(Answer));
 }
 
 void ScenePlanner::Planner::drop_old_answers() {
@@ -353,6 +370,7 @@ std::uint16_t ScenePlanner::Planner::ask(Answer::To to, std::uint32_t node, std:
 }
 
 Resolution ScenePlanner::Planner::resolution(std::uint32_t node) {
+  if (!keeps_) return tests_.resolution(node);
   const int x = ask(Answer::To::resolution, node);
   return {{x & 15, x >> 4 & 15}, {(x >> 8 & 1) != 0, (x >> 9 & 1) != 0}};
 }
@@ -361,7 +379,7 @@ Resolution ScenePlanner::Planner::resolution(std::uint32_t node) {
 void ScenePlanner::Planner::visit_tiles(Counts& counts) {
   SurfaceTiles& tiles = tests_.tiles();
   visited_.clear();
-  visited_.push_back({SurfaceTiles::root, 0, Split::none, false, tests_.whole().planes, {}});
+  visited_.push_back({.node = SurfaceTiles::root, .planes = tests_.whole().planes});
   for (std::size_t i = 0; i < visited_.size(); ++i) {
     Visited here = visited_[i];
     const auto all = static_cast<std::uint32_t>(tiles_within(tiles[here.node].place, tests_.whole().finest));
@@ -384,9 +402,9 @@ void ScenePlanner::Planner::visit_tiles(Counts& counts) {
       here.first_part = static_cast<std::uint32_t>(visited_.size());
       const std::uint32_t first = tiles.parts(here.node, here.split);
       for (std::uint32_t k = 0; k < part_count(here.split); ++k)
-        visited_.push_back({first + k, 0, Split::none, false, here.planes, {}});
+        visited_.push_back({.node = first + k, .planes = here.planes});
     } else {
-      here.needed = true;
+      here.needed = here.has_cells = true;
       counts.unbounded += !tests_.bounds(needed.proven);
       counts.below_error += all - 1;
     }
@@ -400,13 +418,25 @@ void ScenePlanner::Planner::expect_room(std::size_t more) const {
 
 // A patch for each tile that is needed.
 void ScenePlanner::Planner::add_patches(std::uint32_t index) {
-  for (std::size_t i = 0; i < visited_.size(); ++i) {
-    const Visited& tile = visited_[i];
+  const std::uint32_t surface = scene_.instances[index].surface;
+  const bool all = tests_.asked() == request_.attributes;
+  const TileLevels finest = finest_of_visited();
+  for (const Visited& tile : visited_) {
     if (!tile.needed) continue;
     expect_room(1);
-    const TilePlace& at = tests_.tiles()[tile.node].place;
     ScenePatch patch;
-    patch.surface = scene_.instances[index].surface;
+    patches_.begin(patch);
+    if (visited_.size() > 1) find_edges(tile, finest, patch);
+    std::uint32_t* known = nullptr;
+    if (request_.skip.duplicates && patch.plain()) {
+      known = &patches_.plain(surface, tile.node, tile.cells, all);
+      if (*known != KnownPatches::none) {
+        used_.push_back(*known);
+        continue;
+      }
+    }
+    const TilePlace& at = tests_.tiles()[tile.node].place;
+    patch.surface = surface;
     patch.level_u = at.level_u;
     patch.level_v = at.level_v;
     patch.cells_u = static_cast<std::uint16_t>(1u << tile.cells.u);
@@ -414,15 +444,38 @@ void ScenePlanner::Planner::add_patches(std::uint32_t index) {
     patch.column = at.column;
     patch.row = at.row;
     patch.attributes = tests_.asked();
-    patches_.begin(patch);
-    if (visited_.size() > 1) find_edges(tile, patch);
     used_.push_back(patches_.add(patch, tile.node));
+    if (known != nullptr) *known = used_.back();
   }
+}
+
+// The finest cells of all tiles of the instance, or finer, in powers of two of the chart.
+TileLevels ScenePlanner::Planner::finest_of_visited() {
+  TileLevels finest;
+  if (visited_.size() == 1) return finest;
+  const TileLevels& most = tests_.whole().finest;
+  const auto take = [&](const Visited& tile) {
+    const TilePlace& at = tests_.tiles()[tile.node].place;
+    finest = {std::max(finest.u, at.level_u + tile.cells.u), std::max(finest.v, at.level_v + tile.cells.v)};
+  };
+  for (const Visited& tile : visited_)
+    if (tile.needed) take(tile);
+  for (Visited& tile : visited_) {
+    if (finest == most) break;
+    if (tile.needed || tile.split != Split::none) continue;
+    // One that is not seen.
+    const Resolution r = resolution(tile.node);
+    if (r.split() != Split::none) return most;
+    tile.cells = r.cells;
+    tile.has_cells = true;
+    take(tile);
+  }
+  return finest;
 }
 
 // Tiles that are not seen count like the others: what a tile's triangles are does not depend on what is
 // culled.
-void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
+void ScenePlanner::Planner::find_edges(const Visited& tile, const TileLevels& finest, ScenePatch& patch) {
   SurfaceTiles& tiles = tests_.tiles();
   const auto search = [&](const EdgeSearch& edge) {
     const auto unseen = [&](const auto& self, std::uint32_t node) -> void {
@@ -437,7 +490,7 @@ void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
       if (v.split != Split::none)
         edge.for_parts(Extent(tiles[v.node].place), v.split,
                        [&](std::uint32_t k) { self(self, v.first_part + k); });
-      else if (v.needed)
+      else if (v.has_cells)
         edge.take(Extent(tiles[v.node].place), v.cells, found_);
       else
         unseen(unseen, v.node);
@@ -451,8 +504,8 @@ void ScenePlanner::Planner::find_edges(const Visited& tile, ScenePatch& patch) {
   for (std::size_t k = 0; k < 4; ++k) {
     const bool along_u = k < 2, upper = k % 2 == 1;
     // No tile is finer than the finest.
-    if (along_u ? tiles[tile.node].place.level_u + tile.cells.u >= tests_.whole().finest.u
-                : tiles[tile.node].place.level_v + tile.cells.v >= tests_.whole().finest.v)
+    if (along_u ? tiles[tile.node].place.level_u + tile.cells.u >= finest.u
+                : tiles[tile.node].place.level_v + tile.cells.v >= finest.v)
       continue;
     std::uint32_t line = along_u ? (upper ? e.v1 : e.v0) : (upper ? e.u1 : e.u0);
     std::uint32_t from = along_u ? e.u0 : e.v0, to = along_u ? e.u1 : e.v1;
@@ -482,13 +535,14 @@ void ScenePlanner::Planner::hide() {
   if (occlusion_.empty()) return;
   // Of smaller ones, tiles one by one are not worth it.
   constexpr double large = 4;
-  for (const Shown& shown : shown_) {
+  for (std::size_t k = 0; k < shown_.size(); ++k) {
+    const Shown& shown = shown_[k];
+    const Occlusion::Ball& ball = around_[k].ball;
     if (!tiles_[scene_.instances[shown.instance].surface]->known()) continue;
-    if (occlusion_.hides(shown.ball)) {
+    if (occlusion_.hides(ball)) {
       for (std::size_t i = 0; i < shown.patch_count; ++i) hidden_[shown.first_patch + i] = true;
       plan_.skipped.occluded += shown.patch_count;
-    } else if (shown.patch_count > 1 && occlusion_.size_of(shown.ball) > large &&
-               occlusion_.may_hide_of(shown.ball)) {
+    } else if (shown.patch_count > 1 && occlusion_.size_of(ball) > large && occlusion_.may_hide_of(ball)) {
       hide_tiles(shown);
     }
   }
@@ -507,7 +561,7 @@ void ScenePlanner::Planner::cover() {
   };
   std::vector<Candidate> candidates;
   for (std::uint32_t i = 0; i < shown_.size(); ++i) {
-    const double size = occlusion_.size_of(shown_[i].ball);
+    const double size = occlusion_.size_of(around_[i].ball);
     if (!(size >= smallest)) continue;
     const SceneInstance& instance = scene_.instances[shown_[i].instance];
     const SceneMaterial& material = scene_.materials[instance.material];
@@ -522,7 +576,8 @@ void ScenePlanner::Planner::cover() {
   std::vector<Occlusion::Drawn> drawn;
   for (const Candidate& candidate : candidates) {
     const Shown& shown = shown_[candidate.shown];
-    if (occlusion_.hides(shown.ball)) continue;
+    const auto& [ball, largest] = around_[candidate.shown];
+    if (occlusion_.hides(ball)) continue;
     const SceneInstance& instance = scene_.instances[shown.instance];
     drawn.clear();
     for (std::size_t i = 0; i < shown.patch_count; ++i) {
@@ -531,7 +586,7 @@ void ScenePlanner::Planner::cover() {
                        {std::countr_zero(p.cells_u), std::countr_zero(p.cells_v)}});
     }
     occlusion_.add({instance, *tiles_[instance.surface], scene_.materials[instance.material].double_sided,
-                    shown.ball, shown.largest, drawn});
+                    ball, largest, drawn});
   }
 }
 
@@ -564,7 +619,7 @@ void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
   }
   if (plan_.edge_coordinates.size() > 4 * most_tiles) refuse_small_bounds();
   ++plan_.patches[known.index].tile_count;
-  plan_.tiles.push_back({instance, known.index});
+  drawn_.push_back({instance, known.index});
 }
 
 void ScenePlanner::Planner::begin(const Camera& camera) {
@@ -586,6 +641,8 @@ void ScenePlanner::Planner::begin(const Camera& camera) {
   std::swap(used_, last_used_);
   used_.clear();
   shown_.clear();
+  around_.clear();
+  drawn_.clear();
   plan_ = {};
   samples_by_attributes_ = {};
   ++plans_;
@@ -593,10 +650,17 @@ void ScenePlanner::Planner::begin(const Camera& camera) {
 
 ScenePlan ScenePlanner::Planner::plan(const Camera& camera) {
   begin(camera);
-  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) plan_instance(i);
+  const auto count = static_cast<std::uint32_t>(scene_.instances.size());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    // Instances that are asked about anew lie anywhere: they are fetched before.
+    constexpr std::uint32_t soon = 8;
+    if (keeps_ && i + soon < count && !holds(decisions_[i + soon])) prefetch(i + soon);
+    plan_instance(i);
+  }
   hidden_.assign(used_.size(), false);
   occlusion_ = Occlusion(camera);
   if (request_.skip.occluded) hide();
+  drawn_.reserve(used_.size());
   for (const Shown& shown : shown_) {
     bool needed = false;
     for (std::size_t i = 0; i < shown.patch_count; ++i)
@@ -690,12 +754,10 @@ void ScenePlanner::Planner::finish() {
     patch.first_tile = next;
     next += patch.tile_count;
   }
-  if (plan_.tiles.size() == plan_.patches.size()) return;
-  std::vector<PlannedTile> sorted(plan_.tiles.size());
+  plan_.tiles.resize(drawn_.size());
   std::vector<std::uint32_t> place(plan_.patches.size());
   for (std::size_t i = 0; i < place.size(); ++i) place[i] = plan_.patches[i].first_tile;
-  for (const PlannedTile& tile : plan_.tiles) sorted[place[tile.patch]++] = tile;
-  plan_.tiles = std::move(sorted);
+  for (const PlannedTile& tile : drawn_) plan_.tiles[place[tile.patch]++] = tile;
 }
 
 ScenePlanner::ScenePlanner(const Scene& scene, const SceneRequest& request)

@@ -9,6 +9,7 @@
 #include <darboux/cone.h>
 #include <darboux/cylinder.h>
 #include <darboux/disk.h>
+#include <darboux/ellipsoid.h>
 #include <darboux/error.h>
 #include <darboux/sphere.h>
 #include <darboux/torus.h>
@@ -57,6 +58,39 @@ bool has_box(const TileNode& node) {
   return finite(node.lo) && finite(node.hi);
 }
 
+// A lower bound of the distance of a point to an ellipsoid, exact from outside but for what is rounded. There
+// it is the largest d·P - h(d) over unit vectors d, with h the ellipsoid's support: whatever d is, that is
+// none too large. The best is along (x/(a² + t), ...), at that t >= 0 for which the nearest point
+// (a² x/(a² + t), ...) lies on the ellipsoid. From inside, what is left of the sphere to which the axes scale
+// it, times the shortest.
+double distance_to_ellipsoid(const Vec3<double>& axes, const Vec3<double>& p) {
+  const Vec3<double> q{p.x / axes.x, p.y / axes.y, p.z / axes.z};
+  const double square = dot(q, q);
+  const double longest = std::fmax(axes.x, std::fmax(axes.y, axes.z)),
+               shortest = std::fmin(axes.x, std::fmin(axes.y, axes.z)),
+               rounded = 0x1p-46 * (std::fabs(p.x) + std::fabs(p.y) + std::fabs(p.z) + longest);
+  if (square <= 1) return std::fmax((1 - std::sqrt(square)) * shortest - rounded, 0);
+  const Vec3<double> scaled{p.x * axes.x, p.y * axes.y, p.z * axes.z},
+      squares{axes.x * axes.x, axes.y * axes.y, axes.z * axes.z};
+  // Newton's method on 1/|s(t)| = 1, s = (a x/(a² + t), ...), nearly linear in t, from where |s| >= 1.
+  double t = std::fmax(norm(scaled) - longest * longest, 0);
+  Vec3<double> d{};
+  for (int i = 0; i < 20; ++i) {
+    const Vec3<double> over{1 / (squares.x + t), 1 / (squares.y + t), 1 / (squares.z + t)};
+    d = {p.x * over.x, p.y * over.y, p.z * over.z};
+    const Vec3<double> s{axes.x * d.x, axes.y * d.y, axes.z * d.z};
+    const double length = norm(s),
+                 falls = s.x * s.x * over.x + s.y * s.y * over.y + s.z * s.z * over.z;  // -½ d(|s|²)/dt
+    const double step = length * length * (length - 1) / falls;
+    // Of what is left, d has as much in proportion, and the distance the square.
+    if (!(std::fabs(step) > 1e-9 * (t + shortest * shortest))) break;
+    t = std::fmax(t + step, 0);
+  }
+  const Vec3<double> a{axes.x * d.x, axes.y * d.y, axes.z * d.z};
+  const double distance = (dot(d, p) - norm(a)) / norm(d) - rounded;
+  return distance > 0 ? distance : 0;
+}
+
 }  // namespace
 
 Tile TilePlace::tile() const {
@@ -97,7 +131,7 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
     for (auto rate : position_rates) typical_.*rate = std::fmin(typical_.*rate, sampled_.*rate);
     for (auto rate : frame_rates) typical_.*rate = std::fmin(typical_.*rate, sampled_.*rate);
   }
-  if (known_) find_meridian();
+  if (known_) find_closed_form();
   nodes_.push_back(make({}));
   TileNode& all = *nodes_.front();
   // Bounds on intervals may know no box of the whole, though boxes of its parts.
@@ -114,12 +148,13 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
       }
   centre_ = 0.5 * (all.lo + all.hi);
   radius_ = 0.5 * norm(all.hi - all.lo) * (1 + 0x1p-48);
+  reach_of_all_ = norm(centre_) + radius_;
   constexpr TileLevels most{finest_level, finest_level};
   finest_levels_ = ChordLevels(finest_, 1, 1, most);
   typical_levels_ = ChordLevels(typical_, 1, 1, most);
 }
 
-void SurfaceTiles::find_meridian() {
+void SurfaceTiles::find_closed_form() {
   if (const auto* s = surface_.get<Sphere<>>())
     meridian_ = {Meridian::Kind::circle, 0, s->radius};
   else if (const auto* torus = surface_.get<Torus<>>(); torus && torus->major_radius >= torus->minor_radius)
@@ -130,6 +165,8 @@ void SurfaceTiles::find_meridian() {
     meridian_ = {Meridian::Kind::line, 0, 0, {cone->radius, 0}, {0, cone->height}};
   else if (const auto* disk = surface_.get<Disk<>>())
     meridian_ = {Meridian::Kind::line, 0, 0, {disk->outer_radius, 0}, {disk->inner_radius, 0}};
+  else if (const auto* ellipsoid = surface_.get<Ellipsoid<>>())
+    ellipsoid_ = {ellipsoid->semi_axis_x, ellipsoid->semi_axis_y, ellipsoid->semi_axis_z};
 }
 
 // Of a point to what turns about the axis: that to the meridian in the point's own half-plane. Less what is
@@ -296,6 +333,7 @@ void SurfaceTiles::find_nearest(std::uint32_t node, const Vec3<double>& from, do
 SurfaceTiles::Distance SurfaceTiles::distance(const Vec3<double>& from) {
   if (!known_) return {estimated_distance(from)};
   if (meridian_.kind != Meridian::Kind::none) return {meridian_.distance(from)};
+  if (ellipsoid_) return {distance_to_ellipsoid(*ellipsoid_, from)};
   const double to_box = std::sqrt(squared_distance_to_box(from, nodes_.front()->lo, nodes_.front()->hi)),
                afar = 4 * radius_, way_to_jump = std::fabs(to_box - afar);
   if (!(to_box < afar)) return {to_box, false, way_to_jump};
@@ -314,7 +352,8 @@ std::unique_ptr<TileNode> SurfaceTiles::make(const TilePlace& place) {
                                           {},
                                           {},
                                           {surface_, known_ ? place.tile() : Tile{1, 0, 0, 0}, order_},
-                                          finest_});
+                                          finest_,
+                                          {}});
   if (known_) {
     node->rates = node->bounds.rates();
     node->proven = take_estimates(node->rates, sampled_);
@@ -327,6 +366,35 @@ std::unique_ptr<TileNode> SurfaceTiles::make(const TilePlace& place) {
                         std::ldexp(1.0, -place.level_v),
                         {finest_level - place.level_u, finest_level - place.level_v}};
   return node;
+}
+
+FacingPoint SurfaceTiles::facing_point_at(double u, double v) const {
+  const Frame<double> frame = surface_.frame(u, v);
+  const double height = dot(frame.n, surface_.jet(u, v).position);
+  if (frame.status != Status::regular || !std::isfinite(height)) return {{}, 0, true};
+  return {frame.n, height, true};
+}
+
+void SurfaceTiles::make_middle(TileNode& node) const {
+  const Tile t = node.place.tile();
+  node.middle = facing_point_at(0.5 * (t.u0 + t.u1), 0.5 * (t.v0 + t.v1));
+}
+
+// Of 4 x 4 points that whose normal is nearest to the octant's.
+void SurfaceTiles::make_octants() {
+  of_octants_.fill({{}, 0, true});
+  std::array<double, 8> best{};
+  for (int i = 0; i < 16; ++i) {
+    const FacingPoint point = facing_point_at((i % 4 + 0.5) / 4, (i / 4 + 0.5) / 4);
+    for (std::size_t k = 0; k < 8; ++k) {
+      const double along = (k & 1 ? -point.normal.x : point.normal.x) +
+                           (k & 2 ? -point.normal.y : point.normal.y) +
+                           (k & 4 ? -point.normal.z : point.normal.z);
+      if (!(along > best[k])) continue;
+      best[k] = along;
+      of_octants_[k] = point;
+    }
+  }
 }
 
 std::uint32_t SurfaceTiles::parts(std::uint32_t index, Split split) {

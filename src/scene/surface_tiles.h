@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <darboux/tile_bounds.h>
@@ -44,6 +46,20 @@ struct Proven {
   bool operator==(const Proven&) const = default;
 };
 
+// A point of a tile by its normal n and n · P: where it is seen from the side of n, not all of the tile faces
+// away. Unknown where n = 0.
+struct FacingPoint {
+  Vec3<double> normal{};
+  double height = 0;
+  bool made = false;
+
+  // Of an eye; or of a direction towards it, offset 0. Not where roundings decide.
+  bool faces(const Vec3<double>& eye, double offset) const {
+    const double x = normal.x * eye.x, y = normal.y * eye.y, z = normal.z * eye.z, h = offset * height;
+    return x + y + z - h > 0x1p-40 * (std::fabs(x) + std::fabs(y) + std::fabs(z) + std::fabs(h));
+  }
+};
+
 struct TileNode {
   Vec3<double> lo, hi;  // its box, within that of the tile it is part of
   TilePlace place;
@@ -54,6 +70,7 @@ struct TileNode {
   ChordLevels chord_levels;
   TileBounds bounds;
   TileRates rates;
+  FacingPoint middle;
 };
 
 enum class Split : std::uint8_t { u, v, both, none };
@@ -78,12 +95,13 @@ class SurfaceTiles {
   bool is_typical() const { return is_typical_; }  // whether these are the largest
   double radius() const { return radius_; }        // of a sphere about centre() that holds all of it
   const Vec3<double>& centre() const { return centre_; }
+  double reach() const { return reach_of_all_; }  // from the origin of its own space to all of that sphere
   const ChordLevels& finest_chord_levels() const { return finest_levels_; }
   const ChordLevels& typical_chord_levels() const { return typical_levels_; }
 
-  // A lower bound of the distance from a point: of the box from afar, else the least of those of 16 × 16
-  // tiles. Of surfaces without bounds an estimate from samples. It changes by no more than the point moves,
-  // but jumps where it is another's distance.
+  // A lower bound of the distance from a point: in closed form, or of the box from afar, else the least of
+  // those of 16 × 16 tiles. Of surfaces without bounds an estimate from samples. It changes by no more than
+  // the point moves, but jumps where it is another's distance.
   struct Distance {
     double least;
     bool by_tiles = false;
@@ -96,15 +114,27 @@ class SurfaceTiles {
   FrameLevels& frame_levels(std::uint32_t node) { return nodes_[node]->frame_levels; }
   FrameLevels& frame_levels() { return frame_levels_; }  // of the finest
   FrameLevels& typical_frame_levels() { return typical_frame_levels_; }
+  // A point of a tile that an eye or a direction towards it may see from that side: the middle, or of all of
+  // the chart one of some, by the octant.
+  const FacingPoint& facing_point(std::uint32_t node, const Vec3<double>& eye) {
+    FacingPoint& point =
+        node == root ? of_octants_[(eye.x < 0 ? 1u : 0u) + (eye.y < 0 ? 2u : 0u) + (eye.z < 0 ? 4u : 0u)]
+                     : nodes_[node]->middle;
+    if (!point.made) node == root ? make_octants() : make_middle(*nodes_[node]);
+    return point;
+  }
   // The first of the parts.
   std::uint32_t parts(std::uint32_t node, Split split);
 
  private:
   std::unique_ptr<TileNode> make(const TilePlace& place);
+  FacingPoint facing_point_at(double u, double v) const;
+  void make_middle(TileNode& node) const;
+  void make_octants();
   double estimated_distance(const Vec3<double>& from) const;
   void find_nearest(std::uint32_t node, const Vec3<double>& from, double& nearest_squared);
   void find_finest();
-  void find_meridian();
+  void find_closed_form();
   void sample();
 
   AnySurface surface_;
@@ -114,7 +144,7 @@ class SurfaceTiles {
   TileRates finest_, sampled_, typical_;
   FrameLevels frame_levels_, typical_frame_levels_;
   Vec3<double> centre_{}, lo_{}, hi_{};
-  double radius_ = 0;
+  double radius_ = 0, reach_of_all_ = 0;
   std::vector<Vec3<double>> places_;
   double reach_ = 0;  // from them to all of the surface
   ChordLevels finest_levels_, typical_levels_;
@@ -126,7 +156,9 @@ class SurfaceTiles {
 
     double distance(const Vec3<double>& p) const;
   } meridian_;
+  std::optional<Vec3<double>> ellipsoid_;  // its axes
   std::vector<std::unique_ptr<TileNode>> nodes_;
+  std::array<FacingPoint, 8> of_octants_;
 };
 
 }  // namespace darboux

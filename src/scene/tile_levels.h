@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -20,7 +21,8 @@ struct TileLevels {
 };
 
 // The cells that a tile is cut into one after the other as its chords have to be smaller, each time across
-// that side which is worth more. The error falls with every cut: how many are needed is a search.
+// that side where the error falls by more for each sample that the chart then has more. The error falls with
+// every cut: how many are needed is a search.
 class ChordLevels {
  public:
   ChordLevels() = default;
@@ -29,19 +31,24 @@ class ChordLevels {
     TileLevels cuts;
     double uu = rates.position_uu * du * du, uv = 2 * rates.position_uv * du * dv,
            vv = rates.position_vv * dv * dv;
+    double cells_u = 1 / du, cells_v = 1 / dv;  // of the chart
     errors_.fill(-1);
     for (std::size_t k = 0;; ++k) {
       levels_u_[k] = static_cast<std::uint8_t>(cuts.u);
       const double error = (1 + 0x1p-48) * (uu + uv + vv) / 8;
-      errors_[k] = error >= 0 ? error : std::numeric_limits<double>::infinity();
+      errors_[k] = error >= 0 ? rounded_up(error) : std::numeric_limits<float>::infinity();
       if (cuts.u == most.u && cuts.v == most.v) break;
       uv /= 2;
-      if (cuts.v == most.v || (cuts.u < most.u && uu >= vv)) {
+      const double gain_u = (0.75 * uu + uv) * (cells_v * cells_u + cells_v),
+                   gain_v = (0.75 * vv + uv) * (cells_v * cells_u + cells_u);
+      if (cuts.v == most.v || (cuts.u < most.u && gain_u >= gain_v)) {
         ++cuts.u;
         uu /= 4;
+        cells_u *= 2;
       } else {
         ++cuts.v;
         vv /= 4;
+        cells_v *= 2;
       }
     }
   }
@@ -52,8 +59,11 @@ class ChordLevels {
   };
   // The fewest cells whose chords are no longer than this one, or all there are.
   Answer operator()(double chord) const {
-    std::size_t k = 0;
-    for (std::size_t step = size / 2; step > 0; step /= 2) k += errors_[k + step - 1] > chord ? step : 0;
+    // All are compared, as there are few: a search by halves waits for each comparison.
+    const float least = rounded_down(chord);
+    std::int32_t larger = 0;
+    for (const float error : errors_) larger += error > least ? 1 : 0;
+    auto k = static_cast<std::size_t>(larger);
     const bool enough = errors_[k] >= 0;
     if (!enough) --k;  // the last one is not either
     return {{levels_u_[k], static_cast<int>(k) - levels_u_[k]},
@@ -64,9 +74,20 @@ class ChordLevels {
   }
 
  private:
+  // What is no larger than a number rounded down is no larger than the number: to compare the two is to
+  // compare these.
+  static float rounded_down(double x) {
+    const auto nearest = static_cast<float>(x);
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(nearest) - (nearest > x ? 1u : 0u));
+  }
+  static float rounded_up(double x) {
+    const auto nearest = static_cast<float>(x);
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(nearest) + (nearest < x ? 1u : 0u));
+  }
+
   static constexpr std::size_t size = 32;
   static_assert(2 * finest_level + 1 < size);
-  std::array<double, size> errors_{};  // after so many cuts; -1 where there are no more
+  std::array<float, size> errors_{};  // after so many cuts, or a little more; -1 where there are no more
   std::array<std::uint8_t, size> levels_u_{};
 };
 

@@ -33,9 +33,34 @@ std::vector<SplitCell> split_cells(const ScenePatch& patch, std::span<const doub
   return result;
 }
 
+// How many cells split_cells() finds: along each edge their numbers rise, and of those in the corners each is
+// on two edges.
+static std::size_t count_split_cells(const ScenePatch& patch, std::span<const double> coordinates) {
+  if (patch.cells_u == 1 || patch.cells_v == 1) return split_cells(patch, coordinates).size();
+  const Tile t = patch.tile();
+  std::size_t count = 0;
+  std::array<bool, 4> first{}, last{};
+  const double* next = coordinates.data() + patch.first_edge_coordinate;
+  for (std::size_t edge = 0; edge < 4; ++edge) {
+    const bool along_u = edge < 2;
+    const std::uint32_t cells = along_u ? patch.cells_u : patch.cells_v;
+    const double from = along_u ? t.u0 : t.v0, per_cell = ((along_u ? t.u1 : t.v1) - from) / cells;
+    std::uint32_t before = cells;
+    for (std::uint32_t i = 0; i < patch.edge_counts[edge]; ++i, ++next) {
+      const auto cell = static_cast<std::uint32_t>((*next - from) / per_cell);
+      count += cell != before;
+      before = cell;
+      first[edge] = first[edge] || cell == 0;
+      last[edge] = last[edge] || cell + 1 == cells;
+    }
+  }
+  return count - (first[0] && first[2]) - (last[0] && first[3]) - (first[1] && last[2]) -
+         (last[1] && last[3]);
+}
+
 std::uint64_t sample_count(const ScenePatch& patch, std::span<const double> coordinates) {
   const std::uint64_t corners = (patch.cells_u + std::uint64_t{1}) * (patch.cells_v + std::uint64_t{1});
-  return patch.plain() ? corners : corners + edge_samples(patch) + split_cells(patch, coordinates).size();
+  return patch.plain() ? corners : corners + edge_samples(patch) + count_split_cells(patch, coordinates);
 }
 
 namespace {
@@ -47,14 +72,17 @@ void add_triangle(std::vector<std::uint32_t>& triangles, std::size_t a, std::siz
 // Two for each cell that is not split.
 void add_triangles(std::uint32_t columns, std::uint32_t rows, const std::vector<bool>& is_split,
                    std::vector<std::uint32_t>& triangles) {
-  const std::size_t width = std::size_t{columns} + 1;
+  const std::uint32_t width = columns + 1;
+  const std::size_t before = triangles.size();
+  triangles.resize(before + std::size_t{6} * columns * rows);
+  std::uint32_t* next = triangles.data() + before;
   for (std::uint32_t row = 0; row < rows; ++row)
     for (std::uint32_t column = 0; column < columns; ++column) {
       if (!is_split.empty() && is_split[std::size_t{row} * columns + column]) continue;
-      const std::size_t a = row * width + column, b = a + 1, c = a + width + 1, d = a + width;
-      add_triangle(triangles, a, b, c);
-      add_triangle(triangles, a, c, d);
+      const std::uint32_t a = row * width + column, b = a + 1, c = a + width + 1, d = a + width;
+      for (const std::uint32_t i : {a, b, c, a, c, d}) *next++ = i;
     }
+  triangles.resize(static_cast<std::size_t>(next - triangles.data()));
 }
 
 // The samples of a patch beyond the corners of its cells, and its triangles: a fan around the centre of each

@@ -64,9 +64,10 @@ double interpolation_angle(const TileRates& r, bool of_tangents, double du, doub
 
 }  // namespace
 
-TileTests::TileTests(const Scene& scene, const SceneRequest& request)
+TileTests::TileTests(const Scene& scene, const SceneRequest& request, bool wants_slack)
     : scene_(scene),
       request_(request),
+      wants_slack_(wants_slack),
       bounds_chord_(std::isfinite(request.chord) || std::isfinite(request.chord_px)) {
   for (std::size_t a = 0; a < attribute_count; ++a)
     if (const auto x = static_cast<Attribute>(a); request.attributes.has(x) && !tangent_attributes.has(x))
@@ -86,8 +87,9 @@ void TileTests::look(const Camera& camera) {
 }
 
 double TileTests::rounding() const {
-  return placed_.condition * (0x1p-40 * (view_.eye().norm() + 2 * placed_.farthest + view_.near_distance()) +
-                              0x1p8 * placed_.plane_rounding);
+  return placed_.condition *
+         (0x1p-40 * (view_.distance_of_eye() + 2 * placed_.farthest + view_.near_distance()) +
+          0x1p8 * placed_.plane_rounding);
 }
 
 void TileTests::begin(std::uint32_t index, SurfaceTiles& tiles) {
@@ -112,7 +114,7 @@ void TileTests::find_resolutions() {
   nearest_ = nearest_distance();
   local_chord_ = chord_ / placed_.largest;
   local_chord_per_distance_ = chord_per_distance_ / placed_.largest;
-  distance_per_local_chord_ = placed_.largest / chord_per_distance_;
+  if (wants_slack_) distance_per_local_chord_ = placed_.largest / chord_per_distance_;
   SurfaceTiles& tiles = *tiles_;
   // Whatever the material reads: the count of tiles does not depend on it.
   const Attributes asked = std::exchange(asked_, request_.attributes);
@@ -148,7 +150,7 @@ TileLevels TileTests::cells_needed(double distance, const TileRates& rates, cons
         chords(local_chord_per_distance_ == 0 ? local_chord_
                                               : std::min(local_chord_, local_chord_per_distance_ * distance));
     result = answer.levels;
-    if (local_chord_per_distance_ != 0) {
+    if (wants_slack_ && local_chord_per_distance_ != 0) {
       // The distances between which it is the same.
       const double share = 1 / view_.stretch();  // depths count so many times
       Slack::lower(slack.turning, (distance - answer.least * distance_per_local_chord_) * share);
@@ -209,8 +211,11 @@ bool TileTests::outside(std::uint32_t index, std::uint8_t& planes) {
 }
 
 bool TileTests::faces_away(std::uint32_t index) {
-  const TileBounds& bounds = (*tiles_)[index].bounds;
   const bool perspective = view_.perspective();
+  // Most tiles do not by any of their points. Their bound tells no more, but how far that is from changing.
+  if (!wants_slack_ && tiles_->facing_point(index, placed_.eye).faces(placed_.eye, perspective ? 1 : 0))
+    return false;
+  const TileBounds& bounds = (*tiles_)[index].bounds;
   const double facing =
       (perspective ? bounds.facing(placed_.eye) : bounds.facing_along(placed_.eye)) + placed_.eye_rounding;
   // Changes by no more than the eye moves, in the surface's own space, times facing_rate(); or turns.

@@ -50,7 +50,8 @@ struct InstanceView {
 
 class TileTests {
  public:
-  TileTests(const Scene& scene, const SceneRequest& request);
+  // \param wants_slack whether somebody asks for it
+  TileTests(const Scene& scene, const SceneRequest& request, bool wants_slack);
 
   void look(const Camera& camera);
   // The instance that is asked about from now on. \throws ParameterError as place()
@@ -87,6 +88,7 @@ class TileTests {
 
   const Scene& scene_;
   const SceneRequest& request_;
+  bool wants_slack_;
   Attributes without_tangents_;
   bool bounds_chord_;
   View view_{Camera()};

@@ -9,6 +9,7 @@ View::View(const Camera& camera)
     : perspective_(camera.projection == Camera::Projection::perspective),
       eye_(camera.pose.translation()),
       backward_(camera.pose.linear().col(2)),
+      distance_of_eye_(eye_.norm()),
       near_(camera.near_distance) {
   const Eigen::Matrix3d axes = camera.pose.linear();
   const double aspect = double(camera.width_px) / camera.height_px;

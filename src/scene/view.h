@@ -21,7 +21,8 @@ class View {
 
   bool perspective() const { return perspective_; }
   const Eigen::Vector3d& eye() const { return eye_; }
-  Eigen::Vector3d backward() const { return backward_; }  // towards an orthographic camera
+  double distance_of_eye() const { return distance_of_eye_; }  // from the origin
+  Eigen::Vector3d backward() const { return backward_; }       // towards an orthographic camera
   double near_distance() const { return near_; }
   // What is seen at a depth is at most so many times that far from the eye.
   double stretch() const { return stretch_; }
@@ -34,7 +35,7 @@ class View {
  private:
   bool perspective_;
   Eigen::Vector3d eye_, backward_;
-  double near_, per_pixel_, stretch_;
+  double distance_of_eye_, near_, per_pixel_, stretch_;
   std::array<Plane3, 6> planes_;
 };
 

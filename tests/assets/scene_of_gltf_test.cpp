@@ -104,6 +104,33 @@ TEST_F(GltfScenes, WhatIsSeenFromBehindOrMovesIsKept) {
   EXPECT_EQ(plan().tiles_unbounded, 1u);
 }
 
+TEST_F(GltfScenes, MaterialsThatAreSeenThrough) {
+  b_.json["meshes"][0]["primitives"][0]["material"] = 0;
+  const auto material = [&](const char* json) {
+    b_.json["materials"][0] = Json::parse(json);
+    return scene().scene.materials.at(0);
+  };
+  EXPECT_FALSE(material("{}").see_through);
+  EXPECT_FALSE(material(R"({"alphaMode": "OPAQUE"})").see_through);
+  EXPECT_TRUE(material(R"({"alphaMode": "MASK"})").see_through);
+  EXPECT_TRUE(material(R"({"alphaMode": "BLEND"})").see_through);
+  b_.json["extensionsUsed"] = {"KHR_materials_transmission", "KHR_materials_volume",
+                               "KHR_materials_variants"};
+  EXPECT_TRUE(
+      material(R"({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0}}})").see_through)
+      << "a factor may be animated";
+  EXPECT_FALSE(material(R"({"extensions": {"KHR_materials_volume": {}}})").see_through);
+  // Of variants any may be shown.
+  b_.json["materials"].push_back({{"alphaMode", "BLEND"}});
+  b_.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "glass"}}};
+  b_.json["meshes"][0]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"] = {
+      {{"material", 1}, {"variants", {0}}}};
+  EXPECT_TRUE(material("{}").see_through);
+  EXPECT_FALSE(material("{}").double_sided);
+  b_.json["materials"][1]["doubleSided"] = true;
+  EXPECT_TRUE(material("{}").double_sided);
+}
+
 TEST_F(GltfScenes, WithoutACameraOneSeesAll) {
   b_.json["nodes"][0].erase("camera");
   b_.json["scenes"][0]["nodes"] = {1};

@@ -569,5 +569,29 @@ TEST(Scene, RefusesWhatMakesNoSense) {
             "camera up: expected a direction that is not along the view, got one along it");
 }
 
+// More tiles than a plan has at most are refused while it is made, whichever part asks for them: many tiles
+// of one surface, or few each of many instances.
+TEST(Scene, RefusesMoreTilesThanAPlanHas) {
+  SceneRequest request;
+  request.skip.outside_frustum = request.skip.back_facing = false;
+  request.frame_angle_rad = std::numbers::pi;
+  request.chord = 1e-5;
+  Scene scene{{make_surface("sphere")}, {{}}, {{}}};
+  const std::size_t tiles = plan_scene(scene, {}, request).tiles.size();
+  ASSERT_GT(tiles, 1000u);
+  constexpr std::size_t most = std::size_t{1} << 24;
+  scene.instances.resize(most / tiles + 1);
+  EXPECT_EQ(
+      refusal_of([&] { plan_scene(scene, {}, request); }),
+      "scene: expected bounds that at most 16777216 tiles keep, got smaller ones: ask for a larger chord "
+      "or angle");
+  // Of one surface.
+  scene.instances.resize(1);
+  request.chord = 1e-9;
+  EXPECT_EQ(refusal_of([&] { plan_scene(scene, {}, request); }),
+            "scene: expected bounds that at most 262144 tiles of a surface keep, got smaller ones: ask for a "
+            "larger chord or angle");
+}
+
 }  // namespace
 }  // namespace darboux::test
