@@ -47,7 +47,7 @@ fuzz() { tests/fuzz/run.sh "${FUZZ_SECONDS:-60}"; }
 mutants() {
   build release fuzz_targets || return 1
   for target in gltf gltf_decoders ply stl collada pcd points formula surface_file surface_text scene_file png image \
-    uv_points results baseline evaluate mesh_frames mikktspace; do
+    uv_points results baseline config study evaluate mesh_frames mikktspace; do
     echo "$target: $(build/release/bin/fuzz_$target "tests/fuzz/corpus/${target%_decoders}" "${MUTANTS:-100000}")" || return 1
   done
 }

@@ -3,10 +3,9 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
-#include <sstream>
 
 #include "base/parallel_jobs.h"
-#include "io/json_cursor.h"
+#include "configuration.h"
 #include "validate_files.h"
 #include "validate_pictures.h"
 
@@ -200,33 +199,6 @@ void run(const Arguments& arguments, Common& common) {
     junit_file->commit();
   }
   write_pictures(arguments.pictures, files, arguments.max_angle, common.read);
-}
-
-// Options from a file, TOML's NAME = VALUE; what the command line says goes before.
-void read_configuration(CLI::App& sub, const std::string& path) {
-  std::vector<std::string> known;
-  for (const CLI::Option* option : sub.get_options())
-    for (const std::string& name : option->get_lnames())
-      if (name != "help" && name != "version" && name != "config" && name != "findings")
-        known.push_back(name);
-  known.push_back("files");
-  std::istringstream text(io::read_file(path));
-  try {
-    for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(text)) {
-      if (!item.parents.empty())
-        throw FileError(path, expected_got("options alone", "a section [" + item.parents.front() + "]"));
-      const std::string& name = item.name;
-      if (std::find(known.begin(), known.end(), name) == known.end())
-        throw FileError(path,
-                        expected_got("an option of validate (" + joined(known) + ")", "'" + name + "'"));
-      CLI::Option& option = *sub.get_option_no_throw(name == "files" ? "FILES" : "--" + name);
-      if (option.count() > 0) continue;  // a name that is given twice comes once, with two values
-      option.add_result(item.inputs);
-      option.run_callback();
-    }
-  } catch (const CLI::ParseError& e) {
-    throw FileError(path, e.what());
-  }
 }
 
 }  // namespace

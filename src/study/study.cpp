@@ -78,7 +78,9 @@ Header read_header(const std::string& file, const Json& line, const std::string&
     header.version = line.at("version").get<std::string>();
     header.study = line.at("study");
     header.shard = parse_shard(line.at("shard").get<std::string>());
-    header.jobs = line.at("jobs").get<std::size_t>();
+    if (const Json& jobs = line.at("jobs"); !jobs.is_number_unsigned())
+      broken(file, 1, expected_got("jobs to be a whole number", shortened(dump(jobs), 60)));
+    header.jobs = line["jobs"].get<std::size_t>();
     if (header.version != version)
       throw FileError(file,
                       expected_got("results of darboux " + version, "those of darboux " + header.version));
@@ -284,7 +286,11 @@ std::string merge_results(const std::vector<std::string>& files, const std::stri
       throw FileError(file,
                       expected_got("every shard once", "shard " + shard_text(header.shard) +
                                                            " again, which is in " + at->second + " too"));
-    for (std::size_t job = header.shard.index - 1; job < header.jobs; job += header.shard.count)
+    // The next job may be beyond what a number holds.
+    const auto next = [&](std::size_t job) {
+      return header.shard.count < header.jobs - job ? job + header.shard.count : header.jobs;
+    };
+    for (std::size_t job = header.shard.index - 1; job < header.jobs; job = next(job))
       if (!read->of_job.contains(job))
         throw FileError(file, expected_got("all jobs of shard " + shard_text(header.shard),
                                            "none of job " + std::to_string(job) + ": resume it"));

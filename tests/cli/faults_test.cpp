@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "cli.h"
+#include "sanitized.h"
 
 namespace darboux::test {
 namespace {
@@ -55,7 +56,9 @@ struct End {
 
 class Faults : public Cli {
  protected:
-  Faults() {
+  void SetUp() override {
+    Cli::SetUp();
+    DARBOUX_SKIP_IF_SANITIZED("the allocator is not that of the library that faults");
     fs::copy_file(DARBOUX_SOURCE "/docs/examples/scene.json", path("scene.json"));
     good("darboux mesh sphere --grid 8x6 -o in.glb --quiet");
     for (const std::string name : {"map.png", "map.exr", "map.tga"})

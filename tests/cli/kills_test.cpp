@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "cli.h"
+#include "sanitized.h"
 
 namespace darboux::test {
 namespace {
@@ -156,11 +157,7 @@ std::string lasting(const std::string& name, const std::string& bytes) {
 
 // DARBOUX_KILLS=500 makes it five hundred.
 TEST_F(Kills, NoOutputIsBrokenAndNothingIsLeft) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  const int systems = 1;  // their runtimes want to be loaded first
-#else
-  const int systems = 2;
-#endif
+  const int systems = sanitized ? 1 : 2;  // under a sanitizer no other library is loaded first
   const std::vector<int> signals{SIGINT, SIGTERM, SIGKILL};
   const int kinds = static_cast<int>(writings.size());
   const char* const wanted = std::getenv("DARBOUX_KILLS");
@@ -209,9 +206,7 @@ TEST_F(Kills, NoOutputIsBrokenAndNothingIsLeft) {
 
 // Where all files have names, every signal that ends a process and can be caught finds the unfinished one.
 TEST_F(Kills, OnlySigkillLeavesAFileThatHasAName) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "their runtimes want to be loaded first";
-#endif
+  DARBOUX_SKIP_IF_SANITIZED("no other library is loaded first");
   const std::set<int> others{SIGKILL, SIGCHLD, SIGCONT, SIGSTOP,  SIGTSTP,
                              SIGTTIN, SIGTTOU, SIGURG,  SIGWINCH, SIGXFSZ};
   const Writing w{{"mesh", "torus", "--grid", "300x300", "-o", "o.glb"}, {"o.glb"}};
@@ -242,9 +237,7 @@ TEST_F(Kills, OnlySigkillLeavesAFileThatHasAName) {
 
 // A file system that gives no name to a file without one costs a copy, and no output.
 TEST_F(Kills, AFileThatGetsNoNameIsCopied) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "their runtimes want to be loaded first";
-#endif
+  DARBOUX_SKIP_IF_SANITIZED("no other library is loaded first");
   for (const bool replaced : {false, true})
     for (const std::size_t k : {0u, 1u, 4u}) {
       if (replaced)
@@ -300,9 +293,7 @@ TEST_F(Kills, IgnoredSignalsStayIgnored) {
 // A reader that goes away ends the tool as any other; what it writes beside that is removed.
 TEST_F(Kills, ABrokenPipeLeavesNothing) {
   for (const std::string preload : {"", "LD_PRELOAD=" DARBOUX_WITHOUT_TMPFILE " "}) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    if (!preload.empty()) continue;
-#endif
+    if (!preload.empty()) DARBOUX_SKIP_IF_SANITIZED("no other library is loaded first");
     const Result r =
         sh("{ " + preload + "darboux validate data --details --json --sarif o.sarif; echo $? >&2; } | true");
     EXPECT_EQ(r.err.find("141"), 0u) << r.err;

@@ -159,6 +159,18 @@ TEST_F(StudyCli, MergeRefusesWhatIsNotOneStudy) {
   const std::string third = read_bytes(path("s3.jsonl"));
   write_bytes(path("cut.jsonl"), third.substr(0, third.size() - 9));
   refused("darboux merge s1.jsonl s2.jsonl cut.jsonl", {"cut.jsonl", "all jobs of shard 3/3", "resume"});
+  // The second job of a shard that is followed by the 2^64th.
+  Json header = Json::parse(lines(third)[0]);
+  header["shard"] = "1/9223372036854775808";
+  header["jobs"] = 18446744073709551615u;
+  write_bytes(path("most.jsonl"), header.dump() + "\n{\"job\":0,\"key\":\"a\",\"result\":1}\n" +
+                                      "{\"job\":9223372036854775808,\"key\":\"b\",\"result\":1}\n");
+  refused("ulimit -t 10; darboux merge most.jsonl", {"most.jsonl", "none that is shard 2"});
+  for (const char* jobs : {"-1", "1e300", "\"1\""}) {
+    header["jobs"] = Json::parse(jobs);
+    write_bytes(path("jobs.jsonl"), header.dump() + '\n');
+    refused("darboux merge jobs.jsonl", {"jobs.jsonl", "line 1: expected jobs to be a whole number"});
+  }
   refused("darboux merge nowhere.jsonl", {"nowhere.jsonl"});
   refused("darboux merge study.json", {"study.json"});
   EXPECT_FALSE(fs::exists(path("merged.jsonl")));

@@ -19,6 +19,7 @@
 #include "io/child.h"
 #include "refusal_of.h"
 #include "refused_files.h"
+#include "sanitized.h"
 
 namespace darboux {
 namespace {
@@ -343,10 +344,12 @@ TEST(InAChild, AnswersAndFailures) {
               return "";
             }),
             "is killed, as systems do that are short of memory or time");
-#if !defined(__SANITIZE_ADDRESS__)
+}
+
+TEST(InAChild, SaysThatItAskedForTooMuch) {
+  DARBOUX_SKIP_IF_SANITIZED("no limit on the address space is small");
   EXPECT_EQ(failure_of([] { return std::string(std::size_t{1} << 28, 'x'); }, {1u << 26, 20}),
             "asks for more than 64 MiB");
-#endif
 }
 
 // What the process may do: compute, allocate, answer. Each of these is an error there, and none without the

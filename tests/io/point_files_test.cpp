@@ -20,6 +20,7 @@
 
 #include "io_files.h"
 #include "refusal_of.h"
+#include "sanitized.h"
 #include "torus_points.h"
 
 namespace darboux::test {
@@ -553,9 +554,7 @@ std::size_t most_memory_of(const std::function<void()>& f) {
 }
 
 TEST_F(PointFiles, AMillionPointsInThreeTimesTheirMemory) {
-#if defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "the address sanitizer keeps what was freed";
-#endif
+  DARBOUX_SKIP_IF_SANITIZED("what was freed is kept");
   constexpr std::size_t n = 1000000;
   std::string row, csv;
   for (std::size_t i = 0; i < n; ++i)

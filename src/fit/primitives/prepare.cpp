@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include <darboux/vector.h>
 
 #include "base/evenly_chosen.h"
