@@ -162,17 +162,17 @@ void add_bake(CLI::App& app, Common& common) {
   a->dilate = 4;
   sub.add_option("--surface", a->surface, std::string("the surface: ") + surface_help);
   add_map_options(sub, *a);
-  sub.add_option("--basis", a->basis, "tangents: stored in the file, or mikktspace (made anew)")
+  sub.add_option("--basis", a->basis, "which tangents: stored (in the file) or mikktspace (computed anew)")
       ->capture_default_str()
       ->check(CLI::IsMember({"stored", "mikktspace"}));
-  sub.add_option("--size", a->size, "texels of the map, WIDTHxHEIGHT")->capture_default_str();
-  sub.add_option("--depth", a->depth, "8, 16 or float per channel to write [8; EXR float]")
+  sub.add_option("--size", a->size, "size of the map in texels, WIDTHxHEIGHT")->capture_default_str();
+  sub.add_option("--depth", a->depth, "bits per channel to write: 8, 16 or float [8; EXR float]")
       ->check(map_depths.check());
-  sub.add_option("--samples", a->samples, "points per triangle at which the error is looked for")
+  sub.add_option("--samples", a->samples, "points per triangle at which the error is measured")
       ->capture_default_str()
       ->check(whole_number_up_to(10000));
-  sub.add_option("--seed", a->seed, "of these points")->capture_default_str()->check(whole_number);
-  sub.add_option("--report", a->report, "write a picture of what is covered, conflicts in red");
+  sub.add_option("--seed", a->seed, "seed of these points")->capture_default_str()->check(whole_number);
+  sub.add_option("--report", a->report, "write a picture of the texels that are covered, conflicts in red");
   add_read_options(sub, common);
   add_common(sub, common, "darboux bake --surface torus --mesh torus.glb --size 256x256 -o normal.png");
   sub.callback([a, &common] { run_bake(*a, common); });

@@ -116,26 +116,28 @@ void run_check(const CheckArguments& arguments, Common& common) {
 void add_check(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand(
       "check",
-      "Prove the closed forms: against dual numbers, central differences and the surface's own facts");
+      "Check the closed forms against dual numbers, differences, 40 digits and the laws of geometry");
   auto arguments = std::make_shared<CheckArguments>();
   sub.add_option("SURFACE", arguments->surfaces, std::string(surface_help) + "; all when none is given");
   sub.add_option("--points", arguments->options.points, "random points per surface")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000000));
-  sub.add_option("--seed", arguments->options.seed, "of the random points")
+  sub.add_option("--seed", arguments->options.seed, "seed of the random points")
       ->capture_default_str()
       ->check(whole_number);
   std::vector<std::string> routes;
   for (const std::string_view route : check_routes()) routes.emplace_back(route);
-  sub.add_option("--routes", arguments->options.routes, "comma-separated, only these; all when none is given")
+  sub.add_option("--routes", arguments->options.routes,
+                 "only these routes, separated by commas; all when none is given")
       ->delimiter(',')
       ->check(CLI::IsMember(routes));
-  sub.add_option("--parameter-sets", arguments->options.parameter_sets,
-                 "routes high_precision*: that many random sets of parameters instead of those given")
+  sub.add_option(
+         "--parameter-sets", arguments->options.parameter_sets,
+         "for the routes high_precision*: use this many random sets of parameters instead of those given")
       ->capture_default_str()
       ->check(CLI::Range(0, 1000000));
   sub.add_flag("--markdown", arguments->markdown,
-               "print tables of the worst error / its bound in roundings, surfaces by quantities");
+               "print tables of the worst error over its bound, in roundings, per surface and quantity");
   add_common(sub, common, "darboux check torus:minor_radius=0.4 --points 10000");
   sub.callback([arguments, &common] { run_check(*arguments, common); });
 }

@@ -16,12 +16,11 @@
 namespace darboux {
 
 void add_common(CLI::App& sub, Common& common, const std::string& example) {
-  sub.add_flag("--json", common.json, "print one JSON document on stdout, nothing else");
-  sub.add_flag("--quiet", common.quiet, "no progress bar, no notes");
+  sub.add_flag("--json", common.json, "print one JSON document to stdout and nothing else");
+  sub.add_flag("--quiet", common.quiet, "print no progress bar and no notes");
   sub.add_option("--threads", common.threads,
-                 "threads, for eval, tangents, normalmap, bake and the frames of fit, for check over several "
-                 "surfaces, for "
-                 "validate over several files and for the jobs of a study")
+                 "number of threads: for eval, tangents, normalmap, bake, the frames of fit, several "
+                 "surfaces of check, several files of validate, and the jobs of a study")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
@@ -30,15 +29,13 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
 
 void add_read_options(CLI::App& sub, Common& common) {
   sub.add_flag("--allow-outside", common.read.allow_outside,
-               "open files that a .gltf names outside of its folder, by ../ or by a symbolic link");
+               "open files outside the folder of a .gltf that it names by ../ or a symbolic link");
   sub.add_flag("!--no-sandbox", common.read.sandbox,
-               "read OBJ and FBX also where the kernel cannot confine the process that does, and without");
+               "do not confine the process that reads OBJ and FBX; for kernels that cannot");
   sub.add_option_function<std::uint64_t>(
          "--max-memory", [&common](const std::uint64_t& bytes) { common.read.max_memory = bytes; },
-         "how much the decoded content of a glTF, COLLADA, PLY or image may take, such as 8GiB [4GiB, or 16 "
-         "times "
-         "the "
-         "file; 512MiB for files of less than 10 MB]")
+         "largest size of the decoded content of a glTF, COLLADA, PLY or image, such as 8GiB [4GiB, or 16 "
+         "times the file; 512MiB for files of less than 10 MB]")
       ->transform(CLI::AsSizeValue(false))
       ->transform(CLI::Validator(
           [](std::string& text) {

@@ -273,9 +273,8 @@ void add_compare(CLI::App& app, Common& common) {
       ->required();
   sub.add_option("B", arguments->b, "another mesh")->required();
   sub.add_option("--max-angle", arguments->max_angle,
-                 "tangents of the same sign, at most this many degrees apart, count as the same; 0: only "
-                 "those of the "
-                 "same bits")
+                 "largest angle, in degrees, between tangents that count as the same; their signs must "
+                 "agree. 0: only the same bits")
       ->capture_default_str();
   add_read_options(sub, common);
   add_common(sub, common, "darboux compare a.glb b.glb");

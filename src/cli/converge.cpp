@@ -156,8 +156,7 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
 
 void add_converge(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand(
-      "converge",
-      "Measure how fast mesh frames approach the truth: orders of convergence, error against run time");
+      "converge", "Measure orders of convergence of mesh frames to the truth, and error against run time");
   auto arguments = std::make_shared<ConvergeArguments>();
   std::string methods, meshes;
   for (const FrameMethod& method : frame_methods())
@@ -175,24 +174,21 @@ void add_converge(CLI::App& app, Common& common) {
   list("--methods", arguments->methods, "some of " + methods + " [all]");
   list("--meshes", arguments->meshes, "some of " + meshes + " [jittered,regular,sheared]");
   sub.add_option("--resolutions", arguments->resolutions,
-                 "rows of the meshes, twice as many columns: 8..256 (doubling) or 8,16,32; at least three "
-                 "[8..128]");
+                 "rows of the meshes, with twice as many columns: 8..256 (doubling) or 8,16,32; at least "
+                 "three [8..128]");
   sub.add_option("--v-range", arguments->v_range,
-                 "the part of the surface that is meshed: FIRST,LAST in [0, 1] [0,1]");
-  sub.add_option("--seed", arguments->seed, "of the first random mesh [1]")->check(whole_number);
-  sub.add_option(
-         "--seeds", arguments->seeds,
-         "random meshes per resolution, whose spread goes into the intervals; one of more than 256 rows "
-         "[3]")
+                 "mesh only this part of the surface: FIRST,LAST in [0, 1] [0,1]");
+  sub.add_option("--seed", arguments->seed, "seed of the first random mesh [1]")->check(whole_number);
+  sub.add_option("--seeds", arguments->seeds,
+                 "random meshes per resolution, whose spread widens the intervals; one above 256 rows [3]")
       ->check(CLI::Range(1, most_seeds));
   add_report_options(
       sub, arguments->report,
       "quick (the defaults), standard (6 surfaces, 6 families of meshes, 16..512), full (8..1024)");
   add_output_options(sub, arguments->report, "the picture of --picture", "all levels of all studies");
-  sub.add_option(
-      "--picture", arguments->picture,
-      "write the first surface's mesh, coloured by the first method's tangent error, beside the convergence "
-      "of all methods to this file, SVG");
+  sub.add_option("--picture", arguments->picture,
+                 "write to this SVG file the first surface's mesh, coloured by the tangent error of the "
+                 "first method, beside the convergence of all methods");
   add_common(sub, common, "darboux converge --surfaces torus,sphere --resolutions 8..64 -o report.html");
   sub.callback([arguments, &common] { run_converge(*arguments, common); });
 }

@@ -148,22 +148,23 @@ void add_eval(CLI::App& app, Common& common) {
       *app.add_subcommand("eval", "Evaluate positions, partials, frames and curvatures at (u, v)");
   auto arguments = std::make_shared<EvalArguments>();
   sub.add_option("SURFACE", arguments->surface, surface_help)->required();
-  sub.add_option("--at", arguments->at, "U,V: a point; may be repeated")
+  sub.add_option("--at", arguments->at, "U,V: a point; may be given several times")
       ->type_size(1)
       ->allow_extra_args(false);
   sub.add_option("--grid", arguments->grid,
-                 "NxM segments: u = i/N, v = j/M, ends included, v the outer loop");
-  sub.add_option("--input", arguments->input, "file of u, v (- for standard input), read in pieces");
+                 "NxM segments: u = i/N, v = j/M, both ends included; v is the outer loop");
+  sub.add_option("--input", arguments->input,
+                 "read the points (u, v) from this file, in pieces; - for standard input");
   sub.add_option("--input-format", arguments->input_format,
                  joined({point_format_names.begin(), point_format_names.end()}) +
-                     "; else by the extension, csv for standard input")
+                     " [by the extension; csv for standard input]")
       ->check(point_formats.check());
-  sub.add_option("--attributes", arguments->attributes, "comma-separated, of: " + joined(attribute_names()));
+  sub.add_option("--attributes", arguments->attributes, "separated by commas: " + joined(attribute_names()));
   sub.add_option("--format", arguments->format,
-                 "table, json or csv; or numbers alone: f32, f64 (little-endian) or npy")
+                 "table, json or csv; or plain numbers: f32, f64 (little-endian) or npy")
       ->capture_default_str()
       ->check(frame_formats.check());
-  sub.add_option("-o,--output", arguments->output, "file to write, whole or not at all");
+  sub.add_option("-o,--output", arguments->output, "write to this file, whole or not at all");
   add_common(sub, common, "darboux eval sphere --grid 4x2 --attributes position,tangent4 --format csv");
   sub.callback([arguments, &common] { run_eval(*arguments, common); });
 }

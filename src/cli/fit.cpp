@@ -343,26 +343,25 @@ void run_fit(const FitArguments& arguments, Common& common) {
 
 void add_fit(CLI::App& app, Common& common) {
   CLI::App& sub =
-      *app.add_subcommand("fit", "Find the surface that sampled points lie on, and frames at the points");
+      *app.add_subcommand("fit", "Find the surface that sampled points lie on, and the frames at the points");
   auto arguments = std::make_shared<FitArguments>();
   sub.add_option("FILE", arguments->file,
                  "points: .xyz, .txt, .csv, .tsv, .ply, .pcd, .obj, .stl, .glb or .gltf")
       ->required();
-  sub.add_option(
-         "--surface", arguments->surface,
-         "the kind of surface, or auto: the one that explains the points best. Most kinds of `darboux "
-         "surfaces` can be fitted; an unknown name lists them")
+  sub.add_option("--surface", arguments->surface,
+                 "the kind of surface, or auto for the kind that explains the points best; an unknown name "
+                 "lists the kinds that can be fitted")
       ->capture_default_str();
-  sub.add_option(
-      "--noise", arguments->noise,
-      "standard deviation of each coordinate where it is known, in the units of the points; else it is "
-      "estimated");
-  sub.add_flag("--with-uv", arguments->with_uv, "the file's uvs say where on the surface each point belongs");
-  sub.add_option("--seed", arguments->seed, "of the random samples: same seed, same result")
+  sub.add_option("--noise", arguments->noise,
+                 "standard deviation of each coordinate, in the units of the points, if it is known; "
+                 "otherwise it is estimated");
+  sub.add_flag("--with-uv", arguments->with_uv,
+               "use the uvs of the file as the places of the points on the surface");
+  sub.add_option("--seed", arguments->seed, "seed of the random samples: the same seed gives the same result")
       ->capture_default_str()
       ->check(whole_number);
   sub.add_option("--frames", arguments->frames,
-                 "CSV file to write: the frame at each point and its uncertainty");
+                 "write the frame at each point and its uncertainty to this CSV file");
   add_read_options(sub, common);
   add_common(sub, common, "darboux fit points.xyz --frames frames.csv");
   sub.callback([arguments, &common] { run_fit(*arguments, common); });

@@ -70,37 +70,36 @@ Json owner_json(const MapConflict::Owner& owner, std::span<const MapPiece> piece
 
 void add_map_options(CLI::App& sub, MapArguments& a) {
   sub.add_option("-o,--output", a.output, "the .png, .tga or .exr to write");
-  sub.add_option("--mesh", a.mesh, "the file with the triangles that the map lies on");
+  sub.add_option("--mesh", a.mesh, "the file with the triangles that the map belongs to");
   sub.add_option("--primitive", a.primitives,
-                 "MESH or MESH:PRIMITIVE of that file, by number; may be given again [all]")
+                 "MESH or MESH:PRIMITIVE of that file, by number; may be given several times [all]")
       ->allow_extra_args(false);
-  sub.add_option(
-         "--decode", a.decode,
-         "the shader's frame inside a triangle: mikktspace (interpolated, left as it is) or gltf-viewer "
-         "(each vector made unit)")
+  sub.add_option("--decode", a.decode,
+                 "frame that the shader uses inside a triangle: mikktspace (interpolated, not normalised) or "
+                 "gltf-viewer (each vector normalised)")
       ->capture_default_str()
       ->check(map_decodes.check());
-  sub.add_option("--green", a.green, "the tangent-space map's green points up (opengl) or down (directx)")
+  sub.add_option("--green", a.green, "green of the tangent-space map points up (opengl) or down (directx)")
       ->capture_default_str()
       ->check(map_greens.check());
-  sub.add_flag("--signed-floats", a.signed_floats, "EXR holds numbers from -1 to 1, not 0 to 1");
-  sub.add_option("--dither", a.dither, "add noise of one code, made from this seed, before rounding")
+  sub.add_flag("--signed-floats", a.signed_floats, "an EXR holds numbers from -1 to 1 instead of 0 to 1");
+  sub.add_option("--dither", a.dither, "add noise of one code before rounding, from this seed")
       ->check(whole_number);
-  sub.add_option("--dilate", a.dilate, "texels by which islands grow into the gutter")
+  sub.add_option("--dilate", a.dilate, "grow the islands into the gutter by this many texels")
       ->capture_default_str()
       ->check(whole_number_up_to(1024));
   sub.add_option("--sign", a.sign, "sign convention of stored tangents: gltf or raw")
       ->capture_default_str()
       ->check(CLI::IsMember({"gltf", "raw"}));
-  sub.add_option("--wrap", a.wrap,
-                 "the texture outside [0, 1]: repeat, mirror or clamp [as the glTF says, else repeat]")
+  sub.add_option(
+         "--wrap", a.wrap,
+         "how the texture continues outside [0, 1]: repeat, mirror or clamp [as the glTF says, else repeat]")
       ->check(wrap_modes.check());
   sub.add_option("--uv-origin", a.uv_origin,
-                 "v = 0 is the top or the bottom of the image [top for glTF, else bottom]")
+                 "whether v = 0 is the top or the bottom of the image [top for glTF, else bottom]")
       ->check(CLI::IsMember({"top", "bottom"}));
-  sub.add_option(
-         "--normal-scale", a.normal_scale,
-         "x and y of the tangent-space map are multiplied by it [normalTexture.scale of the glTF, else 1]")
+  sub.add_option("--normal-scale", a.normal_scale,
+                 "factor for x and y of the tangent-space map [normalTexture.scale of the glTF, else 1]")
       ->check(finite_number("a number other than 0", [](double x) { return x != 0; }));
 }
 

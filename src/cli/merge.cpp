@@ -8,15 +8,13 @@
 namespace darboux {
 
 void add_merge(CLI::App& app, Common& common) {
-  CLI::App& sub =
-      *app.add_subcommand("merge", "Merge the results of all shards of a study into those of one run");
+  CLI::App& sub = *app.add_subcommand("merge", "Merge the results of all shards of a study");
   struct Arguments {
     std::vector<std::string> results;
     std::string output = "-";
   };
   auto arguments = std::make_shared<Arguments>();
-  sub.add_option("RESULTS", arguments->results, "results files, one of every shard, in any order")
-      ->required();
+  sub.add_option("RESULTS", arguments->results, "results files, one per shard, in any order")->required();
   sub.add_option("-o,--output", arguments->output, "write the merged results to this file")
       ->capture_default_str();
   add_common(sub, common, "darboux merge shard-1.jsonl shard-2.jsonl -o results.jsonl");

@@ -122,13 +122,12 @@ void add_mesh(CLI::App& app, Common& common) {
   SampleMeshOptions& o = arguments->options;
   const CLI::Validator triangle_count = whole_number_up_to(std::numeric_limits<int>::max());
   sub.add_option("SURFACE", arguments->surface, surface_help)->required();
-  sub.add_option("-o,--output", arguments->output, "the .glb to write, - for standard output")->required();
-  sub.add_option("--topology", arguments->topology,
-                 "how the surface is cut into triangles. grid: rows and columns of cells. icosphere, "
-                 "cube-sphere: as an "
-                 "icosahedron or a cube blown up, of a sphere, ellipsoid or superellipsoid. lantern: a tube "
-                 "whose rows "
-                 "are turned by half a cell in turn; its triangles need not approach the tube (Schwarz)")
+  sub.add_option("-o,--output", arguments->output, "the .glb to write; - for standard output")->required();
+  sub.add_option(
+         "--topology", arguments->topology,
+         "how the surface is cut into triangles. grid: rows and columns of cells. icosphere, cube-sphere: a "
+         "subdivided icosahedron or cube, for a sphere, ellipsoid or superellipsoid. lantern: a tube with "
+         "every other row turned by half a cell; its triangles need not converge to the tube (Schwarz)")
       ->capture_default_str()
       ->check(topologies.check());
   sub.add_option("--grid", arguments->grid, "NxM segments along u and v, for grid and lantern");
@@ -136,40 +135,39 @@ void add_mesh(CLI::App& app, Common& common) {
                  "segments along each edge of the icosahedron or cube (even)")
       ->check(CLI::Range(1, 2000));
   sub.add_option("--pole", arguments->pole,
-                 "vertices at a point where all columns meet: one per column with the column's u "
-                 "(per-column), with u "
-                 "in the middle of the column as three.js has it (half-cell), or one vertex for all (shared)")
+                 "vertices where all columns meet in one point: per-column (one per column, with its u), "
+                 "half-cell (one per column, with u in its middle, as three.js does), shared (one for all)")
       ->capture_default_str()
       ->check(poles.check());
   sub.add_option("--seam", arguments->seam,
-                 "split: vertices of their own at u = 0 and 1; shared: one vertex, uv jumps")
+                 "split: separate vertices at u = 0 and u = 1; shared: one vertex, where the uv jumps")
       ->capture_default_str()
       ->check(CLI::IsMember({"split", "shared"}));
-  sub.add_option("--jitter", o.jitter, "interior vertices move by up to ± this share of a cell")
+  sub.add_option("--jitter", o.jitter,
+                 "move interior vertices at random, by up to this fraction of a cell in each direction")
       ->capture_default_str();
-  sub.add_option("--seed", o.seed, "of jitter and random diagonals")
+  sub.add_option("--seed", o.seed, "seed of the jitter and of random diagonals")
       ->capture_default_str()
       ->check(whole_number);
-  sub.add_option("--diagonal", arguments->diagonal, "regular or random")
+  sub.add_option("--diagonal", arguments->diagonal, "direction of the cells' diagonals: regular or random")
       ->capture_default_str()
       ->check(CLI::IsMember({"regular", "random"}));
   sub.add_option("--shear", o.shear, "K: store u + K v instead of u, K from -1000 to 1000")
       ->capture_default_str();
-  sub.add_flag("--mirror", o.mirror, "store 1 - |2u - 1|: the second half mirrored, N even");
-  sub.add_option(
-         "--scale", arguments->scale,
-         "SX,SY,SZ: stretch the mesh along x, y and z, normals and tangents along with it; an odd number of "
-         "negative ones mirrors it; each 1e-30 to 1e30 in size, none more than 1e12 times another")
+  sub.add_flag("--mirror", o.mirror,
+               "store 1 - |2u - 1| instead of u: the second half is mirrored; N must be even");
+  sub.add_option("--scale", arguments->scale,
+                 "SX,SY,SZ: scale the mesh along x, y and z, with its normals and tangents; an odd number of "
+                 "negative factors mirrors it. Each is 1e-30 to 1e30 in size, and at most 1e12 times another")
       ->capture_default_str();
-  sub.add_option(
-         "--degenerate", o.degenerate,
-         "add this many triangles without area: collinear, with two vertices in one place, with one vertex "
-         "twice, in turn")
+  sub.add_option("--degenerate", o.degenerate,
+                 "add this many triangles without area: in turn collinear, with two vertices in one place, "
+                 "with one vertex twice")
       ->capture_default_str()
       ->check(triangle_count);
-  sub.add_option(
-         "--degenerate-uvs", o.degenerate_uvs,
-         "take the uv area from this many triangles: all corners at one uv, two corners at one uv, in turn")
+  sub.add_option("--degenerate-uvs", o.degenerate_uvs,
+                 "make the uv area of this many triangles zero: in turn with all corners at one uv, with two "
+                 "corners at one uv")
       ->capture_default_str()
       ->check(triangle_count);
   sub.add_flag("--no-tangents", arguments->no_tangents, "leave TANGENT out");

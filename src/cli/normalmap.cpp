@@ -230,46 +230,46 @@ void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
 
 void add_normalmap(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand(
-      "normalmap", "Turn a normal map from one space into another; check and compare maps");
+      "normalmap", "Convert a normal map between object and tangent space; check and compare maps");
   auto a = std::make_shared<NormalMapArguments>();
-  sub.add_option(
-      "INPUT", a->input,
-      "the .png, .tga or .exr to read, or a glTF, whose normal texture is taken and, without --mesh, "
-      "whose triangles");
+  sub.add_option("INPUT", a->input,
+                 "the .png, .tga or .exr to read, or a glTF: its normal texture is read and, without --mesh, "
+                 "its triangles");
   sub.add_option("--from", a->from, "the space of the map: object, tangent or world")->check(spaces.check());
-  sub.add_option("--to", a->to, "the space wanted: object or tangent")
+  sub.add_option("--to", a->to, "the space to convert to: object or tangent")
       ->check(CLI::IsMember({"object", "tangent"}));
   add_map_options(sub, *a);
   sub.add_option("--basis", a->basis,
-                 "tangents: stored in the file, mikktspace (made anew), analytic (the surface's) [stored; "
-                 "analytic without --mesh]")
+                 "which tangents: stored (in the file), mikktspace (computed anew) or analytic (the "
+                 "surface's) [stored; analytic without --mesh]")
       ->check(map_bases.check());
-  sub.add_option("--surface", a->surface,
-                 std::string("the surface whose frames --basis analytic takes, without --mesh over all of "
-                             "the map: ") +
-                     surface_help);
+  sub.add_option(
+      "--surface", a->surface,
+      std::string("the surface whose frames --basis analytic uses (without --mesh, over the whole map): ") +
+          surface_help);
   sub.add_flag("--two-channels", a->two_channels,
-               "the tangent-space map has x and y alone; z is made of them");
-  sub.add_flag("--keep-length", a->keep_length, "vectors keep their length; without, they become unit");
-  sub.add_option("--depth", a->depth, "8, 16 or float per channel to write [as the input]")
+               "the tangent-space map holds only x and y; z is computed from them");
+  sub.add_flag("--keep-length", a->keep_length, "keep the length of the vectors instead of normalising them");
+  sub.add_option("--depth", a->depth, "bits per channel to write: 8, 16 or float [as the input]")
       ->check(map_depths.check());
   sub.add_flag("--drop-colour-tags", a->drop_colour_tags,
-               "read files that say they are sRGB or have a gamma, and pass over that");
-  sub.add_option("--report", a->report,
-                 "write a picture of what is covered, conflicts in red; of --compare the angles");
+               "read files tagged as sRGB or with a gamma, and ignore the tags");
+  sub.add_option(
+      "--report", a->report,
+      "write a picture of the texels that are covered, conflicts in red; with --compare, of the angles");
   sub.add_option("--render", a->render,
-                 "draw the mesh lit through the map, to this .png (frames as --decode gltf-viewer)");
-  sub.add_option("--size", a->size, "pixels of that picture, WIDTHxHEIGHT")->capture_default_str();
+                 "draw the mesh lit through the map as a .png (frames as with --decode gltf-viewer)");
+  sub.add_option("--size", a->size, "size of that picture in pixels, WIDTHxHEIGHT")->capture_default_str();
   sub.add_option(
       "--check", a->checks.file,
-      "tell what is wrong with this map, seen alone: length, sRGB tag, swapped or flipped channels");
+      "report what is wrong with this map by itself: length, sRGB tag, swapped or flipped channels");
   sub.add_option("--compare", a->checks.compared,
-                 "two maps: tell the angles between them, with --mesh for each island")
+                 "report the angles between two maps; with --mesh, per island")
       ->expected(2);
   sub.add_option("--max-angle", a->checks.max_angle_deg,
-                 "degrees beyond which --compare ends with status 1 [180]")
+                 "angle in degrees above which --compare exits with status 1 [180]")
       ->check(finite_number("degrees from 0 to 180", [](double x) { return x >= 0 && x <= 180; }));
-  sub.add_option("--worst", a->checks.worst, "texels that --compare names")
+  sub.add_option("--worst", a->checks.worst, "number of texels that --compare lists")
       ->capture_default_str()
       ->check(whole_number_up_to(10000));
   add_read_options(sub, common);

@@ -304,23 +304,23 @@ void run(const PlanArguments& arguments, Common& common) {
 }  // namespace
 
 void add_plan(CLI::App& app, Common& common) {
-  CLI::App& sub =
-      *app.add_subcommand("plan", "Which primitives need tangents, carry them for nothing, lack them");
+  CLI::App& sub = *app.add_subcommand(
+      "plan",
+      "Report which primitives need tangents, which lack them, and which carry tangents that nothing reads");
   auto arguments = std::make_shared<PlanArguments>();
-  sub.add_option("FILES", arguments->files, "the .glb and .gltf files, or folders of them");
-  sub.add_option(
-         "--level", arguments->level,
-         "spec: what the specifications say; factors: also drop what a factor of 0 switches off, unless "
-         "it is animated; pixels: also drop normal maps that are flat, PNG alone")
+  sub.add_option("FILES", arguments->files, ".glb and .gltf files, or folders of them");
+  sub.add_option("--level", arguments->level,
+                 "spec: what the specifications say; factors: without what a factor of 0 switches off, "
+                 "unless it is animated; pixels: also without flat normal maps (PNG only)")
       ->capture_default_str()
       ->check(levels.check());
   sub.add_option("--against", arguments->against,
-                 "an earlier version of the file: find the tangents lost since");
-  sub.add_option("--sarif", arguments->sarif, "also write what was found as SARIF 2.1.0 to this file");
+                 "an earlier version of the file: report the tangents lost since then");
+  sub.add_option("--sarif", arguments->sarif, "also write the findings as SARIF 2.1.0 to this file");
   sub.add_flag("--splits", arguments->splits,
-               "count the vertices that MikkTSpace would split; reads the geometry too");
+               "count the vertices that MikkTSpace would split; this also reads the geometry");
   sub.add_flag("--strict", arguments->strict,
-               "fail where TANGENT is missing, even where viewers can make it");
+               "fail where TANGENT is missing, even where viewers can compute it");
   add_read_options(sub, common);
   add_common(sub, common, "darboux plan in.glb");
   sub.callback([arguments, &common] { run(*arguments, common); });

@@ -11,21 +11,22 @@
 namespace darboux {
 
 void add_report_options(CLI::App& sub, ReportArguments& arguments, const std::string& presets) {
-  sub.add_option("--preset", arguments.preset, "what is not given otherwise: " + presets)
+  sub.add_option("--preset", arguments.preset, "values of options that are not given: " + presets)
       ->capture_default_str();
   sub.add_option("--study", arguments.study,
-                 "read the choices from this JSON file; those given on the command line win");
+                 "read the options from this JSON file; those on the command line take precedence");
   sub.add_option("--results", arguments.results,
-                 "append all samples to this file as they come; one that exists is resumed");
-  sub.add_option("--shard", arguments.shard, "I/N: do only this part of the study, for darboux merge");
+                 "append all samples to this file as they are made; an existing file is resumed");
+  sub.add_option("--shard", arguments.shard,
+                 "I/N: compute only the I-th of N parts of the study; darboux merge joins them");
 }
 
 void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::string& svg,
                         const std::string& csv) {
   sub.add_option("-o,--output", arguments.output, "write a report to this file");
-  sub.add_option(
-         "--format", arguments.format,
-         "of the report: html (a page), md (tables), svg (" + svg + ") or json; else by the file's extension")
+  sub.add_option("--format", arguments.format,
+                 "format of the report: html (a page), md (tables), svg (" + svg +
+                     ") or json [by the file's extension]")
       ->check(CLI::IsMember({"html", "md", "svg", "json"}));
   sub.add_option("--csv", arguments.csv, "write " + csv + " to this file");
 }

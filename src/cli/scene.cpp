@@ -494,46 +494,38 @@ void run(const SceneArguments& arguments, Common& common) {
 }  // namespace
 
 void add_scene(CLI::App& app, Common& common) {
-  CLI::App& sub =
-      *app.add_subcommand("scene", "What one camera of a scene needs, evaluated; what was skipped");
+  CLI::App& sub = *app.add_subcommand(
+      "scene", "Plan and evaluate only what a camera sees of a scene; report what was skipped");
   auto arguments = std::make_shared<SceneArguments>();
   sub.add_option("FILE", arguments->file,
-                 "a scene of surfaces as JSON, docs/schemas/scene.schema.json, or a .glb or .gltf, whose "
-                 "primitives are planned as "
-                 "a whole")
+                 "a scene as JSON (docs/schemas/scene.schema.json), or a .glb or .gltf, whose primitives are "
+                 "planned as a whole")
       ->required();
-  sub.add_option("--camera", arguments->camera, "which of its cameras, from 0")
+  sub.add_option("--camera", arguments->camera, "number of the camera to plan for, from 0")
       ->capture_default_str()
       ->check(whole_number);
-  sub.add_option(
-      "--chord", arguments->chord,
-      "how far the surface may be from its triangles: pixels, 0.5px, or a length, 0.01; instead of the "
-      "file's");
-  sub.add_option(
-      "--angle", arguments->angle,
-      "by how many degrees frames may differ from those interpolated, 1deg; instead of the file's");
-  sub.add_option("-o,--output", arguments->output,
-                 "write the tiles that are needed as a .glb, - for standard output");
-  sub.add_option("--render", arguments->render, "draw what the camera sees, as a .png");
-  sub.add_option(
-      "--render-skipped", arguments->render_skipped,
-      "draw the scene from outside, as a .png: green what is needed, orange what faces away, blue what is "
-      "hidden, grey what is out of view");
-  sub.add_flag(
-      "--no-skip", arguments->no_skip,
-      "also evaluate all: every instance with all attributes, as fine as its nearest point needs; that is "
-      "written and drawn");
-  sub.add_flag(
-         "--no-cull", arguments->no_cull,
-         "also evaluate what is out of view, faces away or is hidden, as fine as its distance needs; the "
-         "picture stays the same, bit for bit")
+  sub.add_option("--chord", arguments->chord,
+                 "largest distance of the triangles from the surface: pixels (0.5px) or a length (0.01); "
+                 "overrides the file");
+  sub.add_option("--angle", arguments->angle,
+                 "largest angle between interpolated frames and the surface's (1deg); overrides the file");
+  sub.add_option("-o,--output", arguments->output, "write the needed tiles as a .glb; - for standard output");
+  sub.add_option("--render", arguments->render, "draw what the camera sees as a .png");
+  sub.add_option("--render-skipped", arguments->render_skipped,
+                 "draw the scene from outside as a .png: needed tiles green, back-facing orange, hidden "
+                 "blue, out of view grey");
+  sub.add_flag("--no-skip", arguments->no_skip,
+               "also evaluate everything, every instance with all attributes, as fine as its nearest point "
+               "needs; write and draw that");
+  sub.add_flag("--no-cull", arguments->no_cull,
+               "also evaluate what is out of view, back-facing or hidden, as fine as its distance needs; the "
+               "picture stays the same, bit for bit")
       ->excludes("--no-skip");
-  CLI::Option* path =
-      sub.add_option(
-             "--path", arguments->path,
-             "so many cameras along the way of the first that an animation of a glTF moves, else through all "
-             "of the file's; what did not change is kept from one to the next, and the numbers are sums")
-          ->check(whole_number_up_to(1000000));
+  CLI::Option* path = sub.add_option("--path", arguments->path,
+                                     "plan for this many cameras along the path of the first camera that a "
+                                     "glTF animates, or else through all cameras of the file; what did not "
+                                     "change is kept from one camera to the next, and the counts are sums")
+                          ->check(whole_number_up_to(1000000));
   for (const char* other : {"--camera", "--output", "--render", "--render-skipped", "--no-skip", "--no-cull"})
     path->excludes(other);
   add_read_options(sub, common);

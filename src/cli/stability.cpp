@@ -100,7 +100,7 @@ void run_stability(const StabilityArguments& arguments, Common& common) {
 
 void add_stability(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand(
-      "stability", "Stress evaluation numerically: errors in units of roundoff against what makes it hard");
+      "stability", "Measure numerical stability: errors in units of roundoff, as evaluation gets harder");
   auto arguments = std::make_shared<StabilityArguments>();
   const auto names = [](const auto& items) {
     std::vector<std::string> result;
@@ -109,15 +109,15 @@ void add_stability(CLI::App& app, Common& common) {
   };
   sub.add_option("SURFACE", arguments->surfaces, std::string(surface_help) + "; all when none is given");
   sub.add_option("--sweeps", arguments->sweeps,
-                 "comma-separated, some of " + names(stability_sweeps()) + " [all]")
+                 "separated by commas, some of " + names(stability_sweeps()) + " [all]")
       ->delimiter(',');
   sub.add_option("--routes", arguments->routes,
-                 "comma-separated, some of " + names(stability_routes()) + " [all]")
+                 "separated by commas, some of " + names(stability_routes()) + " [all]")
       ->delimiter(',');
   sub.add_option("--points", arguments->points, "values of x in each sweep [24]")
       ->check(CLI::Range(2, 10000));
   sub.add_option("--samples", arguments->samples, "random points at each x [3]")->check(CLI::Range(1, 10000));
-  sub.add_option("--seed", arguments->seed, "of the random points [1]")->check(whole_number);
+  sub.add_option("--seed", arguments->seed, "seed of the random points [1]")->check(whole_number);
   add_report_options(sub, arguments->report,
                      "quick (the defaults), standard (61 values of x, 8 points at each), full (301, 16)");
   add_output_options(sub, arguments->report, "the curves of the first surface", "every point of every curve");

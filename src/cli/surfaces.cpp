@@ -85,7 +85,7 @@ void add_surfaces(CLI::App& app, Common& common) {
   auto pages = std::make_shared<std::string>();
   sub.add_option(
       "--pages", *pages,
-      "a folder: write a page and a picture of each surface there instead, each whole or not at all");
+      "write a page and a picture of each surface to this folder instead, each file whole or not at all");
   sub.callback([pages, &common] { pages->empty() ? list_surfaces(common) : write_pages(*pages, common); });
 }
 

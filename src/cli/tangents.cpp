@@ -190,21 +190,21 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
 }  // namespace
 
 void add_tangents(CLI::App& app, Common& common) {
-  CLI::App& sub = *app.add_subcommand("tangents", "Give a glTF file tangents by a named method");
+  CLI::App& sub = *app.add_subcommand("tangents", "Compute the tangents of a glTF file by a named method");
   auto arguments = std::make_shared<TangentsArguments>();
   sub.add_option("INPUT", arguments->input, "the .glb or .gltf to read");
   sub.add_option("-o,--output", arguments->output, "the .glb to write");
-  sub.add_option("--method", arguments->method, "see --list")->capture_default_str();
+  sub.add_option("--method", arguments->method, "the method; --list explains them")->capture_default_str();
   sub.add_option("--sign", arguments->sign, "sign convention of w: gltf or raw")
       ->capture_default_str()
       ->check(CLI::IsMember({"gltf", "raw"}));
-  sub.add_option("--only", arguments->only,
-                 "needed: leave primitives alone whose materials read no tangents (no normal map, no "
-                 "anisotropy)")
+  sub.add_option(
+         "--only", arguments->only,
+         "needed: leave out primitives whose materials read no tangents (no normal map, no anisotropy)")
       ->check(CLI::IsMember({"needed"}));
   sub.add_flag("--drop-idle", arguments->drop_idle,
-               "with --only needed: take away the tangents that nothing reads, and their bytes");
-  sub.add_flag("--list", arguments->list, "name and explain the methods");
+               "with --only needed: remove tangents that nothing reads, and their bytes");
+  sub.add_flag("--list", arguments->list, "list and explain the methods");
   add_read_options(sub, common);
   add_common(sub, common, "darboux tangents in.glb -o out.glb");
   sub.callback([arguments, &common] { run_tangents(*arguments, common); });

@@ -206,68 +206,64 @@ void run(const Arguments& arguments, Common& common) {
 void add_validate(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("validate", "Compare the tangents stored in mesh files with the truth");
   auto arguments = std::make_shared<Arguments>();
-  sub.add_option("FILES", arguments->files,
-                 joined({asset_extensions().begin(), asset_extensions().end()}) +
-                     " files, and folders: all such files in them");
+  sub.add_option(
+      "FILES", arguments->files,
+      joined({asset_extensions().begin(), asset_extensions().end()}) + " files, or folders of them");
   sub.add_option("--surface", arguments->surface,
-                 "auto, or the kind with the parameters that are known, torus:minor_radius=0.4; of kinds "
-                 "that are not "
-                 "fitted, and of formula:file=FILE, the surface itself: superellipsoid:exponent_u=0.5")
+                 "auto, or a kind with the parameters that are known, such as torus:minor_radius=0.4; a kind "
+                 "that is not fitted, or formula:file=FILE, needs all of its parameters")
       ->capture_default_str();
   sub.add_option("--placement", arguments->placement,
-                 "fit, identity, or 16 numbers, column by column, separated by commas")
+                 "where the surface lies: fit, identity, or the 16 numbers of a matrix, column by column, "
+                 "separated by commas")
+      ->capture_default_str();
+  sub.add_option("--max-angle", arguments->max_angle,
+                 "largest error of an interior corner, in degrees; three times as much is allowed at seams, "
+                 "pole rings, creases and borders")
       ->capture_default_str();
   sub.add_option(
-         "--max-angle", arguments->max_angle,
-         "degrees an interior corner may be off; three times that at seams, pole rings, creases and borders")
-      ->capture_default_str();
-  sub.add_option("--reference", arguments->reference,
-                 "what to compare with, with commas between: analytic, the surface it was made from; "
-                 "triangles, the mesh's "
-                 "own; local, what neighbouring vertices say; mikktspace, MikkTSpace's tangents. The first "
-                 "two make errors, "
-                 "the others warnings")
+         "--reference", arguments->reference,
+         "references to compare with, separated by commas: analytic (the surface that the mesh was made "
+         "from), triangles (the mesh's own triangles), local (neighbouring vertices), mikktspace "
+         "(MikkTSpace's tangents). Deviations from the first two are errors, from the others warnings")
       ->capture_default_str();
   sub.add_option("--fail-on", arguments->fail_on,
-                 "codes of findings that count as errors, with commas between; --findings lists them")
+                 "count these findings as errors: codes separated by commas; --findings lists them")
       ->delimiter(',');
-  sub.add_option(
-         "--severity", arguments->severity,
-         "CODE=error, warning or info, with commas between: how findings count; --fail-on CODE is CODE=error")
+  sub.add_option("--severity", arguments->severity,
+                 "change how findings count: CODE=error, CODE=warning or CODE=info, separated by commas; "
+                 "--fail-on CODE is CODE=error")
       ->delimiter(',');
   sub.add_option("--ignore", arguments->ignore,
-                 "codes of findings to drop, with commas between; their counts are printed")
+                 "drop these findings: codes separated by commas; how many were dropped is printed")
       ->delimiter(',');
-  sub.add_flag("--strict", arguments->strict, "warnings are errors, undetermined is fail");
+  sub.add_flag("--strict", arguments->strict, "treat warnings as errors, and undetermined as fail");
   sub.add_option("--only", arguments->only,
-                 "needed: judge only primitives whose materials read tangents; of formats other than glTF, "
-                 "which do not say, all")
+                 "needed: judge only primitives whose materials read tangents; formats other than glTF do "
+                 "not say, and all of theirs are judged")
       ->check(CLI::IsMember({"needed"}));
-  sub.add_option(
-      "--exclude", arguments->exclude,
-      "what to leave out of the folders: a pattern of paths relative to the folder, like 'old', the "
-      "folder of that name, or '*.stl'");
+  sub.add_option("--exclude", arguments->exclude,
+                 "skip paths in folders that match a pattern, relative to the folder: 'old' is the folder of "
+                 "that name, '*.stl' all STL files");
   sub.add_option(
       "--budget", arguments->budget,
-      "seconds per file after which no further surface is looked for (the rest is always complete)");
-  sub.add_option(
-      "--normal-map", arguments->normal_map,
-      "WIDTHxHEIGHT: tell what a normal map of this size would leave of the error of meshes on known "
-      "surfaces");
-  sub.add_flag("--github", arguments->github, "also print annotations for GitHub's workflows");
+      "seconds per file after which no further surface is tried; all other checks always run in full");
+  sub.add_option("--normal-map", arguments->normal_map,
+                 "WIDTHxHEIGHT: report how much of the error a normal map of this size would leave, for "
+                 "meshes on known surfaces");
+  sub.add_flag("--github", arguments->github, "also print annotations for GitHub workflows");
   sub.add_option("--baseline", arguments->baseline,
-                 "an earlier --json report: only what is worse than there makes the exit status 1 or 2");
+                 "an earlier --json report: only what is worse than in it makes the exit status 1 or 2");
   sub.add_option("--sarif", arguments->sarif, "also write errors and warnings as SARIF 2.1.0 to this file");
   sub.add_option("--junit", arguments->junit,
-                 "also write the verdicts as JUnit XML to this file, a test case each mesh or part");
+                 "also write the verdicts as JUnit XML to this file, one test case per mesh or part");
   add_pictures(sub, arguments->pictures);
-  sub.add_option(
-      "--config", arguments->configuration,
-      "a file with these options, a line each: max-angle = 2, fail-on = [\"CODE\"], files = [\"assets\"]; "
-      "the command line goes before it");
+  sub.add_option("--config", arguments->configuration,
+                 "read options from this file, one per line: max-angle = 2, fail-on = [\"CODE\"], files = "
+                 "[\"assets\"]; the command line takes precedence");
   sub.add_flag("--details", arguments->details,
-               "a table for every mesh and part, also where there are more than a dozen");
-  sub.add_flag("--findings", arguments->findings, "name and explain all findings");
+               "print a table for every mesh and part, even where there are more than a dozen");
+  sub.add_flag("--findings", arguments->findings, "list and explain all findings");
   add_read_options(sub, common);
   add_common(sub, common, "darboux validate torus.glb --surface torus --max-angle 2 --json");
   sub.callback([arguments, &common, &sub] {

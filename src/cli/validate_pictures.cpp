@@ -80,8 +80,8 @@ std::vector<float> vertex_errors(const AssessedPrimitive& assessed) {
 
 void add_pictures(CLI::App& sub, Pictures& pictures) {
   sub.add_option("--paint", pictures.paint,
-                 "the .glb to write: the mesh with its vertices coloured by error, from 0 to --max-angle");
-  sub.add_option("--report", pictures.page, "the .html to write: the verdict with pictures, for people");
+                 "write this .glb: the mesh with vertices coloured by error, from 0 to --max-angle");
+  sub.add_option("--report", pictures.page, "write this .html: the verdict with pictures");
 }
 
 void check_pictures(const Pictures& pictures, std::size_t files) {

@@ -187,35 +187,36 @@ void add_choices(CLI::App& sub, WorkArguments& arguments) {
   sub.add_option("SURFACE", arguments.surfaces,
                  std::string(surface_help) + " [torus sphere klein-bottle bspline-patch]");
   sub.add_option("--methods", arguments.methods,
-                 "comma-separated, some of " + joined(methods) + ", or a family: darboux [all]")
+                 "separated by commas, some of " + joined(methods) + ", or a family: darboux [all]")
       ->delimiter(',');
-  sub.add_option("--meshes", arguments.meshes, "comma-separated, some of " + joined(meshes) + " [jittered]")
+  sub.add_option("--meshes", arguments.meshes,
+                 "separated by commas, some of " + joined(meshes) + " [jittered]")
       ->delimiter(',');
   sub.add_option("--resolutions", arguments.resolutions,
-                 "rows of the meshes, twice as many columns: 8..64 (doubling) or 8,16,32 [8..32]");
-  sub.add_option("--rounds", arguments.rounds, "each times every method once, in turns [11]")
+                 "rows of the meshes, with twice as many columns: 8..64 (doubling) or 8,16,32 [8..32]");
+  sub.add_option("--rounds", arguments.rounds, "rounds; each times every method once, in turn [11]")
       ->check(CLI::Range(3, most_rounds));
-  sub.add_option("--points", arguments.points, "random points in a call [4096]")
+  sub.add_option("--points", arguments.points, "random points per call [4096]")
       ->check(CLI::Range(16, most_work_points));
-  sub.add_option("--checked", arguments.checked, "of them compared with 40 digits [1000]")
+  sub.add_option("--checked", arguments.checked,
+                 "how many of these points are compared with 40 digits [1000]")
       ->check(CLI::Range(1, most_work_points));
   sub.add_option("--timeout", arguments.timeout,
-                 "seconds that a call may take; a method that takes longer is recorded, not called again; "
-                 "the call is "
-                 "not interrupted [10]")
+                 "seconds that a call may take; a slower method is recorded once and not called again, but "
+                 "the call is not interrupted [10]")
       ->check(finite_number("seconds above 0", [](double x) { return x > 0; }));
-  sub.add_option("--seed", arguments.seed, "of points and meshes [1]")->check(whole_number);
+  sub.add_option("--seed", arguments.seed, "seed of the points and meshes [1]")->check(whole_number);
   sub.add_option("--x", arguments.x,
-                 "what fronts and pictures have across, one of " + joined(metrics) +
+                 "metric on the horizontal axis of fronts and pictures: " + joined(metrics) +
                      " [time_ns at points, seconds on meshes]")
       ->check(CLI::IsMember(metrics));
-  sub.add_option("--y", arguments.y, "and upwards [frame_max at points, frame_rms on meshes]")
+  sub.add_option("--y", arguments.y, "metric on the vertical axis [frame_max at points, frame_rms on meshes]")
       ->check(CLI::IsMember(metrics));
   sub.add_option("--compare", arguments.compare,
-                 "compare two documents that --json printed, before and after; exit status 1 where a time or "
-                 "an error grew")
+                 "compare two documents printed by --json, before and after; exit with status 1 where a time "
+                 "or an error grew")
       ->expected(2);
-  sub.add_option("--tolerance", arguments.tolerance, "of --compare: 0.1 is a tenth")
+  sub.add_option("--tolerance", arguments.tolerance, "growth that --compare allows: 0.1 is a tenth")
       ->capture_default_str()
       ->check(finite_number("a number from 0", [](double x) { return x >= 0; }));
 }
@@ -224,7 +225,8 @@ void add_choices(CLI::App& sub, WorkArguments& arguments) {
 
 void add_work_precision(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand(
-      "work-precision", "Measure run time against error: every way to a frame, at points and on meshes");
+      "work-precision",
+      "Measure run time against error for every way to compute a frame, at points and on meshes");
   auto arguments = std::make_shared<WorkArguments>();
   add_choices(sub, *arguments);
   add_report_options(sub, arguments->report,

@@ -36,7 +36,7 @@ constexpr std::array kinds{
                 "correct the declaration, or the mesh"},
     FindingKind{"TANGENT_NOT_MIKKTSPACE", warning, "tangents differ from MikkTSpace's by more than the limit",
                 "bake and render with the same tangents: darboux tangents writes MikkTSpace's"},
-    FindingKind{"TANGENT_AXES", warning, "tangents are those of other axes",
+    FindingKind{"TANGENT_AXES", warning, "tangents are those of swapped or negated axes",
                 "swap or negate the axes where the tangents or uvs are written"},
     FindingKind{"TANGENT_UV_SET", warning, "tangents follow another uv set",
                 "compute them from the set that the normal texture reads"},
@@ -44,7 +44,7 @@ constexpr std::array kinds{
         "TANGENT_STALE", warning, "tangents are those of the mesh before its positions were transformed",
         "transform tangents by M, normals by its inverse transpose, w by the sign of its determinant"},
     FindingKind{"NORMAL_STALE", warning,
-                "normals were not taken along a linear map of the positions, or were taken as positions are",
+                "normals were not transformed with the positions, or were transformed as positions are",
                 "transform normals by the inverse transpose of the map"},
     FindingKind{"TANGENT_HANDEDNESS_CONVENTION", warning,
                 "w is MikkTSpace's raw sign, and glTF's is its opposite",
@@ -59,31 +59,31 @@ constexpr std::array kinds{
     FindingKind{"NORMALS_OPPOSE_WINDING", warning,
                 "triangles are wound clockwise as seen along their normals",
                 "reverse the winding, as after baking a mirror"},
-    FindingKind{"INDICES_LEFT_OVER", warning,
-                "the last indices are no whole triangle (counted in indices); the whole triangles are judged",
-                "write three indices per triangle"},
+    FindingKind{
+        "INDICES_LEFT_OVER", warning,
+        "the last indices do not make a whole triangle (counted in indices); only whole triangles are judged",
+        "write three indices per triangle"},
     FindingKind{"REFERENCES_DISAGREE", warning,
                 "the surface's frames and those of the mesh's own positions and uvs differ",
                 "look for ripples, or declare another surface"},
     FindingKind{"REFERENCE_UNCERTAIN", info,
                 "angles lie within the uncertainty of the reference at the limit",
-                "say what you know (--surface with parameters, --placement), or raise --max-angle"},
-    FindingKind{
-        "BITANGENT_NOT_ORTHOGONAL", info,
-        "the surface's directions of u and v are not at right angles: w cross(n, t) cannot follow v, a "
-        "limit of the format",
-        "nothing, where baker and renderer both take w cross(n, t)"},
+                "declare what you know (--surface with parameters, --placement), or raise --max-angle"},
+    FindingKind{"BITANGENT_NOT_ORTHOGONAL", info,
+                "u and v are not orthogonal on this surface: w cross(n, t) cannot follow v, which is a limit "
+                "of the format",
+                "nothing, where baker and renderer both take w cross(n, t)"},
     FindingKind{"POLE_TANGENT", info,
                 "tangents at a pole are farther than allowed from the limit for their own u; no direction is "
                 "right there for every texture",
-                "nothing; a vertex of its own for each column is best"},
+                "nothing; best is a separate vertex per column"},
     FindingKind{"NORMALS_INWARD", info,
                 "normals and triangles face the inside of the surface; they were compared with its inward "
                 "normal",
                 "nothing, if the mesh is seen from inside"},
     FindingKind{"FACETED", info,
                 "normals are those of the triangles (flat shading), and neighbours turn by more than that",
-                "nothing, if it is meant so"},
+                "nothing, if that is intended"},
     FindingKind{"TANGENT_TEXTURE_TRANSFORM", info,
                 "tangents follow the uvs after KHR_texture_transform, and are judged by them", "nothing"},
     FindingKind{"TANGENT_UV_SET_USED", info,
@@ -99,19 +99,18 @@ constexpr std::array kinds{
                 "nothing; if you know the surface, declare it (--surface)"},
     FindingKind{
         "BUDGET_SPENT", info,
-        "the time for recognising surfaces was spent (--budget); what was not looked at counts as unknown",
+        "the time for recognising surfaces ran out (--budget); what was not compared counts as unknown",
         "raise --budget, or declare the surface"},
-    FindingKind{
-        "CREASE_SHARED", info,
-        "vertices are shared by two surfaces that meet at an angle: no normal or tangent is right for "
-        "both, theirs are not judged",
-        "nothing, if the edge is meant to look round; else split the vertices"},
+    FindingKind{"CREASE_SHARED", info,
+                "vertices are shared by two surfaces that meet at an angle: no normal or tangent is right "
+                "for both; these vertices are not judged",
+                "nothing, if the edge should look round; otherwise split the vertices"},
     FindingKind{"PARTS_TOO_MANY", info,
-                "the mesh falls into more than 256 parts, which were not looked at for surfaces of their own",
+                "the mesh falls into more than 256 parts, which were not compared with surfaces one by one",
                 "nothing, or give each surface a primitive of its own"},
     FindingKind{"PARTS_IN_BRIEF", info,
-                "after a dozen parts that are no surface, the others were looked at for spheres, cylinders, "
-                "cones and tori alone (counted in parts)",
+                "after a dozen parts without a known surface, the others were compared with spheres, "
+                "cylinders, cones and tori only (counted in parts)",
                 "nothing, or declare the surface (--surface)"},
     FindingKind{"TRIANGLES_MISSING", info, "the primitive has no triangle (counted in primitives)",
                 "nothing to judge"},
@@ -119,14 +118,14 @@ constexpr std::array kinds{
                 "vertices that no triangle uses (counted in vertices), not judged", "leave them out"},
     FindingKind{"NODE_MIRRORED", info,
                 "nodes mirror the mesh (counted in nodes): renderers must flip w and the winding",
-                "see that the renderer flips w and the winding"},
+                "check that the renderer flips w and the winding"},
     FindingKind{"NODE_SCALE_NOT_UNIFORM", info,
-                "nodes scale the mesh unevenly (counted in nodes): tangents must go by M, normals by its "
-                "inverse transpose",
-                "see that the renderer takes normals by the inverse transpose"},
+                "nodes scale the mesh unevenly (counted in nodes): renderers must transform tangents by M, "
+                "normals by its inverse transpose",
+                "check that the renderer transforms normals by the inverse transpose"},
     FindingKind{
         "UNDETERMINED", warning,
-        "neither a surface nor the triangles could judge what is stored (counted in meshes and parts)",
+        "neither a surface nor the triangles could judge the stored frames (counted in meshes and parts)",
         "declare the surface, or let the triangles judge: --surface, --reference"},
 };
 static_assert(kinds.size() == static_cast<std::size_t>(Code::undetermined) + 1);
