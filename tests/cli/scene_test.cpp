@@ -111,8 +111,9 @@ TEST_F(SceneCli, DrawsWhatWasSkipped) {
 TEST_F(SceneCli, WritesWhatMaterialsLetSee) {
   write_other("/materials/thin/see_through", true);
   good("darboux scene other.json -o tiles.glb --quiet");
+  const Json file = split_glb(read_bytes(path("tiles.glb"))).json;
   std::set<std::string> names;
-  for (const Json& material : split_glb(read_bytes(path("tiles.glb"))).json["materials"]) {
+  for (const Json& material : file["materials"]) {
     const std::string name = material["name"];
     names.insert(name);
     EXPECT_EQ(material.contains("doubleSided"), name == "thin");
