@@ -172,7 +172,7 @@ struct ScenePlan {
 /// What is to be evaluated for one camera. Nothing that is seen is left out: what is culled is so by a proven
 /// bound, rounding included. Resolutions keep the bounds asked for, proven but for tiles_unbounded. Surfaces
 /// without bounds are not culled, and their resolution is estimated from samples. Cost: about 0.2 us per
-/// instance outside the frustum, 1 us per small one in view, and up to some ms per surface without closed
+/// instance outside the frustum, 0.5 us per small one in view, and up to some ms per surface without closed
 /// forms, whose tiles are bounded first: docs/reports/scene.md. \throws ParameterError for a camera or a
 /// bound that is out of range, an index that is, a placement that is singular or not finite, or bounds that
 /// ask for more than 2^24 tiles in view, duplicates and what others hide included

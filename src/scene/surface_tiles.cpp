@@ -61,8 +61,8 @@ bool has_box(const TileNode& node) {
 // A lower bound of the distance of a point to an ellipsoid, exact from outside but for what is rounded. There
 // it is the largest d·P - h(d) over unit vectors d, with h the ellipsoid's support: whatever d is, that is
 // none too large. The best is along (x/(a² + t), ...), at that t >= 0 for which the nearest point
-// (a² x/(a² + t), ...) lies on the ellipsoid. From inside, what is left of the sphere to which the axes scale
-// it, times the shortest.
+// (a² x/(a² + t), ...) lies on the ellipsoid. From inside, what is left of the sphere to which the axes
+// scale it, times the shortest.
 double distance_to_ellipsoid(const Vec3<double>& axes, const Vec3<double>& p) {
   const Vec3<double> q{p.x / axes.x, p.y / axes.y, p.z / axes.z};
   const double square = dot(q, q);

@@ -46,8 +46,8 @@ struct Proven {
   bool operator==(const Proven&) const = default;
 };
 
-// A point of a tile by its normal n and n · P: where it is seen from the side of n, not all of the tile faces
-// away. Unknown where n = 0.
+// A point of a tile by its normal n and n · P: where it is seen from the side of n, not all of the tile
+// faces away. Unknown where n = 0.
 struct FacingPoint {
   Vec3<double> normal{};
   double height = 0;
@@ -120,7 +120,11 @@ class SurfaceTiles {
     FacingPoint& point =
         node == root ? of_octants_[(eye.x < 0 ? 1u : 0u) + (eye.y < 0 ? 2u : 0u) + (eye.z < 0 ? 4u : 0u)]
                      : nodes_[node]->middle;
-    if (!point.made) node == root ? make_octants() : make_middle(*nodes_[node]);
+    if (point.made) return point;
+    if (node == root)
+      make_octants();
+    else
+      make_middle(*nodes_[node]);
     return point;
   }
   // The first of the parts.

@@ -108,6 +108,20 @@ TEST_F(SceneCli, DrawsWhatWasSkipped) {
   EXPECT_EQ(read_bytes(path("skipped.png")).substr(1, 3), "PNG");
 }
 
+TEST_F(SceneCli, WritesWhatMaterialsLetSee) {
+  write_other("/materials/thin/see_through", true);
+  good("darboux scene other.json -o tiles.glb --quiet");
+  const Json file = split_glb(read_bytes(path("tiles.glb"))).json;
+  std::set<std::string> names;
+  for (const Json& material : file["materials"]) {
+    const std::string name = material["name"];
+    names.insert(name);
+    EXPECT_EQ(material.contains("doubleSided"), name == "thin");
+    EXPECT_EQ(material.value("alphaMode", "OPAQUE"), name == "thin" ? "BLEND" : "OPAQUE");
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"plain", "bumpy", "thin"}));
+}
+
 TEST_F(SceneCli, WritesTheTilesThatAreNeeded) {
   const Json report = json("darboux scene scene.json -o tiles.glb --json");
   const Json file = split_glb(read_bytes(path("tiles.glb"))).json;
