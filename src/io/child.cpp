@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/sanitized.h"
 #include "confine.h"
 #include "input.h"
 
@@ -68,7 +69,7 @@ void end_with(pid_t parent) {
   for (int signal = 1; signal < NSIG; ++signal) ::signal(signal, SIG_DFL);
   if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) {
     ::dup2(nowhere, STDOUT_FILENO);
-    ::dup2(nowhere, STDERR_FILENO);
+    if (!sanitized) ::dup2(nowhere, STDERR_FILENO);  // what a sanitizer reports is not lost
   }
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, limits.seconds);

@@ -57,7 +57,7 @@ struct Unpack {
  private:
   void take(void* to, std::size_t size) {
     if (size > bytes.size()) throw ChildFailure("gives half an answer");
-    std::memcpy(to, bytes.data(), size);
+    if (size > 0) std::memcpy(to, bytes.data(), size);  // an empty list has no address
     bytes.remove_prefix(size);
   }
   std::size_t count(std::size_t size_of_each) {

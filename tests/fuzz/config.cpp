@@ -33,8 +33,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     });
   });
   // As on the command line, which goes before the file.
-  app.parse(std::vector<std::string>{"7", "--budget", "validate"});
-  fuzz::expect(budget == 7, "what the command line says stays");
+  app.parse(std::vector<std::string>{"7", "--budget", "a.glb", "validate"});
+  fuzz::expect(budget == 7 && files == std::vector<std::string>{"a.glb"}, "what the command line says stays");
   fuzz::expect(refused || only.empty() || only == "needed", "no option takes what its check refuses");
   return 0;
 }
