@@ -30,7 +30,7 @@ struct SceneMaterial {
   bool normal_map = false, clearcoat_normal_map = false;
   bool anisotropy = false;    ///< with a texture or without
   bool double_sided = false;  ///< both sides are seen
-  bool see_through = false;   ///< it is transparent, or has holes: what lies behind is seen
+  bool see_through = false;   ///< it is transparent, or has holes: it hides nothing. Meshes never do
   /// The most that a displacement moves a point, in the scene's unit of length.
   double displacement = 0;
 

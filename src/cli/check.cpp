@@ -137,7 +137,7 @@ void add_check(CLI::App& app, Common& common) {
       ->capture_default_str()
       ->check(CLI::Range(0, 1000000));
   sub.add_flag("--markdown", arguments->markdown,
-               "print tables of the worst error over its bound, in roundings, per surface and quantity");
+               "print tables of the worst error and its bound, in roundings, per surface and quantity");
   add_common(sub, common, "darboux check torus:minor_radius=0.4 --points 10000");
   sub.callback([arguments, &common] { run_check(*arguments, common); });
 }

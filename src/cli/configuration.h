@@ -9,7 +9,7 @@
 namespace darboux {
 
 /// Gives a subcommand the options that a file holds, TOML's NAME = VALUE, a line each; `files` are its FILES.
-/// What the command line says goes before. To be called from the subcommand's callback. \throws FileError,
+/// The command line takes precedence. To be called from the subcommand's callback. \throws FileError,
 /// also for a name that is no option, a section, a value that an option refuses
 void read_configuration(CLI::App& sub, const std::string& path);
 

@@ -230,7 +230,7 @@ void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
 
 void add_normalmap(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand(
-      "normalmap", "Convert a normal map between object and tangent space; check and compare maps");
+      "normalmap", "Convert a normal map from one space to another; check and compare maps");
   auto a = std::make_shared<NormalMapArguments>();
   sub.add_option("INPUT", a->input,
                  "the .png, .tga or .exr to read, or a glTF: its normal texture is read and, without --mesh, "

@@ -200,7 +200,7 @@ void add_tangents(CLI::App& app, Common& common) {
       ->check(CLI::IsMember({"gltf", "raw"}));
   sub.add_option(
          "--only", arguments->only,
-         "needed: leave out primitives whose materials read no tangents (no normal map, no anisotropy)")
+         "needed: leave primitives unchanged whose materials read no tangents (no normal map, no anisotropy)")
       ->check(CLI::IsMember({"needed"}));
   sub.add_flag("--drop-idle", arguments->drop_idle,
                "with --only needed: remove tangents that nothing reads, and their bytes");

@@ -56,7 +56,7 @@ References parse_references(const std::string& text) {
       throw ParameterError(
           "--reference",
           "'" + name +
-              "' is no reference, expected analytic, triangles, local and mikktspace, with commas between");
+              "' is no reference, expected analytic, triangles, local and mikktspace, separated by commas");
     result.*members[static_cast<std::size_t>(found - reference_names.begin())] = true;
   }
   return result;
@@ -209,9 +209,10 @@ void add_validate(CLI::App& app, Common& common) {
   sub.add_option(
       "FILES", arguments->files,
       joined({asset_extensions().begin(), asset_extensions().end()}) + " files, or folders of them");
-  sub.add_option("--surface", arguments->surface,
-                 "auto, or a kind with the parameters that are known, such as torus:minor_radius=0.4; a kind "
-                 "that is not fitted, or formula:file=FILE, needs all of its parameters")
+  sub.add_option(
+         "--surface", arguments->surface,
+         "auto, or a kind with the parameters that are known, such as torus:minor_radius=0.4; a kind that is "
+         "not fitted, and formula:file=FILE, is taken as given, defaults included, and only placed")
       ->capture_default_str();
   sub.add_option("--placement", arguments->placement,
                  "where the surface lies: fit, identity, or the 16 numbers of a matrix, column by column, "
@@ -242,9 +243,9 @@ void add_validate(CLI::App& app, Common& common) {
                  "needed: judge only primitives whose materials read tangents; formats other than glTF do "
                  "not say, and all of theirs are judged")
       ->check(CLI::IsMember({"needed"}));
-  sub.add_option("--exclude", arguments->exclude,
-                 "skip paths in folders that match a pattern, relative to the folder: 'old' is the folder of "
-                 "that name, '*.stl' all STL files");
+  sub.add_option(
+      "--exclude", arguments->exclude,
+      "in the folders given, skip paths that match this pattern: 'old', the folder of that name, or '*.stl'");
   sub.add_option(
       "--budget", arguments->budget,
       "seconds per file after which no further surface is tried; all other checks always run in full");

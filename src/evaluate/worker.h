@@ -139,7 +139,7 @@ class Worker {
     const std::size_t last_row = (offset + last - 1) / width;
     const bool linear_u = call_.surface.u == Coordinate::linear;
     const bool linear_v = call_.surface.v == Coordinate::linear;
-    // A register more than there is room for is written each time, and then overwritten.
+    // Whole registers are copied: what lies beyond `count` the next row overwrites, or nobody reads.
     const auto copy = [](const T* from, std::size_t count, T* to) {
       for (std::size_t i = 0; i < count; i += batch_size<T>)
         for (std::size_t k = 0; k < batch_size<T>; ++k) to[i + k] = from[i + k];

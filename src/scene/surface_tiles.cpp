@@ -82,7 +82,7 @@ double distance_to_ellipsoid(const Vec3<double>& axes, const Vec3<double>& p) {
     const double length = norm(s),
                  falls = s.x * s.x * over.x + s.y * s.y * over.y + s.z * s.z * over.z;  // -½ d(|s|²)/dt
     const double step = length * length * (length - 1) / falls;
-    // Of what is left, d has as much in proportion, and the distance the square.
+    // The error of d is in proportion to the step, and that of the distance to its square.
     if (!(std::fabs(step) > 1e-9 * (t + shortest * shortest))) break;
     t = std::fmax(t + step, 0);
   }

@@ -53,9 +53,10 @@ struct FacingPoint {
   double height = 0;
   bool made = false;
 
-  // Of an eye; or of a direction towards it, offset 0. Not where roundings decide.
-  bool faces(const Vec3<double>& eye, double offset) const {
-    const double x = normal.x * eye.x, y = normal.y * eye.y, z = normal.z * eye.z, h = offset * height;
+  // An eye, or without perspective the direction towards it. Not where roundings decide.
+  bool faces(const Vec3<double>& eye, bool perspective) const {
+    const double x = normal.x * eye.x, y = normal.y * eye.y, z = normal.z * eye.z,
+                 h = perspective ? height : 0;
     return x + y + z - h > 0x1p-40 * (std::fabs(x) + std::fabs(y) + std::fabs(z) + std::fabs(h));
   }
 };

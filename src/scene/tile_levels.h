@@ -11,7 +11,7 @@
 
 namespace darboux {
 
-// A tile has no more than 2^5 × 2^4 cells: of larger ones fewer are culled, smaller ones cost more each.
+// A tile has no more than 2^5 × 2^4 cells: of larger ones fewer are culled, smaller ones cost more per sample.
 constexpr int tile_level_u = 5, tile_level_v = 4;
 constexpr int finest_level = 14;  // of the cells of a chart
 
@@ -74,8 +74,7 @@ class ChordLevels {
   }
 
  private:
-  // What is no larger than a number rounded down is no larger than the number: to compare the two is to
-  // compare these.
+  // A float is at most x exactly when it is at most rounded_down(x).
   static float rounded_down(double x) {
     const auto nearest = static_cast<float>(x);
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(nearest) - (nearest > x ? 1u : 0u));

@@ -375,6 +375,7 @@ void expect_same_on_grids(const Subject<T>& surface) {
                                                     {1, 1, 0, 2},
                                                     {9, 30, 2, 25},
                                                     {16, 40, 7, 30},
+                                                    {40, 40, 0, 41},
                                                     {512, 3, 1, 3},
                                                     {1100, 2, 1, 2}}) {
     const auto grid = Points<T>::grid(columns, rows, first, count);

@@ -12,6 +12,7 @@
 
 #include "every_surface.h"
 #include "random_scene.h"
+#include "scene/surface_tiles.h"
 
 namespace darboux::test {
 namespace {
@@ -117,8 +118,8 @@ TEST(ScenePath, SmallStepsChangeWhatTheyMust) {
   EXPECT_GT(changes, 20u);
 }
 
-// The distance of a surface is that of its box from afar, and of its parts from near: it jumps between. Boxes
-// are up to 1.4 from centre to corner.
+// The distance of a surface without a closed form of it is that of its box from afar, and of its parts from
+// near: it jumps between, where the box is four of its radii away.
 TEST(ScenePath, DistancesThatJumpChangeWhatTheyMust) {
   Random random(19);
   for (int round = 0; round < 5; ++round) {
@@ -126,11 +127,13 @@ TEST(ScenePath, DistancesThatJumpChangeWhatTheyMust) {
     if (round == 0)
       scene.surfaces = {make_surface("bezier-patch"), make_surface("bspline-patch")};
     else
-      scene.surfaces = {make_surface("ellipsoid"),
-                        make_surface("ellipsoid:semi_axis_x=1,semi_axis_y=1,semi_axis_z=0.2")};
+      scene.surfaces = {make_surface("superellipsoid"), make_surface("elliptic-paraboloid")};
+    std::vector<double> radii;
+    for (const AnySurface& surface : scene.surfaces)
+      radii.push_back(SurfaceTiles(surface, TileOrder::position).radius());
     for (std::uint32_t i = 0; i < 2000; ++i) {
       Eigen::Affine3d placement = random_placement(random, true);
-      placement.translation() = to_eigen(random.uniform(5, 6.5) * random.direction());
+      placement.translation() = to_eigen(radii[i % 2] * random.uniform(4, 6) * random.direction());
       scene.instances.push_back({i % 2, 0, placement});
     }
     SceneRequest request;

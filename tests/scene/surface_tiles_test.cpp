@@ -37,6 +37,36 @@ TEST(SurfaceTiles, DistancesToEllipsoidsAreExactFromOutside) {
   }
 }
 
+// From its centre, its axes and its points.
+TEST(SurfaceTiles, DistancesToEllipsoidsFromWithin) {
+  Random random(35);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3<double> axes{random.log_uniform(0.02, 5), random.log_uniform(0.02, 5),
+                            random.log_uniform(0.02, 5)};
+    const AnySurface surface(Ellipsoid<>{axes.x, axes.y, axes.z});
+    SurfaceTiles tiles(surface, TileOrder::position);
+    const double shortest = std::fmin(axes.x, std::fmin(axes.y, axes.z));
+    const double at_centre = tiles.distance({0, 0, 0}).least;
+    EXPECT_LE(at_centre, shortest);
+    EXPECT_GE(at_centre, shortest * (1 - 0x1p-36));
+    for (const double along : {-1.5, -1.0, -0.5, 0.25, 1.0, 3.0}) {
+      for (const Vec3<double>& from : {Vec3<double>{along * axes.x, 0, 0}, Vec3<double>{0, along * axes.y, 0},
+                                       Vec3<double>{0, 0, along * axes.z}}) {
+        // The end of the axis is a point of the surface.
+        const double to_end = std::fabs(1 - 1 / std::fabs(along)) * norm(from);
+        const double found = tiles.distance(from).least;
+        EXPECT_GE(found, 0);
+        EXPECT_LE(found, to_end * (1 + 0x1p-50));
+        if (std::fabs(along) > 1) {
+          EXPECT_GE(found, to_end - 0x1p-43 * (norm(from) + 5));
+        }
+      }
+    }
+    const Vec3<double> on_it = surface.jet(random.uniform(), random.uniform()).position;
+    EXPECT_LE(tiles.distance(on_it).least, 0x1p-50 * norm(on_it));
+  }
+}
+
 // From anywhere, no point of the surface is nearer, and the distance changes by no more than the way.
 TEST(SurfaceTiles, NoPointOfAnEllipsoidIsNearer) {
   Random random(32);
@@ -70,7 +100,7 @@ TEST(SurfaceTiles, TilesOfPointsThatFaceTheEyeDoNotFaceAway) {
         node = tiles.parts(node, Split::both) + static_cast<std::uint32_t>(random.bits() % 4);
       const Vec3<double> eye = random.log_uniform(0.1, 30) * random.direction();
       for (const bool perspective : {true, false}) {
-        const bool faces = tiles.facing_point(node, eye).faces(eye, perspective ? 1 : 0);
+        const bool faces = tiles.facing_point(node, eye).faces(eye, perspective);
         const TileBounds& bounds = tiles[node].bounds;
         const double bound = perspective ? bounds.facing(eye) : bounds.facing_along(eye);
         if (faces) {
@@ -85,7 +115,8 @@ TEST(SurfaceTiles, TilesOfPointsThatFaceTheEyeDoNotFaceAway) {
   EXPECT_GT(away, 300u);
 }
 
-// The cells that a chord asks for keep it, one cut less does not, and so from `least` to `most`.
+// The cells that a chord asks for keep it, one cut less does not, and so from `least` to `most`. No others of
+// as many cuts keep a shorter one with as few samples of the chart.
 TEST(ChordLevels, CellsKeepTheChord) {
   Random random(34);
   for (int i = 0; i < 3000; ++i) {
@@ -112,6 +143,15 @@ TEST(ChordLevels, CellsKeepTheChord) {
     if (answer.levels.u > 0 && answer.levels.v > 0) {
       EXPECT_TRUE(error({answer.levels.u - 1, answer.levels.v}) > less ||
                   error({answer.levels.u, answer.levels.v - 1}) > less);
+    }
+    const auto samples = [&](const TileLevels& l) {
+      return (std::ldexp(1, level_u + l.u) + 1) * (std::ldexp(1, level_v + l.v) + 1);
+    };
+    for (const int more : {-1, 1}) {
+      const TileLevels other{answer.levels.u + more, answer.levels.v - more};
+      if (other.u < 0 || other.v < 0 || other.u > most.u || other.v > most.v) continue;
+      EXPECT_TRUE(error(other) >= error(answer.levels) * (1 - 0x1p-40) ||
+                  samples(other) > samples(answer.levels));
     }
     EXPECT_LE(answer.least, chord);
     EXPECT_GT(answer.most, chord);
