@@ -24,7 +24,8 @@ class BatchedCost final : public ceres::CostFunction {
         units_(units),
         size_(size),
         accepted_(starts),
-        tried_(starts) {
+        tried_(starts),
+        tried_at_(Eigen::VectorXd::Zero(units.size())) {
     const auto n = static_cast<int>(units.size());
     set_num_residuals(n + 1);
     mutable_parameter_block_sizes()->push_back(n);
