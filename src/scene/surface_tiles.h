@@ -153,7 +153,7 @@ class SurfaceTiles {
   std::vector<Vec3<double>> places_;
   double reach_ = 0;  // from them to all of the surface
   ChordLevels finest_levels_, typical_levels_;
-  // What turns about the z axis, in coordinates (ρ, z): a circle about (centre, 0), or a line. None: neither.
+  // What turns about the z axis, in coordinates (ρ, z): a circle about (centre, 0), a line, or neither.
   struct Meridian {
     enum class Kind : std::uint8_t { none, circle, line } kind = Kind::none;
     double centre = 0, radius = 0;

@@ -11,7 +11,8 @@
 
 namespace darboux {
 
-// A tile has no more than 2^5 × 2^4 cells: of larger ones fewer are culled, smaller ones cost more per sample.
+// A tile has no more than 2^5 × 2^4 cells: fewer of larger ones are culled, and smaller ones cost more per
+// sample.
 constexpr int tile_level_u = 5, tile_level_v = 4;
 constexpr int finest_level = 14;  // of the cells of a chart
 

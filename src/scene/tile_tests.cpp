@@ -33,9 +33,9 @@ TileLevels fewest_cells(double width_u, double width_v, const TileLevels& most, 
   return result;
 }
 
-// Rates of frames that a placement M stretches, of a given condition. Of f = M x / |M x|, with L and F the
-// rates of x of first and second order, |f'| <= κ L, and across f |f''| <= κ F + 2 κ² L². What is square to
-// two such vectors adds theirs.
+// Rates of frames that a placement M stretches, of a given condition κ. Of f = M x / |M x|, with L and F
+// the rates of x of first and second order, |f'| <= κ L, and across f |f''| <= κ F + 2 κ² L². What is
+// square to two such vectors adds theirs.
 TileRates stretched(const TileRates& r, double condition) {
   const double k = condition, k2 = condition * condition;
   TileRates result = r;
@@ -213,8 +213,7 @@ bool TileTests::outside(std::uint32_t index, std::uint8_t& planes) {
 bool TileTests::faces_away(std::uint32_t index) {
   const bool perspective = view_.perspective();
   // Most tiles do not by any of their points. Their bound tells no more, but how far that is from changing.
-  if (!wants_slack_ && tiles_->facing_point(index, placed_.eye).faces(placed_.eye, perspective))
-    return false;
+  if (!wants_slack_ && tiles_->facing_point(index, placed_.eye).faces(placed_.eye, perspective)) return false;
   const TileBounds& bounds = (*tiles_)[index].bounds;
   const double facing =
       (perspective ? bounds.facing(placed_.eye) : bounds.facing_along(placed_.eye)) + placed_.eye_rounding;

@@ -15,7 +15,8 @@ class GltfScenes : public ::testing::Test {
     b_.primitive({{"POSITION", positions}}, {{"indices", indices}});
     b_.json.update(Json::parse(R"({
       "materials": [{}],
-      "cameras": [{"type": "perspective", "perspective": {"yfov": 0.39479111969976155, "aspectRatio": 2, "znear": 0.1}},
+      "cameras": [{"type": "perspective",
+                   "perspective": {"yfov": 0.39479111969976155, "aspectRatio": 2, "znear": 0.1}},
                   {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 100}}],
       "nodes": [{"camera": 0, "name": "eye", "translation": [0, 0, 5]}, {"mesh": 0}],
       "scenes": [{"nodes": [0, 1]}]})"));
