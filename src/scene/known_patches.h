@@ -22,33 +22,47 @@ struct KnownPatch {
 
 class KnownPatches {
  public:
-  // \param once whether patches of the same samples are one
-  explicit KnownPatches(bool once) : once_(once) {}
+  // \param once whether patches of the same samples are one; all: the attributes of most patches
+  KnownPatches(bool once, Attributes all) : once_(once), all_(all) {}
 
   std::size_t size() const { return patches_.size(); }
   KnownPatch& operator[](std::uint32_t i) { return patches_[i]; }
+  const KnownPatch& operator[](std::uint32_t i) const { return patches_[i]; }
   std::span<const double> edge_coordinates(const ScenePatch& p) const;
 
-  // A patch is begun, the further samples on its edges are added, and it is added itself or found.
-  void begin(ScenePatch& patch) const;
-  void add_edge_coordinate(double x) { edge_coordinates_.push_back(x); }
-  std::uint32_t add(ScenePatch patch, std::uint32_t node);
-  // Where the number of the patch stands that is the node of a surface cut into so many cells, in powers of
-  // two, with none but their corners; none where there is none yet. A table: of small instances all patches
-  // are such. \param all whether it has all attributes that are asked for
-  std::uint32_t& plain(std::uint32_t surface, std::uint32_t node, const TileLevels& cells, bool all);
+  // The number of a patch, which is added or found. Of one surface, all have the attributes given to the
+  // constructor, or all others have the same.
+  // \param patch with its edge_counts; edge_coordinates: its own; node: of SurfaceTiles
+  std::uint32_t add(ScenePatch& patch, std::span<const double> edge_coordinates, std::uint32_t node);
+
+  // That of a patch without further samples on its edges, by its surface, node and cells, or `none` where it
+  // is not known.
+  std::uint32_t find_plain(std::uint32_t surface, std::uint32_t node, const TileLevels& cells,
+                           Attributes attributes) const {
+    if (surface >= plain_.size() || node >= plain_[surface].size()) return none;
+    return plain_[surface][node][index_in_node(cells, attributes)];
+  }
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  // All of them; numbers go on.
+  // Forgets all of them; their ids go on.
   void forget();
 
  private:
+  std::size_t index_in_node(const TileLevels& cells, Attributes attributes) const {
+    return static_cast<std::size_t>(2 * (cells.u * (tile_level_v + 1) + cells.v) + (attributes == all_));
+  }
+  std::uint32_t& plain(const ScenePatch& patch, std::uint32_t node);
+  std::uint32_t add_new(ScenePatch& patch, std::span<const double> edge_coordinates, std::uint32_t node);
+
   bool once_;
+  Attributes all_;
   std::vector<KnownPatch> patches_;
   std::vector<double> edge_coordinates_;
+  // Of patches with further samples on their edges.
   HashTable by_hash_;
+  // Of plain ones by surface, node, cells and attributes. Of small instances all patches are plain.
   using OfNode = std::array<std::uint32_t, 2 * (tile_level_u + 1) * (tile_level_v + 1)>;
-  std::vector<std::vector<OfNode>> plain_;  // by surface and node
+  std::vector<std::vector<OfNode>> plain_;
   std::uint64_t forgotten_ = 0;
 };
 
