@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -243,6 +244,7 @@ void ScenePlanner::Planner::count(const Decision& d) {
 // All tiles that are needed and not hidden.
 void ScenePlanner::Planner::add_tiles() {
   drawn_.reserve(used_.size());
+  plan_.patches.reserve(std::min(used_.size(), patches_.size()));
   for (const Shown& shown : shown_) {
     bool needed = false;
     for (std::size_t i = 0; i < shown.patch_count; ++i)
