@@ -234,9 +234,9 @@ class TileSamples {
   const ScenePatch* patch_ = nullptr;
   std::span<const PlannedTile> tiles_;
   Points<double> corners_;  // of cells, by rows
-  std::vector<double> others_, memory_;
+  std::vector<double> others_;
   std::array<const double*, attribute_count> values_{};
-  std::vector<Status> status_;
+  std::span<Status> status_;
   std::span<const std::uint32_t> triangles_;
 };
 
@@ -254,6 +254,8 @@ class TileEvaluator {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>>
       of_plain_;  // triangles, by cells
   std::vector<std::uint32_t> triangles_;
+  std::vector<double> memory_;
+  std::vector<Status> status_;
 };
 
 /// Calls f(const TileSamples&) for each patch of a plan, in order and in the calling thread.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <darboux/scene.h>
 
@@ -65,30 +66,35 @@ std::uint64_t sample_count(const ScenePatch& patch, std::span<const double> coor
 
 namespace {
 
-void add_triangle(std::vector<std::uint32_t>& triangles, std::size_t a, std::size_t b, std::size_t c) {
-  for (const std::size_t i : {a, b, c}) triangles.push_back(static_cast<std::uint32_t>(i));
+// The first n of a buffer that is kept from tile to tile: nothing that it holds is set anew.
+template <class T>
+std::span<T> room(std::vector<T>& buffer, std::size_t n) {
+  if (buffer.size() < n) buffer.resize(n);
+  return std::span(buffer).first(n);
+}
+
+std::uint32_t* add_triangle(std::uint32_t* next, std::size_t a, std::size_t b, std::size_t c) {
+  for (const std::size_t i : {a, b, c}) *next++ = static_cast<std::uint32_t>(i);
+  return next;
 }
 
 // Two for each cell that is not split.
-void add_triangles(std::uint32_t columns, std::uint32_t rows, const std::vector<bool>& is_split,
-                   std::vector<std::uint32_t>& triangles) {
+std::uint32_t* add_triangles(std::uint32_t columns, std::uint32_t rows, const std::vector<bool>& is_split,
+                             std::uint32_t* next) {
   const std::uint32_t width = columns + 1;
-  const std::size_t before = triangles.size();
-  triangles.resize(before + std::size_t{6} * columns * rows);
-  std::uint32_t* next = triangles.data() + before;
   for (std::uint32_t row = 0; row < rows; ++row)
     for (std::uint32_t column = 0; column < columns; ++column) {
       if (!is_split.empty() && is_split[std::size_t{row} * columns + column]) continue;
       const std::uint32_t a = row * width + column, b = a + 1, c = a + width + 1, d = a + width;
       for (const std::uint32_t i : {a, b, c, a, c, d}) *next++ = i;
     }
-  triangles.resize(static_cast<std::size_t>(next - triangles.data()));
+  return next;
 }
 
 // The samples of a patch beyond the corners of its cells, and its triangles: a fan around the centre of each
 // cell that is split.
-void add_split_cells(const ScenePatch& patch, std::span<const double> coordinates, std::vector<double>& uv,
-                     std::vector<std::uint32_t>& triangles) {
+std::span<const std::uint32_t> add_split_cells(const ScenePatch& patch, std::span<const double> coordinates,
+                                               std::vector<double>& uv, std::vector<std::uint32_t>& buffer) {
   const std::uint32_t columns = patch.cells_u, rows = patch.cells_v;
   const std::size_t width = std::size_t{columns} + 1, corners = width * (rows + 1);
   const Tile t = patch.tile();
@@ -104,7 +110,11 @@ void add_split_cells(const ScenePatch& patch, std::span<const double> coordinate
     }
   const double du = (t.u1 - t.u0) / columns, dv = (t.v1 - t.v0) / rows;
   std::vector<bool> is_split(std::size_t{columns} * rows);
-  for (const SplitCell& cell : split_cells(patch, coordinates)) {
+  const std::vector<SplitCell> cells = split_cells(patch, coordinates);
+  const std::size_t most = 2 * std::size_t{columns} * rows + 4 * cells.size() + edge_samples(patch);
+  const std::span<std::uint32_t> triangles = room(buffer, 3 * most);
+  std::uint32_t* end = triangles.data();
+  for (const SplitCell& cell : cells) {
     is_split[std::size_t{cell.row} * columns + cell.column] = true;
     const std::size_t centre = corners + uv.size() / 2;
     add_uv(t.u0 + (cell.column + 0.5) * du, t.v0 + (cell.row + 0.5) * dv);
@@ -112,7 +122,7 @@ void add_split_cells(const ScenePatch& patch, std::span<const double> coordinate
     const std::size_t first = cell.row * width + cell.column;
     std::size_t last = first;
     const auto to = [&](std::size_t i) {
-      add_triangle(triangles, centre, last, i);
+      end = add_triangle(end, centre, last, i);
       last = i;
     };
     const auto along = [&](std::size_t edge, bool rising) {
@@ -128,7 +138,8 @@ void add_split_cells(const ScenePatch& patch, std::span<const double> coordinate
     along(2, false);
     to(first);
   }
-  add_triangles(columns, rows, is_split, triangles);
+  end = add_triangles(columns, rows, is_split, end);
+  return triangles.first(static_cast<std::size_t>(end - triangles.data()));
 }
 
 }  // namespace
@@ -147,25 +158,25 @@ const TileSamples& TileEvaluator::evaluate(const ScenePatch& patch, const Evalua
   s.others_.clear();
   if (patch.plain()) {
     std::vector<std::uint32_t>& triangles = of_plain_[{columns, rows}];
-    if (triangles.empty()) add_triangles(columns, rows, {}, triangles);
+    if (triangles.empty()) {
+      triangles.resize(std::size_t{6} * columns * rows);
+      add_triangles(columns, rows, {}, triangles.data());
+    }
     s.triangles_ = triangles;
   } else {
-    triangles_.clear();
-    add_split_cells(patch, plan_->edge_coordinates, s.others_, triangles_);
-    s.triangles_ = triangles_;
+    s.triangles_ = add_split_cells(patch, plan_->edge_coordinates, s.others_, triangles_);
   }
 
   const std::size_t size = corners + s.others_.size() / 2;
   std::size_t components = 0;
   for (std::size_t a = 0; a < attribute_count; ++a)
     if (patch.attributes.has(static_cast<Attribute>(a))) components += attribute_infos[a].components;
-  s.memory_.resize(components * size);
-  s.status_.resize(size);
+  double* next = room(memory_, components * size).data();
+  s.status_ = room(status_, size);
   s.values_ = {};
   Outputs<double> on_corners, others;
-  on_corners.status(std::span(s.status_).first(corners));
-  others.status(std::span(s.status_).subspan(corners));
-  double* next = s.memory_.data();
+  on_corners.status(s.status_.first(corners));
+  others.status(s.status_.subspan(corners));
   for (std::size_t a = 0; a < attribute_count; ++a) {
     const auto attribute = static_cast<Attribute>(a);
     if (!patch.attributes.has(attribute)) continue;

@@ -118,6 +118,7 @@ void TileTests::find_resolutions() {
   SurfaceTiles& tiles = *tiles_;
   // Whatever the material reads: the count of tiles does not depend on it.
   const Attributes asked = std::exchange(asked_, request_.attributes);
+  const bool bounds_frame = std::exchange(bounds_frame_, bounds_frames(asked_));
   whole_.uniform =
       cells_needed(nearest_, tiles.typical(), tiles.typical_chord_levels(), {}, tiles.typical_frame_levels());
   whole_.finest =
@@ -125,6 +126,7 @@ void TileTests::find_resolutions() {
           ? cells_needed(nearest_, tiles.finest(), tiles.finest_chord_levels(), {}, tiles.frame_levels())
           : whole_.uniform;
   asked_ = asked;
+  bounds_frame_ = bounds_frame;
 }
 
 // From the eye to the surface, in the scene; what is nearer than the near plane is not seen.
@@ -158,7 +160,7 @@ TileLevels TileTests::cells_needed(double distance, const TileRates& rates, cons
         Slack::lower(slack.turning, (answer.most * distance_per_local_chord_ - distance) * share);
     }
   }
-  if (!bounds_frames(asked_)) return result;
+  if (!bounds_frame_) return result;
   // These do not depend on the distance.
   const TileLevels most{finest_level - place.level_u, finest_level - place.level_v};
   const double width_u = share_of(place.level_u), width_v = share_of(place.level_v);

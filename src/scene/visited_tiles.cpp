@@ -7,11 +7,6 @@
 
 namespace darboux {
 
-std::uint64_t tiles_within(const TilePlace& place, const TileLevels& finest) {
-  const TileLevels deepest{std::max(finest.u - tile_level_u, 0), std::max(finest.v - tile_level_v, 0)};
-  return std::uint64_t{1} << (deepest.u - place.level_u + deepest.v - place.level_v);
-}
-
 TileCounts VisitedTiles::visit() {
   SurfaceTiles& tiles = tests_.tiles();
   TileCounts counts;
@@ -78,14 +73,15 @@ void VisitedTiles::find_finest() {
 void VisitedTiles::find_edges(const Visited& tile) {
   edges_.counts = {};
   edges_.coordinates.clear();
-  const TileNode& node = tests_.tiles()[tile.node];
-  const Extent e(node.place);
+  const TilePlace& place = tests_.tiles()[tile.node].place;
+  // Along an edge no tile is finer than the finest.
+  const bool finest_u = place.level_u + tile.cells.u >= finest_.u,
+             finest_v = place.level_v + tile.cells.v >= finest_.v;
+  if (finest_u && finest_v) return;
+  const Extent e(place);
   const SurfaceInfo& info = tests_.tiles().surface().info();
   const auto round = [](Coordinate c) { return c == Coordinate::turn || c == Coordinate::twisted_turn; };
   const std::uint32_t step_u = (e.u1 - e.u0) >> tile.cells.u, step_v = (e.v1 - e.v0) >> tile.cells.v;
-  // Along an edge no tile is finer than the finest.
-  const bool finest_u = node.place.level_u + tile.cells.u >= finest_.u,
-             finest_v = node.place.level_v + tile.cells.v >= finest_.v;
   for (std::size_t k = 0; k < 4; ++k) {
     const bool along_u = k < 2, upper = k % 2 == 1;
     if (along_u ? finest_u : finest_v) continue;

@@ -15,7 +15,11 @@ namespace darboux {
 struct EdgeSearch;
 
 // Tiles of the finest resolution that a tile is made of.
-std::uint64_t tiles_within(const TilePlace& place, const TileLevels& finest);
+inline std::uint64_t tiles_within(const TilePlace& place, const TileLevels& finest) {
+  const int u = finest.u > tile_level_u ? finest.u - tile_level_u : 0,
+            v = finest.v > tile_level_v ? finest.v - tile_level_v : 0;
+  return std::uint64_t{1} << (u - place.level_u + v - place.level_v);
+}
 
 // Tiles of one instance that are skipped, but for duplicates, and those that have no bounds.
 struct TileCounts {

@@ -108,6 +108,26 @@ TEST(FitClusters, AreNoNoise) {
   EXPECT_GE(tally.usable, 40U) << tally.reasons_text();
 }
 
+// Of two spheres of as many points a fit may be either, and is judged by that: with errors about the bound. A
+// mean of six chi squared of 4 degrees of freedom over 4 is above 3.04 once in a million; an error of 1.1
+// times the bound is 1.21 times that.
+TEST(FitSecondSurface, EitherOfTwoSpheresIsRight) {
+  const matrix::Cell cell{1, 0, 2, 6, 1};
+  ASSERT_EQ(cell.key(), "sphere/full/1000/50% second surface/1e-2");
+  double sum = 0;
+  std::size_t usable = 0, of_second = 0;
+  for (std::uint64_t number = 0; number < 8; ++number) {
+    const matrix::Run run = matrix::run_of(cell, number, {.automatic = false});
+    if (!run.usable) continue;
+    ++usable;
+    of_second += run.is_second;
+    sum += run.mahalanobis;
+  }
+  EXPECT_GE(usable, 6U);
+  EXPECT_GE(of_second, 1U) << "no fit is of the second sphere, and nothing is tested";
+  EXPECT_LT(sum, 3.7 * static_cast<double>(usable));
+}
+
 // Runs 0 to 11 of torus/thin strip/1000/`outliers`/1e-2, fitted as tori.
 template <class Each>
 void for_each_strip(std::string_view outliers, Each each) {

@@ -219,6 +219,33 @@ TEST(SyntheticPoints, FeetAreUniformByArea) {
     }
 }
 
+// The other half of the points, about the other sphere: its noise (known to 1 / sqrt(2 n), taken four times),
+// its feet, and errors in the judge's units.
+TEST(SyntheticPoints, TheSecondSurfaceIsATruthToo) {
+  for (const std::string_view kind : {"sphere", "ellipsoid"}) {
+    const SyntheticPoints points = make_points(kind, {.count = 2000,
+                                                      .sigma = 1e-3,
+                                                      .outlier_share = 0.5,
+                                                      .outlier_pattern = OutlierPattern::second_surface,
+                                                      .scale = 3,
+                                                      .seed = seed});
+    const SyntheticPoints second = with_second_as_truth(points, kind);
+    ASSERT_EQ(second.feet.size(), 1000U);
+    double sum = 0;
+    for (std::size_t k = 0; k < 2000; ++k) {
+      ASSERT_NE(second.is_inlier[k], points.is_inlier[k]);
+      if (!second.is_inlier[k]) continue;
+      const Eigen::Vector3d p = second.truth.placement.inverse() * to_eigen(points.cloud.positions[k]);
+      sum += std::pow(p.norm() - 3 * second_radius, 2);
+    }
+    EXPECT_NEAR(std::sqrt(sum / 1000) / points.sigma, 1, 4 / std::sqrt(2000.0)) << kind;
+    for (const Eigen::Vector3d& foot : second.feet) EXPECT_NEAR(foot.norm(), second_radius, 1e-15);
+    EXPECT_LT(mahalanobis_per_parameter(second, second.truth), 1e-20) << kind;
+    EXPECT_GT(mahalanobis_per_parameter(second, points.truth), 1e3) << kind;
+    EXPECT_GT(mahalanobis_per_parameter(points, second.truth), 1e3) << kind;
+  }
+}
+
 // Counts, flags, the noise (its standard deviation is known to 1 / sqrt(2 n) = 0.4 %, taken four times), the
 // box.
 TEST(SyntheticPoints, NoiseAndOutliersAreAsAsked) {

@@ -103,6 +103,7 @@ inline SyntheticPoints points_of(const Cell& cell, std::uint64_t run) {
 struct Run {
   bool usable = false;              // fitted as what it is
   std::string reason{};             // where it is not
+  bool is_second = false;           // of the second surface, which is as right
   double mahalanobis = 0;           // squared error over the bound, per parameter
   double told = 0;                  // the same of a fit that is told inliers, noise and truth; 0: not asked
   int parameters = 0, covered = 0;  // of the intervals of the surface's own parameters
@@ -202,7 +203,7 @@ struct Asked {
 };
 
 inline Run run_of(const Cell& cell, std::uint64_t number, const Asked& asked = {}) {
-  const SyntheticPoints points = points_of(cell, number);
+  SyntheticPoints points = points_of(cell, number);
   const std::string kind(kinds[cell.kind]);
   Run run;
   run.largest_bound = largest_standard_error(points);
@@ -212,6 +213,18 @@ inline Run run_of(const Cell& cell, std::uint64_t number, const Asked& asked = {
   run.seconds = fit.seconds;
   if (fit.usable) {
     run.mahalanobis = mahalanobis_per_parameter(points, *fit.surface);
+    const Outliers& o = outliers[cell.outliers];
+    // Of two spheres with as many points each, either is right: that is meant which is nearer.
+    if (o.pattern == OutlierPattern::second_surface && o.share >= 0.5 &&
+        (kind == "sphere" || kind == "ellipsoid")) {
+      SyntheticPoints second = with_second_as_truth(points, kind);
+      const double of_second = mahalanobis_per_parameter(second, *fit.surface);
+      if (of_second < run.mahalanobis) {
+        run.is_second = true;
+        run.mahalanobis = of_second;
+        points = std::move(second);
+      }
+    }
     judge_intervals(points, fit, number, run);
   }
   run.automatic = asked.automatic;

@@ -142,10 +142,13 @@ SyntheticPoints make_points(std::string_view kind, const SyntheticOptions& optio
       at = in_box();
     else if (options.outlier_pattern == OutlierPattern::cluster)
       at = middle + 0.1 * random.normals();
-    else
-      at = middle + 0.7 * random.normals().normalized() + options.sigma * random.normals();
+    else {
+      points.second_feet.push_back(second_radius * random.normals().normalized());
+      at = middle + points.second_feet.back() + options.sigma * random.normals();
+    }
     made.push_back({at, somewhere(), false});
   }
+  points.second_centre = options.scale * (middle + translation);
   random.shuffle(made);
 
   const auto& affine = points.truth.uv.affine;
@@ -158,6 +161,18 @@ SyntheticPoints make_points(std::string_view kind, const SyntheticOptions& optio
     points.cloud.uvs.push_back({stored[0], stored[1]});
   }
   return points;
+}
+
+SyntheticPoints with_second_as_truth(const SyntheticPoints& points, std::string_view kind) {
+  SyntheticPoints result = points;
+  const double radius = points.scale * second_radius;
+  const bool is_sphere = kind == "sphere";
+  const std::vector<double> sizes(is_sphere ? 1 : 3, radius);
+  result.truth = {make_surface(kind).with(sizes)};
+  result.truth.placement.translation() = points.second_centre;
+  result.is_inlier.flip();
+  result.feet = points.second_feet;
+  return result;
 }
 
 TrueShape::TrueShape(const SyntheticPoints& points) : kind(points.truth.surface.info().name) {

@@ -56,6 +56,7 @@ enum class Region { full, half, quarter, patch, strip };
 // cluster: Gaussian, a tenth of the size wide, about a point of the box. second_surface: on a sphere of
 // radius 0.7 about a point of the box, with the same noise.
 enum class OutlierPattern { scattered, cluster, second_surface };
+inline constexpr double second_radius = 0.7;
 
 struct SyntheticOptions {
   std::size_t count = 10000;
@@ -93,12 +94,20 @@ struct SyntheticPoints {
   double scale;
   std::vector<Eigen::Vector3d>
       feet;  // of the inliers, without noise, in the surface's own frame and before scaling
+  // Of OutlierPattern::second_surface: the middle of the sphere, in the points' space, and the outliers'
+  // feet.
+  Eigen::Vector3d second_centre = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> second_feet{};
 };
 
 double parameter_of(const AnySurface& surface, std::string_view name);  // NaN where there is none
 
 // \param kind one of found_kinds()
 SyntheticPoints make_points(std::string_view kind, const SyntheticOptions& options);
+
+// The same points with the second surface as the truth: the sphere, or an ellipsoid of three equal semi-axes.
+// \param kind sphere or ellipsoid
+SyntheticPoints with_second_as_truth(const SyntheticPoints& points, std::string_view kind);
 
 // ---- the judge --------------------------------------------------------------------------------------------
 // Minimal parameters of each kind about a true surface, in its own frame and before scaling, zero at the
