@@ -1,5 +1,6 @@
 // MikkTSpace to the bit: against tangents that the npm package mikktspace made, which are those of the C
 // original.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cfloat>
@@ -315,6 +316,61 @@ TEST(MikkTSpace, AnglesAreThoseOfTheLibraryToTheBit) {
     for (std::size_t i = 0; i < cosines.size(); ++i)
       ASSERT_EQ(angles[i], exactly(cosines[i])) << name_of(set) << ": arc cosine of " << cosines[i];
   }
+}
+
+// Large meshes, small ones after them, quads, degenerate triangles, zeros of either sign: what a call finds
+// in the memory matters to none.
+TEST(MikkTSpace, KeptMemoryChangesNoBit) {
+  const auto same = [](const Arrays& arrays, MikkMemory& memory) {
+    const MikkOptions kept{.memory = &memory};
+    if (!same_bits(arrays.tangents(kept), arrays.tangents())) return false;
+    const std::vector<MikkTangent> a = mikktspace(arrays.mesh(), kept), b = mikktspace(arrays.mesh());
+    return std::ranges::equal(a, b, [](const auto& x, const auto& y) { return same_bits(x, y); });
+  };
+  MikkMemory memory;
+  EXPECT_EQ(memory.bytes(), 0U);
+  const Arrays large(torus_soup(200, 100)), small(torus_soup(20, 10));
+  EXPECT_TRUE(same(small, memory));
+  const std::size_t of_small = memory.bytes();
+  EXPECT_TRUE(same(large, memory));
+  const std::size_t of_large = memory.bytes();
+  EXPECT_GT(of_large, of_small);
+  EXPECT_TRUE(same(small, memory));
+  EXPECT_TRUE(same(Arrays(), memory));
+  EXPECT_TRUE(same(large, memory));
+  EXPECT_EQ(memory.bytes(), of_large);
+  for (std::uint32_t k = 0; k < generated_meshes; ++k) {
+    Arrays arrays(generated_mesh(k));
+    EXPECT_TRUE(same(arrays, memory)) << "mesh " << k;
+    if (arrays.positions.size() > 30) arrays.positions[30] = -0.0F;
+    arrays.face_sizes.assign(arrays.mesh().corner_count() / 12 * 3, 4);
+    arrays.face_sizes.resize(arrays.face_sizes.size() + arrays.mesh().corner_count() % 12 / 3,
+                             std::uint8_t{3});
+    EXPECT_TRUE(same(arrays, memory)) << "mesh " << k << ", quads";
+  }
+  memory.release();
+  EXPECT_EQ(memory.bytes(), 0U);
+  EXPECT_TRUE(same(small, memory));
+}
+
+TEST(MikkTSpace, KeptMemoryCanBeMovedAndUsedAfterARefusal) {
+  const Arrays good(torus_soup(20, 10));
+  const std::vector<float> expected = good.tangents();
+  Arrays bad = good;
+  bad.uvs[3] = std::numeric_limits<float>::quiet_NaN();
+  MikkMemory memory;
+  const auto works = [&](MikkMemory& x) { return same_bits(good.tangents({.memory = &x}), expected); };
+  EXPECT_TRUE(works(memory));
+  EXPECT_NE(refusal_of<MeshError>([&] { bad.tangents({.memory = &memory}); }).find("got nan in the uv"),
+            std::string::npos);
+  EXPECT_TRUE(works(memory));
+  const std::size_t kept = memory.bytes();
+  MikkMemory other(std::move(memory));
+  EXPECT_EQ(other.bytes(), kept);
+  EXPECT_EQ(memory.bytes(), 0U);  // NOLINT(bugprone-use-after-move): as a new one
+  EXPECT_TRUE(works(memory) && works(other));
+  other = std::move(memory);
+  EXPECT_TRUE(works(memory) && works(other));
 }
 
 TEST(MikkTSpace, IndexedIsAsUnindexed) {

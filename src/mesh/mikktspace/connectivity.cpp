@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <initializer_list>
 #include <utility>
 #include <vector>
 
@@ -11,22 +10,34 @@ namespace darboux::mikk {
 
 namespace {
 
+// The most that there may be: a quad is two.
+std::size_t triangles_of(const MikkMesh& mesh) {
+  return mesh.face_sizes.empty() ? mesh.corner_count() / 3 : 2 * mesh.face_sizes.size();
+}
+
 // The most that any step takes.
-std::size_t scratch_bytes(const MikkMesh& mesh) {
-  const std::size_t triangles =
-      mesh.face_sizes.empty() ? mesh.corner_count() / 3 : 2 * mesh.face_sizes.size();  // a quad is two
-  return std::max(weld_places(mesh.vertex_count()) * sizeof(std::uint64_t), sizeof(Directions) * triangles);
+std::size_t scratch_bytes(const MikkMesh& mesh, std::size_t threads) {
+  return std::max({weld_places(mesh.vertex_count()) * sizeof(std::uint64_t),
+                   sizeof(Index) * most_ids(mesh.vertex_count(), threads),
+                   sizeof(Directions) * triangles_of(mesh)});
+}
+
+// Room for all that triangles take of which none is degenerate, so that it is one piece.
+std::size_t usual_bytes(const MikkMesh& mesh, std::size_t threads, bool lengths) {
+  constexpr std::size_t rounding = 1 << 12;
+  const std::size_t of_ids = 5 * sizeof(Index), of_vertices = sizeof(Index),
+                    of_triangles = 6 * sizeof(Index) + sizeof(Orientation) + (lengths ? sizeof(Lengths) : 0);
+  return scratch_bytes(mesh, threads) + of_ids * most_ids(mesh.vertex_count(), threads) +
+         of_vertices * mesh.vertex_count() + of_triangles * triangles_of(mesh) + rounding;
 }
 
 }  // namespace
 
 Connectivity::Connectivity(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes,
-                           const MikkOptions& options, bool lengths)
-    : mesh_(mesh),
-      range_(range),
-      threads_(thread_count(options.threads)),
-      lanes_(lanes),
-      scratch_(scratch_bytes(mesh)) {
+                           const MikkOptions& options, bool lengths, Memory& memory)
+    : mesh_(mesh), range_(range), threads_(thread_count(options.threads)), lanes_(lanes), memory_(memory) {
+  memory_.start(usual_bytes(mesh, threads_, lengths));
+  scratch_ = memory_.take<std::byte>(scratch_bytes(mesh, threads_));
   weld();
   list_triangles();
   take_values_of_representatives();
@@ -45,13 +56,17 @@ void Connectivity::list_triangles() {
       std::any_of(mesh_.face_sizes.begin(), mesh_.face_sizes.end(), [](auto n) { return n == 4; });
   all_ = mesh_.corner_count() / 3;
   if (!quads) return;
-  std::size_t first = 0;
+  all_ = mesh_.corner_count() - 2 * mesh_.face_sizes.size();
+  corner_ = memory_.take<Index>(3 * all_);
+  face_ = memory_.take<Index>(all_);
+  face_begin_ = memory_.take<Index>(mesh_.face_sizes.size());
+  std::size_t first = 0, triangle = 0;
   for (std::size_t f = 0; f < mesh_.face_sizes.size(); first += mesh_.face_sizes[f++]) {
-    const auto add = [&](std::initializer_list<int> corners) {
-      for (const int k : corners) corner_.push_back(static_cast<Index>(first) + static_cast<Index>(k));
-      face_.push_back(static_cast<Index>(f));
+    const auto add = [&](const std::array<Index, 3>& corners) {
+      for (std::size_t k = 0; k < 3; ++k) corner_[3 * triangle + k] = static_cast<Index>(first) + corners[k];
+      face_[triangle++] = static_cast<Index>(f);
     };
-    face_begin_.push_back(static_cast<Index>(first));
+    face_begin_[f] = static_cast<Index>(first);
     if (mesh_.face_sizes[f] == 3) {
       add({0, 1, 2});
       continue;
@@ -74,14 +89,14 @@ void Connectivity::list_triangles() {
       add({1, 2, 3});
     }
   }
-  all_ = face_.size();
-  cut_ = corner_;
+  cut_ = memory_.take<Index>(corner_.size());
+  std::ranges::copy(corner_, cut_.begin());
 }
 
 // Degenerate are triangles with two corners in the same place. Each is exchanged with the next good one that
 // was not, so that they come last: the order of the good ones is that of all sums.
 void Connectivity::set_degenerate_apart() {
-  std::vector<std::uint8_t> degenerate(all_);
+  const std::span<std::uint8_t> degenerate = memory_.take<std::uint8_t>(all_);
   std::atomic<std::size_t> count = 0;
   parallel_ranges(all_, threads_, [&](std::size_t begin, std::size_t end) {
     std::size_t here = 0;
@@ -96,12 +111,13 @@ void Connectivity::set_degenerate_apart() {
   good_ = all_ - count;
   if (count == 0) return;
   if (corner_.empty()) {
-    corner_.resize(3 * all_);
+    corner_ = memory_.take<Index>(3 * all_);
     for (std::size_t i = 0; i < corner_.size(); ++i) corner_[i] = static_cast<Index>(i);
-    face_.resize(all_);
+    face_ = memory_.take<Index>(all_);
     for (std::size_t t = 0; t < all_; ++t) face_[t] = static_cast<Index>(t);
   }
-  alone_.assign(all_, 0);
+  alone_ = memory_.take<std::uint8_t>(all_);
+  std::ranges::fill(alone_, 0);
   for (std::size_t t = 0; t + 1 < all_; ++t)
     if (face_[t] == face_[t + 1]) {
       alone_[t] = alone_[t + 1] = degenerate[t] != degenerate[t + 1];
@@ -125,13 +141,14 @@ void Connectivity::set_degenerate_apart() {
 
 void Connectivity::list_corners() {
   const std::size_t ids = ids_;
-  begin_ = Buffer<Index>(ids + 1);
-  at_vertex_ = Buffer<Index>(3 * good_);
+  begin_ = memory_.take<Index>(ids + 1);
+  at_vertex_ = memory_.take<Index>(3 * good_);
+  const std::span<Index> all_next = reused<Index>(scratch_, ids);
   // Each thread has some of the ids and looks at all corners; many threads would look too often.
   const std::size_t parts = std::min<std::size_t>(threads_, 8);
   const auto of_ids = [&](const auto& f) { parallel_ranges(ids, parts, f, ids / parts + 1); };
   of_ids([&](std::size_t first, std::size_t last) {
-    std::fill(&begin_[first], &begin_[last], 0);
+    std::ranges::fill(begin_.subspan(first, last - first), 0);
     for (std::size_t at = 0; at < 3 * good_; ++at)
       if (const std::size_t id = welded(at) - first; id < last - first) ++begin_[first + id];
   });
@@ -139,7 +156,8 @@ void Connectivity::list_corners() {
   for (std::size_t id = 0; id < ids; ++id) sum += std::exchange(begin_[id], sum);
   begin_[ids] = sum;
   of_ids([&](std::size_t first, std::size_t last) {
-    std::vector<Index> next(&begin_[first], &begin_[last]);
+    const std::span<Index> next = all_next.subspan(first, last - first);
+    std::ranges::copy(begin_.subspan(first, last - first), next.begin());
     for (std::size_t at = 0; at < 3 * good_; ++at)
       if (const std::size_t id = welded(at) - first; id < last - first)
         at_vertex_[next[id]++] = static_cast<Index>(at);
@@ -164,7 +182,7 @@ void Connectivity::pair_up(std::span<const Edge> run) {
 // Triangles are neighbours across an edge that they pass in opposite directions; of more than two each takes
 // the first that is left, in the order of the triangles. An edge is looked at from its smaller vertex.
 void Connectivity::find_neighbours() {
-  neighbour_ = Buffer<Index>(3 * good_);
+  neighbour_ = memory_.take<Index>(3 * good_);
   parallel_ranges(3 * good_, threads_, [&](std::size_t begin, std::size_t end) {
     std::fill(neighbour_.data() + begin, neighbour_.data() + end, none);
   });
@@ -224,8 +242,10 @@ void Connectivity::find_neighbours() {
 void Connectivity::orient_any() {
   if (!any_) return;
   std::vector<Index> reached;
-  label_.assign(3 * good_, none);
-  labelled_.assign(ids_, 0);
+  label_ = memory_.take<Index>(3 * good_);
+  std::ranges::fill(label_, none);
+  labelled_ = memory_.take<std::uint8_t>(ids_);
+  std::ranges::fill(labelled_, 0);
   for (std::size_t at = 0; at < 3 * good_; ++at)
     if (orientation_[at / 3].any != 0) labelled_[welded(at)] = 1;
   for (std::size_t first = 0; first < 3 * good_; ++first) {

@@ -27,6 +27,12 @@ constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
 }
 
+// Ids are handed out a few at a time to each range of vertices, so that some are left unused.
+constexpr Index ids_at_a_time = 256;
+constexpr std::size_t most_ids(std::size_t vertices, std::size_t threads) {
+  return vertices + ids_at_a_time * range_count(vertices, threads);
+}
+
 // Of a vertex, for its test: its low bits are where the search in the table begins.
 std::uint64_t weld_hash(const MikkMesh& mesh, std::size_t v);
 
@@ -35,9 +41,9 @@ const LaneKernels& lanes_of(InstructionSet set);
 
 // All of it stands when the constructor is done, and is only read then.
 struct Connectivity {
-  // `lengths` says whether these are wanted.
+  // `lengths` says whether these are wanted. Everything lies in `memory`.
   Connectivity(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes, const MikkOptions& options,
-               bool lengths);
+               bool lengths, Memory& memory);
 
   Index vertex(std::size_t corner) const {
     return mesh_.corners.empty() ? static_cast<Index>(corner) : mesh_.corners[corner];
@@ -80,7 +86,7 @@ struct Connectivity {
   void pair_up(std::span<const Edge> run);
   void find_representatives(std::span<const Index> wanted);
   void take_values_of_representatives();
-  void bound_representatives(Buffer<Index>& first, Buffer<Index>& last) const;
+  void bound_representatives(std::span<Index> first, std::span<Index> last) const;
   std::vector<Index> candidates_for_the_last_run();
   void find_last_neighbours();
   void differentiate(bool lengths);
@@ -92,28 +98,29 @@ struct Connectivity {
   Range range_;
   std::size_t threads_;
   const LaneKernels& lanes_;
-  Scratch scratch_;                 // of the welding, then of the representatives, then of the directions
+  Memory& memory_;
+  std::span<std::byte> scratch_;    // of the welding, then of the corners, then of the representatives, then
+                                    // of the directions
   std::size_t ids_ = 0;             // some may not be used
   bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs
   bool any_ = false;                // some triangle is `any`
-  Buffer<Index> id_;                // of each vertex: equal ones have the same; which, no result depends on
-  Buffer<Index> stands_for_;        // of each id: a vertex that has it, whose values count
-  std::vector<Index> corner_;       // of the triangles; empty: in order
-  std::vector<Index> face_;         // of the triangles; empty: in order
-  std::vector<Index> face_begin_;   // the first corner of each face; empty: all are triangles
-  std::vector<Index> cut_;          // the corners of the triangles in the order of the faces; empty: in order
+  std::span<Index> id_;             // of each vertex: equal ones have the same; which, no result depends on
+  std::span<Index> stands_for_;     // of each id: a vertex that has it, whose values count
+  std::span<Index> corner_;         // of the triangles; empty: in order
+  std::span<Index> face_;           // of the triangles; empty: in order
+  std::span<Index> face_begin_;     // the first corner of each face; empty: all are triangles
+  std::span<Index> cut_;            // the corners of the triangles in the order of the faces; empty: in order
   std::size_t all_ = 0, good_ = 0;  // triangles; the degenerate ones come last
-  std::vector<std::uint8_t>
-      alone_;  // of each triangle: whether it is one of a quad of which one is degenerate
-  Buffer<Index>
+  std::span<std::uint8_t> alone_;  // of each triangle: whether it is one of a quad of which one is degenerate
+  std::span<Index>
       representative_;  // of each id, while that is needed: the corner by which the original knows it
-  Buffer<Index> begin_, at_vertex_;     // of each id: its corners in good triangles, ascending
-  Buffer<Index> neighbour_;             // of each good triangle: across the edges that begin at its corners
+  std::span<Index> begin_, at_vertex_;  // of each id: its corners in good triangles, ascending
+  std::span<Index> neighbour_;          // of each good triangle: across the edges that begin at its corners
   std::span<Directions> directions_;    // of the good triangles
-  Buffer<Orientation> orientation_;     // of the good triangles
-  Buffer<Lengths> lengths_;             // of the good triangles, if wanted
-  std::vector<Index> label_;            // of corners at vertices of `any` triangles: the first of their group
-  std::vector<std::uint8_t> labelled_;  // of ids: whether their corners have labels
+  std::span<Orientation> orientation_;  // of the good triangles
+  std::span<Lengths> lengths_;          // of the good triangles, if wanted
+  std::span<Index> label_;              // of corners at vertices of `any` triangles: the first of their group
+  std::span<std::uint8_t> labelled_;    // of ids: whether their corners have labels
 };
 
 }  // namespace darboux::mikk

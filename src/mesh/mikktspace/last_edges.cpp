@@ -132,7 +132,7 @@ class Cells {
   // A counting sort of the entries of the cells asked for; within a cell they keep their order.
   void sort(const std::vector<std::uint8_t>& asked) {
     // Block by block those asked for.
-    const std::span<Index> hits = mesh_.scratch_.as<Index>(entries_);
+    const std::span<Index> hits = reused<Index>(mesh_.scratch_, entries_);
     std::vector<std::size_t> hits_of(blocks_);
     std::vector<Index> next(blocks_ * cell_count, 0);  // per block and cell: a count, then where they go
     // Most entries are before all cells asked for or after them.
@@ -167,7 +167,7 @@ class Cells {
         sum += std::exchange(next[b * cell_count + cell], static_cast<Index>(sum));
     }
     first_[cell_count] = sum;
-    sorted_ = Buffer<Entry>(sum);
+    sorted_ = mesh_.memory_.take<Entry>(sum);
     in_blocks([&](std::size_t b, std::size_t begin, std::size_t) {
       for (const Index e : hits.subspan(begin, hits_of[b])) {
         const float* p = position(e);
@@ -210,7 +210,7 @@ class Cells {
   std::size_t entries_, blocks_, axis_ = 0;
   float low_ = 0, high_ = 0;
   std::array<std::size_t, cell_count + 1> first_{};
-  Buffer<Entry> sorted_;
+  std::span<Entry> sorted_;
 };
 
 struct KeyedEdge {
@@ -251,8 +251,8 @@ void sort_as_the_original(std::span<KeyedEdge> edges, Index greatest) {
 
 // The representatives of the ids wanted, or of all: the first corner of each in the original's order.
 void Connectivity::find_representatives(std::span<const Index> wanted) {
-  if (representative_.empty()) representative_ = Buffer<Index>(ids_);
-  std::fill(representative_.data(), representative_.data() + representative_.size(), none);
+  if (representative_.empty()) representative_ = memory_.take<Index>(ids_);
+  std::ranges::fill(representative_, none);
   if (all_ == 0) return;
   Cells cells(*this);
   std::vector<std::uint8_t> asked(cell_count, wanted.empty() ? 1 : 0);
@@ -285,7 +285,7 @@ void Connectivity::take_values_of_representatives() {
 }
 
 // The first and the last corner of each id, between which its representative lies.
-void Connectivity::bound_representatives(Buffer<Index>& first, Buffer<Index>& last) const {
+void Connectivity::bound_representatives(std::span<Index> first, std::span<Index> last) const {
   if (corner_.empty()) {
     parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t id = begin; id < end; ++id) {
@@ -296,8 +296,8 @@ void Connectivity::bound_representatives(Buffer<Index>& first, Buffer<Index>& la
     });
     return;
   }
-  std::fill(first.data(), first.data() + ids_, none);
-  std::fill(last.data(), last.data() + ids_, 0);
+  std::ranges::fill(first, none);
+  std::ranges::fill(last, 0);
   for (std::size_t e = 0; e < 3 * all_; ++e) {
     const std::size_t c = listed(e);
     const Index id = id_[vertex(c)];
@@ -308,7 +308,7 @@ void Connectivity::bound_representatives(Buffer<Index>& first, Buffer<Index>& la
 
 // The edges that may be in the last run, and their representatives where bounds do not tell them.
 std::vector<Index> Connectivity::candidates_for_the_last_run() {
-  Buffer<Index> first(ids_), last(ids_);
+  const std::span<Index> first = memory_.take<Index>(ids_), last = memory_.take<Index>(ids_);
   bound_representatives(first, last);
   // The greatest of the smaller representatives of a triangle's edges is the median of its three.
   std::mutex mutex;
@@ -333,7 +333,7 @@ std::vector<Index> Connectivity::candidates_for_the_last_run() {
     for (const Index id : {welded(e), welded(next(e))})
       if (first[id] != last[id]) wanted.push_back(id);
   if (representative_.empty() && wanted.empty()) {
-    representative_ = std::move(first);
+    representative_ = first;
   } else if (representative_.empty()) {
     find_representatives(wanted);
     for (const Index e : candidates)  // the others have one corner only
@@ -361,7 +361,7 @@ void Connectivity::find_last_neighbours() {
   if (run.size() < 3 || std::adjacent_find(others.begin(), others.end()) == others.end()) return;
 
   if (!mixed_zeros_) find_representatives({});
-  const std::span<KeyedEdge> edges = scratch_.as<KeyedEdge>(3 * good_);
+  const std::span<KeyedEdge> edges = reused<KeyedEdge>(scratch_, 3 * good_);
   parallel_ranges(edges.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) edges[e] = {smaller(e), static_cast<Index>(e)};
   });

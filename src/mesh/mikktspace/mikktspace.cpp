@@ -28,8 +28,8 @@ using mikk::Vector;
 class Tangents : mikk::Connectivity {
  public:
   Tangents(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes, const MikkOptions& options,
-           bool lengths)
-      : Connectivity(mesh, range, lanes, options, lengths),
+           bool lengths, mikk::Memory& memory)
+      : Connectivity(mesh, range, lanes, options, lengths, memory),
         cosine_(static_cast<float>(
             std::cos(static_cast<double>(options.angular_threshold * static_cast<float>(M_PI) / 180.0F)))) {}
 
@@ -261,12 +261,35 @@ MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
 
 }  // namespace
 
+MikkMemory::MikkMemory() = default;
+MikkMemory::MikkMemory(MikkMemory&&) noexcept = default;
+MikkMemory& MikkMemory::operator=(MikkMemory&&) noexcept = default;
+MikkMemory::~MikkMemory() = default;
+std::size_t MikkMemory::bytes() const {
+  return memory_ ? memory_->bytes() : 0;
+}
+void MikkMemory::release() {
+  memory_.reset();
+}
+
+// The caller's memory, or some of its own.
+struct MikkMemory::OfCall {
+  MikkMemory own;
+  MikkMemory& used;
+
+  explicit OfCall(MikkMemory* kept) : used(kept == nullptr ? own : *kept) {
+    if (!used.memory_) used.memory_ = std::make_unique<mikk::Memory>();
+  }
+  mikk::Memory& operator*() const { return *used.memory_; }
+};
+
 std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& options) {
   const mikk::Range range = mikk::check(mesh, options);
   const LaneKernels& lanes = mikk::lanes_of(chosen_instruction_set());
   std::vector<MikkTangent> result(mesh.corner_count(), MikkTangent{.sign = options.unserved_sign});
   std::vector<std::uint8_t> written(has_quads(mesh) ? result.size() : 0);
-  Tangents(mesh, range, lanes, options, true)
+  const MikkMemory::OfCall memory(options.memory);
+  Tangents(mesh, range, lanes, options, true, *memory)
       .of_corners(
           [&](std::size_t corner, const MikkTangent& tangent) {
             result[corner] = !written.empty() && std::exchange(written[corner], 1) != 0
@@ -294,9 +317,11 @@ void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptio
     return;
   }
   for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{.sign = options.unserved_sign});
-  Tangents(mesh, range, lanes, options, false).of_corners(put, [&](std::size_t from, std::size_t to) {
-    std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
-  });
+  const MikkMemory::OfCall memory(options.memory);
+  Tangents(mesh, range, lanes, options, false, *memory)
+      .of_corners(put, [&](std::size_t from, std::size_t to) {
+        std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
+      });
 }
 
 }  // namespace darboux

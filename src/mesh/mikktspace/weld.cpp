@@ -70,13 +70,13 @@ struct Vertices {
   }
 };
 
-// Hands out numbers: a few at a time to each thread, so that some are left unused.
+// Hands out ids.
 class Numbers {
  public:
-  static constexpr Index at_a_time = 256;
   explicit Numbers(std::atomic<Index>& all) : all_(all) {}
   Index next() {
-    if (next_ == end_) next_ = all_.fetch_add(at_a_time, std::memory_order_relaxed), end_ = next_ + at_a_time;
+    if (next_ == end_)
+      next_ = all_.fetch_add(ids_at_a_time, std::memory_order_relaxed), end_ = next_ + ids_at_a_time;
     return next_;
   }
   void take() { ++next_; }
@@ -183,9 +183,9 @@ bool Connectivity::weld_with(std::span<Place> table, std::size_t most_steps) {
 
 void Connectivity::weld() {
   const std::size_t n = mesh_.vertex_count(), enough = weld_places(n);
-  id_ = Buffer<Index>(n);
-  stands_for_ = Buffer<Index>(n + Numbers::at_a_time * range_count(n, threads_));
-  const std::span<Place> table = scratch_.as<Place>(enough);
+  id_ = memory_.take<Index>(n);
+  stands_for_ = memory_.take<Index>(most_ids(n, threads_));
+  const std::span<Place> table = reused<Place>(scratch_, enough);
   const auto with = [&](std::span<Place> places, std::size_t most_steps) {
     return threads_ <= 1 ? weld_with<Alone>(places, most_steps) : weld_with<Shared>(places, most_steps);
   };
