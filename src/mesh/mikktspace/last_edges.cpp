@@ -343,7 +343,7 @@ std::vector<Index> Connectivity::candidates_for_the_last_run() {
   return candidates;
 }
 
-void Connectivity::find_last_neighbours() {
+void Connectivity::find_last_edges() {
   const std::vector<Index> candidates = candidates_for_the_last_run();
   const auto smaller = [&](std::size_t edge) {
     return std::min(representative_[welded(edge)], representative_[welded(next(edge))]);
@@ -367,16 +367,42 @@ void Connectivity::find_last_neighbours() {
   });
   sort_as_the_original(edges, greatest);
   for (std::size_t i = 0; i < run.size(); ++i) run[i] = edges[edges.size() - run.size() + i].edge;
-  for (const Index e : run) neighbour_[e] = none;
-  std::vector<Edge> equal;
+  std::vector<Index> across(run.size(), none);
+  std::vector<std::uint8_t> taken;
   for (std::size_t i = 0, j; i < run.size(); i = j) {
     for (j = i; j < run.size() && greater(run[j]) == greater(run[i]);) ++j;
     if (j < run.size())
       std::sort(run.begin() + static_cast<std::ptrdiff_t>(i), run.begin() + static_cast<std::ptrdiff_t>(j));
-    equal.clear();
-    for (std::size_t k = i; k < j; ++k)
-      equal.push_back({greater(run[k]), run[k], welded(run[k]) < welded(next(run[k]))});
-    pair_up(equal);
+    pair_up(
+        j - i, [&](std::size_t k) { return welded(run[i + k]) < welded(next(run[i + k])); },
+        [&](std::size_t k, std::size_t l) {
+          across[i + k] = run[i + l] / 3;
+          across[i + l] = run[i + k] / 3;
+        },
+        taken);
+  }
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    last_edges_.push_back({run[i], across[i]});
+    last_ids_.insert(last_ids_.end(), {welded(run[i]), welded(next(run[i]))});
+  }
+  std::ranges::sort(last_edges_, {}, &LastEdge::at);
+  std::ranges::sort(last_ids_);
+}
+
+bool Connectivity::is_at_last_edge(Index id) const {
+  return !last_ids_.empty() && std::ranges::binary_search(last_ids_, id);
+}
+
+void Connectivity::link_last_edges(Index id, Links& x) const {
+  const std::span<const Index> corners = corners_at(id);
+  const auto link = [&](Index edge, Index& place) {
+    const auto found = std::ranges::lower_bound(last_edges_, edge, {}, &LastEdge::at);
+    if (found == last_edges_.end() || found->at != edge) return;
+    place = found->neighbour == none ? none : place_at(id, corner_at(id, found->neighbour));
+  };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    link(corners[i], x.after[i]);
+    link(static_cast<Index>(previous(corners[i])), x.before[i]);
   }
 }
 

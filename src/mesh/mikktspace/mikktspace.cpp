@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -33,6 +34,8 @@ class Tangents : mikk::Connectivity {
         cosine_(static_cast<float>(
             std::cos(static_cast<double>(options.angular_threshold * static_cast<float>(M_PI) / 180.0F)))) {}
 
+  // Whether the groups serve all corners.
+  bool serve_all() const { return good_ == all_ && !any_; }
   // put(corner, tangent) for the corners that the groups serve, once for those of triangles; copy(from, to)
   // for those that degenerate triangles take over.
   template <class Put, class Copy>
@@ -45,7 +48,11 @@ class Tangents : mikk::Connectivity {
   // Groups and members: places in the corners of the vertex.
   template <class Put>
   void serve_group(std::span<const Index> group, Scratch& scratch, const Put& put) const;
-  bool are_one_group(Index id) const;
+  // Of vertices from one on, of [begin, end).
+  template <class Put>
+  void serve_in_lanes(std::size_t begin, std::size_t end, Scratch& scratch, const Put& put) const;
+  mikk::Ring ring_at(Index id) const;
+  bool is_one_group(const mikk::Ring& ring, std::span<const Index> corners) const;
   MikkTangent evaluate(std::span<const Index> members, const Scratch& scratch) const;
   bool any(std::size_t at) const { return orientation_[at / 3].any != 0; }
   bool preserves(std::size_t at) const { return orientation_[at / 3].preserves != 0; }
@@ -56,8 +63,8 @@ class Tangents : mikk::Connectivity {
 // Of the vertex that is served.
 struct Tangents::Scratch {
   std::span<const Index> corners;
-  std::vector<Part> part;       // of each, and more
-  std::vector<Index> in_order;  // 0, 1, ...: all of them, and more
+  std::vector<Part> part;  // of each, and more
+  Links links;
   std::vector<Index> group, reached, first, next, members, served;
 };
 
@@ -92,23 +99,6 @@ MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x)
     t_length /= sum;
   }
   return {{s.x, s.y, s.z}, {t.x, t.y, t.z}, s_length, t_length, 1, true};
-}
-
-// Neighbours about a vertex make paths and rings: whether one of them has all its corners, and they have one
-// orientation.
-bool Tangents::are_one_group(Index id) const {
-  const std::span<const Index> corners = corners_at(id);
-  const Index start = corners[0];
-  std::size_t reached = 1;
-  for (const bool leaving : {true, false})
-    for (Index at = start;;) {
-      const Index t = neighbour_[leaving ? at : previous(at)];
-      if (t == none || preserves(3 * std::size_t{t}) != preserves(start)) break;
-      at = corner_at(id, t);
-      if (at == start) return reached == corners.size();
-      ++reached;
-    }
-  return reached == corners.size();
 }
 
 template <class Put>
@@ -156,17 +146,10 @@ void Tangents::serve(Index id, Scratch& x, const Put& put) const {
   x.corners = corners;
   find_parts(corners, x.part);
   const bool labelled = !labelled_.empty() && labelled_[id] != 0;
-  if (!labelled && are_one_group(id)) {
-    while (x.in_order.size() < corners.size()) x.in_order.push_back(static_cast<Index>(x.in_order.size()));
-    return serve_group(std::span(x.in_order).first(corners.size()), x, put);
-  }
-  // Groups: corners joined by edges at the vertex between triangles of one orientation; numbered by their
-  // first.
+  if (!labelled) find_links(id, x.links);
+  // Groups: corners linked between triangles of one orientation; numbered by their first.
   x.group.assign(corners.size(), none);
   Index groups = 0;
-  const auto place_of = [&](Index at) {
-    return static_cast<std::size_t>(std::lower_bound(corners.begin(), corners.end(), at) - corners.begin());
-  };
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (labelled) {
       if (const Index label = label_[corners[i]]; label != none)
@@ -175,16 +158,14 @@ void Tangents::serve(Index id, Scratch& x, const Put& put) const {
     }
     if (x.group[i] != none) continue;
     x.group[i] = groups;
-    x.reached.assign(1, corners[i]);
+    x.reached.assign(1, static_cast<Index>(i));
     while (!x.reached.empty()) {
-      const Index at = x.reached.back();
+      const Index from = x.reached.back();
       x.reached.pop_back();
-      for (const Index t : {neighbour_[at], neighbour_[previous(at)]}) {
-        if (t == none || preserves(3 * std::size_t{t}) != preserves(corners[i])) continue;
-        const Index there = corner_at(id, t);
-        Index& group = x.group[place_of(there)];
-        if (group != none) continue;
-        group = groups;
+      for (const Index there : {x.links.after[from], x.links.before[from]}) {
+        if (there == none || x.group[there] != none || preserves(corners[there]) != preserves(corners[i]))
+          continue;
+        x.group[there] = groups;
         x.reached.push_back(there);
       }
     }
@@ -192,7 +173,7 @@ void Tangents::serve(Index id, Scratch& x, const Put& put) const {
   }
   if (labelled)
     for (std::size_t i = 0; i < corners.size(); ++i)
-      if (x.group[i] == none - 1) x.group[i] = x.group[place_of(label_[corners[i]])];
+      if (x.group[i] == none - 1) x.group[i] = x.group[place_at(id, label_[corners[i]])];
 
   // The corners of each group, ascending.
   x.first.assign(groups, none);
@@ -206,10 +187,95 @@ void Tangents::serve(Index id, Scratch& x, const Put& put) const {
   }
 }
 
+mikk::Ring Tangents::ring_at(Index id) const {
+  const std::span<const Index> corners = corners_at(id);
+  mikk::Ring ring;
+  ring.count = corners.size();
+  ring.next.fill(none);
+  ring.previous.fill(none - 1);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    ring.next[i] = welded(next(corners[i]));
+    ring.previous[i] = welded(previous(corners[i]));
+  }
+  return ring;
+}
+
+// Whether one path or circle passes all corners, whose triangles have one orientation, and nothing else is
+// linked: that the links from there and back agree shows that no edge is passed more than twice.
+bool Tangents::is_one_group(const mikk::Ring& ring, std::span<const Index> corners) const {
+  std::size_t start = 0;
+  bool alike = true;
+  for (std::size_t i = 0; i < ring.count; ++i) {
+    if (ring.before[i] == none) start = i;
+    alike &= preserves(corners[i]) == preserves(corners[0]);
+  }
+  if (!alike) return false;
+  std::size_t reached = 1;
+  for (std::size_t at = start;; ++reached) {
+    const Index to = ring.after[at];
+    if (to == none) break;
+    if (ring.before[to] != at) return false;
+    if (to == start) break;
+    at = to;
+  }
+  return reached == ring.count;
+}
+
+// A few vertices at a time. Those that are not as nearly all are left to serve().
+template <class Put>
+void Tangents::serve_in_lanes(std::size_t begin, std::size_t end, Scratch& x, const Put& put) const {
+  constexpr std::size_t at_a_time = 64;
+  std::array<mikk::Ring, at_a_time> rings;
+  std::array<Index, at_a_time> ids;
+  std::array<mikk::Group, at_a_time> groups;
+  std::array<mikk::Average, at_a_time> averages;
+  for (std::size_t id = begin; id < end;) {
+    std::size_t count = 0;
+    for (; id < end && count < at_a_time; ++id) {
+      const std::size_t corners = begin_[id + 1] - begin_[id];
+      if (corners == 0) continue;
+      if (corners > mikk::Ring::most || is_at_last_edge(static_cast<Index>(id))) {
+        serve(static_cast<Index>(id), x, put);
+        continue;
+      }
+      ids[count] = static_cast<Index>(id);
+      rings[count++] = ring_at(static_cast<Index>(id));
+    }
+    lanes_.link(rings.data(), count);
+    std::size_t of_lanes = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::span<const Index> corners = corners_at(ids[k]);
+      if (!is_one_group(rings[k], corners)) {
+        serve(ids[k], x, put);
+        continue;
+      }
+      ids[of_lanes] = ids[k];
+      groups[of_lanes++] = {corners.data(), corners.size(), source(corners[0])};
+    }
+    if (of_lanes > 0)
+      lanes_.average({directions_.data(), mesh_.normals.data(), static_cast<Index>(mesh_.vertex_count() - 1),
+                      groups.data(), of_lanes},
+                     averages.data());
+    for (std::size_t k = 0; k < of_lanes; ++k) {
+      const std::span<const Index> corners = corners_at(ids[k]);
+      const Vector& t = averages[k].s;
+      if (averages[k].near == 0) {
+        serve(ids[k], x, put);
+        continue;
+      }
+      const MikkTangent tangent{
+          .t = {t.x, t.y, t.z}, .sign = preserves(corners[0]) ? 1.0F : -1.0F, .served = true};
+      for (const Index at : corners) put(corner(at), tangent);
+    }
+  }
+}
+
 template <class Put, class Copy>
 void Tangents::of_corners(const Put& put, const Copy& copy) const {
+  const bool in_lanes = lengths_.empty() && !any_ && cosine_ <= -1;
   parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
     Scratch scratch;
+    if (in_lanes) return serve_in_lanes(begin, end, scratch, put);
     for (std::size_t id = begin; id < end; ++id)
       if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, put);
   });
@@ -316,12 +382,12 @@ void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptio
     for (std::size_t c = 0; c < all.size(); ++c) put(c, all[c]);
     return;
   }
-  for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{.sign = options.unserved_sign});
   const MikkMemory::OfCall memory(options.memory);
-  Tangents(mesh, range, lanes, options, false, *memory)
-      .of_corners(put, [&](std::size_t from, std::size_t to) {
-        std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]);
-      });
+  const Tangents tangents(mesh, range, lanes, options, false, *memory);
+  if (!tangents.serve_all())
+    for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{.sign = options.unserved_sign});
+  tangents.of_corners(
+      put, [&](std::size_t from, std::size_t to) { std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]); });
 }
 
 }  // namespace darboux
