@@ -51,7 +51,7 @@ class Tangents : mikk::Connectivity {
   // Of vertices from one on, of [begin, end).
   template <class Put>
   void serve_in_lanes(std::size_t begin, std::size_t end, Scratch& scratch, const Put& put) const;
-  mikk::Ring ring_at(Index id) const;
+  void go_round(Index id, mikk::Ring& ring) const;
   bool is_one_group(const mikk::Ring& ring, std::span<const Index> corners) const;
   MikkTangent evaluate(std::span<const Index> members, const Scratch& scratch) const;
   bool any(std::size_t at) const { return orientation_[at / 3].any != 0; }
@@ -187,9 +187,8 @@ void Tangents::serve(Index id, Scratch& x, const Put& put) const {
   }
 }
 
-mikk::Ring Tangents::ring_at(Index id) const {
+void Tangents::go_round(Index id, mikk::Ring& ring) const {
   const std::span<const Index> corners = corners_at(id);
-  mikk::Ring ring;
   ring.count = corners.size();
   ring.next.fill(none);
   ring.previous.fill(none - 1);
@@ -197,7 +196,6 @@ mikk::Ring Tangents::ring_at(Index id) const {
     ring.next[i] = welded(next(corners[i]));
     ring.previous[i] = welded(previous(corners[i]));
   }
-  return ring;
 }
 
 // Whether one path or circle passes all corners, whose triangles have one orientation, and nothing else is
@@ -239,7 +237,7 @@ void Tangents::serve_in_lanes(std::size_t begin, std::size_t end, Scratch& x, co
         continue;
       }
       ids[count] = static_cast<Index>(id);
-      rings[count++] = ring_at(static_cast<Index>(id));
+      go_round(static_cast<Index>(id), rings[count++]);
     }
     lanes_.link(rings.data(), count);
     std::size_t of_lanes = 0;
