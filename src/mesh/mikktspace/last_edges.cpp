@@ -104,15 +104,22 @@ class Halving {
   Buffer<Index> below_, others_;  // where they are
 };
 
-// The corners of all triangles, sorted into the cells.
+// The corners of all triangles, sorted into the cells. Entries to look through are the corners, or by_vertex
+// the vertices, of which there are fewer, where corners are listed at them and in order.
 class Cells {
  public:
-  explicit Cells(Connectivity& mesh)
-      : mesh_(mesh), entries_(3 * mesh.all_), blocks_((entries_ + block - 1) / block) {
-    std::vector<Box> boxes(blocks_, point(0));
+  Cells(Connectivity& mesh, bool by_vertex)
+      : mesh_(mesh),
+        by_vertex_(by_vertex),
+        entries_(by_vertex_ ? mesh.ids_ : 3 * mesh.all_),
+        blocks_((entries_ + block - 1) / block) {
+    std::size_t some = 0;
+    while (by_vertex_ && mesh.corners_at(static_cast<Index>(some)).empty()) ++some;
+    std::vector<Box> boxes(blocks_, point(some));
     in_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
       Box box = boxes[b];
-      for (std::size_t e = begin; e < end; ++e) box.add(point(e));
+      for (std::size_t e = begin; e < end; ++e)
+        if (is_there(e)) box.add(point(e));
       boxes[b] = box;
     });
     Box box = boxes[0];
@@ -147,15 +154,17 @@ class Cells {
       for (std::size_t four = begin; four < end; four += 4) {
         const std::size_t count = std::min<std::size_t>(4, end - four);
         Floats x{};
-        for (std::size_t k = 0; k < count; ++k) x[k] = position(four + k)[axis_];
+        for (std::size_t k = 0; k < count; ++k)
+          x[k] = is_there(four + k) ? position(four + k)[axis_] : std::numeric_limits<float>::quiet_NaN();
         const Floats places = place(x);
         const auto outside = (places < from) | (places >= to);
         if ((outside[0] & outside[1] & outside[2] & outside[3]) != 0) continue;
         for (std::size_t e = four; e < four + count; ++e) {
+          if (!is_there(e)) continue;
           const std::size_t cell = at(position(e)[axis_]);
-          hits[hit] = static_cast<Index>(e);
-          hit += asked[cell];
-          next[b * cell_count + cell] += asked[cell];
+          if (asked[cell] == 0) continue;
+          hits[hit++] = static_cast<Index>(e);
+          next[b * cell_count + cell] += static_cast<Index>(count_of(e));
         }
       }
       hits_of[b] = hit - begin;
@@ -171,10 +180,19 @@ class Cells {
     in_blocks([&](std::size_t b, std::size_t begin, std::size_t) {
       for (const Index e : hits.subspan(begin, hits_of[b])) {
         const float* p = position(e);
-        sorted_[next[b * cell_count + at(p[axis_])]++] = {{p[0], p[1], p[2]},
-                                                          static_cast<Index>(mesh_.listed(e))};
+        Index& to = next[b * cell_count + at(p[axis_])];
+        const auto add = [&](std::size_t corner) {
+          sorted_[to++] = {{p[0], p[1], p[2]}, static_cast<Index>(corner)};
+        };
+        if (!by_vertex_)
+          add(mesh_.listed(e));
+        else
+          for (const Index corner : mesh_.corners_at(e)) add(corner);
       }
     });
+    if (by_vertex_)
+      for (std::size_t cell = 0; cell < cell_count; ++cell)
+        if (asked[cell] != 0) std::ranges::sort((*this)[cell], {}, &Entry::corner);
   }
   std::span<Entry> operator[](std::size_t cell) {
     return {sorted_.data() + first_[cell], first_[cell + 1] - first_[cell]};
@@ -189,7 +207,13 @@ class Cells {
     return static_cast<float>(cell_count) * ((x - low_) / (high_ - low_));
   }
   const float* position(std::size_t entry) const {
-    return &mesh_.mesh_.positions[3 * std::size_t{mesh_.vertex(mesh_.listed(entry))}];
+    const Index v = by_vertex_ ? mesh_.stands_for_[entry] : mesh_.vertex(mesh_.listed(entry));
+    return &mesh_.mesh_.positions[3 * std::size_t{v}];
+  }
+  // Some ids are not used.
+  bool is_there(std::size_t entry) const { return !by_vertex_ || count_of(entry) > 0; }
+  std::size_t count_of(std::size_t entry) const {
+    return by_vertex_ ? mesh_.begin_[entry + 1] - mesh_.begin_[entry] : 1;
   }
   Box point(std::size_t entry) const {
     const float* p = position(entry);
@@ -207,6 +231,7 @@ class Cells {
   }
 
   Connectivity& mesh_;
+  bool by_vertex_;
   std::size_t entries_, blocks_, axis_ = 0;
   float low_ = 0, high_ = 0;
   std::array<std::size_t, cell_count + 1> first_{};
@@ -254,7 +279,9 @@ void Connectivity::find_representatives(std::span<const Index> wanted) {
   if (representative_.empty()) representative_ = memory_.take<Index>(ids_);
   std::ranges::fill(representative_, none);
   if (all_ == 0) return;
-  Cells cells(*this);
+  // Few cells will be asked for, of which sorting is not much.
+  const bool by_vertex = !wanted.empty() && wanted.size() < cell_count / 16 && corner_.empty();
+  Cells cells(*this, by_vertex);
   std::vector<std::uint8_t> asked(cell_count, wanted.empty() ? 1 : 0);
   for (const Index id : wanted)
     asked[cells.at(mesh_.positions[3 * std::size_t{stands_for_[id]} + cells.axis()])] = 1;
@@ -284,18 +311,9 @@ void Connectivity::take_values_of_representatives() {
     if (representative_[id] != none) stands_for_[id] = vertex(representative_[id]);
 }
 
-// The first and the last corner of each id, between which its representative lies.
+// The first and the last corner of each id, between which its representative lies, where triangles are not in
+// order.
 void Connectivity::bound_representatives(std::span<Index> first, std::span<Index> last) const {
-  if (corner_.empty()) {
-    parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t id = begin; id < end; ++id) {
-        const std::span<const Index> corners = corners_at(static_cast<Index>(id));
-        first[id] = corners.empty() ? none : corners.front();
-        last[id] = corners.empty() ? 0 : corners.back();
-      }
-    });
-    return;
-  }
   std::ranges::fill(first, none);
   std::ranges::fill(last, 0);
   for (std::size_t e = 0; e < 3 * all_; ++e) {
@@ -308,38 +326,41 @@ void Connectivity::bound_representatives(std::span<Index> first, std::span<Index
 
 // The edges that may be in the last run, and their representatives where bounds do not tell them.
 std::vector<Index> Connectivity::candidates_for_the_last_run() {
-  const std::span<Index> first = memory_.take<Index>(ids_), last = memory_.take<Index>(ids_);
-  bound_representatives(first, last);
-  // The greatest of the smaller representatives of a triangle's edges is the median of its three.
-  std::mutex mutex;
+  const bool in_order = corner_.empty();
+  std::span<Index> firsts, lasts;
+  if (!in_order) {
+    firsts = memory_.take<Index>(ids_), lasts = memory_.take<Index>(ids_);
+    bound_representatives(firsts, lasts);
+  }
+  const auto first = [&](Index id) { return in_order ? corners_at(id).front() : firsts[id]; };
+  const auto last = [&](Index id) { return in_order ? corners_at(id).back() : lasts[id]; };
+  // The greatest of the smaller representatives of a triangle's edges is the median of its three, of which in
+  // order none is after its last corner.
   Index bound = 0;
-  parallel_ranges(good_, threads_, [&](std::size_t begin, std::size_t end) {
-    Index here = 0;
-    for (std::size_t t = begin; t < end; ++t) {
-      const Index a = first[welded(3 * t)], b = first[welded(3 * t + 1)], c = first[welded(3 * t + 2)];
-      here = std::max(here, std::max(std::min(a, b), std::min(std::max(a, b), c)));
-    }
-    const std::lock_guard lock(mutex);
-    bound = std::max(bound, here);
-  });
+  for (std::size_t t = good_; t-- > 0 && !(in_order && 3 * t + 2 <= bound);) {
+    const Index a = first(welded(3 * t)), b = first(welded(3 * t + 1)), c = first(welded(3 * t + 2));
+    bound = std::max(bound, std::max(std::min(a, b), std::min(std::max(a, b), c)));
+  }
+  const auto may_be_last = [&](Index id) { return last(id) >= bound; };
   std::vector<Index> candidates;
-  const auto may_be_last = [&](Index id) { return last[id] >= bound; };
-  for (Index id = 0; id < ids_; ++id)
-    if (may_be_last(id))
-      for (const Index at : corners_at(id))
-        if (may_be_last(welded(next(at)))) candidates.push_back(at);
+  for (std::size_t at = in_order ? bound : 0; at < 3 * good_; ++at) {
+    const Index id = welded(at);
+    if (corners_at(id).back() != at || !may_be_last(id)) continue;  // each id once
+    for (const Index edge : corners_at(id))
+      if (may_be_last(welded(next(edge)))) candidates.push_back(edge);
+  }
   std::vector<Index> wanted;
   for (const Index e : candidates)
     for (const Index id : {welded(e), welded(next(e))})
-      if (first[id] != last[id]) wanted.push_back(id);
-  if (representative_.empty() && wanted.empty()) {
-    representative_ = first;
-  } else if (representative_.empty()) {
+      if (first(id) != last(id)) wanted.push_back(id);
+  if (!representative_.empty()) return candidates;
+  if (wanted.empty())
+    representative_ = memory_.take<Index>(ids_);
+  else
     find_representatives(wanted);
-    for (const Index e : candidates)  // the others have one corner only
-      for (const Index id : {welded(e), welded(next(e))})
-        if (first[id] == last[id]) representative_[id] = first[id];
-  }
+  for (const Index e : candidates)  // the others have one corner only
+    for (const Index id : {welded(e), welded(next(e))})
+      if (first(id) == last(id)) representative_[id] = first(id);
   return candidates;
 }
 
