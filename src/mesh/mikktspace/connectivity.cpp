@@ -144,14 +144,15 @@ void Connectivity::set_degenerate_apart() {
 }
 
 void Connectivity::weld_corners() {
-  if (mesh_.corners.empty() && corner_.empty()) {
-    welded_ = id_;
+  if (corner_.empty() && (mesh_.corners.empty() || !joined_)) {  // as they lie there
+    welded_ = mesh_.corners.empty() ? std::span<const Index>(id_) : mesh_.corners;
     return;
   }
-  welded_ = memory_.take<Index>(3 * all_);
+  const std::span<Index> ids = memory_.take<Index>(3 * all_);
   parallel_ranges(3 * all_, threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t at = begin; at < end; ++at) welded_[at] = id_[vertex(corner(at))];
+    for (std::size_t at = begin; at < end; ++at) ids[at] = id_[vertex(corner(at))];
   });
+  welded_ = ids;
 }
 
 void Connectivity::list_corners() {

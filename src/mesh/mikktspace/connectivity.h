@@ -139,6 +139,7 @@ struct Connectivity {
   std::span<std::byte> scratch_;    // of the welding, then of the corners, then of the representatives, then
                                     // of the directions
   std::size_t ids_ = 0;             // some may not be used
+  bool joined_ = false;             // some vertices are one
   bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs
   bool any_ = false;                // some triangle is `any`
   std::span<Index> id_;             // of each vertex: equal ones have the same; which, no result depends on
@@ -150,8 +151,8 @@ struct Connectivity {
   std::size_t all_ = 0, good_ = 0;  // triangles; the degenerate ones come last
   std::span<std::uint8_t> alone_;  // of each triangle: whether it is one of a quad of which one is degenerate
   std::span<Index>
-      representative_;       // of each id, while that is needed: the corner by which the original knows it
-  std::span<Index> welded_;  // the id of each corner
+      representative_;  // of each id, while that is needed: the corner by which the original knows it
+  std::span<const Index> welded_;       // the id of each corner
   std::span<Index> begin_, at_vertex_;  // of each id: its corners in good triangles, ascending
   std::vector<LastEdge> last_edges_;    // ascending; few
   std::vector<Index> last_ids_;         // at their ends, ascending

@@ -130,7 +130,7 @@ bool Connectivity::weld_with(std::span<Place> table, std::size_t most_steps) {
   parallel_ranges(table.size(), threads_, [&](std::size_t begin, std::size_t end) {
     std::fill(&table[begin], &table[begin] + (end - begin), empty);
   });
-  std::atomic<bool> full = false, mixed_zeros = false;
+  std::atomic<bool> full = false, joined = false, mixed_zeros = false;
   std::atomic<Index> ids = 0;
   parallel_ranges(id_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     // Some at a time: their places are fetched while hashes are taken, then the vertices there.
@@ -141,7 +141,7 @@ bool Connectivity::weld_with(std::span<Place> table, std::size_t most_steps) {
     Index *const id_of = id_.data(), *const stands_for = stands_for_.data();
     const std::size_t mask = table.size() - 1;
     Numbers numbers(ids);
-    bool mixed = false;
+    bool some = false, mixed = false;
     for (std::size_t first = begin; first < end; first += at_a_time) {
       const std::size_t count = std::min(at_a_time, end - first);
       for (std::size_t i = 0; i < count; ++i) {
@@ -173,15 +173,18 @@ bool Connectivity::weld_with(std::span<Place> table, std::size_t most_steps) {
           if (!same_half(there, hash)) continue;
           const int same = vertices.compare(vertex_in(there), v);
           if (same == 0) continue;
+          some = true;
           mixed = mixed || same == 2;
           id_of[v] = id_of[vertex_in(there)];
           break;
         }
       }
     }
+    if (some) joined = true;
     if (mixed) mixed_zeros = true;
   });
   ids_ = ids;
+  joined_ = joined;
   mixed_zeros_ = mixed_zeros;
   return !full;
 }
@@ -197,6 +200,11 @@ void Connectivity::weld() {
   // Vertices of a triangle soup are mostly sixfold: a table that is half full then, and soon in the caches.
   if (mesh_.corners.empty() && n > 4096 && with(table.first(std::bit_ceil(n / 3)), 64)) return;
   with(table, enough);
+  if (joined_) return;
+  ids_ = n;  // vertices are their own ids
+  parallel_ranges(n, threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) id_[v] = stands_for_[v] = static_cast<Index>(v);
+  });
 }
 
 }  // namespace darboux::mikk
