@@ -197,8 +197,8 @@ void Connectivity::weld() {
   const auto with = [&](std::span<Place> places, std::size_t most_steps) {
     return threads_ <= 1 ? weld_with<Alone>(places, most_steps) : weld_with<Shared>(places, most_steps);
   };
-  // Vertices of a triangle soup are mostly sixfold: a table that is a third full then at most, and soon in the
-  // caches.
+  // Vertices of a triangle soup are mostly sixfold: a table that is a third full then at most, and soon in
+  // the caches.
   if (mesh_.corners.empty() && n > 4096 && with(table.first(std::bit_ceil(n / 2)), 64)) return;
   with(table, enough);
   if (joined_) return;
