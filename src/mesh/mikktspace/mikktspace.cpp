@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -13,6 +14,7 @@
 
 #include "base/text.h"
 #include "connectivity.h"
+#include "vertex_tangents.h"
 
 namespace darboux {
 namespace {
@@ -37,20 +39,21 @@ class Tangents : mikk::Connectivity {
   // Whether the groups serve all corners.
   bool serve_all() const { return good_ == all_ && !any_; }
   // put(corner, tangent) for the corners that the groups serve, once for those of triangles; copy(from, to)
-  // for those that degenerate triangles take over.
+  // for those that degenerate triangles take over. Each thread has a copy of `put`. Where it has
+  // end_of_vertex(), that is called after all corners of equal vertices.
   template <class Put, class Copy>
   void of_corners(const Put& put, const Copy& copy) const;
 
  private:
   struct Scratch;
   template <class Put>
-  void serve(Index id, Scratch& scratch, const Put& put) const;
+  void serve(Index id, Scratch& scratch, Put& put) const;
   // Groups and members: places in the corners of the vertex.
   template <class Put>
-  void serve_group(std::span<const Index> group, Scratch& scratch, const Put& put) const;
+  void serve_group(std::span<const Index> group, Scratch& scratch, Put& put) const;
   // Of vertices from one on, of [begin, end).
   template <class Put>
-  void serve_in_lanes(std::size_t begin, std::size_t end, Scratch& scratch, const Put& put) const;
+  void serve_in_lanes(std::size_t begin, std::size_t end, Scratch& scratch, Put& put) const;
   void go_round(Index id, mikk::Ring& ring) const;
   bool is_one_group(const mikk::Ring& ring, std::span<const Index> corners) const;
   MikkTangent evaluate(std::span<const Index> members, const Scratch& scratch) const;
@@ -102,7 +105,7 @@ MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x)
 }
 
 template <class Put>
-void Tangents::serve_group(std::span<const Index> group, Scratch& x, const Put& put) const {
+void Tangents::serve_group(std::span<const Index> group, Scratch& x, Put& put) const {
   const float sign = preserves(x.corners[group[0]]) ? 1.0F : -1.0F;
   const auto write = [&](Index i, MikkTangent tangent) {
     tangent.sign = sign;
@@ -141,7 +144,7 @@ void Tangents::serve_group(std::span<const Index> group, Scratch& x, const Put& 
 }
 
 template <class Put>
-void Tangents::serve(Index id, Scratch& x, const Put& put) const {
+void Tangents::serve(Index id, Scratch& x, Put& put) const {
   const std::span<const Index> corners = corners_at(id);
   x.corners = corners;
   find_parts(corners, x.part);
@@ -185,6 +188,7 @@ void Tangents::serve(Index id, Scratch& x, const Put& put) const {
     for (Index i = x.first[g]; i != none; i = x.next[i]) x.served.push_back(i);
     serve_group(x.served, x, put);
   }
+  if constexpr (requires { put.end_of_vertex(); }) put.end_of_vertex();
 }
 
 void Tangents::go_round(Index id, mikk::Ring& ring) const {
@@ -221,7 +225,7 @@ bool Tangents::is_one_group(const mikk::Ring& ring, std::span<const Index> corne
 
 // A few vertices at a time. Those that are not as nearly all are left to serve().
 template <class Put>
-void Tangents::serve_in_lanes(std::size_t begin, std::size_t end, Scratch& x, const Put& put) const {
+void Tangents::serve_in_lanes(std::size_t begin, std::size_t end, Scratch& x, Put& put) const {
   constexpr std::size_t at_a_time = 64;
   std::array<mikk::Ring, at_a_time> rings;
   std::array<Index, at_a_time> ids;
@@ -263,7 +267,10 @@ void Tangents::serve_in_lanes(std::size_t begin, std::size_t end, Scratch& x, co
       }
       const MikkTangent tangent{
           .t = {t.x, t.y, t.z}, .sign = preserves(corners[0]) ? 1.0F : -1.0F, .served = true};
-      for (const Index at : corners) put(corner(at), tangent);
+      if constexpr (requires { put.end_of_vertex(); })
+        put.all_alike(corners, tangent);
+      else
+        for (const Index at : corners) put(corner(at), tangent);
     }
   }
 }
@@ -273,9 +280,10 @@ void Tangents::of_corners(const Put& put, const Copy& copy) const {
   const bool in_lanes = lengths_.empty() && !any_ && cosine_ <= -1;
   parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
     Scratch scratch;
-    if (in_lanes) return serve_in_lanes(begin, end, scratch, put);
+    Put mine = put;
+    if (in_lanes) return serve_in_lanes(begin, end, scratch, mine);
     for (std::size_t id = begin; id < end; ++id)
-      if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, put);
+      if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, mine);
   });
   // A degenerate triangle takes over what the first good corner at the vertex has.
   for (std::size_t at = 3 * good_; at < 3 * all_; ++at)
@@ -295,6 +303,59 @@ void Tangents::of_corners(const Put& put, const Copy& copy) const {
         }
     }
   }
+}
+
+// Of meshes whose triangles are in order.
+class PutByVertex {
+ public:
+  struct Others {
+    std::mutex mutex;
+    std::vector<mikk::CornerTangent> all;
+  };
+  PutByVertex(const MikkMesh& mesh, mikk::Buffer<Vec4<float>>& of_vertices, Others& others)
+      : vertices_(mesh.corners.data()), tangents_(of_vertices.data()), others_(&others) {}
+
+  void operator()(std::size_t corner, const MikkTangent& x) {
+    here_.push_back({static_cast<Index>(corner), four(x)});
+  }
+  void all_alike(std::span<const Index> corners, const MikkTangent& x) {
+    for (const Index corner : corners) tangents_[vertices_[corner]] = four(x);
+  }
+  void end_of_vertex() {
+    const auto vertex = [&](std::size_t i) { return vertices_[here_[i].corner]; };
+    std::ranges::sort(here_, {},
+                      [&](const mikk::CornerTangent& x) { return std::pair(vertices_[x.corner], x.corner); });
+    for (std::size_t i = 0; i < here_.size(); ++i) {
+      Vec4<float>& first = tangents_[vertex(i)];
+      if (i == 0 || vertex(i) != vertex(i - 1)) {
+        first = here_[i].tangent;
+      } else if (std::memcmp(&first, &here_[i].tangent, sizeof first) != 0) {
+        const std::lock_guard lock(others_->mutex);
+        others_->all.push_back(here_[i]);
+      }
+    }
+    here_.clear();
+  }
+
+ private:
+  static Vec4<float> four(const MikkTangent& x) { return {x.t[0], x.t[1], x.t[2], x.sign}; }
+
+  const Index* vertices_;
+  Vec4<float>* tangents_;
+  Others* others_;
+  std::vector<mikk::CornerTangent> here_;  // at equal vertices
+};
+
+void put_at(float* to, const MikkTangent& x) {
+  to[0] = x.t[0], to[1] = x.t[1], to[2] = x.t[2], to[3] = x.sign;
+}
+// Four numbers for each corner of a mesh without quads.
+void put_all(const Tangents& tangents, std::size_t corners, float unserved_sign, float* tangent4) {
+  if (!tangents.serve_all())
+    for (std::size_t c = 0; c < corners; ++c) put_at(tangent4 + 4 * c, {.sign = unserved_sign});
+  tangents.of_corners(
+      [=](std::size_t corner, const MikkTangent& x) { put_at(tangent4 + 4 * corner, x); },
+      [=](std::size_t from, std::size_t to) { std::copy_n(tangent4 + 4 * from, 4, tangent4 + 4 * to); });
 }
 
 bool has_quads(const MikkMesh& mesh) {
@@ -364,6 +425,26 @@ std::vector<MikkTangent> mikktspace(const MikkMesh& mesh, const MikkOptions& opt
   return result;
 }
 
+mikk::VertexTangents mikk::vertex_tangents(const MikkMesh& mesh, const MikkOptions& options) {
+  const Range range = check(mesh, options);
+  const LaneKernels& lanes = lanes_of(chosen_instruction_set());
+  const MikkMemory::OfCall memory(options.memory);
+  const Tangents tangents(mesh, range, lanes, options, false, *memory);
+  VertexTangents result;
+  if (tangents.serve_all()) {
+    result.of_vertices = Buffer<Vec4<float>>(mesh.vertex_count());
+    std::fill_n(result.of_vertices.data(), mesh.vertex_count(), Vec4<float>{1, 0, 0, 0});
+    PutByVertex::Others others;
+    tangents.of_corners(PutByVertex(mesh, result.of_vertices, others), [](std::size_t, std::size_t) {});
+    result.others = std::move(others.all);
+    std::ranges::sort(result.others, {}, &CornerTangent::corner);
+  } else {
+    result.of_corners = Buffer<Vec4<float>>(mesh.corner_count());
+    put_all(tangents, mesh.corner_count(), options.unserved_sign, &result.of_corners.data()->x);
+  }
+  return result;
+}
+
 void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptions& options) {
   const mikk::Range range = mikk::check(mesh, options);
   const LaneKernels& lanes = mikk::lanes_of(chosen_instruction_set());
@@ -371,21 +452,14 @@ void mikktspace(const MikkMesh& mesh, std::span<float> tangent4, const MikkOptio
     throw ParameterError("tangent4", expected_got("four numbers for each of the " +
                                                       std::to_string(mesh.corner_count()) + " corners",
                                                   std::to_string(tangent4.size()) + " numbers"));
-  const auto put = [&](std::size_t corner, const MikkTangent& x) {
-    float* to = &tangent4[4 * corner];
-    to[0] = x.t[0], to[1] = x.t[1], to[2] = x.t[2], to[3] = x.sign;
-  };
   if (has_quads(mesh)) {
     const std::vector<MikkTangent> all = mikktspace(mesh, options);
-    for (std::size_t c = 0; c < all.size(); ++c) put(c, all[c]);
+    for (std::size_t c = 0; c < all.size(); ++c) put_at(&tangent4[4 * c], all[c]);
     return;
   }
   const MikkMemory::OfCall memory(options.memory);
-  const Tangents tangents(mesh, range, lanes, options, false, *memory);
-  if (!tangents.serve_all())
-    for (std::size_t c = 0; c < mesh.corner_count(); ++c) put(c, MikkTangent{.sign = options.unserved_sign});
-  tangents.of_corners(
-      put, [&](std::size_t from, std::size_t to) { std::copy_n(&tangent4[4 * from], 4, &tangent4[4 * to]); });
+  put_all(Tangents(mesh, range, lanes, options, false, *memory), mesh.corner_count(), options.unserved_sign,
+          tangent4.data());
 }
 
 }  // namespace darboux
