@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,14 +24,43 @@ struct MikkMesh {
   std::size_t corner_count() const { return corners.empty() ? vertex_count() : corners.size(); }
 };
 
+namespace mikk {
+class Memory;
+}
+
+/// Work memory of mikktspace(), for programs that call it often: a call that is handed one in MikkOptions
+/// leaves what it worked in there for the next, and takes from the system only what is lacking, but for small
+/// lists. It grows to what the largest call took, and never shrinks before release(). Small meshes gain most,
+/// as the system clears each page that it hands out.
+///
+/// One call may use it at a time. No result depends on what calls before left in it, nor on whether they
+/// threw. One that was moved from is empty, and can be used as a new one.
+class MikkMemory {
+ public:
+  MikkMemory();
+  MikkMemory(MikkMemory&& other) noexcept;
+  MikkMemory& operator=(MikkMemory&& other) noexcept;
+  ~MikkMemory();
+
+  /// As reserved, of which calls may have touched less.
+  std::size_t bytes() const;
+  void release();  ///< to the system
+
+  struct OfCall;  ///< of the implementation
+
+ private:
+  std::unique_ptr<mikk::Memory> memory_;
+};
+
 struct MikkOptions {
   /// In degrees: a triangle's tangents are averaged with those of its group that differ by less in direction.
   float angular_threshold = 180;
   /// The original leaves the last run of its edges unsorted, so that triangles about the last vertices may
   /// not find their neighbours; true: they do.
   bool sort_all_edges = false;
-  float unserved_sign = -1;  ///< of a corner that no triangle serves; the original's is -1
-  int threads = 1;           ///< 0: all; the bits do not depend on it
+  float unserved_sign = -1;      ///< of a corner that no triangle serves; the original's is -1
+  int threads = 1;               ///< 0: all; the bits do not depend on it
+  MikkMemory* memory = nullptr;  ///< that is kept from call to call; null: the call gives its own back
 };
 
 /// All that MikkTSpace tells of a corner.
@@ -73,8 +103,9 @@ struct MikkTangent {
 /// glTF's w is the raw sign, negated. The bits do not depend on the order of the vertices of an indexed mesh,
 /// nor on threads. Cost: linear in the triangles; quadratic in the number of those at one vertex whose
 /// directions are not all within 84 degrees of one of them, or with a threshold below 180, and in vertices
-/// that were made to have one hash. Memory beyond input and output: about 90 bytes per triangle where
-/// triangles share most vertices, up to 155 where they share none.
+/// that were made to have one hash. Memory beyond input and output: about 60 bytes per triangle where
+/// triangles share most vertices by index, 72 where the same vertices are equal instead, 120 where they share
+/// none; from half a megabyte on rounded up to pages of 2 MB.
 ///
 /// \param tangent4 x, y, z of t and the raw sign, four numbers per corner
 /// \throws MeshError for attributes of unequal length, faces of other than three or four corners, indices out

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -13,6 +15,7 @@
 #include "io/gltf_file.h"
 #include "mesh/frames/mikktspace_frames.h"
 #include "mesh/mikktspace/buffer.h"
+#include "mesh/vertex_split.h"
 
 namespace darboux {
 namespace {
@@ -62,10 +65,7 @@ class CornerTangents {
     const float* p = values_.data() + corner * width_ + 4 + 3 * target;
     return {p[0], p[1], p[2]};
   }
-  std::span<float> values() { return {values_.data(), values_.size()}; }
   std::span<const float> values() const { return {values_.data(), values_.size()}; }
-  /// The buffer itself, where there are no targets.
-  mikk::Buffer<float> take() { return std::move(values_); }
 
  private:
   std::size_t width_;
@@ -81,23 +81,57 @@ io::Piece as_piece(mikk::Buffer<T> values) {
   return {{reinterpret_cast<const char*>(kept->data()), kept->size() * sizeof(T)}, kept};
 }
 
-void store(GltfDocument& document, const Primitive& p, std::size_t old_vertices,
-           const CornerTangents& tangents, std::size_t targets, const SplitVertices& split) {
-  const std::size_t vertices = split.source.size();
-  mikk::Buffer<Vec4<float>> base(vertices);
-  std::vector<io::Piece> deltas;
-  for (std::size_t i = 0; i < vertices; ++i)
-    base[i] = split.corner[i] == SplitVertices::no_corner ? unused : tangents.base(split.corner[i]);
-  for (std::size_t k = 0; k < targets; ++k) {
-    mikk::Buffer<Vec3<float>> delta(vertices);
-    for (std::size_t i = 0; i < vertices; ++i)
-      delta[i] =
-          split.corner[i] == SplitVertices::no_corner ? Vec3<float>{} : tangents.delta(split.corner[i], k);
-    deltas.push_back(as_piece(std::move(delta)));
-  }
-  if (vertices > old_vertices)
+// of(corner) at each vertex.
+template <class T, class Of>
+mikk::Buffer<T> by_vertex(const SplitVertices& split, const T& without_corner, const Of& of) {
+  mikk::Buffer<T> values(split.source.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = split.corner[i] == SplitVertices::no_corner ? without_corner : of(split.corner[i]);
+  return values;
+}
+
+void store(GltfDocument& document, const Primitive& p, std::size_t old_vertices, const SplitVertices& split,
+           mikk::Buffer<Vec4<float>> base, const std::vector<io::Piece>& deltas = {}) {
+  if (split.source.size() > old_vertices)
     document.remap_vertices(p.mesh, p.primitive, split.source, split.indices, true);
   document.file().set_tangents(p.mesh, p.primitive, as_piece(std::move(base)), deltas);
+}
+
+void flip_signs(mikk::VertexTangents& tangents) {
+  for (mikk::Buffer<Vec4<float>>* const values : {&tangents.of_vertices, &tangents.of_corners})
+    for (std::size_t i = 0; i < values->size(); ++i) (*values)[i].w *= -1;
+  for (mikk::CornerTangent& other : tangents.others) other.tangent.w *= -1;
+}
+
+// The number of vertices.
+std::size_t store_by_vertex(GltfDocument& document, const Primitive& p,
+                            std::span<const std::uint32_t> corners, mikk::VertexTangents tangents) {
+  mikk::Buffer<Vec4<float>>& base = tangents.of_vertices;
+  const std::size_t vertices = base.size();
+  for (std::size_t v = 0; v < vertices; ++v)
+    if (base[v].w == 0) base[v] = unused;
+  SplitVertices split;
+  if (!tangents.others.empty()) {
+    split.source.resize(vertices);
+    std::iota(split.source.begin(), split.source.end(), 0U);
+    split.corner.assign(vertices, SplitVertices::no_corner);  // not looked at
+    split.indices.assign(corners.begin(), corners.end());
+    std::vector<std::uint32_t> others;
+    for (const mikk::CornerTangent& other : tangents.others) others.push_back(other.corner);
+    const auto of_corner = [&](std::uint32_t corner) -> const Vec4<float>& {
+      return std::ranges::lower_bound(tangents.others, corner, {}, &mikk::CornerTangent::corner)->tangent;
+    };
+    split_off(split, corners, std::move(others), [&](std::uint32_t a, std::uint32_t b) {
+      return std::memcmp(&of_corner(a), &of_corner(b), sizeof(Vec4<float>));
+    });
+    mikk::Buffer<Vec4<float>> all(split.source.size());
+    std::copy_n(base.data(), vertices, all.data());
+    for (std::size_t v = vertices; v < all.size(); ++v) all[v] = of_corner(split.corner[v]);
+    base = std::move(all);
+  }
+  const std::size_t count = base.size();
+  store(document, p, vertices, split, std::move(base));
+  return count;
 }
 
 // Of a primitive whose floats lie in the file: nothing is copied but what is written.
@@ -108,15 +142,13 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p, cons
   const std::size_t vertices = in_order ? corners : mesh.vertices;
   const std::span<const std::uint32_t> indices =
       in_order ? mesh.corners.span() : mesh.corners.span().first(corners);
-  CornerTangents tangents(in_order ? mesh.vertices : corners, 0);
-  const MikktspaceCounts counts = mikktspace_tangents({mesh.positions.span().first(3 * vertices),
-                                                       mesh.normals.span().first(3 * vertices),
-                                                       mesh.uvs.span().first(2 * vertices),
-                                                       indices,
-                                                       {}},
-                                                      tangents.values().first(4 * corners), options.threads);
-  if (options.sign == SignConvention::gltf)
-    for (std::size_t c = 0; c < corners; ++c) tangents.values()[4 * c + 3] *= -1;
+  MikktspaceTangents tangents = mikktspace_tangents({mesh.positions.span().first(3 * vertices),
+                                                     mesh.normals.span().first(3 * vertices),
+                                                     mesh.uvs.span().first(2 * vertices),
+                                                     indices,
+                                                     {}},
+                                                    options.threads);
+  if (options.sign == SignConvention::gltf) flip_signs(tangents);
 
   PrimitiveTangents result{.mesh = p.mesh,
                            .primitive = p.primitive,
@@ -124,16 +156,24 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p, cons
                            .corners = corners,
                            .old_vertices = mesh.vertices,
                            .vertices = mesh.vertices,
-                           .degenerate_triangles = counts.degenerate_triangles,
-                           .degenerate_uv_triangles = counts.degenerate_uv_triangles,
-                           .fallback_corners = counts.fallback_corners};
-  if (in_order) {
-    for (std::size_t v = corners; v < mesh.vertices; ++v) tangents.set_base(v, unused.xyz(), unused.w);
-    document.file().set_tangents(p.mesh, p.primitive, as_piece(tangents.take()), {});
-  } else {
-    const SplitVertices split = split_vertices(mesh.vertices, indices, tangents.values());
-    store(document, p, mesh.vertices, tangents, 0, split);
+                           .degenerate_triangles = tangents.counts.degenerate_triangles,
+                           .degenerate_uv_triangles = tangents.counts.degenerate_uv_triangles,
+                           .fallback_corners = tangents.counts.fallback_corners};
+  if (in_order && corners == mesh.vertices) {
+    document.file().set_tangents(p.mesh, p.primitive, as_piece(std::move(tangents.of_corners)), {});
+  } else if (in_order) {
+    mikk::Buffer<Vec4<float>> base(mesh.vertices);
+    std::copy_n(tangents.of_corners.data(), corners, base.data());
+    std::fill_n(base.data() + corners, mesh.vertices - corners, unused);
+    document.file().set_tangents(p.mesh, p.primitive, as_piece(std::move(base)), {});
+  } else if (!tangents.of_corners.empty()) {
+    const std::span<const float> values(&tangents.of_corners.data()->x, 4 * corners);
+    const SplitVertices split = split_vertices(mesh.vertices, indices, values);
+    store(document, p, mesh.vertices, split,
+          by_vertex(split, unused, [&](std::size_t corner) { return tangents.of_corners[corner]; }));
     result.vertices = split.source.size();
+  } else {
+    result.vertices = store_by_vertex(document, p, indices, std::move(tangents));
   }
   return result;
 }
@@ -166,9 +206,13 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
 
   std::span<const std::uint32_t> corners;
   if (!mesh.triangles.empty()) corners = {mesh.triangles.front().data(), mesh.corners()};
-  const SplitVertices split =
-      split_vertices(mesh.positions.size(), corners, std::as_const(tangents).values());
-  store(document, p, mesh.positions.size(), tangents, targets.size(), split);
+  const SplitVertices split = split_vertices(mesh.positions.size(), corners, tangents.values());
+  std::vector<io::Piece> deltas;
+  for (std::size_t k = 0; k < targets.size(); ++k)
+    deltas.push_back(as_piece(
+        by_vertex(split, Vec3<float>{}, [&](std::size_t corner) { return tangents.delta(corner, k); })));
+  store(document, p, mesh.positions.size(), split,
+        by_vertex(split, unused, [&](std::size_t corner) { return tangents.base(corner); }), deltas);
   return {.mesh = p.mesh,
           .primitive = p.primitive,
           .name = p.name,

@@ -1,12 +1,13 @@
-#include <algorithm>
 #include <cstring>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include <darboux/error.h>
 #include <darboux/split_vertices.h>
 
 #include "base/text.h"
+#include "vertex_split.h"
 
 namespace darboux {
 namespace {
@@ -46,41 +47,15 @@ SplitVertices split_vertices(std::size_t vertices, std::span<const std::uint32_t
   std::iota(result.source.begin(), result.source.end(), 0U);
   result.corner.assign(vertices, none);
   result.indices.assign(corners.begin(), corners.end());
-  std::vector<bool> differs(vertices);  // whether corners there have other values than the first
-  bool any_differs = false;
+  std::vector<std::uint32_t> others;
   for (std::uint32_t c = 0; c < corners.size(); ++c) {
     std::uint32_t& first = result.corner[corners[c]];
-    if (first == none) first = c;
-    if (!differs[corners[c]] && compare(first, c) != 0) any_differs = differs[corners[c]] = true;
+    if (first == none)
+      first = c;
+    else if (compare(first, c) != 0)
+      others.push_back(c);
   }
-  if (!any_differs) return result;
-
-  std::vector<std::uint32_t> sorted;
-  for (std::uint32_t c = 0; c < corners.size(); ++c)
-    if (differs[corners[c]]) sorted.push_back(c);
-  std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
-    if (corners[a] != corners[b]) return corners[a] < corners[b];
-    const int order = compare(a, b);
-    return order != 0 ? order < 0 : a < b;
-  });
-  const auto equal = [&](std::uint32_t a, std::uint32_t b) {
-    return corners[a] == corners[b] && compare(a, b) == 0;
-  };
-  std::vector<std::uint32_t> news;  // the first corners of new vertices
-  for (std::size_t i = 0; i < sorted.size(); ++i)
-    if (const std::uint32_t c = sorted[i];
-        (i == 0 || !equal(sorted[i - 1], c)) && result.corner[corners[c]] != c)
-      news.push_back(c);
-  std::sort(news.begin(), news.end());
-  if (vertices + news.size() >= none)
-    throw MeshError("split_vertices", expected_got("fewer than 2^32 - 1 vertices", "more after the split"));
-  for (std::size_t k = 0; k < news.size(); ++k) {
-    result.source.push_back(corners[news[k]]);
-    result.corner.push_back(news[k]);
-    result.indices[news[k]] = static_cast<std::uint32_t>(vertices + k);
-  }
-  for (std::size_t i = 1; i < sorted.size(); ++i)
-    if (equal(sorted[i - 1], sorted[i])) result.indices[sorted[i]] = result.indices[sorted[i - 1]];
+  if (!others.empty()) split_off(result, corners, std::move(others), compare);
   return result;
 }
 

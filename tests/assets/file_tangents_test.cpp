@@ -481,6 +481,48 @@ TEST(FileTangents, FloatsThatLieInTheFileGiveTheSameBits) {
   EXPECT_GT(split, 1000u);
 }
 
+// No triangle is degenerate: tangents go by vertex, and vertices are split at the mirror and about triangles
+// that are turned over. One vertex is used by none.
+TEST(FileTangents, FloatsOfAMirroredGridGiveTheSameBits) {
+  constexpr int columns = 8, rows = 6;
+  const TempFolder folder;
+  Builder b;
+  std::string positions, normals, uvs, indices;
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i <= columns; ++i) {
+      const auto x = static_cast<float>(i), y = static_cast<float>(j);
+      positions += test::pack({x, y, 0.1F * x * y});
+      normals += test::pack({0.0F, 0.0F, 1.0F});
+      uvs += test::pack({std::fabs(x - 4), y});
+    }
+  positions += test::pack({9.0F, 9.0F, 9.0F}), normals += test::pack({0.0F, 0.0F, 1.0F});
+  uvs += test::pack({0.0F, 0.0F});
+  const auto at = [](int i, int j) { return static_cast<std::uint32_t>(j * (columns + 1) + i); };
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const bool over = (i + 3 * j) % 7 == 0;
+      for (const std::uint32_t v : {at(i, j), at(i + 1, over ? j + 1 : j), at(i + 1, over ? j : j + 1)})
+        indices += test::pack({v});
+      for (const std::uint32_t v : {at(i, j), at(i + 1, j + 1), at(i, j + 1)}) indices += test::pack({v});
+    }
+  constexpr std::size_t vertices = (columns + 1) * (rows + 1) + 1;
+  const auto attribute = [&](const std::string& bytes, const char* type) {
+    return b.accessor(type, 5126, vertices, {{"bufferView", b.view(bytes)}});
+  };
+  const Json attributes{{"POSITION", attribute(positions, "VEC3")},
+                        {"NORMAL", attribute(normals, "VEC3")},
+                        {"TEXCOORD_0", attribute(uvs, "VEC2")}};
+  b.primitive(
+      attributes,
+      {{"indices", b.accessor("SCALAR", 5125, 6 * columns * rows, {{"bufferView", b.view(indices)}})}});
+  const std::string path = test::write_bytes(folder / "in.glb", b.glb());
+  for (const SignConvention sign : {SignConvention::raw, SignConvention::gltf})
+    expect_mesh_frames(path, sign);
+  const Rewritten r = rewrite(path);
+  test::expect_only_tangents_changed(r.before, r.after, r.made());
+  EXPECT_GT(r.report.primitives[0].vertices, vertices + 5);
+}
+
 // Where they lie is where they are read; numbers beside others, or not at multiples of four bytes, are
 // copied.
 TEST(FileTangents, FloatsAreReadWhereTheyLie) {

@@ -1,5 +1,6 @@
 // MikkTSpace to the bit: against tangents that the npm package mikktspace made, which are those of the C
 // original.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cfloat>
@@ -24,6 +25,7 @@
 #include <darboux/mikktspace.h>
 
 #include "mesh/mikktspace/connectivity.h"
+#include "mesh/mikktspace/vertex_tangents.h"
 #include "mikktspace/generated_meshes.h"
 #include "refusal_of.h"
 
@@ -315,6 +317,142 @@ TEST(MikkTSpace, AnglesAreThoseOfTheLibraryToTheBit) {
     for (std::size_t i = 0; i < cosines.size(); ++i)
       ASSERT_EQ(angles[i], exactly(cosines[i])) << name_of(set) << ": arc cosine of " << cosines[i];
   }
+}
+
+// Large meshes, small ones after them, quads, degenerate triangles, zeros of either sign: what a call finds
+// in the memory matters to none.
+TEST(MikkTSpace, KeptMemoryChangesNoBit) {
+  const auto same = [](const Arrays& arrays, MikkMemory& memory) {
+    const MikkOptions kept{.memory = &memory};
+    if (!same_bits(arrays.tangents(kept), arrays.tangents())) return false;
+    const std::vector<MikkTangent> a = mikktspace(arrays.mesh(), kept), b = mikktspace(arrays.mesh());
+    return std::ranges::equal(a, b, [](const auto& x, const auto& y) { return same_bits(x, y); });
+  };
+  MikkMemory memory;
+  EXPECT_EQ(memory.bytes(), 0U);
+  const Arrays large(torus_soup(200, 100)), small(torus_soup(20, 10));
+  EXPECT_TRUE(same(small, memory));
+  const std::size_t of_small = memory.bytes();
+  EXPECT_TRUE(same(large, memory));
+  const std::size_t of_large = memory.bytes();
+  EXPECT_GT(of_large, of_small);
+  EXPECT_TRUE(same(small, memory));
+  EXPECT_TRUE(same(Arrays(), memory));
+  EXPECT_TRUE(same(large, memory));
+  EXPECT_EQ(memory.bytes(), of_large);
+  for (std::uint32_t k = 0; k < generated_meshes; ++k) {
+    Arrays arrays(generated_mesh(k));
+    EXPECT_TRUE(same(arrays, memory)) << "mesh " << k;
+    if (arrays.positions.size() > 30) arrays.positions[30] = -0.0F;
+    arrays.face_sizes.assign(arrays.mesh().corner_count() / 12 * 3, 4);
+    arrays.face_sizes.resize(arrays.face_sizes.size() + arrays.mesh().corner_count() % 12 / 3,
+                             std::uint8_t{3});
+    EXPECT_TRUE(same(arrays, memory)) << "mesh " << k << ", quads";
+  }
+  memory.release();
+  EXPECT_EQ(memory.bytes(), 0U);
+  EXPECT_TRUE(same(small, memory));
+}
+
+TEST(MikkTSpace, KeptMemoryCanBeMovedAndUsedAfterARefusal) {
+  const Arrays good(torus_soup(20, 10));
+  const std::vector<float> expected = good.tangents();
+  Arrays bad = good;
+  bad.uvs[3] = std::numeric_limits<float>::quiet_NaN();
+  MikkMemory memory;
+  const auto works = [&](MikkMemory& x) { return same_bits(good.tangents({.memory = &x}), expected); };
+  EXPECT_TRUE(works(memory));
+  EXPECT_NE(refusal_of<MeshError>([&] { bad.tangents({.memory = &memory}); }).find("got nan in the uv"),
+            std::string::npos);
+  EXPECT_TRUE(works(memory));
+  const std::size_t kept = memory.bytes();
+  MikkMemory other(std::move(memory));
+  EXPECT_EQ(other.bytes(), kept);
+  EXPECT_EQ(memory.bytes(), 0U);  // NOLINT(bugprone-use-after-move): as a new one
+  EXPECT_TRUE(works(memory) && works(other));
+  other = std::move(memory);
+  EXPECT_TRUE(works(memory) && works(other));
+}
+
+// A grid whose uvs are mirrored at the middle column, some of its triangles turned over: vertices have one
+// tangent or several.
+Arrays mirrored_grid(int columns, int rows) {
+  Arrays grid;
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i <= columns; ++i) {
+      const auto x = static_cast<float>(i), y = static_cast<float>(j);
+      grid.add({x, y, 0.1F * x * y, 0, 0, 1, std::fabs(x - static_cast<float>(columns / 2)), y});
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (columns + 1) + i); };
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      std::array<std::uint32_t, 6> two{at(i, j), at(i + 1, j),     at(i + 1, j + 1),
+                                       at(i, j), at(i + 1, j + 1), at(i, j + 1)};
+      if ((i + 3 * j) % 7 == 0) std::swap(two[1], two[2]);
+      grid.corners.insert(grid.corners.end(), two.begin(), two.end());
+    }
+  return grid;
+}
+
+TEST(MikkTSpace, ByVertexIsAsByCorner) {
+  std::size_t others = 0, by_vertex = 0, by_corner = 0;
+  const auto expect_same = [&](const Arrays& arrays) {
+    const std::vector<float> expected = arrays.tangents();
+    for (const int threads : {1, 3}) {
+      const mikk::VertexTangents x = mikk::vertex_tangents(arrays.mesh(), {.threads = threads});
+      std::vector<Vec4<float>> found(arrays.corners.size());
+      std::vector<bool> used(arrays.mesh().vertex_count());
+      for (std::size_t c = 0; c < found.size(); ++c) {
+        const std::uint32_t v = arrays.corners[c];
+        used[v] = true;
+        found[c] = x.of_corners.empty() ? x.of_vertices[v] : x.of_corners[c];
+      }
+      for (const mikk::CornerTangent& other : x.others) {
+        Vec4<float>& at = found[other.corner];
+        EXPECT_NE(std::memcmp(&at, &other.tangent, sizeof at), 0);
+        at = other.tangent;
+      }
+      EXPECT_EQ(std::memcmp(found.data(), expected.data(), expected.size() * sizeof(float)), 0);
+      EXPECT_TRUE(std::ranges::is_sorted(x.others, {}, &mikk::CornerTangent::corner));
+      for (std::size_t v = 0; v < x.of_vertices.size(); ++v)
+        if (!used[v]) {
+          EXPECT_EQ(x.of_vertices[v].w, 0);
+        }
+      // What a vertex has is what its first corner has.
+      std::vector<bool> met(used.size());
+      for (std::size_t c = 0; c < found.size() && !x.of_vertices.empty(); ++c) {
+        if (!met[arrays.corners[c]]) {
+          EXPECT_EQ(std::memcmp(&found[c], &x.of_vertices[arrays.corners[c]], sizeof found[c]), 0);
+        }
+        met[arrays.corners[c]] = true;
+      }
+      others += x.others.size();
+      ++(x.of_corners.empty() ? by_vertex : by_corner);
+    }
+  };
+  for (const auto& [columns, rows] : {std::pair{6, 5}, {1, 1}, {200, 90}})
+    for (const bool doubled : {false, true}) {  // every vertex twice: the second is used by odd triangles
+      Arrays grid = mirrored_grid(columns, rows);
+      if (doubled) {
+        const auto vertices = static_cast<std::uint32_t>(grid.mesh().vertex_count());
+        for (std::vector<float>* x : {&grid.positions, &grid.normals, &grid.uvs}) {
+          const std::vector<float> once = *x;
+          x->insert(x->end(), once.begin(), once.end());
+        }
+        for (std::size_t c = 0; c < grid.corners.size(); ++c)
+          if (c / 3 % 2 == 1) grid.corners[c] += vertices;
+      }
+      expect_same(grid);
+    }
+  EXPECT_GE(by_vertex, 10U);
+  EXPECT_GT(others, 1000U);
+  for (std::uint32_t k = 0; k < generated_meshes; ++k) {
+    Arrays arrays(generated_mesh(k));
+    for (std::size_t c = 0; c < arrays.mesh().vertex_count(); ++c)
+      arrays.corners.push_back(static_cast<std::uint32_t>(c));
+    expect_same(arrays);
+  }
+  EXPECT_GE(by_corner, 10U);
 }
 
 TEST(MikkTSpace, IndexedIsAsUnindexed) {

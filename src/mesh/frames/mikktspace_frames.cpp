@@ -1,12 +1,13 @@
 // MikkTSpace as one of the methods.
 #include "mikktspace_frames.h"
 
-#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <darboux/error.h>
 #include <darboux/mikktspace.h>
@@ -17,6 +18,8 @@
 
 namespace darboux {
 namespace {
+
+using mikk::Buffer;
 
 // All numbers in single precision; those below its range, where only directions matter, times a power of two.
 template <class Vector>
@@ -72,6 +75,45 @@ Vec3<double> vector_at(std::span<const float> values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
 }
 
+constexpr float unserved = 0;  // a sign that no triangle gives
+
+// The method's tangent in place of MikkTSpace's. Whether it is a fallback.
+bool mend(Vec4<float>& tangent, const Vec3<double>& n) {
+  const bool served = tangent.w != unserved;
+  if (served && keeps({tangent.x, tangent.y, tangent.z}, n)) return false;
+  MikkTangent found{.t = {tangent.x, tangent.y, tangent.z}, .served = served};
+  if (served) found.sign = tangent.w;
+  const CornerFrame frame = frame_of(found, n, false);
+  tangent = {static_cast<float>(frame.t.x), static_cast<float>(frame.t.y), static_cast<float>(frame.t.z),
+             static_cast<float>(frame.sign)};
+  return frame.fallback;
+}
+
+// The same of tangents by vertex; how many corners have fallbacks.
+std::size_t mend_vertices(const MikkMesh& mesh, std::size_t threads, mikk::VertexTangents& tangents) {
+  const auto normal = [&](std::size_t v) { return vector_at(mesh.normals, v); };
+  std::atomic<bool> some = false;
+  std::vector<std::uint8_t> fallback(mesh.vertex_count());
+  parallel_ranges(mesh.vertex_count(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      if (Vec4<float>& tangent = tangents.of_vertices[v]; tangent.w != unserved && mend(tangent, normal(v)))
+        fallback[v] = 1, some = true;
+  });
+  std::size_t count = 0;
+  if (some)
+    for (const std::uint32_t v : mesh.corners) count += fallback[v];
+  for (mikk::CornerTangent& other : tangents.others) {
+    const std::uint32_t v = mesh.corners[other.corner];
+    count -= fallback[v];
+    count += mend(other.tangent, normal(v)) ? 1 : 0;
+  }
+  std::erase_if(tangents.others, [&](const mikk::CornerTangent& other) {
+    return std::memcmp(&other.tangent, &tangents.of_vertices[mesh.corners[other.corner]],
+                       sizeof other.tangent) == 0;
+  });
+  return count;
+}
+
 MeshFrames compute(const Mesh& mesh, int threads, bool own_bitangent) {
   MeshFrames result;
   const std::vector<float> positions = to_floats(mesh.positions, "position", true),
@@ -97,11 +139,21 @@ MeshFrames compute(const Mesh& mesh, int threads, bool own_bitangent) {
 
 }  // namespace
 
-MikktspaceCounts mikktspace_tangents(const MikkMesh& mesh, std::span<float> tangent4, int threads) {
-  constexpr float unserved = 0;  // a sign that no triangle gives
-  mikktspace(mesh, tangent4, {.unserved_sign = unserved, .threads = threads});
-  std::atomic<std::size_t> in_space = 0, in_uv = 0, fallbacks = 0;
+MikktspaceTangents mikktspace_tangents(const MikkMesh& mesh, int threads) {
+  const MikkOptions options{.unserved_sign = unserved, .threads = threads};
+  MikktspaceTangents result;
+  Buffer<Vec4<float>>& of_corners = result.of_corners;
+  if (mesh.corners.empty()) {
+    of_corners = Buffer<Vec4<float>>(mesh.vertex_count());
+    mikktspace(mesh, {&of_corners.data()->x, 4 * of_corners.size()}, options);
+  } else {
+    static_cast<mikk::VertexTangents&>(result) = mikk::vertex_tangents(mesh, options);
+  }
   const auto vertex = [&](std::size_t c) { return mesh.corners.empty() ? c : mesh.corners[c]; };
+  const auto mend_at = [&](Vec4<float>& tangent, std::size_t v) {
+    return mend(tangent, vector_at(mesh.normals, v));
+  };
+  std::atomic<std::size_t> in_space = 0, in_uv = 0, fallbacks = 0;
   parallel_ranges(mesh.corner_count() / 3, thread_count(threads), [&](std::size_t begin, std::size_t end) {
     MikktspaceCounts here;
     for (std::size_t triangle = begin; triangle < end; ++triangle) {
@@ -111,24 +163,16 @@ MikktspaceCounts mikktspace_tangents(const MikkMesh& mesh, std::span<float> tang
         const std::size_t c = 3 * triangle + k, v = vertex(c);
         p[k] = vector_at(mesh.positions, v);
         uv[k] = {mesh.uvs[2 * v], mesh.uvs[2 * v + 1]};
-        float* const out = &tangent4[4 * c];
-        const Vec3<double> n = vector_at(mesh.normals, v);
-        const bool served = out[3] != unserved;
-        if (served && keeps({out[0], out[1], out[2]}, n)) continue;
-        MikkTangent found{.served = served};
-        std::copy_n(out, 3, found.t);
-        if (served) found.sign = out[3];
-        const CornerFrame frame = frame_of(found, n, false);
-        out[0] = static_cast<float>(frame.t.x), out[1] = static_cast<float>(frame.t.y);
-        out[2] = static_cast<float>(frame.t.z), out[3] = static_cast<float>(frame.sign);
-        here.fallback_corners += frame.fallback;
+        if (!of_corners.empty()) here.fallback_corners += mend_at(of_corners[c], v) ? 1 : 0;
       }
       count_degenerate(p, uv, here);
     }
     in_space += here.degenerate_triangles, in_uv += here.degenerate_uv_triangles;
     fallbacks += here.fallback_corners;
   });
-  return {in_space, in_uv, fallbacks};
+  if (of_corners.empty()) fallbacks += mend_vertices(mesh, thread_count(threads), result);
+  result.counts = {in_space, in_uv, fallbacks};
+  return result;
 }
 
 MeshFrames compute_mikktspace(const Mesh& mesh, int threads) {

@@ -3,9 +3,10 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 
 #include <darboux/mikktspace.h>
+
+#include "mesh/mikktspace/vertex_tangents.h"
 
 namespace darboux {
 
@@ -14,10 +15,14 @@ struct MikktspaceCounts {
   std::size_t degenerate_triangles = 0, degenerate_uv_triangles = 0, fallback_corners = 0;
 };
 
+struct MikktspaceTangents : mikk::VertexTangents {
+  MikktspaceCounts counts;
+};
+
 /// The t and the raw sign that mesh_frames() gives each corner by "mikktspace", t rounded to float: bit for
-/// bit. Takes 16 bytes per corner beside mikktspace(), where mesh_frames() takes 130. \param mesh triangles
-/// whose numbers are finite, and neither all positions nor all uvs below 2^-100 \param tangent4 four numbers
-/// per corner \throws as mikktspace()
-MikktspaceCounts mikktspace_tangents(const MikkMesh& mesh, std::span<float> tangent4, int threads);
+/// bit; by corner where corners are the vertices. Takes 16 bytes per vertex beside mikktspace(), or per
+/// corner where triangles are degenerate; mesh_frames() takes 130 per corner. \param mesh triangles whose
+/// numbers are finite, and neither all positions nor all uvs below 2^-100 \throws as mikktspace()
+MikktspaceTangents mikktspace_tangents(const MikkMesh& mesh, int threads);
 
 }  // namespace darboux

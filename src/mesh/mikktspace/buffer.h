@@ -2,12 +2,14 @@
 /// Memory without values, in large pages where the system has them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <new>
 #include <span>
 #include <utility>
+#include <vector>
 
 #ifdef __linux__
 #include <sys/mman.h>
@@ -76,26 +78,57 @@ class Buffer {
 
  private:
   static constexpr std::size_t page = std::size_t{1} << 21;
+  // A large page is cleared sooner than a quarter of it is handed out in pages of 4 kB.
   bool large() const {
-    return size_ * sizeof(T) >= 2 * page;
+    return size_ * sizeof(T) >= page / 4;
   }
 
   T* data_ = nullptr;
   std::size_t size_ = 0;
 };
 
-// Scratch memory that the steps of the work use one after the other.
-class Scratch {
+// Work memory in few pieces, given back all at once. Not for several threads at a time.
+class Memory {
  public:
-  explicit Scratch(std::size_t bytes) : bytes_(bytes) {}
-  // The first `size` T of it, from a byte on; what was there is gone.
+  // What was taken is free again. The next pieces come from one of so many bytes, or of all before.
+  void start(std::size_t bytes) {
+    used_ = 0;
+    if (pieces_.size() == 1 && pieces_.front().size() >= bytes) return;
+    const std::size_t size = std::max(bytes, this->bytes());
+    pieces_.clear();
+    pieces_.emplace_back(size);
+  }
+  // Without values.
   template <class T>
-  std::span<T> as(std::size_t size, std::size_t from_byte = 0) {
-    return {reinterpret_cast<T*>(bytes_.data() + from_byte), size};
+  std::span<T> take(std::size_t size) {
+    constexpr std::size_t line = 64;
+    const std::size_t bytes = (size * sizeof(T) + line - 1) / line * line + line;
+    if (pieces_.empty() || pieces_.back().size() - used_ < bytes) {
+      pieces_.emplace_back(std::max(bytes, least_bytes));
+      used_ = 0;
+    }
+    std::byte* const at = pieces_.back().data() + used_;
+    std::byte* const begin = at + (line - reinterpret_cast<std::uintptr_t>(at) % line) % line;
+    used_ += bytes;
+    return {reinterpret_cast<T*>(begin), size};
+  }
+  std::size_t bytes() const {
+    std::size_t sum = 0;
+    for (const Buffer<std::byte>& piece : pieces_) sum += piece.size();
+    return sum;
   }
 
  private:
-  Buffer<std::byte> bytes_;
+  static constexpr std::size_t least_bytes = 1 << 12;
+
+  std::vector<Buffer<std::byte>> pieces_;
+  std::size_t used_ = 0;  // of the last
 };
+
+// The first `size` T of memory that several steps use one after the other; what was there is gone.
+template <class T>
+std::span<T> reused(std::span<std::byte> memory, std::size_t size) {
+  return {reinterpret_cast<T*>(memory.data()), size};
+}
 
 }  // namespace darboux::mikk

@@ -1,8 +1,10 @@
 /// \file connectivity.h
-/// A mesh as MikkTSpace works on it: vertices welded, degenerate triangles apart, neighbours across edges,
+/// A mesh as MikkTSpace works on it: vertices welded, degenerate triangles apart, links across edges,
 /// what each corner adds to the sums.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +29,33 @@ constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
 }
 
+// Ids are handed out a few at a time to each range of vertices, so that some are left unused.
+constexpr Index ids_at_a_time = 256;
+constexpr std::size_t most_ids(std::size_t vertices, std::size_t threads) {
+  return vertices + ids_at_a_time * range_count(vertices, threads);
+}
+
+// Each edge of a run of equal ones takes the first after it that is left and passes the other way: pair(i,
+// j), of edges that leave a vertex or arrive there.
+template <class Leaves, class Pair>
+void pair_up(std::size_t run, const Leaves& leaves, const Pair& pair, std::vector<std::uint8_t>& taken) {
+  if (run < 2) return;
+  if (run == 2) {  // nearly always
+    if (leaves(0) != leaves(1)) pair(0, 1);
+    return;
+  }
+  taken.assign(run, 0);
+  std::array<std::size_t, 2> ahead{0, 0};  // of either direction, the first that may be left
+  for (std::size_t i = 0; i < run; ++i) {
+    if (taken[i] != 0) continue;
+    std::size_t& j = ahead[leaves(i) ? 1 : 0];
+    for (j = std::max(j, i + 1); j < run && (leaves(j) == leaves(i) || taken[j] != 0);) ++j;
+    if (j == run) continue;
+    taken[i] = taken[j] = 1;
+    pair(i, j);
+  }
+}
+
 // Of a vertex, for its test: its low bits are where the search in the table begins.
 std::uint64_t weld_hash(const MikkMesh& mesh, std::size_t v);
 
@@ -35,9 +64,9 @@ const LaneKernels& lanes_of(InstructionSet set);
 
 // All of it stands when the constructor is done, and is only read then.
 struct Connectivity {
-  // `lengths` says whether these are wanted.
+  // `lengths` says whether these are wanted. Everything lies in `memory`.
   Connectivity(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes, const MikkOptions& options,
-               bool lengths);
+               bool lengths, Memory& memory);
 
   Index vertex(std::size_t corner) const {
     return mesh_.corners.empty() ? static_cast<Index>(corner) : mesh_.corners[corner];
@@ -49,7 +78,7 @@ struct Connectivity {
   // `at` is 3 t + k for the k-th corner of the t-th triangle, in the order in which the original works on
   // them.
   std::size_t corner(std::size_t at) const { return corner_.empty() ? at : corner_[at]; }
-  Index welded(std::size_t at) const { return id_[vertex(corner(at))]; }
+  Index welded(std::size_t at) const { return welded_[at]; }
   // The vertex whose values a corner has: the one that stands for all welded to it, whose zeros may have
   // other signs.
   Index source(std::size_t at) const { return mixed_zeros_ ? stands_for_[welded(at)] : vertex(corner(at)); }
@@ -63,6 +92,11 @@ struct Connectivity {
     const Index at = 3 * triangle;
     return welded(at) == id ? at : welded(at + 1) == id ? at + 1 : at + 2;
   }
+  // Of a corner among those of its vertex.
+  Index place_at(Index id, Index at) const {
+    const std::span<const Index> corners = corners_at(id);
+    return static_cast<Index>(std::lower_bound(corners.begin(), corners.end(), at) - corners.begin());
+  }
   std::size_t listed(std::size_t entry) const { return cut_.empty() ? entry : cut_[entry]; }
 
   void weld();
@@ -70,19 +104,28 @@ struct Connectivity {
   bool weld_with(std::span<std::uint64_t> table, std::size_t most_steps);
   void list_triangles();
   void set_degenerate_apart();
+  void weld_corners();
   void list_corners();
-  void find_neighbours();
-  struct Edge {
-    Index other, at;  // the vertex at its other end; the corner where it begins in its triangle
-    bool leaves;      // the vertex at this end
+  // Triangles are linked at a vertex across an edge that they pass in opposite directions; of more than two
+  // each takes the first that is left, in the order of the triangles.
+  struct Links {
+    std::vector<Index> after, before;  // of each corner at the vertex, the place of that across the edge that
+                                       // begins there and across that which ends there; or none
+    std::vector<std::uint64_t> keys;
+    std::vector<std::uint8_t> taken;
   };
-  // Each edge of a run of equal ones takes the first after it that is left and passes the other way.
-  void pair_up(std::span<const Edge> run);
+  void find_links(Index id, Links& links) const;
+  // Of an edge in the last run, whatever find_links() would find without.
+  struct LastEdge {
+    Index at, neighbour;  // the corner where it begins; the triangle across, or none
+  };
+  bool is_at_last_edge(Index id) const;
+  void link_last_edges(Index id, Links& links) const;
   void find_representatives(std::span<const Index> wanted);
   void take_values_of_representatives();
-  void bound_representatives(Buffer<Index>& first, Buffer<Index>& last) const;
+  void bound_representatives(std::span<Index> first, std::span<Index> last) const;
   std::vector<Index> candidates_for_the_last_run();
-  void find_last_neighbours();
+  void find_last_edges();
   void differentiate(bool lengths);
   void orient_any();
   // Of corners at one vertex. There may be room for more.
@@ -92,28 +135,32 @@ struct Connectivity {
   Range range_;
   std::size_t threads_;
   const LaneKernels& lanes_;
-  Scratch scratch_;                 // of the welding, then of the representatives, then of the directions
+  Memory& memory_;
+  std::span<std::byte> scratch_;    // of the welding, then of the corners, then of the representatives, then
+                                    // of the directions
   std::size_t ids_ = 0;             // some may not be used
+  bool joined_ = false;             // some vertices are one
   bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs
   bool any_ = false;                // some triangle is `any`
-  Buffer<Index> id_;                // of each vertex: equal ones have the same; which, no result depends on
-  Buffer<Index> stands_for_;        // of each id: a vertex that has it, whose values count
-  std::vector<Index> corner_;       // of the triangles; empty: in order
-  std::vector<Index> face_;         // of the triangles; empty: in order
-  std::vector<Index> face_begin_;   // the first corner of each face; empty: all are triangles
-  std::vector<Index> cut_;          // the corners of the triangles in the order of the faces; empty: in order
+  std::span<Index> id_;             // of each vertex: equal ones have the same; which, no result depends on
+  std::span<Index> stands_for_;     // of each id: a vertex that has it, whose values count
+  std::span<Index> corner_;         // of the triangles; empty: in order
+  std::span<Index> face_;           // of the triangles; empty: in order
+  std::span<Index> face_begin_;     // the first corner of each face; empty: all are triangles
+  std::span<Index> cut_;            // the corners of the triangles in the order of the faces; empty: in order
   std::size_t all_ = 0, good_ = 0;  // triangles; the degenerate ones come last
-  std::vector<std::uint8_t>
-      alone_;  // of each triangle: whether it is one of a quad of which one is degenerate
-  Buffer<Index>
+  std::span<std::uint8_t> alone_;  // of each triangle: whether it is one of a quad of which one is degenerate
+  std::span<Index>
       representative_;  // of each id, while that is needed: the corner by which the original knows it
-  Buffer<Index> begin_, at_vertex_;     // of each id: its corners in good triangles, ascending
-  Buffer<Index> neighbour_;             // of each good triangle: across the edges that begin at its corners
+  std::span<const Index> welded_;       // the id of each corner
+  std::span<Index> begin_, at_vertex_;  // of each id: its corners in good triangles, ascending
+  std::vector<LastEdge> last_edges_;    // ascending; few
+  std::vector<Index> last_ids_;         // at their ends, ascending
   std::span<Directions> directions_;    // of the good triangles
-  Buffer<Orientation> orientation_;     // of the good triangles
-  Buffer<Lengths> lengths_;             // of the good triangles, if wanted
-  std::vector<Index> label_;            // of corners at vertices of `any` triangles: the first of their group
-  std::vector<std::uint8_t> labelled_;  // of ids: whether their corners have labels
+  std::span<Orientation> orientation_;  // of the good triangles
+  std::span<Lengths> lengths_;          // of the good triangles, if wanted
+  std::span<Index> label_;              // of corners at vertices of `any` triangles: the first of their group
+  std::span<std::uint8_t> labelled_;    // of ids: whether their corners have labels
 };
 
 }  // namespace darboux::mikk

@@ -41,9 +41,9 @@ const LaneKernels& lanes_of(InstructionSet set) {
 }
 
 void Connectivity::differentiate(bool lengths) {
-  directions_ = scratch_.as<Directions>(good_);
-  orientation_ = Buffer<Orientation>(good_);
-  if (lengths) lengths_ = Buffer<Lengths>(good_);
+  directions_ = reused<Directions>(scratch_, good_);
+  orientation_ = memory_.take<Orientation>(good_);
+  if (lengths) lengths_ = memory_.take<Lengths>(good_);
   const auto arc_cosine = [](float x) { return static_cast<float>(std::acos(static_cast<double>(x))); };
   std::atomic<bool> any = false;
   parallel_ranges(good_, threads_, [&](std::size_t begin, std::size_t end) {

@@ -373,6 +373,84 @@ void find_parts(const Directions* directions, const Index* corners, std::size_t 
   }
 }
 
+void link(Ring* rings, std::size_t count) {
+  constexpr std::size_t width = lanes;
+  const Mask nobody = Mask{} - 1;
+  for (Ring* ring = rings; ring != rings + count; ++ring)
+    for (std::size_t begin = 0; begin < ring->count; begin += width) {
+      Mask next, previous, after = nobody, before = nobody;
+      std::memcpy(&next, &ring->next[begin], sizeof next);
+      std::memcpy(&previous, &ring->previous[begin], sizeof previous);
+      for (std::size_t i = 0; i < ring->count; ++i) {
+        const Mask place = Mask{} + static_cast<std::int32_t>(i);
+        after = next == Mask{} + static_cast<std::int32_t>(ring->previous[i]) ? place : after;
+        before = previous == Mask{} + static_cast<std::int32_t>(ring->next[i]) ? place : before;
+      }
+      std::memcpy(&ring->after[begin], &after, sizeof after);
+      std::memcpy(&ring->before[begin], &before, sizeof before);
+    }
+}
+
+// Groups side by side, a corner of each at a time.
+Vectors normals_of(const Groups& x, std::size_t first) {
+  std::array<Blocks, 4> rows;
+#pragma GCC unroll 16
+  for (std::size_t i = 0; i < lanes; ++i)
+    rows[i % 4][i / 4] =
+        three_of(x.normals, x.groups[first + i < x.count ? first + i : x.count - 1].vertex, x.last_vertex);
+  const Rows turned_rows = turned({joined(rows[0]), joined(rows[1]), joined(rows[2]), joined(rows[3])});
+  return {turned_rows.a, turned_rows.b, turned_rows.c};
+}
+struct Parts {
+  Vectors s, t;
+  Floats angle;
+};
+// Of the corners `place` of the groups, or their last ones.
+DARBOUX_INLINE Parts parts_of(const Groups& x, std::size_t first, std::size_t place, const Vectors& n) {
+  std::array<Blocks, 4> front, back;
+  Blocks angles;
+#pragma GCC unroll 16
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const Group& group = x.groups[first + i < x.count ? first + i : x.count - 1];
+    const Index at = group.corners[place < group.count ? place : group.count - 1];
+    const Directions& from = x.directions[at / 3];
+    front[i % 4][i / 4] = load(&from);
+    back[i % 4][i / 4] = load(&from, sizeof(Four));
+    angles[i / 4][i % 4] = from.angle[at % 3];
+  }
+  const Rows a = turned({joined(front[0]), joined(front[1]), joined(front[2]), joined(front[3])}),
+             b = turned({joined(back[0]), joined(back[1]), joined(back[2]), joined(back[3])});
+  return {across(n, {a.a, a.b, a.c}), across(n, {a.d, b.a, b.b}), joined(angles)};
+}
+void average(const Groups& x, Average* averages) {
+  const Floats zero{}, one = zero + 1.0F;
+  for (std::size_t first = 0; first < x.count; first += lanes) {
+    const std::size_t count = x.count - first < lanes ? x.count - first : lanes;
+    std::size_t most = 0;
+    Mask counts{};
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t corners = x.groups[first + i].count;
+      most = corners > most ? corners : most;
+      counts[i] = static_cast<std::int32_t>(corners);
+    }
+    const Vectors n = normals_of(x, first);
+    const Parts start = parts_of(x, first, 0, n);
+    Vectors sum = start.angle * start.s;
+    sum = {zero + sum.x, zero + sum.y, zero + sum.z};  // so that a zero is positive
+    Mask near = Mask{} - 1;
+    for (std::size_t place = 1; place < most; ++place) {
+      const Parts part = parts_of(x, first, place, n);
+      const Mask has = counts > static_cast<std::int32_t>(place);
+      const Vectors add = part.angle * part.s;
+      sum = select(has, {sum.x + add.x, sum.y + add.y, sum.z + add.z}, sum);
+      near &= ~has | ((dot(part.s, start.s) > 0.1F) & (dot(part.t, start.t) > 0.1F));
+    }
+    const Vectors unit = normalised(sum);
+    const std::array<Blocks, 4> rows = blocks_of(turned({unit.x, unit.y, unit.z, near ? one : zero}));
+    for (std::size_t i = 0; i < count; ++i) store(averages + first + i, 0, rows[i % 4][i / 4]);
+  }
+}
+
 #define DARBOUX_TABLE_(isa) mikktspace_table_##isa
 #define DARBOUX_TABLE(isa) DARBOUX_TABLE_(isa)
 
@@ -382,5 +460,5 @@ void find_parts(const Directions* directions, const Index* corners, std::size_t 
 namespace darboux::kernels {
 extern const mikk::LaneKernels DARBOUX_TABLE(DARBOUX_ISA);
 constinit const mikk::LaneKernels DARBOUX_TABLE(DARBOUX_ISA){&mikk::differentiate, &mikk::find_parts,
-                                                             &mikk::arc_cosines};
+                                                             &mikk::link, &mikk::average, &mikk::arc_cosines};
 }  // namespace darboux::kernels

@@ -56,6 +56,37 @@ struct Triangles {
   Lengths* lengths;  // null: not wanted
 };
 
+// The corners about a vertex that has few: the vertices before and after each in its triangle, and the places
+// of the corners that are reached across the edges from there and to there.
+struct Ring {
+  static constexpr std::size_t most = 16;
+  static constexpr Index none = ~Index{0};
+  std::size_t count;
+  std::array<Index, most> next, previous;  // beyond count: of no vertex, and other than each other
+  std::array<Index, most> after, before;   // of which `after` passes the edge to `next`; or none
+};
+
+// A vertex whose corners make one group.
+struct Group {
+  const Index* corners;
+  std::size_t count;
+  Index vertex;  // whose normal counts
+};
+struct Groups {
+  const Directions* directions;
+  const float* normals;
+  Index last_vertex;
+  const Group* groups;
+  std::size_t count;
+};
+// Of its parts: unit(sum angle s), where s and t of all are so near those of the first corner that they would
+// be together by an angular threshold of 180 degrees.
+struct Average {
+  Vector s;
+  float near;  // 1, else 0
+};
+static_assert(sizeof(Average) == 16);
+
 // Of one instruction set. All give the same bits.
 struct LaneKernels {
   // Whether one of the triangles is `any`.
@@ -64,6 +95,11 @@ struct LaneKernels {
   // parts_at_once.
   void (*find_parts)(const Directions* directions, const Index* corners, std::size_t count,
                      const float* normal, Part* parts);
+  // `after` and `before` of some rings. Where edges between two vertices are passed more than twice, these
+  // are any of those that fit.
+  void (*link)(Ring* rings, std::size_t count);
+  // Of groups without triangles that are `any`.
+  void (*average)(const Groups& groups, Average* averages);
   // acos as differentiate() takes it, for its test; `exactly` is Triangles::arc_cosine. \param count a
   // multiple of 16
   void (*arc_cosines)(const float* cosines, std::size_t count, float (*exactly)(float x), float* angles);

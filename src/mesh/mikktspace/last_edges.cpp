@@ -104,15 +104,22 @@ class Halving {
   Buffer<Index> below_, others_;  // where they are
 };
 
-// The corners of all triangles, sorted into the cells.
+// The corners of all triangles, sorted into the cells. Entries to look through are the corners, or by_vertex
+// the vertices, of which there are fewer, where corners are listed at them and in order.
 class Cells {
  public:
-  explicit Cells(Connectivity& mesh)
-      : mesh_(mesh), entries_(3 * mesh.all_), blocks_((entries_ + block - 1) / block) {
-    std::vector<Box> boxes(blocks_, point(0));
+  Cells(Connectivity& mesh, bool by_vertex)
+      : mesh_(mesh),
+        by_vertex_(by_vertex),
+        entries_(by_vertex_ ? mesh.ids_ : 3 * mesh.all_),
+        blocks_((entries_ + block - 1) / block) {
+    std::size_t some = 0;
+    while (by_vertex_ && mesh.corners_at(static_cast<Index>(some)).empty()) ++some;
+    std::vector<Box> boxes(blocks_, point(some));
     in_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
       Box box = boxes[b];
-      for (std::size_t e = begin; e < end; ++e) box.add(point(e));
+      for (std::size_t e = begin; e < end; ++e)
+        if (is_there(e)) box.add(point(e));
       boxes[b] = box;
     });
     Box box = boxes[0];
@@ -132,7 +139,7 @@ class Cells {
   // A counting sort of the entries of the cells asked for; within a cell they keep their order.
   void sort(const std::vector<std::uint8_t>& asked) {
     // Block by block those asked for.
-    const std::span<Index> hits = mesh_.scratch_.as<Index>(entries_);
+    const std::span<Index> hits = reused<Index>(mesh_.scratch_, entries_);
     std::vector<std::size_t> hits_of(blocks_);
     std::vector<Index> next(blocks_ * cell_count, 0);  // per block and cell: a count, then where they go
     // Most entries are before all cells asked for or after them.
@@ -147,15 +154,17 @@ class Cells {
       for (std::size_t four = begin; four < end; four += 4) {
         const std::size_t count = std::min<std::size_t>(4, end - four);
         Floats x{};
-        for (std::size_t k = 0; k < count; ++k) x[k] = position(four + k)[axis_];
+        for (std::size_t k = 0; k < count; ++k)
+          x[k] = is_there(four + k) ? position(four + k)[axis_] : std::numeric_limits<float>::quiet_NaN();
         const Floats places = place(x);
         const auto outside = (places < from) | (places >= to);
         if ((outside[0] & outside[1] & outside[2] & outside[3]) != 0) continue;
         for (std::size_t e = four; e < four + count; ++e) {
+          if (!is_there(e)) continue;
           const std::size_t cell = at(position(e)[axis_]);
-          hits[hit] = static_cast<Index>(e);
-          hit += asked[cell];
-          next[b * cell_count + cell] += asked[cell];
+          if (asked[cell] == 0) continue;
+          hits[hit++] = static_cast<Index>(e);
+          next[b * cell_count + cell] += static_cast<Index>(count_of(e));
         }
       }
       hits_of[b] = hit - begin;
@@ -167,14 +176,23 @@ class Cells {
         sum += std::exchange(next[b * cell_count + cell], static_cast<Index>(sum));
     }
     first_[cell_count] = sum;
-    sorted_ = Buffer<Entry>(sum);
+    sorted_ = mesh_.memory_.take<Entry>(sum);
     in_blocks([&](std::size_t b, std::size_t begin, std::size_t) {
       for (const Index e : hits.subspan(begin, hits_of[b])) {
         const float* p = position(e);
-        sorted_[next[b * cell_count + at(p[axis_])]++] = {{p[0], p[1], p[2]},
-                                                          static_cast<Index>(mesh_.listed(e))};
+        Index& to = next[b * cell_count + at(p[axis_])];
+        const auto add = [&](std::size_t corner) {
+          sorted_[to++] = {{p[0], p[1], p[2]}, static_cast<Index>(corner)};
+        };
+        if (!by_vertex_)
+          add(mesh_.listed(e));
+        else
+          for (const Index corner : mesh_.corners_at(e)) add(corner);
       }
     });
+    if (by_vertex_)
+      for (std::size_t cell = 0; cell < cell_count; ++cell)
+        if (asked[cell] != 0) std::ranges::sort((*this)[cell], {}, &Entry::corner);
   }
   std::span<Entry> operator[](std::size_t cell) {
     return {sorted_.data() + first_[cell], first_[cell + 1] - first_[cell]};
@@ -189,7 +207,13 @@ class Cells {
     return static_cast<float>(cell_count) * ((x - low_) / (high_ - low_));
   }
   const float* position(std::size_t entry) const {
-    return &mesh_.mesh_.positions[3 * std::size_t{mesh_.vertex(mesh_.listed(entry))}];
+    const Index v = by_vertex_ ? mesh_.stands_for_[entry] : mesh_.vertex(mesh_.listed(entry));
+    return &mesh_.mesh_.positions[3 * std::size_t{v}];
+  }
+  // Some ids are not used.
+  bool is_there(std::size_t entry) const { return !by_vertex_ || count_of(entry) > 0; }
+  std::size_t count_of(std::size_t entry) const {
+    return by_vertex_ ? mesh_.begin_[entry + 1] - mesh_.begin_[entry] : 1;
   }
   Box point(std::size_t entry) const {
     const float* p = position(entry);
@@ -207,10 +231,11 @@ class Cells {
   }
 
   Connectivity& mesh_;
+  bool by_vertex_;
   std::size_t entries_, blocks_, axis_ = 0;
   float low_ = 0, high_ = 0;
   std::array<std::size_t, cell_count + 1> first_{};
-  Buffer<Entry> sorted_;
+  std::span<Entry> sorted_;
 };
 
 struct KeyedEdge {
@@ -251,10 +276,12 @@ void sort_as_the_original(std::span<KeyedEdge> edges, Index greatest) {
 
 // The representatives of the ids wanted, or of all: the first corner of each in the original's order.
 void Connectivity::find_representatives(std::span<const Index> wanted) {
-  if (representative_.empty()) representative_ = Buffer<Index>(ids_);
-  std::fill(representative_.data(), representative_.data() + representative_.size(), none);
+  if (representative_.empty()) representative_ = memory_.take<Index>(ids_);
+  std::ranges::fill(representative_, none);
   if (all_ == 0) return;
-  Cells cells(*this);
+  // Few cells will be asked for, of which sorting is not much.
+  const bool by_vertex = !wanted.empty() && wanted.size() < cell_count / 16 && corner_.empty();
+  Cells cells(*this, by_vertex);
   std::vector<std::uint8_t> asked(cell_count, wanted.empty() ? 1 : 0);
   for (const Index id : wanted)
     asked[cells.at(mesh_.positions[3 * std::size_t{stands_for_[id]} + cells.axis()])] = 1;
@@ -284,20 +311,11 @@ void Connectivity::take_values_of_representatives() {
     if (representative_[id] != none) stands_for_[id] = vertex(representative_[id]);
 }
 
-// The first and the last corner of each id, between which its representative lies.
-void Connectivity::bound_representatives(Buffer<Index>& first, Buffer<Index>& last) const {
-  if (corner_.empty()) {
-    parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t id = begin; id < end; ++id) {
-        const std::span<const Index> corners = corners_at(static_cast<Index>(id));
-        first[id] = corners.empty() ? none : corners.front();
-        last[id] = corners.empty() ? 0 : corners.back();
-      }
-    });
-    return;
-  }
-  std::fill(first.data(), first.data() + ids_, none);
-  std::fill(last.data(), last.data() + ids_, 0);
+// The first and the last corner of each id, between which its representative lies, where triangles are not in
+// order.
+void Connectivity::bound_representatives(std::span<Index> first, std::span<Index> last) const {
+  std::ranges::fill(first, none);
+  std::ranges::fill(last, 0);
   for (std::size_t e = 0; e < 3 * all_; ++e) {
     const std::size_t c = listed(e);
     const Index id = id_[vertex(c)];
@@ -308,42 +326,45 @@ void Connectivity::bound_representatives(Buffer<Index>& first, Buffer<Index>& la
 
 // The edges that may be in the last run, and their representatives where bounds do not tell them.
 std::vector<Index> Connectivity::candidates_for_the_last_run() {
-  Buffer<Index> first(ids_), last(ids_);
-  bound_representatives(first, last);
-  // The greatest of the smaller representatives of a triangle's edges is the median of its three.
-  std::mutex mutex;
+  const bool in_order = corner_.empty();
+  std::span<Index> firsts, lasts;
+  if (!in_order) {
+    firsts = memory_.take<Index>(ids_), lasts = memory_.take<Index>(ids_);
+    bound_representatives(firsts, lasts);
+  }
+  const auto first = [&](Index id) { return in_order ? corners_at(id).front() : firsts[id]; };
+  const auto last = [&](Index id) { return in_order ? corners_at(id).back() : lasts[id]; };
+  // The greatest of the smaller representatives of a triangle's edges is the median of its three, of which in
+  // order none is after its last corner.
   Index bound = 0;
-  parallel_ranges(good_, threads_, [&](std::size_t begin, std::size_t end) {
-    Index here = 0;
-    for (std::size_t t = begin; t < end; ++t) {
-      const Index a = first[welded(3 * t)], b = first[welded(3 * t + 1)], c = first[welded(3 * t + 2)];
-      here = std::max(here, std::max(std::min(a, b), std::min(std::max(a, b), c)));
-    }
-    const std::lock_guard lock(mutex);
-    bound = std::max(bound, here);
-  });
+  for (std::size_t t = good_; t-- > 0 && !(in_order && 3 * t + 2 <= bound);) {
+    const Index a = first(welded(3 * t)), b = first(welded(3 * t + 1)), c = first(welded(3 * t + 2));
+    bound = std::max(bound, std::max(std::min(a, b), std::min(std::max(a, b), c)));
+  }
+  const auto may_be_last = [&](Index id) { return last(id) >= bound; };
   std::vector<Index> candidates;
-  const auto may_be_last = [&](Index id) { return last[id] >= bound; };
-  for (Index id = 0; id < ids_; ++id)
-    if (may_be_last(id))
-      for (const Index at : corners_at(id))
-        if (may_be_last(welded(next(at)))) candidates.push_back(at);
+  for (std::size_t at = in_order ? bound : 0; at < 3 * good_; ++at) {
+    const Index id = welded(at);
+    if (corners_at(id).back() != at || !may_be_last(id)) continue;  // each id once
+    for (const Index edge : corners_at(id))
+      if (may_be_last(welded(next(edge)))) candidates.push_back(edge);
+  }
   std::vector<Index> wanted;
   for (const Index e : candidates)
     for (const Index id : {welded(e), welded(next(e))})
-      if (first[id] != last[id]) wanted.push_back(id);
-  if (representative_.empty() && wanted.empty()) {
-    representative_ = std::move(first);
-  } else if (representative_.empty()) {
+      if (first(id) != last(id)) wanted.push_back(id);
+  if (!representative_.empty()) return candidates;
+  if (wanted.empty())
+    representative_ = memory_.take<Index>(ids_);
+  else
     find_representatives(wanted);
-    for (const Index e : candidates)  // the others have one corner only
-      for (const Index id : {welded(e), welded(next(e))})
-        if (first[id] == last[id]) representative_[id] = first[id];
-  }
+  for (const Index e : candidates)  // the others have one corner only
+    for (const Index id : {welded(e), welded(next(e))})
+      if (first(id) == last(id)) representative_[id] = first(id);
   return candidates;
 }
 
-void Connectivity::find_last_neighbours() {
+void Connectivity::find_last_edges() {
   const std::vector<Index> candidates = candidates_for_the_last_run();
   const auto smaller = [&](std::size_t edge) {
     return std::min(representative_[welded(edge)], representative_[welded(next(edge))]);
@@ -361,22 +382,48 @@ void Connectivity::find_last_neighbours() {
   if (run.size() < 3 || std::adjacent_find(others.begin(), others.end()) == others.end()) return;
 
   if (!mixed_zeros_) find_representatives({});
-  const std::span<KeyedEdge> edges = scratch_.as<KeyedEdge>(3 * good_);
+  const std::span<KeyedEdge> edges = reused<KeyedEdge>(scratch_, 3 * good_);
   parallel_ranges(edges.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) edges[e] = {smaller(e), static_cast<Index>(e)};
   });
   sort_as_the_original(edges, greatest);
   for (std::size_t i = 0; i < run.size(); ++i) run[i] = edges[edges.size() - run.size() + i].edge;
-  for (const Index e : run) neighbour_[e] = none;
-  std::vector<Edge> equal;
+  std::vector<Index> across(run.size(), none);
+  std::vector<std::uint8_t> taken;
   for (std::size_t i = 0, j; i < run.size(); i = j) {
     for (j = i; j < run.size() && greater(run[j]) == greater(run[i]);) ++j;
     if (j < run.size())
       std::sort(run.begin() + static_cast<std::ptrdiff_t>(i), run.begin() + static_cast<std::ptrdiff_t>(j));
-    equal.clear();
-    for (std::size_t k = i; k < j; ++k)
-      equal.push_back({greater(run[k]), run[k], welded(run[k]) < welded(next(run[k]))});
-    pair_up(equal);
+    pair_up(
+        j - i, [&](std::size_t k) { return welded(run[i + k]) < welded(next(run[i + k])); },
+        [&](std::size_t k, std::size_t l) {
+          across[i + k] = run[i + l] / 3;
+          across[i + l] = run[i + k] / 3;
+        },
+        taken);
+  }
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    last_edges_.push_back({run[i], across[i]});
+    last_ids_.insert(last_ids_.end(), {welded(run[i]), welded(next(run[i]))});
+  }
+  std::ranges::sort(last_edges_, {}, &LastEdge::at);
+  std::ranges::sort(last_ids_);
+}
+
+bool Connectivity::is_at_last_edge(Index id) const {
+  return !last_ids_.empty() && std::ranges::binary_search(last_ids_, id);
+}
+
+void Connectivity::link_last_edges(Index id, Links& x) const {
+  const std::span<const Index> corners = corners_at(id);
+  const auto link = [&](Index edge, Index& place) {
+    const auto found = std::ranges::lower_bound(last_edges_, edge, {}, &LastEdge::at);
+    if (found == last_edges_.end() || found->at != edge) return;
+    place = found->neighbour == none ? none : place_at(id, corner_at(id, found->neighbour));
+  };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    link(corners[i], x.after[i]);
+    link(static_cast<Index>(previous(corners[i])), x.before[i]);
   }
 }
 

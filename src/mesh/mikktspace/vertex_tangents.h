@@ -1,0 +1,30 @@
+/// \file vertex_tangents.h
+/// MikkTSpace's tangents of an indexed mesh, by vertex: nearly all corners at a vertex have the same.
+#pragma once
+
+#include <vector>
+
+#include <darboux/mikktspace.h>
+#include <darboux/vector.h>
+
+#include "buffer.h"
+#include "lanes.h"
+
+namespace darboux::mikk {
+
+struct CornerTangent {
+  Index corner;
+  Vec4<float> tangent;
+};
+
+// x, y, z of t and the raw sign. To the bit those of mikktspace().
+struct VertexTangents {
+  Buffer<Vec4<float>> of_vertices;    // of the first corner at each; w is 0 where there is none
+  std::vector<CornerTangent> others;  // of corners with other bits than their vertex, ascending
+  // Of all corners instead, where triangles are degenerate or their uvs have no area; else empty.
+  Buffer<Vec4<float>> of_corners;
+};
+// Of triangles with corners. Takes 16 bytes per vertex beside mikktspace().
+VertexTangents vertex_tangents(const MikkMesh& mesh, const MikkOptions& options);
+
+}  // namespace darboux::mikk
