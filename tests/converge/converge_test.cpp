@@ -237,7 +237,8 @@ TEST(Converge, ProcrustesNeedsAConformalChart) {
   for (const bool conformal : {true, false}) {
     ConvergeOptions o = options(conformal ? "cylinder:radius=1,height=6.283185307179586" : "cylinder",
                                 {"jittered"}, {"procrustes"});
-    const Study& study = find(converge(o), "jittered", "procrustes", VertexClass::interior);
+    const auto studies = converge(o);
+    const Study& study = find(studies, "jittered", "procrustes", VertexClass::interior);
     EXPECT_EQ(study.expected_order, conformal ? 1 : 0);
     EXPECT_TRUE(study.holds()) << study.order;
     EXPECT_EQ(study.verdict == OrderVerdict::does_not_converge, !conformal) << study.order;

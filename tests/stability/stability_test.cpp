@@ -111,6 +111,8 @@ Curves by(StabilityAnswer (*answer)(const StabilityPoint&)) {
   planted = find_stability_route("double");
   planted.answer = answer;
   StabilityOptions options = everything({make_surface("sphere"), make_surface("torus")});
+  options.points = StabilityOptions{}.points;  // some faults show at one point of many
+  options.samples = StabilityOptions{}.samples;
   options.routes = {&planted};
   return stability(options);
 }
