@@ -21,7 +21,7 @@ link_test() {
 # run_tests FOLDER PROGRAM ...: those that run the tool know it by the name that it has in FOLDER.
 run_tests() {
   local folder=$1 program
-  tool=$PWD/$folder/bin/darboux
+  tool=$(realpath "$folder/bin/darboux")
   shift
   trap 'mv "$tool.kept" "$tool"' EXIT
   mv "$tool" "$tool.kept"

@@ -28,13 +28,13 @@ namespace mikk {
 class Memory;
 }
 
-/// Work memory of mikktspace(), for programs that call it often: a call that is handed one in MikkOptions
-/// leaves what it worked in there for the next, and takes from the system only what is lacking, but for small
-/// lists. It grows to what the largest call took, and never shrinks before release(). Small meshes gain most,
-/// as the system clears each page that it hands out.
+/// Work memory of mikktspace(), for programs that call it often. A call that is given one in MikkOptions
+/// works in it, and takes new memory from the system only where it is too small, and for small lists. It
+/// grows to what the largest call needs, and shrinks by release() alone. Small meshes gain most: the system
+/// clears each page that it hands out.
 ///
-/// One call may use it at a time. No result depends on what calls before left in it, nor on whether they
-/// threw. One that was moved from is empty, and can be used as a new one.
+/// Use it in one call at a time. Results do not depend on earlier calls, nor on whether they threw. A
+/// moved-from MikkMemory is empty, and can be used like a new one.
 class MikkMemory {
  public:
   MikkMemory();
@@ -42,9 +42,9 @@ class MikkMemory {
   MikkMemory& operator=(MikkMemory&& other) noexcept;
   ~MikkMemory();
 
-  /// As reserved, of which calls may have touched less.
+  /// The bytes that are reserved. The system counts only those that calls have written to.
   std::size_t bytes() const;
-  void release();  ///< to the system
+  void release();  ///< gives all of it back to the system
 
   struct OfCall;  ///< of the implementation
 
@@ -60,7 +60,7 @@ struct MikkOptions {
   bool sort_all_edges = false;
   float unserved_sign = -1;      ///< of a corner that no triangle serves; the original's is -1
   int threads = 1;               ///< 0: all; the bits do not depend on it
-  MikkMemory* memory = nullptr;  ///< that is kept from call to call; null: the call gives its own back
+  MikkMemory* memory = nullptr;  ///< kept from call to call; null: the call takes its own and gives it back
 };
 
 /// All that MikkTSpace tells of a corner.

@@ -25,19 +25,21 @@ constexpr std::size_t range_count(std::size_t n, std::size_t threads, std::size_
 }
 
 /// f(begin, end) over ranges that cover [0, n), on so many threads: each takes the next range when it has
-/// finished one.
+/// finished one. A thread that waits takes no other task of the caller's.
 template <class F>
 void parallel_ranges(std::size_t n, std::size_t threads, const F& f, std::size_t least = 1 << 15) {
   const std::size_t ranges = range_count(n, threads, least);
   if (ranges == 1) return f(std::size_t{0}, n);
   std::atomic<std::size_t> taken = 0;
   tbb::task_group_context context(tbb::task_group_context::isolated);
-  tbb::parallel_for(
-      std::size_t{0}, std::min(threads, ranges),
-      [&](std::size_t) {
-        for (std::size_t k; (k = taken++) < ranges;) f(n * k / ranges, n * (k + 1) / ranges);
-      },
-      tbb::simple_partitioner{}, context);
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(
+        std::size_t{0}, std::min(threads, ranges),
+        [&](std::size_t) {
+          for (std::size_t k; (k = taken++) < ranges;) f(n * k / ranges, n * (k + 1) / ranges);
+        },
+        tbb::simple_partitioner{}, context);
+  });
 }
 
 }  // namespace darboux

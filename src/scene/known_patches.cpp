@@ -22,7 +22,7 @@ std::span<const double> KnownPatches::edge_coordinates(const ScenePatch& p) cons
   return std::span(edge_coordinates_).subspan(p.first_edge_coordinate, edge_samples(p));
 }
 
-std::uint32_t KnownPatches::add(ScenePatch& patch, std::span<const double> edge_coordinates,
+std::uint32_t KnownPatches::add(const ScenePatch& patch, std::span<const double> edge_coordinates,
                                 std::uint32_t node) {
   if (!once_) return add_new(patch, edge_coordinates, node);
   if (edge_coordinates.empty()) {
@@ -55,7 +55,7 @@ std::uint32_t KnownPatches::add(ScenePatch& patch, std::span<const double> edge_
   return fresh;
 }
 
-std::uint32_t KnownPatches::add_new(ScenePatch& patch, std::span<const double> edge_coordinates,
+std::uint32_t KnownPatches::add_new(ScenePatch patch, std::span<const double> edge_coordinates,
                                     std::uint32_t node) {
   const auto fresh = static_cast<std::uint32_t>(patches_.size());
   patch.id = forgotten_ + fresh;

@@ -30,10 +30,10 @@ class KnownPatches {
   const KnownPatch& operator[](std::uint32_t i) const { return patches_[i]; }
   std::span<const double> edge_coordinates(const ScenePatch& p) const;
 
-  // The number of a patch, which is added or found. Of one surface, all have the attributes given to the
-  // constructor, or all others have the same.
+  // The number of a patch, which is added or found. Beside the attributes that were given to the constructor,
+  // patches of a surface have one other set.
   // \param patch with its edge_counts; edge_coordinates: its own; node: of SurfaceTiles
-  std::uint32_t add(ScenePatch& patch, std::span<const double> edge_coordinates, std::uint32_t node);
+  std::uint32_t add(const ScenePatch& patch, std::span<const double> edge_coordinates, std::uint32_t node);
 
   // That of a patch without further samples on its edges, by its surface, node and cells, or `none` where it
   // is not known.
@@ -52,7 +52,7 @@ class KnownPatches {
     return static_cast<std::size_t>(2 * (cells.u * (tile_level_v + 1) + cells.v) + (attributes == all_));
   }
   std::uint32_t& plain(const ScenePatch& patch, std::uint32_t node);
-  std::uint32_t add_new(ScenePatch& patch, std::span<const double> edge_coordinates, std::uint32_t node);
+  std::uint32_t add_new(ScenePatch patch, std::span<const double> edge_coordinates, std::uint32_t node);
 
   bool once_;
   Attributes all_;

@@ -50,8 +50,8 @@ class VisitedTiles {
   // Looks at the tiles of the instance that is asked about, from the largest to the coarsest that are enough.
   TileCounts visit();
   std::span<const Visited> visited() const { return visited_; }
-  // Of one that is needed. Tiles that are not seen count like the others: what a tile's triangles are does
-  // not depend on what is culled.
+  // The edges of a tile that is needed. Tiles that are not seen count like the others: what a tile's
+  // triangles are does not depend on what is culled.
   const Edges& edges(const Visited& tile) {
     if (visited_.size() > 1) find_edges(tile);
     return edges_;

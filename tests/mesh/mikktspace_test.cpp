@@ -14,6 +14,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -468,6 +469,88 @@ TEST(MikkTSpace, IndexedIsAsUnindexed) {
     }
     EXPECT_TRUE(same_bits(indexed.tangents(), Arrays(soup).tangents())) << "mesh " << k;
   }
+}
+
+// Tangents in full are served vertex by vertex, and four numbers in lanes: about a vertex whose edges are
+// passed by several triangles in either direction, all of one orientation. A triangle far away keeps the last
+// edges of the original's order, which are served one by one, from the others.
+TEST(MikkTSpace, FullTangentsAreThoseInFour) {
+  std::size_t groups_of_all = 0, parted = 0;
+  const auto expect_same = [&](const Arrays& arrays, const std::string& which) {
+    const std::vector<MikkTangent> full = mikktspace(arrays.mesh());
+    const std::vector<float> four = arrays.tangents();
+    std::vector<float> of_full;
+    for (const MikkTangent& x : full) of_full.insert(of_full.end(), {x.t[0], x.t[1], x.t[2], x.sign});
+    ASSERT_TRUE(same_bits(of_full, four)) << which;
+    bool alike = true;
+    for (std::size_t c = 3; c + 3 < full.size(); c += 3)
+      alike = alike && std::equal(&four[4 * c], &four[4 * c] + 3, &four[0]);
+    ++(alike ? groups_of_all : parted);
+  };
+  for (std::uint32_t k = 0; k < generated_meshes; ++k)
+    expect_same(Arrays(generated_mesh(k)), "generated mesh " + std::to_string(k));
+  constexpr unsigned seed = 41;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> number(-1, 1);
+  for (int k = 0; k < 40000; ++k) {
+    Arrays arrays;
+    const std::uint32_t vertices = 4 + random() % 3, triangles = 2 + random() % 5;
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+      const float u = number(random), w = number(random);  // tangents are near each other
+      arrays.add({u + number(random) / 9, w + number(random) / 9, number(random), 0, 0, 1, u, w});
+    }
+    for (const auto& [x, y] : {std::pair{9.F, 9.F}, {10.F, 9.F}, {9.F, 10.F}})
+      arrays.add({x, y, 9, 0, 0, 1, x, y});
+    const auto uv = [&](std::uint32_t v, std::size_t i) { return arrays.uvs[2 * v + i] - arrays.uvs[i]; };
+    for (std::uint32_t t = 0; t < triangles; ++t) {
+      std::uint32_t a = 1 + random() % (vertices - 1),
+                    b = 1 + (a + random() % (vertices - 2)) % (vertices - 1);
+      if (uv(a, 0) * uv(b, 1) < uv(a, 1) * uv(b, 0)) std::swap(a, b);
+      arrays.corners.insert(arrays.corners.end(), {0, a, b});
+    }
+    arrays.corners.insert(arrays.corners.end(), {vertices, vertices + 1, vertices + 2});
+    expect_same(arrays, "seed " + std::to_string(seed) + ", mesh " + std::to_string(k));
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(groups_of_all, 1000U);
+  EXPECT_GT(parted, 1000U);
+}
+
+// A fan of three triangles with a fourth, a fin, on one of its edges, in every order: of the two that pass
+// the edge in one direction the first has the neighbour. Is it the fan's, the fan is closed and the fin a
+// group of its own; is it the fin, all four are a path.
+TEST(MikkTSpace, AFinOnAFanIsAGroupOfItsOwn) {
+  Arrays points;
+  const auto round = [](float degrees, float turn) {
+    const float angle = (degrees + turn) * static_cast<float>(M_PI) / 180;
+    return std::pair{std::cos(angle), std::sin(angle)};
+  };
+  points.add({0, 0, 0, 0, 0, 1, 0, 0});
+  for (const float degrees : {0.F, -120.F, 120.F}) {
+    const auto [x, y] = round(degrees, 0);
+    const auto [u, v] = round(degrees, 30);
+    points.add({x, y, 0, 0, 0, 1, u, v});
+  }
+  points.add({0.5F, -0.6F, 0.8F, 0, 0, 1, 1.2F, -0.1F});
+  for (const auto& [x, y] : {std::pair{9.F, 9.F}, {10.F, 9.F}, {9.F, 10.F}})
+    points.add({x, y, 0, 0, 0, 1, x, y});
+  const std::array<std::array<std::uint32_t, 3>, 4> triangles{{{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {0, 4, 1}}};
+  std::array<std::uint32_t, 4> order{0, 1, 2, 3};
+  do {
+    Arrays mesh = points;
+    for (const std::uint32_t t : order)
+      mesh.corners.insert(mesh.corners.end(), triangles[t].begin(), triangles[t].end());
+    mesh.corners.insert(mesh.corners.end(), {5, 6, 7});
+    const std::vector<float> tangents = mesh.tangents();
+    const auto of = [&](std::uint32_t triangle) {
+      const auto at = static_cast<std::size_t>(std::ranges::find(order, triangle) - order.begin());
+      return std::vector<float>(&tangents[12 * at], &tangents[12 * at] + 3);
+    };
+    EXPECT_EQ(of(0), of(1)) << ::testing::PrintToString(order);
+    EXPECT_EQ(of(0), of(2)) << ::testing::PrintToString(order);
+    const bool fan_is_closed = std::ranges::find(order, 0U) < std::ranges::find(order, 3U);
+    EXPECT_EQ(of(0) != of(3), fan_is_closed) << ::testing::PrintToString(order);
+  } while (std::next_permutation(order.begin(), order.end()));
 }
 
 // The tangents in full have the same directions; the lengths are those of the derivatives on a plane.

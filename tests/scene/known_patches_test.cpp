@@ -26,9 +26,7 @@ TEST(KnownPatches, AreFoundAndForgotten) {
       KnownPatches patches(once, all);
       ScenePatch patch = patch_of(1, 4), other = patch_of(2, 4);
       patch.edge_counts[2] = other.edge_counts[2] = static_cast<std::uint32_t>(edge.size());
-      const ScenePatch first = patch;
       EXPECT_EQ(patches.add(patch, edge, 3), 0u);
-      patch = first;
       EXPECT_EQ(patches.add(patch, edge, 3), once ? 0u : 1u);
       EXPECT_NE(patches.add(other, edge, 3), 0u);
       const std::span<const double> kept = patches.edge_coordinates(patches[0].patch);
@@ -36,7 +34,6 @@ TEST(KnownPatches, AreFoundAndForgotten) {
       const std::uint64_t count = patches.size();
       patches.forget();
       EXPECT_EQ(patches.size(), 0u);
-      patch = first;
       EXPECT_EQ(patches.add(patch, edge, 3), 0u);
       EXPECT_EQ(patches[0].patch.id, count);
     }

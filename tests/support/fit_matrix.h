@@ -214,7 +214,8 @@ inline Run run_of(const Cell& cell, std::uint64_t number, const Asked& asked = {
   if (fit.usable) {
     run.mahalanobis = mahalanobis_per_parameter(points, *fit.surface);
     const Outliers& o = outliers[cell.outliers];
-    // Of two spheres with as many points each, either is right: that is meant which is nearer.
+    // Of two surfaces with as many points each either is right, where one by name may be both: a fit is
+    // judged by the nearer.
     if (o.pattern == OutlierPattern::second_surface && o.share >= 0.5 &&
         (kind == "sphere" || kind == "ellipsoid")) {
       SyntheticPoints second = with_second_as_truth(points, kind);
@@ -222,6 +223,7 @@ inline Run run_of(const Cell& cell, std::uint64_t number, const Asked& asked = {
       if (of_second < run.mahalanobis) {
         run.is_second = true;
         run.mahalanobis = of_second;
+        run.largest_bound = largest_standard_error(second);
         points = std::move(second);
       }
     }

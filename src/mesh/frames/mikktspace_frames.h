@@ -21,8 +21,9 @@ struct MikktspaceTangents : mikk::VertexTangents {
 
 /// The t and the raw sign that mesh_frames() gives each corner by "mikktspace", t rounded to float: bit for
 /// bit; by corner where corners are the vertices. Takes 16 bytes per vertex beside mikktspace(), or per
-/// corner where triangles are degenerate; mesh_frames() takes 130 per corner. \param mesh triangles whose
-/// numbers are finite, and neither all positions nor all uvs below 2^-100 \throws as mikktspace()
+/// corner where triangles are degenerate or their uvs have no area; mesh_frames() takes 130 per corner.
+/// \param mesh triangles whose numbers are finite, and neither all positions nor all uvs below 2^-100 \throws
+/// as mikktspace()
 MikktspaceTangents mikktspace_tangents(const MikkMesh& mesh, int threads);
 
 }  // namespace darboux

@@ -90,7 +90,8 @@ class Buffer {
 // Work memory in few pieces, given back all at once. Not for several threads at a time.
 class Memory {
  public:
-  // What was taken is free again. The next pieces come from one of so many bytes, or of all before.
+  // What was taken is free again, in one piece of at least so many bytes: what there is where it does, else a
+  // new one, no smaller than all that there was.
   void start(std::size_t bytes) {
     used_ = 0;
     if (pieces_.size() == 1 && pieces_.front().size() >= bytes) return;

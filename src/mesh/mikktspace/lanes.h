@@ -95,8 +95,8 @@ struct LaneKernels {
   // parts_at_once.
   void (*find_parts)(const Directions* directions, const Index* corners, std::size_t count,
                      const float* normal, Part* parts);
-  // `after` and `before` of some rings. Where edges between two vertices are passed more than twice, these
-  // are any of those that fit.
+  // `after` and `before` of some rings. Where an edge is passed more than twice, each of these is any of
+  // those that fit, and links there and back may disagree.
   void (*link)(Ring* rings, std::size_t count);
   // Of groups without triangles that are `any`.
   void (*average)(const Groups& groups, Average* averages);

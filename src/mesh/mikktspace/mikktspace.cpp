@@ -51,7 +51,7 @@ class Tangents : mikk::Connectivity {
   // Groups and members: places in the corners of the vertex.
   template <class Put>
   void serve_group(std::span<const Index> group, Scratch& scratch, Put& put) const;
-  // Of vertices from one on, of [begin, end).
+  // Serves the vertices [begin, end).
   template <class Put>
   void serve_in_lanes(std::size_t begin, std::size_t end, Scratch& scratch, Put& put) const;
   void go_round(Index id, mikk::Ring& ring) const;
@@ -202,8 +202,8 @@ void Tangents::go_round(Index id, mikk::Ring& ring) const {
   }
 }
 
-// Whether one path or circle passes all corners, whose triangles have one orientation, and nothing else is
-// linked: that the links from there and back agree shows that no edge is passed more than twice.
+// Whether one path or circle passes all corners, whose triangles have one orientation. Links that lead back
+// to where they come from show that no edge of it is passed more than twice; a path begins where none does.
 bool Tangents::is_one_group(const mikk::Ring& ring, std::span<const Index> corners) const {
   std::size_t start = 0;
   bool alike = true;
@@ -215,12 +215,11 @@ bool Tangents::is_one_group(const mikk::Ring& ring, std::span<const Index> corne
   std::size_t reached = 1;
   for (std::size_t at = start;; ++reached) {
     const Index to = ring.after[at];
-    if (to == none) break;
+    if (to == none) return reached == ring.count && ring.before[start] == none;
     if (ring.before[to] != at) return false;
-    if (to == start) break;
+    if (to == start) return reached == ring.count;
     at = to;
   }
-  return reached == ring.count;
 }
 
 // A few vertices at a time. Those that are not as nearly all are left to serve().
@@ -236,7 +235,8 @@ void Tangents::serve_in_lanes(std::size_t begin, std::size_t end, Scratch& x, Pu
     for (; id < end && count < at_a_time; ++id) {
       const std::size_t corners = begin_[id + 1] - begin_[id];
       if (corners == 0) continue;
-      if (corners > mikk::Ring::most || is_at_last_edge(static_cast<Index>(id))) {
+      const bool labelled = !labelled_.empty() && labelled_[id] != 0;
+      if (labelled || corners > mikk::Ring::most || is_at_last_edge(static_cast<Index>(id))) {
         serve(static_cast<Index>(id), x, put);
         continue;
       }
@@ -277,7 +277,7 @@ void Tangents::serve_in_lanes(std::size_t begin, std::size_t end, Scratch& x, Pu
 
 template <class Put, class Copy>
 void Tangents::of_corners(const Put& put, const Copy& copy) const {
-  const bool in_lanes = lengths_.empty() && !any_ && cosine_ <= -1;
+  const bool in_lanes = lengths_.empty() && cosine_ <= -1;
   parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
     Scratch scratch;
     Put mine = put;

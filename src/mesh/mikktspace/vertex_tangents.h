@@ -24,7 +24,7 @@ struct VertexTangents {
   // Of all corners instead, where triangles are degenerate or their uvs have no area; else empty.
   Buffer<Vec4<float>> of_corners;
 };
-// Of triangles with corners. Takes 16 bytes per vertex beside mikktspace().
+// Of triangles with corners. Takes 16 bytes per vertex beside mikktspace(), or per corner for of_corners.
 VertexTangents vertex_tangents(const MikkMesh& mesh, const MikkOptions& options);
 
 }  // namespace darboux::mikk
