@@ -23,11 +23,11 @@ build() {  # build PRESET TARGET ...
 }
 address() { build asan all && ctest --preset asan -j 2; }
 threads() {
-  build tsan base_parallel_jobs_test evaluate_batch_test mesh_mikktspace_test mesh_mesh_frames_test darboux_tool || return 1
+  build tsan base_parallel_jobs_test evaluate_batch_test mesh_mikktspace_ways_test mesh_mesh_frames_test darboux_tool || return 1
   export TSAN_OPTIONS="suppressions=$PWD/tests/thread_sanitizer.txt halt_on_error=1 second_deadlock_stack=1"
   local bin=$PWD/build/tsan/bin data=$PWD/tests/data work
   work=$(mktemp -d) || return 1
-  for test in base_parallel_jobs_test evaluate_batch_test mesh_mikktspace_test mesh_mesh_frames_test; do
+  for test in base_parallel_jobs_test evaluate_batch_test mesh_mikktspace_ways_test mesh_mesh_frames_test; do
     "$bin/$test" || return 1
   done
   (

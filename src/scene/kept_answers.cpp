@@ -46,12 +46,6 @@ void KeptAnswers::forget() {
   dropped_ = 0;
 }
 
-void KeptAnswers::prefetch(std::uint32_t instance) const {
-  const Kept& k = kept_[instance];
-  const auto* first = reinterpret_cast<const char*>(answers_.data() + k.first);
-  for (std::size_t i = 0; i < k.count * sizeof(Answer); i += 64) __builtin_prefetch(first + i);
-}
-
 void KeptAnswers::begin(std::uint32_t instance, SurfaceTiles& tiles) {
   instance_ = instance;
   tests_.begin(instance, tiles);

@@ -1,6 +1,7 @@
 // What is asked about the tiles of instances, and for how long the answers stay the same on a camera's way.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -12,6 +13,11 @@
 #include "tile_tests.h"
 
 namespace darboux {
+
+// Fetches what is soon read from memory.
+inline void prefetch(const void* first, std::size_t bytes) {
+  for (std::size_t i = 0; i < bytes; i += 64) __builtin_prefetch(static_cast<const char*>(first) + i);
+}
 
 // How far a camera has moved and turned, all in all: the length of its way, and that of its axes' way as a
 // matrix: a turn by the angle a moves no unit vector by more than 2 sin(a/2), and the matrix by √2 times
@@ -45,7 +51,9 @@ class KeptAnswers {
     return way_.moved <= k.moving && way_.moved + k.reach * way_.turned <= k.turning;
   }
   // Fetches what is soon asked for again.
-  void prefetch(std::uint32_t instance) const;
+  void prefetch(std::uint32_t instance) const {
+    darboux::prefetch(answers_.data() + kept_[instance].first, kept_[instance].count * sizeof(Answer));
+  }
 
   // An instance, of which the next ones are asked. \throws ParameterError as TileTests::begin()
   void begin(std::uint32_t instance, SurfaceTiles& tiles);

@@ -27,9 +27,9 @@ bool is_outside(const SceneMeshPart& part, const Eigen::Affine3d& placement, dou
   return false;
 }
 
-// n · (eye - p) is at most |eye - c| cos(φ - θ) + r: φ the angle to the axis of the cone of θ, c and r the
-// centre and radius of the box. A mirror turns the winding and the side that it shows: in the mesh's own
-// space nothing changes.
+// n · (eye - p) is at most |eye - c| cos(φ - θ) + r: φ the angle to the axis of the cone of θ, c and r
+// the centre and radius of the box. A mirror turns the winding and the side that it shows: in the mesh's
+// own space nothing changes.
 bool faces_away(const SceneMeshPart& part, const Eigen::Affine3d& placement, const View& view) {
   const Eigen::Matrix3d m = placement.linear();
   if (!(std::fabs(m.determinant()) > 1e-3 * m.colwise().norm().prod())) return false;

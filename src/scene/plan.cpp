@@ -144,8 +144,7 @@ void ScenePlanner::Planner::plan_instances() {
     // Instances that are asked about anew lie anywhere: they are fetched before.
     constexpr std::uint32_t soon = 8;
     if (keeps_ && i + soon < count && !answers_.hold(i + soon)) {
-      const auto* next = reinterpret_cast<const char*>(&scene_.instances[i + soon]);
-      for (std::size_t k = 0; k < sizeof(SceneInstance); k += 64) __builtin_prefetch(next + k);
+      prefetch(&scene_.instances[i + soon], sizeof(SceneInstance));
       answers_.prefetch(i + soon);
     }
     plan_instance(i);

@@ -566,8 +566,10 @@ TEST(FileTangents, OnlyWhereTheMaterialReadsThem) {
     {"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1}}},
     {"extensions": {"KHR_materials_clearcoat": {"clearcoatNormalTexture": {"index": 0}}}},
     {"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}},
-    {"extensions": {"MSFT_packing_normalRoughnessMetallic": {"normalRoughnessMetallicTexture": {"index": 0}}}},
-    {"occlusionTexture": {"index": 0}, "extensions": {"KHR_materials_sheen": {}, "KHR_materials_iridescence": {}}}])");
+    {"extensions": {"MSFT_packing_normalRoughnessMetallic":
+      {"normalRoughnessMetallicTexture": {"index": 0}}}},
+    {"occlusionTexture": {"index": 0},
+      "extensions": {"KHR_materials_sheen": {}, "KHR_materials_iridescence": {}}}])");
   for (std::size_t m = 0; m < b.json["materials"].size(); ++m) b.primitive(attributes, {{"material", m}});
   b.primitive(
       attributes,
