@@ -3,44 +3,11 @@
 # include and surfaces that they reach, by gcov. A line or branch of a header counts as reached where one of
 # its instantiations is. Every file's count goes to build/coverage/files.txt, the lines not reached to
 # build/coverage/missed.txt. Exit 1 where fewer than 92 % of the lines are.
-#   RUN=0          counts what has run already
-#   TESTS=FOLDER   takes the objects of the tests from this build, so that only libraries and tool are compiled:
-#                  less is counted, as what tests alone make of templates is not. Runs the programs of the tests
-#                  (or those that PROGRAMS names), each for at most LIMIT seconds (300), and names those that fail.
+#   RUN=0    counts what has run already
 # Needs python3.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-# link_test FOLDER PROGRAM: by the command that linked it there, with the libraries of build/coverage.
-link_test() {
-  local command
-  command=$(ninja -C "$1" -t commands -s "bin/$2" | grep -oE "[^ ]*c\\+\\+ .* -o bin/$2 [^&]*")
-  command=${command/-o bin\/$2/-o $PWD/build/coverage/bin/$2 --coverage}
-  command=$(sed -E "s# (libdarboux[a-z_]*\\.a)# $PWD/build/coverage/\\1#g" <<<"$command")
-  (cd "$1" && bash -c "$command")
-}
-# run_tests FOLDER PROGRAM ...: those that run the tool know it by the name that it has in FOLDER.
-run_tests() {
-  local folder=$1 program
-  tool=$(realpath "$folder/bin/darboux")
-  shift
-  trap 'mv "$tool.kept" "$tool"' EXIT
-  mv "$tool" "$tool.kept"
-  ln -s "$PWD/build/coverage/bin/darboux" "$tool"
-  for program in "$@"; do
-    local arguments=()
-    [[ $program != fuzz_* ]] || arguments=("$PWD/tests/fuzz/corpus/$(sed 's/^fuzz_//; s/_decoders$//' <<<"$program")" 50)
-    link_test "$folder" "$program"
-    (cd build/coverage && timeout "${LIMIT:-300}" "bin/$program" "${arguments[@]}" >"$program.log" 2>&1) ||
-      echo "FAILED: $program" >&2
-  done
-}
-if [ "${RUN:-1}" = 1 ] && [ -n "${TESTS:-}" ]; then
-  cmake --preset coverage >/dev/null
-  cmake --build --preset coverage --target darboux darboux_fit darboux_io darboux_tool >/dev/null
-  find build/coverage -name '*.gcda' -delete
-  read -ra programs <<<"${PROGRAMS:-$(cd "$TESTS/bin" && echo *_test fuzz_*)}"
-  run_tests "$TESTS" "${programs[@]}"
-elif [ "${RUN:-1}" = 1 ]; then
+if [ "${RUN:-1}" = 1 ]; then
   cmake --preset coverage >/dev/null
   cmake --build --preset coverage >/dev/null
   find build/coverage -name '*.gcda' -delete
