@@ -77,6 +77,28 @@ std::vector<double> curve_breaks(const C& curve) {
   else
     return {};
 }
+// A curve of which the jet at one place is known, and only that is asked for.
+template <class S, Coordinate of>
+struct CurveAtPlace {
+  using scalar = S;
+  static constexpr Coordinate kind = of;
+  CurveJet<S> known;
+  Status status;
+
+  const CurveJet<S>& jet(const auto&) const { return known; }
+  Status singular(const auto&) const { return status; }
+};
+// \tparam order of its derivatives that are asked for
+template <int order, class C, class P>
+auto curve_at_place(const C& curve, const P& t) {
+  const auto jet = [&] {
+    if constexpr (requires { curve.template jet_to<order>(t); })
+      return curve.template jet_to<order>(t);
+    else
+      return curve.jet(t);
+  }();
+  return CurveAtPlace<std::remove_cvref_t<decltype(jet.position.x)>, C::kind>{jet, curve_status(curve, t)};
+}
 // The curve over another scalar: a callable without data of its own stays as it is.
 template <class To, class C>
 auto rebound(const C& curve) {
@@ -301,7 +323,6 @@ template <class T = double>
 class BSplineCurve {
  public:
   using scalar = T;
-  static constexpr bool in_lanes = false;  // a span for each point
   static constexpr Coordinate kind = Coordinate::linear;
 
   /// A wave in the xy plane, of degree 5: one span, so that it is smooth everywhere.
@@ -353,30 +374,45 @@ class BSplineCurve {
 
   template <class S>
   CurveJet<S> jet(const S& t) const {
+    return jet_to<3>(t);
+  }
+  /// Its derivatives to an order only, zero beyond it: the same bits.
+  template <int order, class S>
+  CurveJet<S> jet_to(const S& t) const {
     const auto span = knots_.span(t);
     const int p = knots_.degree();
     using Place = detail::SpanPlace<S>;
     const Vec3<S> anchor = (span.first + Place::choose(knots_.upper(span), p)).point(control_points_);
     return detail::with_degree<S>(p, [&]<class Degree>(Degree degree) -> CurveJet<S> {
-      const detail::KnotWeights<S, Degree, 3> weights(degree, {}, span);
+      const detail::KnotWeights<S, Degree, order> weights(degree, {}, span);
       detail::ControlWindow<Vec3<S>, Degree> x;
       span.first.points(control_points_, 0, p + 1, x);
       for (int i = 0; i <= p; ++i) x[i] = x[i] - anchor;
       if (weights_.empty()) {
-        const auto f = detail::spline_derivatives<4, Vec3<S>>(x, degree, weights);
-        return {anchor + f[0], f[1], f[2], f[3]};
+        const auto f = detail::spline_derivatives<order + 1, Vec3<S>>(x, degree, weights);
+        const auto of = [&](auto k) {
+          if constexpr (k <= order)
+            return f[k];
+          else
+            return Vec3<S>{};
+        };
+        return {anchor + f[0], of(detail::Known<1>{}), of(detail::Known<2>{}), of(detail::Known<3>{})};
       }
       detail::ControlWindow<detail::Homogeneous<S>, Degree> y;
       for (int i = 0; i <= p; ++i) {
         const S w = span.first.number(weights_, i);
         y[i] = {w * x[i], w};
       }
-      const auto [h, h1, h2, h3] = detail::spline_derivatives<4, detail::Homogeneous<S>>(y, degree, weights);
-      const S three = lift<S>(3.0);
-      const Vec3<S> k = h.a / h.w;
-      const Vec3<S> k1 = (h1.a - h1.w * k) / h.w;
-      const Vec3<S> k2 = (h2.a - (lift<S>(2.0) * h1.w) * k1 - h2.w * k) / h.w;
-      return {anchor + k, k1, k2, (h3.a - (three * h1.w) * k2 - (three * h2.w) * k1 - h3.w * k) / h.w};
+      const auto h = detail::spline_derivatives<order + 1, detail::Homogeneous<S>>(y, degree, weights);
+      const S w = h[0].w, two = lift<S>(2.0), three = lift<S>(3.0);
+      const Vec3<S> k = h[0].a / w;
+      CurveJet<S> j{};
+      j.position = anchor + k;
+      if constexpr (order >= 1) j.first = (h[1].a - h[1].w * k) / w;
+      if constexpr (order >= 2) j.second = (h[2].a - (two * h[1].w) * j.first - h[2].w * k) / w;
+      if constexpr (order >= 3)
+        j.third = (h[3].a - (three * h[1].w) * j.second - (three * h[2].w) * j.first - h[3].w * k) / w;
+      return j;
     });
   }
 

@@ -179,14 +179,15 @@ template <class X, class T>
 void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConvention sign,
                     PointValues<T>& result) {
   const X& surface = *static_cast<const X*>(erased);
-  const Status at = status(surface, u, v);
   const auto pu = prepare<X::info.u>(u);
   const auto pv = prepare<X::info.v>(v);
+  const auto& here = at_place<3>(surface, pu, pv);
+  const Status at = status_at(here, u, v, pu, pv);
   // The status takes the frame, whatever is asked for.
   const bool curved = asked.has_any(curvature_attributes);
   Jet2<T> j{};
-  if (!HasClosedFrame<X> || curved || asked.has_any(partial_attributes)) j = surface.jet(pu, pv);
-  const Frame<T> frame = frame_at<T>(surface, pu, pv, at, j);
+  if (!HasClosedFrame<X> || curved || asked.has_any(partial_attributes)) j = here.jet(pu, pv);
+  const Frame<T> frame = frame_at<T>(here, pu, pv, at, j);
   result.status = frame.status;
   result.set(Attribute::tangent, frame.t);
   result.set(Attribute::bitangent, frame.b);
@@ -259,8 +260,8 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 }  // namespace detail
 
 /// Evaluates a surface type at all points: those of the catalogue by kernels over SIMD lanes where their
-/// formulas allow, any other point by point. What is not asked for is not computed, but for all partials of
-/// surfaces made of spline curves, and for the frame, which tells the status, where points go one by one.
+/// formulas allow, any other point by point. What is not asked for is not computed, but for the frame, which
+/// tells the status, where points go one by one or there is no closed form of it.
 /// Nothing is allocated but by threads, and once for good by the first call. Results must not overlap one
 /// another or the points. In float the coordinates and parameters are rounded to float first, which alone may
 /// cost hundreds of units in the last place; for floats that are the nearest to the values at doubles,

@@ -160,7 +160,8 @@ Frame<S> frame(const X& surface, S u, S v) {
   detail::assert_permitted(surface);
   const auto pu = prepare<X::info.u>(u);
   const auto pv = prepare<X::info.v>(v);
-  return detail::frame_at<S>(surface, pu, pv, detail::status_at(surface, u, v, pu, pv));
+  const auto& here = detail::at_place<3>(surface, pu, pv);
+  return detail::frame_at<S>(here, pu, pv, detail::status_at(here, u, v, pu, pv));
 }
 
 /// The unit vectors along the coordinate curves, from an orthonormal frame and the partials there. Where dpdu
@@ -216,9 +217,9 @@ Sample<S> sample(const X& surface, S u, S v) {
   detail::assert_permitted(surface);
   const auto pu = prepare<X::info.u>(u);
   const auto pv = prepare<X::info.v>(v);
-  const Jet2<S> j = surface.jet(pu, pv);
-  return make_sample(u, v, j,
-                     detail::frame_at<S>(surface, pu, pv, detail::status_at(surface, u, v, pu, pv), j));
+  const auto& here = detail::at_place<3>(surface, pu, pv);
+  const Jet2<S> j = here.jet(pu, pv);
+  return make_sample(u, v, j, detail::frame_at<S>(here, pu, pv, detail::status_at(here, u, v, pu, pv), j));
 }
 
 namespace detail {

@@ -47,14 +47,22 @@ template <class S>
 bool equal(const S& a, const S& b) {
   return !(a < b) && !(b < a);
 }
-// Zero by order alone. NaN is not.
+// Zero by order alone. NaN is not. Lanes some of which are zero go by themselves.
 template <class S>
 bool is_zero(const S& x) {
-  return equal(x, lift<S>(0.0)) && x < lift<S>(1.0);
+  if constexpr (Lanewise<S>) {
+    if ((x == S(0)).any()) S::diverge();
+    return false;
+  } else {
+    return equal(x, lift<S>(0.0)) && x < lift<S>(1.0);
+  }
 }
 template <class S>
 bool vanishes(const Vec3<S>& a) {
-  return is_zero(a.x) && is_zero(a.y) && is_zero(a.z);
+  if constexpr (Lanewise<S>)
+    return is_zero(S(abs(a.x) + abs(a.y) + abs(a.z)));
+  else
+    return is_zero(a.x) && is_zero(a.y) && is_zero(a.z);
 }
 
 // A number for messages.

@@ -255,6 +255,22 @@ Turn<D> as_constant(const Turn<S>& x) {
 
 namespace detail {
 
+// Whether a surface type is made of a curve along u (0) or v (1) that can be evaluated for itself.
+template <class X, int along>
+concept HasCurveAlong = requires {
+  X::curve_along;
+}
+&&X::curve_along == along;
+// The surface as it is at a place, of which partials to an order are wanted: its curve is evaluated there.
+template <int order, class X, class PU, class PV>
+decltype(auto) at_place(const X& surface, const PU& u, const PV& v) {
+  if constexpr (HasCurveAlong<X, 0>)
+    return surface.template with_curve_at<order>(u);
+  else if constexpr (HasCurveAlong<X, 1>)
+    return surface.template with_curve_at<order>(v);
+  else
+    return (surface);
+}
 // The jet of a surface, of which partials to an order are wanted: no others are computed where it offers
 // that.
 template <int order, class X, class PU, class PV>
@@ -265,21 +281,13 @@ auto jet_to(const X& surface, const PU& u, const PV& v) {
     return surface.jet(u, v);
 }
 
-// Whether the formula of a surface or curve type runs over SIMD lanes: unless it says no.
-template <class X>
-constexpr bool in_lanes = [] {
-  if constexpr (requires { X::in_lanes; })
-    return X::in_lanes;
-  else
-    return true;
-}();
-// The same of gaussian_curvature and mean_curvature.
+// Whether gaussian_curvature and mean_curvature run over SIMD lanes: unless the surface says no.
 template <class X>
 constexpr bool curvature_in_lanes = [] {
   if constexpr (requires { X::curvature_in_lanes; })
     return X::curvature_in_lanes;
   else
-    return in_lanes<X>;
+    return true;
 }();
 
 }  // namespace detail
@@ -296,10 +304,10 @@ constexpr bool curvature_in_lanes = [] {
 ///   bool tangent_depends_on_u_alone()     whether t and handedness are the same at all v but the poles, with
 ///                                         no status: where only they are asked for, batches then take no
 ///                                         sines of v
-///   static constexpr bool in_lanes        false where the formula cannot run over SIMD lanes (it looks
-///                                         something up at each point): batches of the catalogue's surface
-///                                         then go point by point
-///   static constexpr bool curvature_in_lanes  the same for the next two facts alone
+///   static constexpr int curve_along      where it is made of a curve: 0 that runs along u, 1 along v; and
+///   with_curve_at<order>(u or v)          the same surface where the curve is there, of which derivatives to
+///                                         an order are wanted: the curve is then evaluated once
+///   static constexpr bool curvature_in_lanes  false where the next two facts cannot run over SIMD lanes
 /// and independent facts, at least one, each from another source than jet():
 ///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, its
 ///                                         gradient n there (n or -n where the surface has one side)

@@ -86,7 +86,7 @@ class Worker {
   void grid(std::size_t first, std::size_t last) {
     const std::size_t width = call_.points.columns() + 1;
     if (width < batch_size<T>) return short_rows(first, last);
-    if (width < joined_rows_below<T>) return joined_rows(first, last);
+    if (width < joined_rows_below<T> && !call_.kernel.by_rows) return joined_rows(first, last);
     work_.in_domain = true;
     const std::size_t tiles = (width + most_columns<T> - 1) / most_columns<T>;
     const std::size_t tile_width = (width + tiles - 1) / tiles;  // as many in each, none too few for a kernel

@@ -14,7 +14,6 @@ template <bool closed_frame>
 struct Held {
   AnySurface surface = all_surfaces().front();
 
-  static constexpr bool in_lanes = false;
   static constexpr SurfaceInfo info{.name = "surface",
                                     .summary = "a surface chosen at run time",
                                     .u = Coordinate::linear,

@@ -25,7 +25,7 @@ namespace darboux {
 template <class Curve = BSplineCurve<double>>
 struct Extrusion {
   using scalar = typename Curve::scalar;
-  static constexpr bool in_lanes = detail::in_lanes<Curve>;
+  static constexpr int curve_along = 0;
   Curve curve{};
   Vec3<scalar> direction{scalar(0), scalar(0), scalar(1)};
 
@@ -84,6 +84,14 @@ struct Extrusion {
     return result;
   }
 
+  /// The same surface where its curve is at u, with derivatives to an order.
+  template <int order, class P>
+  auto with_curve_at(const P& u) const {
+    auto at = detail::curve_at_place<order>(curve, u);
+    using S = typename decltype(at)::scalar;
+    return Extrusion<decltype(at)>{at, detail::lift_vector<S>(direction)};
+  }
+
   /// K = 0
   template <class P, class S>
   S gaussian_curvature(const P&, const S&) const {
@@ -108,20 +116,28 @@ struct Extrusion {
   template <class S, class P>
   detail::Passage<S> passage_across(const CurveJet<S>& k, const P& u) const {
     const Vec3<S> d = unit(detail::lift_vector<S>(direction));
-    // What rounding leaves of a cross that vanishes is below some units of this and the derivatives before
-    // it.
-    double size = 0;
-    const auto across = [&](const Vec3<S>& x) {
-      const Vec3<S> c = accurate_cross(unit(x), d);
-      const S zero = lift<S>(0.0);
-      const double own = detail::largest_component(x);
-      size = std::fmax(size, own);
-      const double rest = 32 * detail::rounding_of<S>() * (size / own);
-      const auto vanishes = [&](const S& part) { return detail::size_of(part) <= rest; };  // NaN does not
-      return vanishes(c.x) && vanishes(c.y) && vanishes(c.z) ? Vec3<S>{zero, zero, zero} : c;
-    };
-    const Vec3<S> first = across(k.first), second = across(k.second), third = across(k.third);
-    return detail::passage<Curve::kind>(CurveJet<S>{k.position, first, second, third}, u);
+    if constexpr (detail::Lanewise<S>) {  // those that run along d go by themselves
+      const Vec3<S> c = accurate_cross(unit(k.first), d);
+      using T = typename S::Element;
+      const S rest(static_cast<T>(32 * detail::rounding_of<T>()));
+      if ((abs(c.x) <= rest && abs(c.y) <= rest && abs(c.z) <= rest).any()) S::diverge();
+      return {unit(c), 1};
+    } else {
+      // What rounding leaves of a cross that vanishes is below some units of this and the derivatives before
+      // it.
+      double size = 0;
+      const auto across = [&](const Vec3<S>& x) {
+        const Vec3<S> c = accurate_cross(unit(x), d);
+        const S zero = lift<S>(0.0);
+        const double own = detail::largest_component(x);
+        size = std::fmax(size, own);
+        const double rest = 32 * detail::rounding_of<S>() * (size / own);
+        const auto vanishes = [&](const S& part) { return detail::size_of(part) <= rest; };  // NaN does not
+        return vanishes(c.x) && vanishes(c.y) && vanishes(c.z) ? Vec3<S>{zero, zero, zero} : c;
+      };
+      const Vec3<S> first = across(k.first), second = across(k.second), third = across(k.third);
+      return detail::passage<Curve::kind>(CurveJet<S>{k.position, first, second, third}, u);
+    }
   }
 };
 template <class Curve, class T>

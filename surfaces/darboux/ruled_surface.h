@@ -26,7 +26,6 @@ struct RuledSurface {
   static_assert(CurveA::kind == CurveB::kind, "both curves must have parameters of one kind");
   static_assert(std::same_as<typename CurveA::scalar, typename CurveB::scalar>);
   using scalar = typename CurveA::scalar;
-  static constexpr bool in_lanes = detail::in_lanes<CurveA> && detail::in_lanes<CurveB>;
   static constexpr bool curvature_in_lanes = false;  // its fact scales by the sizes of one point
   CurveA a{};
   CurveB b{};

@@ -25,7 +25,7 @@ namespace darboux {
 template <class Curve = BSplineCurve<double>>
 struct SurfaceOfRevolution {
   using scalar = typename Curve::scalar;
-  static constexpr bool in_lanes = detail::in_lanes<Curve>;
+  static constexpr int curve_along = 1;
   Curve profile = example();
 
   static constexpr SurfaceInfo info{"surface-of-revolution",
@@ -65,7 +65,7 @@ struct SurfaceOfRevolution {
     const CurveJet<S> k = in_plane(profile.jet(v));
     const auto [way, order] = detail::passage<Curve::kind>(k, v);
     if (order == 0) return detail::no_frame<S>();
-    const S side = axis_side(k, v).first < zero ? -one : one;
+    const S side = select(axis_side(k, v).first < zero, S(-one), one);
     return {.t = {-(side * u.sin), side * u.cos, zero},
             .b = {way.x * u.cos, way.x * u.sin, way.z},
             .n = {side * (way.z * u.cos), side * (way.z * u.sin), -(side * way.x)}};
@@ -84,6 +84,13 @@ struct SurfaceOfRevolution {
     return result;
   }
 
+  /// The same surface where its profile is at v, with derivatives to an order.
+  template <int order, class P>
+  auto with_curve_at(const P& v) const {
+    auto at = detail::curve_at_place<order>(profile, v);
+    return SurfaceOfRevolution<decltype(at)>{at};
+  }
+
   /// K = -z' (ρ'' z' - ρ' z'') / (ρ (ρ'² + z'²)²) [doCarmo2016, sec. 3-3]
   template <class S, class P>
   S gaussian_curvature(const Turn<S>&, const P& v) const {
@@ -95,7 +102,7 @@ struct SurfaceOfRevolution {
   S mean_curvature(const Turn<S>&, const P& v) const {
     const Bending<S> b = bending(v);
     const S h = (b.profile - b.slope_z / b.rho) / lift<S>(2.0);
-    return b.rho < lift<S>(0.0) ? -h : h;
+    return select(b.rho < lift<S>(0.0), S(-h), h);
   }
   /// The profile's point by its other formula, turned round the axis.
   template <class S, class P>
@@ -131,9 +138,12 @@ struct SurfaceOfRevolution {
   template <class S, class P>
   static std::pair<S, bool> axis_side(const CurveJet<S>& k, const P& v) {
     if (!detail::is_zero(k.position.x)) return {k.position.x, false};
-    const auto [way, order] = detail::passage<Curve::kind>(k, v);
-    if (order == 0 || !(detail::size_of(way.x) > 16 * detail::rounding_of<S>())) return {k.second.x, false};
-    return {detail::at_upper_end<Curve::kind>(v) ? -way.x : way.x, order != 2};
+    if constexpr (!detail::Lanewise<S>) {
+      const auto [way, order] = detail::passage<Curve::kind>(k, v);
+      if (order > 0 && detail::size_of(way.x) > 16 * detail::rounding_of<S>())
+        return {detail::at_upper_end<Curve::kind>(v) ? -way.x : way.x, order != 2};
+    }
+    return {k.second.x, false};
   }
   // ρ, z'/q and the profile's curvature (ρ'' z' - ρ' z'')/q³
   template <class S>

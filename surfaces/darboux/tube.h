@@ -28,7 +28,6 @@ namespace darboux {
 template <class Curve = HelixCurve<double>>
 struct Tube {
   using scalar = typename Curve::scalar;
-  static constexpr bool in_lanes = detail::in_lanes<Curve>;
   Curve curve{};
   scalar radius{scalar(1) / scalar(10)};
 

@@ -379,9 +379,7 @@ template <class T>
 const std::vector<CatalogueLoops<T>>& catalogue_loops() {
   static const std::vector<CatalogueLoops<T>> list = [] {
     std::vector<CatalogueLoops<T>> loops;
-    Catalogue::for_each([&]<class X>(const X&) {
-      loops.push_back({X::info.name, detail::in_lanes<X>, naive_through<X, T>});
-    });
+    Catalogue::for_each([&]<class X>(const X&) { loops.push_back({X::info.name, naive_through<X, T>}); });
     return loops;
   }();
   return list;

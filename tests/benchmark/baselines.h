@@ -82,8 +82,7 @@ template <class T>
 struct CatalogueLoops {
   using Loop = void (*)(const T* u, const T* v, std::size_t n, const Destination& to);
   std::string_view surface;
-  bool in_lanes;  ///< whether the library's batches go over SIMD lanes
-  Loop naive;     ///< the type's own formula at std::sin and std::cos, the frame by Eigen
+  Loop naive;  ///< the type's own formula at std::sin and std::cos, the frame by Eigen
 };
 /// In the catalogue's order.
 template <class T>

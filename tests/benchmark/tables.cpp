@@ -186,15 +186,13 @@ class Report {
               << number(tangent4_share(group("sphere/float/L2")), 2) << " | "
               << (tangent4_share(group("torus/float/L2")) <= 0.25 ? "pass" : "**missed**") << " |\n";
     points_and_splines();
-    std::string below, exempt;
+    std::string below;
     for (const CatalogueLoops<double>& x : catalogue_loops<double>()) {
       if (catalogue_ratio(x) >= 5) continue;
-      std::string& names = x.in_lanes ? below : exempt;
-      names += (names.empty() ? "" : ", ") + std::string(x.surface);
+      below += (below.empty() ? "" : ", ") + std::string(x.surface);
     }
     std::cout << "| every surface of the catalogue, double, L2 | >= 5 × its own naive loop | see below | | "
-              << (below.empty() ? "pass" : "**missed**: " + below)
-              << (exempt.empty() ? "" : "; exempt, curves of splines: " + exempt) << " |\n"
+              << (below.empty() ? "pass" : "**missed**: " + below) << " |\n"
               << "| accuracy | frames 4u or 8u, partials 8u, times 1 + condition, on every path | | | held "
                  "by `darboux "
                  "check` and, bit for bit on every instruction set, by tests/evaluate/batch_test.cpp |\n";
@@ -274,10 +272,7 @@ class Report {
       const double times = catalogue_ratio(x);
       std::cout << "| " << name << " | " << nanoseconds(g.at(name, "naive")) << " | "
                 << nanoseconds(g.at(name, best_of_ours())) << " | " << number(times, 2) << " | "
-                << (times >= 5    ? ""
-                    : !x.in_lanes ? "a curve of splines: point by point"
-                                  : "**below 5**")
-                << " |\n";
+                << (times >= 5 ? "" : "**below 5**") << " |\n";
     }
   }
 

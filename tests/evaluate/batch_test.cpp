@@ -274,7 +274,6 @@ X other_parameters(Random& random, int kind) {
 template <class T>
 struct Subject {
   std::string_view name;
-  bool in_lanes;
   std::function<StatusSummary(const Points<T>&, const Outputs<T>&, const EvaluateOptions&)> evaluate;
   std::function<Truth<T>(T, T)> truth;
 
@@ -287,7 +286,7 @@ struct Subject {
 template <class T, class X>
 Subject<T> subject(const X& standard) {
   const auto surface = rebind<T>(standard);
-  return {X::info.name, detail::in_lanes<X>,
+  return {X::info.name,
           [surface](const Points<T>& points, const Outputs<T>& outputs, const EvaluateOptions& options) {
             return evaluate(surface, points, outputs, options);
           },
@@ -346,8 +345,8 @@ void expect_lanes(const Subject<T>& surface) {
     Memory<T> memory(Layout::packed, all_attributes(), u.size());
     const StatusSummary summary =
         surface.evaluate(Points<T>::arrays(u, v), memory.outputs, {.instruction_set = set});
-    const bool singly = set == InstructionSet::points || !surface.in_lanes;
-    EXPECT_EQ(summary.point_by_point, singly ? u.size() : 0U) << surface.name << ' ' << name_of(set);
+    EXPECT_EQ(summary.point_by_point, set == InstructionSet::points ? u.size() : 0U)
+        << surface.name << ' ' << name_of(set);
   }
 }
 

@@ -17,7 +17,9 @@
 #include <darboux/bezier_patch.h>
 #include <darboux/bspline_patch.h>
 #include <darboux/evaluate.h>
+#include <darboux/extrusion.h>
 #include <darboux/instruction_set.h>
+#include <darboux/surface_of_revolution.h>
 
 namespace darboux {
 namespace {
@@ -189,6 +191,59 @@ TEST(SplineBatches, CollapsedEdges) {
   }
 }
 
+// Control points of a curve about the plane y = 0, or in it.
+std::vector<Vec3<double>> random_points(std::mt19937& random, int count, double least_x, double most_y) {
+  std::uniform_real_distribution<double> x(least_x, 1), y(0, most_y);
+  std::vector<Vec3<double>> points;
+  for (int i = 0; i < count; ++i)
+    points.push_back({x(random), most_y > 0 ? y(random) : 0, double(i) / count});
+  return points;
+}
+
+TEST(SplineBatches, CurvesOfEveryDegreeGiveTheBitsOfSinglePoints) {
+  std::mt19937 random(34);
+  for (const int degree : {1, 2, 3, 4, 5, 6, 15})
+    for (const double spread : {1.0, 4.0, 1e6}) {
+      SCOPED_TRACE(std::to_string(degree) + ", weights by " + std::to_string(spread));
+      const int count = degree + 1 + static_cast<int>(random() % 6);
+      const Numbers knots = random_knots(random, degree, count);
+      const Numbers weights =
+          spread == 1 ? Numbers{} : random_weights(random, static_cast<std::size_t>(count), spread);
+      // Profiles on one side of the axis, and such that cross it.
+      for (const double least_x : {0.1, -1.0}) {
+        const SurfaceOfRevolution of_revolution{
+            BSplineCurve<double>(degree, knots, random_points(random, count, least_x, 0), weights)};
+        expect_same_bits<double>(of_revolution, random, {}, of_revolution.breaks(1));
+        expect_same_bits<float>(of_revolution, random, {}, of_revolution.breaks(1));
+      }
+      const Extrusion extrusion{
+          BSplineCurve<double>(degree, knots, random_points(random, count, -1, 1), weights), {0.1, 0.2, 1}};
+      expect_same_bits<double>(extrusion, random, extrusion.breaks(0), {});
+      expect_same_bits<float>(extrusion, random, extrusion.breaks(0), {});
+    }
+}
+
+// Profiles that begin and end on the axis, stop, and run straight; curves of which pieces run along the
+// direction.
+TEST(SplineBatches, CurvesWithSingularPlaces) {
+  std::mt19937 random(35);
+  const auto expect_same = [&](const auto& surface) {
+    expect_same_bits<double>(surface, random, surface.breaks(0), surface.breaks(1));
+    expect_same_bits<float>(surface, random, surface.breaks(0), surface.breaks(1));
+  };
+  const std::vector<Vec3<double>> lathe{{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0.5, 0, 1}, {0, 0, 2}, {-1, 0, 2}};
+  const std::vector<Vec3<double>> stops{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 1}, {1, 0, 1}, {2, 0, 1}};
+  for (const int degree : {1, 2, 3})
+    for (const auto& points : {lathe, stops}) {
+      const BSplineCurve<double> curve(degree, clamped_knots(degree, 6), points);
+      expect_same(SurfaceOfRevolution{curve});
+      expect_same(Extrusion{curve, Vec3<double>{0, 0, 1}});
+      expect_same(Extrusion{curve, Vec3<double>{0, 1e-200, 0}});
+      expect_same(SurfaceOfRevolution{
+          BSplineCurve<double>(degree, clamped_knots(degree, 6), points, {1, 2, 1, 0.5, 1, 3})});
+    }
+}
+
 // No point goes by itself, whatever its span.
 TEST(SplineBatches, RunInLanes) {
   if (instruction_sets().back() == InstructionSet::points) GTEST_SKIP() << "only `points` here";
@@ -200,6 +255,14 @@ TEST(SplineBatches, RunInLanes) {
       expect_same_bits(spline, Points<double>::arrays(std::span(at.u).first(n), std::span(at.v).first(n)),
                        std::span(attributes).first(6)),
       0U);
+  const std::span<const double> u = std::span(at.u).first(n), v = std::span(at.v).first(n);
+  const BSplineCurve<double> profile(3, clamped_knots(3, 8), random_points(random, 8, 0.1, 0));
+  for (const std::size_t first : {6U, 11U}) {
+    const std::span<const Attribute> asked = std::span(attributes).first(first);
+    EXPECT_EQ(expect_same_bits(SurfaceOfRevolution{profile}, Points<double>::arrays(u, v), asked), 0U);
+    EXPECT_EQ(expect_same_bits(Extrusion{profile, {0.1, 1, 0}}, Points<double>::arrays(u, v), asked), 0U);
+    EXPECT_EQ(expect_same_bits(SurfaceOfRevolution{profile}, Points<double>::grid(40, 20), asked), 0U);
+  }
   // Nor at simple knots, and on edges that are no point: the columns and rows 3, 6, ... of this grid are
   // knots.
   EXPECT_EQ(expect_same_bits(spline, Points<double>::grid(15, 15), std::span(attributes).first(6)), 0U);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <type_traits>
 
 #include <darboux/curvature.h>
@@ -75,8 +76,9 @@ S components_sum(const Vec3<S>& a) {
 
 // Curvatures in which terms have cancelled: those that the surface states, as for single points, which also
 // do what it does not state.
-template <class X, class S, class PU, class PV>
-void take_stated(const X& surface, const PU& u, const PV& v, const ShapeOperator<S>& shape, Curvature<S>& c) {
+template <class X, class Here, class S, class PU, class PV>
+void take_stated(const Here& surface, const PU& u, const PV& v, const ShapeOperator<S>& shape,
+                 Curvature<S>& c) {
   const auto lost = detail::lost_digits<X>(shape, c);
   if (lost.principal.any()) S::diverge();
   if (lost.gaussian.any()) {
@@ -93,16 +95,19 @@ void take_stated(const X& surface, const PU& u, const PV& v, const ShapeOperator
   }
 }
 
-// One batch of points; its status.
-template <class X, class T, Variant variant, class PU, class PV>
-Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
+template <Variant variant>
+constexpr int order_of = variant == Variant::everything ? 2 : 1;
+
+// One batch of points; its status. \param surface as it is there
+template <class X, class T, Variant variant, class Here, class PU, class PV>
+Status batch(const Target<T>& p, const Here& surface, const PU& u, const PV& v) {
   const Work<T>& w = p.work;
   using S = Batch<X, T, variant>;
   Status status = Status::regular;
   if constexpr (DeclaresSingularPoints<X>) status = surface.singular(u, v);
   Jet2<S> j;
   if constexpr (variant != Variant::frames || !HasClosedFrame<X>)
-    j = detail::jet_to < variant == Variant::everything ? 2 : 1 > (surface, u, v);
+    j = detail::jet_to<order_of<variant>>(surface, u, v);
   // A partial that is not finite has its status from the single-point functions.
   if constexpr (variant != Variant::frames) {
     S sum = components_sum(j.position) + components_sum(j.dpdu) + components_sum(j.dpdv);
@@ -148,7 +153,7 @@ Status batch(const Target<T>& p, const X& surface, const PU& u, const PV& v) {
       frame.status = status;
       const ShapeOperator<S> shape = shape_operator(j, frame);
       Curvature<S> c = curvature(shape, frame);
-      take_stated(surface, u, v, shape, c);
+      take_stated<X>(surface, u, v, shape, c);
       // Next to a pole terms may leave the range: single points then take the limit.
       if (!(c.gaussian - c.gaussian == S(0))) S::diverge();
       put(p, Attribute::gaussian_curvature, c.gaussian);
@@ -173,6 +178,11 @@ DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
   alignas(64) T sine_u[G], cosine_u[G], sine_v[G], cosine_v[G];
   if (!w.v_is_needed)  // any that is no pole
     for (std::size_t i = 0; i < G; ++i) sine_v[i] = T(1), cosine_v[i] = T(0);
+  // Of a curve along v: the surface where it is, the same for all of a row.
+  [[maybe_unused]] std::optional<std::remove_cvref_t<decltype(detail::at_place<order_of<variant>>(
+      surface, std::declval<Prepared<X::info.u, S>>(), std::declval<Prepared<X::info.v, S>>()))>>
+      row;
+  [[maybe_unused]] bool row_diverged = false;
   bool any_status = false;
   for (std::size_t first = 0; first < w.count; first += G) {
     const bool whole = first + G <= w.count;
@@ -196,9 +206,20 @@ DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
       for (std::size_t i = 0; i < n; i += W) {
         const std::size_t at = i + W <= n ? i : n - W;
         diverged = false;
-        const Status status =
-            batch<X, T, variant>(Target<T>{w, begin + at, w.past_caches && whole}, surface,
-                                 prepared<X::info.u, S>(u, at), prepared<X::info.v, S>(v, at));
+        const auto at_u = prepared<X::info.u, S>(u, at);
+        const auto at_v = prepared<X::info.v, S>(v, at);
+        const Target<T> target{w, begin + at, w.past_caches && whole};
+        const auto here = [&]() -> decltype(auto) {
+          return detail::at_place<order_of<variant>>(surface, at_u, at_v);
+        };
+        Status status;
+        if constexpr (detail::HasCurveAlong<X, 1>) {
+          if (!row || w.v.step != 0) row.emplace(here()), row_diverged = diverged;
+          diverged = row_diverged;
+          status = batch<X, T, variant>(target, *row, at_u, at_v);
+        } else {
+          status = batch<X, T, variant>(target, here(), at_u, at_v);
+        }
         if (diverged) {
           w.scalar_fallback(w.context, begin + at, W);
           any_status = true;

@@ -11,7 +11,8 @@ namespace {
 template <class X, class T>
 concept LongFormula = requires(const X& surface, const Lanes<T>& x) {
   surface.template jet_to<1>(x, x);
-};
+}
+|| detail::HasCurveAlong<X, 0> || detail::HasCurveAlong<X, 1>;
 
 // What goes through the formula at once. A line of two registers can be written past the caches from them;
 // but that makes kernels slow to compile, so not where all attributes are, and not of four registers; and

@@ -20,7 +20,7 @@ using OverT = decltype(darboux::rebind<T>(std::declval<const X&>()));
 
 template <class X, class T, Variant variant>
 constexpr Kernel<T> kernel_of() {
-  return {&kernel<X, T, variant>, Batch<X, T, variant>::lanes == batch_size<T>};
+  return {&kernel<X, T, variant>, Batch<X, T, variant>::lanes == batch_size<T>, detail::HasCurveAlong<X, 1>};
 }
 
 template <class T, class Surface>
@@ -30,11 +30,8 @@ constexpr std::array<Kernel<T>, 3> kernels_over() {
   // AVX-512, where frames alone are worth up to a fifth of the time.
   constexpr bool together = LongFormula<X, T> && !HasClosedFrame<X> && sizeof(Register<T>) < line;
   constexpr Variant frames = together ? Variant::first : Variant::frames;
-  if constexpr (detail::in_lanes<X>)
-    return {kernel_of<X, T, frames>(), kernel_of<X, T, Variant::first>(),
-            kernel_of<X, T, Variant::everything>()};
-  else
-    return {};
+  return {kernel_of<X, T, frames>(), kernel_of<X, T, Variant::first>(),
+          kernel_of<X, T, Variant::everything>()};
 }
 
 template <class Surface>

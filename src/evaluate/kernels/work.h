@@ -84,6 +84,7 @@ template <class T>
 struct Kernel {
   bool (*run)(const Work<T>&) = nullptr;  ///< whether a status other than zero was written
   bool writes_lines = false;              ///< whether it can pass the caches
+  bool by_rows = false;                   ///< whether points of one v are worth a call of their own
 };
 
 /// What is compiled of a surface: by what may be asked for.
