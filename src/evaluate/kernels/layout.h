@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lanes.h"
+#include "transpose.h"
 #include "work.h"
 
 namespace darboux::kernels {
@@ -206,7 +207,8 @@ void store_part(T* to, const Vector<T>& x) {
   (std::make_integer_sequence<int, Q>{});
 }
 
-// Writes the tile's rows to the structs: 16 bytes of a point at once where there are as many.
+// Writes the tile's rows to the structs: a register of a point at once where there are as many, then 16
+// bytes.
 template <std::size_t points, class T>
 void scatter(const Target<T>& place) {
   const Work<T>& w = place.work;
@@ -220,8 +222,19 @@ void scatter(const Target<T>& place) {
         for (std::size_t k = 0; k < run.count; ++k) reinterpret_cast<T*>(first)[k] = rows[k * B + p];
       continue;
     }
-    for (std::size_t part = 0; part < points; part += W, rows += W, first += W * run.stride)
-      for (std::size_t k = 0; k < run.count; k += Q) {
+    for (std::size_t part = 0; part < points; part += W, rows += W, first += W * run.stride) {
+      std::size_t k = 0;
+      if constexpr (W > Q)
+        for (; k + W <= run.count; k += W) {
+          std::array<Row<T>, std::size_t{W}> block;
+#pragma GCC unroll 16
+          for (std::size_t i = 0; i < W; ++i) std::memcpy(&block[i], rows + (k + i) * B, sizeof block[i]);
+          transpose<W / 2>(block);
+#pragma GCC unroll 16
+          for (std::ptrdiff_t p = 0; p < W; ++p)
+            std::memcpy(first + p * run.stride + k * sizeof(T), &block[p], sizeof block[p]);
+        }
+      for (; k < run.count; k += Q) {
         const std::size_t from = k + Q <= run.count ? k : run.count - Q;  // the last ones again, if need be
         Vector<T> row[Q], point[Q];
         for (std::size_t i = 0; i < Q; ++i)
@@ -233,6 +246,7 @@ void scatter(const Target<T>& place) {
         }
         (Sequence<T>{});
       }
+    }
   }
 }
 
