@@ -7,10 +7,12 @@
 #include <darboux/disk.h>
 #include <darboux/error.h>
 
+#include "base/evenly_chosen.h"
 #include "base/text.h"
 #include "by_normals.h"
 #include "evidence.h"
 #include "fit/fit_kinds.h"
+#include "mesh/triangle_signs.h"
 #include "shape.h"
 #include "surface_kind.h"
 
@@ -56,6 +58,40 @@ void mark_middle(const MeshFit& fit, const Mesh& mesh, std::vector<Truth>& truth
   for (std::size_t v = 0; v < truth.size(); ++v)
     if ((to_eigen(mesh.positions[v]) - middle).norm() <= 2 * fits_below * disk->outer_radius)
       truth[v].pole = true;
+}
+
+// Whether u runs over the triangles as it does on the surface. Uvs that are repeated more often than the mesh
+// has columns for fit, at the vertices alone, a surface on which they run the other way.
+bool runs_along_triangles(const Mesh& mesh, const MeshFit& fit) {
+  if (fit.chart != UvChart::own) return true;
+  constexpr std::size_t looked_at = 500;
+  Mesh few;
+  few.half_steps = mesh.half_steps;
+  for (const std::size_t t : evenly_chosen(mesh.triangles.size(), looked_at)) {
+    const auto first = static_cast<std::uint32_t>(few.positions.size());
+    few.triangles.push_back({first, first + 1, first + 2});
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      few.positions.push_back(mesh.positions[v]);
+      few.uvs.push_back(mesh.uvs[v]);
+    }
+  }
+  const std::vector<signed char> signs = triangle_signs(few);
+  const std::vector<Truth> truth = truths(few, fit, signs);
+  std::size_t compared = 0, along = 0;
+  for (std::size_t t = 0; t < few.triangles.size(); ++t) {
+    const auto& [a, b, c] = few.triangles[t];
+    const double dv1 = signs[t] * (few.uvs[b].y - few.uvs[a].y),
+                 dv2 = signs[t] * (few.uvs[c].y - few.uvs[a].y);
+    const Vec3<double> dpdu =
+        dv2 * (few.positions[b] - few.positions[a]) - dv1 * (few.positions[c] - few.positions[a]);
+    for (const std::uint32_t v : {a, b, c}) {
+      const double cosine = dot(dpdu, truth[v].tangent);
+      if (truth[v].pole || !(cosine < 0 || cosine > 0)) continue;
+      ++compared;
+      along += cosine > 0;
+    }
+  }
+  return 2 * along >= compared;
 }
 
 // One mesh that is looked at.
@@ -104,6 +140,11 @@ class Search {
     if (mesh_.uvs.empty() || !shape_.one_chart) return std::nullopt;
     try {
       std::optional<MeshFit> fit = fit_kinds(mesh_, placement_, kinds, maps, signs_);
+      if (fit && fit->fits && !runs_along_triangles(mesh_, *fit)) {
+        result_.reason = ": between vertices its uvs run another way than those of " +
+                         fit->surface.surface.specification(6);
+        return std::nullopt;
+      }
       if (fit && !fit->fits) {
         // Which kind comes nearest to what is none of them says nothing.
         if (!result_.fit || fit->rms_relative < result_.fit->rms_relative) result_.fit = std::move(*fit);

@@ -42,7 +42,9 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
     if (vertex_class == VertexClass::pole) continue;
     const double limit = limit_of(vertex_class, max_angle_deg);
     normals_[v] = claim_of(a.normal, truth[v].normal_deg, limit);
-    tangents_[v] = claim_of(a.projected_tangent, truth[v].tangent_deg, limit);
+    // Of a vertex of triangles without uv area nobody sees the tangent.
+    if (basis == Basis::declared || under_test.has_uv_area[v])
+      tangents_[v] = claim_of(a.projected_tangent, truth[v].tangent_deg, limit);
     all_normals.add(normals_[v], corners_of[v]);
     all_tangents.add(tangents_[v], corners_of[v]);
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <tuple>
 
 #include <darboux/frame.h>
@@ -17,6 +18,8 @@ namespace {
 
 constexpr double one_sided = 3;  // times the limit
 constexpr double uniform_deg = 0.1;
+// Normals at one place that count as one. assimp's dot product is 0.9999.
+constexpr double alike_deg = 0.9;
 
 constexpr double pi = std::numbers::pi;
 
@@ -41,15 +44,6 @@ std::array<Vec2<double>, 3> uvs_of(const Mesh& mesh, const Triangle& t) {
 
 bool has_direction(const Vec3<double>& a) {
   return detail::finite(a) && !(a == Vec3<double>{});
-}
-
-// The signed uv area, and whether rounding leaves its sign.
-int certain_sign(const std::array<Vec2<double>, 3>& uv, double half_step) {
-  const Vec2<double> a = uv[1] - uv[0], b = uv[2] - uv[0];
-  const double sizes = std::hypot(a.x, a.y) + std::hypot(b.x, b.y);
-  const double area = signed_uv_area2(uv[0], uv[1], uv[2]);
-  const double error = 2 * std::numbers::sqrt2 * half_step * sizes + 8 * half_step * half_step;
-  return std::fabs(area) <= error ? 0 : area > 0 ? 1 : -1;
 }
 
 // An arc of directions in a plane, radians.
@@ -85,14 +79,14 @@ class Closely {
     const std::size_t n = mesh.positions.size();
     std::vector<bool> group(n, false), near(n, false);
     for (std::uint32_t v = 0; v < n; ++v)
-      if (vertices[v]) group[joins.position_and_normal[v]] = true;
-    const auto in_group = [&](std::uint32_t v) { return group[joins.position_and_normal[v]]; };
+      if (vertices[v]) group[joins.position[v]] = true;
+    const auto in_group = [&](std::uint32_t v) { return group[joins.position[v]]; };
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       bool any = false;
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t v = mesh.triangles[t][k];
         if (!in_group(v)) continue;
-        corners_.push_back({joins.position_and_normal[v], t, k});
+        corners_.push_back({joins.position[v], t, k});
         any = true;
       }
       if (any)
@@ -108,40 +102,21 @@ class Closely {
 
   // \returns the claim, and how far outside in degrees
   std::pair<Claim, double> assess(std::uint32_t v, int sign, double limit_deg) {
-    const Vec3<double> n = unit(mesh_.normals[v]), t = square_to(mesh_.tangents[v].xyz(), n);
-    if (!has_direction(n) || !has_direction(t)) return {Claim::none, 0};
-    arcs_.clear();
-    rim_.clear();
-    normals_turn_ = 0;
-    uncertain_ = false;
-    x_ = unit(t), y_ = cross(n, x_), n_ = n;
-    const std::uint32_t group = joins_.position_and_normal[v];
-    for (auto c = std::lower_bound(corners_.begin(), corners_.end(), Corner{group, 0, 0});
-         c != corners_.end() && c->group == group; ++c) {
-      const Triangle& triangle = mesh_.triangles[c->triangle];
-      add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
-      if (raw_sign_[c->triangle] == sign) {
-        rim_.push_back(place(c->triangle, c->k + 1)), rim_.push_back(place(c->triangle, c->k + 2));
-        for (const std::uint32_t w : triangle)
-          if (const double turn = angle_between(mesh_.normals[w], n); turn > normals_turn_)
-            normals_turn_ = turn;
-      }
-      for (std::uint32_t k = 0; k < 3; ++k) add_other_diagonal(*c, k, sign);
-    }
-    if (arcs_.empty()) return {Claim::none, 0};
-    const Arc cone = hull(arcs_);
-    if (cone.half >= pi / 2) return {Claim::none, 0};
-    // The tangent is the direction 0.
-    const double away = std::fabs(std::remainder(cone.middle, 2 * pi)) - cone.half;
-    const double rounding =
-        std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
-    const double outside = degrees_per_radian * (away - rounding);
+    const std::optional<Arc> cone = cone_of(v, sign);
+    if (!cone || cone->half >= pi / 2) return {Claim::none, 0};
+    const double outside = outside_deg(v, *cone);
     if (outside <= limit_deg) return {Claim::within, 0};
     // The frame turns over a triangle about as its normals do.
-    if (outside <= one_sided * max_angle_deg_ + degrees_per_radian * normals_turn_ && !is_uniform(cone) &&
+    if (outside <= one_sided * max_angle_deg_ + degrees_per_radian * normals_turn_ && !is_uniform(*cone) &&
         !is_closed())
       return {Claim::none, 0};
     return {uncertain_ ? Claim::none : Claim::beyond, outside};
+  }
+
+  // Whether it is an average of its triangles' directions with positive weights.
+  bool is_average(std::uint32_t v, int sign) {
+    const std::optional<Arc> cone = cone_of(v, sign);
+    return cone && (cone->half >= pi / 2 || outside_deg(v, *cone) <= 0);
   }
 
  private:
@@ -153,6 +128,42 @@ class Closely {
     std::uint32_t low, high, triangle, k;  // places; from corner k to the next
     auto operator<=>(const Edge&) const = default;
   };
+
+  // The arc of the directions of its triangles, in its own plane; the tangent is the direction 0.
+  std::optional<Arc> cone_of(std::uint32_t v, int sign) {
+    const Vec3<double> n = unit(mesh_.normals[v]), t = square_to(mesh_.tangents[v].xyz(), n);
+    if (!has_direction(n) || !has_direction(t)) return std::nullopt;
+    arcs_.clear();
+    rim_.clear();
+    normals_turn_ = 0;
+    uncertain_ = false;
+    x_ = unit(t), y_ = cross(n, x_), n_ = n;
+    const std::uint32_t own = joins_.position_and_normal[v], group = joins_.position[v];
+    for (auto c = std::lower_bound(corners_.begin(), corners_.end(), Corner{group, 0, 0});
+         c != corners_.end() && c->group == group; ++c) {
+      const Triangle& triangle = mesh_.triangles[c->triangle];
+      if (const std::uint32_t w = triangle[c->k];
+          joins_.position_and_normal[w] != own &&
+          !(angle_between(mesh_.normals[w], n) <= alike_deg / degrees_per_radian))
+        continue;
+      add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
+      if (raw_sign_[c->triangle] == sign) {
+        rim_.push_back(place(c->triangle, c->k + 1)), rim_.push_back(place(c->triangle, c->k + 2));
+        for (const std::uint32_t w : triangle)
+          if (const double turn = angle_between(mesh_.normals[w], n); turn > normals_turn_)
+            normals_turn_ = turn;
+      }
+      for (std::uint32_t k = 0; k < 3; ++k) add_other_diagonal(*c, k, sign);
+    }
+    if (arcs_.empty()) return std::nullopt;
+    return hull(arcs_);
+  }
+  double outside_deg(std::uint32_t v, const Arc& cone) const {
+    const double away = std::fabs(std::remainder(cone.middle, 2 * pi)) - cone.half;
+    const double rounding =
+        std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
+    return degrees_per_radian * (away - rounding);
+  }
 
   std::uint32_t corner(std::uint32_t t, std::uint32_t k) const { return mesh_.triangles[t][k % 3]; }
   std::uint32_t place(std::uint32_t t, std::uint32_t k) const { return joins_.position[corner(t, k)]; }
@@ -174,18 +185,16 @@ class Closely {
   }
   // The direction of a triangle with its interval, where its uvs wind as asked.
   void add(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv, int sign) {
-    double size = 0, size_uv = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
+    double size = 0;
+    for (std::size_t k = 0; k < 3; ++k)
       size = std::fmax(size, std::fmax(std::fabs(p[k].x), std::fmax(std::fabs(p[k].y), std::fabs(p[k].z))));
-      size_uv = std::fmax(size_uv, std::fmax(std::fabs(uv[k].x), std::fabs(uv[k].y)));
-    }
     if (is_degenerate(uv[0], uv[1], uv[2]) || p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) return;
     if (is_degenerate(p[0], p[1], p[2])) {  // three places on a line: MikkTSpace counts it, others do not
       uncertain_ = true;
       return;
     }
     const double hp = half_step(mesh_.half_steps.position, size),
-                 hu = half_step(mesh_.half_steps.uv, size_uv);
+                 hu = half_step(mesh_.half_steps.uv, largest_coordinate(uv));
     const int winds = certain_sign(uv, hu);
     if (winds == -sign) return;
     if (winds == 0) {
@@ -210,10 +219,7 @@ class Closely {
   // Whether a triangle has no area in space, or none in uv as far as its uvs are known.
   bool is_open(const Triangle& t) const {
     const auto p = positions_of(mesh_, t);
-    const auto uv = uvs_of(mesh_, t);
-    double size = 0;
-    for (const Vec2<double>& a : uv) size = std::fmax(size, std::fmax(std::fabs(a.x), std::fabs(a.y)));
-    return is_degenerate(p[0], p[1], p[2]) || certain_sign(uv, half_step(mesh_.half_steps.uv, size)) == 0;
+    return is_degenerate(p[0], p[1], p[2]) || certain_sign(mesh_, t) == 0;
   }
 
   // Of the quads that edge k of the corner's triangle cuts, the triangles of the other diagonal that have the
@@ -307,6 +313,58 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
       if (claim == Claim::beyond)
         outside_.emplace_back(static_cast<std::uint32_t>(place), static_cast<float>(degrees));
     }
+}
+
+std::vector<bool> are_averages(const Mesh& mesh, std::span<const signed char> raw_sign,
+                               const VertexJoins& joins, const std::vector<bool>& vertices) {
+  Closely closely(mesh, raw_sign, joins, vertices, 0);
+  std::vector<bool> result(2 * vertices.size(), false);
+  for (std::uint32_t v = 0; v < vertices.size(); ++v)
+    for (const int sign : {-1, 1})
+      if (vertices[v]) result[place_of(v, sign)] = closely.is_average(v, sign);
+  return result;
+}
+
+std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
+                                      const std::vector<bool>& vertices) {
+  const std::size_t n = mesh.positions.size();
+  std::vector<bool> group(n, false), result(n, false);
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (vertices[v]) group[joins.position_and_normal[v]] = true;
+  std::vector<std::pair<std::uint32_t, Vec3<double>>> planes;  // of the triangles of a group, by group
+  for (const Triangle& t : mesh.triangles) {
+    const auto p = positions_of(mesh, t);
+    const Vec3<double> plane = unit(accurate_cross(p[1] - p[0], p[2] - p[0]));
+    if (!has_direction(plane)) continue;
+    for (const std::uint32_t v : t)
+      if (group[joins.position_and_normal[v]]) planes.emplace_back(joins.position_and_normal[v], plane);
+  }
+  std::stable_sort(planes.begin(), planes.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Arc> arcs;
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (!vertices[v]) continue;
+    const Vec3<double> m = unit(mesh.normals[v]);
+    if (!has_direction(m)) continue;
+    const Vec3<double> axis = std::fabs(m.x) < 0.6 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0},
+                       x = unit(cross(m, axis)), y = cross(m, x);
+    // Seen along the normal, the planes' normals must lie on all sides of it.
+    arcs.clear();
+    double along = 0;
+    bool at_it = false;
+    const std::uint32_t own = joins.position_and_normal[v];
+    for (auto at = std::lower_bound(planes.begin(), planes.end(), own,
+                                    [](const auto&a, std::uint32_t b) { return a.first < b; });
+         at != planes.end() && at->first == own; ++at) {
+      const double a = dot(at->second, x), b = dot(at->second, y), length = std::hypot(a, b);
+      along = std::fmax(along, dot(at->second, m));
+      constexpr double rounding = uniform_deg / degrees_per_radian;
+      at_it = at_it || (length <= rounding && dot(at->second, m) > 0);
+      if (length > rounding) arcs.push_back({std::atan2(b, a), std::asin(rounding / length)});
+    }
+    result[v] = along > 0 && (at_it || (!arcs.empty() && hull(arcs).half >= std::numbers::pi / 2));
+  }
+  return result;
 }
 
 Claim Cones::claim(std::uint32_t v, int sign) const {

@@ -5,14 +5,15 @@
 // MikkTSpace's, area's, angle's, anybody's. A tangent farther outside than the limit is no such average, and
 // that is an error whatever the surface.
 //
-// From what evidence. The triangles are all that share the corner's position and normal and whose uv area has
-// the sign of the corner's own. Where two of them form a quad that is convex in uv, those of its other
-// diagonal count too: nobody knows along which one the tool that made the tangents cut it. Each dpdu carries
-// the interval that half a rounding step of positions, uvs and normal allows. Where directions span 180
-// degrees or more, or a triangle that tells no direction may have drawn the tangent outside, nothing is
-// claimed. Nor is it where the triangles lie on one side of a curved vertex only, as at creases, tips and
-// folds of the uvs, and the tangent is outside by no more than three times the limit and the turn of the
-// normals over them: the true direction may lie half a triangle beyond them.
+// From what evidence. The triangles are all that share the corner's position and normal, or have one within a
+// degree of it there, as assimp counts them, and whose uv area has the sign of the corner's own. Where two of
+// them form a quad that is convex in uv, those of its other diagonal count too: nobody knows along which one
+// the tool that made the tangents cut it. Each dpdu carries the interval that half a rounding step of
+// positions, uvs and normal allows. Where directions span 180 degrees or more, or a triangle that tells no
+// direction may have drawn the tangent outside, nothing is claimed. Nor is it where the triangles lie on one
+// side of a curved vertex only, as at creases, tips and folds of the uvs, and the tangent is outside by no
+// more than three times the limit and the turn of the normals over them: the true direction may lie half a
+// triangle beyond them.
 #pragma once
 
 #include <cstdint>
@@ -46,5 +47,14 @@ class Cones {
   std::vector<Claim> claims_;  // of vertex v: clockwise at 2 v, counter-clockwise behind it
   std::vector<std::pair<std::uint32_t, float>> outside_;  // by place in claims_, ascending: degrees
 };
+
+// What a coarse mesh cannot do better: a tangent that is an average of its own triangles' dpdu with positive
+// weights, of vertex v on triangles clockwise at 2 v, counter-clockwise behind it, or any where those span
+// 180 degrees; and a normal that is one of the normals of its own triangles' planes, within a tenth of a
+// degree. \param vertices those asked about; false of others
+std::vector<bool> are_averages(const Mesh& mesh, std::span<const signed char> raw_sign,
+                               const VertexJoins& joins, const std::vector<bool>& vertices);
+std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
+                                      const std::vector<bool>& vertices);
 
 }  // namespace darboux

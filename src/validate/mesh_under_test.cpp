@@ -4,6 +4,7 @@
 
 #include "local_jets/local_truth.h"
 #include "mesh/triangle_signs.h"
+#include "rounding.h"
 
 namespace darboux {
 
@@ -25,13 +26,14 @@ MeshUnderTest prepare_with_uvs_of(const Mesh& mesh, MeshUnderTest other) {
   under_test.across_mirror.assign(mesh.positions.size(), false);
   under_test.has_uv_area.assign(mesh.positions.size(), false);
   std::vector<signed char> winds(mesh.positions.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (under_test.raw_sign[t] == 0 || certain_sign(mesh, mesh.triangles[t]) == 0) continue;
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (under_test.raw_sign[t] * winds[v] < 0) under_test.across_mirror[v] = true;
-      if (under_test.raw_sign[t] == 0) continue;
       winds[v] = under_test.raw_sign[t];
       under_test.has_uv_area[v] = true;
     }
+  }
   return under_test;
 }
 

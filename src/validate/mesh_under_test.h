@@ -20,8 +20,10 @@ struct MeshUnderTest {
   std::vector<bool> has_area{};         // triangles with area in space
   VertexJoins joins{};                  // of its vertices; empty in a part
   std::vector<std::uint32_t> equal{};   // of each vertex the first that is equal to the bit; empty in a part
-  std::vector<bool> across_mirror{};    // vertices that triangles share whose uvs wind differently
-  std::vector<bool> has_uv_area{};      // vertices of a triangle with uv area
+  // Of triangles whose uv area is more than rounding of their uvs: vertices that some share whose uvs wind
+  // differently, and vertices that any has.
+  std::vector<bool> across_mirror{};
+  std::vector<bool> has_uv_area{};
   MikktspaceReference
       mikktspace{};            // empty where it is not asked for, or tangents, normals, uvs or triangles lack
   std::vector<Truth> local{};  // at each vertex; empty where it is not asked for or there are no uvs

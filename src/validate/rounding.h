@@ -1,7 +1,12 @@
 // What rounding of the stored numbers allows.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <numbers>
+
+#include <darboux/mesh.h>
+#include <darboux/triangle.h>
 
 namespace darboux {
 
@@ -11,6 +16,26 @@ inline constexpr double single_roundoff = 0x1p-24;
 // larger.
 inline double half_step(double of_file, double size) {
   return std::fmax(of_file, single_roundoff * size);
+}
+
+inline double largest_coordinate(const std::array<Vec2<double>, 3>& uv) {
+  double size = 0;
+  for (const Vec2<double>& a : uv) size = std::fmax(size, std::fmax(std::fabs(a.x), std::fabs(a.y)));
+  return size;
+}
+
+// The sign of the uv area; 0 where rounding of the uvs leaves it open. \param half_step of the uvs
+inline int certain_sign(const std::array<Vec2<double>, 3>& uv, double half_step) {
+  const Vec2<double> a = uv[1] - uv[0], b = uv[2] - uv[0];
+  const double sizes = std::fabs(a.x) + std::fabs(a.y) + std::fabs(b.x) + std::fabs(b.y);
+  const double error = 2 * std::numbers::sqrt2 * half_step * sizes + 8 * half_step * half_step;
+  double area = a.x * b.y - a.y * b.x;
+  if (!(std::fabs(area) > 2 * error)) area = signed_uv_area2(uv[0], uv[1], uv[2]);  // to the last bit
+  return std::fabs(area) <= error ? 0 : area > 0 ? 1 : -1;
+}
+inline int certain_sign(const Mesh& mesh, const Triangle& t) {
+  const std::array<Vec2<double>, 3> uv{mesh.uvs[t[0]], mesh.uvs[t[1]], mesh.uvs[t[2]]};
+  return certain_sign(uv, half_step(mesh.half_steps.uv, largest_coordinate(uv)));
 }
 
 }  // namespace darboux

@@ -1,6 +1,12 @@
 #include "signs.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include <darboux/frame.h>
+
+#include "angles.h"
+#include "rounding.h"
 
 namespace darboux {
 
@@ -14,7 +20,7 @@ Signs::Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> chec
     if (!counts(t)) continue;
     SignCount& island = islands_[static_cast<std::size_t>(under_test.classes.island_of_triangle[t])];
     for (const std::uint32_t v : mesh.triangles[t]) {
-      if (!checks[v].sign_valid || !checks[v].has_tangent) continue;
+      if (!counts(t, v)) continue;
       const bool raw = mesh.tangents[v].w * under_test.raw_sign[t] > 0;
       ++(raw ? all_.raw : all_.gltf);
       ++(raw ? island.raw : island.gltf);
@@ -23,14 +29,26 @@ Signs::Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> chec
 }
 
 bool Signs::counts(std::uint32_t t) const {
-  return under_test_.raw_sign[t] != 0 && under_test_.has_area[t];
+  return under_test_.raw_sign[t] != 0 && under_test_.has_area[t] &&
+         certain_sign(under_test_.mesh, under_test_.mesh.triangles[t]) != 0;
+}
+
+bool Signs::counts(std::uint32_t t, std::uint32_t v) const {
+  if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
+  if (!checks_[v].has_normal || under_test_.normals.all_oppose) return true;
+  const Mesh& mesh = under_test_.mesh;
+  const auto& [a, b, c] = mesh.triangles[t];
+  const Vec3<double> plane =
+      cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+  const Vec3<double>& n = mesh.normals[v];
+  const double along = dot(n, plane), least = std::cos(supported_deg / degrees_per_radian);
+  return along > 0 && along * along >= least * least * dot(n, n) * dot(plane, plane);
 }
 
 bool Signs::wrong(std::uint32_t t, std::uint32_t v) const {
   if (all_.raw == 0 || all_.gltf == 0 || !counts(t)) return false;
-  if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
   const SignCount& island = islands_[static_cast<std::size_t>(under_test_.classes.island_of_triangle[t])];
-  return (under_test_.mesh.tangents[v].w * under_test_.raw_sign[t] > 0) != raw_in(island);
+  return (under_test_.mesh.tangents[v].w * under_test_.raw_sign[t] > 0) != raw_in(island) && counts(t, v);
 }
 
 Handedness Signs::handedness() const {

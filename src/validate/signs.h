@@ -14,7 +14,9 @@ struct SignCount {
   std::size_t raw = 0, gltf = 0;
 };
 
-// Of the whole mesh and of each island, over the corners of triangles with uv area.
+// Of the whole mesh and of each island, over the corners of triangles with uv area. A normal more than 80
+// degrees from its triangle leaves open what w means there: the triangle's winding, or the side on which w
+// times n × t must lie.
 class Signs {
  public:
   Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
@@ -27,8 +29,10 @@ class Signs {
   Handedness handedness() const;
 
  private:
-  // Triangles without area, in uv or in space, take no part: nothing is seen of them.
+  // Triangles without area in space, or as far as their uvs are known in uv, take no part: nothing is seen of
+  // them.
   bool counts(std::uint32_t t) const;
+  bool counts(std::uint32_t t, std::uint32_t v) const;
   // Where both signs hold half the island, the mesh's convention decides.
   bool raw_in(const SignCount& island) const {
     return island.raw == island.gltf ? raw() : island.raw > island.gltf;

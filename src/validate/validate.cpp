@@ -93,6 +93,7 @@ class MeshValidation {
   MeshReport report() && {
     compare();
     diagnose();
+    find_averages();
     check_corners();
     keep_errors_by_triangles();
     compare_with_neighbours();
@@ -149,13 +150,26 @@ class MeshValidation {
   template <class F>
   void for_each_corner_group(F f) const;
 
+  // Of what is beyond a recognised surface: a coarse mesh cannot do better.
+  bool is_average_tangent(std::uint32_t v, int sign) const {
+    if (average_tangents_.empty() || tangents_diagnosed_) return false;
+    const std::size_t at = 2 * std::size_t{v};
+    return sign < 0   ? average_tangents_[at]
+           : sign > 0 ? average_tangents_[at + 1]
+                      : average_tangents_[at] || average_tangents_[at + 1];
+  }
+  bool is_average_normal(std::uint32_t v) const {
+    return !average_normals_.empty() && !normals_diagnosed_ && average_normals_[v];
+  }
+
   void compare();
   void diagnose();
+  void find_averages();
   // Corners by what is found of them.
   struct Counts {
     std::array<std::size_t, corner_errors> of_error{};
     Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
-        local_tangents, local_normals, poles;
+        coarse_tangents, coarse_normals, local_tangents, local_normals, poles;
     std::size_t leaning = 0;
   };
   void check_corners();
@@ -189,6 +203,7 @@ class MeshValidation {
   Accurate accurate_;
   Smooth smooth_;
   bool tangents_diagnosed_ = false, normals_diagnosed_ = false;
+  std::vector<bool> average_tangents_, average_normals_;  // as are_averages() has them; empty: none
   // Corners: decided by the surface; compared with it and open; decided by the neighbours.
   std::size_t decided_ = 0, undecided_ = 0, locally_ = 0;
   MeshReport report_;
@@ -245,7 +260,7 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
     const bool authored = may_be_authored(v) && !tangents_diagnosed_ && !under_test_.cones.empty() &&
                           under_test_.cones.claim(v, group.sign) == Claim::within;
     if (claim == Claim::beyond && accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_))
-      return authored ? Decider::nobody : Decider::surface;
+      return authored || is_average_tangent(v, group.sign) ? Decider::nobody : Decider::surface;
   }
   const bool outside = !under_test_.cones.empty() && under_test_.cones.claim(v, group.sign) == Claim::beyond;
   return outside ? Decider::triangles : Decider::nobody;
@@ -258,7 +273,7 @@ bool MeshValidation::normal_error(std::uint32_t v) const {
   if (unsupported && !within) return true;
   return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
          accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) &&
-         !(may_be_authored(v) && !normals_diagnosed_ && !unsupported);
+         !(((may_be_authored(v) && !normals_diagnosed_) || is_average_normal(v)) && !unsupported);
 }
 
 // The first error that fits.
@@ -360,12 +375,14 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
   if (checks_[v].leans) counts.leaning += group.corners;
   if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
-    warn(accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_) ? counts.authored_tangents
-                                                                            : counts.surface_tangents,
+    warn(!accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_) ? counts.surface_tangents
+         : is_average_tangent(v, group.sign)                                 ? counts.coarse_tangents
+                                                                             : counts.authored_tangents,
          surface.projected_tangent);
   if (!normal_error(v) && accurate_.known() && accurate_.normal(v) == Claim::beyond)
-    warn(accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) ? counts.authored_normals
-                                                                          : counts.surface_normals,
+    warn(!accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) ? counts.surface_normals
+         : is_average_normal(v)                                            ? counts.coarse_normals
+                                                                           : counts.authored_normals,
          surface.normal);
   if (!smooth_.known() || is_pole(v)) return;
   if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
@@ -407,11 +424,14 @@ void MeshValidation::add_warnings(const Counts& counts) {
       edge =
           "; at borders, seams and creases of the recognised surface, where they may be authored: the "
           "corners' own triangles do not speak against them",
+      coarse = "; averages of their own triangles', which are too coarse for the recognised surface",
       nearby = "; more than three times that from what neighbouring vertices tell";
   for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, counts.surface_tangents, unsure},
                                      {Code::normal_angle, counts.surface_normals, unsure},
                                      {Code::tangent_angle, counts.authored_tangents, edge},
                                      {Code::normal_angle, counts.authored_normals, edge},
+                                     {Code::tangent_angle, counts.coarse_tangents, coarse},
+                                     {Code::normal_angle, counts.coarse_normals, coarse},
                                      {Code::tangent_angle, counts.local_tangents, nearby},
                                      {Code::normal_angle, counts.local_normals, nearby}})
     add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
@@ -612,6 +632,23 @@ void MeshValidation::diagnose() {
           return Directions{t, double{m.w} * cross(n, t)};
         },
         options_, report_);
+}
+
+void MeshValidation::find_averages() {
+  if (!accurate_.known() || accurate_.declared()) return;
+  const std::size_t n = mesh_.positions.size();
+  std::vector<bool> tangents(n, false), normals(n, false);
+  bool any_tangent = false, any_normal = false;
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (corners_of_[v] == 0) continue;
+    if (checks_[v].has_normal && accurate_.normal(v) == Claim::beyond) normals[v] = any_normal = true;
+    if (checks_[v].has_normal && accurate_.tangent(v) == Claim::beyond) tangents[v] = any_tangent = true;
+  }
+  if (!any_tangent && !any_normal) return;
+  const VertexJoins of_part = under_test_.joins.position.empty() ? join_vertices(mesh_) : VertexJoins{};
+  const VertexJoins& joins = under_test_.joins.position.empty() ? of_part : under_test_.joins;
+  if (any_tangent) average_tangents_ = are_averages(mesh_, under_test_.raw_sign, joins, tangents);
+  if (any_normal) average_normals_ = are_average_normals(mesh_, joins, normals);
 }
 
 void MeshValidation::add_notes() {
