@@ -18,6 +18,7 @@ namespace {
 
 constexpr double one_sided = 3;  // times the limit
 constexpr double uniform_deg = 0.1;
+constexpr double average_deg = 1;  // from a common average of triangles' normals
 // Normals at one place that count as one. assimp's dot product is 0.9999.
 constexpr double alike_deg = 0.9;
 
@@ -113,10 +114,15 @@ class Closely {
     return {uncertain_ ? Claim::none : Claim::beyond, outside};
   }
 
-  // Whether it is an average of its triangles' directions with positive weights.
-  bool is_average(std::uint32_t v, int sign) {
+  struct Direction {
+    bool average, all_round;
+  };
+  // As OwnDirections has them.
+  Direction direction(std::uint32_t v, int sign) {
     const std::optional<Arc> cone = cone_of(v, sign);
-    return cone && (cone->half >= pi / 2 || outside_deg(v, *cone) <= 0);
+    if (!cone) return {false, false};
+    const bool all_round = cone->half >= pi / 2;
+    return {!all_round && outside_deg(v, *cone) <= 0, all_round};
   }
 
  private:
@@ -315,55 +321,50 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
     }
 }
 
-std::vector<bool> are_averages(const Mesh& mesh, std::span<const signed char> raw_sign,
-                               const VertexJoins& joins, const std::vector<bool>& vertices) {
+OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_sign,
+                             const VertexJoins& joins, const std::vector<bool>& vertices) {
   Closely closely(mesh, raw_sign, joins, vertices, 0);
-  std::vector<bool> result(2 * vertices.size(), false);
+  const std::size_t n = 2 * vertices.size();
+  OwnDirections result{std::vector<bool>(n, false), std::vector<bool>(n, false)};
   for (std::uint32_t v = 0; v < vertices.size(); ++v)
-    for (const int sign : {-1, 1})
-      if (vertices[v]) result[place_of(v, sign)] = closely.is_average(v, sign);
+    for (const int sign : {-1, 1}) {
+      if (!vertices[v]) continue;
+      const auto [average, all_round] = closely.direction(v, sign);
+      result.average[place_of(v, sign)] = average;
+      result.all_round[place_of(v, sign)] = all_round;
+    }
   return result;
 }
 
 std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices) {
   const std::size_t n = mesh.positions.size();
-  std::vector<bool> group(n, false), result(n, false);
+  constexpr std::uint32_t none = ~0U;
+  std::vector<std::uint32_t> sum_of_group(n, none);
+  using Sums = std::array<Vec3<double>, 4>;  // each alike, by area, by angle, by both
+  std::vector<Sums> sums;
   for (std::uint32_t v = 0; v < n; ++v)
-    if (vertices[v]) group[joins.position_and_normal[v]] = true;
-  std::vector<std::pair<std::uint32_t, Vec3<double>>> planes;  // of the triangles of a group, by group
-  for (const Triangle& t : mesh.triangles) {
-    const auto p = positions_of(mesh, t);
-    const Vec3<double> plane = unit(accurate_cross(p[1] - p[0], p[2] - p[0]));
-    if (!has_direction(plane)) continue;
-    for (const std::uint32_t v : t)
-      if (group[joins.position_and_normal[v]]) planes.emplace_back(joins.position_and_normal[v], plane);
-  }
-  std::stable_sort(planes.begin(), planes.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Arc> arcs;
-  for (std::uint32_t v = 0; v < n; ++v) {
-    if (!vertices[v]) continue;
-    const Vec3<double> m = unit(mesh.normals[v]);
-    if (!has_direction(m)) continue;
-    const Vec3<double> axis = std::fabs(m.x) < 0.6 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0},
-                       x = unit(cross(m, axis)), y = cross(m, x);
-    // Seen along the normal, the planes' normals must lie on all sides of it.
-    arcs.clear();
-    double along = 0;
-    bool at_it = false;
-    const std::uint32_t own = joins.position_and_normal[v];
-    for (auto at = std::lower_bound(planes.begin(), planes.end(), own,
-                                    [](const auto&a, std::uint32_t b) { return a.first < b; });
-         at != planes.end() && at->first == own; ++at) {
-      const double a = dot(at->second, x), b = dot(at->second, y), length = std::hypot(a, b);
-      along = std::fmax(along, dot(at->second, m));
-      constexpr double rounding = uniform_deg / degrees_per_radian;
-      at_it = at_it || (length <= rounding && dot(at->second, m) > 0);
-      if (length > rounding) arcs.push_back({std::atan2(b, a), std::asin(rounding / length)});
+    if (std::uint32_t& sum = sum_of_group[joins.position_and_normal[v]]; vertices[v] && sum == none) {
+      sum = static_cast<std::uint32_t>(sums.size());
+      sums.push_back({});
     }
-    result[v] = along > 0 && (at_it || (!arcs.empty() && hull(arcs).half >= std::numbers::pi / 2));
-  }
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t sum = sum_of_group[joins.position_and_normal[t[k]]];
+      if (sum == none) continue;
+      const Vec3<double>&p = mesh.positions[t[k]], a = mesh.positions[t[(k + 1) % 3]] - p,
+            b = mesh.positions[t[(k + 2) % 3]] - p;
+      const Vec3<double> twice_area = accurate_cross(a, b), plane = unit(twice_area);
+      if (!has_direction(plane)) continue;
+      const double angle = angle_between(a, b);
+      Sums& s = sums[sum];
+      s[0] += plane, s[1] += twice_area, s[2] += angle * plane, s[3] += angle * twice_area;
+    }
+  std::vector<bool> result(n, false);
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (vertices[v])
+      for (const Vec3<double>& sum : sums[sum_of_group[joins.position_and_normal[v]]])
+        if (angle_between(mesh.normals[v], sum) <= average_deg / degrees_per_radian) result[v] = true;
   return result;
 }
 

@@ -48,12 +48,18 @@ class Cones {
   std::vector<std::pair<std::uint32_t, float>> outside_;  // by place in claims_, ascending: degrees
 };
 
-// What a coarse mesh cannot do better: a tangent that is an average of its own triangles' dpdu with positive
-// weights, of vertex v on triangles clockwise at 2 v, counter-clockwise behind it, or any where those span
-// 180 degrees; and a normal that is one of the normals of its own triangles' planes, within a tenth of a
-// degree. \param vertices those asked about; false of others
-std::vector<bool> are_averages(const Mesh& mesh, std::span<const signed char> raw_sign,
-                               const VertexJoins& joins, const std::vector<bool>& vertices);
+// Of vertices that are asked about and the sign of their triangles, clockwise at 2 v, counter-clockwise
+// behind it, as Cones has them; false of others: whether the tangent is an average of its own triangles' dpdu
+// with positive weights, which a coarse mesh cannot do better; and whether these span 180 degrees or more, as
+// at a cone's tip, so that no tangent is right for all.
+struct OwnDirections {
+  std::vector<bool> average, all_round;
+};
+OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_sign,
+                             const VertexJoins& joins, const std::vector<bool>& vertices);
+
+// Whether the normals of vertices that are asked about are within a degree of the average of their own
+// triangles' normals, each alike, by area, by angle or by both.
 std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices);
 

@@ -8,6 +8,11 @@
 
 namespace darboux {
 
+const VertexJoins& joins_of(const MeshUnderTest& under_test, VertexJoins& of_part) {
+  if (!under_test.joins.position.empty()) return under_test.joins;
+  return of_part = join_vertices(under_test.mesh);
+}
+
 MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options) {
   for (const auto& [set, uvs] : options.other_uvs)
     if (uvs.size() != mesh.positions.size())

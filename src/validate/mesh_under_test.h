@@ -33,6 +33,9 @@ struct MeshUnderTest {
   Cones cones{};  // empty where they are not asked for or the mesh lacks tangents, normals or uvs
 };
 
+// Its joins; those of a part are made here.
+const VertexJoins& joins_of(const MeshUnderTest& under_test, VertexJoins& of_part);
+
 // The signs and areas of its triangles and which of its vertices are the same. \param mesh consistent
 // \throws MeshError where a uv set of the options has another number of uvs than the mesh vertices
 MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options);

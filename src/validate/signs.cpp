@@ -11,17 +11,31 @@
 namespace darboux {
 
 Signs::Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks)
-    : under_test_(under_test),
-      checks_(checks),
-      islands_(static_cast<std::size_t>(under_test.classes.islands)) {
+    : under_test_(under_test), checks_(checks) {
   const Mesh& mesh = under_test.mesh;
+  islands_.resize(static_cast<std::size_t>(under_test.classes.islands));
   if (mesh.tangents.empty()) return;
+  count();
+  if (all_.raw == 0 || all_.gltf == 0 || mesh.normals.empty()) return;
+  std::vector<bool> asked(mesh.positions.size(), false);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (wrong(t, v)) asked[v] = true;
+  VertexJoins of_part;
+  all_round_ = own_directions(mesh, under_test.raw_sign, joins_of(under_test, of_part), asked).all_round;
+  count();
+}
+
+void Signs::count() {
+  all_ = {};
+  islands_.assign(islands_.size(), {});
+  const Mesh& mesh = under_test_.mesh;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!counts(t)) continue;
-    SignCount& island = islands_[static_cast<std::size_t>(under_test.classes.island_of_triangle[t])];
+    SignCount& island = islands_[static_cast<std::size_t>(under_test_.classes.island_of_triangle[t])];
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (!counts(t, v)) continue;
-      const bool raw = mesh.tangents[v].w * under_test.raw_sign[t] > 0;
+      const bool raw = mesh.tangents[v].w * under_test_.raw_sign[t] > 0;
       ++(raw ? all_.raw : all_.gltf);
       ++(raw ? island.raw : island.gltf);
     }
@@ -35,6 +49,8 @@ bool Signs::counts(std::uint32_t t) const {
 
 bool Signs::counts(std::uint32_t t, std::uint32_t v) const {
   if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
+  if (!all_round_.empty() && all_round_[2 * std::size_t{v} + (under_test_.raw_sign[t] > 0 ? 1 : 0)])
+    return false;
   if (!checks_[v].has_normal || under_test_.normals.all_oppose) return true;
   const Mesh& mesh = under_test_.mesh;
   const auto& [a, b, c] = mesh.triangles[t];

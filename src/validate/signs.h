@@ -16,7 +16,7 @@ struct SignCount {
 
 // Of the whole mesh and of each island, over the corners of triangles with uv area. A normal more than 80
 // degrees from its triangle leaves open what w means there: the triangle's winding, or the side on which w
-// times n × t must lie.
+// times n × t must lie. So do triangles whose dpdu go all round their vertex.
 class Signs {
  public:
   Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
@@ -29,6 +29,7 @@ class Signs {
   Handedness handedness() const;
 
  private:
+  void count();
   // Triangles without area in space, or as far as their uvs are known in uv, take no part: nothing is seen of
   // them.
   bool counts(std::uint32_t t) const;
@@ -42,6 +43,7 @@ class Signs {
   std::span<const VertexChecks> checks_;
   SignCount all_;
   std::vector<SignCount> islands_;
+  std::vector<bool> all_round_;  // as OwnDirections has them; empty: none
 };
 
 }  // namespace darboux

@@ -203,7 +203,7 @@ class MeshValidation {
   Accurate accurate_;
   Smooth smooth_;
   bool tangents_diagnosed_ = false, normals_diagnosed_ = false;
-  std::vector<bool> average_tangents_, average_normals_;  // as are_averages() has them; empty: none
+  std::vector<bool> average_tangents_, average_normals_;  // as OwnDirections has them; empty: none
   // Corners: decided by the surface; compared with it and open; decided by the neighbours.
   std::size_t decided_ = 0, undecided_ = 0, locally_ = 0;
   MeshReport report_;
@@ -645,9 +645,14 @@ void MeshValidation::find_averages() {
     if (checks_[v].has_normal && accurate_.tangent(v) == Claim::beyond) tangents[v] = any_tangent = true;
   }
   if (!any_tangent && !any_normal) return;
-  const VertexJoins of_part = under_test_.joins.position.empty() ? join_vertices(mesh_) : VertexJoins{};
-  const VertexJoins& joins = under_test_.joins.position.empty() ? of_part : under_test_.joins;
-  if (any_tangent) average_tangents_ = are_averages(mesh_, under_test_.raw_sign, joins, tangents);
+  VertexJoins of_part;
+  const VertexJoins& joins = joins_of(under_test_, of_part);
+  if (any_tangent) {
+    OwnDirections own = own_directions(mesh_, under_test_.raw_sign, joins, tangents);
+    average_tangents_ = std::move(own.average);
+    for (std::size_t k = 0; k < own.all_round.size(); ++k)
+      if (own.all_round[k]) average_tangents_[k] = true;
+  }
   if (any_normal) average_normals_ = are_average_normals(mesh_, joins, normals);
 }
 
