@@ -341,7 +341,7 @@ std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins
   const std::size_t n = mesh.positions.size();
   constexpr std::uint32_t none = ~0U;
   std::vector<std::uint32_t> sum_of_group(n, none);
-  using Sums = std::array<Vec3<double>, 4>;  // each alike, by area, by angle, by both
+  using Sums = std::array<Vec3<double>, 5>;  // each alike, by area, by angle, by both, and as [Max1999] does
   std::vector<Sums> sums;
   for (std::uint32_t v = 0; v < n; ++v)
     if (std::uint32_t& sum = sum_of_group[joins.position_and_normal[v]]; vertices[v] && sum == none) {
@@ -359,6 +359,7 @@ std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins
       const double angle = angle_between(a, b);
       Sums& s = sums[sum];
       s[0] += plane, s[1] += twice_area, s[2] += angle * plane, s[3] += angle * twice_area;
+      s[4] += twice_area / (dot(a, a) * dot(b, b));
     }
   std::vector<bool> result(n, false);
   for (std::uint32_t v = 0; v < n; ++v)

@@ -59,7 +59,7 @@ OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_
                              const VertexJoins& joins, const std::vector<bool>& vertices);
 
 // Whether the normals of vertices that are asked about are within a degree of the average of their own
-// triangles' normals, each alike, by area, by angle or by both.
+// triangles' normals, each alike, by area, by angle, by both, or by sin(angle)/(|e1| |e2|) as [Max1999].
 std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices);
 

@@ -1,0 +1,232 @@
+// What common methods make of coarse meshes is no error, though it is far from the surface that a mesh is
+// recognised as; nor is a sign that the mesh leaves open.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <darboux/assess.h>
+#include <darboux/frame.h>
+#include <darboux/mesh_frames.h>
+#include <darboux/sample_mesh.h>
+
+namespace darboux {
+namespace {
+
+using V = Vec3<double>;
+
+// ---- normals and tangents as tools make them
+
+enum class Average { uniform, area, angle, both };
+
+// Over all triangles at a place, across seams.
+void average_normals(Mesh& mesh, Average average) {
+  const auto near = [&](std::uint32_t a, std::uint32_t b) {
+    return norm(mesh.positions[a] - mesh.positions[b]) < 1e-9;
+  };
+  std::vector<V> sums(mesh.positions.size(), V{0, 0, 0});
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const V a = mesh.positions[t[(k + 1) % 3]] - mesh.positions[t[k]],
+              b = mesh.positions[t[(k + 2) % 3]] - mesh.positions[t[k]], across = cross(a, b);
+      if (!(norm(across) > 0)) continue;
+      const double by_area = average == Average::area || average == Average::both ? norm(across) : 1,
+                   by_angle = average == Average::angle || average == Average::both ? angle_between(a, b) : 1;
+      for (std::uint32_t v = 0; v < sums.size(); ++v)
+        if (near(v, t[k])) sums[v] = sums[v] + by_area * by_angle * unit(across);
+    }
+  for (std::size_t v = 0; v < sums.size(); ++v)
+    if (norm(sums[v]) > 0) mesh.normals[v] = unit(sums[v]);
+}
+
+void store_tangents(Mesh& mesh, std::string_view method, SignConvention sign) {
+  const MeshFrames frames = mesh_frames(mesh, find_frame_method(method));
+  Mesh corners = mesh;
+  corners.positions.clear(), corners.normals.clear(), corners.uvs.clear(), corners.tangents.clear();
+  for (std::uint32_t c = 0; c < mesh.corners(); ++c) {
+    const std::uint32_t v = mesh.triangles[c / 3][c % 3];
+    const V& n = mesh.normals[v];
+    const V t = unit(frames.corner(c).t - dot(frames.corner(c).t, n) * n);
+    corners.positions.push_back(mesh.positions[v]);
+    corners.normals.push_back(n);
+    corners.uvs.push_back(mesh.uvs[v]);
+    const double w = sign == SignConvention::raw ? frames.corner(c).sign : -frames.corner(c).sign;
+    corners.tangents.push_back({t.x, t.y, t.z, w});
+    corners.triangles[c / 3][c % 3] = c;
+  }
+  mesh = std::move(corners);
+}
+
+std::string errors(const MeshReport& report) {
+  std::string text;
+  for (const Finding& f : report.findings)
+    if (f.severity == Severity::error) text += std::string(f.code) + ": " + f.message + '\n';
+  return text;
+}
+
+std::size_t count_of(const MeshReport& report, std::string_view code, Severity severity) {
+  std::size_t count = 0;
+  for (const Finding& f : report.findings) count += f.code == code && f.severity == severity ? f.count : 0;
+  return count;
+}
+
+TEST(CoarseMeshes, AveragesAreNoErrors) {
+  constexpr std::uint64_t seed = 5;
+  std::cout << "seed " << seed << '\n';
+  std::size_t recognised = 0, beyond = 0;
+  std::uint64_t number = seed;
+  for (const char* surface : {"sphere", "ellipsoid:semi_axis_x=0.8,semi_axis_y=1.1,semi_axis_z=0.95",
+                              "torus:major_radius=1,minor_radius=0.3", "cylinder", "cone"})
+    for (const int columns : {6, 8, 16, 24})
+      for (const Average average : {Average::uniform, Average::area, Average::angle, Average::both}) {
+        Mesh coarse = sample_mesh(make_surface(surface), {.columns = columns,
+                                                          .rows = std::max(4, columns / 2),
+                                                          .random_diagonals = true,
+                                                          .seed = ++number});
+        average_normals(coarse, average);
+        for (const char* method : {"mikktspace", "average", "unit", "area", "angle", "face"}) {
+          Mesh mesh = coarse;
+          store_tangents(mesh, method, number % 2 == 0 ? SignConvention::raw : SignConvention::gltf);
+          const Assessment assessment = assess(mesh);
+          EXPECT_EQ(errors(assessment.report), "") << surface << ", " << columns << " columns, normals "
+                                                   << static_cast<int>(average) << ", " << method;
+          recognised += assessment.fit && assessment.fit->fits;
+          beyond += count_of(assessment.report, "TANGENT_ANGLE", Severity::warning) +
+                    count_of(assessment.report, "NORMAL_ANGLE", Severity::warning);
+        }
+      }
+  // Else the test would say nothing.
+  EXPECT_GT(recognised, 300U);
+  EXPECT_GT(beyond, 1000U);
+}
+
+// Of one vertex that is off where all others are right.
+TEST(CoarseMeshes, OneThatIsNoAverageIsAnError) {
+  const Mesh good =
+      sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.4"), {.columns = 32, .rows = 16});
+  constexpr std::size_t v = 33 * 8 + 11;
+  Mesh mesh = good;
+  const V n = good.normals[v], t = good.tangents[v].xyz();
+  mesh.normals[v] = unit(n + 0.2 * cross(n, t));
+  EXPECT_EQ(count_of(assess(mesh).report, "NORMAL_ANGLE", Severity::error), 6U);
+  mesh = good;
+  const V turned = unit(t + 0.3 * cross(n, t));
+  mesh.tangents[v] = {turned.x, turned.y, turned.z, good.tangents[v].w};
+  EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_ANGLE", Severity::error), 6U);
+}
+
+// ---- uvs
+
+// Seven times round over eight columns: at the vertices the uvs are those of once round the other way.
+TEST(CoarseMeshes, RepeatedUvsDoNotRunBackwards) {
+  for (const double times : {7.0, 5.0, 15.0, -7.0, 1.0}) {
+    Mesh mesh = sample_mesh(make_surface("cylinder:radius=0.5,height=2"), {.columns = 8, .rows = 2});
+    for (std::size_t v = 0; v < mesh.uvs.size(); ++v) {
+      mesh.uvs[v].x *= times;
+      if (times < 0)
+        mesh.tangents[v] = {-mesh.tangents[v].x, -mesh.tangents[v].y, -mesh.tangents[v].z,
+                            -mesh.tangents[v].w};
+    }
+    const MeshReport report = assess(mesh).report;
+    EXPECT_EQ(errors(report), "") << times;
+    EXPECT_EQ(count_of(report, "TANGENT_AXES", Severity::warning), 0U) << times;
+    EXPECT_EQ(count_of(report, "TANGENT_ANGLE", Severity::warning), 0U) << times;
+  }
+}
+
+// A sphere seen from the front: triangles on its rim have no uv area, and nobody sees their tangents.
+TEST(CoarseMeshes, TangentsWithoutUvAreaAreNotCompared) {
+  Mesh mesh = sample_mesh(make_surface("sphere"), {.topology = MeshTopology::icosphere, .subdivisions = 4});
+  for (std::size_t v = 0; v < mesh.uvs.size(); ++v) mesh.uvs[v] = {mesh.positions[v].x, mesh.positions[v].y};
+  store_tangents(mesh, "mikktspace", SignConvention::gltf);
+  EXPECT_EQ(errors(assess(mesh).report), "");
+}
+
+// ---- signs
+
+// A grid of cells [0, columns] x [0, 2] with a height, uvs (x, y), and tangents of the raw sign.
+Mesh sheet(std::size_t columns, double (*height)(double, double)) {
+  Mesh mesh;
+  for (std::size_t j = 0; j <= 2; ++j)
+    for (std::size_t i = 0; i <= columns; ++i) {
+      const auto x = static_cast<double>(i), y = static_cast<double>(j);
+      mesh.positions.push_back({x, y, height(x, y)});
+      mesh.uvs.push_back({x, y});
+      mesh.normals.push_back({0, 0, 1});
+      mesh.tangents.push_back({1, 0, 0, 1});
+    }
+  const auto at = [&](std::size_t i, std::size_t j) {
+    return static_cast<std::uint32_t>(j * (columns + 1) + i);
+  };
+  for (std::size_t j = 0; j < 2; ++j)
+    for (std::size_t i = 0; i < columns; ++i) {
+      mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return mesh;
+}
+
+// Where a normal opposes its triangle, w follows the winding by MikkTSpace, and by Lengyel the side of n × t.
+TEST(Signs, OfNormalsThatOpposeTheirTriangleAreOpen) {
+  const auto wave = [](double x, double y) { return 0.3 * std::sin(2 * x) + 0.2 * std::cos(3 * y); };
+  for (const double w : {1.0, -1.0}) {
+    Mesh mesh = sheet(12, +wave);
+    average_normals(mesh, Average::area);
+    store_tangents(mesh, "unit", SignConvention::raw);
+    const std::size_t c = 30;
+    mesh.normals[c] = -mesh.normals[c];
+    mesh.tangents[c].w = w;
+    EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_HANDEDNESS", Severity::error), 0U) << w;
+    mesh.normals[c] = -mesh.normals[c];
+    EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_HANDEDNESS", Severity::error), w < 0 ? 1U : 0U) << w;
+  }
+}
+
+// A triangle that the uvs flatten but for 1e-17, as the sine of a half turn does.
+TEST(Signs, OfUvAreaByRoundingAreOpen) {
+  for (const double area : {1e-17, 1e-2}) {
+    Mesh mesh = sheet(6, [](double x, double y) { return 0.3 * std::sin(x) + 0.2 * y * y; });
+    average_normals(mesh, Average::area);
+    for (auto& uv : mesh.uvs) uv.y -= 1;
+    store_tangents(mesh, "unit", SignConvention::raw);
+    const std::uint32_t t = 2 * (6 + 3);  // its first edge lies on v = 0
+    for (const std::uint32_t v : mesh.triangles[t]) mesh.tangents[v].w = -1;
+    mesh.uvs[mesh.triangles[t][2]].y = area;
+    EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_HANDEDNESS", Severity::error), area > 1e-3 ? 3U : 0U)
+        << area;
+  }
+}
+
+// At a tip that uvs go round, no w is right for all triangles.
+TEST(Signs, OfTipsThatUvsGoRoundAreOpen) {
+  constexpr std::uint32_t sides = 12;
+  Mesh mesh;
+  mesh.positions.push_back({0, 0, 1});
+  mesh.uvs.push_back({0.5, 1});
+  for (std::uint32_t i = 0; i <= sides; ++i) {  // a seam
+    const double angle = 2 * M_PI * (i % sides) / sides;
+    mesh.positions.push_back({std::cos(angle), std::sin(angle), 0});
+    mesh.uvs.push_back({static_cast<double>(i) / sides, 0});
+  }
+  for (std::uint32_t i = 0; i < sides; ++i) mesh.triangles.push_back({0, 1 + i, 2 + i});
+  mesh.normals.resize(mesh.positions.size());
+  average_normals(mesh, Average::area);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const V& p = mesh.positions[v];
+    const V t = v == 0 ? V{1, 0, 0} : unit(V{-p.y, p.x, 0});
+    mesh.tangents.push_back({t.x, t.y, t.z, 1});
+  }
+  for (const std::uint32_t v : {0U, 3U}) {
+    Mesh flipped = mesh;
+    flipped.tangents[v].w = -1;
+    const std::size_t n = count_of(assess(flipped).report, "TANGENT_HANDEDNESS", Severity::error);
+    EXPECT_EQ(n > 0, v != 0) << v;
+  }
+}
+
+}  // namespace
+}  // namespace darboux
