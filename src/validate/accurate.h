@@ -4,8 +4,10 @@
 // deviations of the truth, is wrong where the surface was declared. Where it was only recognised, the surface
 // may be the wrong one: a corner is an error only where at least 80 % of the part agree with the surface
 // (normals and tangents counted apart), or where a named mistake explains the rest; else it is a warning, and
-// question 2 decides. From what evidence: the surface's truth at each vertex. At poles, where no direction is
-// right for every texture, and of faceted normals on a recognised surface, nothing is claimed.
+// question 2 decides. Nor is it an error that a coarse mesh does not follow a recognised surface: a tangent
+// that is an average of its own triangles' dpdu, and a normal that is a common average of theirs, are
+// warnings. From what evidence: the surface's truth at each vertex. At poles, where no direction is right for
+// every texture, and of faceted normals on a recognised surface, nothing is claimed.
 #pragma once
 
 #include <span>
