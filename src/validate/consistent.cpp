@@ -119,10 +119,11 @@ class Closely {
   };
   // As OwnDirections has them.
   Direction direction(std::uint32_t v, int sign) {
-    const std::optional<Arc> cone = cone_of(v, sign);
-    if (!cone) return {false, false};
-    const bool all_round = cone->half >= pi / 2;
-    return {!all_round && outside_deg(v, *cone) <= 0, all_round};
+    const std::optional<Arc> own = cone_of(v, sign, false);
+    if (!own) return {false, false};
+    if (own->half >= pi / 2) return {false, true};
+    const std::optional<Arc> of_quads = cone_of(v, sign);
+    return {outside_deg(v, *own) <= 0 || (of_quads->half < pi / 2 && outside_deg(v, *of_quads) <= 0), false};
   }
 
  private:
@@ -136,7 +137,8 @@ class Closely {
   };
 
   // The arc of the directions of its triangles, in its own plane; the tangent is the direction 0.
-  std::optional<Arc> cone_of(std::uint32_t v, int sign) {
+  // \param of_quads with the triangles of other diagonals
+  std::optional<Arc> cone_of(std::uint32_t v, int sign, bool of_quads = true) {
     const Vec3<double> n = unit(mesh_.normals[v]), t = square_to(mesh_.tangents[v].xyz(), n);
     if (!has_direction(n) || !has_direction(t)) return std::nullopt;
     arcs_.clear();
@@ -159,7 +161,7 @@ class Closely {
           if (const double turn = angle_between(mesh_.normals[w], n); turn > normals_turn_)
             normals_turn_ = turn;
       }
-      for (std::uint32_t k = 0; k < 3; ++k) add_other_diagonal(*c, k, sign);
+      for (std::uint32_t k = 0; of_quads && k < 3; ++k) add_other_diagonal(*c, k, sign);
     }
     if (arcs_.empty()) return std::nullopt;
     return hull(arcs_);
