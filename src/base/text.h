@@ -24,9 +24,10 @@ inline std::string rounded(double x, int digits) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, digits).ptr};
 }
 
-/// A standard deviation for people; NaN means that nothing is known of it.
+/// A standard deviation of an angle in degrees, for people; of NaN, and of more than half a turn, nothing is
+/// known.
 inline std::string deviation_text(double x, int digits, const char* unit = "") {
-  return std::isnan(x) ? "an unknown angle" : rounded(x, digits) + unit;
+  return x <= 180 ? rounded(x, digits) + unit : "an unknown angle";
 }
 
 /// The name of an enumerator; the names in the order of the enumeration.

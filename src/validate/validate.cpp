@@ -92,8 +92,8 @@ class MeshValidation {
 
   MeshReport report() && {
     compare();
-    diagnose();
     find_averages();
+    diagnose();
     check_corners();
     keep_errors_by_triangles();
     compare_with_neighbours();
@@ -150,27 +150,35 @@ class MeshValidation {
   template <class F>
   void for_each_corner_group(F f) const;
 
-  // Of what is beyond a recognised surface: a coarse mesh cannot do better.
+  // Of what is beyond a recognised surface, or an unsupported normal: a coarse mesh cannot do better.
   bool is_average_tangent(std::uint32_t v, int sign) const {
-    if (average_tangents_.empty() || tangents_diagnosed_) return false;
+    if (average_tangents_.empty()) return false;
     const std::size_t at = 2 * std::size_t{v};
     return sign < 0   ? average_tangents_[at]
            : sign > 0 ? average_tangents_[at + 1]
                       : average_tangents_[at] || average_tangents_[at + 1];
   }
-  bool is_average_normal(std::uint32_t v) const {
-    return !average_normals_.empty() && !normals_diagnosed_ && average_normals_[v];
+  bool is_average_normal(std::uint32_t v) const { return !average_normals_.empty() && average_normals_[v]; }
+  // More than 80 degrees from its triangles. That is right at sharp edges and tips, where no average of
+  // theirs is nearer, and may be meant where a surface ends, as on cards of leaves that are lit as the crown
+  // is.
+  bool is_unsupported(std::uint32_t v) const {
+    return !mesh_.normals.empty() && under_test_.normals.unsupported[v] && !is_average_normal(v);
+  }
+  bool may_be_lit_otherwise(std::uint32_t v) const {
+    return !accurate_.declared() && classes_.of_vertex[v] == VertexClass::border;
   }
 
   void compare();
   void diagnose();
   void find_averages();
+  bool beyond_are_averages(bool tangents) const;
   // Corners by what is found of them.
   struct Counts {
     std::array<std::size_t, corner_errors> of_error{};
     Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
         coarse_tangents, coarse_normals, local_tangents, local_normals, poles;
-    std::size_t leaning = 0;
+    std::size_t leaning = 0, lit_otherwise = 0;
   };
   void check_corners();
   void count_errors(const CornerGroup& group, Code error, Counts& counts);
@@ -267,13 +275,13 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
 }
 
 bool MeshValidation::normal_error(std::uint32_t v) const {
-  const bool unsupported = !mesh_.normals.empty() && under_test_.normals.unsupported[v];
+  const bool unsupported = is_unsupported(v) && !may_be_lit_otherwise(v);
   // Of a plane either side may be out, so that it has nothing to say for a normal against its own triangles.
   const bool within = accurate_.known() && accurate_.has_sides() && accurate_.normal(v) == Claim::within;
   if (unsupported && !within) return true;
   return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
          accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) &&
-         !(((may_be_authored(v) && !normals_diagnosed_) || is_average_normal(v)) && !unsupported);
+         !(((may_be_authored(v) && !normals_diagnosed_) || is_average_normal(v)) && !is_unsupported(v));
 }
 
 // The first error that fits.
@@ -286,7 +294,7 @@ Code MeshValidation::error_of(const CornerGroup& group) const {
     if (c.tangent_zero && under_test_.has_uv_area[v]) return tangent_zero;
     if (!c.tangent_zero && !c.tangent_unit) return tangent_not_unit;
     if (!c.tangent_zero && !c.sign_valid) return tangent_invalid_sign;
-    if (c.along_normal) return tangent_not_orthogonal;
+    if (c.along_normal && under_test_.has_uv_area[v]) return tangent_not_orthogonal;
     if (group.wrong_sign) return tangent_handedness;
     if (tangent_error(group) != Decider::nobody) return tangent_angle;
   }
@@ -359,7 +367,7 @@ void MeshValidation::count_errors(const CornerGroup& group, Code error, Counts& 
   }
   if (normal_error(v)) counts.normals.in_all += corners;
   if (error == Code::normal_angle) {
-    const bool by_triangles = under_test_.normals.unsupported[v];
+    const bool by_triangles = is_unsupported(v);
     (by_triangles ? counts.normals.by_triangles : counts.normals.by_surface) += corners;
     counts.normals.worst = std::fmax(counts.normals.worst, surface.normal);
   }
@@ -373,7 +381,9 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
   };
   const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
-  if (checks_[v].leans) counts.leaning += group.corners;
+  if (checks_[v].leans || (checks_[v].along_normal && !under_test_.has_uv_area[v]))
+    counts.leaning += group.corners;
+  if (is_unsupported(v) && !normal_error(v)) counts.lit_otherwise += group.corners;
   if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
     warn(!accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_) ? counts.surface_tangents
          : is_average_tangent(v, group.sign)                                 ? counts.coarse_tangents
@@ -435,6 +445,8 @@ void MeshValidation::add_warnings(const Counts& counts) {
                                      {Code::tangent_angle, counts.local_tangents, nearby},
                                      {Code::normal_angle, counts.local_normals, nearby}})
     add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
+  add(report_, warning(Code::normal_angle, counts.lit_otherwise,
+                       "; more than 80 deg from their own triangles, at borders, where that may be meant"));
   add(report_, warning(Code::tangent_not_orthogonal, counts.leaning));
   add(report_, finding(Code::pole_tangent, counts.poles.counted(),
                        " (worst " + rounded(counts.poles.worst, 4) + " deg)"));
@@ -586,7 +598,7 @@ void MeshValidation::look_at_signs() {
 }
 
 void MeshValidation::diagnose() {
-  if (accurate_.known() && accurate_.normals_agree() < Accurate::enough)
+  if (accurate_.known() && accurate_.normals_agree() < Accurate::enough && !beyond_are_averages(false))
     normals_diagnosed_ = diagnose_normals(under_test_, accurate_, options_, report_);
   if (mesh_.tangents.empty()) return;
   const std::span<const Truth> truth = statistics_truth();
@@ -604,6 +616,7 @@ void MeshValidation::diagnose() {
     most = std::fmax(most, off);
   }
   add(report_, finding(Code::bitangent_not_orthogonal, oblique, " (by up to " + rounded(most, 3) + " deg)"));
+  if (accurate_.known() && beyond_are_averages(true)) return;
   // Without a surface the mesh's own triangles say whether there is anything to diagnose.
   if (!accurate_.known() && !under_test_.cones.empty()) {
     bool any = false;
@@ -635,14 +648,15 @@ void MeshValidation::diagnose() {
 }
 
 void MeshValidation::find_averages() {
-  if (!accurate_.known() || accurate_.declared()) return;
   const std::size_t n = mesh_.positions.size();
+  const bool recognised = accurate_.known() && !accurate_.declared();
   std::vector<bool> tangents(n, false), normals(n, false);
   bool any_tangent = false, any_normal = false;
   for (std::uint32_t v = 0; v < n; ++v) {
-    if (corners_of_[v] == 0) continue;
-    if (checks_[v].has_normal && accurate_.normal(v) == Claim::beyond) normals[v] = any_normal = true;
-    if (checks_[v].has_normal && accurate_.tangent(v) == Claim::beyond) tangents[v] = any_tangent = true;
+    if (corners_of_[v] == 0 || !checks_[v].has_normal) continue;
+    if (under_test_.normals.unsupported[v] || (recognised && accurate_.normal(v) == Claim::beyond))
+      normals[v] = any_normal = true;
+    if (recognised && accurate_.tangent(v) == Claim::beyond) tangents[v] = any_tangent = true;
   }
   if (!any_tangent && !any_normal) return;
   VertexJoins of_part;
@@ -654,6 +668,18 @@ void MeshValidation::find_averages() {
       if (own.all_round[k]) average_tangents_[k] = true;
   }
   if (any_normal) average_normals_ = are_average_normals(mesh_, joins, normals);
+}
+
+// Whether most of what is beyond the surface is what the triangles tell: then no mistake need explain it.
+bool MeshValidation::beyond_are_averages(bool tangents) const {
+  std::size_t beyond = 0, averages = 0;
+  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+    if (corners_of_[v] == 0 || (tangents ? accurate_.tangent(v) : accurate_.normal(v)) != Claim::beyond)
+      continue;
+    beyond += corners_of_[v];
+    if (tangents ? is_average_tangent(v, 0) : is_average_normal(v)) averages += corners_of_[v];
+  }
+  return averages > 0 && 2 * averages >= beyond;
 }
 
 void MeshValidation::add_notes() {
@@ -692,7 +718,11 @@ void MeshValidation::decide() {
                       : locally_ > 0                            ? local
                       : report_.mikktspace && only_mikktspace() ? mikktspace
                                                                 : none;
-  const bool tangents = !mesh_.tangents.empty();
+  // Without uv area nobody sees a tangent, and there is nothing to be wrong.
+  const std::vector<bool>& seen = under_test_.has_uv_area;
+  const bool tangents =
+      !mesh_.tangents.empty() &&
+      (mesh_.uvs.empty() || std::find(seen.begin(), seen.end(), true) != seen.end() || mesh_.normals.empty());
   report_.without_errors = mesh_.triangles.empty() || (!tangents && mesh_.normals.empty()) ? Verdict::nothing
                            : !tangents || decided_ > 0 || by_triangles                     ? Verdict::pass
                                                                        : Verdict::undetermined;

@@ -103,6 +103,7 @@ TEST(CoarseMeshes, AveragesAreNoErrors) {
   std::size_t recognised = 0, beyond = 0;
   std::uint64_t number = seed;
   for (const char* surface : {"sphere", "ellipsoid:semi_axis_x=0.8,semi_axis_y=1.1,semi_axis_z=0.95",
+                              "ellipsoid:semi_axis_x=1,semi_axis_y=1,semi_axis_z=0.5",
                               "torus:major_radius=1,minor_radius=0.3", "cylinder", "cone"})
     for (const int columns : {6, 8, 16, 24})
       for (const Average average : {Average::uniform, Average::area, Average::angle, Average::both}) {
@@ -117,6 +118,10 @@ TEST(CoarseMeshes, AveragesAreNoErrors) {
           const Assessment assessment = assess(mesh);
           EXPECT_EQ(errors(assessment.report), "") << surface << ", " << columns << " columns, normals "
                                                    << static_cast<int>(average) << ", " << method;
+          // Nothing need be named that explains them.
+          for (const char* mistake : {"NORMAL_STALE", "TANGENT_STALE", "TANGENT_AXES"})
+            EXPECT_EQ(count_of(assessment.report, mistake, Severity::warning), 0U)
+                << surface << ", " << columns << " columns, " << method << ' ' << mistake;
           recognised += assessment.fit && assessment.fit->fits;
           beyond += count_of(assessment.report, "TANGENT_ANGLE", Severity::warning) +
                     count_of(assessment.report, "NORMAL_ANGLE", Severity::warning);
@@ -168,6 +173,30 @@ TEST(CoarseMeshes, OneThatIsNoAverageIsAnError) {
   EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_ANGLE", Severity::error), 6U);
 }
 
+// ---- normals far from their triangles
+
+// Along a sharp edge the average of both sides is nearly square to either.
+TEST(SharpEdges, AveragedNormalsAreNoErrors) {
+  Mesh mesh = sheet(2, [](double x, double) { return -20 * std::fabs(x - 1); });
+  mesh.tangents.clear();
+  average_normals(mesh, Average::area);
+  constexpr std::size_t on_edge = 4;  // (1, 1)
+  EXPECT_GT(mesh.normals[on_edge].z, 0.99);
+  EXPECT_EQ(errors(assess(mesh).report), "");
+  mesh.normals[on_edge] = {0, 1, 0};
+  EXPECT_EQ(count_of(assess(mesh).report, "NORMAL_ANGLE", Severity::error), 6U);
+}
+
+// Leaves and grass are lit as what they stand on.
+TEST(Cards, NormalsMayBeThoseOfTheGround) {
+  Mesh mesh = sheet(1, [](double, double) { return 0.0; });
+  for (auto& n : mesh.normals) n = {0, 1, 0};
+  for (auto& t : mesh.tangents) t = {1, 0, 0, 1};
+  const MeshReport report = assess(mesh).report;
+  EXPECT_EQ(errors(report), "");
+  EXPECT_EQ(count_of(report, "NORMAL_ANGLE", Severity::warning), mesh.corners());
+}
+
 // ---- uvs
 
 // Seven times round over eight columns: at the vertices the uvs are those of once round the other way.
@@ -211,7 +240,45 @@ TEST(CoarseMeshes, TangentsWithoutUvAreaAreNotCompared) {
   EXPECT_EQ(errors(assess(mesh).report), "");
 }
 
+// Low-poly parts lie on one texel of a palette: any tangent will do, also MikkTSpace's (1, 0, 0) along a
+// normal.
+TEST(CoarseMeshes, OneTexelLeavesTangentsOpen) {
+  Mesh mesh = sheet(4, [](double x, double y) { return 0.3 * std::sin(3 * x + y); });
+  average_normals(mesh, Average::area);
+  for (auto& uv : mesh.uvs) uv = {0.3, 0.7};
+  MeshReport report = assess(mesh).report;
+  EXPECT_EQ(report.verdict, Verdict::pass) << errors(report);
+  for (std::size_t v = 0; v < mesh.tangents.size(); ++v) {
+    const V& n = mesh.normals[v];
+    mesh.tangents[v] = {n.x, n.y, n.z, 1};
+  }
+  report = assess(mesh).report;
+  EXPECT_EQ(report.verdict, Verdict::pass) << errors(report);
+  EXPECT_EQ(count_of(report, "TANGENT_NOT_ORTHOGONAL", Severity::warning), mesh.corners());
+}
+
 // ---- signs
+
+// Of any vertex of a coarse tube.
+TEST(Signs, OfOneVertexAreErrors) {
+  Mesh mesh = sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.3"),
+                          {.columns = 24, .rows = 8, .random_diagonals = true});
+  for (auto& p : mesh.positions) p.z += 0.2 * p.x * p.x;  // no surface of the catalogue
+  for (auto& uv : mesh.uvs) uv.y *= 30;
+  average_normals(mesh, Average::area);
+  const MeshFrames frames = mesh_frames(mesh, find_frame_method("unit"));
+  for (std::size_t c = 0; c < mesh.corners(); ++c) {
+    const V& t = frames.corner(c).t;
+    mesh.tangents[mesh.triangles[c / 3][c % 3]] = {t.x, t.y, t.z, -frames.corner(c).sign};
+  }
+  AssessOptions options;
+  options.references.analytic = false;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    Mesh flipped = mesh;
+    flipped.tangents[v].w *= -1;
+    EXPECT_GT(count_of(assess(flipped, options).report, "TANGENT_HANDEDNESS", Severity::error), 0U) << v;
+  }
+}
 
 // Where a normal opposes its triangle, w follows the winding by MikkTSpace, and by Lengyel the side of n × t.
 TEST(Signs, OfNormalsThatOpposeTheirTriangleAreOpen) {
