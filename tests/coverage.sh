@@ -22,9 +22,11 @@ notes = [os.path.join(d, f) for d, _, files in os.walk(build) for f in files if 
 if not notes:
     sys.exit("coverage.sh: expected .gcda files of tests that ran, got none")
 for at in range(0, len(notes), 16):
-    out = subprocess.run(["gcov", "--json-format", "--branch-probabilities", "--stdout", *map(os.path.abspath, notes[at:at + 16])],
-                         cwd=build, capture_output=True, check=True).stdout
-    for document in out.splitlines():
+    gcov = subprocess.run(["gcov", "--json-format", "--branch-probabilities", "--stdout", *map(os.path.abspath, notes[at:at + 16])],
+                          cwd=build, capture_output=True)
+    if gcov.returncode != 0:  # as where a source was compiled again after its test ran
+        sys.exit("coverage.sh: " + gcov.stderr.decode(errors="replace"))
+    for document in gcov.stdout.splitlines():
         if not document.startswith(b"{"):
             continue
         for file in json.loads(document)["files"]:

@@ -101,8 +101,8 @@ void print_text(const BakeArguments& a, const Place& place, const BakeResult& r,
   if (place.surface.uv.name != uv_conventions()[0].name ||
       !place.surface.placement.isApprox(Eigen::Isometry3d::Identity()))
     std::cout << "the surface is fitted to the mesh, uvs " << place.surface.uv.name << '\n';
-  std::cout << a.mesh << ": " << r.map.covered << " of " << r.map.states.size() << " texels covered, "
-            << r.map.dilated << " in the gutter filled\n";
+  std::cout << one_line(a.mesh) << ": " << r.map.covered << " of " << r.map.states.size()
+            << " texels covered, " << r.map.dilated << " in the gutter filled\n";
   print_counts(r.map);
   if (r.map.first_conflict) return print_conflict(r.map, pieces);
   if (r.map.covered == 0) return;

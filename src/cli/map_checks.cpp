@@ -76,7 +76,7 @@ void run_map_check(const MapCheckArguments& a, Common& common) {
          {"ok", findings.empty()}});
   }
   if (common.quiet) return;
-  std::cout << a.file << ": " << map.width << " x " << map.height << ", "
+  std::cout << one_line(a.file) << ": " << map.width << " x " << map.height << ", "
             << map_depths.names[static_cast<std::size_t>(map.type())]
             << (map.type() == SampleType::f32 ? "" : " bits") << '\n'
             << "green: " << green_name(check);

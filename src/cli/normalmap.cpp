@@ -44,7 +44,7 @@ Json report_json(const NormalMapArguments& a, const NormalMapOptions& options, c
 
 void print_text(const NormalMapArguments& a, const NormalMapResult& r, std::span<const MapPiece> pieces,
                 std::size_t texels) {
-  std::cout << a.input << ": " << r.covered << " of " << texels << " texels covered";
+  std::cout << one_line(a.input) << ": " << r.covered << " of " << texels << " texels covered";
   if (r.dilated != 0) std::cout << ", " << r.dilated << " in the gutter filled";
   std::cout << '\n';
   print_counts(r);

@@ -198,7 +198,7 @@ void print_text(const std::vector<PlannedFile>& files) {
       ++(t.needed == 0 ? without_need : complete);
       continue;
     }
-    std::cout << file.path << ": " << summary(t) << '\n';
+    std::cout << one_line(file.path) << ": " << summary(t) << '\n';
     for (const DroppedTangents& d : file.dropped)
       std::cout << "  dropped: " << place_of(*d.after) << ": " << dropped_kind.message << '\n';
     std::size_t idle_lines = 0;

@@ -231,8 +231,8 @@ void print_text(const SceneReport& r) {
                                 ? "camera " + std::to_string(r.arguments.camera) +
                                       (r.camera.name.empty() ? "" : " (" + one_line(r.camera.name) + ")")
                                 : std::to_string(r.path.size()) + " cameras of a path";
-  std::cout << r.arguments.file << ", " << which << ", " << camera.width_px << " x " << camera.height_px
-            << " pixels: " << plan.instances_needed << " of "
+  std::cout << one_line(r.arguments.file) << ", " << which << ", " << camera.width_px << " x "
+            << camera.height_px << " pixels: " << plan.instances_needed << " of "
             << r.instances * std::max<std::size_t>(r.path.size(), 1) << " instances are needed\n";
   std::cout << "of " << plan.tiles_all << " tiles\n"
             << share_line(plan.tiles_needed, plan.tiles_all, "needed");

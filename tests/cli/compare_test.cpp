@@ -136,6 +136,70 @@ TEST_F(Cli, CompareTellsThatVIsFlippedAndAnotherUvSetIsRead) {
   EXPECT_EQ(json("darboux compare up.glb second.glb --json", 1)["pairs"][0]["texcoord"], (Json{0, 1}));
 }
 
+// One triangle, as it is and as it is changed.
+TEST_F(Cli, CompareNamesWhatOneFileLacks) {
+  const auto make = [&](const std::string& name, std::initializer_list<float> tangents,
+                        const std::vector<std::string>& without = {}) {
+    Builder b;
+    Json attributes{{"POSITION", b.positions({0, 0, 0, 1, 0, 0, 0, 1, 0})},
+                    {"NORMAL", b.packed<float>("VEC3", 5126, 3, {0, 0, 1, 0, 0, 1, 0, 0, 1})},
+                    {"TEXCOORD_0", b.packed<float>("VEC2", 5126, 3, {0, 0, 1, 0, 0, 1})},
+                    {"TANGENT", b.packed<float>("VEC4", 5126, 3, tangents)}};
+    for (const std::string& attribute : without) attributes.erase(attribute);
+    b.primitive(attributes);
+    b.primitive(attributes, {{"mode", 0}});
+    write_bytes(path(name), b.glb());
+  };
+  make("whole.glb", {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1});
+  make("no_uvs.glb", {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1}, {"TEXCOORD_0"});
+  make("no_normals.glb", {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1}, {"NORMAL"});
+  make("zero.glb", {1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, -1});
+  make("turned.glb", {1, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, 1});
+
+  write_bytes(path("none.gltf"), R"({"asset": {"version": "2.0"}})");
+
+  const auto expect_lines = [&](const std::string& files, const std::string& expected) {
+    const std::string points = " not compared: mode 0 (points) has no triangles\n";
+    const std::string text = good("darboux compare " + files, 1);
+    EXPECT_EQ(text.substr(text.find('\n') + 1), "  mesh 0 primitive 0 (made by hand): not the same, " +
+                                                    expected + "  mesh 0 primitive 1 of a" + points +
+                                                    "  mesh 0 primitive 1 of b" + points);
+  };
+  const auto unmatched = [](const std::string& other, const std::string& lacks) {
+    return "0 corners matched of 3 in a and 3 in b\n"
+           "    unmatched in a: 3 at the same positions but other " +
+           other + "\n    unmatched in b: 3 at the same positions but other " + other + "\n    " + lacks +
+           '\n';
+  };
+  expect_lines("whole.glb no_uvs.glb", unmatched("uvs", "b has no uvs"));
+  expect_lines("no_uvs.glb whole.glb", unmatched("uvs", "a has no uvs"));
+  expect_lines("whole.glb no_normals.glb", unmatched("normals", "b has no normals"));
+  expect_lines("no_normals.glb whole.glb", unmatched("normals", "a has no normals"));
+  expect_lines("whole.glb zero.glb",
+               "all 3 corners matched\n"
+               "    bit-equal at 33.3 % of 3 corners, but for the sign at 66.7 %\n"
+               "    tangents differ by 0 deg rms, 0 max at vertex 2 of a, uv 0 1, position 0 1 0\n"
+               "    signs opposite at 1 corners\n"
+               "    tangents that are zero or not finite, in a or in b, at 1 corners\n");
+  expect_lines("whole.glb turned.glb",  // 90 / sqrt(3) = 52.0
+               "all 3 corners matched\n"
+               "    bit-equal at 66.7 % of 3 corners\n"
+               "    tangents differ by 52 deg rms, 90 max at vertex 2 of a, uv 0 1, position 0 1 0\n"
+               "    signs the same everywhere\n");
+
+  const Json skipped{{{"mesh", 0}, {"primitive", 1}, {"reason", "mode 0 (points) has no triangles"}}},
+      left_over{{{"mesh", 0}, {"primitive", 0}, {"name", "made by hand"}, {"corners", 3}}};
+  Json report = json("darboux compare whole.glb none.gltf --json", 1);
+  EXPECT_EQ(report["only_a"], left_over);
+  EXPECT_EQ(report["only_b"], Json::array());
+  EXPECT_EQ(report["skipped_a"], skipped);
+  EXPECT_EQ(report["skipped_b"], Json::array());
+  report = json("darboux compare none.gltf whole.glb --json", 1);
+  EXPECT_EQ(report["only_a"], Json::array());
+  EXPECT_EQ(report["only_b"], left_over);
+  EXPECT_EQ(report["skipped_b"], skipped);
+}
+
 TEST_F(Cli, CompareRefusesWrongUsage) {
   refused("darboux compare", {"A"});
   refused("darboux compare data/torus_016.three.glb", {"B"});

@@ -409,6 +409,8 @@ TEST_F(NormalMapCli, DrawsTheModelLitThroughEitherMap) {
   const Image one = read_image(path("lit_t.png"), pictures), other = read_image(path("lit_o.png"), pictures);
   EXPECT_EQ(one.width, 120);
   EXPECT_LE(worst_difference(one, other), 4) << "codes of 8 bits: tests/report/lit_model_test.cpp";
+  EXPECT_EQ(json("darboux normalmap o.png --from object" + size + "lit_o.png --json"),
+            (Json{{"file", "o.png"}, {"render", "lit_o.png"}, {"from", "object"}, {"green", "opengl"}}));
   refused("darboux normalmap t.png --from world" + size + "x.png", {"--render", "--from tangent or object"});
   refused("darboux normalmap t.png --from tangent --to object" + size + "x.png", {"--to", "--render"});
   refused("darboux normalmap t.png --from tangent --decode mikktspace" + size + "x.png",
@@ -430,6 +432,10 @@ TEST_F(NormalMapCli, ComparesTwoMaps) {
   EXPECT_FALSE(json("darboux normalmap --compare in.png in16.png --max-angle 0.01 --json", 1)["same"]);
   EXPECT_NE(good("darboux normalmap --compare in.png in.png --max-angle 0").find("1200 texels"),
             std::string::npos);
+  const std::vector<std::string> rows =
+      lines(good("darboux normalmap --compare in.png in.png --mesh torus.glb"));
+  EXPECT_EQ(rows.at(2), "  mesh 0 island 0           1200        0        0        0");
+  EXPECT_EQ(rows.at(3), "  all                       1200        0        0        0");
   write_image(path("small.png"), Image(8, 8, 3, SampleType::u8));
   refused("darboux normalmap --compare in.png small.png", {"40 x 30 and 8 x 8"});
   refused("darboux normalmap --compare in.png", {"--compare"});

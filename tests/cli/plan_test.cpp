@@ -113,6 +113,53 @@ TEST_F(Cli, PlanReadsFoldersAndKeepsItShort) {
   EXPECT_EQ(text.find(".obj"), std::string::npos);
 }
 
+TEST_F(Cli, PlanTellsFilesApart) {
+  write_bytes(path("made.glb"), made());
+  fs::create_directory(path("some"));
+  good("darboux tangents made.glb -o before.glb");
+  good("darboux tangents made.glb -o some/needed.glb --only needed --quiet");
+  for (const std::string name : {"some/one.glb", "some/two.glb"})
+    write_bytes(path(name), one_triangle().glb());
+  // A name that a stranger gave says nothing of its own.
+  fs::copy_file(path("made.glb"), path("some/a\nall 9 files: fine.glb"));
+  const std::string text = good("darboux plan some");
+  EXPECT_EQ(text.find("\nall 9 files"), std::string::npos) << text;
+  EXPECT_EQ(
+      text.rfind("some/a\\x0Aall 9 files: fine.glb: 1 primitive needs TANGENT: 0 with it, 1 without\n", 0),
+      0u)
+      << text;
+  EXPECT_NE(text.find("\n1 file has TANGENT where it is needed and nowhere else\n"
+                      "2 files need no TANGENT and have none\n"
+                      "all 4 files: 2 primitives need TANGENT: 1 with it, 1 without\n"),
+            std::string::npos)
+      << text;
+
+  const std::string splits = good("darboux plan made.glb --splits");
+  EXPECT_NE(splits.find("/materials/0/normalTexture, TEXCOORD_0; MikkTSpace splits 3 vertices\n"),
+            std::string::npos)
+      << splits;
+  const std::string against = good("darboux plan made.glb --against before.glb", 1);
+  EXPECT_NE(against.find("\n  dropped: mesh 0 primitive 0 (made by hand): the file before had the TANGENT"),
+            std::string::npos)
+      << against;
+}
+
+TEST_F(Cli, PlanShortensWhatCanBeLeftOut) {
+  Builder b;
+  const Json attributes{{"POSITION", b.positions({0, 0, 0, 1, 0, 0, 0, 1, 0})},
+                        {"TANGENT", b.packed<float>("VEC4", 5126, 3, {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1})}};
+  for (int i = 0; i < 6; ++i) b.primitive(attributes);
+  write_bytes(path("idle.glb"), b.glb());
+  const std::vector<std::string> text = lines(good("darboux plan idle.glb --sarif log.sarif"));
+  ASSERT_EQ(text.size(), 6u);
+  EXPECT_EQ(text[4],
+            "  mesh 0 primitive 3 (made by hand): 48 bytes of TANGENT that nothing reads (in no scene)");
+  EXPECT_EQ(text[5], "  and 2 more with TANGENT that nothing reads");
+  const Json results = Json::parse(read_bytes(path("log.sarif")))["runs"][0]["results"];
+  ASSERT_EQ(results.size(), 6u);
+  for (const Json& result : results) EXPECT_EQ(result["ruleId"], "TANGENT_IDLE");
+}
+
 TEST_F(Cli, PlanRefuses) {
   refused("darboux plan", {"plan", "FILES"});
   refused("darboux plan data/torus_016.obj", {"torus_016.obj", "glTF"});

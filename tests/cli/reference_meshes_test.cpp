@@ -85,6 +85,21 @@ TEST_F(ReferenceMeshes, FormulasHavePolesUpToRounding) {
   refused("darboux mesh formula:file=torn.surface --grid 16x8 -o m.glb", {"expected finite"});
 }
 
+// Four rows of u = 0.5, between cells 3 and 4 of eight.
+TEST_F(ReferenceMeshes, FormulasSayHowManyCellsAreLeftOut) {
+  write_bytes(path("pole.surface"), "x = u\ny = v\nz = 1/(u - 0.5)\n");
+  const std::string command = "darboux mesh formula:file=pole.surface -o m.glb --grid ";
+  Result r = sh(command + "8x4 --json");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_EQ(Json::parse(r.out)["dropped_cells"], 8);
+  EXPECT_EQ(Json::parse(r.out)["triangles"], 2 * (8 - 2) * 4);
+  EXPECT_EQ(r.err,
+            "darboux: formula: expected all cells of the grid to be finite and to have area, got 8 of 32 "
+            "that are left out or have one triangle left\n");
+  EXPECT_EQ(sh(command + "8x4 --quiet").err, "");
+  EXPECT_EQ(json(command + "9x4 --json")["dropped_cells"], 0);
+}
+
 // The file says how it was made.
 TEST_F(ReferenceMeshes, FilesSayHowTheyWereMade) {
   const std::string file =

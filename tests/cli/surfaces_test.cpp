@@ -1,4 +1,6 @@
 // `surfaces` and `check`, and surfaces from files wherever one is asked for.
+#include <algorithm>
+
 #include "cli.h"
 
 namespace darboux::test {
@@ -42,6 +44,58 @@ TEST_F(Cli, CheckPassesForTheCatalogueAndRepeats) {
   EXPECT_EQ(document, json("darboux check --points 200 --seed 7 --threads 3 --json"));
   EXPECT_NE(document, json("darboux check --points 200 --seed 8 --json"));
   EXPECT_EQ(json("darboux check torus:minor_radius=0.4 --points 5 --json")["checks"][0]["surface"], "torus");
+}
+
+// A table per route, of roundings: those of double or of float, by the route's name. The numbers are those of
+// the JSON, to two digits.
+TEST_F(Cli, CheckWritesTablesOfMarkdown) {
+  const std::string command =
+      "darboux check sphere bilinear-patch --points 20 --routes curvature,high_precision_float ";
+  const Json checks = json(command + "--json")["checks"];
+  std::string route, text = good(command + "--markdown");
+  std::vector<std::string> quantities;
+  std::size_t cells = 0, left_out = 0;
+  for (const std::string& line : lines(text)) {
+    if (line.starts_with("## ")) route = line.substr(3);
+    if (!line.starts_with("| ")) continue;
+    std::vector<std::string> row;
+    for (std::size_t at = 2; at < line.size();) {
+      const std::size_t end = std::min(line.find(" |", at), line.size());
+      row.push_back(line.substr(at, end - at));
+      at = end + 3;
+    }
+    if (row[0] == "surface") {
+      quantities = row;
+      continue;
+    }
+    ASSERT_EQ(row.size(), quantities.size()) << line;
+    const double rounding = route == "curvature" ? 0x1p-53 : 0x1p-24;
+    for (std::size_t k = 1; k < row.size(); ++k) {
+      const auto found = std::find_if(checks.begin(), checks.end(), [&](const Json& c) {
+        return c["surface"] == row[0] && c["route"] == route && c["quantity"] == quantities[k] &&
+               !c.contains("skipped");
+      });
+      if (row[k] == "–") {
+        EXPECT_EQ(found, checks.end()) << route << ' ' << line;
+        ++left_out;
+        continue;
+      }
+      ASSERT_NE(found, checks.end()) << route << ' ' << line;
+      const std::size_t between = row[k].find(" / ");
+      const double error = (*found)["max_error"], bound = (*found)["bound"];
+      EXPECT_NEAR(to_double(row[k].substr(0, between)) * rounding, error, 0.06 * error) << line;
+      EXPECT_NEAR(to_double(row[k].substr(between + 3)) * rounding, bound, 0.06 * bound) << line;
+      ++cells;
+    }
+  }
+  const auto done =
+      std::count_if(checks.begin(), checks.end(), [](const Json& c) { return !c.contains("skipped"); });
+  EXPECT_EQ(cells, static_cast<std::size_t>(done));
+  EXPECT_GT(left_out, 0u) << text;
+
+  write_bytes(path("nowhere.surface"), "x = u\ny = v\nz = log(u - 2)\n");
+  text = good("darboux check formula:file=nowhere.surface --points 20 --routes dual --markdown", 1);
+  EXPECT_NE(text.find("\n| formula | **FAILED** "), std::string::npos) << text;
 }
 
 // ---- surfaces from files ----------------------------------------------------------------------------------

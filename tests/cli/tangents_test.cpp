@@ -68,6 +68,38 @@ TEST_F(Cli, TangentsDropsWhatNothingReads) {
   EXPECT_FALSE(fs::exists(path("x.glb")));
 }
 
+// Two triangles of a square, whose second has no area in uv.
+TEST_F(Cli, TangentsSaysWhereTheMethodHasNoDirection) {
+  Builder b;
+  b.primitive(
+      {{"POSITION", b.positions({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0})},
+       {"NORMAL", b.packed<float>("VEC3", 5126, 6, {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1})},
+       {"TEXCOORD_0", b.packed<float>("VEC2", 5126, 6, {0, 0, 1, 0, 1, 1, 0, 0, 0, 0, 0, 0})}});
+  write_bytes(path("folded.glb"), b.glb());
+  EXPECT_EQ(good("darboux tangents folded.glb -o out.glb --method average"),
+            "mesh 0 primitive 0: 6 corners, 6 vertices; at 3 corners the method has no direction: some "
+            "other was written\nout.glb\n");
+}
+
+// An extension that is not known may count accessors, so that none may move.
+TEST_F(Cli, TangentsSaysWhyBytesStay) {
+  Builder b;
+  b.primitive({{"POSITION", b.positions({0, 0, 0, 1, 0, 0, 0, 1, 0})},
+               {"TANGENT", b.packed<float>("VEC4", 5126, 3, {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1})}});
+  b.json["extensionsUsed"] = {"EXT_of_others"};
+  write_bytes(path("idle.glb"), b.glb());
+  const auto text = [&](const std::string& of_bytes) {
+    return "mesh 0 primitive 0: TANGENT dropped: nothing reads its tangents\n" + of_bytes +
+           "\nmesh 0 primitive 0 left alone: its material reads no tangents\nout.glb\n";
+  };
+  const std::string command = "darboux tangents idle.glb -o out.glb --only needed --drop-idle";
+  EXPECT_EQ(good(command), text("the bytes of dropped tangents stay in the file: extension \"EXT_of_others\" "
+                                "may name accessors by number"));
+  b.json.erase("extensionsUsed");
+  write_bytes(path("idle.glb"), b.glb());
+  EXPECT_EQ(good(command), text("dropped tangents make the buffers smaller by 48 bytes"));
+}
+
 TEST_F(Cli, TangentsOfAnimatedMorphSphereAreLeftAlone) {
   const std::string sphere = DARBOUX_SHARED "/meshes/khronos/AnimatedMorphSphere.glb";
   if (!fs::exists(sphere)) GTEST_SKIP() << sphere << " is not here";

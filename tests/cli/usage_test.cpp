@@ -128,7 +128,8 @@ TEST_F(Cli, RefusesMeshOptionsOutOfRange) {
   refused(mesh + "--sign left", {"--sign", "raw", "gltf"});
   refused(mesh + "--diagonal none", {"--diagonal"});
   refused("darboux mesh torus --grid 7x4 -o x.glb --mirror", {"mirror", "even"});
-  refused("darboux mesh torus --grid 2x4 -o x.glb --seam shared", {"seam", "3"});
+  refused("darboux mesh torus --grid 2x4 -o x.glb --seam shared", {"seam", "3 columns"});
+  refused("darboux mesh torus --grid 4x2 -o x.glb --seam shared", {"seam", "3 rows"});
   refused("darboux mesh torus --grid 0x4 -o x.glb", {"--grid"});
   refused("darboux mesh torus --grid 2000000000x2000000000 -o x.glb", {"grid"});
   EXPECT_FALSE(fs::exists(path("x.glb")));

@@ -29,7 +29,11 @@ __attribute__((weak)) std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, st
 namespace {
 
 constexpr std::size_t most_bytes = 4096;
+#ifdef DARBOUX_SHORT_TESTS
+constexpr double slow_s = 100;  // in slow builds
+#else
 constexpr double slow_s = 10;  // of one input: a finding
+#endif
 
 std::mt19937_64 random_bits;
 std::vector<std::vector<std::uint8_t>> corpus;

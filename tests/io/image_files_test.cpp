@@ -231,5 +231,17 @@ TEST(ImageFiles, RefusesHugeClaims) {
       << refusal_of<FileError>([&] { read_image(folder / "a.exr"); });
 }
 
+TEST(ImageFiles, AnExrNeedsRedGreenAndBlue) {
+  const TempFolder folder;
+  write_image(folder / "a.exr", image_of(SampleType::f32, 3));
+  std::string exr = read_bytes(folder / "a.exr");
+  const std::size_t green = exr.find(std::string("G\0\2\0\0\0", 6), exr.find("chlist"));
+  ASSERT_NE(green, std::string::npos);
+  exr[green] = 'H';
+  write_bytes(folder / "a.exr", exr);
+  EXPECT_EQ(refusal_of<FileError>([&] { read_image(folder / "a.exr"); }),
+            (folder / "a.exr") + ": expected an EXR image with channels R, G and B, got G missing");
+}
+
 }  // namespace
 }  // namespace darboux::test

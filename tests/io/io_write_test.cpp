@@ -59,6 +59,31 @@ TEST(Rewrite, AGltfBecomesASelfContainedGlb) {
   EXPECT_EQ(mesh.tangents, (std::vector<Vec4<double>>(3, {1, 0, 0, -1})));
 }
 
+// Whatever the names say. What is no image stays where it is.
+TEST(Rewrite, ImagesAreToldByTheirFirstBytes) {
+  const TempFolder folder;
+  Builder b = one_triangle();
+  b.json["images"] = Json::parse(
+      R"([{"uri": "a.png"}, {"uri": "b.png"}, {"uri": "c.png"}, {"uri": "d.png"}, {"uri": "e.png"}])");
+  test::write_bytes(folder / "a.png", "\xFF\xD8\xFFrest");
+  test::write_bytes(folder / "b.png", "RIFFsizeWEBPrest");
+  test::write_bytes(folder / "c.png", "\xABKTX 20\xBBrest");
+  test::write_bytes(folder / "d.png", "RIFFsizeWAVErest");
+  test::write_bytes(folder / "e.png", "");
+  b.json["buffers"][0]["uri"] = "first.bin";
+  test::write_bytes(folder / "first.bin", b.bin);
+  GltfDocument document = GltfDocument::load(test::write_bytes(folder / "scene.gltf", b.json.dump()));
+  document.set_tangents(0, 0, std::vector<Vec4<float>>(3, {1, 0, 0, -1}));
+  document.save_glb(folder / "scene.glb");
+  const Json images = test::split_glb(test::read_bytes(folder / "scene.glb")).json["images"];
+  // By Python's base64.
+  EXPECT_EQ(images[0]["uri"], "data:image/jpeg;base64,/9j/cmVzdA==");
+  EXPECT_EQ(images[1]["uri"], "data:image/webp;base64,UklGRnNpemVXRUJQcmVzdA==");
+  EXPECT_EQ(images[2]["uri"], "data:image/ktx2;base64,q0tUWCAyMLtyZXN0");
+  EXPECT_EQ(images[3]["uri"], "d.png");
+  EXPECT_EQ(images[4]["uri"], "e.png");
+}
+
 // ---- rewriting
 
 TEST(Rewrite, TangentsAreAppendedAndAllElseIsKept) {

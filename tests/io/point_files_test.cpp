@@ -286,6 +286,12 @@ TEST_F(PointFiles, Pcd) {
                    "HEIGHT 2\nDATA ascii\n0.1 2 3 9 9\nnan nan nan 9 9\n")
                   .cloud,
               {{{0.1, 2, 3}, {nan, nan, nan}}, {}, {}});
+  // 2^53 + 2 and its like are exact in double.
+  expect_same(read("a.pcd", "FIELDS x y z\nSIZE 8 8 1\nTYPE I U I\nWIDTH 1\nHEIGHT 1\nDATA binary\n" +
+                                pack<std::int64_t>({-9007199254740994}) + pack<std::uint64_t>({1ULL << 63}) +
+                                pack<std::int8_t>({-7}))
+                  .cloud,
+              {{{-9007199254740994, 0x1p63, -7}}, {}, {}});
 }
 
 TEST_F(PointFiles, Obj) {
