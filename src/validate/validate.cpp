@@ -152,7 +152,7 @@ class MeshValidation {
 
   // Of what is beyond a recognised surface, or an unsupported normal: a coarse mesh cannot do better.
   bool is_average_tangent(std::uint32_t v, int sign) const {
-    if (average_tangents_.empty()) return false;
+    if (average_tangents_.empty() || tangents_diagnosed_) return false;
     const std::size_t at = 2 * std::size_t{v};
     return sign < 0   ? average_tangents_[at]
            : sign > 0 ? average_tangents_[at + 1]
@@ -165,14 +165,16 @@ class MeshValidation {
   bool is_unsupported(std::uint32_t v) const {
     return !mesh_.normals.empty() && under_test_.normals.unsupported[v] && !is_average_normal(v);
   }
+  // No triangle with uv area has it, so that nobody sees its tangent.
+  bool is_unseen(std::uint32_t v) const { return !mesh_.uvs.empty() && !under_test_.has_uv_area[v]; }
   bool may_be_lit_otherwise(std::uint32_t v) const {
-    return !accurate_.declared() && classes_.of_vertex[v] == VertexClass::border;
+    return !accurate_.known() && classes_.of_vertex[v] == VertexClass::border;
   }
 
   void compare();
   void diagnose();
   void find_averages();
-  bool beyond_are_averages(bool tangents) const;
+  bool beyond_are_averages() const;
   // Corners by what is found of them.
   struct Counts {
     std::array<std::size_t, corner_errors> of_error{};
@@ -294,7 +296,7 @@ Code MeshValidation::error_of(const CornerGroup& group) const {
     if (c.tangent_zero && under_test_.has_uv_area[v]) return tangent_zero;
     if (!c.tangent_zero && !c.tangent_unit) return tangent_not_unit;
     if (!c.tangent_zero && !c.sign_valid) return tangent_invalid_sign;
-    if (c.along_normal && under_test_.has_uv_area[v]) return tangent_not_orthogonal;
+    if (c.along_normal && !is_unseen(v)) return tangent_not_orthogonal;
     if (group.wrong_sign) return tangent_handedness;
     if (tangent_error(group) != Decider::nobody) return tangent_angle;
   }
@@ -381,8 +383,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
   };
   const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
-  if (checks_[v].leans || (checks_[v].along_normal && !under_test_.has_uv_area[v]))
-    counts.leaning += group.corners;
+  if (checks_[v].leans || (checks_[v].along_normal && is_unseen(v))) counts.leaning += group.corners;
   if (is_unsupported(v) && !normal_error(v)) counts.lit_otherwise += group.corners;
   if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
     warn(!accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_) ? counts.surface_tangents
@@ -598,7 +599,7 @@ void MeshValidation::look_at_signs() {
 }
 
 void MeshValidation::diagnose() {
-  if (accurate_.known() && accurate_.normals_agree() < Accurate::enough && !beyond_are_averages(false))
+  if (accurate_.known() && accurate_.normals_agree() < Accurate::enough && !beyond_are_averages())
     normals_diagnosed_ = diagnose_normals(under_test_, accurate_, options_, report_);
   if (mesh_.tangents.empty()) return;
   const std::span<const Truth> truth = statistics_truth();
@@ -616,7 +617,6 @@ void MeshValidation::diagnose() {
     most = std::fmax(most, off);
   }
   add(report_, finding(Code::bitangent_not_orthogonal, oblique, " (by up to " + rounded(most, 3) + " deg)"));
-  if (accurate_.known() && beyond_are_averages(true)) return;
   // Without a surface the mesh's own triangles say whether there is anything to diagnose.
   if (!accurate_.known() && !under_test_.cones.empty()) {
     bool any = false;
@@ -670,14 +670,14 @@ void MeshValidation::find_averages() {
   if (any_normal) average_normals_ = are_average_normals(mesh_, joins, normals);
 }
 
-// Whether most of what is beyond the surface is what the triangles tell: then no mistake need explain it.
-bool MeshValidation::beyond_are_averages(bool tangents) const {
+// Whether most normals that are beyond the surface are what the triangles tell: then no mistake need explain
+// them.
+bool MeshValidation::beyond_are_averages() const {
   std::size_t beyond = 0, averages = 0;
   for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
-    if (corners_of_[v] == 0 || (tangents ? accurate_.tangent(v) : accurate_.normal(v)) != Claim::beyond)
-      continue;
+    if (corners_of_[v] == 0 || accurate_.normal(v) != Claim::beyond) continue;
     beyond += corners_of_[v];
-    if (tangents ? is_average_tangent(v, 0) : is_average_normal(v)) averages += corners_of_[v];
+    if (is_average_normal(v)) averages += corners_of_[v];
   }
   return averages > 0 && 2 * averages >= beyond;
 }
@@ -718,11 +718,13 @@ void MeshValidation::decide() {
                       : locally_ > 0                            ? local
                       : report_.mikktspace && only_mikktspace() ? mikktspace
                                                                 : none;
-  // Without uv area nobody sees a tangent, and there is nothing to be wrong.
-  const std::vector<bool>& seen = under_test_.has_uv_area;
-  const bool tangents =
-      !mesh_.tangents.empty() &&
-      (mesh_.uvs.empty() || std::find(seen.begin(), seen.end(), true) != seen.end() || mesh_.normals.empty());
+  // Where triangles have no uv area nobody sees a tangent, and there is nothing to be wrong.
+  const bool unseen = !mesh_.uvs.empty() && !mesh_.normals.empty() &&
+                      std::find(under_test_.has_area.begin(), under_test_.has_area.end(), true) !=
+                          under_test_.has_area.end() &&
+                      std::find(under_test_.has_uv_area.begin(), under_test_.has_uv_area.end(), true) ==
+                          under_test_.has_uv_area.end();
+  const bool tangents = !mesh_.tangents.empty() && !unseen;
   report_.without_errors = mesh_.triangles.empty() || (!tangents && mesh_.normals.empty()) ? Verdict::nothing
                            : !tangents || decided_ > 0 || by_triangles                     ? Verdict::pass
                                                                        : Verdict::undetermined;
