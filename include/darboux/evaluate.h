@@ -181,13 +181,19 @@ void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConventi
   const X& surface = *static_cast<const X*>(erased);
   const auto pu = prepare<X::info.u>(u);
   const auto pv = prepare<X::info.v>(v);
-  const auto& here = at_place<3>(surface, pu, pv);
-  const Status at = status_at(here, u, v, pu, pv);
   // The status takes the frame, whatever is asked for.
   const bool curved = asked.has_any(curvature_attributes);
+  const bool partials = !HasClosedFrame<X> || curved || asked.has_any(partial_attributes);
   Jet2<T> j{};
-  if (!HasClosedFrame<X> || curved || asked.has_any(partial_attributes)) j = here.jet(pu, pv);
-  const Frame<T> frame = frame_at<T>(here, pu, pv, at, j);
+  Frame<T> frame;
+  if (std::isfinite(u) && std::isfinite(v)) {
+    const auto& here = at_place<3>(surface, pu, pv);
+    if (partials) j = here.jet(pu, pv);
+    frame = frame_at<T>(here, pu, pv, status_at(here, u, v, pu, pv), j);
+  } else {
+    if (partials) j = surface.jet(pu, pv);
+    frame = frame_at<T>(surface, pu, pv, Status::non_finite_input, j);
+  }
   result.status = frame.status;
   result.set(Attribute::tangent, frame.t);
   result.set(Attribute::bitangent, frame.b);
@@ -261,7 +267,8 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 
 /// Evaluates a surface type at all points: those of the catalogue by kernels over SIMD lanes where their
 /// formulas allow, any other point by point. What is not asked for is not computed, but for the frame, which
-/// tells the status, where points go one by one or there is no closed form of it.
+/// tells the status, where points go one by one or the surface has no closed form of it, and, of splines, for
+/// higher derivatives where points go one by one.
 /// Nothing is allocated but by threads, and once for good by the first call. Results must not overlap one
 /// another or the points. In float the coordinates and parameters are rounded to float first, which alone may
 /// cost hundreds of units in the last place; for floats that are the nearest to the values at doubles,

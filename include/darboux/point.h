@@ -160,6 +160,8 @@ Frame<S> frame(const X& surface, S u, S v) {
   detail::assert_permitted(surface);
   const auto pu = prepare<X::info.u>(u);
   const auto pv = prepare<X::info.v>(v);
+  if (!std::isfinite(u) || !std::isfinite(v))
+    return detail::frame_at<S>(surface, pu, pv, Status::non_finite_input);
   const auto& here = detail::at_place<3>(surface, pu, pv);
   return detail::frame_at<S>(here, pu, pv, detail::status_at(here, u, v, pu, pv));
 }

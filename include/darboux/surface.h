@@ -306,7 +306,8 @@ constexpr bool curvature_in_lanes = [] {
 ///                                         sines of v
 ///   static constexpr int curve_along      where it is made of a curve: 0 that runs along u, 1 along v; and
 ///   with_curve_at<order>(u or v)          the same surface where the curve is there, of which derivatives to
-///                                         an order are wanted: the curve is then evaluated once
+///                                         an order are wanted: the curve is then evaluated once.
+///                                         A derived type that hides jet() or frame() hides these too
 ///   static constexpr bool curvature_in_lanes  false where the next two facts cannot run over SIMD lanes
 /// and independent facts, at least one, each from another source than jet():
 ///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, its

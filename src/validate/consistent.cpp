@@ -24,6 +24,15 @@ constexpr double alike_deg = 0.9;
 
 constexpr double pi = std::numbers::pi;
 
+constexpr std::ptrdiff_t most_at_a_place = 256;  // corners
+
+// \param n unit
+bool are_alike(const Vec3<double>& a, const Vec3<double>& n) {
+  static const double least = std::cos(alike_deg / degrees_per_radian);
+  const double along = dot(a, n);
+  return along > 0 && along * along >= least * least * dot(a, a);
+}
+
 std::size_t place_of(std::uint32_t v, int sign) {
   return 2 * std::size_t{v} + (sign > 0 ? 1 : 0);
 }
@@ -87,7 +96,7 @@ class Closely {
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t v = mesh.triangles[t][k];
         if (!in_group(v)) continue;
-        corners_.push_back({joins.position[v], t, k});
+        corners_.push_back({joins.position[v], joins.position_and_normal[v], t, k});
         any = true;
       }
       if (any)
@@ -128,7 +137,7 @@ class Closely {
 
  private:
   struct Corner {
-    std::uint32_t group, triangle, k;
+    std::uint32_t place, group, triangle, k;  // one position; one position and normal
     auto operator<=>(const Corner&) const = default;
   };
   struct Edge {
@@ -146,14 +155,16 @@ class Closely {
     normals_turn_ = 0;
     uncertain_ = false;
     x_ = unit(t), y_ = cross(n, x_), n_ = n;
-    const std::uint32_t own = joins_.position_and_normal[v], group = joins_.position[v];
-    for (auto c = std::lower_bound(corners_.begin(), corners_.end(), Corner{group, 0, 0});
-         c != corners_.end() && c->group == group; ++c) {
+    const std::uint32_t own = joins_.position_and_normal[v], place_of_v = joins_.position[v];
+    const auto from = [&](std::uint32_t place, std::uint32_t group) {
+      return std::lower_bound(corners_.begin(), corners_.end(), Corner{place, group, 0, 0});
+    };
+    auto first = from(place_of_v, 0), last = from(place_of_v + 1, 0);
+    // Where very many meet, those of its own normal: each with each would take long.
+    if (last - first > most_at_a_place) first = from(place_of_v, own), last = from(place_of_v, own + 1);
+    for (auto c = first; c != last; ++c) {
       const Triangle& triangle = mesh_.triangles[c->triangle];
-      if (const std::uint32_t w = triangle[c->k];
-          joins_.position_and_normal[w] != own &&
-          !(angle_between(mesh_.normals[w], n) <= alike_deg / degrees_per_radian))
-        continue;
+      if (c->group != own && !are_alike(mesh_.normals[triangle[c->k]], n)) continue;
       add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
       if (raw_sign_[c->triangle] == sign) {
         rim_.push_back(place(c->triangle, c->k + 1)), rim_.push_back(place(c->triangle, c->k + 2));
@@ -227,7 +238,7 @@ class Closely {
   // Whether a triangle has no area in space, or none in uv as far as its uvs are known.
   bool is_open(const Triangle& t) const {
     const auto p = positions_of(mesh_, t);
-    return is_degenerate(p[0], p[1], p[2]) || certain_sign(mesh_, t) == 0;
+    return is_degenerate(p[0], p[1], p[2]) || certain_sign(mesh_, t, mesh_.half_steps.uv) == 0;
   }
 
   // Of the quads that edge k of the corner's triangle cuts, the triangles of the other diagonal that have the

@@ -5,10 +5,10 @@
 // MikkTSpace's, area's, angle's, anybody's. A tangent farther outside than the limit is no such average, and
 // that is an error whatever the surface.
 //
-// From what evidence. The triangles are all that share the corner's position and normal, or have one within a
-// degree of it there, as assimp counts them, and whose uv area has the sign of the corner's own. Where two of
-// them form a quad that is convex in uv, those of its other diagonal count too: nobody knows along which one
-// the tool that made the tangents cut it. Each dpdu carries the interval that half a rounding step of
+// From what evidence. The triangles are all that share the corner's position and, within 0.9 degrees, its
+// normal (assimp joins dot products of 0.9999), and whose uv area has the sign of the corner's own. Where two
+// of them form a quad that is convex in uv, those of its other diagonal count too: nobody knows along which
+// one the tool that made the tangents cut it. Each dpdu carries the interval that half a rounding step of
 // positions, uvs and normal allows. Where directions span 180 degrees or more, or a triangle that tells no
 // direction may have drawn the tangent outside, nothing is claimed. Nor is it where the triangles lie on one
 // side of a curved vertex only, as at creases, tips and folds of the uvs, and the tangent is outside by no

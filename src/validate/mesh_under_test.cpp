@@ -32,7 +32,7 @@ MeshUnderTest prepare_with_uvs_of(const Mesh& mesh, MeshUnderTest other) {
   under_test.has_uv_area.assign(mesh.positions.size(), false);
   std::vector<signed char> winds(mesh.positions.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (under_test.raw_sign[t] == 0 || certain_sign(mesh, mesh.triangles[t]) == 0) continue;
+    if (under_test.raw_sign[t] == 0 || certain_sign(mesh, mesh.triangles[t], 0) == 0) continue;
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (under_test.raw_sign[t] * winds[v] < 0) under_test.across_mirror[v] = true;
       winds[v] = under_test.raw_sign[t];

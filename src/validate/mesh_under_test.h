@@ -20,8 +20,8 @@ struct MeshUnderTest {
   std::vector<bool> has_area{};         // triangles with area in space
   VertexJoins joins{};                  // of its vertices; empty in a part
   std::vector<std::uint32_t> equal{};   // of each vertex the first that is equal to the bit; empty in a part
-  // Of triangles whose uv area is more than rounding of their uvs: vertices that some share whose uvs wind
-  // differently, and vertices that any has.
+  // Of triangles whose uv area is more than single precision rounds their uvs by: vertices that some share
+  // whose uvs wind differently, and vertices that any has.
   std::vector<bool> across_mirror{};
   std::vector<bool> has_uv_area{};
   MikktspaceReference

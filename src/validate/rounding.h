@@ -27,15 +27,20 @@ inline double largest_coordinate(const std::array<Vec2<double>, 3>& uv) {
 // The sign of the uv area; 0 where rounding of the uvs leaves it open. \param half_step of the uvs
 inline int certain_sign(const std::array<Vec2<double>, 3>& uv, double half_step) {
   const Vec2<double> a = uv[1] - uv[0], b = uv[2] - uv[0];
-  const double sizes = std::fabs(a.x) + std::fabs(a.y) + std::fabs(b.x) + std::fabs(b.y);
-  const double error = 2 * std::numbers::sqrt2 * half_step * sizes + 8 * half_step * half_step;
-  double area = a.x * b.y - a.y * b.x;
-  if (!(std::fabs(area) > 2 * error)) area = signed_uv_area2(uv[0], uv[1], uv[2]);  // to the last bit
-  return std::fabs(area) <= error ? 0 : area > 0 ? 1 : -1;
+  const auto error = [&](double sizes) {
+    return 2 * std::numbers::sqrt2 * half_step * sizes + 8 * half_step * half_step;
+  };
+  // Of nearly all triangles plain arithmetic tells.
+  const double plain = a.x * b.y - a.y * b.x;
+  if (std::fabs(plain) > 2 * error(std::fabs(a.x) + std::fabs(a.y) + std::fabs(b.x) + std::fabs(b.y)))
+    return plain > 0 ? 1 : -1;
+  const double area = signed_uv_area2(uv[0], uv[1], uv[2]);
+  return std::fabs(area) <= error(std::hypot(a.x, a.y) + std::hypot(b.x, b.y)) ? 0 : area > 0 ? 1 : -1;
 }
-inline int certain_sign(const Mesh& mesh, const Triangle& t) {
+// \param of_file the half step of its uvs, or 0: only single precision is counted
+inline int certain_sign(const Mesh& mesh, const Triangle& t, double of_file) {
   const std::array<Vec2<double>, 3> uv{mesh.uvs[t[0]], mesh.uvs[t[1]], mesh.uvs[t[2]]};
-  return certain_sign(uv, half_step(mesh.half_steps.uv, largest_coordinate(uv)));
+  return certain_sign(uv, half_step(of_file, largest_coordinate(uv)));
 }
 
 }  // namespace darboux

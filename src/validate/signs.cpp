@@ -44,7 +44,7 @@ void Signs::count() {
 
 bool Signs::counts(std::uint32_t t) const {
   return under_test_.raw_sign[t] != 0 && under_test_.has_area[t] &&
-         certain_sign(under_test_.mesh, under_test_.mesh.triangles[t]) != 0;
+         certain_sign(under_test_.mesh, under_test_.mesh.triangles[t], 0) != 0;
 }
 
 bool Signs::counts(std::uint32_t t, std::uint32_t v) const {

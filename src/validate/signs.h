@@ -14,9 +14,9 @@ struct SignCount {
   std::size_t raw = 0, gltf = 0;
 };
 
-// Of the whole mesh and of each island, over the corners of triangles with uv area. A normal more than 80
-// degrees from its triangle leaves open what w means there: the triangle's winding, or the side on which w
-// times n × t must lie. So do triangles whose dpdu go all round their vertex.
+// Of the whole mesh and of each island, over the corners of triangles with uv area. Not counted are corners
+// where w has no one meaning: the normal is more than 80 degrees from the triangle (the uvs' winding says one
+// sign, the side of dpdv the other), or the dpdu of the vertex's triangles go all round it.
 class Signs {
  public:
   Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
@@ -30,8 +30,8 @@ class Signs {
 
  private:
   void count();
-  // Triangles without area in space, or as far as their uvs are known in uv, take no part: nothing is seen of
-  // them.
+  // Triangles take no part that have no area in space, or in uv none beyond what single precision rounds:
+  // nothing is seen of them.
   bool counts(std::uint32_t t) const;
   bool counts(std::uint32_t t, std::uint32_t v) const;
   // Where both signs hold half the island, the mesh's convention decides.

@@ -9,6 +9,7 @@
 
 #include "angles.h"
 #include "base/flatten.h"
+#include "consistent.h"
 #include "mesh/frames/creases.h"
 #include "rounding.h"
 
@@ -187,6 +188,12 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       if (supported[v]) supported[joins.position_and_normal[v]] = true;
     for (std::uint32_t v = 0; v < n; ++v)
       result.unsupported[v] = asked[v] && !supported[v] && !supported[joins.position_and_normal[v]];
+    // At sharp edges and tips no average is nearer.
+    if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end()) {
+      const std::vector<bool> average = are_average_normals(mesh, joins, result.unsupported);
+      for (std::uint32_t v = 0; v < n; ++v)
+        if (average[v]) result.unsupported[v] = false;
+    }
   }
   result.faceted_vertices.assign(n, false);
   if (!any_candidate) return result;

@@ -2,8 +2,9 @@
 //
 // What it may claim. Numbers that are not finite, tangents that are zero where the uvs have area, lengths
 // beyond what rounding explains, signs other than +1 and -1 or that differ within a uv island, tangents along
-// the normal, normals that no triangle at the vertex supports: no reader can use these, so they are errors.
-// From what evidence: the stored numbers, their rounding (Mesh::half_steps), and the triangles' own planes.
+// the normal, normals far from every triangle at the vertex and from their averages: no reader can use these,
+// so they are errors, but for such normals at borders of unknown surfaces, where they may be meant. From what
+// evidence: the stored numbers, their rounding (Mesh::half_steps), and the triangles' own planes.
 #pragma once
 
 #include <cstdint>
@@ -30,9 +31,9 @@ constexpr double supported_deg = 80;  // how far a normal may be from all triang
 
 // The stored normals beside the planes of the triangles.
 struct NormalChecks {
-  std::vector<bool>
-      unsupported;  // vertices whose normal is more than supported_deg from every triangle that shares it
-  std::vector<bool> drawn;  // vertices of a triangle with area; nothing is seen of the others
+  std::vector<bool> unsupported;  // vertices whose normal is more than supported_deg from every triangle that
+                                  // shares it, and no common average of these
+  std::vector<bool> drawn;        // vertices of a triangle with area; nothing is seen of the others
   std::vector<bool>
       faceted;  // triangles whose three normals are their own, beside one that turns and has others
   std::vector<bool> faceted_vertices;  // of which all triangles with area are faceted

@@ -150,7 +150,7 @@ class MeshValidation {
   template <class F>
   void for_each_corner_group(F f) const;
 
-  // Of what is beyond a recognised surface, or an unsupported normal: a coarse mesh cannot do better.
+  // Of what is beyond a recognised surface: whether it is what the triangles tell, which may be coarse.
   bool is_average_tangent(std::uint32_t v, int sign) const {
     if (average_tangents_.empty() || tangents_diagnosed_) return false;
     const std::size_t at = 2 * std::size_t{v};
@@ -159,14 +159,12 @@ class MeshValidation {
                       : average_tangents_[at] || average_tangents_[at + 1];
   }
   bool is_average_normal(std::uint32_t v) const { return !average_normals_.empty() && average_normals_[v]; }
-  // More than 80 degrees from its triangles. That is right at sharp edges and tips, where no average of
-  // theirs is nearer, and may be meant where a surface ends, as on cards of leaves that are lit as the crown
-  // is.
   bool is_unsupported(std::uint32_t v) const {
-    return !mesh_.normals.empty() && under_test_.normals.unsupported[v] && !is_average_normal(v);
+    return !mesh_.normals.empty() && under_test_.normals.unsupported[v];
   }
   // No triangle with uv area has it, so that nobody sees its tangent.
   bool is_unseen(std::uint32_t v) const { return !mesh_.uvs.empty() && !under_test_.has_uv_area[v]; }
+  // Leaves and grass on cards are lit as the crown or the ground is.
   bool may_be_lit_otherwise(std::uint32_t v) const {
     return !accurate_.known() && classes_.of_vertex[v] == VertexClass::border;
   }
@@ -325,8 +323,8 @@ void MeshValidation::count_vertex(std::uint32_t v) {
     const Angles& a = accurate_.angles(v);
     const Claim normal = accurate_.normal(v), tangent = accurate_.tangent(v);
     if (normal != Claim::none || tangent != Claim::none) decided_ += corners;
-    if (!is_pole(v) &&
-        ((a.normal >= 0 && normal == Claim::none) || (a.tangent >= 0 && tangent == Claim::none)))
+    if (!is_pole(v) && ((a.normal >= 0 && normal == Claim::none) ||
+                        (a.tangent >= 0 && tangent == Claim::none && !is_unseen(v))))
       undecided_ += corners;
     if (accurate_.inward(v)) report_.inward += corners;
   }
@@ -384,7 +382,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
   const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
   if (checks_[v].leans || (checks_[v].along_normal && is_unseen(v))) counts.leaning += group.corners;
-  if (is_unsupported(v) && !normal_error(v)) counts.lit_otherwise += group.corners;
+  if (is_unsupported(v) && may_be_lit_otherwise(v)) counts.lit_otherwise += group.corners;
   if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
     warn(!accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_) ? counts.surface_tangents
          : is_average_tangent(v, group.sign)                                 ? counts.coarse_tangents
@@ -648,15 +646,14 @@ void MeshValidation::diagnose() {
 }
 
 void MeshValidation::find_averages() {
+  if (!accurate_.known() || accurate_.declared()) return;
   const std::size_t n = mesh_.positions.size();
-  const bool recognised = accurate_.known() && !accurate_.declared();
   std::vector<bool> tangents(n, false), normals(n, false);
   bool any_tangent = false, any_normal = false;
   for (std::uint32_t v = 0; v < n; ++v) {
     if (corners_of_[v] == 0 || !checks_[v].has_normal) continue;
-    if (under_test_.normals.unsupported[v] || (recognised && accurate_.normal(v) == Claim::beyond))
-      normals[v] = any_normal = true;
-    if (recognised && accurate_.tangent(v) == Claim::beyond) tangents[v] = any_tangent = true;
+    if (accurate_.normal(v) == Claim::beyond) normals[v] = any_normal = true;
+    if (accurate_.tangent(v) == Claim::beyond) tangents[v] = any_tangent = true;
   }
   if (!any_tangent && !any_normal) return;
   VertexJoins of_part;

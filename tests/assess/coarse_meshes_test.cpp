@@ -187,6 +187,16 @@ TEST(SharpEdges, AveragedNormalsAreNoErrors) {
   EXPECT_EQ(count_of(assess(mesh).report, "NORMAL_ANGLE", Severity::error), 6U);
 }
 
+// Also where the sides are parts of their own: two planes.
+TEST(SharpEdges, BetweenPartsAreNoErrors) {
+  Mesh mesh = sheet(16, [](double x, double) { return -20 * std::fabs(x - 8); });
+  mesh.tangents.clear();
+  average_normals(mesh, Average::area);
+  const std::vector<Assessment> parts = assess_parts(mesh);
+  EXPECT_GT(parts.size(), 1U);
+  for (const Assessment& part : parts) EXPECT_EQ(errors(part.report), "");
+}
+
 // Leaves and grass are lit as what they stand on.
 TEST(Cards, NormalsMayBeThoseOfTheGround) {
   Mesh mesh = sheet(1, [](double, double) { return 0.0; });
@@ -255,6 +265,19 @@ TEST(CoarseMeshes, OneTexelLeavesTangentsOpen) {
   report = assess(mesh).report;
   EXPECT_EQ(report.verdict, Verdict::pass) << errors(report);
   EXPECT_EQ(count_of(report, "TANGENT_NOT_ORTHOGONAL", Severity::warning), mesh.corners());
+  // Without uvs nothing says that nobody sees them.
+  mesh.uvs.clear();
+  EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_NOT_ORTHOGONAL", Severity::error), mesh.corners());
+}
+
+// A step of 8 bits per cell is uv area.
+TEST(CoarseMeshes, CoarselyStoredUvsAreUvArea) {
+  Mesh mesh = sheet(12, [](double x, double y) { return 0.3 * std::sin(3 * x + y); });
+  average_normals(mesh, Average::area);
+  for (auto& uv : mesh.uvs) uv = {uv.x / 255, uv.y / 255};
+  mesh.half_steps.uv = 0.5 / 255;
+  for (auto& t : mesh.tangents) t = {0, 0, 0, 1};
+  EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_ZERO", Severity::error), mesh.corners());
 }
 
 // ---- signs
@@ -280,7 +303,7 @@ TEST(Signs, OfOneVertexAreErrors) {
   }
 }
 
-// Where a normal opposes its triangle, w follows the winding by MikkTSpace, and by Lengyel the side of n × t.
+// Where a normal opposes its triangle, w follows the winding (MikkTSpace) or the side of n × t (Lengyel).
 TEST(Signs, OfNormalsThatOpposeTheirTriangleAreOpen) {
   const auto wave = [](double x, double y) { return 0.3 * std::sin(2 * x) + 0.2 * std::cos(3 * y); };
   for (const double w : {1.0, -1.0}) {

@@ -231,7 +231,7 @@ TEST(SplineBatches, CurvesWithSingularPlaces) {
   const auto expect_same = [&](const auto& surface) {
     expect_same_bits<double>(surface, random, surface.breaks(0), surface.breaks(1));
     expect_same_bits<float>(surface, random, surface.breaks(0), surface.breaks(1));
-    // Rows and columns 2, 4, ... of this grid are knots.
+    // Rows 2, 4, ... of this grid are the corners of the polygons of degree 1.
     expect_same_bits(surface, Points<double>::grid(30, 10), std::span(attributes));
   };
   const std::vector<Vec3<double>> lathe{{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0.5, 0, 1}, {0, 0, 2}, {-1, 0, 2}};
