@@ -12,6 +12,7 @@
 #include <darboux/validate.h>
 
 #include "accurate.h"
+#include "averages.h"
 #include "base/flatten.h"
 #include "base/text.h"
 #include "diagnose.h"
@@ -84,6 +85,7 @@ class MeshValidation {
     for (const Triangle& triangle : mesh_.triangles)
       for (const std::uint32_t v : triangle) ++corners_of_[v];
     accurate_ = Accurate(under_test, checks_, corners_of_, truth, basis, signs_.raw(), options.max_angle_deg);
+    averages_ = Averages(under_test, accurate_, checks_, corners_of_);
     if (!under_test.local.empty())
       smooth_ = check_smooth(under_test, accurate_, checks_, signs_.raw(), options.max_angle_deg);
     report_.corners = mesh_.corners();
@@ -92,7 +94,6 @@ class MeshValidation {
 
   MeshReport report() && {
     compare();
-    find_averages();
     diagnose();
     check_corners();
     keep_errors_by_triangles();
@@ -150,15 +151,9 @@ class MeshValidation {
   template <class F>
   void for_each_corner_group(F f) const;
 
-  // Of what is beyond a recognised surface: whether it is what the triangles tell, which may be coarse.
   bool is_average_tangent(std::uint32_t v, int sign) const {
-    if (average_tangents_.empty() || tangents_diagnosed_) return false;
-    const std::size_t at = 2 * std::size_t{v};
-    return sign < 0   ? average_tangents_[at]
-           : sign > 0 ? average_tangents_[at + 1]
-                      : average_tangents_[at] || average_tangents_[at + 1];
+    return !tangents_diagnosed_ && averages_.tangent(v, sign);
   }
-  bool is_average_normal(std::uint32_t v) const { return !average_normals_.empty() && average_normals_[v]; }
   bool is_unsupported(std::uint32_t v) const {
     return !mesh_.normals.empty() && under_test_.normals.unsupported[v];
   }
@@ -171,8 +166,6 @@ class MeshValidation {
 
   void compare();
   void diagnose();
-  void find_averages();
-  bool beyond_are_averages() const;
   // Corners by what is found of them.
   struct Counts {
     std::array<std::size_t, corner_errors> of_error{};
@@ -209,9 +202,9 @@ class MeshValidation {
   std::vector<std::uint32_t> corners_of_;  // how many each vertex has
   Signs signs_;
   Accurate accurate_;
+  Averages averages_;
   Smooth smooth_;
   bool tangents_diagnosed_ = false, normals_diagnosed_ = false;
-  std::vector<bool> average_tangents_, average_normals_;  // as OwnDirections has them; empty: none
   // Corners: decided by the surface; compared with it and open; decided by the neighbours.
   std::size_t decided_ = 0, undecided_ = 0, locally_ = 0;
   MeshReport report_;
@@ -281,7 +274,7 @@ bool MeshValidation::normal_error(std::uint32_t v) const {
   if (unsupported && !within) return true;
   return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
          accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) &&
-         !(((may_be_authored(v) && !normals_diagnosed_) || is_average_normal(v)) && !is_unsupported(v));
+         !(((may_be_authored(v) && !normals_diagnosed_) || averages_.normal(v)) && !is_unsupported(v));
 }
 
 // The first error that fits.
@@ -390,7 +383,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
          surface.projected_tangent);
   if (!normal_error(v) && accurate_.known() && accurate_.normal(v) == Claim::beyond)
     warn(!accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) ? counts.surface_normals
-         : is_average_normal(v)                                            ? counts.coarse_normals
+         : averages_.normal(v)                                             ? counts.coarse_normals
                                                                            : counts.authored_normals,
          surface.normal);
   if (!smooth_.known() || is_pole(v)) return;
@@ -597,7 +590,7 @@ void MeshValidation::look_at_signs() {
 }
 
 void MeshValidation::diagnose() {
-  if (accurate_.known() && accurate_.normals_agree() < Accurate::enough && !beyond_are_averages())
+  if (accurate_.known() && accurate_.normals_agree() < Accurate::enough && !averages_.explain_normals())
     normals_diagnosed_ = diagnose_normals(under_test_, accurate_, options_, report_);
   if (mesh_.tangents.empty()) return;
   const std::span<const Truth> truth = statistics_truth();
@@ -643,40 +636,6 @@ void MeshValidation::diagnose() {
           return Directions{t, double{m.w} * cross(n, t)};
         },
         options_, report_);
-}
-
-void MeshValidation::find_averages() {
-  if (!accurate_.known() || accurate_.declared()) return;
-  const std::size_t n = mesh_.positions.size();
-  std::vector<bool> tangents(n, false), normals(n, false);
-  bool any_tangent = false, any_normal = false;
-  for (std::uint32_t v = 0; v < n; ++v) {
-    if (corners_of_[v] == 0 || !checks_[v].has_normal) continue;
-    if (accurate_.normal(v) == Claim::beyond) normals[v] = any_normal = true;
-    if (accurate_.tangent(v) == Claim::beyond) tangents[v] = any_tangent = true;
-  }
-  if (!any_tangent && !any_normal) return;
-  VertexJoins of_part;
-  const VertexJoins& joins = joins_of(under_test_, of_part);
-  if (any_tangent) {
-    OwnDirections own = own_directions(mesh_, under_test_.raw_sign, joins, tangents);
-    average_tangents_ = std::move(own.average);
-    for (std::size_t k = 0; k < own.all_round.size(); ++k)
-      if (own.all_round[k]) average_tangents_[k] = true;
-  }
-  if (any_normal) average_normals_ = are_average_normals(mesh_, joins, normals);
-}
-
-// Whether most normals that are beyond the surface are what the triangles tell: then no mistake need explain
-// them.
-bool MeshValidation::beyond_are_averages() const {
-  std::size_t beyond = 0, averages = 0;
-  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
-    if (corners_of_[v] == 0 || accurate_.normal(v) != Claim::beyond) continue;
-    beyond += corners_of_[v];
-    if (is_average_normal(v)) averages += corners_of_[v];
-  }
-  return averages > 0 && 2 * averages >= beyond;
 }
 
 void MeshValidation::add_notes() {

@@ -70,8 +70,8 @@ struct RuledSurface {
            (detail::vanishes(j.dpdv) ? Status::dpdv_zero : Status::regular);
   }
 
-  /// K = -(det(A', B', B - A)/|N|²)², N = ((1 - v) A' + v B') × (B - A): zero where the tangents of A and B
-  /// and the line lie in one plane. [doCarmo2016, sec. 3-5]
+  /// K = -(det(A', B', B - A)/|N|²)², N = ((1 - v) A' + v B') × (B - A): zero where the tangents of A and
+  /// B and the line lie in one plane. [doCarmo2016, sec. 3-5]
   template <class P, class S>
   S gaussian_curvature(const P& u, const S& v) const {
     const CurveJet<S> p = a.jet(u), q = b.jet(u);

@@ -280,9 +280,9 @@ class Report {
     std::cout
         << "\n### Two threads\n\n18 separate arrays; 2^20 points into rotating sets, 2^14 into the same "
            "arrays. Beside it what two threads are worth here to others: to the naive loop, which computes, "
-           "and to the "
-           "write limit.\n\n"
-           "| surface | scalar | points | one thread, ns | two, ns | × one | naive: × one | limit: × one |\n"
+           "and to the write limit.\n\n"
+           "| surface | scalar | points | one thread, ns | two, ns "
+           "| × one | naive: × one | limit: × one |\n"
            "|---|---|---|---:|---:|---:|---:|---:|\n";
     for (const std::string surface : {"torus", "sphere"})
       for (const std::string scalar : {"double", "float"})

@@ -321,8 +321,8 @@ TEST(Converge, SeedsGoIntoTheInterval) {
   EXPECT_THROW(converge(o), ParameterError);
 }
 
-// Schwarz's lantern: normals of its faces stay off by atan(π² r / 2h · n/m²), n/m² = 1/4, whose limit here
-// is 51 degrees, however fine it is; so do bitangents along them. A catalogue surface that has none is
+// Schwarz's lantern: normals of its faces stay off by atan(π² r / 2h · n/m²), n/m² = 1/4, whose limit
+// here is 51 degrees, however fine it is; so do bitangents along them. A catalogue surface that has none is
 // refused.
 TEST(Converge, LanternDoesNotConverge) {
   ConvergeOptions o = options("cylinder", {"lantern"}, {"face", "average"});

@@ -92,7 +92,8 @@ TEST(Rewrite, TangentsAreAppendedAndAllElseIsKept) {
   b.bin += "xy";  // a chunk whose end is no multiple of 4 until it is padded
   b.json["extras"] = Json::parse(
       R"({"z": 0.1, "a": [1e-310, 5e-324, 1.7976931348623157e308, -0.0, 0.30000000000000004, 3.0, null, true],
-          "big": 9007199254740993, "biggest": 18446744073709551615, "negative": -9223372036854775808, "text": "ä\u0001\"\\"})");
+          "big": 9007199254740993, "biggest": 18446744073709551615, "negative": -9223372036854775808,
+          "text": "ä\u0001\"\\"})");
   b.json["accessors"][0]["unknown"] = {{"nested", {1, 2, 3}}};
   b.json["meshes"][0]["primitives"][0]["extras"] = nullptr;
   b.json["zzz unknown"] = "kept";

@@ -1,0 +1,42 @@
+#include "averages.h"
+
+namespace darboux {
+
+Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
+                   std::span<const VertexChecks> checks, std::span<const std::uint32_t> corners_of) {
+  if (!accurate.known() || accurate.declared()) return;
+  const Mesh& mesh = under_test.mesh;
+  const std::size_t n = mesh.positions.size();
+  std::vector<bool> tangents(n, false), normals(n, false);
+  bool any_tangent = false, any_normal = false;
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (corners_of[v] == 0 || !checks[v].has_normal) continue;
+    if (accurate.normal(v) == Claim::beyond) normals[v] = any_normal = true;
+    if (accurate.tangent(v) == Claim::beyond) tangents[v] = any_tangent = true;
+  }
+  if (!any_tangent && !any_normal) return;
+  VertexJoins of_part;
+  const VertexJoins& joins = joins_of(under_test, of_part);
+  if (any_tangent) {
+    OwnDirections own = own_directions(mesh, under_test.raw_sign, joins, tangents);
+    tangents_ = std::move(own.average);
+    for (std::size_t k = 0; k < own.all_round.size(); ++k)
+      if (own.all_round[k]) tangents_[k] = true;
+  }
+  if (!any_normal) return;
+  normals_ = are_average_normals(mesh, joins, normals);
+  std::size_t beyond = 0, averages = 0;
+  for (std::size_t v = 0; v < n; ++v) {
+    beyond += normals[v] ? corners_of[v] : 0;
+    averages += normals_[v] ? corners_of[v] : 0;
+  }
+  explain_normals_ = averages > 0 && 2 * averages >= beyond;
+}
+
+bool Averages::tangent(std::uint32_t v, int sign) const {
+  if (tangents_.empty()) return false;
+  const std::size_t at = 2 * std::size_t{v};
+  return sign < 0 ? tangents_[at] : sign > 0 ? tangents_[at + 1] : tangents_[at] || tangents_[at + 1];
+}
+
+}  // namespace darboux
