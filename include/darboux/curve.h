@@ -381,12 +381,11 @@ class BSplineCurve {
   CurveJet<S> jet_to(const S& t) const {
     const auto span = knots_.span(t);
     const int p = knots_.degree();
-    using Place = detail::SpanPlace<S>;
-    const Vec3<S> anchor = (span.first + Place::choose(knots_.upper(span), p)).point(control_points_);
     return detail::with_degree<S>(p, [&]<class Degree>(Degree degree) -> CurveJet<S> {
       const detail::KnotWeights<S, Degree, order> weights(degree, {}, span);
       detail::ControlWindow<Vec3<S>, Degree> x;
       span.first.points(control_points_, 0, p + 1, x);
+      const Vec3<S> anchor = detail::choose(weights.upper(), x[p], x[0]);
       for (int i = 0; i <= p; ++i) x[i] = x[i] - anchor;
       if (weights_.empty()) {
         const auto f = detail::spline_derivatives<order + 1, Vec3<S>>(x, degree, weights);

@@ -83,6 +83,11 @@ const S& span_place(const S& t) {
   return t;
 }
 
+template <class Condition, class S>
+Vec3<S> choose(const Condition& condition, const Vec3<S>& a, const Vec3<S>& b) {
+  return {select(condition, a.x, b.x), select(condition, a.y, b.y), select(condition, a.z, b.z)};
+}
+
 // Numerator and denominator of a rational position.
 template <class S>
 struct Homogeneous {
@@ -106,8 +111,6 @@ struct SpanPlace {
   SpanPlace operator+(int n) const { return {at + n}; }
   SpanPlace operator+(const SpanPlace& other) const { return {at + other.at}; }
   SpanPlace operator*(int n) const { return {at * n}; }
-  /// n where `condition`, else 0.
-  static SpanPlace choose(bool condition, int n) { return {condition ? n : 0}; }
   template <class T>
   S number(const std::vector<T>& list, int offset = 0) const {
     return lift<S>(list[static_cast<std::size_t>(at + offset)]);
@@ -205,44 +208,67 @@ struct BezierWeights {
   const S& below(int, int) const { return rest; }
   const S& above(int, int) const { return t; }
   S slope(int order, int) const { return lift<S>(static_cast<double>(degree - order)); }
+  // Whether the place lies in the upper half.
+  auto upper() const { return span_place(S(lift<S>(0.5))) < span_place(t); }
 };
 
-// One span of a B-spline: its place, and the 2p knots about it, knot p-1 <= t < knot p.
+template <class S>
+struct BezierSpan {
+  S t;
+  SpanPlace<S> first{};
+  template <class Degree, int orders>
+  BezierWeights<S> weights(Degree p, Known<orders>) const {
+    return {p, t};
+  }
+};
+
+// One span of a B-spline: its place.
 template <class S, class T>
 struct KnotSpan {
   S t;
   const std::vector<T>* list;
-  SpanPlace<S> first;  // of its control points
-  S knot(int i) const { return first.number(*list, 1 + i); }
+  SpanPlace<S> first;  // of its control points, and of 2p + 2 knots, knot p <= t < knot p + 1
+
+  template <class Degree, int orders>
+  auto weights(Degree p, Known<orders> to) const;
 };
 template <class S, class Degree, int orders>
 struct KnotWeights {
   static constexpr int most = most_of<Degree>;
   Degree degree;
+  S t, begin, end;  // of the span
   std::array<S, most*(most + 1) / 2> below_, above_;
   std::array<std::array<S, most>, orders> slope_;
 
   /// \param orders of derivatives that are wanted
   template <class T>
-  KnotWeights(Degree p, Known<orders>, const KnotSpan<S, T>& span) : degree(p) {
-    std::array<S, 2 * most> knots;
-    repeat(minus(p, minus(Known<0>{}, p)), [&](auto i) { knots[i] = span.knot(i); });
+  KnotWeights(Degree p, Known<orders>, const KnotSpan<S, T>& span) : degree(p), t(span.t) {
+    std::array<S, 2 * most + 2> knots;
+    span.first.numbers(*span.list, 0, 2 * p + 2, knots);
+    begin = knots[p], end = knots[p + 1];
     repeat(p, [&](auto before) {
       repeat(minus(p, before), [&](auto j) {
-        const S &lo = knots[j + before], &hi = knots[j + p], length = hi - lo;
-        below_[place(before + 1, j)] = (hi - span.t) / length;
-        above_[place(before + 1, j)] = (span.t - lo) / length;
+        const S &lo = knots[1 + j + before], &hi = knots[1 + j + p], length = hi - lo;
+        below_[place(before + 1, j)] = (hi - t) / length;
+        above_[place(before + 1, j)] = (t - lo) / length;
         if constexpr (orders > 0)
           if (before < orders) slope_[before][j] = lift<S>(static_cast<double>(p - before)) / length;
       });
     });
   }
+  auto upper() const { return span_place(S(begin + end)) < span_place(S(lift<S>(2.0) * t)); }
   const S& below(int level, int j) const { return below_[place(level, j)]; }
   const S& above(int level, int j) const { return above_[place(level, j)]; }
   const S& slope(int order, int j) const { return slope_[order][j]; }
   // Level 1 has `degree` pairs, each further one fewer.
   int place(int level, int j) const { return (level - 1) * (2 * degree + 2 - level) / 2 + j; }
 };
+
+template <class S, class T>
+template <class Degree, int orders>
+auto KnotSpan<S, T>::weights(Degree p, Known<orders> to) const {
+  return KnotWeights<S, Degree, orders>(p, to, *this);
+}
 
 // The derivative of an order <= the degree at the place, of its degree + 1 - order points. At t at a Bézier
 // end or a knot of full multiplicity it is the control point there, exactly.
@@ -274,18 +300,38 @@ std::array<Point, count> spline_derivatives(ControlWindow<Point, Degree>& x, Deg
   (std::make_integer_sequence<int, count>{});
 }
 
-// The partials (f, f_u, f_v, f_uu, f_uv, f_vv) of a tensor product to an order, zero beyond it: along v for
-// each column, then along u. \param column(i, x) sets the points (i, 0), (i, 1), ... of the window
-template <int order, class Point, class DegreeU, class DegreeV, class WeightsU, class WeightsV, class Column>
-std::array<Point, 6> tensor_partials(DegreeU p, DegreeV q, const WeightsU& u, const WeightsV& v,
-                                     Column&& column) {
-  std::array<ControlWindow<Point, DegreeU>, order + 1> f;  // f, f_v, f_vv
+// The columns of a window of a net at a place along v, and their derivatives there to an order: f, f_v, f_vv.
+// Each is taken relative to a control point of its own, the upper or lower one of the window: its anchor.
+template <int order, class S, class Point, class Degree>
+struct Columns {
+  ControlWindow<Vec3<S>, Degree> anchor;
+  std::array<ControlWindow<Point, Degree>, order + 1> f;
+};
+
+template <class S>
+void shift(Vec3<S>& f, const Vec3<S>& by, bool is_value) {
+  if (is_value) f = f + by;
+}
+template <class S>
+void shift(Homogeneous<S>& f, const Vec3<S>& by, bool) {
+  f.a = f.a + f.w * by;
+}
+// Columns relative to one control point, which is returned: the corner of the window nearest to the place.
+template <int order, class S, class Point, class Degree, class UpperU>
+Vec3<S> share_anchor(Columns<order, S, Point, Degree>& columns, Degree p, const UpperU& upper_u) {
+  const Vec3<S> shared = choose(upper_u, columns.anchor[p], columns.anchor[0]);
   for (int i = 0; i <= p; ++i) {
-    ControlWindow<Point, DegreeV> x;
-    column(i, x);
-    const auto along_v = spline_derivatives<order + 1, Point>(x, q, v);
-    for (int k = 0; k <= order; ++k) f[k][i] = along_v[k];
+    const Vec3<S> by = columns.anchor[i] - shared;
+    for (int k = 0; k <= order; ++k) shift(columns.f[k][i], by, k == 0);
   }
+  return shared;
+}
+
+// The partials (f, f_u, f_v, f_uu, f_uv, f_vv) of a tensor product to an order, zero beyond it, from its
+// columns.
+template <int order, class Point, class Degree, class Weights>
+std::array<Point, 6> tensor_partials(std::array<ControlWindow<Point, Degree>, order + 1>& f, Degree p,
+                                     const Weights& u) {
   if constexpr (order >= 2) {
     const auto along_u = spline_derivatives<3, Point>(f[0], p, u);
     const auto f_v = spline_derivatives<2, Point>(f[1], p, u);
@@ -344,64 +390,84 @@ struct NetWindow {
   int degree_u, degree_v;
   SpanPlace<S> first;
   int row;
-  bool far_apart = false;  // some weights of the net are
 
   Vec3<S> point(int i, int j) const { return first.point(net_points, i * row + j); }
   S weight(int i, int j) const { return first.number(weights, i * row + j); }
   bool rational() const { return !weights.empty(); }
-  // That nearest to (u, v).
-  template <class UpperU, class UpperV>
-  Vec3<S> corner(const UpperU& upper_u, const UpperV& upper_v) const {
-    return (first + SpanPlace<S>::choose(upper_u, degree_u * row) + SpanPlace<S>::choose(upper_v, degree_v))
-        .point(net_points);
-  }
-  // The points (i, 0), (i, 1), ... relative to one, times their weights where it is rational.
-  template <class Degree>
-  void column(int i, Degree q, const Vec3<S>& anchor, ControlWindow<Vec3<S>, Degree>& x) const {
+  // The points (i, 0), (i, 1), ... relative to the last of them or the first, which is returned; times their
+  // weights where the net is rational.
+  template <class Degree, class UpperV>
+  Vec3<S> column(int i, Degree q, const UpperV& upper_v, ControlWindow<Vec3<S>, Degree>& x) const {
     first.points(net_points, i * row, q + 1, x);
+    const Vec3<S> anchor = choose(upper_v, x[q], x[0]);
     for (int j = 0; j <= q; ++j) x[j] = x[j] - anchor;
+    return anchor;
   }
-  template <class Degree>
-  void column(int i, Degree q, const Vec3<S>& anchor, ControlWindow<Homogeneous<S>, Degree>& x) const {
+  template <class Degree, class UpperV>
+  Vec3<S> column(int i, Degree q, const UpperV& upper_v, ControlWindow<Homogeneous<S>, Degree>& x) const {
     ControlWindow<Vec3<S>, Degree> p;
     ControlWindow<S, Degree> w;
-    first.points(net_points, i * row, q + 1, p);
+    const Vec3<S> anchor = column(i, q, upper_v, p);
     first.numbers(weights, i * row, q + 1, w);
-    for (int j = 0; j <= q; ++j) x[j] = {w[j] * (p[j] - anchor), w[j]};
+    for (int j = 0; j <= q; ++j) x[j] = {w[j] * p[j], w[j]};
+    return anchor;
+  }
+  // Columns 0 to p.
+  template <int order, class Point, class DegreeU, class DegreeV, class Weights>
+  Columns<order, S, Point, DegreeU> columns(DegreeU p, DegreeV q, const Weights& v) const {
+    Columns<order, S, Point, DegreeU> result;
+    const auto upper_v = v.upper();
+    for (int i = 0; i <= p; ++i) {
+      ControlWindow<Point, DegreeV> x;
+      result.anchor[i] = column(i, q, upper_v, x);
+      const auto along_v = spline_derivatives<order + 1, Point>(x, q, v);
+      for (int k = 0; k <= order; ++k) result.f[k][i] = along_v[k];
+    }
+    return result;
   }
 };
 
-// The partials of a (rational) tensor product patch to an order. The net is shifted by the window's corner
-// nearest to (u, v): what is far from the origin loses nothing, a corner is met exactly, and along a
-// collapsed edge the partial is exactly zero, whatever the weights. \param u, v take a degree and
-// an order and give the weights along it
-template <int order, class S, class T, class U, class V, class UpperU, class UpperV>
-Jet2<S> patch_jet(const NetWindow<S, T>& net, const U& u, const V& v, const UpperU& upper_u,
-                  const UpperV& upper_v) {
-  const Vec3<S> anchor = net.corner(upper_u, upper_v);
+// The partials of a (rational) tensor product patch to an order, from the columns of its net. Positions are
+// taken relative to control points: what is far from the origin loses nothing, a corner is met exactly, and
+// along a collapsed edge the partial is exactly zero, whatever the weights.
+template <int order, class S, class Point, class Degree, class Weights>
+Jet2<S> jet_of_columns(Columns<order, S, Point, Degree>& columns, Degree p, const Weights& u) {
+  const Vec3<S> anchor = share_anchor(columns, p, u.upper());
+  return jet_of<order>(anchor, tensor_partials<order, Point>(columns.f, p, u));
+}
+// At the spans u and v.
+template <int order, class Patch, class U, class V>
+auto patch_jet(const Patch& patch, const U& u, const V& v) {
+  using S = std::remove_cvref_t<decltype(u.t)>;
+  const auto net = patch.net(u, v);
   return with_degrees<order, S>(net.degree_u, net.degree_v, [&](auto p, auto q) {
     const auto of = [&]<class Point>(const Point&) {
-      return jet_of<order>(
-          anchor, tensor_partials<order, Point>(
-                      p, q, u(p, Known<order>{}), v(q, Known<order>{}),
-                      [&](int i, ControlWindow<Point, decltype(q)>& x) { net.column(i, q, anchor, x); }));
+      const auto along_u = u.weights(p, Known<order>{});
+      auto columns = net.template columns<order, Point>(p, q, v.weights(q, Known<order>{}));
+      return jet_of_columns(columns, p, along_u);
     };
     return net.rational() ? of(Homogeneous<S>{}) : of(Vec3<S>{});
   });
 }
 
-// How many roundings, to the order, the first partials of a patch may err for that hu.a and hu.w p cancel in
-// them: 1 unless weights are so far apart that it may matter.
-template <class S, class T, class U, class V, class UpperU, class UpperV>
-S partials_condition(const NetWindow<S, T>& net, const U& u, const V& v, const UpperU& upper_u,
-                     const UpperV& upper_v) {
+// Whether a surface type is a patch: span_u(u), span_v(v), and the window of its net there, net(span, span).
+template <class X>
+concept HasNet = requires(const X& x, const typename X::scalar& t) {
+  x.net(x.span_u(t), x.span_v(t));
+};
+
+// How many roundings, to the order, the first partials of a rational patch may err for that hu.a and hu.w p
+// cancel in them: 1 unless weights are so far apart that it may matter.
+template <class Patch, class U, class V>
+auto partials_condition(const Patch& patch, const U& u, const V& v) {
+  using S = std::remove_cvref_t<decltype(u.t)>;
   const S one = lift<S>(1.0), far = lift<S>(weights_far_apart);
-  if (!net.rational() || !net.far_apart) return one;
-  const int p = net.degree_u, q = net.degree_v;
   if constexpr (requires { S::diverge(); }) {  // lanes go by themselves
     S::diverge();
     return one;
   }
+  const auto net = patch.net(u, v);
+  const int p = net.degree_u, q = net.degree_v;
   S least = net.weight(0, 0), most = least;
   for (int i = 0; i <= p; ++i)
     for (int j = 0; j <= q; ++j) {
@@ -410,10 +476,10 @@ S partials_condition(const NetWindow<S, T>& net, const U& u, const V& v, const U
       most = most < w ? w : most;
     }
   if (most < far * least) return one;
-  const Vec3<S> anchor = net.corner(upper_u, upper_v);
-  const auto [h, hu, hv, huu, huv, hvv] = tensor_partials<1, Homogeneous<S>>(
-      p, q, u(p, Known<1>{}), v(q, Known<1>{}),
-      [&](int i, ControlWindow<Homogeneous<S>, int>& x) { net.column(i, q, anchor, x); });
+  const auto along_u = u.weights(p, Known<1>{});
+  auto columns = net.template columns<1, Homogeneous<S>>(p, q, v.weights(q, Known<1>{}));
+  share_anchor(columns, p, along_u.upper());
+  const auto [h, hu, hv, huu, huv, hvv] = tensor_partials<1, Homogeneous<S>>(columns.f, p, along_u);
   const auto condition = [position = h.a / h.w](const Homogeneous<S>& along) {
     const Vec3<S> taken = along.w * position;
     return (norm(along.a) + norm(taken)) / norm(along.a - taken);
@@ -610,13 +676,6 @@ class KnotVector {
   template <class S>
   detail::KnotSpan<S, T> span(const S& t) const {
     return {t, &knots_, detail::SpanPlace<S>::find(*this, t) + -degree_};
-  }
-
-  /// Whether t lies in the upper half of the span.
-  template <class S>
-  auto upper(const detail::KnotSpan<S, T>& span) const {
-    using detail::span_place;
-    return span_place(S(span.knot(degree_ - 1) + span.knot(degree_))) < span_place(S(lift<S>(2.0) * span.t));
   }
 
   /// Status::crease at an interior knot whose multiplicity is the degree or more: there first derivatives may

@@ -66,7 +66,7 @@ class BezierPatch {
   /// Its partials to an order only, zero beyond it: the same bits.
   template <int order, class S>
   Jet2<S> jet_to(const S& u, const S& v) const {
-    return detail::patch_jet<order>(net<S>(), weights_at(u), weights_at(v), upper(u), upper(v));
+    return detail::patch_jet<order>(*this, span_u(u), span_v(v));
   }
 
   template <class S>
@@ -76,13 +76,14 @@ class BezierPatch {
 
   template <class S>
   S partials_condition(const S& u, const S& v) const {
-    return detail::partials_condition(net<S>(), weights_at(u), weights_at(v), upper(u), upper(v));
+    return far_apart_ ? detail::partials_condition(*this, span_u(u), span_v(v)) : lift<S>(1.0);
   }
 
   /// The sums over Bernstein polynomials themselves.
   template <class S>
   Vec3<S> second_formula(const S& u, const S& v) const {
-    return detail::patch_position(net<S>(), bernstein(degree_u_, u), bernstein(degree_v_, v));
+    return detail::patch_position(net(span_u(u), span_v(v)), bernstein(degree_u_, u),
+                                  bernstein(degree_v_, v));
   }
 
   /// The same patch over another scalar.
@@ -97,23 +98,24 @@ class BezierPatch {
     return result;
   }
 
+  /// What jet() is made of: the spans of u and v, and the window of the net there.
+  template <class S>
+  static detail::BezierSpan<S> span_u(const S& u) {
+    return {u};
+  }
+  template <class S>
+  static detail::BezierSpan<S> span_v(const S& v) {
+    return {v};
+  }
+  template <class S>
+  detail::NetWindow<S, T> net(const detail::BezierSpan<S>& u, const detail::BezierSpan<S>& v) const {
+    return {control_points_, weights_, degree_u_, degree_v_, u.first * (degree_v_ + 1) + v.first,
+            degree_v_ + 1};
+  }
+
  private:
   template <class>
   friend class BezierPatch;
-
-  template <class S>
-  detail::NetWindow<S, T> net() const {
-    return {control_points_, weights_, degree_u_, degree_v_, {}, degree_v_ + 1, far_apart_};
-  }
-  template <class S>
-  static auto weights_at(const S& t) {
-    return [&t](int p, auto) { return detail::BezierWeights<S>(p, t); };
-  }
-  template <class S>
-  static auto upper(const S& t) {
-    using detail::span_place;
-    return span_place(lift<S>(0.5)) < span_place(t);
-  }
 
   static std::vector<Vec3<T>> example_points() {
     constexpr double height[4][4] = {

@@ -56,6 +56,8 @@ class BSplinePatch {
 
   const KnotVector<T>& knots_u() const { return u_; }
   const KnotVector<T>& knots_v() const { return v_; }
+  int degree_u() const { return u_.degree(); }
+  int degree_v() const { return v_.degree(); }
   const std::vector<Vec3<T>>& control_points() const { return control_points_; }
   /// Up to a common power of two those given; empty where they are all equal.
   const std::vector<T>& weights() const { return weights_; }
@@ -85,9 +87,7 @@ class BSplinePatch {
   /// Its partials to an order only, zero beyond it: the same bits.
   template <int order, class S>
   Jet2<S> jet_to(const S& u, const S& v) const {
-    const auto su = u_.span(u);
-    const auto sv = v_.span(v);
-    return detail::patch_jet<order>(net(su, sv), weights_of(su), weights_of(sv), u_.upper(su), v_.upper(sv));
+    return detail::patch_jet<order>(*this, span_u(u), span_v(v));
   }
 
   template <class S>
@@ -97,10 +97,7 @@ class BSplinePatch {
 
   template <class S>
   S partials_condition(const S& u, const S& v) const {
-    const auto su = u_.span(u);
-    const auto sv = v_.span(v);
-    return detail::partials_condition(net(su, sv), weights_of(su), weights_of(sv), u_.upper(su),
-                                      v_.upper(sv));
+    return far_apart_ ? detail::partials_condition(*this, span_u(u), span_v(v)) : lift<S>(1.0);
   }
 
   /// The sum over the basis functions of Cox and de Boor.
@@ -123,6 +120,20 @@ class BSplinePatch {
     return result;
   }
 
+  /// What jet() is made of: the spans of u and v, and the window of the net there.
+  template <class S>
+  detail::KnotSpan<S, T> span_u(const S& u) const {
+    return u_.span(u);
+  }
+  template <class S>
+  detail::KnotSpan<S, T> span_v(const S& v) const {
+    return v_.span(v);
+  }
+  template <class S>
+  detail::NetWindow<S, T> net(const detail::KnotSpan<S, T>& u, const detail::KnotSpan<S, T>& v) const {
+    return window(u.first, v.first);
+  }
+
  private:
   template <class>
   friend class BSplinePatch;
@@ -130,17 +141,7 @@ class BSplinePatch {
   // The window of the net from point (i, j) on.
   template <class S>
   detail::NetWindow<S, T> window(const detail::SpanPlace<S>& i, const detail::SpanPlace<S>& j) const {
-    return {control_points_, weights_, u_.degree(), v_.degree(), i * v_.count() + j, v_.count(), far_apart_};
-  }
-  template <class S>
-  detail::NetWindow<S, T> net(const detail::KnotSpan<S, T>& u, const detail::KnotSpan<S, T>& v) const {
-    return window(u.first, v.first);
-  }
-  template <class S>
-  static auto weights_of(const detail::KnotSpan<S, T>& span) {
-    return [&span]<class Degree, int orders>(Degree p, detail::Known<orders> to) {
-      return detail::KnotWeights<S, Degree, orders>(p, to, span);
-    };
+    return {control_points_, weights_, u_.degree(), v_.degree(), i * v_.count() + j, v_.count()};
   }
 
   static std::vector<Vec3<T>> example_points() {

@@ -12,6 +12,7 @@
 #include "batch_width.h"
 #include "lanes.h"
 #include "layout.h"
+#include "spline_lanes.h"
 #include "work.h"
 
 namespace darboux::kernels {
@@ -178,9 +179,12 @@ DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
   alignas(64) T sine_u[G], cosine_u[G], sine_v[G], cosine_v[G];
   if (!w.v_is_needed)  // any that is no pole
     for (std::size_t i = 0; i < G; ++i) sine_v[i] = T(1), cosine_v[i] = T(0);
+  const auto& in_rows = surface_in_rows<order_of<variant>, S>(surface, w.v.step == 0 ? w.v.values : nullptr);
   // Of a curve along v: the surface where it is, the same for all of a row.
-  [[maybe_unused]] std::optional<std::remove_cvref_t<decltype(detail::at_place<order_of<variant>>(
-      surface, std::declval<Prepared<X::info.u, S>>(), std::declval<Prepared<X::info.v, S>>()))>>
+  using AtPlace = decltype(detail::at_place<order_of<variant>>(
+      in_rows, std::declval<Prepared<X::info.u, S>>(), std::declval<Prepared<X::info.v, S>>()));
+  [[maybe_unused]] std::optional<
+      std::conditional_t<detail::HasCurveAlong<X, 1>, std::remove_cvref_t<AtPlace>, bool>>
       row;
   [[maybe_unused]] bool row_diverged = false;
   bool any_status = false;
@@ -210,7 +214,7 @@ DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
         const auto at_v = prepared<X::info.v, S>(v, at);
         const Target<T> target{w, begin + at, w.past_caches && whole};
         const auto here = [&]() -> decltype(auto) {
-          return detail::at_place<order_of<variant>>(surface, at_u, at_v);
+          return detail::at_place<order_of<variant>>(in_rows, at_u, at_v);
         };
         Status status;
         if constexpr (detail::HasCurveAlong<X, 1>) {

@@ -9,7 +9,6 @@
 
 #include "batch_loop.h"
 #include "index_in_catalogue.h"
-#include "spline_lanes.h"
 
 namespace darboux::kernels {
 namespace {
@@ -20,7 +19,8 @@ using OverT = decltype(darboux::rebind<T>(std::declval<const X&>()));
 
 template <class X, class T, Variant variant>
 constexpr Kernel<T> kernel_of() {
-  return {&kernel<X, T, variant>, Batch<X, T, variant>::lanes == batch_size<T>, detail::HasCurveAlong<X, 1>};
+  return {&kernel<X, T, variant>, Batch<X, T, variant>::lanes == batch_size<T>,
+          detail::HasCurveAlong<X, 1> || detail::HasNet<X>};
 }
 
 template <class T, class Surface>
