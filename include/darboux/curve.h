@@ -384,6 +384,7 @@ class BSplineCurve {
     return detail::with_degree<S>(p, [&]<class Degree>(Degree degree) -> CurveJet<S> {
       const detail::KnotWeights<S, Degree, order> weights(degree, {}, span);
       detail::ControlWindow<Vec3<S>, Degree> x;
+      x[0] = x[p] = Vec3<S>{};  // compilers do not see that they are set
       span.first.points(control_points_, 0, p + 1, x);
       const Vec3<S> anchor = detail::choose(weights.upper(), x[p], x[0]);
       for (int i = 0; i <= p; ++i) x[i] = x[i] - anchor;

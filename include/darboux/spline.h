@@ -243,7 +243,7 @@ struct KnotWeights {
   /// \param orders of derivatives that are wanted
   template <class T>
   KnotWeights(Degree p, Known<orders>, const KnotSpan<S, T>& span) : degree(p), t(span.t) {
-    std::array<S, 2 * most + 2> knots;
+    std::array<S, 2 * most + 2> knots{};
     span.first.numbers(*span.list, 0, 2 * p + 2, knots);
     begin = knots[p], end = knots[p + 1];
     repeat(p, [&](auto before) {
@@ -398,6 +398,7 @@ struct NetWindow {
   // weights where the net is rational.
   template <class Degree, class UpperV>
   Vec3<S> column(int i, Degree q, const UpperV& upper_v, ControlWindow<Vec3<S>, Degree>& x) const {
+    x[0] = x[q] = Vec3<S>{};  // compilers do not see that they are set
     first.points(net_points, i * row, q + 1, x);
     const Vec3<S> anchor = choose(upper_v, x[q], x[0]);
     for (int j = 0; j <= q; ++j) x[j] = x[j] - anchor;
