@@ -167,6 +167,9 @@ TEST(SplineBatches, HighDegreesAndManySpans) {
                                       clamped_knots(degree, count), random_net(random, count, count));
     expect_same_bits<double>(spline, random, spline.breaks(0), spline.breaks(1));
     expect_same_bits<float>(spline, random, spline.breaks(0), spline.breaks(1));
+    // Rows that pass over more columns of the net than are kept at a time, a lane's spans near and far.
+    for (const std::size_t columns : {1500, 400, 100, 50})
+      expect_same_bits(spline, Points<double>::grid(columns, 2), std::span(attributes));
   }
 }
 

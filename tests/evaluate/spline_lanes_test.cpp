@@ -14,15 +14,6 @@ using Place = detail::SpanPlace<S>;
 
 constexpr int beyond_float = (1 << 24) + 1;  // the first whole number that float lacks
 
-TEST(SplineLanes, ChoosesPlacesThatFloatLacks) {
-  const Place chosen = Place::choose(S(1) < S(2), beyond_float), other = Place::choose(S(2) < S(1), 1);
-  EXPECT_TRUE(chosen.same);
-  for (std::size_t k = 0; k < S::lanes; ++k) {
-    EXPECT_EQ(chosen.at[k], beyond_float);
-    EXPECT_EQ(other.at[k], 0);
-  }
-}
-
 // What SpanPlace asks of a knot vector, of so many spans that their knots need not be there.
 struct ManySpans {
   std::vector<float> none;

@@ -254,10 +254,10 @@ class PatchInRows {
   // The windows of all lanes: each of their spans gives its lanes the same numbers.
   template <class Columns, class Degree>
   void look_up(const detail::SpanPlace<S>& window, Columns& columns, Degree p) const {
-    int span = window.at[0];
-    each_number(columns, p, [&](S& to, const T* from) { to = S(from[span - first_]); });
+    int span = window.at[0] - first_;
+    each_number(columns, p, [&](S& to, const T* from) { to = S(from[span]); });
     if (window.same) return;
-    const S spans = window.as_number();
+    const S spans = (window + -first_).as_number();  // few, so that T has them all
     for (S left = spans;;) {
       left = select(left == S(static_cast<T>(span)), S(T(-1)), left);
       alignas(64) T each[S::lanes];
@@ -266,7 +266,7 @@ class PatchInRows {
       if (next == each + S::lanes) return;
       span = static_cast<int>(*next);
       const auto here = spans == S(*next);
-      each_number(columns, p, [&](S& to, const T* from) { to = select(here, S(from[span - first_]), to); });
+      each_number(columns, p, [&](S& to, const T* from) { to = select(here, S(from[span]), to); });
     }
   }
   // f(a number of column i, that of first_ + i), i = 0 ... p
