@@ -25,6 +25,12 @@ constexpr double alike_deg = 0.9;
 
 constexpr double pi = std::numbers::pi;
 
+// Turned tangents. The facets of a prism with three sides, square to normals that stand between them, turn
+// what its uvs say by 25 degrees, and more sides by less.
+constexpr double foreshortened_deg = 30;
+constexpr double nearly_all = 0.9;
+constexpr std::size_t least_turned = 8;  // corners of vertices
+
 constexpr std::ptrdiff_t most_at_a_place = 256;  // corners
 constexpr std::ptrdiff_t kept_from = 16;         // corners at a place whose directions are kept for the next
 constexpr std::ptrdiff_t most_at_an_edge = 64;   // triangles that each make a quad with each of the others
@@ -113,18 +119,30 @@ class Closely {
     std::sort(edges_.begin(), edges_.end());
   }
 
-  // \returns the claim, and how far outside in degrees
-  std::pair<Claim, double> assess(std::uint32_t v, int sign, double limit_deg) {
+  // What is claimed, and where the tangent lies outside a cone that is known, that cone.
+  struct Assessed {
+    Claim claim;
+    std::optional<Arc> left;
+  };
+  Assessed assess(std::uint32_t v, int sign, double limit_deg) {
     const Directions* directions = directions_of(v, sign, true);
     const std::optional<Arc> cone = cone_of(v, directions);
-    if (!cone || cone->half >= pi / 2) return {Claim::none, 0};
+    if (!cone || cone->half >= pi / 2) return {Claim::none, std::nullopt};
     const double outside = outside_deg(v, *cone);
-    if (outside <= limit_deg) return {Claim::within, 0};
+    if (outside <= limit_deg) return {Claim::within, std::nullopt};
+    if (directions->uncertain) return {Claim::none, std::nullopt};
     // The frame turns over a triangle about as its normals do.
     if (outside <= one_sided * max_angle_deg_ + degrees_per_radian * directions->normals_turn &&
         !directions->is_uniform() && !directions->closed)
-      return {Claim::none, 0};
-    return {directions->uncertain ? Claim::none : Claim::beyond, outside};
+      return {Claim::none, cone};
+    return {Claim::beyond, cone};
+  }
+
+  double outside_deg(std::uint32_t v, const Arc& cone) const {
+    const double away = std::fabs(std::remainder(cone.middle, 2 * pi)) - cone.half;
+    const double rounding =
+        std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
+    return degrees_per_radian * (away - rounding);
   }
 
   struct Direction {
@@ -231,13 +249,6 @@ class Closely {
     if (!std::isfinite(x) || !std::isfinite(y) || (x == 0 && y == 0)) return std::nullopt;
     return Arc{directions->cone->middle - std::atan2(y, x), directions->cone->half};
   }
-  double outside_deg(std::uint32_t v, const Arc& cone) const {
-    const double away = std::fabs(std::remainder(cone.middle, 2 * pi)) - cone.half;
-    const double rounding =
-        std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
-    return degrees_per_radian * (away - rounding);
-  }
-
   std::uint32_t corner(std::uint32_t t, std::uint32_t k) const { return mesh_.triangles[t][k % 3]; }
   std::uint32_t place(std::uint32_t t, std::uint32_t k) const { return joins_.position[corner(t, k)]; }
 
@@ -380,11 +391,33 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
     for (const int sign : {-1, 1}) {
       const std::size_t place = place_of(v, sign);
       if (!asked[place] || claims_[place] == Claim::within) continue;
-      const auto [claim, degrees] = closely.assess(v, sign, limit_deg[v]);
+      const auto [claim, left] = closely.assess(v, sign, limit_deg[v]);
       claims_[place] = claim;
-      if (claim == Claim::beyond)
-        outside_.emplace_back(static_cast<std::uint32_t>(place), static_cast<float>(degrees));
+      if (left)
+        outside_.push_back({static_cast<std::uint32_t>(place),
+                            static_cast<float>(closely.outside_deg(v, *left)),
+                            static_cast<float>(std::remainder(degrees_per_radian * left->middle, 360)),
+                            static_cast<float>(degrees_per_radian * left->half)});
     }
+  hold_if_turned(max_angle_deg);
+}
+
+void Cones::hold_if_turned(double max_angle_deg) {
+  turn_deg_.reset();
+  const auto within = static_cast<std::size_t>(std::count(claims_.begin(), claims_.end(), Claim::within));
+  const double known = static_cast<double>(within + outside_.size());
+  if (outside_.size() < least_turned || static_cast<double>(outside_.size()) < nearly_all * known) return;
+  double x = 0, y = 0;
+  for (const Outside& o : outside_)
+    x += std::cos(o.middle / degrees_per_radian), y += std::sin(o.middle / degrees_per_radian);
+  const double turn = degrees_per_radian * std::atan2(y, x);
+  if (!(std::fabs(turn) >= foreshortened_deg)) return;
+  std::size_t turned = 0;
+  for (const Outside& o : outside_)
+    turned += std::fabs(std::remainder(o.middle - turn, 360)) - o.half <= max_angle_deg;
+  if (static_cast<double>(turned) < nearly_all * known) return;
+  turn_deg_ = -turn;
+  for (const Outside& o : outside_) claims_[o.place] = Claim::beyond;
 }
 
 OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_sign,
@@ -445,8 +478,10 @@ Claim Cones::claim(std::uint32_t v, int sign) const {
 double Cones::outside_deg(std::uint32_t v, int sign) const {
   const auto of = [&](int s) {
     const auto place = static_cast<std::uint32_t>(place_of(v, s));
-    const auto at = std::lower_bound(outside_.begin(), outside_.end(), std::pair{place, -1.0f});
-    return at != outside_.end() && at->first == place ? double{at->second} : 0;
+    if (claims_[place] != Claim::beyond) return 0.0;
+    const auto at = std::lower_bound(outside_.begin(), outside_.end(), place,
+                                     [](const Outside& o, std::uint32_t p) { return o.place < p; });
+    return double{at->deg};
   };
   if (sign != 0) return of(sign);
   if (claim(v, 0) != Claim::beyond) return 0;
@@ -454,18 +489,21 @@ double Cones::outside_deg(std::uint32_t v, int sign) const {
   return a == 0 ? b : b == 0 ? a : std::fmin(a, b);
 }
 
-Cones Cones::restricted_to(std::span<const std::uint32_t> vertices) const {
+Cones Cones::restricted_to(std::span<const std::uint32_t> vertices, double max_angle_deg) const {
   Cones result;
   if (empty()) return result;
   result.claims_.reserve(2 * vertices.size());
   for (std::uint32_t i = 0; i < vertices.size(); ++i)
     for (const int sign : {-1, 1}) {
-      const Claim claim = claims_[place_of(vertices[i], sign)];
-      result.claims_.push_back(claim);
-      if (claim == Claim::beyond)
-        result.outside_.emplace_back(static_cast<std::uint32_t>(place_of(i, sign)),
-                                     static_cast<float>(outside_deg(vertices[i], sign)));
+      const auto place = static_cast<std::uint32_t>(place_of(vertices[i], sign));
+      result.claims_.push_back(claims_[place]);
+      const auto at = std::lower_bound(outside_.begin(), outside_.end(), place,
+                                       [](const Outside& o, std::uint32_t p) { return o.place < p; });
+      if (at == outside_.end() || at->place != place) continue;
+      result.outside_.push_back(*at);
+      result.outside_.back().place = static_cast<std::uint32_t>(place_of(i, sign));
     }
+  result.hold_if_turned(max_angle_deg);
   return result;
 }
 

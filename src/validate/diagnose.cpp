@@ -105,6 +105,17 @@ bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair
   return false;
 }
 
+// One turn of all about their normals, as Cones has it.
+bool are_turned(const MeshUnderTest& under_test, double limit, MeshReport& report) {
+  const std::optional<double> turn = under_test.cones.turn_deg();
+  if (!turn) return false;
+  const bool quarters = std::fabs(std::remainder(*turn, 90)) <= limit;
+  add(report, finding(quarters ? Code::tangent_axes : Code::tangent_uv_set, under_test.mesh.corners(),
+                      ": all are turned about their normals by about " + rounded(*turn, 2) +
+                          " deg, as those of uvs that are turned"));
+  return true;
+}
+
 // The linear map M that takes the stored vectors to the reference's t, up to their length: the least of sum
 // |T x M t|² at |M| = 1. \returns what it does, where it explains nearly all
 std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, double limit) {
@@ -147,10 +158,11 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
   const double limit = options.max_angle_deg;
   const std::size_t corners = under_test.mesh.corners();
   const std::vector<Pair> samples = samples_of(under_test, reference);
-  if (samples.size() < least_samples) return false;
+  if (samples.size() < least_samples) return are_turned(under_test, limit, report);
   if (share_within(samples, limit, [](const Pair& s) { return s.t; }) >= diagnosed_below) return false;
   if (follow_other_uv_set(under_test, samples, options, report)) return true;
   if (follow_other_axes(samples, limit, corners, report)) return true;
+  if (are_turned(under_test, limit, report)) return true;
   const std::optional<std::string> map = linear_map_of(samples, limit);
   if (map) add(report, finding(Code::tangent_stale, corners, *map));
   return map.has_value();

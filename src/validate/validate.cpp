@@ -608,12 +608,16 @@ void MeshValidation::diagnose() {
     most = std::fmax(most, off);
   }
   add(report_, finding(Code::bitangent_not_orthogonal, oblique, " (by up to " + rounded(most, 3) + " deg)"));
-  // Without a surface the mesh's own triangles say whether there is anything to diagnose.
-  if (!accurate_.known() && !under_test_.cones.empty()) {
-    bool any = false;
-    for (std::uint32_t v = 0; v < mesh_.positions.size() && !any; ++v)
-      any = under_test_.cones.claim(v, 0) == Claim::beyond;
-    if (!any) return;
+  // The mesh's own triangles say whether there is anything to diagnose: without a surface, by any tangent
+  // that is not theirs; where one was recognised and they hold most tangents, its chart is not the mesh's.
+  if (!accurate_.declared() && !under_test_.cones.empty()) {
+    std::size_t within = 0, beyond = 0;
+    for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+      const Claim claim = under_test_.cones.claim(v, 0);
+      within += claim == Claim::within ? corners_of_[v] : 0;
+      beyond += claim == Claim::beyond ? corners_of_[v] : 0;
+    }
+    if (accurate_.known() ? within > beyond : beyond == 0) return;
   }
   if (!truth.empty())
     tangents_diagnosed_ = diagnose_tangents(
