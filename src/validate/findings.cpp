@@ -95,6 +95,9 @@ constexpr std::array kinds{
     FindingKind{"NORMAL_MISSING", info, "the mesh stores no normals: neither they nor bitangents are judged",
                 "add normals, or compute them when the mesh is loaded"},
     FindingKind{"UV_MISSING", info, "the mesh has no uvs, so tangents have no truth", "unwrap it"},
+    FindingKind{"UV_WITHOUT_AREA", info,
+                "no triangle has area in uv: no tangent is judged, nor seen under a normal map",
+                "nothing, where the material reads one texel; else unwrap it"},
     FindingKind{"SURFACE_UNKNOWN", info, "no surface of the catalogue fits",
                 "nothing; if you know the surface, declare it (--surface)"},
     FindingKind{

@@ -46,6 +46,7 @@ enum class Code : std::size_t {
   tangent_missing,
   normal_missing,
   uv_missing,
+  uv_without_area,
   surface_unknown,
   budget_spent,
   crease_shared,

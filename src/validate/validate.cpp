@@ -191,6 +191,7 @@ class MeshValidation {
   Angles angles_to(const Vec4<float>& mikktspace, std::uint32_t v) const;
   void compare_with_mikktspace();
   void look_at_signs();
+  bool lacks_uv_area() const;
   void add_notes();
   void decide();
 
@@ -642,6 +643,14 @@ void MeshValidation::diagnose() {
         options_, report_);
 }
 
+// Where triangles have no uv area nobody sees a tangent, and there is nothing to be wrong.
+bool MeshValidation::lacks_uv_area() const {
+  const auto any = [](const std::vector<bool>& of) {
+    return std::find(of.begin(), of.end(), true) != of.end();
+  };
+  return !mesh_.uvs.empty() && any(under_test_.has_area) && !any(under_test_.has_uv_area);
+}
+
 void MeshValidation::add_notes() {
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
     if (!under_test_.has_area[t])
@@ -665,6 +674,8 @@ void MeshValidation::add_notes() {
   add(report_, finding(Code::tangent_missing, mesh_.tangents.empty() ? at_least_one : 0,
                        mesh_.normals.empty() ? "" : "; only its normals are judged"));
   add(report_, finding(Code::normal_missing, mesh_.normals.empty() ? at_least_one : 0));
+  add(report_,
+      finding(Code::uv_without_area, !mesh_.tangents.empty() && lacks_uv_area() ? report_.corners : 0));
   add(report_, finding(Code::triangles_missing, mesh_.triangles.empty() ? 1 : 0));
   add(report_, finding(Code::vertex_unreferenced,
                        static_cast<std::size_t>(std::count(corners_of_.begin(), corners_of_.end(), 0U))));
@@ -678,13 +689,7 @@ void MeshValidation::decide() {
                       : locally_ > 0                            ? local
                       : report_.mikktspace && only_mikktspace() ? mikktspace
                                                                 : none;
-  // Where triangles have no uv area nobody sees a tangent, and there is nothing to be wrong.
-  const bool unseen = !mesh_.uvs.empty() && !mesh_.normals.empty() &&
-                      std::find(under_test_.has_area.begin(), under_test_.has_area.end(), true) !=
-                          under_test_.has_area.end() &&
-                      std::find(under_test_.has_uv_area.begin(), under_test_.has_uv_area.end(), true) ==
-                          under_test_.has_uv_area.end();
-  const bool tangents = !mesh_.tangents.empty() && !unseen;
+  const bool tangents = !mesh_.tangents.empty() && !(!mesh_.normals.empty() && lacks_uv_area());
   report_.without_errors = mesh_.triangles.empty() || (!tangents && mesh_.normals.empty()) ? Verdict::nothing
                            : !tangents || decided_ > 0 || by_triangles                     ? Verdict::pass
                                                                        : Verdict::undetermined;

@@ -265,9 +265,14 @@ TEST(CoarseMeshes, OneTexelLeavesTangentsOpen) {
   report = assess(mesh).report;
   EXPECT_EQ(report.verdict, Verdict::pass) << errors(report);
   EXPECT_EQ(count_of(report, "TANGENT_NOT_ORTHOGONAL", Severity::warning), mesh.corners());
+  // That none was judged is said.
+  EXPECT_EQ(count_of(report, "UV_WITHOUT_AREA", Severity::info), mesh.corners());
   // Without uvs nothing says that nobody sees them.
   mesh.uvs.clear();
   EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_NOT_ORTHOGONAL", Severity::error), mesh.corners());
+  EXPECT_EQ(count_of(assess(mesh).report, "UV_WITHOUT_AREA", Severity::info), 0U);
+  for (const auto& p : mesh.positions) mesh.uvs.push_back({p.x, p.y});
+  EXPECT_EQ(count_of(assess(mesh).report, "UV_WITHOUT_AREA", Severity::info), 0U);
 }
 
 // A step of 8 bits per cell is uv area.
