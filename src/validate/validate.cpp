@@ -620,27 +620,24 @@ void MeshValidation::diagnose() {
     }
     if (accurate_.known() ? within > beyond : beyond == 0) return;
   }
-  if (!truth.empty())
-    tangents_diagnosed_ = diagnose_tangents(
-        under_test_,
-        [&](std::size_t c) {
-          const Truth& t = truth[mesh_.triangles[c / 3][c % 3]];
-          return Directions{t.tangent, t.bitangent};
-        },
-        options_, report_);
-  else if (!under_test_.mikktspace.empty())
-    tangents_diagnosed_ = diagnose_tangents(
-        under_test_,
-        [&](std::size_t c) {
-          const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
-          const Vec4<float>& m = under_test_.mikktspace.at(c, v);
-          const Vec3<double> n = mesh_.normals[v];
-          if (m.w == 0 || !detail::finite(n))
-            return Directions{detail::nan_vector<double>(), detail::nan_vector<double>()};
-          const Vec3<double> t{m.x, m.y, m.z};
-          return Directions{t, double{m.w} * cross(n, t)};
-        },
-        options_, report_);
+  const auto mikktspace = [&](std::size_t c) {
+    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
+    const Vec4<float>& m = under_test_.mikktspace.at(c, v);
+    const Vec3<double> n = mesh_.normals[v];
+    if (m.w == 0 || !detail::finite(n))
+      return Directions{detail::nan_vector<double>(), detail::nan_vector<double>()};
+    const Vec3<double> t{m.x, m.y, m.z};
+    return Directions{t, double{m.w} * cross(n, t)};
+  };
+  const auto known_truth = [&](std::size_t c) {
+    const Truth& t = truth[mesh_.triangles[c / 3][c % 3]];
+    return Directions{t.tangent, t.bitangent};
+  };
+  // What MikkTSpace makes of the same triangles is surer than what their neighbours tell.
+  if (!accurate_.known() && !under_test_.mikktspace.empty())
+    tangents_diagnosed_ = diagnose_tangents(under_test_, mikktspace, options_, report_);
+  if (!tangents_diagnosed_ && !truth.empty())
+    tangents_diagnosed_ = diagnose_tangents(under_test_, known_truth, options_, report_);
 }
 
 // Where triangles have no uv area nobody sees a tangent, and there is nothing to be wrong.

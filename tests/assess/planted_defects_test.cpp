@@ -1,6 +1,8 @@
 // A matrix of defects: each is found under its code, and nothing else is.
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <iostream>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -309,6 +311,45 @@ TEST(PlantedDefects, ExactTangentsOnPrismsAreNotTurned) {
               << columns << " columns, " << askew << ", " << a.report.findings.front().message;
       }
     }
+}
+
+// One cause is named, and the right one, on surfaces of all kinds, also where u and v are not at right
+// angles, and where the surface is unknown.
+TEST(PlantedDefects, OneCauseIsNamed) {
+  std::size_t meshes = 0;
+  for (const char* surface : {"sphere", "torus:major_radius=1,minor_radius=0.4", "cylinder", "plane",
+                              "ellipsoid", "hyperbolic-paraboloid", "monkey-saddle", "moebius-strip",
+                              "klein-bottle", "bezier-patch", "ruled-surface", "disk", "extrusion"})
+    for (const bool bent : {false, true}) {
+      Mesh good = sample_mesh(make_surface(surface), {.columns = 32, .rows = 16});
+      if (bent) {
+        for (auto& p : good.positions)
+          p = p + Vec3<double>{0.1 * p.y * p.y, 0.12 * p.z * p.x, 0.15 * p.x * p.y};
+        good.normals = vertex_normals(good, NormalWeight::angle);
+        bake(good);
+      }
+      const auto named = [&](const Mesh& mesh) {
+        std::string text;
+        const Codes found = codes(assess_parts(mesh));
+        for (const char* code : {"TANGENT_AXES", "TANGENT_UV_SET", "TANGENT_STALE", "NORMAL_STALE"})
+          if (found.contains(code)) text += std::string(code) + ' ';
+        return text;
+      };
+      SCOPED_TRACE(std::string(surface) + (bent ? ", bent" : ""));
+      EXPECT_EQ(named(good), "");
+      Mesh mesh = good;
+      for (auto& uv : mesh.uvs) std::swap(uv.x, uv.y);
+      bake(mesh);
+      mesh.uvs = good.uvs;
+      EXPECT_EQ(named(mesh), "TANGENT_AXES ") << "swapped uvs";
+      for (const double deg : {90.0, 180.0, -90.0, 50.0, -60.0}) {
+        mesh = good;
+        turn_tangents(mesh, deg);
+        EXPECT_EQ(named(mesh), std::fmod(deg, 90) == 0 ? "TANGENT_AXES " : "TANGENT_UV_SET ") << deg;
+      }
+      ++meshes;
+    }
+  std::cout << meshes << " meshes\n";
 }
 
 // Tangents that follow another uv set than the one that is read.
