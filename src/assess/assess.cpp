@@ -217,7 +217,8 @@ std::vector<Assessment> assess_each(MeshUnderTest whole, std::vector<MeshPart> p
     AssessOptions of_part = options;
     const UvSets other_uvs = restrict_to(options.other_uvs, p);
     of_part.other_uvs = other_uvs;
-    result.push_back(assessment_of(restrict_to(whole, p), std::move(p.recognition), of_part, false));
+    result.push_back(assessment_of(restrict_to(whole, p, options.max_angle_deg), std::move(p.recognition),
+                                   of_part, false));
     result.back().part = result.size() - 1;
     add(result.back().report, finding(Code::crease_shared, corners));
     renumber(result.back().report, p);

@@ -98,10 +98,10 @@ MeshPart Cutter::part(Triangles triangles) {
   return part;
 }
 
-MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part) {
+MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part, double max_angle_deg) {
   MeshUnderTest under_test{.mesh = part.mesh, .raw_sign = part.raw_sign};
   under_test.normals.all_oppose = whole.normals.all_oppose;
-  under_test.cones = whole.cones.restricted_to(part.vertices);
+  under_test.cones = whole.cones.restricted_to(part.vertices, max_angle_deg);
   under_test.mikktspace = whole.mikktspace.restricted_to(part.mesh, part.vertices, part.triangles);
   const bool normals = !whole.mesh.normals.empty();
   for (const std::uint32_t v : part.vertices) {
@@ -110,6 +110,7 @@ MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part) {
     under_test.has_uv_area.push_back(whole.has_uv_area[v]);
     if (normals) {
       under_test.normals.unsupported.push_back(whole.normals.unsupported[v]);
+      under_test.normals.sheet_border.push_back(whole.normals.sheet_border[v]);
       under_test.normals.drawn.push_back(whole.normals.drawn[v]);
       under_test.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);
     }

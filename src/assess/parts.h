@@ -42,7 +42,7 @@ class Cutter {
 };
 
 // What is known of the whole, for the part.
-MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part);
+MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part, double max_angle_deg);
 
 using UvSets = std::vector<std::pair<int, std::vector<Vec2<double>>>>;
 

@@ -301,19 +301,22 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
         of_mesh.try_emplace(primitive.mesh, primitive.instances)
             .first->second.add_to(assessments.front().report);
         add(assessments.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
-        std::vector<std::vector<Severity>> own;
-        for (Assessment& j : assessments) {
-          own.push_back(apply(policy, j.report, file.ignored));
-          file.verdict = std::max(file.verdict, j.report.verdict);
-        }
         std::vector<AssessedMapCost> costs;
         for (const Assessment& j : assessments)
           if (map_cost) costs.push_back(map_cost_of(primitive, j, *map_cost));
         if (!options.keep_errors) primitive.data = {};
         primitive.other_uvs = {};
-        file.primitives.push_back(
-            {std::move(primitive), std::move(assessments), std::move(own), std::move(costs)});
+        file.primitives.push_back({std::move(primitive), std::move(assessments), {}, std::move(costs)});
       }
+      std::vector<NamedReport> parts;
+      for (AssessedPrimitive& p : file.primitives)
+        for (Assessment& j : p.assessments) parts.push_back({place_of(p.primitive, j), &j.report});
+      compare_conventions(parts);
+      for (AssessedPrimitive& p : file.primitives)
+        for (Assessment& j : p.assessments) {
+          p.own_severities.push_back(apply(policy, j.report, file.ignored));
+          file.verdict = std::max(file.verdict, j.report.verdict);
+        }
     } catch (const std::exception&) {
       file.error = error_of(file.path);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <tuple>
@@ -24,7 +25,15 @@ constexpr double alike_deg = 0.9;
 
 constexpr double pi = std::numbers::pi;
 
+// Turned tangents. The facets of a prism with three sides, square to normals that stand between them, turn
+// what its uvs say by 25 degrees, and more sides by less.
+constexpr double foreshortened_deg = 30;
+constexpr double nearly_all = 0.9;
+constexpr std::size_t least_turned = 8;  // corners of vertices
+
 constexpr std::ptrdiff_t most_at_a_place = 256;  // corners
+constexpr std::ptrdiff_t kept_from = 16;         // corners at a place whose directions are kept for the next
+constexpr std::ptrdiff_t most_at_an_edge = 64;   // triangles that each make a quad with each of the others
 
 // \param n unit
 bool are_alike(const Vec3<double>& a, const Vec3<double>& n) {
@@ -105,22 +114,35 @@ class Closely {
     std::sort(corners_.begin(), corners_.end());
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
       for (std::uint32_t k = 0; k < 3; ++k)
-        if (const auto [a, b] = std::minmax({place(t, k), place(t, k + 1)}); near[a] && near[b] && a != b)
+        if (const std::uint32_t a = place(t, k), b = place(t, k + 1); near[a] && near[b] && a != b)
           edges_.push_back({a, b, t, k});
     std::sort(edges_.begin(), edges_.end());
   }
 
-  // \returns the claim, and how far outside in degrees
-  std::pair<Claim, double> assess(std::uint32_t v, int sign, double limit_deg) {
-    const std::optional<Arc> cone = cone_of(v, sign);
-    if (!cone || cone->half >= pi / 2) return {Claim::none, 0};
+  // What is claimed, and where the tangent lies outside a cone that is known, that cone.
+  struct Assessed {
+    Claim claim;
+    std::optional<Arc> left;
+  };
+  Assessed assess(std::uint32_t v, int sign, double limit_deg) {
+    const Directions* directions = directions_of(v, sign, true);
+    const std::optional<Arc> cone = cone_of(v, directions);
+    if (!cone || cone->half >= pi / 2) return {Claim::none, std::nullopt};
     const double outside = outside_deg(v, *cone);
-    if (outside <= limit_deg) return {Claim::within, 0};
+    if (outside <= limit_deg) return {Claim::within, std::nullopt};
+    if (directions->uncertain) return {Claim::none, std::nullopt};
     // The frame turns over a triangle about as its normals do.
-    if (outside <= one_sided * max_angle_deg_ + degrees_per_radian * normals_turn_ && !is_uniform(*cone) &&
-        !is_closed())
-      return {Claim::none, 0};
-    return {uncertain_ ? Claim::none : Claim::beyond, outside};
+    if (outside <= one_sided * max_angle_deg_ + degrees_per_radian * directions->normals_turn &&
+        !directions->is_uniform() && !directions->closed)
+      return {Claim::none, cone};
+    return {Claim::beyond, cone};
+  }
+
+  double outside_deg(std::uint32_t v, const Arc& cone) const {
+    const double away = std::fabs(std::remainder(cone.middle, 2 * pi)) - cone.half;
+    const double rounding =
+        std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
+    return degrees_per_radian * (away - rounding);
   }
 
   struct Direction {
@@ -128,10 +150,10 @@ class Closely {
   };
   // As OwnDirections has them.
   Direction direction(std::uint32_t v, int sign) {
-    const std::optional<Arc> own = cone_of(v, sign, false);
+    const std::optional<Arc> own = cone_of(v, directions_of(v, sign, false));
     if (!own) return {false, false};
     if (own->half >= pi / 2) return {false, true};
-    const std::optional<Arc> of_quads = cone_of(v, sign);
+    const std::optional<Arc> of_quads = cone_of(v, directions_of(v, sign, true));
     return {outside_deg(v, *own) <= 0 || (of_quads->half < pi / 2 && outside_deg(v, *of_quads) <= 0), false};
   }
 
@@ -141,62 +163,97 @@ class Closely {
     auto operator<=>(const Corner&) const = default;
   };
   struct Edge {
-    std::uint32_t low, high, triangle, k;  // places; from corner k to the next
+    std::uint32_t from, to, triangle, k;  // places; from corner k to the next
     auto operator<=>(const Edge&) const = default;
   };
+  // What the triangles of one place and sign say in the plane of one normal.
+  struct Directions {
+    Vec3<double> x, y;        // the plane's axes
+    std::optional<Arc> cone;  // of their directions, from x to y; nothing: they have none
+    double widest = 0;        // half of the widest of them
+    double normals_turn = 0;  // from the normal to others of its triangles, the most
+    bool closed = false;      // the triangles go all round the vertex
+    bool uncertain = false;   // a triangle tells no direction, and may have drawn the tangent anywhere
 
-  // The arc of the directions of its triangles, in its own plane; the tangent is the direction 0.
-  // \param of_quads with the triangles of other diagonals
-  std::optional<Arc> cone_of(std::uint32_t v, int sign, bool of_quads = true) {
-    const Vec3<double> n = unit(mesh_.normals[v]), t = square_to(mesh_.tangents[v].xyz(), n);
-    if (!has_direction(n) || !has_direction(t)) return std::nullopt;
-    arcs_.clear();
-    rim_.clear();
-    normals_turn_ = 0;
-    uncertain_ = false;
-    x_ = unit(t), y_ = cross(n, x_), n_ = n;
+    // Whether neither directions nor normals turn, as on a flat face with its uvs laid flat.
+    bool is_uniform() const {
+      return normals_turn <= uniform_deg / degrees_per_radian &&
+             cone->half <= widest + uniform_deg / degrees_per_radian;
+    }
+  };
+  using Key = std::tuple<std::uint32_t, int, bool, double, double, double>;
+
+  // Of the triangles of v with that sign, in the plane of its normal; nothing where the normal is no
+  // direction, or those of the many at one place differ. \param of_quads with the triangles of other
+  // diagonals
+  const Directions* directions_of(std::uint32_t v, int sign, bool of_quads) {
     const std::uint32_t own = joins_.position_and_normal[v], place_of_v = joins_.position[v];
     const auto from = [&](std::uint32_t place, std::uint32_t group) {
       return std::lower_bound(corners_.begin(), corners_.end(), Corner{place, group, 0, 0});
     };
-    auto first = from(place_of_v, 0), last = from(place_of_v + 1, 0);
+    Corners at{from(place_of_v, 0), from(place_of_v + 1, 0)};
+    const std::ptrdiff_t many = at.last - at.first;
+    Vec3<double> n = unit(mesh_.normals[v]);
+    if (!has_direction(n)) return nullptr;
     // Where very many meet, those of its own normal: each with each would take long.
-    if (last - first > most_at_a_place) first = from(place_of_v, own), last = from(place_of_v, own + 1);
-    for (auto c = first; c != last; ++c) {
+    if (many > most_at_a_place) {
+      at = {from(place_of_v, own), from(place_of_v, own + 1)};
+      if (!are_alike(mesh_.normals[v], unit(mesh_.normals[own]))) return nullptr;
+      n = unit(mesh_.normals[own]);
+    }
+    if (many < kept_from) return &(last_ = directions(at, own, n, sign, of_quads));
+    const Key key{own, sign, of_quads, n.x, n.y, n.z};
+    const auto kept = kept_.find(key);
+    return &(kept != kept_.end() ? kept : kept_.emplace(key, directions(at, own, n, sign, of_quads)).first)
+                ->second;
+  }
+
+  struct Corners {
+    std::vector<Corner>::const_iterator first, last;
+  };
+  Directions directions(const Corners& at, std::uint32_t own, const Vec3<double>& n, int sign,
+                        bool of_quads) {
+    Directions result;
+    const Vec3<double> off = std::fabs(n.x) <= 0.6   ? Vec3<double>{1, 0, 0}
+                             : std::fabs(n.y) <= 0.6 ? Vec3<double>{0, 1, 0}
+                                                     : Vec3<double>{0, 0, 1};
+    result.x = unit(cross(n, off)), result.y = cross(n, result.x);
+    arcs_.clear();
+    rim_.clear();
+    uncertain_ = false;
+    x_ = result.x, y_ = result.y, n_ = n;
+    for (auto c = at.first; c != at.last; ++c) {
       const Triangle& triangle = mesh_.triangles[c->triangle];
       if (c->group != own && !are_alike(mesh_.normals[triangle[c->k]], n)) continue;
       add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
       if (raw_sign_[c->triangle] == sign) {
         rim_.push_back(place(c->triangle, c->k + 1)), rim_.push_back(place(c->triangle, c->k + 2));
         for (const std::uint32_t w : triangle)
-          if (const double turn = angle_between(mesh_.normals[w], n); turn > normals_turn_)
-            normals_turn_ = turn;
+          if (const double turn = angle_between(mesh_.normals[w], n); turn > result.normals_turn)
+            result.normals_turn = turn;
       }
       for (std::uint32_t k = 0; of_quads && k < 3; ++k) add_other_diagonal(*c, k, sign);
     }
-    if (arcs_.empty()) return std::nullopt;
-    return hull(arcs_);
-  }
-  double outside_deg(std::uint32_t v, const Arc& cone) const {
-    const double away = std::fabs(std::remainder(cone.middle, 2 * pi)) - cone.half;
-    const double rounding =
-        std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
-    return degrees_per_radian * (away - rounding);
+    for (const Arc& arc : arcs_) result.widest = std::fmax(result.widest, arc.half);
+    result.closed = goes_all_round();
+    result.uncertain = uncertain_;
+    if (!arcs_.empty()) result.cone = hull(arcs_);
+    return result;
   }
 
+  // The cone as seen from the tangent, which is the direction 0.
+  std::optional<Arc> cone_of(std::uint32_t v, const Directions* directions) const {
+    if (!directions || !directions->cone) return std::nullopt;
+    const Vec3<double> t = mesh_.tangents[v].xyz();
+    const double x = dot(t, directions->x), y = dot(t, directions->y);
+    if (!std::isfinite(x) || !std::isfinite(y) || (x == 0 && y == 0)) return std::nullopt;
+    return Arc{directions->cone->middle - std::atan2(y, x), directions->cone->half};
+  }
   std::uint32_t corner(std::uint32_t t, std::uint32_t k) const { return mesh_.triangles[t][k % 3]; }
   std::uint32_t place(std::uint32_t t, std::uint32_t k) const { return joins_.position[corner(t, k)]; }
 
-  // Whether neither directions nor normals turn, as on a flat face with its uvs laid flat.
-  bool is_uniform(const Arc& cone) const {
-    double widest = 0;
-    for (const Arc& arc : arcs_) widest = std::fmax(widest, arc.half);
-    return normals_turn_ <= uniform_deg / degrees_per_radian &&
-           cone.half <= widest + uniform_deg / degrees_per_radian;
-  }
-  // Whether the triangles go all round the vertex. One side of a curved surface leaves out half of the
-  // directions.
-  bool is_closed() {
+  // One side of a curved surface leaves out half of the directions.
+  bool goes_all_round() {
     std::sort(rim_.begin(), rim_.end());
     for (std::size_t i = 0; i < rim_.size(); i += 2)
       if (i + 1 == rim_.size() || rim_[i] != rim_[i + 1]) return false;
@@ -246,13 +303,19 @@ class Closely {
   void add_other_diagonal(const Corner& c, std::uint32_t k, int sign) {
     const std::uint32_t t = c.triangle;
     if (raw_sign_[t] != sign) return;
-    const auto [low, high] = std::minmax({place(t, k), place(t, k + 1)});
     const std::uint32_t p = corner(t, k), q = corner(t, k + 1), r = corner(t, k + 2);
+    // Those that pass the edge the other way.
+    const std::uint32_t from = joins_.position[q], to = joins_.position[p];
+    const auto first_edge = std::lower_bound(edges_.begin(), edges_.end(), Edge{from, to, 0, 0}),
+               last_edge = std::lower_bound(first_edge, edges_.end(), Edge{from, to + 1, 0, 0});
+    if (last_edge - first_edge > most_at_an_edge) {
+      uncertain_ = true;
+      return;
+    }
     const auto same = [&](std::uint32_t a, std::uint32_t b) {
       return joins_.position_and_normal[a] == joins_.position_and_normal[b] && mesh_.uvs[a] == mesh_.uvs[b];
     };
-    for (auto e = std::lower_bound(edges_.begin(), edges_.end(), Edge{low, high, 0, 0});
-         e != edges_.end() && e->low == low && e->high == high; ++e) {
+    for (auto e = first_edge; e != last_edge; ++e) {
       if (e->triangle == t || raw_sign_[e->triangle] != sign) continue;
       if (!same(corner(e->triangle, e->k), q) || !same(corner(e->triangle, e->k + 1), p)) continue;
       const std::uint32_t x = corner(e->triangle, e->k + 2);
@@ -279,12 +342,13 @@ class Closely {
   double max_angle_deg_;
   std::vector<Corner> corners_;
   std::vector<Edge> edges_;
-  // Of the tangent at hand: its plane, and what its triangles say.
+  std::map<Key, Directions> kept_;
+  Directions last_;
+  // Of the directions at hand: their plane, and what the triangles say so far.
   Vec3<double> x_{}, y_{}, n_{};
   std::vector<Arc> arcs_;
   std::vector<std::uint32_t> rim_;  // places about the vertex, twice each where the triangles go all round
-  double normals_turn_ = 0;         // from the tangent's vertex to others of its triangles, the most
-  bool uncertain_ = false;          // a triangle tells no direction, and may have drawn the tangent anywhere
+  bool uncertain_ = false;
 };
 
 }  // namespace
@@ -327,11 +391,33 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
     for (const int sign : {-1, 1}) {
       const std::size_t place = place_of(v, sign);
       if (!asked[place] || claims_[place] == Claim::within) continue;
-      const auto [claim, degrees] = closely.assess(v, sign, limit_deg[v]);
+      const auto [claim, left] = closely.assess(v, sign, limit_deg[v]);
       claims_[place] = claim;
-      if (claim == Claim::beyond)
-        outside_.emplace_back(static_cast<std::uint32_t>(place), static_cast<float>(degrees));
+      if (left)
+        outside_.push_back({static_cast<std::uint32_t>(place),
+                            static_cast<float>(closely.outside_deg(v, *left)),
+                            static_cast<float>(std::remainder(degrees_per_radian * left->middle, 360)),
+                            static_cast<float>(degrees_per_radian * left->half)});
     }
+  hold_if_turned(max_angle_deg);
+}
+
+void Cones::hold_if_turned(double max_angle_deg) {
+  turn_deg_.reset();
+  const auto within = static_cast<std::size_t>(std::count(claims_.begin(), claims_.end(), Claim::within));
+  const double known = static_cast<double>(within + outside_.size());
+  if (outside_.size() < least_turned || static_cast<double>(outside_.size()) < nearly_all * known) return;
+  double x = 0, y = 0;
+  for (const Outside& o : outside_)
+    x += std::cos(o.middle / degrees_per_radian), y += std::sin(o.middle / degrees_per_radian);
+  const double turn = degrees_per_radian * std::atan2(y, x);
+  if (!(std::fabs(turn) >= foreshortened_deg)) return;
+  std::size_t turned = 0;
+  for (const Outside& o : outside_)
+    turned += std::fabs(std::remainder(o.middle - turn, 360)) - o.half <= max_angle_deg;
+  if (static_cast<double>(turned) < nearly_all * known) return;
+  turn_deg_ = -turn;
+  for (const Outside& o : outside_) claims_[o.place] = Claim::beyond;
 }
 
 OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_sign,
@@ -392,8 +478,10 @@ Claim Cones::claim(std::uint32_t v, int sign) const {
 double Cones::outside_deg(std::uint32_t v, int sign) const {
   const auto of = [&](int s) {
     const auto place = static_cast<std::uint32_t>(place_of(v, s));
-    const auto at = std::lower_bound(outside_.begin(), outside_.end(), std::pair{place, -1.0f});
-    return at != outside_.end() && at->first == place ? double{at->second} : 0;
+    if (claims_[place] != Claim::beyond) return 0.0;
+    const auto at = std::lower_bound(outside_.begin(), outside_.end(), place,
+                                     [](const Outside& o, std::uint32_t p) { return o.place < p; });
+    return double{at->deg};
   };
   if (sign != 0) return of(sign);
   if (claim(v, 0) != Claim::beyond) return 0;
@@ -401,18 +489,21 @@ double Cones::outside_deg(std::uint32_t v, int sign) const {
   return a == 0 ? b : b == 0 ? a : std::fmin(a, b);
 }
 
-Cones Cones::restricted_to(std::span<const std::uint32_t> vertices) const {
+Cones Cones::restricted_to(std::span<const std::uint32_t> vertices, double max_angle_deg) const {
   Cones result;
   if (empty()) return result;
   result.claims_.reserve(2 * vertices.size());
   for (std::uint32_t i = 0; i < vertices.size(); ++i)
     for (const int sign : {-1, 1}) {
-      const Claim claim = claims_[place_of(vertices[i], sign)];
-      result.claims_.push_back(claim);
-      if (claim == Claim::beyond)
-        result.outside_.emplace_back(static_cast<std::uint32_t>(place_of(i, sign)),
-                                     static_cast<float>(outside_deg(vertices[i], sign)));
+      const auto place = static_cast<std::uint32_t>(place_of(vertices[i], sign));
+      result.claims_.push_back(claims_[place]);
+      const auto at = std::lower_bound(outside_.begin(), outside_.end(), place,
+                                       [](const Outside& o, std::uint32_t p) { return o.place < p; });
+      if (at == outside_.end() || at->place != place) continue;
+      result.outside_.push_back(*at);
+      result.outside_.back().place = static_cast<std::uint32_t>(place_of(i, sign));
     }
+  result.hold_if_turned(max_angle_deg);
   return result;
 }
 

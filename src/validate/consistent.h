@@ -13,12 +13,14 @@
 // direction may have drawn the tangent outside, nothing is claimed. Nor is it where the triangles lie on one
 // side of a curved vertex only, as at creases, tips and folds of the uvs, and the tangent is outside by no
 // more than three times the limit and the turn of the normals over them: the true direction may lie half a
-// triangle beyond them.
+// triangle beyond them. But where one turn about the normals, by 30 degrees or more, would bring nine tenths
+// of a mesh's or a part's tangents from outside their cones to within the limit of them, that explains what
+// is left open, and no shape does: those are beyond, too.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "claim.h"
@@ -38,14 +40,26 @@ class Cones {
   // Of the corners of v whose triangles have that sign; those without uv area take the better of the two
   // others.
   Claim claim(std::uint32_t v, int sign) const;
-  // How far outside, in degrees; 0 elsewhere.
+  // How far outside those beyond are, in degrees; 0 elsewhere.
   double outside_deg(std::uint32_t v, int sign) const;
+  // By how many degrees, from -180 to 180, nearly all tangents are turned about their normals, if they are.
+  std::optional<double> turn_deg() const { return turn_deg_; }
   // \param vertices those of a part, in its order
-  Cones restricted_to(std::span<const std::uint32_t> vertices) const;
+  Cones restricted_to(std::span<const std::uint32_t> vertices, double max_angle_deg) const;
 
  private:
-  std::vector<Claim> claims_;  // of vertex v: clockwise at 2 v, counter-clockwise behind it
-  std::vector<std::pair<std::uint32_t, float>> outside_;  // by place in claims_, ascending: degrees
+  // Of a tangent outside a cone that is known, judged or not, in degrees: by how much, and the cone's middle,
+  // as seen from the tangent, and half of its width.
+  struct Outside {
+    std::uint32_t place;  // in claims_
+    float deg, middle, half;
+  };
+  // Looks for one turn of all.
+  void hold_if_turned(double max_angle_deg);
+
+  std::vector<Claim> claims_;     // of vertex v: clockwise at 2 v, counter-clockwise behind it
+  std::vector<Outside> outside_;  // by place, ascending
+  std::optional<double> turn_deg_;
 };
 
 // Of vertices that are asked about and the sign of their triangles, clockwise at 2 v, counter-clockwise

@@ -23,8 +23,9 @@ constexpr double most = 0.9, diagnosed_below = 0.8;
 
 struct Pair {
   std::size_t corner;
-  Vec3<double> stored, t, b;  // unit; b across t
-  double w, raw;              // raw: of the triangle, 0 without uv area
+  Vec3<double> stored, t, b, v;  // unit; b across t, on the side of v
+  double w, raw;                 // raw: of the triangle, 0 without uv area
+  double limit;                  // degrees
 };
 
 double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
@@ -32,7 +33,7 @@ double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
 }
 
 std::vector<Pair> samples_of(const MeshUnderTest& under_test,
-                             const std::function<Directions(std::size_t)>& reference) {
+                             const std::function<Directions(std::size_t)>& reference, double max_angle_deg) {
   const Mesh& mesh = under_test.mesh;
   const std::size_t step = (mesh.corners() + most_samples - 1) / most_samples;
   std::vector<Pair> samples;
@@ -44,17 +45,18 @@ std::vector<Pair> samples_of(const MeshUnderTest& under_test,
         !detail::finite(d.b) || under_test.classes.of_vertex[v] == VertexClass::pole)
       continue;
     const Vec3<double> along = unit(d.t), across = unit(d.b - dot(d.b, along) * along);
-    samples.push_back(
-        {c, unit(t.xyz()), along, across, t.w, static_cast<double>(under_test.raw_sign[c / 3])});
+    samples.push_back({c, unit(t.xyz()), along, across, unit(d.b), t.w,
+                       static_cast<double>(under_test.raw_sign[c / 3]),
+                       limit_of(under_test.classes.of_vertex[v], max_angle_deg)});
   }
   return samples;
 }
 
-// The share of samples that are within the limit of the direction.
+// The share of samples that are within their limits of the direction.
 template <class F>
-double share_within(const std::vector<Pair>& samples, double limit, F direction) {
+double share_within(const std::vector<Pair>& samples, F direction) {
   std::size_t within = 0;
-  for (const Pair& s : samples) within += angle_deg(s.stored, direction(s)) <= limit;
+  for (const Pair& s : samples) within += angle_deg(s.stored, direction(s)) <= s.limit;
   return static_cast<double>(within) / static_cast<double>(samples.size());
 }
 
@@ -69,11 +71,30 @@ constexpr Axes other_axes[] = {{"-t", -1, 0, "flip both", "flip u"},
                                {"b", 0, 1, "swap flip u", "swap"},
                                {"-b", 0, -1, "swap flip v", "swap flip both"}};
 
-bool follow_other_axes(const std::vector<Pair>& samples, double limit, std::size_t corners,
-                       MeshReport& report) {
+// Along v lies what is across t, where tangents were turned or bitangents stored for them; the reference's
+// own direction of v, where u and v were swapped; and MikkTSpace's of swapped uvs, which is that of coarse
+// meshes.
+bool follow_other_axes(const MeshUnderTest& under_test, const std::vector<Pair>& samples,
+                       const ValidateOptions& options, MeshReport& report) {
+  const Mesh& mesh = under_test.mesh;
+  const std::size_t corners = mesh.corners();
+  std::optional<MikktspaceReference> swapped;
+  const auto along_v = [&](const Pair& s) {
+    const Vec4<float>& t = swapped->at(s.corner, mesh.triangles[s.corner / 3][s.corner % 3]);
+    return Vec3<double>{t.x, t.y, t.z};
+  };
   for (const Axes& axes : other_axes) {
-    const double share =
-        share_within(samples, limit, [&](const Pair& s) { return axes.t * s.t + axes.b * s.b; });
+    double share = share_within(samples, [&](const Pair& s) { return axes.t * s.t + axes.b * s.b; });
+    if (share < most && axes.b != 0)
+      share = share_within(samples, [&](const Pair& s) { return axes.b * s.v; });
+    if (share < most && axes.b != 0 && !mesh.normals.empty() && !mesh.uvs.empty()) {
+      if (!swapped) {
+        std::vector<Vec2<double>> uvs;
+        for (const Vec2<double>& uv : mesh.uvs) uvs.push_back({uv.y, uv.x});
+        swapped = mikktspace_reference(mesh, uvs, options.threads);
+      }
+      share = share_within(samples, [&](const Pair& s) { return axes.b * along_v(s); });
+    }
     if (share < most) continue;
     double raw = 0;
     for (const Pair& s : samples) raw += s.w * s.raw;
@@ -93,7 +114,7 @@ bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair
   if (under_test.mesh.normals.empty()) return false;
   for (const auto& [set, uvs] : options.other_uvs) {
     const MikktspaceReference mikktspace = mikktspace_reference(under_test.mesh, uvs, options.threads);
-    const double share = share_within(samples, options.max_angle_deg, [&](const Pair& s) {
+    const double share = share_within(samples, [&](const Pair& s) {
       const Vec4<float>& t = mikktspace.at(s.corner, under_test.mesh.triangles[s.corner / 3][s.corner % 3]);
       return Vec3<double>{t.x, t.y, t.z};
     });
@@ -103,6 +124,38 @@ bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair
     return true;
   }
   return false;
+}
+
+// By how many degrees nearly all are turned from the reference about their normals, by one angle.
+std::optional<double> turn_deg_of(const Mesh& mesh, const std::vector<Pair>& samples, double limit) {
+  if (mesh.normals.empty() || samples.size() < least_samples) return std::nullopt;
+  double x = 0, y = 0;
+  const auto normal = [&](const Pair& s) { return mesh.normals[mesh.triangles[s.corner / 3][s.corner % 3]]; };
+  for (const Pair& s : samples) {
+    const Vec3<double> n = normal(s);
+    if (!detail::finite(n) || n == Vec3<double>{}) continue;
+    const double along = dot(s.stored, s.t), across = dot(s.stored, cross(unit(n), s.t));
+    x += along, y += across;
+  }
+  const double turn = std::atan2(y, x), cosine = std::cos(turn), sine = std::sin(turn);
+  if (std::fabs(turn) * 180 / std::numbers::pi < 3 * limit) return std::nullopt;
+  const double share =
+      share_within(samples, [&](const Pair& s) { return cosine * s.t + sine * cross(unit(normal(s)), s.t); });
+  if (share < most) return std::nullopt;
+  return turn * 180 / std::numbers::pi;
+}
+
+// One turn of all about their normals, from the reference or as Cones has it.
+bool are_turned(const MeshUnderTest& under_test, const std::vector<Pair>& samples, double limit,
+                MeshReport& report) {
+  std::optional<double> turn = turn_deg_of(under_test.mesh, samples, limit);
+  if (!turn) turn = under_test.cones.turn_deg();
+  if (!turn) return false;
+  const bool quarters = std::fabs(std::remainder(*turn, 90)) <= limit;
+  add(report, finding(quarters ? Code::tangent_axes : Code::tangent_uv_set, under_test.mesh.corners(),
+                      ": all are turned about their normals by about " + rounded(*turn, 2) +
+                          " deg, as those of uvs that are turned"));
+  return true;
 }
 
 // The linear map M that takes the stored vectors to the reference's t, up to their length: the least of sum
@@ -146,11 +199,12 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
                        const ValidateOptions& options, MeshReport& report) {
   const double limit = options.max_angle_deg;
   const std::size_t corners = under_test.mesh.corners();
-  const std::vector<Pair> samples = samples_of(under_test, reference);
-  if (samples.size() < least_samples) return false;
-  if (share_within(samples, limit, [](const Pair& s) { return s.t; }) >= diagnosed_below) return false;
+  const std::vector<Pair> samples = samples_of(under_test, reference, limit);
+  if (samples.size() < least_samples) return are_turned(under_test, samples, limit, report);
+  if (share_within(samples, [](const Pair& s) { return s.t; }) >= diagnosed_below) return false;
   if (follow_other_uv_set(under_test, samples, options, report)) return true;
-  if (follow_other_axes(samples, limit, corners, report)) return true;
+  if (follow_other_axes(under_test, samples, options, report)) return true;
+  if (are_turned(under_test, samples, limit, report)) return true;
   const std::optional<std::string> map = linear_map_of(samples, limit);
   if (map) add(report, finding(Code::tangent_stale, corners, *map));
   return map.has_value();
@@ -166,10 +220,10 @@ bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
     const auto vertex = static_cast<std::uint32_t>(v);
     if (accurate.normal(vertex) == Claim::none) continue;
     const Vec3<double>& n = accurate.truth(vertex).normal;
-    samples.push_back({v, unit(mesh.normals[v]), accurate.inward(vertex) ? -n : n, {}, 1, 1});
+    samples.push_back({v, unit(mesh.normals[v]), accurate.inward(vertex) ? -n : n, {}, {}, 1, 1, limit});
   }
   if (samples.size() < least_samples) return false;
-  if (share_within(samples, limit, [](const Pair& s) { return -s.t; }) >= most) return true;
+  if (share_within(samples, [](const Pair& s) { return -s.t; }) >= most) return true;
   if (samples.size() < least_normals) return false;
   const std::optional<std::string> map = linear_map_of(samples, limit / 5);
   if (map) add(report, finding(Code::normal_stale, mesh.corners(), *map));

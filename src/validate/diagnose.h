@@ -14,9 +14,11 @@ struct Directions {
 };
 
 // Compares the stored tangents with the reference's at some thousand corners, spread evenly over the mesh.
-// Where more than a fifth of them is off by more than the limit, and no more than a tenth is under one of
-// these, adds TANGENT_UV_SET: MikkTSpace's under another uv set; TANGENT_AXES: swapped or negated;
-// TANGENT_STALE: after a linear map. \returns whether it is one of these mistakes
+// Where more than a fifth of them is off by more than the limit (three times that at seams, pole rings,
+// creases and borders), and no more than a tenth is under one of these, adds TANGENT_UV_SET: MikkTSpace's
+// under another uv set; TANGENT_AXES: swapped or negated; either, for quarter turns the latter: turned about
+// the normals by one angle, also where the cones alone say so; TANGENT_STALE: after a linear map. \returns
+// whether it is one of these mistakes
 bool diagnose_tangents(const MeshUnderTest& under_test,
                        const std::function<Directions(std::size_t corner)>& reference,
                        const ValidateOptions& options, MeshReport& report);

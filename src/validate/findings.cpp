@@ -1,6 +1,7 @@
 #include "findings.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace darboux {
 namespace {
@@ -95,6 +96,9 @@ constexpr std::array kinds{
     FindingKind{"NORMAL_MISSING", info, "the mesh stores no normals: neither they nor bitangents are judged",
                 "add normals, or compute them when the mesh is loaded"},
     FindingKind{"UV_MISSING", info, "the mesh has no uvs, so tangents have no truth", "unwrap it"},
+    FindingKind{"UV_WITHOUT_AREA", info,
+                "no triangle has area in uv: no tangent is judged, nor seen under a normal map",
+                "nothing, where the material reads one texel; else unwrap it"},
     FindingKind{"SURFACE_UNKNOWN", info, "no surface of the catalogue fits",
                 "nothing; if you know the surface, declare it (--surface)"},
     FindingKind{
@@ -160,6 +164,39 @@ void add(MeshReport& report, Finding finding) {
   const auto behind = std::find_if(report.findings.begin(), report.findings.end(),
                                    [&](const Finding& f) { return f.severity < finding.severity; });
   report.findings.insert(behind, std::move(finding));
+}
+
+void compare_conventions(std::span<const NamedReport> parts) {
+  const auto opposing = [](const MeshReport& report) {
+    std::size_t count = 0;
+    for (const Finding& f : report.findings)
+      count += code_of(f) == Code::normals_oppose_winding ? f.count : 0;
+    return 2 * count > report.corners;
+  };
+  std::vector<NamedReport> raw, gltf;
+  std::size_t raw_corners = 0, gltf_corners = 0;
+  for (const NamedReport& part : parts) {
+    const HandednessConvention convention = part.report->handedness.convention;
+    if ((convention != HandednessConvention::raw && convention != HandednessConvention::gltf) ||
+        opposing(*part.report))
+      continue;
+    const bool is_raw = convention == HandednessConvention::raw;
+    (is_raw ? raw : gltf).push_back(part);
+    (is_raw ? raw_corners : gltf_corners) += part.report->corners;
+  }
+  if (raw.empty() || gltf.empty()) return;
+  const bool few_are_raw = raw_corners <= gltf_corners;
+  const std::vector<NamedReport>&few = few_are_raw ? raw : gltf, &most = few_are_raw ? gltf : raw;
+  constexpr std::size_t most_named = 8;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(few.size(), most_named); ++i)
+    names += (i == 0 ? "" : ", ") + few[i].name;
+  if (few.size() > most_named) names += " and " + std::to_string(few.size() - most_named) + " more";
+  const std::string text = (few_are_raw ? ": raw in " : ": glTF's in ") + names +
+                           (few_are_raw ? "; glTF's in " : "; raw in ") + std::to_string(most.size()) +
+                           (most.size() == 1 ? " other part" : " other parts") + " of the file";
+  for (const NamedReport& part : few)
+    add(*part.report, finding(Code::handedness_mixed, part.report->corners, text));
 }
 
 }  // namespace darboux

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -46,6 +47,7 @@ enum class Code : std::size_t {
   tangent_missing,
   normal_missing,
   uv_missing,
+  uv_without_area,
   surface_unknown,
   budget_spent,
   crease_shared,
@@ -72,5 +74,16 @@ std::optional<Code> code_named(std::string_view name);
 
 // Adds it behind all that are as severe; nothing where count is 0.
 void add(MeshReport& report, Finding finding);
+
+// A mesh or part of a file.
+struct NamedReport {
+  std::string name;
+  MeshReport* report;
+};
+
+// Adds HANDEDNESS_MIXED to the parts that follow another sign convention than most of the file, by corners.
+// Parts of which no one convention is known take no part, nor do those whose normals mostly oppose their
+// winding: by these w reads the other way round.
+void compare_conventions(std::span<const NamedReport> parts);
 
 }  // namespace darboux

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <darboux/mesh_frames.h>
@@ -102,6 +103,131 @@ void keep_faceted(const Mesh& mesh, const std::vector<bool>& has_area, const Ver
   candidates = std::move(result);
 }
 
+// Triangles that lie on another's back: at the same places, wound the other way.
+std::vector<bool> backs_of_sheets(const Mesh& mesh, const std::vector<bool>& has_area,
+                                  const std::vector<std::uint32_t>& place) {
+  struct Places {
+    Triangle sorted;
+    bool odd;  // how they were in the triangle
+    std::uint32_t triangle;
+    auto operator<=>(const Places&) const = default;
+  };
+  std::vector<Places> list;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!has_area[t]) continue;
+    auto [a, b, c] = mesh.triangles[t];
+    a = place[a], b = place[b], c = place[c];
+    Places places{{a, b, c}, ((a > b) != (b > c)) != (a > c), t};
+    std::sort(places.sorted.begin(), places.sorted.end());
+    list.push_back(places);
+  }
+  std::sort(list.begin(), list.end());
+  std::vector<bool> result(mesh.triangles.size(), false);
+  for (std::size_t i = 1; i < list.size(); ++i)
+    if (list[i].sorted == list[i - 1].sorted &&
+        (list[i].odd != list[i - 1].odd || result[list[i - 1].triangle]))
+      result[list[i].triangle] = true;
+  return result;
+}
+
+// Vertices at the borders of what lies back to back, which has no border of its own.
+std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& has_area,
+                                    const std::vector<std::uint32_t>& place) {
+  std::vector<bool> result(mesh.positions.size(), false);
+  const std::vector<bool> back = backs_of_sheets(mesh, has_area, place);
+  if (std::find(back.begin(), back.end(), true) == back.end()) return result;
+  using Edge = std::array<std::uint32_t, 2>;
+  std::vector<Edge> edges;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3 && !back[t]; ++k) {
+      const auto [a, b] = std::minmax(place[mesh.triangles[t][k]], place[mesh.triangles[t][(k + 1) % 3]]);
+      edges.push_back({a, b});
+    }
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    if ((i == 0 || edges[i - 1] != edges[i]) && (i + 1 == edges.size() || edges[i + 1] != edges[i]))
+      result[edges[i][0]] = result[edges[i][1]] = true;
+  for (std::size_t v = 0; v < result.size(); ++v) result[v] = result[place[v]];
+  return result;
+}
+
+// Triangles with vertices asked about, of a shell that was turned inside out around the same mesh, as toon
+// outlines are: those that oppose their normals, and that another is near which does not, with the same
+// normals and uvs in the opposite order.
+std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& has_area,
+                                   const std::vector<bool>& opposes, const std::vector<bool>& asked) {
+  constexpr double near = 0.1;  // of the mesh's size
+  // Of the longest edge, where the normals are one: the next tile of a floor is farther.
+  constexpr double near_flat = 0.5;
+  constexpr std::ptrdiff_t most_tried = 64;
+  using Corner = std::array<double, 5>;  // normal and uv
+  struct Oriented {
+    std::array<Corner, 3> corners;
+    Triangle vertices;
+    std::uint32_t triangle;
+  };
+  // From the least of its corners on. \param reversed the other way round
+  const auto oriented = [&](std::uint32_t t, bool reversed) {
+    Triangle vertices = mesh.triangles[t];
+    if (reversed) std::swap(vertices[1], vertices[2]);
+    const auto corner = [&](std::uint32_t v) {
+      const Vec3<double>& n = mesh.normals[v];
+      const Vec2<double> uv = mesh.uvs.empty() ? Vec2<double>{0, 0} : mesh.uvs[v];
+      return Corner{n.x, n.y, n.z, uv.x, uv.y};
+    };
+    Oriented least{{}, {}, t};
+    for (int turn = 0; turn < 3; ++turn) {
+      const std::array<Corner, 3> corners{corner(vertices[0]), corner(vertices[1]), corner(vertices[2])};
+      if (turn == 0 || corners < least.corners) least.corners = corners, least.vertices = vertices;
+      std::rotate(vertices.begin(), vertices.begin() + 1, vertices.end());
+    }
+    return least;
+  };
+  // Whether its numbers have an order.
+  const auto is_finite = [&](std::uint32_t t) {
+    return std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::uint32_t v) {
+      return detail::finite(mesh.normals[v]) &&
+             (mesh.uvs.empty() || (std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y)));
+    });
+  };
+  std::vector<bool> result(mesh.triangles.size(), false);
+  std::vector<Oriented> insides;
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  Vec3<double> low{infinite, infinite, infinite}, high = -low;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!has_area[t]) continue;
+    bool any = false;
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      const Vec3<double>& p = mesh.positions[v];
+      low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
+      high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+      any = any || asked[v];
+    }
+    if (any && opposes[t] && is_finite(t)) insides.push_back(oriented(t, true));
+  }
+  if (insides.empty()) return result;
+  const auto before = [](const Oriented& a, const Oriented& b) { return a.corners < b.corners; };
+  std::sort(insides.begin(), insides.end(), before);
+  const auto is_near = [&](const Oriented& one, const Oriented& other) {
+    const auto& [a, b, c] = one.vertices;
+    double edge = 0, away = 0;
+    for (const auto& [v, w] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}})
+      edge = std::fmax(edge, norm(mesh.positions[v] - mesh.positions[w]));
+    for (std::size_t k = 0; k < 3; ++k)
+      away = std::fmax(away, norm(mesh.positions[one.vertices[k]] - mesh.positions[other.vertices[k]]));
+    const bool flat = mesh.normals[a] == mesh.normals[b] && mesh.normals[b] == mesh.normals[c];
+    return away <= near * norm(high - low) && (!flat || away <= near_flat * edge);
+  };
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!has_area[t] || opposes[t] || !is_finite(t)) continue;
+    const Oriented outside = oriented(t, false);
+    const auto [first, last] = std::equal_range(insides.begin(), insides.end(), outside, before);
+    for (auto inside = first; inside != last && inside - first < most_tried; ++inside)
+      if (is_near(*inside, outside)) result[inside->triangle] = true;
+  }
+  return result;
+}
+
 }  // namespace
 
 VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
@@ -183,6 +309,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   result.all_oppose =
       corners > 0 && static_cast<double>(against) >= most_against * static_cast<double>(corners);
   result.unsupported.assign(n, false);
+  result.sheet_border.assign(n, false);
   if (!result.all_oppose) {
     for (std::uint32_t v = 0; v < n; ++v)
       if (supported[v]) supported[joins.position_and_normal[v]] = true;
@@ -193,6 +320,14 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       const std::vector<bool> average = are_average_normals(mesh, joins, result.unsupported);
       for (std::uint32_t v = 0; v < n; ++v)
         if (average[v]) result.unsupported[v] = false;
+      const std::vector<bool> inside = insides_of_hulls(mesh, has_area, result.opposes, result.unsupported);
+      std::vector<bool> elsewhere(n, false);
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+        for (const std::uint32_t v : mesh.triangles[t])
+          if (has_area[t] && !inside[t]) elsewhere[v] = true;
+      for (std::uint32_t v = 0; v < n; ++v)
+        if (!elsewhere[v]) result.unsupported[v] = false;
+      result.sheet_border = borders_of_sheets(mesh, has_area, joins.position);
     }
   }
   result.faceted_vertices.assign(n, false);

@@ -32,8 +32,10 @@ constexpr double supported_deg = 80;  // how far a normal may be from all triang
 // The stored normals beside the planes of the triangles.
 struct NormalChecks {
   std::vector<bool> unsupported;  // vertices whose normal is more than supported_deg from every triangle that
-                                  // shares it, and no common average of these
-  std::vector<bool> drawn;        // vertices of a triangle with area; nothing is seen of the others
+                                  // shares it, no common average of these, and not on a hull turned inside
+                                  // out around the same mesh
+  std::vector<bool> sheet_border;  // at the borders of triangles that lie back to back, as of leaves on cards
+  std::vector<bool> drawn;         // vertices of a triangle with area; nothing is seen of the others
   std::vector<bool>
       faceted;  // triangles whose three normals are their own, beside one that turns and has others
   std::vector<bool> faceted_vertices;  // of which all triangles with area are faceted

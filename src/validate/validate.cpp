@@ -161,7 +161,8 @@ class MeshValidation {
   bool is_unseen(std::uint32_t v) const { return !mesh_.uvs.empty() && !under_test_.has_uv_area[v]; }
   // Leaves and grass on cards are lit as the crown or the ground is.
   bool may_be_lit_otherwise(std::uint32_t v) const {
-    return !accurate_.known() && classes_.of_vertex[v] == VertexClass::border;
+    return !accurate_.known() &&
+           (classes_.of_vertex[v] == VertexClass::border || under_test_.normals.sheet_border[v]);
   }
 
   void compare();
@@ -191,6 +192,7 @@ class MeshValidation {
   Angles angles_to(const Vec4<float>& mikktspace, std::uint32_t v) const;
   void compare_with_mikktspace();
   void look_at_signs();
+  bool lacks_uv_area() const;
   void add_notes();
   void decide();
 
@@ -608,34 +610,43 @@ void MeshValidation::diagnose() {
     most = std::fmax(most, off);
   }
   add(report_, finding(Code::bitangent_not_orthogonal, oblique, " (by up to " + rounded(most, 3) + " deg)"));
-  // Without a surface the mesh's own triangles say whether there is anything to diagnose.
-  if (!accurate_.known() && !under_test_.cones.empty()) {
-    bool any = false;
-    for (std::uint32_t v = 0; v < mesh_.positions.size() && !any; ++v)
-      any = under_test_.cones.claim(v, 0) == Claim::beyond;
-    if (!any) return;
+  // The mesh's own triangles say whether there is anything to diagnose: without a surface, by any tangent
+  // that is not theirs; where one was recognised and they hold most tangents, its chart is not the mesh's.
+  if (!accurate_.declared() && !under_test_.cones.empty()) {
+    std::size_t within = 0, beyond = 0;
+    for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+      const Claim claim = under_test_.cones.claim(v, 0);
+      within += claim == Claim::within ? corners_of_[v] : 0;
+      beyond += claim == Claim::beyond ? corners_of_[v] : 0;
+    }
+    if (accurate_.known() ? within > beyond : beyond == 0) return;
   }
-  if (!truth.empty())
-    tangents_diagnosed_ = diagnose_tangents(
-        under_test_,
-        [&](std::size_t c) {
-          const Truth& t = truth[mesh_.triangles[c / 3][c % 3]];
-          return Directions{t.tangent, t.bitangent};
-        },
-        options_, report_);
-  else if (!under_test_.mikktspace.empty())
-    tangents_diagnosed_ = diagnose_tangents(
-        under_test_,
-        [&](std::size_t c) {
-          const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
-          const Vec4<float>& m = under_test_.mikktspace.at(c, v);
-          const Vec3<double> n = mesh_.normals[v];
-          if (m.w == 0 || !detail::finite(n))
-            return Directions{detail::nan_vector<double>(), detail::nan_vector<double>()};
-          const Vec3<double> t{m.x, m.y, m.z};
-          return Directions{t, double{m.w} * cross(n, t)};
-        },
-        options_, report_);
+  const auto mikktspace = [&](std::size_t c) {
+    const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
+    const Vec4<float>& m = under_test_.mikktspace.at(c, v);
+    const Vec3<double> n = mesh_.normals[v];
+    if (m.w == 0 || !detail::finite(n))
+      return Directions{detail::nan_vector<double>(), detail::nan_vector<double>()};
+    const Vec3<double> t{m.x, m.y, m.z};
+    return Directions{t, double{m.w} * cross(n, t)};
+  };
+  const auto known_truth = [&](std::size_t c) {
+    const Truth& t = truth[mesh_.triangles[c / 3][c % 3]];
+    return Directions{t.tangent, t.bitangent};
+  };
+  // What MikkTSpace makes of the same triangles is surer than what their neighbours tell.
+  if (!accurate_.known() && !under_test_.mikktspace.empty())
+    tangents_diagnosed_ = diagnose_tangents(under_test_, mikktspace, options_, report_);
+  if (!tangents_diagnosed_ && !truth.empty())
+    tangents_diagnosed_ = diagnose_tangents(under_test_, known_truth, options_, report_);
+}
+
+// Where triangles have no uv area nobody sees a tangent, and there is nothing to be wrong.
+bool MeshValidation::lacks_uv_area() const {
+  const auto any = [](const std::vector<bool>& of) {
+    return std::find(of.begin(), of.end(), true) != of.end();
+  };
+  return !mesh_.uvs.empty() && any(under_test_.has_area) && !any(under_test_.has_uv_area);
 }
 
 void MeshValidation::add_notes() {
@@ -661,6 +672,8 @@ void MeshValidation::add_notes() {
   add(report_, finding(Code::tangent_missing, mesh_.tangents.empty() ? at_least_one : 0,
                        mesh_.normals.empty() ? "" : "; only its normals are judged"));
   add(report_, finding(Code::normal_missing, mesh_.normals.empty() ? at_least_one : 0));
+  add(report_,
+      finding(Code::uv_without_area, !mesh_.tangents.empty() && lacks_uv_area() ? report_.corners : 0));
   add(report_, finding(Code::triangles_missing, mesh_.triangles.empty() ? 1 : 0));
   add(report_, finding(Code::vertex_unreferenced,
                        static_cast<std::size_t>(std::count(corners_of_.begin(), corners_of_.end(), 0U))));
@@ -674,13 +687,7 @@ void MeshValidation::decide() {
                       : locally_ > 0                            ? local
                       : report_.mikktspace && only_mikktspace() ? mikktspace
                                                                 : none;
-  // Where triangles have no uv area nobody sees a tangent, and there is nothing to be wrong.
-  const bool unseen = !mesh_.uvs.empty() && !mesh_.normals.empty() &&
-                      std::find(under_test_.has_area.begin(), under_test_.has_area.end(), true) !=
-                          under_test_.has_area.end() &&
-                      std::find(under_test_.has_uv_area.begin(), under_test_.has_uv_area.end(), true) ==
-                          under_test_.has_uv_area.end();
-  const bool tangents = !mesh_.tangents.empty() && !unseen;
+  const bool tangents = !mesh_.tangents.empty() && !(!mesh_.normals.empty() && lacks_uv_area());
   report_.without_errors = mesh_.triangles.empty() || (!tangents && mesh_.normals.empty()) ? Verdict::nothing
                            : !tangents || decided_ > 0 || by_triangles                     ? Verdict::pass
                                                                        : Verdict::undetermined;

@@ -15,6 +15,8 @@
 #include <darboux/sample_mesh.h>
 #include <darboux/triangle.h>
 
+#include "append_mesh.h"
+
 namespace darboux {
 namespace {
 
@@ -207,6 +209,80 @@ TEST(Cards, NormalsMayBeThoseOfTheGround) {
   EXPECT_EQ(count_of(report, "NORMAL_ANGLE", Severity::warning), mesh.corners());
 }
 
+// A sheet with its back.
+Mesh two_sided(const Mesh& sheet, bool shared) {
+  Mesh mesh = sheet;
+  if (!shared) append(mesh, sheet);
+  const auto shift = static_cast<std::uint32_t>(shared ? 0 : sheet.positions.size());
+  mesh.triangles.resize(sheet.triangles.size());
+  for (const auto& [a, b, c] : sheet.triangles) mesh.triangles.push_back({a + shift, c + shift, b + shift});
+  return mesh;
+}
+
+// With a back they are at borders as well.
+TEST(Cards, NormalsOfTheGroundOnBothSides) {
+  Mesh one = sheet(1, [](double, double) { return 0.0; });
+  for (auto& n : one.normals) n = {0, 1, 0};
+  for (const bool shared : {true, false}) {
+    const Mesh mesh = two_sided(one, shared);
+    const MeshReport report = assess(mesh).report;
+    EXPECT_EQ(errors(report), "") << shared;
+    EXPECT_EQ(count_of(report, "NORMAL_ANGLE", Severity::warning), mesh.corners()) << shared;
+  }
+  // In the middle of a sheet nobody lights so.
+  Mesh wide = sheet(3, [](double x, double y) { return 0.1 * std::sin(3 * x + y); });
+  average_normals(wide, Average::area);
+  EXPECT_EQ(errors(assess(two_sided(wide, false)).report), "");
+  wide.normals[5] = {0, 1, 0};
+  for (const bool shared : {true, false})
+    EXPECT_GT(count_of(assess(two_sided(wide, shared)).report, "NORMAL_ANGLE", Severity::error), 0U)
+        << shared;
+}
+
+// ---- shells turned inside out
+
+// A toon outline: the same mesh once more, a little larger, wound the other way.
+Mesh with_hull(const Mesh& inner, double scale, const V& aside = {0, 0, 0}) {
+  Mesh mesh = two_sided(inner, false);
+  for (std::size_t v = inner.positions.size(); v < mesh.positions.size(); ++v)
+    mesh.positions[v] = scale * mesh.positions[v] + aside;
+  return mesh;
+}
+
+TEST(Hulls, AreNoErrors) {
+  Mesh smooth =
+      sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.3"), {.columns = 24, .rows = 12});
+  for (auto& p : smooth.positions) p.z += 0.2 * p.x * p.x;  // no surface of the catalogue
+  average_normals(smooth, Average::area);
+  smooth.tangents.clear();
+  Mesh box;  // with flat sides
+  for (const auto& [x, y] : {std::pair{V{1, 0, 0}, V{0, 1, 0}}, std::pair{V{0, 1, 0}, V{0, 0, 1}},
+                             std::pair{V{0, 0, 1}, V{1, 0, 0}}})
+    for (const double side : {1.0, -1.0}) {
+      const auto first = static_cast<std::uint32_t>(box.positions.size());
+      const V n = side * cross(x, y);
+      for (const auto& [i, j] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}}) {
+        box.positions.push_back(n + static_cast<double>(i) * side * x + static_cast<double>(j) * y);
+        box.normals.push_back(n);
+        box.uvs.push_back({0.5 * i, 0.5 * j});
+      }
+      box.triangles.push_back({first, first + 1, first + 2});
+      box.triangles.push_back({first, first + 2, first + 3});
+    }
+  for (const Mesh& inner : {smooth, box}) {
+    EXPECT_EQ(errors(assess(inner).report), "");
+    const MeshReport report = assess(with_hull(inner, 1.05)).report;
+    EXPECT_EQ(errors(report), "");
+    EXPECT_EQ(count_of(report, "NORMALS_OPPOSE_WINDING", Severity::warning), inner.corners());
+    // A copy that stands elsewhere, or another shape, is none.
+    EXPECT_GT(count_of(assess(with_hull(inner, 1, {9, 0, 0})).report, "NORMAL_ANGLE", Severity::error), 0U);
+    Mesh other = with_hull(inner, 1.05);
+    for (std::size_t v = inner.positions.size(); v < other.positions.size(); ++v)
+      other.normals[v] = unit(other.normals[v] + V{0.1, 0.2, 0});
+    EXPECT_GT(count_of(assess(other).report, "NORMAL_ANGLE", Severity::error), 0U) << inner.corners();
+  }
+}
+
 // ---- uvs
 
 // Seven times round over eight columns: at the vertices the uvs are those of once round the other way.
@@ -265,9 +341,14 @@ TEST(CoarseMeshes, OneTexelLeavesTangentsOpen) {
   report = assess(mesh).report;
   EXPECT_EQ(report.verdict, Verdict::pass) << errors(report);
   EXPECT_EQ(count_of(report, "TANGENT_NOT_ORTHOGONAL", Severity::warning), mesh.corners());
+  // That none was judged is said.
+  EXPECT_EQ(count_of(report, "UV_WITHOUT_AREA", Severity::info), mesh.corners());
   // Without uvs nothing says that nobody sees them.
   mesh.uvs.clear();
   EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_NOT_ORTHOGONAL", Severity::error), mesh.corners());
+  EXPECT_EQ(count_of(assess(mesh).report, "UV_WITHOUT_AREA", Severity::info), 0U);
+  for (const auto& p : mesh.positions) mesh.uvs.push_back({p.x, p.y});
+  EXPECT_EQ(count_of(assess(mesh).report, "UV_WITHOUT_AREA", Severity::info), 0U);
 }
 
 // A step of 8 bits per cell is uv area.

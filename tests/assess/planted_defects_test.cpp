@@ -1,6 +1,8 @@
 // A matrix of defects: each is found under its code, and nothing else is.
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <iostream>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -12,6 +14,9 @@
 #include <darboux/assess.h>
 #include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
+#include <darboux/vertex_normals.h>
+
+#include "append_mesh.h"
 
 namespace darboux {
 namespace {
@@ -56,6 +61,14 @@ void turn_by(Mesh& mesh, const Eigen::Matrix3d& m) {
 
 void retangent(Mesh& mesh, std::size_t v, const Vec3<double>& t) {
   mesh.tangents[v] = {t.x, t.y, t.z, mesh.tangents[v].w};
+}
+
+void turn_tangents(Mesh& mesh, double deg) {
+  const double a = deg * std::numbers::pi / 180;
+  for (std::size_t v = 0; v < mesh.tangents.size(); ++v) {
+    const Vec3<double> t = mesh.tangents[v].xyz();
+    retangent(mesh, v, std::cos(a) * t + std::sin(a) * cross(mesh.normals[v], t));
+  }
 }
 
 // A bent ellipsoid: no surface of the catalogue, so that MikkTSpace and local jets assess it.
@@ -240,6 +253,103 @@ TEST(PlantedDefects, StaleAfterAScale) {
     retangent(mesh, i, unit(Vec3<double>{2 * t.x, t.y, 0.7 * t.z}));
   }
   EXPECT_EQ(joined(codes(assess_parts(mesh, options))), "");
+}
+
+// All turned about their normals by one angle, on a strip whose corners are all at its borders.
+TEST(PlantedDefects, AllTurnedByOneAngle) {
+  for (const int columns : {8, 16, 48})
+    for (const double deg : {60.0, -45.0, 120.0})
+      for (const bool known : {true, false}) {
+        Mesh mesh = sample_mesh(make_surface("cylinder"), {.columns = columns, .rows = 1});
+        if (!known)
+          for (auto& p : mesh.positions) p.x += 0.3 * p.y * p.y;
+        if (!known) mesh.normals = vertex_normals(mesh, NormalWeight::angle);
+        if (!known) bake(mesh);
+        EXPECT_EQ(joined(codes(assess_parts(mesh))), "");
+        turn_tangents(mesh, deg);
+        const std::vector<Assessment> assessments = assess_parts(mesh);
+        SCOPED_TRACE(std::to_string(columns) + " columns by " + std::to_string(deg) +
+                     (known ? ", known" : ", unknown"));
+        EXPECT_EQ(assessments.front().report.verdict, Verdict::fail);
+        EXPECT_EQ(count_of(assessments, "TANGENT_ANGLE"), mesh.corners());
+        EXPECT_EQ(count_of(assessments, "TANGENT_UV_SET"), mesh.corners());
+        EXPECT_EQ(count_of(assessments, "TANGENT_STALE"), 0u);
+      }
+}
+
+// Also where it is one part of a mesh.
+TEST(PlantedDefects, AllOfAPartTurnedByOneAngle) {
+  Mesh mesh = sample_mesh(make_surface("cylinder"), {.columns = 12, .rows = 1});
+  turn_tangents(mesh, 60);
+  const std::size_t turned = mesh.corners();
+  Mesh other = sample_mesh(make_surface("torus"), {.columns = 32, .rows = 16});
+  for (auto& p : other.positions) p.x += 5;
+  append(mesh, other);
+  const std::vector<Assessment> assessments = assess_parts(mesh);
+  EXPECT_EQ(assessments.size(), 2u);
+  EXPECT_EQ(count_of(assessments, "TANGENT_ANGLE"), turned);
+  EXPECT_EQ(count_of(assessments, "TANGENT_UV_SET"), turned);
+}
+
+// The exact tangents of uvs that run askew round prisms of few sides are turned from what the facets tell, by
+// up to 25 degrees, all the same way.
+TEST(PlantedDefects, ExactTangentsOnPrismsAreNotTurned) {
+  for (const int columns : {3, 4, 5, 6, 8})
+    for (const double askew : {0.3, 1.0, 1.7, 3.0, 8.0, -1.7}) {
+      Mesh mesh = sample_mesh(make_surface("cylinder:radius=1,height=6.28"), {.columns = columns, .rows = 1});
+      for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        auto& uv = mesh.uvs[i];
+        uv.y += askew * uv.x;
+        const Vec3<double> t = mesh.tangents[i].xyz();
+        retangent(mesh, i, unit(t - askew * Vec3<double>{0, 0, 1}));
+      }
+      for (const bool analytic : {true, false}) {
+        AssessOptions options;
+        options.references.analytic = analytic;
+        for (const Assessment& a : assess_parts(mesh, options))
+          EXPECT_NE(a.report.verdict, Verdict::fail)
+              << columns << " columns, " << askew << ", " << a.report.findings.front().message;
+      }
+    }
+}
+
+// One cause is named, and the right one, on surfaces of all kinds, also where u and v are not at right
+// angles, and where the surface is unknown.
+TEST(PlantedDefects, OneCauseIsNamed) {
+  std::size_t meshes = 0;
+  for (const char* surface : {"sphere", "torus:major_radius=1,minor_radius=0.4", "cylinder", "plane",
+                              "ellipsoid", "hyperbolic-paraboloid", "monkey-saddle", "moebius-strip",
+                              "klein-bottle", "bezier-patch", "ruled-surface", "disk", "extrusion"})
+    for (const bool bent : {false, true}) {
+      Mesh good = sample_mesh(make_surface(surface), {.columns = 32, .rows = 16});
+      if (bent) {
+        for (auto& p : good.positions)
+          p = p + Vec3<double>{0.1 * p.y * p.y, 0.12 * p.z * p.x, 0.15 * p.x * p.y};
+        good.normals = vertex_normals(good, NormalWeight::angle);
+        bake(good);
+      }
+      const auto named = [&](const Mesh& mesh) {
+        std::string text;
+        const Codes found = codes(assess_parts(mesh));
+        for (const char* code : {"TANGENT_AXES", "TANGENT_UV_SET", "TANGENT_STALE", "NORMAL_STALE"})
+          if (found.contains(code)) text += std::string(code) + ' ';
+        return text;
+      };
+      SCOPED_TRACE(std::string(surface) + (bent ? ", bent" : ""));
+      EXPECT_EQ(named(good), "");
+      Mesh mesh = good;
+      for (auto& uv : mesh.uvs) std::swap(uv.x, uv.y);
+      bake(mesh);
+      mesh.uvs = good.uvs;
+      EXPECT_EQ(named(mesh), "TANGENT_AXES ") << "swapped uvs";
+      for (const double deg : {90.0, 180.0, -90.0, 50.0, -60.0}) {
+        mesh = good;
+        turn_tangents(mesh, deg);
+        EXPECT_EQ(named(mesh), std::fmod(deg, 90) == 0 ? "TANGENT_AXES " : "TANGENT_UV_SET ") << deg;
+      }
+      ++meshes;
+    }
+  std::cout << meshes << " meshes\n";
 }
 
 // Tangents that follow another uv set than the one that is read.

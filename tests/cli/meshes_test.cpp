@@ -1,4 +1,7 @@
 // `mesh`, `tangents` and `converge`, and what validate says of meshes they wrote.
+#include <darboux/io.h>
+
+#include "append_mesh.h"
 #include "cli.h"
 
 namespace darboux::test {
@@ -47,6 +50,36 @@ TEST_F(Cli, ValidatePassesWhatMeshWrites) {
   }
   good("darboux mesh " + torus + " --grid 32x16 -o m.glb --no-tangents");
   EXPECT_TRUE(has_finding(only_mesh(json("darboux validate m.glb --json")), "TANGENT_MISSING"));
+}
+
+// A part whose w are all of the other convention than those of the rest of the file.
+TEST_F(Cli, ValidateComparesTheSignsOfParts) {
+  good("darboux mesh torus --grid 32x16 -o torus.glb");
+  good("darboux mesh sphere --grid 24x12 -o sphere.glb");
+  const Mesh torus = read_asset(path("torus.glb")).primitives.at(0).data;
+  Mesh sphere = read_asset(path("sphere.glb")).primitives.at(0).data;
+  for (auto& p : sphere.positions) p.x += 5;
+  for (const double w : {1.0, -1.0}) {
+    for (auto& t : sphere.tangents) t.w *= w;
+    Mesh both = torus;
+    append(both, sphere);
+    write_glb(path("both.glb"), both, "both");
+    const Json meshes = json("darboux validate both.glb --json")["files"][0]["meshes"];
+    ASSERT_EQ(meshes.size(), 2u);
+    for (const Json& mesh : meshes) {
+      const bool differs = w < 0 && mesh["surface"]["name"] == "sphere";
+      EXPECT_EQ(has_finding(mesh, "HANDEDNESS_MIXED"), differs) << mesh;
+      for (const Json& f : mesh["findings"])
+        if (f["code"] == "HANDEDNESS_MIXED") {
+          EXPECT_EQ(f["severity"], "warning");
+          EXPECT_EQ(f["count"], mesh["corners"]);
+          EXPECT_NE(f["message"].get<std::string>().find("raw in mesh 0 primitive 0 part 1"),
+                    std::string::npos)
+              << f;
+        }
+    }
+    EXPECT_EQ(sh("darboux validate both.glb").status, 0);
+  }
 }
 
 TEST_F(Cli, MeshRepeatsItself) {

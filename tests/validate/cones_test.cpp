@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <iostream>
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -273,6 +274,30 @@ TEST(Cones, LeaveOutWhatIsNoAverageAtBorders) {
   EXPECT_EQ(outside(soup), 0u);
   for (const Wrong how : {Wrong::negated, Wrong::swapped, Wrong::turned})
     EXPECT_EQ(outside(wronged(soup, how)), soup.corners()) << static_cast<int>(how);
+}
+
+// Very many triangles at one place, each with vertices of its own: what is claimed of a few of them is
+// claimed of all. (Each looked at beside each of the others would take hours.)
+TEST(Cones, OfVeryManyTrianglesAtAPlace) {
+  for (const std::uint32_t n : {20U, 200U, 1000U, 100000U})
+    for (const double degrees : {0.0, 90.0, 180.0, 300.0}) {
+      Mesh soup;
+      const double sector = 1, a = degrees * std::numbers::pi / 180;
+      for (std::uint32_t i = 0; i < n; ++i) {
+        for (const double angle : {-1.0, sector * i / n, sector * i / n + 0.4}) {
+          const Vec3<double> p =
+              angle < 0 ? Vec3<double>{0, 0, 0} : Vec3<double>{std::cos(angle), std::sin(angle), 0};
+          soup.positions.push_back(p);
+          soup.uvs.push_back({p.x, p.y});
+          soup.normals.push_back({0, 0, 1});
+          soup.tangents.push_back({std::cos(a), std::sin(a), 0, -1});
+        }
+        soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+      }
+      const TrianglesReport report = assessed(soup);
+      EXPECT_EQ(report.compared, soup.corners()) << n << " triangles, " << degrees;
+      EXPECT_EQ(report.outside, degrees == 0 ? 0 : soup.corners()) << n << " triangles, " << degrees;
+    }
 }
 
 // Turned, swapped, negated, and of uvs that have changed since.
