@@ -91,7 +91,9 @@ int run(int argc, char** argv) {
   } catch (const CLI::CallForVersion& e) {
     return finish(app.exit(e));
   } catch (const CLI::ParseError& e) {
-    return darboux::report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
+    const std::string command = argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) + ' ' : std::string();
+    return darboux::report(std::string("command line: ") + e.what() + ", see darboux " + command + "--help",
+                           2);
   }
 }
 
