@@ -17,10 +17,12 @@ namespace darboux {
 
 void add_common(CLI::App& sub, Common& common, const std::string& example) {
   sub.add_flag("--json", common.json, "print one JSON document to stdout and nothing else");
-  sub.add_flag("--quiet", common.quiet, "print no progress bar and no notes");
+  sub.add_flag("--quiet", common.quiet,
+               "print no progress bar and no notes; of mesh, tangents, plan, scene, normalmap, bake and "
+               "surfaces --pages only errors, of compare one line");
   sub.add_option("--threads", common.threads,
                  "number of threads: for eval, tangents, normalmap, bake, the frames of fit, several "
-                 "surfaces of check, several files of validate, and the jobs of a study")
+                 "surfaces of check, several files of validate and plan, and the jobs of a study")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);

@@ -26,7 +26,7 @@ void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::st
   sub.add_option("-o,--output", arguments.output, "write a report to this file");
   sub.add_option("--format", arguments.format,
                  "format of the report: html (a page), md (tables), svg (" + svg +
-                     ") or json [by the file's extension]")
+                     ") or json [by the file's extension, html where it is another]")
       ->check(CLI::IsMember({"html", "md", "svg", "json"}));
   sub.add_option("--csv", arguments.csv, "write " + csv + " to this file");
 }

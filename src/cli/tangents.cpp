@@ -192,7 +192,7 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
 void add_tangents(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("tangents", "Compute the tangents of a glTF file by a named method");
   auto arguments = std::make_shared<TangentsArguments>();
-  sub.add_option("INPUT", arguments->input, "the .glb or .gltf to read");
+  sub.add_option("INPUT", arguments->input, "the .glb or .gltf to read; export other formats as .glb first");
   sub.add_option("-o,--output", arguments->output, "the .glb to write");
   sub.add_option("--method", arguments->method, "the method; --list explains them")->capture_default_str();
   sub.add_option("--sign", arguments->sign, "sign convention of w: gltf or raw")
