@@ -81,9 +81,10 @@ constexpr std::array kinds{
                 "normals and triangles face the inside of the surface; they were compared with its inward "
                 "normal",
                 "nothing, if the mesh is seen from inside"},
-    FindingKind{"FACETED", info,
-                "normals are those of the triangles (flat shading), and neighbours turn by more than that",
-                "nothing, if that is intended"},
+    FindingKind{
+        "FACETED", info,
+        "normals are those of the triangles (flat shading), and neighbouring triangles face other ways",
+        "nothing, if that is intended"},
     FindingKind{"TANGENT_TEXTURE_TRANSFORM", info,
                 "tangents follow the uvs after KHR_texture_transform, and are judged by them", "nothing"},
     FindingKind{"TANGENT_UV_SET_USED", info,
@@ -91,7 +92,7 @@ constexpr std::array kinds{
                 "judged by it",
                 "nothing"},
     FindingKind{"TANGENT_MISSING", info, "the mesh stores no tangents",
-                "add them: darboux tangents in.glb -o out.glb"},
+                "add them: darboux tangents in.glb -o out.glb; export other formats as .glb first"},
     FindingKind{"NORMAL_MISSING", info, "the mesh stores no normals: neither they nor bitangents are judged",
                 "add normals, or compute them when the mesh is loaded"},
     FindingKind{"UV_MISSING", info, "the mesh has no uvs, so tangents have no truth", "unwrap it"},

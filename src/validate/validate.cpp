@@ -427,7 +427,7 @@ void MeshValidation::add_warnings(const Counts& counts) {
           "; at borders, seams and creases of the recognised surface, where they may be authored: the "
           "corners' own triangles do not speak against them",
       coarse = "; averages of their own triangles', which are too coarse for the recognised surface",
-      nearby = "; more than three times that from what neighbouring vertices tell";
+      nearby = "; told by neighbouring vertices alone, so only what is beyond three times the limit counts";
   for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, counts.surface_tangents, unsure},
                                      {Code::normal_angle, counts.surface_normals, unsure},
                                      {Code::tangent_angle, counts.authored_tangents, edge},
@@ -573,8 +573,8 @@ void MeshValidation::look_at_signs() {
   if (mesh_.tangents.empty()) return;
   const HandednessConvention convention = report_.handedness.convention;
   if (convention == HandednessConvention::raw)
-    add(report_, finding(Code::handedness_convention, signs_.all().raw,
-                         " (glTF's of uvs whose v was flipped is the same)"));
+    add(report_,
+        finding(Code::handedness_convention, signs_.all().raw, " (it would be glTF's if v were flipped)"));
   if (convention == HandednessConvention::mixed) {
     std::size_t raw = 0, gltf = 0, both = 0;
     for (const SignCount& island : signs_.islands())
