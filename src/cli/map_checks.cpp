@@ -26,7 +26,8 @@ std::vector<MapFinding> findings_of(const NormalMapCheck& check, const std::stri
   add(check.not_unit != 0, "NOT_UNIT",
       std::to_string(check.not_unit) + " texels have a length off 1 by more than rounding, from " +
           rounded(check.least_length, 3) + " to " + rounded(check.greatest_length, 3));
-  add(check.below_surface != 0, "BELOW_SURFACE", std::to_string(check.below_surface) + " texels have z <= 0");
+  add(check.below_surface != 0, "BELOW_SURFACE",
+      std::to_string(check.below_surface) + " texels have z <= 0; a map in object space has many");
   add(check.z_channel.value_or(2) != 2, "Z_CHANNEL",
       std::string("z looks to be in ") + channel_names[check.z_channel.value_or(2)] + ", expected in blue");
   add(check.swapped.value_or(false), "SWAPPED", "red and green look to have changed places");

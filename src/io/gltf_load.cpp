@@ -39,7 +39,7 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
   if (const std::uint32_t length = read_u32(bytes, 8);
       length > bytes.size() || length < header_bytes + chunk_header_bytes)
     throw FileError(path, expected_got("a stated length of at most the " + std::to_string(bytes.size()) +
-                                           " bytes there are and at least 20",
+                                           " bytes there are (if more, the file is cut off) and at least 20",
                                        std::to_string(length)));
   else
     bytes = bytes.substr(0, length);
