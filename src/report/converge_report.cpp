@@ -114,7 +114,8 @@ std::string verdict_summary(const std::vector<Study>& studies) {
   const auto rare = std::count_if(studies.begin(), studies.end(), [](const Study& s) {
     return s.verdict != OrderVerdict::does_not_converge && !s.max_converges();
   });
-  if (rare > 0) text += "; of " + std::to_string(rare) + " that converge, the largest error does not";
+  if (rare > 0)
+    text += "; in " + std::to_string(rare) + " of those that converge, the largest error does not";
   return text;
 }
 
