@@ -416,7 +416,8 @@ void MeshValidation::add_errors(const Counts& counts) {
                              ? text(counts.tangents, " outside the cone of their own triangles")
                          : code == Code::normal_angle
                              ? text(counts.normals, " more than 80 deg from their own triangles")
-                             : ""));
+                         : code == Code::tangent_not_orthogonal ? " (|t.n| > 0.26)"
+                                                                : ""));
   }
 }
 
@@ -439,7 +440,8 @@ void MeshValidation::add_warnings(const Counts& counts) {
     add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
   add(report_, warning(Code::normal_angle, counts.lit_otherwise,
                        "; more than 80 deg from their own triangles, at borders, where that may be meant"));
-  add(report_, warning(Code::tangent_not_orthogonal, counts.leaning));
+  add(report_, warning(Code::tangent_not_orthogonal, counts.leaning,
+                       " (|t.n| > 0.02; above 0.26 an error where triangles have uv area)"));
   add(report_, finding(Code::pole_tangent, counts.poles.counted(),
                        " (worst " + rounded(counts.poles.worst, 4) + " deg)"));
 }
