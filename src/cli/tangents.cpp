@@ -160,7 +160,8 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
     document.save_glb(arguments.output);
   }
   // Tangents were asked for, and none could be made.
-  if (result.primitives.empty() && (!options.only_needed || result.incapable != 0)) common.exit_status = 1;
+  const bool none = result.primitives.empty() && (!options.only_needed || result.incapable != 0);
+  if (none) common.exit_status = 1;
   if (common.json) {
     Json primitives = Json::array(), skipped = Json::array();
     for (const PrimitiveTangents& p : result.primitives) primitives.push_back(primitive_json(p));
@@ -181,9 +182,14 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
     }
     print_json(report);
   } else if (!common.quiet) {
-    print_text(dropped, to_stdout ? std::cerr : std::cout);
-    print_text(result, to_stdout ? std::cerr : std::cout);
-    if (!to_stdout) std::cout << arguments.output << '\n';
+    std::ostream& out = to_stdout ? std::cerr : std::cout;
+    print_text(dropped, out);
+    print_text(result, out);
+    if (none)
+      out << (to_stdout ? "standard output" : arguments.output)
+          << ": no tangents were added: no primitive has the triangles, normals and uvs that they need\n";
+    else if (!to_stdout)
+      out << arguments.output << '\n';
   }
 }
 
