@@ -116,6 +116,9 @@ void compare_with_baseline(std::vector<AssessedFile>& files, const std::string& 
 /// "mesh 0 primitive 1 part 2 (name)"
 std::string place_of(const Primitive& primitive, const Assessment& assessment);
 
+/// What the angles of a report's classes are to: analytic, local or mikktspace; none where there are none.
+ReferenceKind reference_of_classes(const Assessment& assessment);
+
 inline std::string_view name_of(Verdict verdict) {
   return name_in(verdict_names, verdict);
 }
