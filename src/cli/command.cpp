@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <new>
 
@@ -71,8 +72,21 @@ CLI::Validator finite_number(const std::string& expected, bool (*good)(double)) 
 }
 
 void check_glb_name(const std::string& output) {
-  if (lower(output).ends_with(".gltf"))
-    throw ParameterError(output, expected_got("a name of a GLB, not ending in .gltf", output));
+  const auto others = asset_extensions();
+  const std::string extension = lower(std::filesystem::path(output).extension().string());
+  if (extension != ".glb" && std::find(others.begin(), others.end(), extension) != others.end())
+    throw ParameterError(output, expected_got("a name of a GLB, not ending in " + extension, output));
+}
+
+void check_extension(const std::string& option, const std::string& output,
+                     const std::vector<std::string>& extensions, const std::string& otherwise) {
+  const std::string extension = lower(std::filesystem::path(output).extension().string());
+  if (extension.empty() || std::find(extensions.begin(), extensions.end(), extension) != extensions.end())
+    return;
+  throw ParameterError(
+      option, expected_got((extensions.size() > 1 ? "a name that ends in one of " : "a name that ends in ") +
+                               joined(extensions) + otherwise,
+                           "'" + output + "'"));
 }
 
 Json number(double x) {

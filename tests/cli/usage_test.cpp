@@ -101,6 +101,26 @@ TEST_F(Cli, RefusesUnknownSurfacesAndParametersWithTheKnownOnes) {
   EXPECT_FALSE(fs::exists(path("x.glb")));
 }
 
+// A name that says another format than what would be written is refused before any work.
+TEST_F(Cli, RefusesNamesOfOtherFormats) {
+  const std::string converge = "converge torus --methods face --meshes regular --resolutions 4,6,8 ";
+  refused("darboux " + converge + "-o s.csv", {"-o", ".html, .md, .svg, .json", "--csv", "'s.csv'"});
+  for (const std::string& command :
+       {converge + "-o OUT.txt", std::string("stability sphere --sweeps turns --points 2 -o OUT.csv"),
+        std::string("work-precision sphere --rounds 3 --methods naive -o OUT.pdf"),
+        converge + "--picture OUT.png", std::string("validate data/torus_016.three.glb --report OUT.pdf"),
+        std::string("validate data/torus_016.three.glb --paint OUT.obj"),
+        std::string("mesh sphere --grid 4x4 -o OUT.ply"),
+        std::string("tangents data/torus_016.none.glb -o OUT.obj")}) {
+    const std::string extension = command.substr(command.find(" OUT") + 4);
+    refused("darboux " + command, {"expected a name ", extension});
+    EXPECT_FALSE(fs::exists(path("OUT" + extension)));
+  }
+  good("darboux " + converge + "-o s.txt --format md");
+  good("darboux " + converge + "-o page");
+  EXPECT_NE(read_bytes(path("page")).find("<!DOCTYPE html>"), std::string::npos);
+}
+
 TEST_F(Cli, RefusesPointsThatAreNotTwoFiniteNumbers) {
   for (const std::string point :
        {"x,0", "0,x", "0", "0,0,0", "''", ",", "nan,0", "0,inf", "1e999,0", "0x1,0", "0;0"})
