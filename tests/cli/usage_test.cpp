@@ -121,6 +121,21 @@ TEST_F(Cli, RefusesNamesOfOtherFormats) {
   EXPECT_NE(read_bytes(path("page")).find("<!DOCTYPE html>"), std::string::npos);
 }
 
+TEST_F(Cli, ConvergeTakesSurfacesAsArguments) {
+  const std::string rest = " --methods face --meshes regular --resolutions 4,6,8 --json",
+                    converge = "darboux converge ";
+  const auto studies = [&](const std::string& surfaces) {
+    Json list = json(converge + surfaces + rest)["studies"];
+    for (Json& study : list) study.erase("seconds");
+    return list;
+  };
+  const Json wanted = studies("--surfaces torus:major_radius=1,minor_radius=0.4,sphere");
+  EXPECT_EQ(wanted[0]["surface"], "torus:major_radius=1,minor_radius=0.4");
+  EXPECT_EQ(studies("torus:major_radius=1,minor_radius=0.4 sphere"), wanted);
+  EXPECT_EQ(studies("torus:major_radius=1,minor_radius=0.4 --surfaces sphere"), wanted);
+  refused("darboux converge nope", {"nope", "torus"});
+}
+
 TEST_F(Cli, RefusesPointsThatAreNotTwoFiniteNumbers) {
   for (const std::string point :
        {"x,0", "0,x", "0", "0,0,0", "''", ",", "nan,0", "0,inf", "1e999,0", "0x1,0", "0;0"})
