@@ -136,6 +136,13 @@ TEST_F(Cli, ConvergeTakesSurfacesAsArguments) {
   refused("darboux converge nope", {"nope", "torus"});
 }
 
+TEST_F(Cli, TangentsSaysHowOtherFormatsBecomeGltf) {
+  refused("darboux tangents data/torus_016.obj -o out.glb",
+          {"torus_016.obj", "expected a GLB", "convert .obj to .glb first", "assimp export IN.obj OUT.glb"});
+  write_bytes(path("broken.glb"), "nothing");
+  EXPECT_EQ(sh("darboux tangents broken.glb -o out.glb").err.find("convert"), std::string::npos);
+}
+
 TEST_F(Cli, RefusesPointsThatAreNotTwoFiniteNumbers) {
   for (const std::string point :
        {"x,0", "0,x", "0", "0,0,0", "''", ",", "nan,0", "0,inf", "1e999,0", "0x1,0", "0;0"})
