@@ -146,6 +146,19 @@ TEST_F(StudyCli, StabilityWritesWhatIsAskedFor) {
   refused(run + "--json --csv -", {"standard output"});
 }
 
+// What was asked for and does not exist is no success.
+TEST_F(StudyCli, StabilitySaysWhichSweepsASurfaceDoesNotHave) {
+  refused("darboux stability plane --sweeps pole_distance", {"--sweeps", "none of pole_distance for plane:"});
+  refused("darboux stability sphere --sweeps pole_distance --routes face",
+          {"--sweeps", "pole_distance", "sphere"});
+  const std::string some =
+      good("darboux stability plane sphere --points 2 --samples 1 --sweeps pole_distance");
+  EXPECT_NE(some.find("\nleft out: plane"), std::string::npos) << some;
+  EXPECT_NE(some.find(" has no pole_distance"), std::string::npos) << some;
+  EXPECT_EQ(some.find("left out: sphere"), std::string::npos) << some;
+  EXPECT_EQ(good("darboux stability plane --points 2 --samples 1").find("left out"), std::string::npos);
+}
+
 TEST_F(StudyCli, MergeRefusesWhatIsNotOneStudy) {
   const std::string run = "darboux converge --study study.json ";
   for (const char* shard : {"1/3", "2/3", "3/3"})
