@@ -233,7 +233,7 @@ std::vector<PlannedFile> files_to_plan(const std::vector<std::string>& arguments
   for (const AssessedFile& file : files_of(arguments, {}, unused)) {
     const bool named = std::find(arguments.begin(), arguments.end(), file.path) != arguments.end();
     std::error_code none;
-    if (named && file.readable() && !is_gltf(file.path) && std::filesystem::exists(file.path, none))
+    if (named && file.readable() && !is_gltf(file.path) && std::filesystem::is_regular_file(file.path, none))
       throw ParameterError(file.path, expected_got("a .glb or .gltf, as only glTF has materials that say "
                                                    "what reads a tangent frame",
                                                    "another format"));

@@ -136,6 +136,21 @@ TEST_F(Cli, ConvergeTakesSurfacesAsArguments) {
   refused("darboux converge nope", {"nope", "torus"});
 }
 
+// Standard input has no other files beside it, and no end to go back from.
+TEST_F(Cli, SaysWhatToDoWithStandardInput) {
+  for (const std::string command :
+       {"validate IN", "plan IN", "tangents IN -o out.glb", "compare IN data/torus_016.obj"})
+    for (const auto& [in, got] :
+         {std::pair<std::string, std::string>{"-", "write standard input to a file first"},
+          {"/dev/stdin", "a device or a pipe, which has to be written to one first"}}) {
+      std::string text = command;
+      text = "cat data/torus_016.none.glb | darboux " + text.replace(text.find("IN"), 2, in);
+      const Result r = sh(text);
+      EXPECT_EQ(r.status, 2) << text;
+      EXPECT_NE(r.err.find(got), std::string::npos) << text << '\n' << r.err;
+    }
+}
+
 TEST_F(Cli, TangentsSaysHowOtherFormatsBecomeGltf) {
   refused("darboux tangents data/torus_016.obj -o out.glb",
           {"torus_016.obj", "expected a GLB", "convert .obj to .glb first", "assimp export IN.obj OUT.glb"});
