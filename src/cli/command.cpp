@@ -18,9 +18,11 @@ namespace darboux {
 
 void add_common(CLI::App& sub, Common& common, const std::string& example) {
   sub.add_flag("--json", common.json, "print one JSON document to stdout and nothing else");
-  sub.add_flag("--quiet", common.quiet,
-               "print no progress bar and no notes; of mesh, tangents, plan, scene, normalmap, bake and "
-               "surfaces --pages only errors, of compare one line");
+  sub.add_flag(
+      "--quiet", common.quiet,
+      "print no progress bar and no notes; of what is judged (check, validate, compare, plan, studies, "
+      "normalmap --check and --compare) the verdict alone, in a line for each; of what is written "
+      "(mesh, tangents, scene, normalmap, bake, surfaces --pages) nothing but errors");
   sub.add_option("--threads", common.threads,
                  "number of threads: for eval, tangents, normalmap, bake, the frames of fit, several "
                  "surfaces of check, several files of validate and plan, and the jobs of a study")

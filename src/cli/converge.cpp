@@ -151,7 +151,8 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
                  .picture = picture,
                  .csv = [studies] { return studies_csv(*studies); },
                  .other = picture,
-                 .text = text_of(*studies, arguments.report.output.empty())};
+                 .text = text_of(*studies, arguments.report.output.empty()),
+                 .summary = verdict_summary(*studies)};
            }},
       common);
 }

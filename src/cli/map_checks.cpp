@@ -76,7 +76,12 @@ void run_map_check(const MapCheckArguments& a, Common& common) {
          {"findings", list},
          {"ok", findings.empty()}});
   }
-  if (common.quiet) return;
+  if (common.quiet) {
+    std::vector<std::string> codes;
+    for (const MapFinding& f : findings) codes.emplace_back(f.code);
+    std::cout << one_line(a.file) << ": " << (codes.empty() ? "nothing wrong" : joined(codes)) << '\n';
+    return;
+  }
   std::cout << one_line(a.file) << ": " << map.width << " x " << map.height << ", "
             << map_depths.names[static_cast<std::size_t>(map.type())]
             << (map.type() == SampleType::f32 ? "" : " bits") << '\n'
@@ -136,7 +141,10 @@ void run_map_comparison(const MapCheckArguments& a, const MapArguments& mesh, bo
                        {"worst", worst},
                        {"same", same}});
   }
-  if (common.quiet) return;
+  if (common.quiet) {
+    std::cout << (same ? "same" : "not the same") << '\n';
+    return;
+  }
   std::cout << d.compared << " texels compared";
   if (d.not_finite != 0) std::cout << ", " << d.not_finite << " are no direction in one of the maps";
   std::cout << "\ndegrees between them      texels      max      rms      p95\n";

@@ -179,6 +179,14 @@ std::string summary(const NeedTotals& t) {
   return text;
 }
 
+// With --quiet: a line for each.
+void print_verdicts(const std::vector<PlannedFile>& files) {
+  for (const PlannedFile& file : files)
+    if (file.error.empty())
+      std::cout << one_line(file.path) << ": " << (file.ok ? "ok" : "not ok") << ", "
+                << summary(file.needs.totals) << '\n';
+}
+
 void print_text(const std::vector<PlannedFile>& files) {
   NeedTotals all;
   std::size_t without_need = 0, complete = 0;
@@ -294,7 +302,9 @@ void run(const PlanArguments& arguments, Common& common) {
   }
   if (common.json)
     print_json(report_json(files, before.has_value()));
-  else if (!common.quiet)
+  else if (common.quiet)
+    print_verdicts(files);
+  else
     print_text(files);
   if (!sarif) return;
   sarif->write(sarif_of(files).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');

@@ -158,7 +158,8 @@ Json provenance_json(const Provenance& origin, int threads) {
 void print_shard(const ReportArguments& arguments, std::size_t jobs, const Common& common) {
   if (common.json)
     return print_json({{"shard", arguments.shard}, {"jobs", jobs}, {"results", arguments.results}});
-  std::printf("shard %s: %zu jobs done, in %s\n", arguments.shard.c_str(), jobs, arguments.results.c_str());
+  if (!common.quiet)
+    std::printf("shard %s: %zu jobs done, in %s\n", arguments.shard.c_str(), jobs, arguments.results.c_str());
 }
 
 }  // namespace
@@ -206,6 +207,7 @@ void run_report(const ReportArguments& to, const ReportStudy& study, Common& com
   // What is on standard output stands alone there.
   if (std::any_of(outputs.begin(), outputs.end(), [](const Output& o) { return is_standard_output(o.file); }))
     return;
+  if (common.quiet) return void(std::puts(report.summary.c_str()));
   std::fputs(report.text.c_str(), stdout);
   for (const Output& output : outputs)
     if (output.open) std::printf("%s: %s\n", output.what.c_str(), output.file.c_str());

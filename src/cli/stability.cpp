@@ -67,13 +67,21 @@ std::string sweeps_left_out(const StabilityOptions& options, bool named) {
                                                   "none of " + joined(sweeps) + " for " + joined(surfaces)));
   }
   std::string text;
-  if (named)
-    for (std::size_t k = 0; k < options.sweeps.size(); ++k)
-      for (std::size_t s = 0; s < options.surfaces.size(); ++s)
-        if (std::none_of(jobs.begin(), jobs.end(),
-                         [&](const StabilityJob& j) { return j.surface == s && j.sweep == k; }))
-          text += "left out: " + options.surfaces[s].specification() + " has no " +
-                  std::string(options.sweeps[k]->name) + " that the routes answer\n";
+  const auto leave_out = [&](const std::string& why, const StabilitySweep& sweep) {
+    text += "left out: " + why + ' ' + std::string(sweep.name) + '\n';
+  };
+  for (std::size_t k = 0; named && k < options.sweeps.size(); ++k) {
+    const StabilitySweep& sweep = *options.sweeps[k];
+    if (std::none_of(options.routes.begin(), options.routes.end(),
+                     [&](const StabilityRoute* r) { return r->domain == sweep.domain; })) {
+      leave_out("none of the routes answers", sweep);
+      continue;
+    }
+    for (std::size_t s = 0; s < options.surfaces.size(); ++s)
+      if (std::none_of(jobs.begin(), jobs.end(),
+                       [&](const StabilityJob& j) { return j.surface == s && j.sweep == k; }))
+        leave_out(options.surfaces[s].specification() + " has no", sweep);
+  }
   return text;
 }
 
@@ -115,7 +123,8 @@ void run_stability(const StabilityArguments& arguments, Common& common) {
                         .picture = [curves] { return stability_picture(*curves); },
                         .csv = [curves] { return curves_csv(*curves); },
                         .other = {},
-                        .text = stability_text(*curves) + left_out};
+                        .text = stability_text(*curves) + left_out,
+                        .summary = stability_summary(*curves)};
                   }},
              common);
 }

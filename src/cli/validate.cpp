@@ -190,7 +190,7 @@ void run(const Arguments& arguments, Common& common) {
   if (common.json)
     print_json(report_json(files, with_baseline));
   else
-    print_text(files, with_baseline, arguments.details);
+    print_text(files, with_baseline, arguments.details, common.quiet);
   if (arguments.github) print_github(files, with_baseline);
   if (sarif_file) {
     sarif_file->write(sarif(files, with_baseline).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');

@@ -14,6 +14,7 @@ namespace darboux {
 namespace {
 
 constexpr std::size_t most_tables = 12;
+constexpr const char* known_verdict = " (no worse than in the baseline)";
 
 void print_finding(Severity severity, std::string_view code, const std::string& count,
                    std::string_view message) {
@@ -238,7 +239,7 @@ void print_bad(const std::vector<AssessedFile>& files, bool with_baseline) {
       if (first) std::cout << title << ":\n";
       first = false;
       std::cout << "  " << one_line(file.path) << ": " << text(file)
-                << (with_baseline && !file.worse ? " (no worse than in the baseline)" : "") << '\n';
+                << (with_baseline && !file.worse ? known_verdict : "") << '\n';
     }
   };
   const auto first_code = [](const AssessedFile& file) {
@@ -319,10 +320,18 @@ void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadabl
 
 }  // namespace
 
-void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool details) {
+void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool details, bool quiet) {
   std::size_t assessments = 0, unreadable = 0;
   for (const AssessedFile& file : files)
     for (const AssessedPrimitive& p : file.primitives) assessments += p.assessments.size();
+  if (quiet) {
+    for (const AssessedFile& file : files)
+      if (file.readable())
+        std::cout << one_line(file.path) << ": " << name_of(file.verdict)
+                  << (with_baseline && file.verdict > Verdict::pass && !file.worse ? known_verdict : "")
+                  << '\n';
+    return;
+  }
   const bool tables = details || (assessments <= most_tables && files.size() <= most_tables);
   for (const AssessedFile& file : files) {
     if (!file.readable()) {

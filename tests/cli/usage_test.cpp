@@ -101,6 +101,42 @@ TEST_F(Cli, RefusesUnknownSurfacesAndParametersWithTheKnownOnes) {
   EXPECT_FALSE(fs::exists(path("x.glb")));
 }
 
+// --quiet: of what is judged the verdict, a line each; of what is written nothing.
+TEST_F(Cli, QuietLeavesTheVerdict) {
+  const std::string good_file = "data/torus_032.mikk.glb", bad_file = "data/plainsphere_016.three.glb";
+  EXPECT_EQ(good("darboux validate --quiet " + good_file), good_file + ": pass\n");
+  EXPECT_EQ(good("darboux validate --details --quiet " + bad_file + ' ' + good_file, 1),
+            bad_file + ": fail\n" + good_file + ": pass\n");
+  good("darboux validate --json " + bad_file + " > old.json", 1);
+  EXPECT_EQ(good("darboux validate --quiet --baseline old.json " + bad_file),
+            bad_file + ": fail (no worse than in the baseline)\n");
+  EXPECT_EQ(good("darboux plan --quiet " + good_file), good_file +
+                                                           ": ok, no primitive needs TANGENT; 1 carries it "
+                                                           "for nothing (34.3 kB of 128 kB of geometry)\n");
+  EXPECT_EQ(good("darboux check sphere --points 10 --quiet"), "all passed\n");
+  for (const std::string command :
+       {"compare data/torus_016.three.glb data/torus_016.three.glb",
+        "stability sphere --sweeps turns --points 2", "work-precision sphere --rounds 3 --methods naive",
+        "converge torus --methods face --resolutions 4,6,8",
+        "converge torus --methods face --resolutions 4,6,8 -o page.html"})
+    EXPECT_EQ(lines(good("darboux " + command + " --quiet")).size(), 1u) << command;
+  for (const std::string command :
+       {"mesh torus --grid 12x6 -o m.glb", "tangents data/torus_016.none.glb -o t.glb",
+        "bake --surface torus --mesh m.glb --size 8x8 -o n.png", "merge shard.jsonl -o all.jsonl"}) {
+    if (command.starts_with("merge")) {
+      EXPECT_EQ(good("darboux converge torus --methods face --meshes regular --resolutions 4,6,8 --shard 1/1 "
+                     "--results "
+                     "shard.jsonl --quiet"),
+                "");
+    }
+    EXPECT_EQ(good("darboux " + command + " --quiet"), "") << command;
+  }
+  const std::vector<std::string> check = lines(good("darboux normalmap --check n.png --quiet"));
+  ASSERT_EQ(check.size(), 1u);
+  EXPECT_EQ(check[0], "n.png: nothing wrong");
+  EXPECT_EQ(good("darboux normalmap --compare n.png n.png --quiet"), "same\n");
+}
+
 TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
   refused("darboux eval Torus --at 0,0", {"Torus: unknown surface, did you mean torus?, known are sphere, "});
   refused("darboux check moebius_strip", {"did you mean moebius-strip?"});
