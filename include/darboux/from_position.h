@@ -9,6 +9,20 @@
 
 namespace darboux {
 
+namespace detail {
+
+// Of a prepared coordinate.
+template <class P>
+struct ScalarOf {
+  using Type = P;
+};
+template <class S>
+struct ScalarOf<Turn<S>> {
+  using Type = S;
+};
+
+}  // namespace detail
+
 /// A surface from its position alone: X has `info` and position(u, v) -> Vec3<S> on prepared coordinates of
 /// any scalar; the partials come from nested dual numbers, to the last bits, at some ten times the cost.
 /// Whatever else X states (parameters, singular, facts) is passed on.
@@ -18,7 +32,19 @@ struct FromPosition : X {
   auto jet(const PU& u, const PV& v) const {
     using S = std::remove_cvref_t<decltype(X::position(u, v).x)>;
     return detail::jet_by_duals<X::info.u, X::info.v, S>(
-        [this](const auto& a, const auto& b) { return this->X::position(a, b); }, u, v);
+        [this](const auto& a, const auto& b) {
+          constexpr bool any_scalar = requires {
+            this->X::position(a, b);
+          };
+          static_assert(any_scalar,
+                        "expected template <class S> position(u, v) of any scalar S, with numbers as "
+                        "lift<S>(0.5); got one that does not take dual numbers");
+          if constexpr (any_scalar)
+            return this->X::position(a, b);
+          else
+            return Vec3<typename detail::ScalarOf<std::remove_cvref_t<decltype(a)>>::Type>{};
+        },
+        u, v);
   }
 
   template <class To>

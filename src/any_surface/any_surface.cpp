@@ -5,6 +5,7 @@
 #include <darboux/catalogue.h>
 #include <darboux/error.h>
 
+#include "base/nearest_name.h"
 #include "base/text.h"
 #if __has_include("kernel_list.h")  // not where this file is compiled without the build
 #include "evaluate/kernels/index_in_catalogue.h"
@@ -31,9 +32,10 @@ std::string join(const Range& range, Name name) {
 const AnySurface& find_surface(const std::string& name) {
   for (const AnySurface& surface : all_surfaces())
     if (surface.info().name == name) return surface;
+  std::vector<std::string> known;
+  for (const AnySurface& surface : all_surfaces()) known.emplace_back(surface.info().name);
   throw ParameterError(name.empty() ? "surface" : name,
-                       "unknown surface, known are " +
-                           join(all_surfaces(), [](const AnySurface& s) { return s.info().name; }));
+                       "unknown surface" + did_you_mean(name, known) + ", known are " + joined(known));
 }
 
 [[noreturn]] void throw_unknown_parameter(const AnySurface& surface, const std::string& name) {

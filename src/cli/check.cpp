@@ -92,6 +92,7 @@ void run_check(const CheckArguments& arguments, Common& common) {
   const bool passed = std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed; });
   common.exit_status = passed ? 0 : 1;
   if (arguments.markdown) return print_markdown(checks);
+  if (!common.json && common.quiet) return void(std::puts(passed ? "all passed" : "FAILED"));
   if (!common.json) return print_table(checks, passed);
   Json list = Json::array();
   for (const Check& c : checks) {

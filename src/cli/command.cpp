@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <new>
 
@@ -17,10 +18,14 @@ namespace darboux {
 
 void add_common(CLI::App& sub, Common& common, const std::string& example) {
   sub.add_flag("--json", common.json, "print one JSON document to stdout and nothing else");
-  sub.add_flag("--quiet", common.quiet, "print no progress bar and no notes");
+  sub.add_flag(
+      "--quiet", common.quiet,
+      "print no progress bar and no notes; of what is judged (check, validate, compare, plan, studies, "
+      "normalmap --check and --compare) the verdict alone, in a line for each; of what is written "
+      "(mesh, tangents, scene, normalmap, bake, surfaces --pages) nothing but errors");
   sub.add_option("--threads", common.threads,
                  "number of threads: for eval, tangents, normalmap, bake, the frames of fit, several "
-                 "surfaces of check, several files of validate, and the jobs of a study")
+                 "surfaces of check, several files of validate and plan, and the jobs of a study")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
@@ -69,8 +74,21 @@ CLI::Validator finite_number(const std::string& expected, bool (*good)(double)) 
 }
 
 void check_glb_name(const std::string& output) {
-  if (lower(output).ends_with(".gltf"))
-    throw ParameterError(output, expected_got("a name of a GLB, not ending in .gltf", output));
+  const auto others = asset_extensions();
+  const std::string extension = lower(std::filesystem::path(output).extension().string());
+  if (extension != ".glb" && std::find(others.begin(), others.end(), extension) != others.end())
+    throw ParameterError(output, expected_got("a name of a GLB, not ending in " + extension, output));
+}
+
+void check_extension(const std::string& option, const std::string& output,
+                     const std::vector<std::string>& extensions, const std::string& otherwise) {
+  const std::string extension = lower(std::filesystem::path(output).extension().string());
+  if (extension.empty() || std::find(extensions.begin(), extensions.end(), extension) != extensions.end())
+    return;
+  throw ParameterError(
+      option, expected_got((extensions.size() > 1 ? "a name that ends in one of " : "a name that ends in ") +
+                               joined(extensions) + otherwise,
+                           "'" + output + "'"));
 }
 
 Json number(double x) {

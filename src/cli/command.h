@@ -60,8 +60,13 @@ inline const CLI::Validator whole_number = whole_number_up_to(std::numeric_limit
 CLI::Validator finite_number(const std::string& expected, bool (*good)(double));
 
 /// \throws ParameterError for the name of a file to which a GLB is to be written and that readers would take
-/// for JSON
+/// for another format
 void check_glb_name(const std::string& output);
+
+/// \throws ParameterError for the name of a file to write with another extension than these: ".html"; it may
+/// have none. \param otherwise what else would do, for the message
+void check_extension(const std::string& option, const std::string& output,
+                     const std::vector<std::string>& extensions, const std::string& otherwise = {});
 
 // One file per subcommand; each adds itself to the tool.
 void add_surfaces(CLI::App& app, Common& common);

@@ -17,6 +17,7 @@ namespace {
 
 // As given; what is not given comes from the study file or the preset.
 struct ConvergeArguments {
+  std::vector<std::string> named;  // surfaces as arguments, beside those of --surfaces
   std::optional<std::vector<std::string>> surfaces, methods, meshes;
   std::optional<std::string> resolutions, v_range;
   std::optional<std::uint64_t> seed;
@@ -58,6 +59,8 @@ ConvergeChoices choose(const ConvergeArguments& arguments) {
   };
   const auto at_commas = [](const std::string& text) { return split(text, ','); };
   replace(choices.surfaces, arguments.surfaces, split_surfaces);
+  if (!arguments.named.empty() && !arguments.surfaces) choices.surfaces.clear();
+  choices.surfaces.insert(choices.surfaces.begin(), arguments.named.begin(), arguments.named.end());
   replace(choices.methods, arguments.methods, at_commas);
   replace(choices.meshes, arguments.meshes, at_commas);
   if (arguments.resolutions) choices.resolutions = parse_resolutions(*arguments.resolutions, finest_rows);
@@ -118,6 +121,7 @@ std::string text_of(const std::vector<Study>& studies, bool with_orders) {
 }
 
 void run_converge(const ConvergeArguments& arguments, Common& common) {
+  check_extension("--picture", arguments.picture, {".svg"});
   const ConvergeOptions options = parse(arguments);
   const std::string first = std::to_string(options.seed);
   const bool random = std::any_of(options.families.begin(), options.families.end(),
@@ -147,7 +151,8 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
                  .picture = picture,
                  .csv = [studies] { return studies_csv(*studies); },
                  .other = picture,
-                 .text = text_of(*studies, arguments.report.output.empty())};
+                 .text = text_of(*studies, arguments.report.output.empty()),
+                 .summary = verdict_summary(*studies)};
            }},
       common);
 }
@@ -169,8 +174,9 @@ void add_converge(CLI::App& app, Common& common) {
            name, [&values](const std::vector<std::string>& given) { values = given; }, help)
         ->allow_extra_args(false);
   };
-  list("--surfaces", arguments->surfaces,
-       "SURFACE,SURFACE,... [torus:major_radius=1,minor_radius=0.4,sphere,cylinder]");
+  sub.add_option("SURFACE", arguments->named,
+                 std::string(surface_help) + " [torus:major_radius=1,minor_radius=0.4 sphere cylinder]");
+  list("--surfaces", arguments->surfaces, "more of them, separated by commas");
   list("--methods", arguments->methods, "some of " + methods + " [all]");
   list("--meshes", arguments->meshes, "some of " + meshes + " [jittered,regular,sheared]");
   sub.add_option("--resolutions", arguments->resolutions,
@@ -189,7 +195,7 @@ void add_converge(CLI::App& app, Common& common) {
   sub.add_option("--picture", arguments->picture,
                  "write to this SVG file the first surface's mesh, coloured by the tangent error of the "
                  "first method, beside the convergence of all methods");
-  add_common(sub, common, "darboux converge --surfaces torus,sphere --resolutions 8..64 -o report.html");
+  add_common(sub, common, "darboux converge torus sphere --resolutions 8..64 -o report.html");
   sub.callback([arguments, &common] { run_converge(*arguments, common); });
 }
 

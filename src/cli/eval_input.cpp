@@ -45,9 +45,9 @@ class CsvInput final : public PointInput {
           const auto found =
               std::find_if(names.begin(), names.end(), [&](const auto& x) { return io::trimmed(x) == name; });
           if (found == names.end())
-            throw FileError(
-                bytes_.path() + ":" + std::to_string(lines.number()),
-                expected_got("a header with the columns u and v, or none", "one without '" + name + "'"));
+            throw FileError(bytes_.path() + ":" + std::to_string(lines.number()),
+                            expected_got("two numbers such as 0.25,0.5, or a header with the columns u and v",
+                                         "a line without '" + name + "'"));
           return static_cast<std::size_t>(found - names.begin());
         };
         u_column = column("u");

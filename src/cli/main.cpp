@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/keep_freed_memory.h"
+#include "base/nearest_name.h"
 #include "command.h"
 #include "io/unfinished.h"
 
@@ -83,7 +84,8 @@ int run(int argc, char** argv) {
     std::vector<std::string> known;
     for (const CLI::App* sub : app.get_subcommands({})) known.push_back(sub->get_name());
     if (argc > 1 && argv[1][0] != '-' && std::find(known.begin(), known.end(), argv[1]) == known.end())
-      throw darboux::ParameterError(argv[1], "unknown command, known are " + darboux::joined(known));
+      throw darboux::ParameterError(argv[1], "unknown command" + darboux::did_you_mean(argv[1], known) +
+                                                 ", known are " + darboux::joined(known));
     app.parse(argc, argv);
     return finish(common.exit_status);
   } catch (const CLI::CallForHelp& e) {
@@ -91,7 +93,9 @@ int run(int argc, char** argv) {
   } catch (const CLI::CallForVersion& e) {
     return finish(app.exit(e));
   } catch (const CLI::ParseError& e) {
-    return darboux::report(std::string("command line: ") + e.what() + ", see darboux --help", 2);
+    const std::string command = argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) + ' ' : std::string();
+    return darboux::report(std::string("command line: ") + e.what() + ", see darboux " + command + "--help",
+                           2);
   }
 }
 

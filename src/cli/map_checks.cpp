@@ -26,7 +26,8 @@ std::vector<MapFinding> findings_of(const NormalMapCheck& check, const std::stri
   add(check.not_unit != 0, "NOT_UNIT",
       std::to_string(check.not_unit) + " texels have a length off 1 by more than rounding, from " +
           rounded(check.least_length, 3) + " to " + rounded(check.greatest_length, 3));
-  add(check.below_surface != 0, "BELOW_SURFACE", std::to_string(check.below_surface) + " texels have z <= 0");
+  add(check.below_surface != 0, "BELOW_SURFACE",
+      std::to_string(check.below_surface) + " texels have z <= 0; a map in object space has many");
   add(check.z_channel.value_or(2) != 2, "Z_CHANNEL",
       std::string("z looks to be in ") + channel_names[check.z_channel.value_or(2)] + ", expected in blue");
   add(check.swapped.value_or(false), "SWAPPED", "red and green look to have changed places");
@@ -75,7 +76,12 @@ void run_map_check(const MapCheckArguments& a, Common& common) {
          {"findings", list},
          {"ok", findings.empty()}});
   }
-  if (common.quiet) return;
+  if (common.quiet) {
+    std::vector<std::string> codes;
+    for (const MapFinding& f : findings) codes.emplace_back(f.code);
+    std::cout << one_line(a.file) << ": " << (codes.empty() ? "nothing wrong" : joined(codes)) << '\n';
+    return;
+  }
   std::cout << one_line(a.file) << ": " << map.width << " x " << map.height << ", "
             << map_depths.names[static_cast<std::size_t>(map.type())]
             << (map.type() == SampleType::f32 ? "" : " bits") << '\n'
@@ -135,7 +141,10 @@ void run_map_comparison(const MapCheckArguments& a, const MapArguments& mesh, bo
                        {"worst", worst},
                        {"same", same}});
   }
-  if (common.quiet) return;
+  if (common.quiet) {
+    std::cout << (same ? "same" : "not the same") << '\n';
+    return;
+  }
   std::cout << d.compared << " texels compared";
   if (d.not_finite != 0) std::cout << ", " << d.not_finite << " are no direction in one of the maps";
   std::cout << "\ndegrees between them      texels      max      rms      p95\n";

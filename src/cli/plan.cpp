@@ -179,6 +179,14 @@ std::string summary(const NeedTotals& t) {
   return text;
 }
 
+// With --quiet: a line for each.
+void print_verdicts(const std::vector<PlannedFile>& files) {
+  for (const PlannedFile& file : files)
+    if (file.error.empty())
+      std::cout << one_line(file.path) << ": " << (file.ok ? "ok" : "not ok") << ", "
+                << summary(file.needs.totals) << '\n';
+}
+
 void print_text(const std::vector<PlannedFile>& files) {
   NeedTotals all;
   std::size_t without_need = 0, complete = 0;
@@ -233,7 +241,7 @@ std::vector<PlannedFile> files_to_plan(const std::vector<std::string>& arguments
   for (const AssessedFile& file : files_of(arguments, {}, unused)) {
     const bool named = std::find(arguments.begin(), arguments.end(), file.path) != arguments.end();
     std::error_code none;
-    if (named && file.readable() && !is_gltf(file.path) && std::filesystem::exists(file.path, none))
+    if (named && file.readable() && !is_gltf(file.path) && std::filesystem::is_regular_file(file.path, none))
       throw ParameterError(file.path, expected_got("a .glb or .gltf, as only glTF has materials that say "
                                                    "what reads a tangent frame",
                                                    "another format"));
@@ -294,7 +302,9 @@ void run(const PlanArguments& arguments, Common& common) {
   }
   if (common.json)
     print_json(report_json(files, before.has_value()));
-  else if (!common.quiet)
+  else if (common.quiet)
+    print_verdicts(files);
+  else
     print_text(files);
   if (!sarif) return;
   sarif->write(sarif_of(files).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');

@@ -9,6 +9,11 @@
 #include <optional>
 
 namespace darboux {
+namespace {
+
+constexpr std::array formats{"html", "md", "svg", "json"};
+
+}  // namespace
 
 void add_report_options(CLI::App& sub, ReportArguments& arguments, const std::string& presets) {
   sub.add_option("--preset", arguments.preset, "values of options that are not given: " + presets)
@@ -26,8 +31,8 @@ void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::st
   sub.add_option("-o,--output", arguments.output, "write a report to this file");
   sub.add_option("--format", arguments.format,
                  "format of the report: html (a page), md (tables), svg (" + svg +
-                     ") or json [by the file's extension]")
-      ->check(CLI::IsMember({"html", "md", "svg", "json"}));
+                     ") or json [by the file's extension, html where it has none]")
+      ->check(CLI::IsMember(std::vector<std::string>(formats.begin(), formats.end())));
   sub.add_option("--csv", arguments.csv, "write " + csv + " to this file");
 }
 
@@ -98,11 +103,11 @@ Json surfaces_identity(const std::vector<AnySurface>& surfaces) {
 
 namespace {
 
-// The format of -o: as --format says, else by the file's extension.
+// The format of -o: as --format says, else by the file's extension, else a page.
 std::string format_of(const ReportArguments& arguments) {
   if (!arguments.format.empty()) return arguments.format;
   const std::string name = lower(arguments.output);
-  for (const char* format : {"html", "md", "svg", "json"})
+  for (const char* format : formats)
     if (name.ends_with(std::string(".") + format)) return format;
   return "html";
 }
@@ -130,6 +135,11 @@ void check(const ReportArguments& arguments, const OtherOutput& other, const Com
   }
   if (!arguments.format.empty() && arguments.output.empty())
     throw ParameterError("--format", "expected -o FILE with it, got none");
+  if (arguments.format.empty()) {
+    std::vector<std::string> extensions;
+    for (const char* format : formats) extensions.push_back(std::string(".") + format);
+    check_extension("-o", arguments.output, extensions, ", or --format with one of these; --csv writes CSV");
+  }
   if (arguments.shard.empty()) return;
   if (arguments.results.empty())
     throw ParameterError("--shard", "expected --results FILE beside it, got none");
@@ -148,7 +158,8 @@ Json provenance_json(const Provenance& origin, int threads) {
 void print_shard(const ReportArguments& arguments, std::size_t jobs, const Common& common) {
   if (common.json)
     return print_json({{"shard", arguments.shard}, {"jobs", jobs}, {"results", arguments.results}});
-  std::printf("shard %s: %zu jobs done, in %s\n", arguments.shard.c_str(), jobs, arguments.results.c_str());
+  if (!common.quiet)
+    std::printf("shard %s: %zu jobs done, in %s\n", arguments.shard.c_str(), jobs, arguments.results.c_str());
 }
 
 }  // namespace
@@ -196,6 +207,7 @@ void run_report(const ReportArguments& to, const ReportStudy& study, Common& com
   // What is on standard output stands alone there.
   if (std::any_of(outputs.begin(), outputs.end(), [](const Output& o) { return is_standard_output(o.file); }))
     return;
+  if (common.quiet) return void(std::puts(report.summary.c_str()));
   std::fputs(report.text.c_str(), stdout);
   for (const Output& output : outputs)
     if (output.open) std::printf("%s: %s\n", output.what.c_str(), output.file.c_str());

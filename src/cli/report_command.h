@@ -75,7 +75,8 @@ struct Report {
   Json results;  ///< the document's own keys
   std::function<std::string(const Provenance&)> page, markdown;
   std::function<std::string()> picture, csv, other;
-  std::string text;  ///< for a terminal
+  std::string text;     ///< for a terminal
+  std::string summary;  ///< one line, all that --quiet leaves
 };
 
 /// A study as a command runs it.

@@ -55,6 +55,36 @@ StabilityOptions parse(const StabilityArguments& arguments) {
   return options;
 }
 
+// Of the sweeps that are named, those that a surface does not have, a line each; nothing else is left out in
+// silence. \throws ParameterError where none of the surfaces has any
+std::string sweeps_left_out(const StabilityOptions& options, bool named) {
+  const std::vector<StabilityJob> jobs = stability_jobs(options);
+  if (jobs.empty()) {
+    std::vector<std::string> surfaces, sweeps, routes;
+    for (const AnySurface& surface : options.surfaces) surfaces.push_back(surface.specification());
+    for (const StabilitySweep* sweep : options.sweeps) sweeps.emplace_back(sweep->name);
+    throw ParameterError("--sweeps", expected_got("sweeps that the surfaces have and the routes answer",
+                                                  "none of " + joined(sweeps) + " for " + joined(surfaces)));
+  }
+  std::string text;
+  const auto leave_out = [&](const std::string& why, const StabilitySweep& sweep) {
+    text += "left out: " + why + ' ' + std::string(sweep.name) + '\n';
+  };
+  for (std::size_t k = 0; named && k < options.sweeps.size(); ++k) {
+    const StabilitySweep& sweep = *options.sweeps[k];
+    if (std::none_of(options.routes.begin(), options.routes.end(),
+                     [&](const StabilityRoute* r) { return r->domain == sweep.domain; })) {
+      leave_out("none of the routes answers", sweep);
+      continue;
+    }
+    for (std::size_t s = 0; s < options.surfaces.size(); ++s)
+      if (std::none_of(jobs.begin(), jobs.end(),
+                       [&](const StabilityJob& j) { return j.surface == s && j.sweep == k; }))
+        leave_out(options.surfaces[s].specification() + " has no", sweep);
+  }
+  return text;
+}
+
 // The line that runs the same again, every choice spelt out.
 std::string command_line(const StabilityOptions& options, const StabilityArguments& arguments) {
   std::string line = "darboux stability";
@@ -72,6 +102,8 @@ std::string command_line(const StabilityOptions& options, const StabilityArgumen
 
 void run_stability(const StabilityArguments& arguments, Common& common) {
   const StabilityOptions options = parse(arguments);
+  const std::string left_out =
+      sweeps_left_out(options, !arguments.sweeps.empty() && !arguments.surfaces.empty());
   run_report(arguments.report,
              {.command = "stability",
               .command_line = command_line(options, arguments),
@@ -91,7 +123,8 @@ void run_stability(const StabilityArguments& arguments, Common& common) {
                         .picture = [curves] { return stability_picture(*curves); },
                         .csv = [curves] { return curves_csv(*curves); },
                         .other = {},
-                        .text = stability_text(*curves)};
+                        .text = stability_text(*curves) + left_out,
+                        .summary = stability_summary(*curves)};
                   }},
              common);
 }

@@ -160,7 +160,8 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
     document.save_glb(arguments.output);
   }
   // Tangents were asked for, and none could be made.
-  if (result.primitives.empty() && (!options.only_needed || result.incapable != 0)) common.exit_status = 1;
+  const bool none = result.primitives.empty() && (!options.only_needed || result.incapable != 0);
+  if (none) common.exit_status = 1;
   if (common.json) {
     Json primitives = Json::array(), skipped = Json::array();
     for (const PrimitiveTangents& p : result.primitives) primitives.push_back(primitive_json(p));
@@ -181,9 +182,14 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
     }
     print_json(report);
   } else if (!common.quiet) {
-    print_text(dropped, to_stdout ? std::cerr : std::cout);
-    print_text(result, to_stdout ? std::cerr : std::cout);
-    if (!to_stdout) std::cout << arguments.output << '\n';
+    std::ostream& out = to_stdout ? std::cerr : std::cout;
+    print_text(dropped, out);
+    print_text(result, out);
+    if (none)
+      out << (to_stdout ? "standard output" : arguments.output)
+          << ": no tangents were added: no primitive has the triangles, normals and uvs that they need\n";
+    else if (!to_stdout)
+      out << arguments.output << '\n';
   }
 }
 
@@ -192,7 +198,7 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
 void add_tangents(CLI::App& app, Common& common) {
   CLI::App& sub = *app.add_subcommand("tangents", "Compute the tangents of a glTF file by a named method");
   auto arguments = std::make_shared<TangentsArguments>();
-  sub.add_option("INPUT", arguments->input, "the .glb or .gltf to read");
+  sub.add_option("INPUT", arguments->input, "the .glb or .gltf to read; export other formats as .glb first");
   sub.add_option("-o,--output", arguments->output, "the .glb to write");
   sub.add_option("--method", arguments->method, "the method; --list explains them")->capture_default_str();
   sub.add_option("--sign", arguments->sign, "sign convention of w: gltf or raw")

@@ -125,7 +125,9 @@ void check_outputs(const Arguments& arguments, const std::vector<AssessedFile>& 
 void run(const Arguments& arguments, Common& common) {
   if (arguments.findings) return list_findings(common);
   if (arguments.files.empty())
-    throw ParameterError("validate", "needs FILES or folders to read, or --findings");
+    throw ParameterError("validate",
+                         "needs FILES or folders to read, or --findings; FILES go before options that take "
+                         "several values, such as --ignore");
   const Policy policy = policy_of(arguments);
   if (arguments.github && common.json)
     throw ParameterError("--github", "expected text on standard output, got --json, which takes it");
@@ -188,7 +190,7 @@ void run(const Arguments& arguments, Common& common) {
   if (common.json)
     print_json(report_json(files, with_baseline));
   else
-    print_text(files, with_baseline, arguments.details);
+    print_text(files, with_baseline, arguments.details, common.quiet);
   if (arguments.github) print_github(files, with_baseline);
   if (sarif_file) {
     sarif_file->write(sarif(files, with_baseline).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
@@ -208,7 +210,8 @@ void add_validate(CLI::App& app, Common& common) {
   auto arguments = std::make_shared<Arguments>();
   sub.add_option(
       "FILES", arguments->files,
-      joined({asset_extensions().begin(), asset_extensions().end()}) + " files, or folders of them");
+      joined({asset_extensions().begin(), asset_extensions().end()}) +
+          " files, or folders of them; name them before options that take several values, such as --ignore");
   sub.add_option(
          "--surface", arguments->surface,
          "auto, or a kind with the parameters that are known, such as torus:minor_radius=0.4; a kind that is "

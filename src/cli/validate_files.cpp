@@ -418,6 +418,16 @@ std::string uv_convention(const MeshFit& fit) {
                                            : "unknown";
 }
 
+ReferenceKind reference_of_classes(const Assessment& assessment) {
+  const MeshReport& report = assessment.report;
+  if (std::none_of(report.classes.begin(), report.classes.end(),
+                   [](const ClassReport& c) { return c.normal_deg || c.tangent_deg || c.bitangent_deg; }))
+    return ReferenceKind::none;
+  return assessment.fit && assessment.fit->fits ? ReferenceKind::analytic
+         : report.local                         ? ReferenceKind::local
+                                                : ReferenceKind::mikktspace;
+}
+
 std::string place_of(const Primitive& primitive, const Assessment& assessment) {
   std::string text =
       "mesh " + std::to_string(primitive.mesh) + " primitive " + std::to_string(primitive.primitive);

@@ -116,6 +116,9 @@ void compare_with_baseline(std::vector<AssessedFile>& files, const std::string& 
 /// "mesh 0 primitive 1 part 2 (name)"
 std::string place_of(const Primitive& primitive, const Assessment& assessment);
 
+/// What the angles of a report's classes are to: analytic, local or mikktspace; none where there are none.
+ReferenceKind reference_of_classes(const Assessment& assessment);
+
 inline std::string_view name_of(Verdict verdict) {
   return name_in(verdict_names, verdict);
 }
@@ -146,8 +149,8 @@ std::string uv_convention(const MeshFit& fit);
 Json report_json(const std::vector<AssessedFile>& files, bool with_baseline);
 
 /// A short table a mesh and part; where there are many of them or many files and no details are asked for,
-/// only what was found.
-void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool details);
+/// only what was found. \param quiet a line for each file, its verdict
+void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool details, bool quiet);
 
 /// Static Analysis Results Interchange Format 2.1.0, with what GitHub's code scanning asks for.
 /// \param with_baseline whether to say what is new, unchanged or updated

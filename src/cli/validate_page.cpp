@@ -202,8 +202,11 @@ std::string reference_text(const Assessment& assessment) {
   const MeshReport& report = assessment.report;
   std::string words;
   if (assessment.fit && assessment.fit->fits)
-    words = "The surface is " + text(assessment.fit->surface.surface.specification(6)) + "; the uvs are " +
-            text(uv_convention(*assessment.fit)) + ". ";
+    words = "The surface is " + text(assessment.fit->surface.surface.specification(6)) +
+            (assessment.fit->chart == UvChart::unknown
+                 ? std::string()
+                 : "; the uvs are " + text(uv_convention(*assessment.fit))) +
+            ". ";
   if (assessment.fit && assessment.fit->fits && assessment.evidence && !assessment.evidence->text.empty())
     words += "What speaks for it: " + text(assessment.evidence->text) + ". ";
   words += decided_by(report);
@@ -242,7 +245,8 @@ std::string findings_list(const MeshReport& report) {
   return "<ul class=findings>\n" + rows + "</ul>\n";
 }
 
-std::string class_table(const MeshReport& report) {
+std::string class_table(const Assessment& assessment) {
+  const MeshReport& report = assessment.report;
   std::string rows;
   for (const ClassReport& c : report.classes) {
     if (!c.normal_deg && !c.tangent_deg && !c.bitangent_deg) continue;
@@ -257,8 +261,10 @@ std::string class_table(const MeshReport& report) {
   std::string head;
   for (int k = 0; k < 3; ++k)
     head += "<th scope=col class=n>largest<th scope=col class=n>rms<th scope=col class=n>95&nbsp;% below";
-  return "<h4>Errors by class of vertices, in degrees</h4>\n<div class=scroll tabindex=0><table "
-         "class=classes>\n"
+  const ReferenceKind angles_to = reference_of_classes(assessment);
+  return "<h4>Errors by class of vertices, in degrees" +
+         (angles_to == report.reference ? "" : ", against " + std::string(name_of(angles_to))) +
+         "</h4>\n<div class=scroll tabindex=0><table class=classes>\n"
          "<thead><tr><th rowspan=2 scope=col>class<th rowspan=2 scope=col class=n>corners"
          "<th colspan=3 scope=colgroup>normals<th colspan=3 scope=colgroup>tangents"
          "<th colspan=3 scope=colgroup>bitangents<th rowspan=2 scope=col class=n>worst<br>vertex</tr>\n<tr>" +
@@ -373,7 +379,7 @@ std::string assessment_body(const Assessment& j, std::size_t number) {
   return "<div class=assessment data-number=" + std::to_string(number) +
          " data-verdict=" + std::string(name_of(j.report.verdict)) +
          " data-corners=" + std::to_string(j.report.corners) + ">\n" + findings_list(j.report) +
-         reference_text(j) + class_table(j.report) + "</div>\n";
+         reference_text(j) + class_table(j) + "</div>\n";
 }
 
 // The parts of a mesh, failures first, those of many that pass folded into one.

@@ -14,6 +14,7 @@ namespace darboux {
 namespace {
 
 constexpr std::size_t most_tables = 12;
+constexpr const char* known_verdict = " (no worse than in the baseline)";
 
 void print_finding(Severity severity, std::string_view code, const std::string& count,
                    std::string_view message) {
@@ -65,14 +66,17 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
   std::cout << "  " << place_of(assessed.primitive, assessment) << ": " << report.corners << " corners";
   if (assessment.fit && assessment.fit->fits)
     std::cout << ", " << assessment.fit->surface.surface.specification(6) << ", uvs "
-              << uv_convention(*assessment.fit);
+              << (assessed.primitive.texcoord < 0 ? "none" : uv_convention(*assessment.fit));
   std::cout << ", w " << name_of(report.handedness.convention) << ", judged by " << name_of(report.reference);
   if (const auto& needs = assessed.primitive.needs_tangents)
     std::cout << "; its material reads " << (*needs ? "" : "no ") << "tangents";
   std::cout << '\n';
+  const ReferenceKind angles_to = reference_of_classes(assessment);
+  const bool other = angles_to != ReferenceKind::none && angles_to != report.reference;
   if (!report.classes.empty())
-    std::printf("    %-10s %9s  %-23s  %-23s  %-23s\n", "class", "corners", "normal max/rms (deg)",
-                "tangent max/rms (deg)", "bitangent max/rms (deg)");
+    std::printf("    %-10s %9s  %-23s  %-23s  %-23s%s\n", "class", "corners", "normal max/rms (deg)",
+                "tangent max/rms (deg)", "bitangent max/rms (deg)",
+                other ? ("  against " + std::string(name_of(angles_to))).c_str() : "");
   std::cout.flush();
   for (const ClassReport& c : report.classes) {
     const auto cell = [](const std::optional<Statistics>& s) {
@@ -235,7 +239,7 @@ void print_bad(const std::vector<AssessedFile>& files, bool with_baseline) {
       if (first) std::cout << title << ":\n";
       first = false;
       std::cout << "  " << one_line(file.path) << ": " << text(file)
-                << (with_baseline && !file.worse ? " (no worse than in the baseline)" : "") << '\n';
+                << (with_baseline && !file.worse ? known_verdict : "") << '\n';
     }
   };
   const auto first_code = [](const AssessedFile& file) {
@@ -285,6 +289,16 @@ void print_rest(const std::vector<AssessedFile>& files) {
               << '\n';
 }
 
+// The remedies of what was found, each kind once.
+void print_to_do(const std::vector<AssessedFile>& files) {
+  std::set<std::string_view> said;
+  for (const CodeTotal& t : totals_of(files)) {
+    if (said.empty()) std::cout << "to do:\n";
+    if (said.insert(t.first->code).second)
+      std::cout << "  " << t.first->code << ": " << t.first->to_do << '\n';
+  }
+}
+
 // The end of a report of several files, that reads alone: what was found and what to do, which files failed
 // or cannot be read, of the others how many.
 void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadable, bool with_baseline) {
@@ -295,9 +309,7 @@ void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadabl
   if (!totals.empty()) std::cout << "found:\n";
   for (const CodeTotal& t : totals) {
     std::cout << "  " << name_of(t.first->severity) << ' ' << t.first->code << ": " << t.count << " in "
-              << files_text(t.files);
-    if (t.first->severity == Severity::error) std::cout << ". To do: " << t.first->to_do;
-    std::cout << '\n';
+              << files_text(t.files) << ". To do: " << t.first->to_do << '\n';
   }
   print_bad(files, with_baseline);
   print_rest(files);
@@ -308,17 +320,25 @@ void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadabl
 
 }  // namespace
 
-void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool details) {
+void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool details, bool quiet) {
   std::size_t assessments = 0, unreadable = 0;
   for (const AssessedFile& file : files)
     for (const AssessedPrimitive& p : file.primitives) assessments += p.assessments.size();
+  if (quiet) {
+    for (const AssessedFile& file : files)
+      if (file.readable())
+        std::cout << one_line(file.path) << ": " << name_of(file.verdict)
+                  << (with_baseline && file.verdict > Verdict::pass && !file.worse ? known_verdict : "")
+                  << '\n';
+    return;
+  }
   const bool tables = details || (assessments <= most_tables && files.size() <= most_tables);
   for (const AssessedFile& file : files) {
     if (!file.readable()) {
       ++unreadable;
       continue;
     }
-    if (!tables && !has_something(file)) continue;
+    if (!tables && files.size() > 1 && !has_something(file)) continue;
     std::cout << one_line(file.path) << ": " << name_of(file.verdict) << '\n';
     if (file.verdict == Verdict::nothing)
       std::cout << "  holds " << nothing_because(file) << (file.lost ? "; it passed in the baseline" : "")
@@ -334,9 +354,12 @@ void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool
       std::cout << "  mesh " << s.mesh << " primitive " << s.primitive << " not judged: " << s.reason << '\n';
   }
   if (!tables)
-    std::cout << "--details shows a table and the notes of each of the " << assessments
-              << " meshes and parts, and of files that are not listed here\n";
-  if (files.size() > 1) print_closing(files, unreadable, with_baseline);
+    std::cout << "--details shows a table and the notes of each of the " << assessments << " meshes and parts"
+              << (files.size() > 1 ? ", and of files that are not listed here" : "") << '\n';
+  if (files.size() > 1)
+    print_closing(files, unreadable, with_baseline);
+  else
+    print_to_do(files);
   std::map<std::string, std::size_t> ignored;
   for (const AssessedFile& file : files)
     for (const auto& [code, count] : file.ignored) ignored[code] += count;

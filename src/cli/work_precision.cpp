@@ -130,7 +130,9 @@ void run_compare(const WorkArguments& arguments, Common& common) {
                        {"notes", notes},
                        {"tolerance", arguments.tolerance},
                        {"holds", holds}});
-  std::fputs(comparisons_text(pairs, arguments.tolerance).c_str(), stdout);
+  const std::string text = comparisons_text(pairs, arguments.tolerance);  // its last line sums up
+  if (common.quiet) return void(std::fputs(text.c_str() + text.rfind('\n', text.size() - 2) + 1, stdout));
+  std::fputs(text.c_str(), stdout);
   if (only_before + only_after > 0) std::printf("%zu only before, %zu only after\n", only_before, only_after);
   for (const std::string& note : notes) std::printf("note: %s\n", one_line(note).c_str());
 }
@@ -175,7 +177,8 @@ void run_work_precision(const WorkArguments& arguments, Common& common) {
                         .picture = [=] { return work_picture(*samples, axes); },
                         .csv = [=] { return work_csv(*samples); },
                         .other = {},
-                        .text = work_text(*samples, axes)};
+                        .text = work_text(*samples, axes),
+                        .summary = work_summary(*samples)};
                   }},
              common);
 }

@@ -95,10 +95,13 @@ void expect_regular_file(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found)
-    throw FileError(path, expected_got("a readable file", "no file of this name"));
+    throw FileError(path, path == "-"
+                              ? expected_got("the name of a file", "-: write standard input to a file first")
+                              : expected_got("a readable file", "no file of this name"));
   if (std::filesystem::is_directory(status)) throw FileError(path, expected_got("a file", "a folder"));
   if (!error && !std::filesystem::is_regular_file(status))
-    throw FileError(path, expected_got("a regular file", "a device or a pipe"));
+    throw FileError(
+        path, expected_got("a regular file", "a device or a pipe, which has to be written to one first"));
 }
 
 std::string read_file(const std::string& path) {

@@ -39,7 +39,7 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
   if (const std::uint32_t length = read_u32(bytes, 8);
       length > bytes.size() || length < header_bytes + chunk_header_bytes)
     throw FileError(path, expected_got("a stated length of at most the " + std::to_string(bytes.size()) +
-                                           " bytes there are and at least 20",
+                                           " bytes there are (if more, the file is cut off) and at least 20",
                                        std::to_string(length)));
   else
     bytes = bytes.substr(0, length);
@@ -217,10 +217,17 @@ std::string_view json_text(const std::string& path, std::string_view bytes) {
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   const std::size_t skip = bytes.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
   const std::size_t first = bytes.find_first_not_of(" \t\r\n", skip);
-  if (first == std::string_view::npos || bytes[first] != '{')
-    throw FileError(path, expected_got("a GLB, which begins \"glTF\", or a JSON object",
-                                       bytes.empty() ? "an empty file" : "neither"));
-  return bytes;
+  if (first != std::string_view::npos && bytes[first] == '{') return bytes;
+  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  const auto known = asset_extensions();
+  const bool other = extension != ".glb" && extension != ".gltf" &&
+                     std::find(known.begin(), known.end(), extension) != known.end();
+  throw FileError(
+      path, expected_got("a GLB, which begins \"glTF\", or a JSON object",
+                         bytes.empty() ? "an empty file" : "neither") +
+                (other ? ". Only glTF is read here: convert " + extension +
+                             " to .glb first, with Blender or `assimp export IN" + extension + " OUT.glb`"
+                       : ""));
 }
 
 void check_document(const GltfFile& file) {

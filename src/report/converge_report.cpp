@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <set>
 #include <string_view>
 #include <tuple>
+#include <utility>
 
 #include "base/text.h"
 #include "csv.h"
@@ -114,7 +116,8 @@ std::string verdict_summary(const std::vector<Study>& studies) {
   const auto rare = std::count_if(studies.begin(), studies.end(), [](const Study& s) {
     return s.verdict != OrderVerdict::does_not_converge && !s.max_converges();
   });
-  if (rare > 0) text += "; of " + std::to_string(rare) + " that converge, the largest error does not";
+  if (rare > 0)
+    text += "; in " + std::to_string(rare) + " of those that converge, the largest error does not";
   return text;
 }
 
@@ -195,11 +198,50 @@ std::vector<std::string> unexpected(const std::vector<Study>& studies) {
   return lines;
 }
 
+namespace {
+
+// Of the tangents on one family of meshes of one surface: what each method erred by, and how long it took.
+std::string levels_markdown(const std::vector<Study>& studies, const OrderTable& table) {
+  std::vector<const Study*> rows;
+  std::set<int> resolutions;
+  for (const Study& s : studies) {
+    if (s.surface != table.surface || s.mesh != table.mesh || s.quantity != "tangent") continue;
+    rows.push_back(&s);
+    for (const Level& level : s.levels) resolutions.insert(level.resolution);
+  }
+  const auto head = [&](std::string text) {
+    std::string rule = "\n|---|";
+    for (const int n : resolutions) text += ' ' + std::to_string(n) + " |", rule += "---|";
+    return text + rule;
+  };
+  const auto cells = [&](const Study& s, double Level::*member) {
+    std::string text;
+    for (const int n : resolutions) {
+      const auto at = std::find_if(s.levels.begin(), s.levels.end(),
+                                   [n](const Level& level) { return level.resolution == n; });
+      text += ' ' + (at == s.levels.end() ? std::string() : rounded((*at).*member, 3)) + " |";
+    }
+    return text;
+  };
+  std::string errors = head("\nDegrees, rms, by rows of the mesh:\n\n| method, class |"),
+              seconds = head("\n\nSeconds of the method on the mesh, one thread:\n\n| method |");
+  std::string_view timed;
+  for (const Study* s : rows) {
+    errors += "\n| " + std::string(s->method) + ", " + std::string(class_name(*s)) + " |" +
+              cells(*s, &Level::rms_deg);
+    if (std::exchange(timed, s->method) != s->method)
+      seconds += "\n| " + std::string(s->method) + " |" + cells(*s, &Level::seconds);
+  }
+  return errors + seconds + '\n';
+}
+
+}  // namespace
+
 std::string converge_markdown(const std::vector<Study>& studies, const Provenance& p) {
-  std::string text =
-      "# Orders of convergence\n\n" + verdict_summary(studies) +
-      ".\n\nOf the tangents, with their 95 % intervals; !: below what is expected; *: the largest error "
-      "does not converge.\n";
+  std::string text = "# Orders of convergence\n\n" + verdict_summary(studies) +
+                     ".\n\nOf the tangents: orders with their 95 % intervals, errors, run times. !: below "
+                     "what is expected; *: the largest error "
+                     "does not converge.\n";
   for (const OrderTable& table : order_tables(studies)) {
     text += "\n## " + table.surface + ", " + table.mesh + "\n\n| method |";
     for (const std::string_view of_class : table.classes) text += ' ' + std::string(of_class) + " |";
@@ -209,7 +251,7 @@ std::string converge_markdown(const std::vector<Study>& studies, const Provenanc
       text += "\n| " + std::string(method) + " |";
       for (const std::string_view of_class : table.classes) text += ' ' + table.cell(method, of_class) + " |";
     }
-    text += '\n';
+    text += '\n' + levels_markdown(studies, table);
   }
   if (const auto lines = unexpected(studies); !lines.empty()) {
     text += "\n## Not as expected\n\n";

@@ -26,7 +26,7 @@ std::string verdict_summary(const std::vector<Study>& studies);
 /// Orders of the tangents for a terminal: a block for every surface and mesh, a row per method, a column per
 /// class.
 std::string orders_text(const std::vector<Study>& studies);
-/// The same as Markdown, with what is not as expected behind it.
+/// The same as Markdown, with errors and run times of each resolution, and what is not as expected behind it.
 std::string converge_markdown(const std::vector<Study>& studies, const Provenance& provenance);
 /// What is not as expected: "slower: torus, jittered mesh, ..."; a line each.
 std::vector<std::string> unexpected(const std::vector<Study>& studies);

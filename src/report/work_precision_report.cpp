@@ -207,8 +207,8 @@ std::string work_summary(const std::vector<WorkSample>& samples) {
 
 std::string work_text(const std::vector<WorkSample>& samples, const WorkAxes& axes) {
   std::string text =
-      "Methods that none of their family beats in both; *: none of any family does. Times: the median and\n"
-      "quartiles of the rounds.\n";
+      "Methods that no other of their family beats in both columns; *: no other of any family does.\n"
+      "Times: the median and quartiles of the rounds.\n";
   for (const WorkGroup& group : work_groups(samples)) {
     const std::string_view x = axes.x_of(group.domain), y = axes.y_of(group.domain);
     text += '\n' + padded(group.title(), 34) + padded(std::string(x), 12) +

@@ -192,8 +192,10 @@ class ResultsFile {
 void check_same(const std::string& file, const Results& found, const Header& wanted,
                 const std::vector<Job>& jobs) {
   if (found.header.command != wanted.command || found.header.hash() != wanted.hash())
-    throw FileError(file, expected_got("results of " + wanted.command + ", study " + wanted.hash(),
-                                       found.header.command + ", study " + found.header.hash()));
+    throw FileError(
+        file, expected_got("results of " + wanted.command + " with the options given, study " + wanted.hash(),
+                           "those of " + found.header.command + ", study " + found.header.hash() +
+                               "; take the options that its first line holds, or another file"));
   if (found.header.shard != wanted.shard || found.header.jobs != wanted.jobs)
     throw FileError(file, expected_got("results of shard " + shard_text(wanted.shard) + " of " +
                                            std::to_string(wanted.jobs) + " jobs",

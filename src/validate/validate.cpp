@@ -418,7 +418,8 @@ void MeshValidation::add_errors(const Counts& counts) {
                              ? text(counts.tangents, " outside the cone of their own triangles")
                          : code == Code::normal_angle
                              ? text(counts.normals, " more than 80 deg from their own triangles")
-                             : ""));
+                         : code == Code::tangent_not_orthogonal ? " (|t.n| > 0.26)"
+                                                                : ""));
   }
 }
 
@@ -429,7 +430,7 @@ void MeshValidation::add_warnings(const Counts& counts) {
           "; at borders, seams and creases of the recognised surface, where they may be authored: the "
           "corners' own triangles do not speak against them",
       coarse = "; averages of their own triangles', which are too coarse for the recognised surface",
-      nearby = "; more than three times that from what neighbouring vertices tell";
+      nearby = "; told by neighbouring vertices alone, so only what is beyond three times the limit counts";
   for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, counts.surface_tangents, unsure},
                                      {Code::normal_angle, counts.surface_normals, unsure},
                                      {Code::tangent_angle, counts.authored_tangents, edge},
@@ -441,7 +442,8 @@ void MeshValidation::add_warnings(const Counts& counts) {
     add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
   add(report_, warning(Code::normal_angle, counts.lit_otherwise,
                        "; more than 80 deg from their own triangles, at borders, where that may be meant"));
-  add(report_, warning(Code::tangent_not_orthogonal, counts.leaning));
+  add(report_, warning(Code::tangent_not_orthogonal, counts.leaning,
+                       " (|t.n| > 0.02; above 0.26 an error where triangles have uv area)"));
   add(report_, finding(Code::pole_tangent, counts.poles.counted(),
                        " (worst " + rounded(counts.poles.worst, 4) + " deg)"));
 }
@@ -575,8 +577,8 @@ void MeshValidation::look_at_signs() {
   if (mesh_.tangents.empty()) return;
   const HandednessConvention convention = report_.handedness.convention;
   if (convention == HandednessConvention::raw)
-    add(report_, finding(Code::handedness_convention, signs_.all().raw,
-                         " (glTF's of uvs whose v was flipped is the same)"));
+    add(report_,
+        finding(Code::handedness_convention, signs_.all().raw, " (it would be glTF's if v were flipped)"));
   if (convention == HandednessConvention::mixed) {
     std::size_t raw = 0, gltf = 0, both = 0;
     for (const SignCount& island : signs_.islands())

@@ -146,6 +146,52 @@ TEST_F(StudyCli, StabilityWritesWhatIsAskedFor) {
   refused(run + "--json --csv -", {"standard output"});
 }
 
+// The Markdown has what the CSV has of the tangents: errors and run times by resolution.
+TEST_F(StudyCli, TheMarkdownOfConvergeHasErrorsAndTimes) {
+  const Json document = json(
+      "darboux converge --surfaces torus --methods face,area --meshes regular --resolutions 4,6,8 -o "
+      "tables.md --csv "
+      "all.csv "
+      "--results r.jsonl --json");
+  const std::string text = read_bytes(path("tables.md"));
+  EXPECT_NE(text.find("\n| method, class | 4 | 6 | 8 |\n|---|---|---|---|\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n| method | 4 | 6 | 8 |\n|---|---|---|---|\n"), std::string::npos) << text;
+  std::size_t studies = 0;
+  for (const Json& study : document["studies"]) {
+    if (study["quantity"] != "tangent") continue;
+    ++studies;
+    for (const bool errors : {true, false}) {
+      std::string row = "\n| " + study["method"].get<std::string>();
+      if (errors) row += ", " + study["class"].get<std::string>();
+      row += " |";
+      for (const Json& x : study[errors ? "rms_deg" : "seconds"]) {
+        char number[40];
+        std::snprintf(number, sizeof number, " %.3g |", x.get<double>());
+        row += number;
+      }
+      EXPECT_NE(text.find(row + '\n'), std::string::npos) << row << " in " << text;
+    }
+  }
+  EXPECT_EQ(studies, 4u);  // two methods, interior and seam
+}
+
+// What was asked for and does not exist is no success.
+TEST_F(StudyCli, StabilitySaysWhichSweepsASurfaceDoesNotHave) {
+  refused("darboux stability plane --sweeps pole_distance", {"--sweeps", "none of pole_distance for plane:"});
+  refused("darboux stability sphere --sweeps pole_distance --routes face",
+          {"--sweeps", "pole_distance", "sphere"});
+  const std::string some =
+      good("darboux stability plane sphere --points 2 --samples 1 --sweeps pole_distance");
+  EXPECT_NE(some.find("\nleft out: plane"), std::string::npos) << some;
+  EXPECT_NE(some.find(" has no pole_distance\n"), std::string::npos) << some;
+  EXPECT_EQ(some.find("left out: sphere"), std::string::npos) << some;
+  const std::string quick = " --points 2 --samples 1";
+  EXPECT_NE(good("darboux stability sphere --sweeps scale,jitter --routes double" + quick)
+                .find("\nleft out: none of the routes answers jitter\n"),
+            std::string::npos);
+  EXPECT_EQ(good("darboux stability plane" + quick).find("left out"), std::string::npos);
+}
+
 TEST_F(StudyCli, MergeRefusesWhatIsNotOneStudy) {
   const std::string run = "darboux converge --study study.json ";
   for (const char* shard : {"1/3", "2/3", "3/3"})

@@ -48,6 +48,12 @@ TEST_F(Cli, TangentsSaysWhatItLeavesAlone) {
   write_bytes(path("no_uvs.glb"), b.glb());
   EXPECT_EQ(json("darboux tangents no_uvs.glb -o out.glb --only needed --json", 1)["skipped"][0]["reason"],
             "has no uvs");
+  const std::string none = ": no tangents were added: no primitive";
+  EXPECT_NE(good("darboux tangents no_uvs.glb -o out.glb --only needed", 1).find("out.glb" + none),
+            std::string::npos);
+  EXPECT_NE(sh("darboux tangents no_uvs.glb -o - --only needed").err.find("standard output" + none),
+            std::string::npos);
+  EXPECT_EQ(good("darboux tangents unneeded.glb -o out.glb --only needed").find(none), std::string::npos);
   refused("darboux tangents made.glb -o out.glb --only some", {"--only", "needed"});
   refused("darboux tangents made.glb -o x.gltf", {"x.gltf", "GLB"});
 }
@@ -103,8 +109,10 @@ TEST_F(Cli, TangentsSaysWhyBytesStay) {
 TEST_F(Cli, TangentsOfAnimatedMorphSphereAreLeftAlone) {
   const std::string sphere = DARBOUX_SHARED "/meshes/khronos/AnimatedMorphSphere.glb";
   if (!fs::exists(sphere)) GTEST_SKIP() << sphere << " is not here";
-  EXPECT_EQ(good("darboux tangents '" + sphere + "' -o out.glb", 1),
-            "mesh 0 primitive 0 left alone: has no uvs\nout.glb\n");
+  EXPECT_EQ(
+      good("darboux tangents '" + sphere + "' -o out.glb", 1),
+      "mesh 0 primitive 0 left alone: has no uvs\n"
+      "out.glb: no tangents were added: no primitive has the triangles, normals and uvs that they need\n");
 }
 
 TEST_F(Cli, TangentsRefusesNumbersThatAreNotFinite) {

@@ -101,6 +101,109 @@ TEST_F(Cli, RefusesUnknownSurfacesAndParametersWithTheKnownOnes) {
   EXPECT_FALSE(fs::exists(path("x.glb")));
 }
 
+// --quiet: of what is judged the verdict, a line each; of what is written nothing.
+TEST_F(Cli, QuietLeavesTheVerdict) {
+  const std::string good_file = "data/torus_032.mikk.glb", bad_file = "data/plainsphere_016.three.glb";
+  EXPECT_EQ(good("darboux validate --quiet " + good_file), good_file + ": pass\n");
+  EXPECT_EQ(good("darboux validate --details --quiet " + bad_file + ' ' + good_file, 1),
+            bad_file + ": fail\n" + good_file + ": pass\n");
+  good("darboux validate --json " + bad_file + " > old.json", 1);
+  EXPECT_EQ(good("darboux validate --quiet --baseline old.json " + bad_file),
+            bad_file + ": fail (no worse than in the baseline)\n");
+  EXPECT_EQ(good("darboux plan --quiet " + good_file), good_file +
+                                                           ": ok, no primitive needs TANGENT; 1 carries it "
+                                                           "for nothing (34.3 kB of 128 kB of geometry)\n");
+  EXPECT_EQ(good("darboux check sphere --points 10 --quiet"), "all passed\n");
+  for (const std::string command :
+       {"compare data/torus_016.three.glb data/torus_016.three.glb",
+        "stability sphere --sweeps turns --points 2", "work-precision sphere --rounds 3 --methods naive",
+        "converge torus --methods face --resolutions 4,6,8",
+        "converge torus --methods face --resolutions 4,6,8 -o page.html"})
+    EXPECT_EQ(lines(good("darboux " + command + " --quiet")).size(), 1u) << command;
+  for (const std::string command :
+       {"mesh torus --grid 12x6 -o m.glb", "tangents data/torus_016.none.glb -o t.glb",
+        "bake --surface torus --mesh m.glb --size 8x8 -o n.png", "merge shard.jsonl -o all.jsonl"}) {
+    if (command.starts_with("merge")) {
+      EXPECT_EQ(good("darboux converge torus --methods face --meshes regular --resolutions 4,6,8 --shard 1/1 "
+                     "--results "
+                     "shard.jsonl --quiet"),
+                "");
+    }
+    EXPECT_EQ(good("darboux " + command + " --quiet"), "") << command;
+  }
+  const std::vector<std::string> check = lines(good("darboux normalmap --check n.png --quiet"));
+  ASSERT_EQ(check.size(), 1u);
+  EXPECT_EQ(check[0], "n.png: nothing wrong");
+  EXPECT_EQ(good("darboux normalmap --compare n.png n.png --quiet"), "same\n");
+}
+
+TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
+  refused("darboux eval Torus --at 0,0", {"Torus: unknown surface, did you mean torus?, known are sphere, "});
+  refused("darboux check moebius_strip", {"did you mean moebius-strip?"});
+  refused("darboux check shpere", {"did you mean sphere?"});
+  refused("darboux valdate x.glb", {"unknown command, did you mean validate?, known are surfaces, "});
+  refused("darboux work_precision", {"did you mean work-precision?"});
+  for (const char* far : {"eval potato --at 0,0", "eval x --at 0,0", "nonsense", "eval '' --at 0,0"})
+    EXPECT_EQ(sh(std::string("darboux ") + far).err.find("did you mean"), std::string::npos) << far;
+}
+
+// A name that says another format than what would be written is refused before any work.
+TEST_F(Cli, RefusesNamesOfOtherFormats) {
+  const std::string converge = "converge torus --methods face --meshes regular --resolutions 4,6,8 ";
+  refused("darboux " + converge + "-o s.csv", {"-o", ".html, .md, .svg, .json", "--csv", "'s.csv'"});
+  for (const std::string& command :
+       {converge + "-o OUT.txt", std::string("stability sphere --sweeps turns --points 2 -o OUT.csv"),
+        std::string("work-precision sphere --rounds 3 --methods naive -o OUT.pdf"),
+        converge + "--picture OUT.png", std::string("validate data/torus_016.three.glb --report OUT.pdf"),
+        std::string("validate data/torus_016.three.glb --paint OUT.obj"),
+        std::string("mesh sphere --grid 4x4 -o OUT.ply"),
+        std::string("tangents data/torus_016.none.glb -o OUT.obj")}) {
+    const std::string extension = command.substr(command.find(" OUT") + 4);
+    refused("darboux " + command, {"expected a name ", extension});
+    EXPECT_FALSE(fs::exists(path("OUT" + extension)));
+  }
+  good("darboux " + converge + "-o s.txt --format md");
+  good("darboux " + converge + "-o page");
+  EXPECT_NE(read_bytes(path("page")).find("<!DOCTYPE html>"), std::string::npos);
+}
+
+TEST_F(Cli, ConvergeTakesSurfacesAsArguments) {
+  const std::string rest = " --methods face --meshes regular --resolutions 4,6,8 --json",
+                    converge = "darboux converge ";
+  const auto studies = [&](const std::string& surfaces) {
+    Json list = json(converge + surfaces + rest)["studies"];
+    for (Json& study : list) study.erase("seconds");
+    return list;
+  };
+  const Json wanted = studies("--surfaces torus:major_radius=1,minor_radius=0.4,sphere");
+  EXPECT_EQ(wanted[0]["surface"], "torus:major_radius=1,minor_radius=0.4");
+  EXPECT_EQ(studies("torus:major_radius=1,minor_radius=0.4 sphere"), wanted);
+  EXPECT_EQ(studies("torus:major_radius=1,minor_radius=0.4 --surfaces sphere"), wanted);
+  refused("darboux converge nope", {"nope", "torus"});
+}
+
+// Standard input has no other files beside it, and no end to go back from.
+TEST_F(Cli, SaysWhatToDoWithStandardInput) {
+  for (const std::string command :
+       {"validate IN", "plan IN", "tangents IN -o out.glb", "compare IN data/torus_016.obj"})
+    for (const auto& [in, got] :
+         {std::pair<std::string, std::string>{"-", "write standard input to a file first"},
+          {"/dev/stdin", "a device or a pipe, which has to be written to one first"}}) {
+      std::string text = command;
+      text = "cat data/torus_016.none.glb | darboux " + text.replace(text.find("IN"), 2, in);
+      const Result r = sh(text);
+      EXPECT_EQ(r.status, 2) << text;
+      EXPECT_NE(r.err.find(got), std::string::npos) << text << '\n' << r.err;
+    }
+}
+
+TEST_F(Cli, TangentsSaysHowOtherFormatsBecomeGltf) {
+  refused("darboux tangents data/torus_016.obj -o out.glb",
+          {"torus_016.obj", "expected a GLB", "convert .obj to .glb first", "assimp export IN.obj OUT.glb"});
+  write_bytes(path("broken.glb"), "nothing");
+  EXPECT_EQ(sh("darboux tangents broken.glb -o out.glb").err.find("convert"), std::string::npos);
+}
+
 TEST_F(Cli, RefusesPointsThatAreNotTwoFiniteNumbers) {
   for (const std::string point :
        {"x,0", "0,x", "0", "0,0,0", "''", ",", "nan,0", "0,inf", "1e999,0", "0x1,0", "0;0"})

@@ -115,7 +115,7 @@ TEST_F(Policy, TheEndOfTheTextSumsUp) {
   const std::string end = out.substr(at);
   for (const char* part :
        {"  error TANGENT_ZERO: 28 in 14 files. To do: give the vertex any direction",
-        "  warning TANGENT_HANDEDNESS_CONVENTION: 43392 in 15 files\n",
+        "  warning TANGENT_HANDEDNESS_CONVENTION: 43392 in 15 files. To do: negate w in glTF files",
         "\nfailed:\n  assets/bad0.glb: TANGENT_ZERO (2)\n", "\n  assets/bad13.glb: TANGENT_ZERO (2)\n",
         "\ncannot be read:\n  assets/broken.glb: ",
         "\nthe rest:\n  2 files: pass, nothing found\n  1 file: pass, with warnings\n"
@@ -123,6 +123,53 @@ TEST_F(Policy, TheEndOfTheTextSumsUp) {
         "20 files: 2 nothing, 3 pass, 14 fail, 1 unreadable\n"})
     EXPECT_NE(end.find(part), std::string::npos) << part << " in " << end;
   EXPECT_EQ(end.find("more above"), std::string::npos);
+}
+
+// Also where it has more meshes than tables are printed of, and nothing is found in them.
+TEST_F(Policy, OneFileHasItsVerdict) {
+  Glb glb = split_glb(read_bytes(path("data/torus_032.mikk.glb")));
+  for (int k = 0; k < 12; ++k) glb.json["meshes"].push_back(glb.json["meshes"][0]);
+  write_bytes(path("many.glb"), make_glb(glb.json.dump(), glb.bin));
+  EXPECT_EQ(good("darboux validate many.glb"),
+            "many.glb: pass\n  13 meshes: 13 pass\n"
+            "--details shows a table and the notes of each of the 13 meshes and parts\n");
+}
+
+// The text of one file ends with what to do, once for each kind of what was found, warnings too.
+TEST_F(Policy, OneFileEndsWithWhatToDo) {
+  const std::string both = good(bad_, 1),
+                    todo = "\nto do:\n  TANGENT_ZERO: give the vertex any direction across";
+  EXPECT_NE(both.find(todo), std::string::npos) << both;
+  EXPECT_NE(both.find("\n  TANGENT_HANDEDNESS_CONVENTION: negate w"), std::string::npos) << both;
+  const std::string out =
+      good("darboux validate data/mirrortorus_016.mikk.glb --surface torus --max-angle 1", 1);
+  const std::size_t at = out.find("\nto do:\n");
+  ASSERT_NE(at, std::string::npos) << out;
+  const std::size_t first = out.find("\n  TANGENT_ANGLE: ", at);
+  EXPECT_NE(first, std::string::npos) << out;
+  EXPECT_EQ(out.find("\n  TANGENT_ANGLE: ", first + 1), std::string::npos) << out;
+  EXPECT_EQ(good("darboux validate data/torus_032.mikk.glb").find("to do"), std::string::npos);
+}
+
+// Angles that the verdict does not go by are named as such.
+TEST_F(Policy, TheTableNamesItsReference) {
+  const std::string file = "darboux validate data/jittertorus_016.mikk.glb --report page.html",
+                    head = "bitangent max/rms (deg)", other = "  against local\n",
+                    page = "<h4>Errors by class of vertices, in degrees";
+  const std::string by_triangles = good(file + " --reference triangles,local");
+  EXPECT_NE(by_triangles.find(head + other), std::string::npos) << by_triangles;
+  EXPECT_NE(read_bytes(path("page.html")).find(page + ", against local</h4>"), std::string::npos);
+  EXPECT_EQ(good(file).find("  against "), std::string::npos);
+  EXPECT_NE(read_bytes(path("page.html")).find(page + "</h4>"), std::string::npos);
+}
+
+TEST_F(Policy, AFileWithoutUvsIsSaidToHaveNone) {
+  Glb glb = split_glb(read_bytes(path("data/sphere_016.none.glb")));
+  glb.json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
+  write_bytes(path("no_uvs.glb"), make_glb(glb.json.dump(), glb.bin));
+  const std::string out = good("darboux validate no_uvs.glb --report page.html");
+  EXPECT_NE(out.find(", uvs none, w none, "), std::string::npos) << out;
+  EXPECT_EQ(read_bytes(path("page.html")).find("the uvs are "), std::string::npos);
 }
 
 // One line says what became of a file of several parts, before their tables.
@@ -179,6 +226,14 @@ TEST_F(Leaning, ErrorsAndWarningsOfOneCodeAreCountedApart) {
   EXPECT_EQ(totals["codes"]["TANGENT_NOT_ORTHOGONAL"], errors + warnings);
   EXPECT_EQ(totals["codes_by_severity"]["TANGENT_NOT_ORTHOGONAL"],
             (Json{{"error", errors}, {"warning", warnings}}));
+  // Each says its own limit.
+  for (const Json& finding : document["files"][0]["meshes"][0]["findings"])
+    if (finding["code"] == "TANGENT_NOT_ORTHOGONAL") {
+      EXPECT_TRUE(finding["message"].get<std::string>().starts_with(
+          finding["severity"] == "error" ? "tangents lean on the normal (|t.n| > 0.26)"
+                                         : "tangents lean on the normal (|t.n| > 0.02; above 0.26 an error"))
+          << finding;
+    }
   // In the summary of a file among many, whichever came first.
   std::string many = leaning_;
   for (int k = 0; k < 12; ++k) many += " leaning.glb";

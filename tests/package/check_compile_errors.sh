@@ -59,4 +59,14 @@ using darboux::frame;
 $body
 END
 expect no_jet c++20 2 "jet(u, v)"
+cat >"$work/one_scalar.cpp" <<END
+#include <darboux/evaluate.h>
+#include <darboux/from_position.h>
+struct Mine {
+  static constexpr darboux::SurfaceInfo info{"mine", "a surface", darboux::Coordinate::linear, darboux::Coordinate::linear};
+  darboux::Vec3<double> position(double u, double v) const { return {u, v, u * v}; }
+};
+int main() { frame(darboux::FromPosition<Mine>{}, 0.1, 0.2); }
+END
+expect one_scalar c++20 2 "expected template <class S> position(u, v) of any scalar"
 exit $((failures > 0))

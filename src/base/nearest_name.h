@@ -1,0 +1,43 @@
+// What a name that is not known was meant to be.
+#pragma once
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace darboux {
+
+/// How many letters have to be put in, left out, replaced or swapped with their neighbour to make b of a;
+/// capitals and small letters are the same, and so are '_' and '-'.
+inline std::size_t name_distance(std::string_view a, std::string_view b) {
+  const auto plain = [](char c) { return c == '_' ? '-' : c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
+  const auto same = [&](std::size_t i, std::size_t j) { return plain(a[i]) == plain(b[j]); };
+  std::vector<std::size_t> before(b.size() + 1), row(b.size() + 1), next(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    next[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      next[j + 1] = std::min({row[j] + (same(i, j) ? 0 : 1), row[j + 1] + 1, next[j] + 1});
+      if (i > 0 && j > 0 && same(i, j - 1) && same(i - 1, j))
+        next[j + 1] = std::min(next[j + 1], before[j - 1] + 1);
+    }
+    before.swap(row);
+    row.swap(next);
+  }
+  return row[b.size()];
+}
+
+/// ", did you mean torus?" where one of the known names is near, else nothing: one letter of four may differ.
+inline std::string did_you_mean(std::string_view name, const std::vector<std::string>& known) {
+  constexpr std::size_t longest = 100;  // of a name that somebody types
+  std::string_view nearest;
+  std::size_t least = name.size() <= longest ? name.size() / 4 + 1 : 0;
+  for (const std::string& other : known)
+    if (const std::size_t distance = least > 0 ? name_distance(name, other) : 0; distance < least)
+      nearest = other, least = distance;
+  return nearest.empty() ? std::string() : ", did you mean " + std::string(nearest) + "?";
+}
+
+}  // namespace darboux
