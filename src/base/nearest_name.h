@@ -29,7 +29,8 @@ inline std::size_t name_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// ", did you mean torus?" where one of the known names is near, else nothing: one letter of four may differ.
+/// " (did you mean torus?)" where one of the known names is near, else nothing: one letter of four may
+/// differ.
 inline std::string did_you_mean(std::string_view name, const std::vector<std::string>& known) {
   constexpr std::size_t longest = 100;  // of a name that somebody types
   std::string_view nearest;
@@ -37,7 +38,7 @@ inline std::string did_you_mean(std::string_view name, const std::vector<std::st
   for (const std::string& other : known)
     if (const std::size_t distance = least > 0 ? name_distance(name, other) : 0; distance < least)
       nearest = other, least = distance;
-  return nearest.empty() ? std::string() : ", did you mean " + std::string(nearest) + "?";
+  return nearest.empty() ? std::string() : " (did you mean " + std::string(nearest) + "?)";
 }
 
 }  // namespace darboux

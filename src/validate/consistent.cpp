@@ -72,19 +72,22 @@ struct Arc {
 
 // The smallest arc that holds all; half is pi or more where they leave no gap of 180 degrees.
 Arc hull(std::vector<Arc>& arcs) {
-  std::sort(arcs.begin(), arcs.end(),
-            [](const Arc& a, const Arc& b) { return a.middle - a.half < b.middle - b.half; });
-  double reached = arcs[0].middle + arcs[0].half, widest = -1, from = 0, to = 0;
-  const double first = arcs[0].middle - arcs[0].half;
-  for (const Arc& arc : arcs) {
-    if (const double low = arc.middle - arc.half; low - reached > widest)
-      widest = low - reached, from = low, to = reached;
+  double reached = 0;
+  for (Arc& arc : arcs) {
+    const double low = arc.middle - arc.half;
+    arc.middle -= 2 * pi * std::floor(low / (2 * pi));
     reached = std::fmax(reached, arc.middle + arc.half);
   }
-  if (first + 2 * pi - reached > widest)
-    widest = first + 2 * pi - reached, from = first, to = reached;
-  else
-    to += 2 * pi;
+  std::sort(arcs.begin(), arcs.end(),
+            [](const Arc& a, const Arc& b) { return a.middle - a.half < b.middle - b.half; });
+  // Each gap ends where an arc begins, that of the first began a turn before.
+  reached -= 2 * pi;
+  double widest = -1, from = 0, to = 0;
+  for (const Arc& arc : arcs) {
+    if (const double low = arc.middle - arc.half; low - reached > widest)
+      widest = low - reached, from = low, to = reached + 2 * pi;
+    reached = std::fmax(reached, arc.middle + arc.half);
+  }
   if (!(widest > pi)) return {0, pi};
   return {(from + to) / 2, (to - from) / 2};
 }
@@ -412,12 +415,14 @@ void Cones::hold_if_turned(double max_angle_deg) {
     x += std::cos(o.middle / degrees_per_radian), y += std::sin(o.middle / degrees_per_radian);
   const double turn = degrees_per_radian * std::atan2(y, x);
   if (!(std::fabs(turn) >= foreshortened_deg)) return;
-  std::size_t turned = 0;
-  for (const Outside& o : outside_)
-    turned += std::fabs(std::remainder(o.middle - turn, 360)) - o.half <= max_angle_deg;
+  const auto is_turned = [&](const Outside& o) {
+    return std::fabs(std::remainder(o.middle - turn, 360)) - o.half <= max_angle_deg;
+  };
+  const auto turned = std::count_if(outside_.begin(), outside_.end(), is_turned);
   if (static_cast<double>(turned) < nearly_all * known) return;
   turn_deg_ = -turn;
-  for (const Outside& o : outside_) claims_[o.place] = Claim::beyond;
+  for (const Outside& o : outside_)
+    if (is_turned(o)) claims_[o.place] = Claim::beyond;
 }
 
 OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_sign,

@@ -112,13 +112,17 @@ bool follow_other_axes(const MeshUnderTest& under_test, const std::vector<Pair>&
 bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair>& samples,
                          const ValidateOptions& options, MeshReport& report) {
   if (under_test.mesh.normals.empty()) return false;
-  for (const auto& [set, uvs] : options.other_uvs) {
-    const MikktspaceReference mikktspace = mikktspace_reference(under_test.mesh, uvs, options.threads);
-    const double share = share_within(samples, [&](const Pair& s) {
+  const auto share_of = [&](const MikktspaceReference& mikktspace) {
+    return share_within(samples, [&](const Pair& s) {
       const Vec4<float>& t = mikktspace.at(s.corner, under_test.mesh.triangles[s.corner / 3][s.corner % 3]);
       return Vec3<double>{t.x, t.y, t.z};
     });
-    if (share < most) continue;
+  };
+  // A set may be a copy of the mesh's own.
+  const double own = under_test.mikktspace.empty() ? 0 : share_of(under_test.mikktspace);
+  for (const auto& [set, uvs] : options.other_uvs) {
+    const double share = share_of(mikktspace_reference(under_test.mesh, uvs, options.threads));
+    if (share < most || share <= own) continue;
     add(report, finding(Code::tangent_uv_set, under_test.mesh.corners(),
                         ": MikkTSpace's of TEXCOORD_" + std::to_string(set)));
     return true;
@@ -196,13 +200,14 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
 
 bool diagnose_tangents(const MeshUnderTest& under_test,
                        const std::function<Directions(std::size_t)>& reference,
-                       const ValidateOptions& options, MeshReport& report) {
+                       const ValidateOptions& options, bool held, MeshReport& report) {
   const double limit = options.max_angle_deg;
   const std::size_t corners = under_test.mesh.corners();
   const std::vector<Pair> samples = samples_of(under_test, reference, limit);
-  if (samples.size() < least_samples) return are_turned(under_test, samples, limit, report);
+  if (samples.size() < least_samples) return !held && are_turned(under_test, samples, limit, report);
   if (share_within(samples, [](const Pair& s) { return s.t; }) >= diagnosed_below) return false;
   if (follow_other_uv_set(under_test, samples, options, report)) return true;
+  if (held) return false;
   if (follow_other_axes(under_test, samples, options, report)) return true;
   if (are_turned(under_test, samples, limit, report)) return true;
   const std::optional<std::string> map = linear_map_of(samples, limit);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include <darboux/mesh_frames.h>
 
@@ -139,7 +141,7 @@ std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& h
   using Edge = std::array<std::uint32_t, 2>;
   std::vector<Edge> edges;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3 && !back[t]; ++k) {
+    for (std::size_t k = 0; k < 3 && has_area[t] && !back[t]; ++k) {
       const auto [a, b] = std::minmax(place[mesh.triangles[t][k]], place[mesh.triangles[t][(k + 1) % 3]]);
       edges.push_back({a, b});
     }
@@ -153,18 +155,21 @@ std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& h
 
 // Triangles with vertices asked about, of a shell that was turned inside out around the same mesh, as toon
 // outlines are: those that oppose their normals, and that another is near which does not, with the same
-// normals and uvs in the opposite order.
+// normals and uvs in the opposite order. On the whole they lie outside of these, or at their places: an inner
+// wall does not, nor does a copy that was moved.
 std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& has_area,
                                    const std::vector<bool>& opposes, const std::vector<bool>& asked) {
   constexpr double near = 0.1;  // of the mesh's size
   // Of the longest edge, where the normals are one: the next tile of a floor is farther.
   constexpr double near_flat = 0.5;
-  constexpr std::ptrdiff_t most_tried = 64;
+  constexpr std::ptrdiff_t most_tried = 1024;
+  constexpr double outwards = 0.1;       // of the way from one to the other, on average
   using Corner = std::array<double, 5>;  // normal and uv
   struct Oriented {
     std::array<Corner, 3> corners;
     Triangle vertices;
     std::uint32_t triangle;
+    double along;  // of its first vertex, in a direction that few meshes have
   };
   // From the least of its corners on. \param reversed the other way round
   const auto oriented = [&](std::uint32_t t, bool reversed) {
@@ -175,12 +180,13 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
       const Vec2<double> uv = mesh.uvs.empty() ? Vec2<double>{0, 0} : mesh.uvs[v];
       return Corner{n.x, n.y, n.z, uv.x, uv.y};
     };
-    Oriented least{{}, {}, t};
+    Oriented least{{}, {}, t, 0};
     for (int turn = 0; turn < 3; ++turn) {
       const std::array<Corner, 3> corners{corner(vertices[0]), corner(vertices[1]), corner(vertices[2])};
       if (turn == 0 || corners < least.corners) least.corners = corners, least.vertices = vertices;
       std::rotate(vertices.begin(), vertices.begin() + 1, vertices.end());
     }
+    least.along = dot(mesh.positions[least.vertices[0]], Vec3<double>{0.36, 0.48, 0.8});
     return least;
   };
   // Whether its numbers have an order.
@@ -206,25 +212,44 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
     if (any && opposes[t] && is_finite(t)) insides.push_back(oriented(t, true));
   }
   if (insides.empty()) return result;
-  const auto before = [](const Oriented& a, const Oriented& b) { return a.corners < b.corners; };
-  std::sort(insides.begin(), insides.end(), before);
-  const auto is_near = [&](const Oriented& one, const Oriented& other) {
-    const auto& [a, b, c] = one.vertices;
-    double edge = 0, away = 0;
+  std::sort(insides.begin(), insides.end(), [](const Oriented& a, const Oriented& b) {
+    return std::tie(a.corners, a.along) < std::tie(b.corners, b.along);
+  });
+  const double size = norm(high - low);
+  const auto reach = [&](const Oriented& o) {
+    const auto& [a, b, c] = o.vertices;
+    double edge = 0;
     for (const auto& [v, w] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}})
       edge = std::fmax(edge, norm(mesh.positions[v] - mesh.positions[w]));
-    for (std::size_t k = 0; k < 3; ++k)
-      away = std::fmax(away, norm(mesh.positions[one.vertices[k]] - mesh.positions[other.vertices[k]]));
     const bool flat = mesh.normals[a] == mesh.normals[b] && mesh.normals[b] == mesh.normals[c];
-    return away <= near * norm(high - low) && (!flat || away <= near_flat * edge);
+    return flat ? std::fmin(near * size, near_flat * edge) : near * size;
   };
+  double away = 0, outside_by = 0;  // of all that are found, in sum
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!has_area[t] || opposes[t] || !is_finite(t)) continue;
     const Oriented outside = oriented(t, false);
-    const auto [first, last] = std::equal_range(insides.begin(), insides.end(), outside, before);
-    for (auto inside = first; inside != last && inside - first < most_tried; ++inside)
-      if (is_near(*inside, outside)) result[inside->triangle] = true;
+    const double radius = reach(outside);
+    auto inside = std::lower_bound(insides.begin(), insides.end(), outside.along - radius,
+                                   [&](const Oriented& a, double along) {
+                                     return std::tie(a.corners, a.along) < std::tie(outside.corners, along);
+                                   });
+    for (std::ptrdiff_t tried = 0;
+         tried < most_tried && inside != insides.end() && inside->corners == outside.corners &&
+         inside->along <= outside.along + radius;
+         ++inside, ++tried) {
+      double farthest = 0, by = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = outside.vertices[k];
+        const Vec3<double> d = mesh.positions[inside->vertices[k]] - mesh.positions[v];
+        farthest = std::fmax(farthest, norm(d));
+        by += dot(d, mesh.normals[v]) / 3;
+      }
+      if (farthest > radius) continue;
+      result[inside->triangle] = true;
+      away += farthest, outside_by += by;
+    }
   }
+  if (outside_by < outwards * away) result.assign(result.size(), false);
   return result;
 }
 

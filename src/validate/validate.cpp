@@ -133,8 +133,7 @@ class MeshValidation {
   std::span<const Truth> statistics_truth() const {
     return accurate_.known() ? accurate_.truths() : std::span<const Truth>(under_test_.local);
   }
-  // What the statistics are of: angles to the surface, else to the neighbours, else how far outside its cone
-  // a tangent lies.
+  // What the statistics are of: angles to the surface, else to the neighbours.
   Angles statistics_angles(std::uint32_t v) const {
     if (corners_of_[v] == 0) return {};
     if (accurate_.known()) return accurate_.angles(v);
@@ -613,7 +612,9 @@ void MeshValidation::diagnose() {
   }
   add(report_, finding(Code::bitangent_not_orthogonal, oblique, " (by up to " + rounded(most, 3) + " deg)"));
   // The mesh's own triangles say whether there is anything to diagnose: without a surface, by any tangent
-  // that is not theirs; where one was recognised and they hold most tangents, its chart is not the mesh's.
+  // that is not theirs; where one was recognised and they hold most tangents, its chart is not the mesh's,
+  // and only another uv set may explain them better.
+  bool held = false;
   if (!accurate_.declared() && !under_test_.cones.empty()) {
     std::size_t within = 0, beyond = 0;
     for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
@@ -621,7 +622,8 @@ void MeshValidation::diagnose() {
       within += claim == Claim::within ? corners_of_[v] : 0;
       beyond += claim == Claim::beyond ? corners_of_[v] : 0;
     }
-    if (accurate_.known() ? within > beyond : beyond == 0) return;
+    if (!accurate_.known() && beyond == 0) return;
+    held = accurate_.known() && within > beyond;
   }
   const auto mikktspace = [&](std::size_t c) {
     const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
@@ -638,9 +640,9 @@ void MeshValidation::diagnose() {
   };
   // What MikkTSpace makes of the same triangles is surer than what their neighbours tell.
   if (!accurate_.known() && !under_test_.mikktspace.empty())
-    tangents_diagnosed_ = diagnose_tangents(under_test_, mikktspace, options_, report_);
+    tangents_diagnosed_ = diagnose_tangents(under_test_, mikktspace, options_, held, report_);
   if (!tangents_diagnosed_ && !truth.empty())
-    tangents_diagnosed_ = diagnose_tangents(under_test_, known_truth, options_, report_);
+    tangents_diagnosed_ = diagnose_tangents(under_test_, known_truth, options_, held, report_);
 }
 
 // Where triangles have no uv area nobody sees a tangent, and there is nothing to be wrong.

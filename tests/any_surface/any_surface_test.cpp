@@ -83,8 +83,11 @@ TEST(MakeSurface, ListsTheKnownSurfacesForAnUnknownOne) {
   EXPECT_EQ(message_of(""), "surface: unknown surface, known are " + known);
   EXPECT_EQ(message_of(":radius=1"), "surface: unknown surface, known are " + known);
   for (const char* text : {"Torus", "torus ", " torus", "torus,major_radius=1"})
-    EXPECT_EQ(message_of(text), std::string(text) + ": unknown surface, known are " + known);
-  EXPECT_EQ(message_of("torus\n"), "torus\\x0A: unknown surface, known are " + known);
+    EXPECT_EQ(message_of(text),
+              std::string(text) + ": unknown surface" +
+                  (std::string(text) == "torus,major_radius=1" ? "" : " (did you mean torus?)") +
+                  ", known are " + known);
+  EXPECT_EQ(message_of("torus\n"), "torus\\x0A: unknown surface (did you mean torus?), known are " + known);
 }
 
 TEST(MakeSurface, ListsTheKnownParametersForAnUnknownOne) {

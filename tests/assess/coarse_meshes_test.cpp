@@ -249,33 +249,46 @@ Mesh with_hull(const Mesh& inner, double scale, const V& aside = {0, 0, 0}) {
   return mesh;
 }
 
+// With flat sides of n x n quads. \param texel whether all uvs of a side are one
+Mesh box(int n, bool texel) {
+  Mesh result;
+  for (const auto& [x, y] : {std::pair{V{1, 0, 0}, V{0, 1, 0}}, std::pair{V{0, 1, 0}, V{0, 0, 1}},
+                             std::pair{V{0, 0, 1}, V{1, 0, 0}}})
+    for (const double side : {1.0, -1.0}) {
+      const auto first = static_cast<std::uint32_t>(result.positions.size()),
+                 row = static_cast<std::uint32_t>(n + 1);
+      const V normal = side * cross(x, y);
+      for (int j = 0; j <= n; ++j)
+        for (int i = 0; i <= n; ++i) {
+          const double a = 2.0 * i / n - 1, b = 2.0 * j / n - 1;
+          result.positions.push_back(normal + a * side * x + b * y);
+          result.normals.push_back(normal);
+          result.uvs.push_back(texel ? Vec2<double>{0.5, 0.5} : Vec2<double>{0.5 * a, 0.5 * b});
+        }
+      for (std::uint32_t k = first; k + row < result.positions.size(); ++k) {
+        if ((k - first) % row == row - 1) continue;
+        result.triangles.push_back({k, k + 1, k + 1 + row});
+        result.triangles.push_back({k, k + 1 + row, k + row});
+      }
+    }
+  return result;
+}
+
 TEST(Hulls, AreNoErrors) {
   Mesh smooth =
       sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.3"), {.columns = 24, .rows = 12});
   for (auto& p : smooth.positions) p.z += 0.2 * p.x * p.x;  // no surface of the catalogue
   average_normals(smooth, Average::area);
   smooth.tangents.clear();
-  Mesh box;  // with flat sides
-  for (const auto& [x, y] : {std::pair{V{1, 0, 0}, V{0, 1, 0}}, std::pair{V{0, 1, 0}, V{0, 0, 1}},
-                             std::pair{V{0, 0, 1}, V{1, 0, 0}}})
-    for (const double side : {1.0, -1.0}) {
-      const auto first = static_cast<std::uint32_t>(box.positions.size());
-      const V n = side * cross(x, y);
-      for (const auto& [i, j] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}}) {
-        box.positions.push_back(n + static_cast<double>(i) * side * x + static_cast<double>(j) * y);
-        box.normals.push_back(n);
-        box.uvs.push_back({0.5 * i, 0.5 * j});
-      }
-      box.triangles.push_back({first, first + 1, first + 2});
-      box.triangles.push_back({first, first + 2, first + 3});
-    }
-  for (const Mesh& inner : {smooth, box}) {
+  for (const Mesh& inner : {smooth, box(1, false), box(12, true)}) {
     EXPECT_EQ(errors(assess(inner).report), "");
     const MeshReport report = assess(with_hull(inner, 1.05)).report;
     EXPECT_EQ(errors(report), "");
     EXPECT_EQ(count_of(report, "NORMALS_OPPOSE_WINDING", Severity::warning), inner.corners());
-    // A copy that stands elsewhere, or another shape, is none.
-    EXPECT_GT(count_of(assess(with_hull(inner, 1, {9, 0, 0})).report, "NORMAL_ANGLE", Severity::error), 0U);
+    // A copy that stands elsewhere or aside, an inner wall, or another shape, is none.
+    for (const Mesh& other :
+         {with_hull(inner, 1, {9, 0, 0}), with_hull(inner, 1, {0.05, 0, 0}), with_hull(inner, 0.95)})
+      EXPECT_GT(count_of(assess(other).report, "NORMAL_ANGLE", Severity::error), 0U) << inner.corners();
     Mesh other = with_hull(inner, 1.05);
     for (std::size_t v = inner.positions.size(); v < other.positions.size(); ++v)
       other.normals[v] = unit(other.normals[v] + V{0.1, 0.2, 0});
@@ -359,6 +372,47 @@ TEST(CoarseMeshes, CoarselyStoredUvsAreUvArea) {
   mesh.half_steps.uv = 0.5 / 255;
   for (auto& t : mesh.tangents) t = {0, 0, 0, 1};
   EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_ZERO", Severity::error), mesh.corners());
+}
+
+// Whatever lies along which axis, and whichever triangle's uvs are the roughest.
+TEST(CoarseMeshes, AFanIsTheSameHoweverItLies) {
+  constexpr unsigned seed = 71;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> at(0, 1);
+  for (int k = 0; k < 40; ++k) {
+    Mesh fan;
+    fan.half_steps.uv = 0.5 / 255;
+    const int triangles = 2 + k % 4;
+    const double arc = 1 + 2 * at(random);
+    std::vector<Vec2<double>> places{{0, 0}};
+    for (int i = 0; i <= triangles; ++i) {
+      const double angle = arc * i / triangles, radius = std::pow(4, -at(random));
+      places.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+      fan.uvs.push_back(
+          {std::nearbyint(4 * places.back().x) / 255, std::nearbyint(4 * places.back().y) / 255});
+    }
+    fan.uvs.insert(fan.uvs.begin(), {0, 0});
+    for (int i = 1; i <= triangles; ++i)
+      fan.triangles.push_back({0, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + 1)});
+    for (int turn = 0; turn < 24; ++turn) {
+      const double c = std::cos(turn * std::numbers::pi / 12), s = std::sin(turn * std::numbers::pi / 12);
+      fan.positions.clear(), fan.normals.clear(), fan.tangents.clear();
+      for (const auto& [x, y] : places) {
+        fan.positions.push_back({c * x - s * y, s * x + c * y, 0});
+        fan.normals.push_back({0, 0, 1});
+      }
+      const MeshFrames frames = mesh_frames(fan, find_frame_method("area"));
+      fan.tangents.assign(fan.positions.size(), {1, 0, 0, 1});
+      for (std::size_t corner = 0; corner < fan.corners(); ++corner) {
+        const V& t = frames.corner(corner).t;
+        fan.tangents[fan.triangles[corner / 3][corner % 3]] = {t.x, t.y, t.z, -frames.corner(corner).sign};
+      }
+      const MeshReport report = assess(fan).report;
+      EXPECT_EQ(count_of(report, "TANGENT_ANGLE", Severity::error), 0U) << k << ", " << 15 * turn;
+      EXPECT_EQ(count_of(report, "TANGENT_ANGLE", Severity::warning), 0U) << k << ", " << 15 * turn;
+    }
+  }
 }
 
 // ---- signs

@@ -138,10 +138,10 @@ TEST_F(Cli, QuietLeavesTheVerdict) {
 }
 
 TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
-  refused("darboux eval Torus --at 0,0", {"Torus: unknown surface, did you mean torus?, known are sphere, "});
+  refused("darboux eval Torus --at 0,0", {"Torus: unknown surface (did you mean torus?), known are sphere, "});
   refused("darboux check moebius_strip", {"did you mean moebius-strip?"});
   refused("darboux check shpere", {"did you mean sphere?"});
-  refused("darboux valdate x.glb", {"unknown command, did you mean validate?, known are surfaces, "});
+  refused("darboux valdate x.glb", {"unknown command (did you mean validate?), known are surfaces, "});
   refused("darboux work_precision", {"did you mean work-precision?"});
   for (const char* far : {"eval potato --at 0,0", "eval x --at 0,0", "nonsense", "eval '' --at 0,0"})
     EXPECT_EQ(sh(std::string("darboux ") + far).err.find("did you mean"), std::string::npos) << far;

@@ -168,8 +168,15 @@ TEST(SplineBatches, HighDegreesAndManySpans) {
     expect_same_bits<double>(spline, random, spline.breaks(0), spline.breaks(1));
     expect_same_bits<float>(spline, random, spline.breaks(0), spline.breaks(1));
     // Rows that pass over more columns of the net than are kept at a time, a lane's spans near and far.
-    for (const std::size_t columns : {1500, 400, 100, 50})
-      expect_same_bits(spline, Points<double>::grid(columns, 2), std::span(attributes));
+    const BSplinePatch<double> rational(degree, 2, clamped_knots(degree, count), clamped_knots(2, 3),
+                                        random_net(random, count, 3),
+                                        random_weights(random, static_cast<std::size_t>(3 * count), 4));
+    for (const std::size_t columns : {1500, 400, 100, 50}) {
+      expect_same_bits(spline, Points<double>::grid(columns, 1), std::span(attributes));
+      expect_same_bits(rational, Points<double>::grid(columns, 1), std::span(attributes));
+      expect_same_bits(rebind<float>(spline), Points<float>::grid(columns, 1), std::span(attributes));
+      expect_same_bits(rebind<float>(rational), Points<float>::grid(columns, 1), std::span(attributes));
+    }
   }
 }
 

@@ -35,7 +35,7 @@ template <int lanes, class T, class Place>
       std::array<Row<T>, static_cast<std::size_t>(size)> rows;
 #pragma GCC unroll 16
       for (int k = 0; k < size; ++k)
-        std::memcpy(&rows[k], from + step * at[lane + k] + first, sizeof(Row<T>));
+        std::memcpy(&rows[k], from + std::ptrdiff_t{step} * at[lane + k] + first, sizeof(Row<T>));
       transpose<size / 2>(rows);
 #pragma GCC unroll 16
       for (int k = 0; k < size; ++k) std::memcpy(to + lanes * (first + k) + lane, &rows[k], sizeof(Row<T>));
