@@ -374,47 +374,6 @@ TEST(CoarseMeshes, CoarselyStoredUvsAreUvArea) {
   EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_ZERO", Severity::error), mesh.corners());
 }
 
-// Whatever lies along which axis, and whichever triangle's uvs are the roughest.
-TEST(CoarseMeshes, AFanIsTheSameHoweverItLies) {
-  constexpr unsigned seed = 71;
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> at(0, 1);
-  for (int k = 0; k < 40; ++k) {
-    Mesh fan;
-    fan.half_steps.uv = 0.5 / 255;
-    const int triangles = 2 + k % 4;
-    const double arc = 1 + 2 * at(random);
-    std::vector<Vec2<double>> places{{0, 0}};
-    for (int i = 0; i <= triangles; ++i) {
-      const double angle = arc * i / triangles, radius = std::pow(4, -at(random));
-      places.push_back({radius * std::cos(angle), radius * std::sin(angle)});
-      fan.uvs.push_back(
-          {std::nearbyint(4 * places.back().x) / 255, std::nearbyint(4 * places.back().y) / 255});
-    }
-    fan.uvs.insert(fan.uvs.begin(), {0, 0});
-    for (int i = 1; i <= triangles; ++i)
-      fan.triangles.push_back({0, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + 1)});
-    for (int turn = 0; turn < 24; ++turn) {
-      const double c = std::cos(turn * std::numbers::pi / 12), s = std::sin(turn * std::numbers::pi / 12);
-      fan.positions.clear(), fan.normals.clear(), fan.tangents.clear();
-      for (const auto& [x, y] : places) {
-        fan.positions.push_back({c * x - s * y, s * x + c * y, 0});
-        fan.normals.push_back({0, 0, 1});
-      }
-      const MeshFrames frames = mesh_frames(fan, find_frame_method("area"));
-      fan.tangents.assign(fan.positions.size(), {1, 0, 0, 1});
-      for (std::size_t corner = 0; corner < fan.corners(); ++corner) {
-        const V& t = frames.corner(corner).t;
-        fan.tangents[fan.triangles[corner / 3][corner % 3]] = {t.x, t.y, t.z, -frames.corner(corner).sign};
-      }
-      const MeshReport report = assess(fan).report;
-      EXPECT_EQ(count_of(report, "TANGENT_ANGLE", Severity::error), 0U) << k << ", " << 15 * turn;
-      EXPECT_EQ(count_of(report, "TANGENT_ANGLE", Severity::warning), 0U) << k << ", " << 15 * turn;
-    }
-  }
-}
-
 // ---- signs
 
 // Of any vertex of a coarse tube.

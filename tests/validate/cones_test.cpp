@@ -15,6 +15,10 @@
 #include <darboux/validate.h>
 #include <darboux/vertex_normals.h>
 
+#include "mesh/triangle_signs.h"
+#include "mesh/vertex_joins.h"
+#include "validate/consistent.h"
+
 namespace darboux {
 namespace {
 
@@ -322,6 +326,43 @@ TEST(Cones, LeaveOutWhatIsNoAverage) {
   Mesh stale = mesh;
   for (auto& uv : stale.uvs) uv = {0.25 * uv.x - 0.97 * uv.y, 0.97 * uv.x + 0.25 * uv.y};
   EXPECT_GT(outside(stale), mesh.corners() * 9 / 10);
+}
+
+// Fans with one triangle whose uvs are known to some ten degrees, the others' to one, and its tangent.
+TEST(Cones, AreTheSameHoweverAFanLies) {
+  constexpr unsigned seed = 71;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Random random(seed);
+  for (int k = 0; k < 3000; ++k) {
+    Mesh fan;
+    fan.half_steps.uv = 0.5 / 255;
+    const auto triangles = static_cast<std::uint32_t>(4 + k % 5);
+    std::vector<Vec2<double>> places{{0, 0}}, uvs{{0, 0}};
+    for (std::uint32_t i = 0; i < triangles; ++i) {
+      const double angle = 2 * std::numbers::pi * i / triangles,
+                   radius = i < 2 ? uniform(random, 0.05, 0.15) : 1;
+      const auto [x, y] = places.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+      uvs.push_back({40 * (x + uniform(random, 0, 0.6) * y), 40 * (y + uniform(random, 0, 0.6) * x)});
+      fan.triangles.push_back({0, i + 1, (i + 1) % triangles + 1});
+    }
+    Claim first = Claim::none;
+    for (int turn = 0; turn < 24; ++turn) {
+      const double c = std::cos(turn * std::numbers::pi / 12), s = std::sin(turn * std::numbers::pi / 12);
+      fan.positions.clear();
+      for (const auto& [x, y] : places)
+        fan.positions.push_back({c * x - s * y, s * x + c * y, 0.3 * std::sin(9 * x + 5 * y)});
+      fan.normals.assign(places.size(), {0, 0, 1});
+      fan.uvs = uvs;
+      const CornerFrame frame = mesh_frames(fan, find_frame_method("face")).corner(0);
+      fan.tangents.assign(places.size(), {frame.t.x, frame.t.y, frame.t.z, -frame.sign});
+      for (auto& uv : fan.uvs) uv = {std::nearbyint(uv.x) / 255, std::nearbyint(uv.y) / 255};
+      const std::vector<double> limit(places.size(), 5);
+      const Cones cones(fan, triangle_signs(fan), std::vector<bool>(triangles, true), join_vertices(fan),
+                        limit, 5);
+      if (turn == 0) first = cones.claim(0, 0);
+      ASSERT_EQ(cones.claim(0, 0), first) << "fan " << k << " turned by " << 15 * turn;
+    }
+  }
 }
 
 }  // namespace
