@@ -80,11 +80,19 @@ void check_glb_name(const std::string& output) {
     throw ParameterError(output, expected_got("a name of a GLB, not ending in " + extension, output));
 }
 
-void check_extension(const std::string& option, const std::string& output,
-                     const std::vector<std::string>& extensions, const std::string& otherwise) {
+std::string known_extension(const std::string& option, const std::string& output,
+                            const std::vector<std::string>& extensions, const std::string& otherwise) {
+  // Beside those of meshes.
+  constexpr std::string_view formats[] = {".html",  ".htm",  ".md",    ".txt",  ".tex", ".csv", ".tsv",
+                                          ".xlsx",  ".json", ".jsonl", ".xml",  ".npy", ".f32", ".f64",
+                                          ".sarif", ".svg",  ".pdf",   ".ps",   ".eps", ".png", ".jpg",
+                                          ".gif",   ".tga",  ".jpeg",  ".webp", ".exr", ".xyz", ".pcd"};
+  const auto is_in = [](const auto& list, const std::string& name) {
+    return std::find(std::begin(list), std::end(list), name) != std::end(list);
+  };
   const std::string extension = lower(std::filesystem::path(output).extension().string());
-  if (extension.empty() || std::find(extensions.begin(), extensions.end(), extension) != extensions.end())
-    return;
+  if (is_in(extensions, extension)) return extension;
+  if (!is_in(formats, extension) && !is_in(asset_extensions(), extension)) return {};
   throw ParameterError(
       option, expected_got((extensions.size() > 1 ? "a name that ends in one of " : "a name that ends in ") +
                                joined(extensions) + otherwise,

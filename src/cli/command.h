@@ -63,10 +63,11 @@ CLI::Validator finite_number(const std::string& expected, bool (*good)(double));
 /// for another format
 void check_glb_name(const std::string& output);
 
-/// \throws ParameterError for the name of a file to write with another extension than these: ".html"; it may
-/// have none. \param otherwise what else would do, for the message
-void check_extension(const std::string& option, const std::string& output,
-                     const std::vector<std::string>& extensions, const std::string& otherwise = {});
+/// Which of these extensions, ".html", the name of a file to write has, in lower case; empty where it has
+/// none, or one of no known format, as the names of mktemp have. \param otherwise what else would do, for the
+/// message \throws ParameterError for an extension of another known format
+std::string known_extension(const std::string& option, const std::string& output,
+                            const std::vector<std::string>& extensions, const std::string& otherwise = {});
 
 // One file per subcommand; each adds itself to the tool.
 void add_surfaces(CLI::App& app, Common& common);

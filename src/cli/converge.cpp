@@ -121,7 +121,7 @@ std::string text_of(const std::vector<Study>& studies, bool with_orders) {
 }
 
 void run_converge(const ConvergeArguments& arguments, Common& common) {
-  check_extension("--picture", arguments.picture, {".svg"});
+  known_extension("--picture", arguments.picture, {".svg"});
   const ConvergeOptions options = parse(arguments);
   const std::string first = std::to_string(options.seed);
   const bool random = std::any_of(options.families.begin(), options.families.end(),

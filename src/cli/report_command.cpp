@@ -31,7 +31,7 @@ void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::st
   sub.add_option("-o,--output", arguments.output, "write a report to this file");
   sub.add_option("--format", arguments.format,
                  "format of the report: html (a page), md (tables), svg (" + svg +
-                     ") or json [by the file's extension, html where it has none]")
+                     ") or json [by the file's extension, html where that names no format]")
       ->check(CLI::IsMember(std::vector<std::string>(formats.begin(), formats.end())));
   sub.add_option("--csv", arguments.csv, "write " + csv + " to this file");
 }
@@ -103,13 +103,14 @@ Json surfaces_identity(const std::vector<AnySurface>& surfaces) {
 
 namespace {
 
-// The format of -o: as --format says, else by the file's extension, else a page.
+// The format of -o: as --format says, else by the file's extension, else a page. \throws ParameterError
 std::string format_of(const ReportArguments& arguments) {
   if (!arguments.format.empty()) return arguments.format;
-  const std::string name = lower(arguments.output);
-  for (const char* format : formats)
-    if (name.ends_with(std::string(".") + format)) return format;
-  return "html";
+  std::vector<std::string> extensions{".htm"};
+  for (const char* format : formats) extensions.push_back(std::string(".") + format);
+  const std::string extension =
+      known_extension("-o", arguments.output, extensions, ", or --format beside it; --csv writes CSV");
+  return extension.empty() || extension == ".htm" ? "html" : extension.substr(1);
 }
 
 void check(const ReportArguments& arguments, const OtherOutput& other, const Common& common) {
@@ -135,11 +136,6 @@ void check(const ReportArguments& arguments, const OtherOutput& other, const Com
   }
   if (!arguments.format.empty() && arguments.output.empty())
     throw ParameterError("--format", "expected -o FILE with it, got none");
-  if (arguments.format.empty()) {
-    std::vector<std::string> extensions;
-    for (const char* format : formats) extensions.push_back(std::string(".") + format);
-    check_extension("-o", arguments.output, extensions, ", or --format with one of these; --csv writes CSV");
-  }
   if (arguments.shard.empty()) return;
   if (arguments.results.empty())
     throw ParameterError("--shard", "expected --results FILE beside it, got none");
@@ -166,6 +162,7 @@ void print_shard(const ReportArguments& arguments, std::size_t jobs, const Commo
 
 void run_report(const ReportArguments& to, const ReportStudy& study, Common& common) {
   check(to, study.other, common);
+  const std::string format = format_of(to);
   struct Output {
     std::string what, file;
     std::optional<OutputFile> open{};
@@ -192,7 +189,7 @@ void run_report(const ReportArguments& to, const ReportStudy& study, Common& com
                    {"seed", study.seed},
                    {"study", identity.study},
                    {"provenance", identity.provenance}});
-  const auto in_format = [&](const std::string& format) {
+  const auto in_format = [&] {
     return format == "md"     ? report.markdown(origin)
            : format == "svg"  ? report.picture()
            : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
@@ -200,7 +197,7 @@ void run_report(const ReportArguments& to, const ReportStudy& study, Common& com
   };
   for (std::size_t i = 0; i < outputs.size(); ++i)
     if (outputs[i].open) {
-      outputs[i].open->write(i == 0 ? in_format(format_of(to)) : i == 1 ? report.csv() : report.other());
+      outputs[i].open->write(i == 0 ? in_format() : i == 1 ? report.csv() : report.other());
       outputs[i].open->commit();
     }
   if (common.json) return print_json(document);

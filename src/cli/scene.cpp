@@ -285,8 +285,8 @@ void check_outputs(const SceneArguments& arguments, const Common& common) {
              .second)
       throw ParameterError(name, expected_got("a file, or standard output, for one thing", "for two"));
   }
-  check_extension("--render", arguments.render, {".png"});
-  check_extension("--render-skipped", arguments.render_skipped, {".png"});
+  known_extension("--render", arguments.render, {".png"});
+  known_extension("--render-skipped", arguments.render_skipped, {".png"});
 }
 
 const io::NamedCamera& chosen_camera(const SceneArguments& arguments,

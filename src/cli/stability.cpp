@@ -55,8 +55,8 @@ StabilityOptions parse(const StabilityArguments& arguments) {
   return options;
 }
 
-// Of the sweeps that are named, those that a surface does not have, a line each; nothing else is left out in
-// silence. \throws ParameterError where none of the surfaces has any
+// Of the sweeps that are named, those that a surface does not have or no route answers, a line each.
+// \throws ParameterError where none of the surfaces has any
 std::string sweeps_left_out(const StabilityOptions& options, bool named) {
   const std::vector<StabilityJob> jobs = stability_jobs(options);
   if (jobs.empty()) {

@@ -181,16 +181,19 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
       report["bytes_kept"] = dropped.bytes_kept.empty() ? Json() : Json(dropped.bytes_kept);
     }
     print_json(report);
-  } else if (!common.quiet) {
-    std::ostream& out = to_stdout ? std::cerr : std::cout;
+    return;
+  }
+  std::ostream& out = to_stdout || common.quiet ? std::cerr : std::cout;
+  if (!common.quiet) {
     print_text(dropped, out);
     print_text(result, out);
-    if (none)
-      out << (to_stdout ? "standard output" : arguments.output)
-          << ": no tangents were added: no primitive has the triangles, normals and uvs that they need\n";
-    else if (!to_stdout)
-      out << arguments.output << '\n';
   }
+  if (none)
+    out << (to_stdout ? "standard output" : arguments.output) << ": no tangents were added: no primitive"
+        << (options.only_needed ? " that needs them" : "")
+        << " has the triangles, normals and uvs that they need\n";
+  else if (!to_stdout && !common.quiet)
+    out << arguments.output << '\n';
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ void check_pictures(const Pictures& pictures, std::size_t files) {
   if (is_standard_output(pictures.paint) || is_standard_output(pictures.page))
     throw ParameterError("-", expected_got("the name of a file", "-: standard output has the verdict"));
   if (!pictures.page.empty()) check_writable(pictures.page);
-  check_extension("--report", pictures.page, {".html", ".htm"});
+  known_extension("--report", pictures.page, {".html", ".htm"});
   if (pictures.paint.empty()) return;
   check_writable(pictures.paint);
   check_glb_name(pictures.paint);

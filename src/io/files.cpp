@@ -100,8 +100,7 @@ void expect_regular_file(const std::string& path) {
                               : expected_got("a readable file", "no file of this name"));
   if (std::filesystem::is_directory(status)) throw FileError(path, expected_got("a file", "a folder"));
   if (!error && !std::filesystem::is_regular_file(status))
-    throw FileError(
-        path, expected_got("a regular file", "a device or a pipe, which has to be written to one first"));
+    throw FileError(path, expected_got("a regular file", "a device or a pipe: write it to a file first"));
 }
 
 std::string read_file(const std::string& path) {

@@ -35,14 +35,13 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
                     expected_got("the header of a GLB, of at least 20 bytes", std::to_string(bytes.size())));
   if (const std::uint32_t version = read_u32(bytes, 4); version != 2)
     throw FileError(path, expected_got("GLB version 2", "version " + std::to_string(version)));
-  // Bytes after the stated length are ignored.
-  if (const std::uint32_t length = read_u32(bytes, 8);
-      length > bytes.size() || length < header_bytes + chunk_header_bytes)
-    throw FileError(path, expected_got("a stated length of at most the " + std::to_string(bytes.size()) +
-                                           " bytes there are (if more, the file is cut off) and at least 20",
-                                       std::to_string(length)));
-  else
-    bytes = bytes.substr(0, length);
+  const std::uint32_t stated = read_u32(bytes, 8);
+  if (stated > bytes.size())
+    throw FileError(path, expected_got("the " + std::to_string(stated) + " bytes that its header states",
+                                       std::to_string(bytes.size()) + ": the file is cut off"));
+  if (stated < header_bytes + chunk_header_bytes)
+    throw FileError(path, expected_got("a stated length of at least 20 bytes", std::to_string(stated)));
+  bytes = bytes.substr(0, stated);  // those after it are ignored
   Chunks chunks;
   std::size_t at = header_bytes;
   for (std::size_t number = 0; at < bytes.size(); ++number) {

@@ -48,12 +48,20 @@ TEST_F(Cli, TangentsSaysWhatItLeavesAlone) {
   write_bytes(path("no_uvs.glb"), b.glb());
   EXPECT_EQ(json("darboux tangents no_uvs.glb -o out.glb --only needed --json", 1)["skipped"][0]["reason"],
             "has no uvs");
-  const std::string none = ": no tangents were added: no primitive";
+  const std::string none = ": no tangents were added: no primitive that needs them has the triangles";
   EXPECT_NE(good("darboux tangents no_uvs.glb -o out.glb --only needed", 1).find("out.glb" + none),
             std::string::npos);
   EXPECT_NE(sh("darboux tangents no_uvs.glb -o - --only needed").err.find("standard output" + none),
             std::string::npos);
-  EXPECT_EQ(good("darboux tangents unneeded.glb -o out.glb --only needed").find(none), std::string::npos);
+  const Result quiet = sh("darboux tangents no_uvs.glb -o out.glb --only needed --quiet");
+  EXPECT_EQ(quiet.status, 1);
+  EXPECT_EQ(quiet.out, "");
+  EXPECT_NE(quiet.err.find("out.glb" + none), std::string::npos);
+  const Result unneeded = sh("darboux tangents unneeded.glb -o out.glb --only needed --quiet");
+  EXPECT_EQ(unneeded.status, 0);
+  EXPECT_EQ(unneeded.out + unneeded.err, "");
+  EXPECT_EQ(good("darboux tangents unneeded.glb -o out.glb --only needed").find("no tangents were added"),
+            std::string::npos);
   refused("darboux tangents made.glb -o out.glb --only some", {"--only", "needed"});
   refused("darboux tangents made.glb -o x.gltf", {"x.gltf", "GLB"});
 }

@@ -150,7 +150,7 @@ TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
 // A name that says another format than what would be written is refused before any work.
 TEST_F(Cli, RefusesNamesOfOtherFormats) {
   const std::string converge = "converge torus --methods face --meshes regular --resolutions 4,6,8 ";
-  refused("darboux " + converge + "-o s.csv", {"-o", ".html, .md, .svg, .json", "--csv", "'s.csv'"});
+  refused("darboux " + converge + "-o s.csv", {"-o", ".htm, .html, .md, .svg, .json", "--csv", "'s.csv'"});
   for (const std::string& command :
        {converge + "-o OUT.txt", std::string("stability sphere --sweeps turns --points 2 -o OUT.csv"),
         std::string("work-precision sphere --rounds 3 --methods naive -o OUT.pdf"),
@@ -163,8 +163,17 @@ TEST_F(Cli, RefusesNamesOfOtherFormats) {
     EXPECT_FALSE(fs::exists(path("OUT" + extension)));
   }
   good("darboux " + converge + "-o s.txt --format md");
-  good("darboux " + converge + "-o page");
-  EXPECT_NE(read_bytes(path("page")).find("<!DOCTYPE html>"), std::string::npos);
+  // Names of no known format, as of mktemp, are written as those without an extension.
+  for (const std::string page : {"page", "page.htm", "page.HTM", "tmp.Ab12"}) {
+    good("darboux " + converge + "-o " + page);
+    EXPECT_NE(read_bytes(path(page)).find("<!DOCTYPE html>"), std::string::npos) << page;
+  }
+  good("darboux " + converge + "--picture tmp.Ab13");
+  EXPECT_NE(read_bytes(path("tmp.Ab13")).find("<svg"), std::string::npos);
+  for (const std::string page : {"verdict.htm", "tmp.Ab14"}) {
+    good("darboux validate data/torus_016.three.glb --report " + page);
+    EXPECT_NE(read_bytes(path(page)).find("<!DOCTYPE html>"), std::string::npos) << page;
+  }
 }
 
 TEST_F(Cli, ConvergeTakesSurfacesAsArguments) {
@@ -188,7 +197,7 @@ TEST_F(Cli, SaysWhatToDoWithStandardInput) {
        {"validate IN", "plan IN", "tangents IN -o out.glb", "compare IN data/torus_016.obj"})
     for (const auto& [in, got] :
          {std::pair<std::string, std::string>{"-", "write standard input to a file first"},
-          {"/dev/stdin", "a device or a pipe, which has to be written to one first"}}) {
+          {"/dev/stdin", "a device or a pipe: write it to a file first"}}) {
       std::string text = command;
       text = "cat data/torus_016.none.glb | darboux " + text.replace(text.find("IN"), 2, in);
       const Result r = sh(text);

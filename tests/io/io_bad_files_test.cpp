@@ -183,9 +183,11 @@ TEST(BadFiles, LyingHeaders) {
   const std::uint32_t json_length = test::u32_at(good, 12);
   expect_bytes_refused(with(4, 1), "expected GLB version 2, got version 1");
   expect_bytes_refused(with(4, 3), "expected GLB version 2, got version 3");
-  expect_bytes_refused(with(8, 0), "bytes there are (if more, the file is cut off) and at least 20, got 0");
-  expect_bytes_refused(with(8, 0xFFFFFFFF),
-                       "bytes there are (if more, the file is cut off) and at least 20, got 4294967295");
+  const std::string size = std::to_string(good.size());
+  expect_bytes_refused(with(8, 0), "expected a stated length of at least 20 bytes, got 0");
+  expect_bytes_refused(with(8, 19), "expected a stated length of at least 20 bytes, got 19");
+  expect_bytes_refused(with(8, 0xFFFFFFFF), "expected the 4294967295 bytes that its header states, got " +
+                                                size + ": the file is cut off");
   expect_bytes_refused(with(12, 0xFFFFFFFF), "chunk 0: expected at most the");
   expect_bytes_refused(with(12, static_cast<std::uint32_t>(good.size()) - 19),
                        "chunk 0: expected at most the");

@@ -53,7 +53,8 @@ expect no_info c++20 2 "static constexpr SurfaceInfo info"
 cat >"$work/no_jet.cpp" <<END
 #include <darboux/evaluate.h>
 struct Mine {
-  static constexpr darboux::SurfaceInfo info{"mine", "a surface", darboux::Coordinate::linear, darboux::Coordinate::linear};
+  static constexpr darboux::SurfaceInfo info{"mine", "a surface", darboux::Coordinate::linear,
+                                             darboux::Coordinate::linear};
 };
 using darboux::frame;
 $body
@@ -63,7 +64,8 @@ cat >"$work/one_scalar.cpp" <<END
 #include <darboux/evaluate.h>
 #include <darboux/from_position.h>
 struct Mine {
-  static constexpr darboux::SurfaceInfo info{"mine", "a surface", darboux::Coordinate::linear, darboux::Coordinate::linear};
+  static constexpr darboux::SurfaceInfo info{"mine", "a surface", darboux::Coordinate::linear,
+                                             darboux::Coordinate::linear};
   darboux::Vec3<double> position(double u, double v) const { return {u, v, u * v}; }
 };
 int main() { frame(darboux::FromPosition<Mine>{}, 0.1, 0.2); }
