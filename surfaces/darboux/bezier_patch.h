@@ -14,12 +14,12 @@ namespace darboux {
 ///   P(u, v) = Σ_ij w_ij P_ij B_i,p(u) B_j,q(v) / Σ_ij w_ij B_i,p(u) B_j,q(v),
 ///     B_i,p(u) = binomial(p, i) u^i (1 - u)^(p-i)
 /// by de Casteljau's recurrence on homogeneous points, derivatives from the hodographs. u runs along the
-/// first index of the control points, v along the second. n = dpdu × dpdv / |.|. Where an edge v = 0 or v = 1
-/// is collapsed to a point, dpdu is exactly zero there (dpdu_zero), with several rows in one point dpdv too,
-/// and the frame is the limit along v; the same for u. Where dpdu and dpdv are parallel, parallel and the
-/// limit. Partials err by at most 8u (1 + condition) of their scale, u the unit roundoff and 2 (p + q) the
-/// size of the condition; a net far from the origin loses nothing but its own rounding. The scalar needs an
-/// order. [PieglTiller1997, ch. 1 and 4]
+/// first index of the control points, v along the second. n = dpdu × dpdv / |.|. Where an edge v = 0 or v =
+/// 1 is collapsed to a point, dpdu is exactly zero there (dpdu_zero), with several rows in one point dpdv
+/// too, and the frame is the limit along v; the same for u. Where dpdu and dpdv are parallel, parallel and
+/// the limit. Partials err by at most 8u (1 + condition) of their scale, u the unit roundoff and 2 (p + q)
+/// the size of the condition; a net far from the origin loses nothing but its own rounding. The scalar needs
+/// an order. [PieglTiller1997, ch. 1 and 4]
 template <class T = double>
 class BezierPatch {
  public:

@@ -13,13 +13,13 @@ namespace darboux {
 /// Rational B-spline patch (NURBS) of degrees p × q (1 to 15 each).
 ///   P(u, v) = Σ_ij w_ij P_ij N_i,p(u) N_j,q(v) / Σ_ij w_ij N_i,p(u) N_j,q(v)
 /// by de Boor's recurrence on homogeneous points, derivatives from the hodographs. u runs along the first
-/// index of the control points, v along the second; the knots are mapped to [0, 1]. n = dpdu × dpdv / |.|. At
-/// an interior knot of multiplicity p or more (degree 1: at each) the frame may jump: status crease, and the
-/// frame is that from above (right of the knot). Where an edge v = 0 or v = 1 with a knot of multiplicity q +
-/// 1 is collapsed to a point, dpdu is exactly zero there (dpdu_zero) and the frame is the limit along v; the
-/// same for u and dpdv. Where they are parallel, parallel and the limit. Beyond [0, 1] the end spans go on.
-/// Partials err by at most 8u (1 + condition) of their scale on the span, u the unit roundoff and 4 (p + q)
-/// the size of the condition. The scalar needs an order: the span is found from the value of u and v.
+/// index of the control points, v along the second; the knots are mapped to [0, 1]. n = dpdu × dpdv / |.|.
+/// At an interior knot of multiplicity p or more (degree 1: at each) the frame may jump: status crease, and
+/// the frame is that from above (right of the knot). Where an edge v = 0 or v = 1 with a knot of multiplicity
+/// q + 1 is collapsed to a point, dpdu is exactly zero there (dpdu_zero) and the frame is the limit along v;
+/// the same for u and dpdv. Where they are parallel, parallel and the limit. Beyond [0, 1] the end spans go
+/// on. Partials err by at most 8u (1 + condition) of their scale on the span, u the unit roundoff and 4 (p +
+/// q) the size of the condition. The scalar needs an order: the span is found from the value of u and v.
 /// [PieglTiller1997, ch. 4]
 template <class T = double>
 class BSplinePatch {

@@ -138,7 +138,8 @@ TEST_F(Cli, QuietLeavesTheVerdict) {
 }
 
 TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
-  refused("darboux eval Torus --at 0,0", {"Torus: unknown surface (did you mean torus?), known are sphere, "});
+  refused("darboux eval Torus --at 0,0",
+          {"Torus: unknown surface (did you mean torus?), known are sphere, "});
   refused("darboux check moebius_strip", {"did you mean moebius-strip?"});
   refused("darboux check shpere", {"did you mean sphere?"});
   refused("darboux valdate x.glb", {"unknown command (did you mean validate?), known are surfaces, "});
