@@ -12,6 +12,7 @@
 #include <darboux/mesh_frames.h>
 
 #include "angles.h"
+#include "mesh/frames/corner.h"
 #include "rounding.h"
 
 namespace darboux {
@@ -217,10 +218,7 @@ class Closely {
   Directions directions(const Corners& at, std::uint32_t own, const Vec3<double>& n, int sign,
                         bool of_quads) {
     Directions result;
-    const Vec3<double> off = std::fabs(n.x) <= 0.6   ? Vec3<double>{1, 0, 0}
-                             : std::fabs(n.y) <= 0.6 ? Vec3<double>{0, 1, 0}
-                                                     : Vec3<double>{0, 0, 1};
-    result.x = unit(cross(n, off)), result.y = cross(n, result.x);
+    result.x = any_perpendicular(n), result.y = cross(n, result.x);
     arcs_.clear();
     rim_.clear();
     uncertain_ = false;

@@ -11,7 +11,8 @@ bool is_direction(const Vec3<double>& a) {
   return detail::finite(a) && !(a == Vec3<double>{});
 }
 
-// An arbitrary unit direction across n: from the coordinate axis farthest from it.
+}  // namespace
+
 Vec3<double> any_perpendicular(const Vec3<double>& n) {
   const double ax = std::fabs(n.x), ay = std::fabs(n.y), az = std::fabs(n.z);
   const Vec3<double> axis = ax <= ay && ax <= az ? Vec3<double>{1, 0, 0}
@@ -19,8 +20,6 @@ Vec3<double> any_perpendicular(const Vec3<double>& n) {
                                                  : Vec3<double>{0, 0, 1};
   return unit(axis - dot(axis, n) * n);
 }
-
-}  // namespace
 
 Face::Face(const Mesh& mesh, const Triangle& triangle) {
   for (int k = 0; k < 3; ++k) {
