@@ -1,7 +1,7 @@
 /// \file differentiate.h
 /// Numerical differentiation of functions of one variable, each derivative with an estimate of its error:
-/// central and one-sided differences, Ridders' extrapolation, dual numbers, second derivatives, and a planner
-/// that takes the cheapest method that is good enough.
+/// central and one-sided differences, Ridders' extrapolation, dual numbers and second derivatives.
+/// derivative.h takes the cheapest of them that is good enough.
 ///
 ///     const auto d = darboux::central_difference<8>([](double x) { return std::exp(x); }, 0.5);
 ///     d.value, d.error
@@ -23,8 +23,8 @@
 /// *What an estimate promises*, for smooth f with the right length and a measured behaviour, over 10^6
 /// points: less than half the true error at most 10 times; in the median at most 10 times the true error, in
 /// the 99th percentile at most 100 times (true errors below u|f'| taken as that).
-/// tests/differentiate_test.cpp holds it to that; docs/theory/differentiation.md derives it and says where it
-/// cannot hold. It is an estimate, no bound.
+/// tests/surface/differentiate_test.cpp holds it to that; docs/theory/differentiation.md derives it and says
+/// where it cannot hold. It is an estimate, no bound.
 ///
 /// Where a value of f is not finite, or the step too small for x, the value is NaN and the error infinite.
 #pragma once
@@ -34,7 +34,6 @@
 #include <cmath>
 #include <concepts>
 #include <limits>
-#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -556,147 +555,6 @@ template <class F>
 requires detail::difference::RunsOn<F, detail::difference::Twice>
 auto second_dual_derivative(F&& f, double x, double length = 1, const Interval& domain = {}) {
   return detail::difference::dual<2, detail::difference::Twice>(f, x, length, domain);
-}
-
-/// A method of differentiation.
-enum class DerivativeMethod { none, dual, one_sided, central, ridders };
-
-/// "central8", "one_sided3", "ridders", "dual".
-inline std::string name(DerivativeMethod method, int order = 0) {
-  switch (method) {
-    case DerivativeMethod::dual:
-      return "dual";
-    case DerivativeMethod::one_sided:
-      return "one_sided" + std::to_string(order);
-    case DerivativeMethod::central:
-      return "central" + std::to_string(order);
-    case DerivativeMethod::ridders:
-      return "ridders";
-    case DerivativeMethod::none:
-      break;
-  }
-  return "none";
-}
-
-/// What derivative() is asked for.
-struct DerivativeRequest {
-  double error;       ///< the absolute error wanted
-  double length = 1;  ///< of f, as above
-  Interval domain{};  ///< f is evaluated nowhere else
-};
-
-/// A derivative, and how it was found.
-template <class V>
-struct PlannedDerivative {
-  V value;
-  double error;  ///< estimated
-  DerivativeMethod method = DerivativeMethod::none;
-  int order = 0;        ///< of the difference; 0 for the other methods
-  int evaluations = 0;  ///< of f, all attempts and the 20 of behaviour() included
-  bool met = false;     ///< error <= what was requested
-};
-
-namespace detail::difference {
-
-// Tries methods from cheap to expensive and keeps the best; stops when the request is met.
-template <class F>
-class Planner {
- public:
-  using V = Value<F>;
-  Planner(F& f, double x, const DerivativeRequest& request)
-      : f_(f), x_(x), request_(request), best_{no_estimate<V>().value, infinity} {}
-
-  PlannedDerivative<V> differences(const Behaviour& b) {
-    right_ = request_.domain.hi - x_;
-    left_ = x_ - request_.domain.lo;
-    if (!(right_ >= 0 && left_ >= 0)) return best_;
-    [&]<int... less_one>(std::integer_sequence<int, less_one...>) {
-      (attempt<less_one + 1>(b), ...);
-    }
-    (std::make_integer_sequence<int, 8>{});
-    const double h = std::fmin(b.length / 8, 0.999 * std::fmin(left_, right_));
-    if (!best_.met && h > b.length / 64) {
-      int evaluations = 0;
-      const auto estimate = ridders(f_, x_, h, b.rounding, evaluations);
-      keep(estimate, DerivativeMethod::ridders, 0, evaluations);
-    }
-    return best_;
-  }
-
-  void keep(const DerivativeEstimate<V>& estimate, DerivativeMethod method, int order, int evaluations) {
-    best_.evaluations += evaluations;
-    if (!(estimate.error < best_.error)) return;
-    best_.value = estimate.value;
-    best_.error = estimate.error;
-    best_.method = method;
-    best_.order = order;
-    best_.met = estimate.error <= request_.error;
-  }
-  const PlannedDerivative<V>& best() const { return best_; }
-  void spend(int evaluations) { best_.evaluations += evaluations; }
-
- private:
-  // The methods of order + 2 evaluations: a central difference where there is one and room for it, else a
-  // one-sided one.
-  template <int order>
-  void attempt(const Behaviour& b) {
-    if (best_.met) return;
-    if constexpr (order % 2 == 0) {
-      constexpr int reach = order / 2 + 1;
-      const double h = step<order + 1>(central_steps[order], reach, b);
-      if (std::fmin(left_, right_) > reach * h) {
-        if (order < 8 && hopeless(h, amplification<Quotient::central, order / 2>(), b)) return;
-        return keep(central<order>(f_, x_, h, b.rounding), DerivativeMethod::central, order, order + 2);
-      }
-    }
-    constexpr int reach = order + 1;
-    const double room = std::fmax(left_, right_);
-    const double h = std::fmin(step<order + 1>(one_sided_steps[order], reach, b), 0.999 * room / reach);
-    if (order < 8 && hopeless(h, amplification<Quotient::one_sided, order>(), b)) return;
-    keep(one_sided<order>(f_, x_, right_ >= left_ ? h : -h, b.rounding, b.length),
-         DerivativeMethod::one_sided, order, order + 2);
-  }
-  // The rounding alone exceeds the request.
-  bool hopeless(double h, double amplification, const Behaviour& b) const {
-    return rounding_share * amplification * b.rounding / h > request_.error &&
-           best_.method != DerivativeMethod::none;
-  }
-
-  F& f_;
-  double x_, left_ = 0, right_ = 0;
-  DerivativeRequest request_;
-  PlannedDerivative<V> best_;
-};
-
-}  // namespace detail::difference
-
-/// f'(x) by the cheapest method whose error estimate meets the request; where none does, the best there was,
-/// with met = false. In this order: dual numbers where f takes them (to keep a generic f from being tried,
-/// give its parameter the type double); then, f's behaviour measured, differences of 3 to 10 evaluations,
-/// central where the domain has room for the stencil and one-sided where it has not; then Ridders. Methods
-/// whose rounding alone would miss the request are passed over, but for order 8. f is evaluated in the domain
-/// only. x outside the domain or NaN, or a length that is not positive and finite: no derivative.
-template <class F>
-auto derivative(F&& f, double x, const DerivativeRequest& request) {
-  namespace d = detail::difference;
-  d::Planner<std::remove_reference_t<F>> planner(f, x, request);
-  if (!(request.domain.lo <= x && x <= request.domain.hi) ||
-      !(0 < request.length && request.length < d::infinity))
-    return planner.best();
-  if constexpr (d::RunsOn<F, d::Once>) {
-    planner.keep(dual_derivative(f, x, request.length, request.domain), DerivativeMethod::dual, 0,
-                 d::RunsWiderOn<F, d::Once> ? 2 : 21);
-    if (planner.best().met) return planner.best();
-  }
-  planner.spend(20);
-  return planner.differences(behaviour(f, x, request.length, request.domain));
-}
-/// The same with a behaviour measured before: for many points of one function.
-template <class F>
-auto derivative(F&& f, double x, const DerivativeRequest& request, const Behaviour& b) {
-  namespace d = detail::difference;
-  d::Planner<std::remove_reference_t<F>> planner(f, x, request);
-  return planner.differences(b);
 }
 
 }  // namespace darboux

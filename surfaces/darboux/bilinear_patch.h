@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include <darboux/spline.h>
+#include <darboux/spline_patch.h>
 #include <darboux/surface.h>
 
 namespace darboux {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <darboux/curve.h>
+#include <darboux/framed_curve.h>
 #include <darboux/surface.h>
 
 namespace darboux {

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include <darboux/curve.h>
 #include <darboux/cylinder.h>
 #include <darboux/error.h>
 #include <darboux/extrusion.h>
+#include <darboux/framed_curve.h>
 #include <darboux/ruled_surface.h>
 #include <darboux/sphere.h>
 #include <darboux/surface_of_revolution.h>

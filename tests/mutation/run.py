@@ -261,8 +261,8 @@ PRECOMPILED = """#include <algorithm>
 #include <utility>
 #include <vector>
 #include <darboux/any_surface.h>
-#include <darboux/curve.h>
-#include <darboux/spline.h>
+#include <darboux/framed_curve.h>
+#include <darboux/spline_patch.h>
 #include <darboux/surface.h>
 """
 

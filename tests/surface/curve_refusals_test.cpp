@@ -7,10 +7,10 @@
 
 #include <darboux/bezier_patch.h>
 #include <darboux/bspline_patch.h>
-#include <darboux/curve.h>
 #include <darboux/error.h>
 #include <darboux/evaluate.h>
 #include <darboux/extrusion.h>
+#include <darboux/framed_curve.h>
 #include <darboux/graph.h>
 #include <darboux/ruled_surface.h>
 #include <darboux/surface_of_revolution.h>

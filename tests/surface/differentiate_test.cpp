@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <darboux/derivative.h>
 #include <darboux/differentiate.h>
 #include <darboux/evaluate.h>
 

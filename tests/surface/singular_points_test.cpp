@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include <darboux/catalogue.h>
-#include <darboux/curve.h>
 #include <darboux/evaluate.h>
+#include <darboux/framed_curve.h>
 
 #include "every_surface.h"
 #include "expect_limit.h"

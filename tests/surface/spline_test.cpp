@@ -10,9 +10,9 @@
 #include <darboux/bezier_patch.h>
 #include <darboux/bilinear_patch.h>
 #include <darboux/bspline_patch.h>
-#include <darboux/curve.h>
 #include <darboux/evaluate.h>
 #include <darboux/extrusion.h>
+#include <darboux/framed_curve.h>
 #include <darboux/graph.h>
 #include <darboux/multiprecision.h>
 #include <darboux/ruled_surface.h>

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <darboux/curve.h>
 #include <darboux/evaluate.h>
+#include <darboux/framed_curve.h>
 #include <darboux/torus.h>
 #include <darboux/tube.h>
 

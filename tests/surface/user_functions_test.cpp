@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <darboux/curve.h>
 #include <darboux/evaluate.h>
 #include <darboux/extrusion.h>
+#include <darboux/framed_curve.h>
 #include <darboux/graph.h>
 #include <darboux/ruled_surface.h>
 #include <darboux/surface_of_revolution.h>

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include <darboux/spline.h>
+#include <darboux/spline_patch.h>
 
 #include "lanes.h"
 #include "transpose.h"
