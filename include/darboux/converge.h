@@ -90,16 +90,21 @@ struct Study {
   /// estimate_order() of the rms at the levels where that lies above ten times the floor, on each mesh; NaN
   /// where that are fewer than three.
   double order, order_low, order_high;
-  double max_order;       ///< the same of the largest errors
-  double expected_order;  ///< 0: is not expected to converge
+  double max_order;  ///< the same of the largest errors
+  /// 0: is not expected to converge, as where derivatives of the surface are unbounded at a vertex.
+  double expected_order;
   OrderVerdict verdict;
+  /// Whether the order, though below what is expected, still rises with the resolution: two more refinements,
+  /// each of which raises it as much as the last did, would bring it there. The meshes are too coarse to
+  /// tell.
+  bool rises = false;
 
   /// Whether the largest error falls, also where the rms does only because what is wrong is rare.
   bool max_converges() const { return !(max_order < least_order); }
-  /// Whether it does at least what was expected.
+  /// Whether it does at least what was expected, as far as these resolutions tell.
   bool holds() const {
-    return verdict != OrderVerdict::slower &&
-           (verdict != OrderVerdict::does_not_converge || expected_order == 0);
+    return rises || (verdict != OrderVerdict::slower &&
+                     (verdict != OrderVerdict::does_not_converge || expected_order == 0));
   }
 };
 

@@ -4,6 +4,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
+#include <span>
 
 #include <darboux/converge.h>
 #include <darboux/error.h>
@@ -69,6 +71,7 @@ struct Reference {
   Chart chart = Chart::conformal;            // the narrowest kind that holds everywhere, by the stored uvs
   Chart unsheared_chart = Chart::conformal;  // the same by u and v themselves
   bool has_pole = false;
+  bool is_bounded = true;  // the derivatives of the surface at the vertices
 };
 
 double floor_deg(const Mesh& mesh) {
@@ -119,6 +122,9 @@ Reference make_reference(const ConvergeOptions& options, const ConvergeJob& job)
       surface, mesh_options(family, job.resolution, options.seed + static_cast<std::uint64_t>(job.mesh),
                             options.v_first, options.v_last));
   std::vector<bool> is_pole;
+  const auto is_unbounded = [](const Sample<double>& s) {
+    return detail::finite(s.jet.position) && !(detail::finite(s.jet.dpdu) && detail::finite(s.jet.dpdv));
+  };
   for (std::size_t i = 0; i < r.mesh.uvs.size(); ++i) {
     const Vec2<double>& stored = r.mesh.uvs[i];
     const auto [sample, du_dstored] =
@@ -133,6 +139,7 @@ Reference make_reference(const ConvergeOptions& options, const ConvergeJob& job)
          !has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero)});
     is_pole.push_back(has(status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel));
     r.has_pole = r.has_pole || is_pole.back();
+    r.is_bounded = r.is_bounded && !is_unbounded(sample);
     if (is_pole.back()) continue;
     r.chart = std::min(r.chart, chart_at(sample, du_dstored, along_v));
     r.unsheared_chart = std::min(r.unsheared_chart, chart_at(sample, du_dstored, sample.jet.dpdv));
@@ -168,7 +175,7 @@ bool answers(const FrameMethod& method, std::size_t quantity) {
 
 double expected_order(const FrameMethod& method, const MeshFamily& family, VertexClass vertex_class,
                       std::size_t quantity, const Reference& reference) {
-  if (promises_nothing(family, reference.has_pole)) return 0;
+  if (promises_nothing(family, reference.has_pole) || !reference.is_bounded) return 0;
   const bool irregular = family.is_random();
   const auto of_family = [&](const ExpectedOrders& orders) {
     return irregular ? orders.jittered : orders.regular;
@@ -211,6 +218,22 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   return std::min(order, beside_poles + (irregular && beside_poles < 1 ? 0.25 : 0.5));
 }
 
+// Whether an order below the expected one still rises towards it. \param rms of the levels that are used,
+// coarse to fine
+bool order_rises(std::span<const ErrorsAtWidth> rms, double expected) {
+  if (rms.size() < fit_least) return false;
+  const auto level_order = [&](std::size_t fine) {
+    const auto mean = [](const ErrorsAtWidth& w) {
+      return std::sqrt(std::inner_product(w.errors.begin(), w.errors.end(), w.errors.begin(), 0.0) /
+                       static_cast<double>(w.errors.size()));
+    };
+    const ErrorsAtWidth &above = rms[fine - 1], &below = rms[fine];
+    return std::log(mean(above) / mean(below)) / std::log(above.h / below.h);
+  };
+  const double last = level_order(rms.size() - 1), before = level_order(rms.size() - 2);
+  return last > before && last + 2 * (last - before) >= expected - tolerance;
+}
+
 OrderVerdict judge_order(const Study& study) {
   if (std::isnan(study.order)) return OrderVerdict::at_the_floor;
   const double expected = study.expected_order;
@@ -242,6 +265,7 @@ void conclude(Study& study) {
   study.order_high = estimate.high;
   study.max_order = estimate_order(max).order;
   study.verdict = judge_order(study);
+  study.rises = !study.holds() && order_rises(rms, study.expected_order);
 }
 
 // Several random meshes of one resolution as one level.

@@ -23,7 +23,8 @@
           expected,
           max_order,
           verdict: data.verdicts[verdict],
-          holds: holds === 1,
+          holds: holds !== 0,
+          rises: holds === 2,
           floor,
           exact: order === null,
           levels: places.map((k, i) => ({
@@ -53,6 +54,7 @@
   const interval = s => s.exact ? '–' : fixed(s.low) + ' to ' + fixed(s.high);
   const never = s => s.verdict === 'does not converge';
   const verdict = s => {
+    if (s.rises) return `△ ${s.verdict}, but still rising to what is expected`;
     const symbol = s.exact     ? '–' :
         never(s)               ? '×' :
         s.verdict === 'slower' ? '▼' :
@@ -190,6 +192,7 @@
   // ---- the map: method by mesh and class
   const step = s => !s.holds ? 's4' :
       s.exact                ? 'good' :
+      s.rises                ? 'plain' :
       never(s)               ? 'plain' :
       s.order < 0.75         ? 's0' :
       s.order < 1.25         ? 's1' :
@@ -241,7 +244,7 @@
             s, verdict(s),
             'link verdict ' +
                 (!s.holds                ? 'bad' :
-                     s.exact || never(s) ? 'plain' :
+                     s.exact || s.rises || never(s) ? 'plain' :
                                            'good')));
     return element(
         'tr', {className: 'study'}, element('th', {scope: 'row', textContent: s.method}),

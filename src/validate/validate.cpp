@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -18,6 +17,7 @@
 #include "diagnose.h"
 #include "findings.h"
 #include "mesh_under_test.h"
+#include "mikktspace_comparison.h"
 #include "signs.h"
 #include "smooth.h"
 
@@ -26,7 +26,6 @@ namespace {
 
 constexpr double expected_agreement = 0.8;  // of two references; their error bars cover less on coarse meshes
 constexpr double agree_within = 0.1;        // of the limit: two references that differ by less are the same
-constexpr double same_rounding_deg = 2e-5;  // a few units in the last place of floats
 constexpr auto no_code = static_cast<Code>(corner_errors);
 
 // Angles are negative where there is nothing to compare.
@@ -47,12 +46,6 @@ DARBOUX_FLATTEN bool agree(const Truth& a, const Truth& b, double floor_deg) {
 bool known(const Truth& t) {
   return detail::finite(t.normal) && detail::finite(t.tangent) && std::isfinite(t.normal_deg) &&
          std::isfinite(t.tangent_deg);
-}
-
-// Whether two tangents are the same to the bit, but for w.
-bool same_direction_bits(const Vec4<double>& stored, const Vec4<float>& m) {
-  const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
-  return bits(stored.x) == bits(m.x) && bits(stored.y) == bits(m.y) && bits(stored.z) == bits(m.z);
 }
 
 // Corners of one vertex that are assessed alike.
@@ -185,10 +178,6 @@ class MeshValidation {
   void count_vertex(std::uint32_t v);
   void keep_errors_by_triangles();
   void compare_with_neighbours();
-  MikkVariant variant(std::size_t equal, std::size_t near) const;
-  template <class F>
-  void for_each_tangent(const MikktspaceReference& reference, F f) const;
-  Angles angles_to(const Vec4<float>& mikktspace, std::uint32_t v) const;
   void compare_with_mikktspace();
   void look_at_signs();
   bool lacks_uv_area() const;
@@ -485,90 +474,20 @@ void MeshValidation::compare_with_neighbours() {
                              "waves, or the uvs are others"));
 }
 
-// Corners of a vertex to which MikkTSpace gives the same are compared once.
-// \param f (vertex, tangent, how many of its corners have that)
-template <class F>
-void MeshValidation::for_each_tangent(const MikktspaceReference& reference, F f) const {
-  std::vector<std::uint32_t> alike = corners_of_;
-  for (const auto& other : reference.others()) --alike[other.vertex];
-  for (std::uint32_t v = 0; v < alike.size(); ++v)
-    if (alike[v] > 0) f(v, reference.of_vertex(v), alike[v]);
-  for (const auto& other : reference.others()) f(other.vertex, other.tangent, 1U);
-}
-
-// Which MikkTSpace: that whose edges are all sorted is made only where the original is nearly what is stored.
-MikkVariant MeshValidation::variant(std::size_t equal, std::size_t near) const {
-  const std::size_t corners = mesh_.corners();
-  const auto nearly_all = [&](std::size_t n) {
-    return corners > 0 && static_cast<double>(n) >= 0.99 * static_cast<double>(corners);
-  };
-  if (equal == corners && corners > 0) return MikkVariant::original;
-  if (static_cast<double>(equal) >= 0.9 * static_cast<double>(corners)) {
-    const MikktspaceReference sorted = mikktspace_reference(mesh_, mesh_.uvs, options_.threads, true);
-    std::size_t raw = 0, gltf = 0;
-    for_each_tangent(sorted, [&](std::uint32_t v, const Vec4<float>& m, std::uint32_t alike) {
-      const Vec4<double>& t = mesh_.tangents[v];
-      if (m.w == 0 || !same_direction_bits(t, m)) return;
-      raw += t.w == m.w ? alike : 0;
-      gltf += t.w == -m.w ? alike : 0;
-    });
-    if (std::max(raw, gltf) > equal && nearly_all(std::max(raw, gltf))) return MikkVariant::sorted_edges;
-  }
-  return nearly_all(equal)  ? MikkVariant::original
-         : nearly_all(near) ? MikkVariant::reordered_sums
-                            : MikkVariant::none;
-}
-
-// Beside MikkTSpace's tangent, which there is.
-DARBOUX_FLATTEN Angles MeshValidation::angles_to(const Vec4<float>& m, std::uint32_t v) const {
-  const Vec4<double>& t = mesh_.tangents[v];
-  const Vec3<double> direction{m.x, m.y, m.z};
-  Angles a;
-  a.tangent = a.projected_tangent = degrees_per_radian * angle_between(t.xyz(), direction);
-  if (checks_[v].has_normal && checks_[v].sign_valid)
-    a.bitangent =
-        degrees_per_radian * angle_between((signs_.raw() ? t.w : -t.w) * cross(mesh_.normals[v], t.xyz()),
-                                           m.w * cross(mesh_.normals[v], direction));
-  if (checks_[v].has_normal && !checks_[v].orthogonal)
-    a.projected_tangent = degrees_per_radian * angle_between(square_to(t.xyz(), mesh_.normals[v]), direction);
-  return a;
-}
-
 void MeshValidation::compare_with_mikktspace() {
   if (under_test_.mikktspace.empty()) return;
-  MikkReport& report = report_.mikktspace.emplace();
-  ClassSums sums(mesh_, classes_.of_vertex);
-  std::size_t equal_raw = 0, equal_gltf = 0, near = 0, beyond = 0;
-  double worst = 0;
-  for_each_tangent(under_test_.mikktspace, [&](std::uint32_t v, const Vec4<float>& m, std::uint32_t corners) {
-    const Vec4<double>& t = mesh_.tangents[v];
-    Angles a;
-    if (m.w != 0 && checks_[v].has_tangent) {
-      a = angles_to(m, v);
-      if (same_direction_bits(t, m)) {
-        equal_raw += t.w == m.w ? corners : 0;
-        equal_gltf += t.w == -m.w ? corners : 0;
-      }
-      if (a.tangent <= same_rounding_deg) near += corners;
-      if (!is_pole(v) && a.projected_tangent > limit_of(v)) {
-        beyond += corners;
-        worst = std::fmax(worst, a.projected_tangent);
-      }
-    }
-    sums.add(classes_.of_vertex[v], v, corners, a, nullptr);
-  });
-  report.classes = sums.reports();
-  if (mesh_.corners() > 0)
-    report.equal_bits =
-        static_cast<double>(std::max(equal_raw, equal_gltf)) / static_cast<double>(mesh_.corners());
-  report.variant = variant(std::max(equal_raw, equal_gltf), near);
-  add(report_, finding(Code::tangent_not_mikktspace, beyond, worst_text(worst)));
+  MikktspaceComparison comparison =
+      darboux::compare_with_mikktspace(under_test_, checks_, corners_of_, signs_.raw(), options_);
+  const MikkReport& report = report_.mikktspace.emplace(std::move(comparison.report));
+  add(report_, finding(Code::tangent_not_mikktspace, comparison.beyond, worst_text(comparison.worst_deg)));
   if (!only_mikktspace()) return;
   report_.classes = report.classes;
   for (std::size_t c = 0; c < report_.errors_deg.size(); ++c) {
     const std::uint32_t v = mesh_.triangles[c / 3][c % 3];
     const Vec4<float>& m = under_test_.mikktspace.at(c, v);
-    report_.errors_deg[c] = kept(m.w != 0 && checks_[v].has_tangent ? angles_to(m, v).tangent : -1);
+    const bool comparable = m.w != 0 && checks_[v].has_tangent;
+    report_.errors_deg[c] =
+        kept(comparable ? angles_to_mikktspace(mesh_, v, checks_[v], m, signs_.raw()).tangent : -1);
   }
 }
 

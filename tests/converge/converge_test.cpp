@@ -321,6 +321,54 @@ TEST(Converge, SeedsGoIntoTheInterval) {
   EXPECT_THROW(converge(o), ParameterError);
 }
 
+// Cells of the pseudosphere are so stretched that at 128 rows orders still rise: 0.5 between the first meshes
+// of the average, 0.96 between those of 512 and 1024 rows, of 1. That is nobody's mistake.
+TEST(Converge, AnOrderThatStillRisesIsNotHeldAgainstTheMethod) {
+  ConvergeOptions o = options("pseudosphere", {"jittered"}, {"average", "quadratic"});
+  o.resolutions = many_resolutions;
+  const auto studies = converge(o);
+  const Study& s = find(studies, "jittered", "average", VertexClass::interior);
+  EXPECT_EQ(s.verdict, OrderVerdict::slower) << s.order;
+  EXPECT_LT(s.order_high, s.expected_order - tolerance);
+  EXPECT_TRUE(s.rises);
+  for (const Study& study : studies)
+    EXPECT_TRUE(study.holds()) << study.quantity << ' ' << study.order << ' ' << study.expected_order;
+}
+
+// A face is of order 1. Of a method that says it is of order 2 it is held against it: nothing rises.
+TEST(Converge, AnOrderThatStaysBelowIsHeldAgainstTheMethod) {
+  FrameMethod boastful = find_frame_method("face");
+  boastful.direction = {.regular = 2, .jittered = 2};
+  ConvergeOptions o = options("ellipsoid", {"regular", "jittered"}, {"face"});
+  o.methods = {&boastful};
+  o.v_first = 0.2, o.v_last = 0.8;
+  const auto studies = converge(o);
+  for (const char* mesh : {"regular", "jittered"}) {
+    const Study& s = find(studies, mesh, "face", VertexClass::interior);
+    EXPECT_EQ(s.verdict, OrderVerdict::slower) << mesh << ' ' << s.order;
+    EXPECT_FALSE(s.rises) << mesh;
+    EXPECT_FALSE(s.holds()) << mesh;
+  }
+}
+
+// With exponents below 1 the derivatives are infinite where a coordinate vanishes: nothing is expected. With
+// 1 it is an ellipsoid.
+TEST(Converge, NothingIsExpectedWhereDerivativesAreUnbounded) {
+  for (const char* exponent : {"0.5", "1"}) {
+    ConvergeOptions o =
+        options(std::string("superellipsoid:exponent_v=") + exponent + ",exponent_u=" + exponent,
+                {"regular", "jittered"}, {"face", "average", "cubic"});
+    for (const Study& s : converge(o)) {
+      EXPECT_TRUE(s.holds()) << exponent << ' ' << s.mesh << ' ' << s.method << ' ' << s.quantity << ' '
+                             << s.order;
+      if (exponent[0] == '0') EXPECT_EQ(s.expected_order, 0);
+      if (exponent[0] == '1' && s.vertex_class == VertexClass::interior && s.method == "average" &&
+          s.mesh == "regular")
+        EXPECT_GT(s.expected_order, 0);
+    }
+  }
+}
+
 // Schwarz's lantern: normals of its faces stay off by atan(π² r / 2h · n/m²), n/m² = 1/4, whose limit
 // here is 51 degrees, however fine it is; so do bitangents along them. A catalogue surface that has none is
 // refused.

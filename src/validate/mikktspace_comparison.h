@@ -1,0 +1,31 @@
+// The stored tangents of a mesh beside MikkTSpace's of its own positions, normals and uvs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <darboux/validate.h>
+
+#include "angles.h"
+#include "mesh_under_test.h"
+
+namespace darboux {
+
+struct MikktspaceComparison {
+  MikkReport report;
+  std::size_t beyond = 0;  // corners that are off by more than the limit, poles left out
+  double worst_deg = 0;    // of those
+};
+
+// \param corners_of how many corners each vertex has \param raw the sign convention of the stored w
+MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
+                                             std::span<const VertexChecks> checks,
+                                             std::span<const std::uint32_t> corners_of, bool raw,
+                                             const ValidateOptions& options);
+
+// Of the stored tangent to m, MikkTSpace's, which there is: m.w != 0.
+Angles angles_to_mikktspace(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks,
+                            const Vec4<float>& m, bool raw);
+
+}  // namespace darboux
