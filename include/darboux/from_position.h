@@ -37,8 +37,8 @@ struct FromPosition : X {
             this->X::position(a, b);
           };
           static_assert(any_scalar,
-                        "expected template <class S> position(u, v) of any scalar S, with numbers as "
-                        "lift<S>(0.5); got one that does not take dual numbers");
+                        "expected template <class S> position(u, v) of any scalar S; got one that does not "
+                        "take dual numbers");
           if constexpr (any_scalar)
             return this->X::position(a, b);
           else

@@ -23,7 +23,7 @@ constexpr Choice<PointFormat, point_format_names.size()> point_formats{point_for
 struct EvalArguments {
   std::string surface;
   std::vector<std::string> at;
-  std::string grid, input, input_format, attributes, format = "table", output;
+  std::string grid, input, input_format, attributes, format, output;
 };
 
 std::vector<std::string> attribute_names() {
@@ -90,10 +90,20 @@ void write_grid(FrameWriter& writer, std::size_t columns, std::size_t rows, std:
   blocks.pass_on();
 }
 
+// As --format says, else by the extension of -o, else a table.
+FrameFormat format_of(const EvalArguments& arguments, const Common& common) {
+  if (common.json) return FrameFormat::json;
+  if (!arguments.format.empty()) return frame_formats.of(arguments.format);
+  const std::string extension = known_extension(
+      "-o", arguments.output, {".json", ".csv", ".f32", ".f64", ".npy", ".txt"}, ", or --format beside it");
+  return extension.empty() || extension == ".txt" ? FrameFormat::table
+                                                  : frame_formats.of(extension.substr(1));
+}
+
 void run_eval(const EvalArguments& arguments, const Common& common) {
   const AnySurface surface = surface_argument(arguments.surface);
   FrameWriterOptions options;
-  options.format = common.json ? FrameFormat::json : frame_formats.of(arguments.format);
+  options.format = format_of(arguments, common);
   options.attributes = choose(arguments.attributes, options.format);
   options.threads = common.threads;
   options.room = std::min(points_per_thread * static_cast<std::size_t>(common.threads), most_points);
@@ -160,9 +170,10 @@ void add_eval(CLI::App& app, Common& common) {
                      " [by the extension; csv for standard input]")
       ->check(point_formats.check());
   sub.add_option("--attributes", arguments->attributes, "separated by commas: " + joined(attribute_names()));
-  sub.add_option("--format", arguments->format,
-                 "table, json or csv; or plain numbers: f32, f64 (little-endian) or npy")
-      ->capture_default_str()
+  sub.add_option(
+         "--format", arguments->format,
+         "table, json or csv; or plain numbers: f32, f64 (little-endian) or npy [by the extension of -o; "
+         "table]")
       ->check(frame_formats.check());
   sub.add_option("-o,--output", arguments->output, "write to this file, whole or not at all");
   add_common(sub, common, "darboux eval sphere --grid 4x2 --attributes position,tangent4 --format csv");

@@ -295,6 +295,7 @@ void run_fit(const FitArguments& arguments, Common& common) {
   if (is_standard_output(arguments.frames))
     throw ParameterError("--frames",
                          expected_got("the name of a file", "-: standard output holds the report"));
+  known_extension("--frames", arguments.frames, {".csv", ".txt"});
   std::optional<OutputFile> frames;
   if (!arguments.frames.empty()) frames.emplace(arguments.frames);
 

@@ -272,6 +272,7 @@ void run(const PlanArguments& arguments, Common& common) {
   if (arguments.files.empty()) throw ParameterError("plan", "needs FILES or folders to read");
   if (is_standard_output(arguments.sarif))
     throw ParameterError("--sarif", expected_got("the name of a file", "-: standard output is taken"));
+  known_extension("--sarif", arguments.sarif, {".sarif", ".json"});
   std::vector<PlannedFile> files = files_to_plan(arguments.files);
   std::optional<TangentNeeds> before;
   if (!arguments.against.empty()) {

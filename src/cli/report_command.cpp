@@ -114,6 +114,7 @@ std::string format_of(const ReportArguments& arguments) {
 }
 
 void check(const ReportArguments& arguments, const OtherOutput& other, const Common& common) {
+  known_extension("--csv", arguments.csv, {".csv", ".txt"});
   const std::string names =
       "-o -, --csv -" + (other.option ? std::string(", ") + other.option + " -" : std::string());
   const int to_stdout = is_standard_output(arguments.output) + is_standard_output(arguments.csv) +

@@ -1,4 +1,5 @@
 // `darboux scene`: what one camera of a scene needs, evaluated; what was skipped.
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -486,8 +487,10 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
 }
 
 void run(const SceneArguments& arguments, Common& common) {
-  const std::string name = lower(arguments.file);
-  if (name.ends_with(".glb") || name.ends_with(".gltf"))
+  // Other meshes too, which are refused there with what to do.
+  const std::string extension = lower(std::filesystem::path(arguments.file).extension().string());
+  const auto meshes = asset_extensions();
+  if (std::find(meshes.begin(), meshes.end(), extension) != meshes.end())
     run_gltf(arguments, common);
   else
     run_surfaces(arguments, common);

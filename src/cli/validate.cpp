@@ -134,6 +134,8 @@ void run(const Arguments& arguments, Common& common) {
   for (const auto& [option, file] : {std::pair{"--sarif", &arguments.sarif}, {"--junit", &arguments.junit}})
     if (is_standard_output(*file))
       throw ParameterError(option, expected_got("the name of a file", "-: standard output is taken"));
+  known_extension("--sarif", arguments.sarif, {".sarif", ".json"});
+  known_extension("--junit", arguments.junit, {".xml"});
   AssessOptions options;
   options.max_angle_deg = arguments.max_angle;
   if (!(arguments.max_angle > 0) || arguments.max_angle > 180)

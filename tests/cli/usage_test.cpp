@@ -158,7 +158,12 @@ TEST_F(Cli, RefusesNamesOfOtherFormats) {
         converge + "--picture OUT.png", std::string("validate data/torus_016.three.glb --report OUT.pdf"),
         std::string("validate data/torus_016.three.glb --paint OUT.obj"),
         std::string("mesh sphere --grid 4x4 -o OUT.ply"),
-        std::string("tangents data/torus_016.none.glb -o OUT.obj")}) {
+        std::string("tangents data/torus_016.none.glb -o OUT.obj"),
+        std::string("eval sphere --at 0,0 -o OUT.html"), converge + "--csv OUT.html",
+        std::string("validate data/torus_016.three.glb --sarif OUT.html"),
+        std::string("validate data/torus_016.three.glb --junit OUT.json"),
+        std::string("plan data/torus_016.three.glb --sarif OUT.txt"),
+        std::string("fit data/torus_points.xyz --frames OUT.json")}) {
     const std::string extension = command.substr(command.find(" OUT") + 4);
     refused("darboux " + command, {"expected a name ", extension});
     EXPECT_FALSE(fs::exists(path("OUT" + extension)));
@@ -205,6 +210,25 @@ TEST_F(Cli, SaysWhatToDoWithStandardInput) {
       EXPECT_EQ(r.status, 2) << text;
       EXPECT_NE(r.err.find(got), std::string::npos) << text << '\n' << r.err;
     }
+}
+
+// The extension of -o says the format, as that of --input does.
+TEST_F(Cli, EvalWritesWhatTheNameOfItsOutputSays) {
+  for (const std::string format : {"json", "csv", "f32", "f64", "npy"}) {
+    good("darboux eval torus --grid 3x2 -o by_name." + format);
+    good("darboux eval torus --grid 3x2 --format " + format + " -o asked.bin");
+    EXPECT_EQ(read_bytes(path("by_name." + format)), read_bytes(path("asked.bin"))) << format;
+  }
+  const std::string table = good("darboux eval torus --grid 3x2");
+  for (const std::string name : {"table.txt", "table", "tmp.Ab12"}) {
+    good("darboux eval torus --grid 3x2 -o " + name);
+    EXPECT_EQ(read_bytes(path(name)), table) << name;
+  }
+  good("darboux eval torus --grid 3x2 --format csv -o other.html");
+}
+
+TEST_F(Cli, SceneSaysHowOtherFormatsBecomeGltf) {
+  refused("darboux scene data/torus_016.obj", {"torus_016.obj", "convert .obj to .glb first"});
 }
 
 TEST_F(Cli, TangentsSaysHowOtherFormatsBecomeGltf) {

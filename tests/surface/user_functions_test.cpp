@@ -49,6 +49,31 @@ TEST(PositionOnly, CurvesHaveTheDerivativesOfTheirClosedForm) {
     EXPECT_LE(distance(frame(by_hand, i / 16.0, 0.3), frame(by_position, i / 16.0, 0.3)), 1e-14);
 }
 
+// Numbers of the machine stand beside any scalar, nested dual numbers too: on either side, in comparisons,
+// and int as well as float. They are the same bits as lift<S>() of them.
+TEST(PositionOnly, NumbersNeedNoLift) {
+  const auto plain = []<class S>(const S& t) {
+    using std::exp;
+    return Vec3<S>{2 * t - 1, 0.5 * exp(-t) / 3.0F, t < 0.25 ? 1 - t * t : 1 / (t + 1)};
+  };
+  const auto lifted = []<class S>(const S& t) {
+    using std::exp;
+    const S one = lift<S>(1.0);
+    return Vec3<S>{lift<S>(2.0) * t - one, lift<S>(0.5) * exp(-t) / lift<S>(3.0),
+                   t < lift<S>(0.25) ? one - t * t : one / (t + one)};
+  };
+  const PositionCurve a{plain}, b{lifted};
+  for (const double t : {0.0, 0.125, 0.25, 0.7}) {
+    const CurveJet<double> x = a.jet(t), y = b.jet(t);
+    for (const auto& [p, q] :
+         {std::pair{x.position, y.position}, {x.first, y.first}, {x.second, y.second}, {x.third, y.third}}) {
+      EXPECT_EQ(p.x, q.x);
+      EXPECT_EQ(p.y, q.y);
+      EXPECT_EQ(p.z, q.z);
+    }
+  }
+}
+
 // Of curves without another formula the second formula of the surface takes the first; and lines that cross
 // each other half way make dpdu vanish there.
 TEST(PositionOnly, RuledSurfaceOfSuchCurves) {
