@@ -91,11 +91,12 @@ struct Study {
   /// where that are fewer than three.
   double order, order_low, order_high;
   double max_order;  ///< the same of the largest errors
-  /// 0: is not expected to converge, as where derivatives of the surface are unbounded at a vertex.
+  /// 0: is not expected to converge, as where derivatives of the surface are unbounded at a vertex, or
+  /// singular along a line.
   double expected_order;
   OrderVerdict verdict;
-  /// Whether the order, though below what is expected, still rises with the resolution: two more refinements,
-  /// each of which raises it as much as the last did, would bring it there. The meshes are too coarse to
+  /// Whether the order, though below what is expected, still rises to it: between the last two meshes what it
+  /// lacks, 0.15 allowed, is less by a fifth or more than between those before. The meshes are too coarse to
   /// tell.
   bool rises = false;
 

@@ -182,7 +182,7 @@ std::string orders_text(const std::vector<Study>& studies) {
     const auto row = [&](std::string_view first, const auto& cell) {
       std::string line = "  " + padded(std::string(first), 18);
       for (const std::string_view of_class : table.classes) line += ' ' + padded(cell(of_class), 20);
-      return std::string(trimmed_end(line)) + '\n';
+      return line.erase(line.find_last_not_of(' ') + 1) + '\n';
     };
     text += '\n' + table.surface + ", " + table.mesh + '\n';
     text += row("", [](std::string_view of_class) { return std::string(of_class); });

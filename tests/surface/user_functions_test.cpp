@@ -62,7 +62,8 @@ TEST(PositionOnly, NumbersNeedNoLift) {
     return Vec3<S>{lift<S>(2.0) * t - one, lift<S>(0.5) * exp(-t) / lift<S>(3.0),
                    t < lift<S>(0.25) ? one - t * t : one / (t + one)};
   };
-  const PositionCurve a{plain}, b{lifted};
+  const PositionCurve a{plain};
+  const PositionCurve b{lifted};
   for (const double t : {0.0, 0.125, 0.25, 0.7}) {
     const CurveJet<double> x = a.jet(t), y = b.jet(t);
     for (const auto& [p, q] :
