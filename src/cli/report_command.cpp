@@ -114,7 +114,6 @@ std::string format_of(const ReportArguments& arguments) {
 }
 
 void check(const ReportArguments& arguments, const OtherOutput& other, const Common& common) {
-  known_extension("--csv", arguments.csv, {".csv", ".txt"});
   const std::string names =
       "-o -, --csv -" + (other.option ? std::string(", ") + other.option + " -" : std::string());
   const int to_stdout = is_standard_output(arguments.output) + is_standard_output(arguments.csv) +
@@ -135,6 +134,7 @@ void check(const ReportArguments& arguments, const OtherOutput& other, const Com
         std::filesystem::weakly_canonical(std::filesystem::absolute(file), none).string(), option);
     if (!added) throw ParameterError(option, expected_got("another file than that of " + at->second, file));
   }
+  known_extension("--csv", arguments.csv, {".csv", ".txt"});
   if (!arguments.format.empty() && arguments.output.empty())
     throw ParameterError("--format", "expected -o FILE with it, got none");
   if (arguments.shard.empty()) return;

@@ -56,7 +56,9 @@ const std::map<std::string, std::string> folder_of_header{{"attributes", "base"}
                                                           {"vector", "base"},
                                                           {"adaptor", "surface"},
                                                           {"curve", "surface"},
+                                                          {"framed_curve", "surface"},
                                                           {"differentiate", "surface"},
+                                                          {"derivative", "surface"},
                                                           {"forms", "surface"},
                                                           {"shape_operator", "surface"},
                                                           {"curvature", "surface"},
@@ -70,6 +72,7 @@ const std::map<std::string, std::string> folder_of_header{{"attributes", "base"}
                                                           {"point", "surface"},
                                                           {"reparametrised", "surface"},
                                                           {"spline", "surface"},
+                                                          {"spline_patch", "surface"},
                                                           {"blocks", "evaluate"},
                                                           {"mesh_frames", "mesh/frames"},
                                                           {"point_cloud", "base"},
@@ -163,7 +166,7 @@ std::vector<Rule> rules(const Includes& tree) {
   const std::string surfaces = surface_headers(tree);
   return {
       {"a surface knows no engine", "surfaces/darboux/(?!catalogue\\.h).*",
-       std::string(standard) + "|darboux/(surface|scalar|vector|curve|spline)\\.h", ""},
+       std::string(standard) + "|darboux/(surface|scalar|vector|curve|framed_curve|spline_patch)\\.h", ""},
       {"the catalogue only lists", "surfaces/darboux/catalogue\\.h", surfaces, ""},
       {"the engine knows no particular surface", "include/.*", "", surfaces},
       {"binary, error and attributes stand below everything", "include/darboux/(binary|error|attributes)\\.h",
