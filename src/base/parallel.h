@@ -12,11 +12,31 @@
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
+#include "task_order.h"
+
 namespace darboux {
 
 /// Threads for an option in which 0 stands for all.
 inline std::size_t thread_count(int threads) {
   return static_cast<std::size_t>(threads == 0 ? tbb::info::default_concurrency() : threads);
+}
+
+/// f(k) for each k below n, a task each, in the caller's arena, whose workers stay awake from call to call.
+/// Isolated: a thread that waits takes no other task of the caller's, and its cancellation leaves nothing
+/// out.
+template <class F>
+void parallel_tasks(std::size_t n, const F& f) {
+  TaskOrder order;
+  tbb::task_group_context context(tbb::task_group_context::isolated);
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(
+        std::size_t{0}, n,
+        [&](std::size_t k) {
+          const TaskOrder::Task task(order);
+          f(k);
+        },
+        tbb::simple_partitioner{}, context);
+  });
 }
 
 /// How many ranges parallel_ranges() cuts [0, n) into: of `least` each at least.
@@ -25,20 +45,14 @@ constexpr std::size_t range_count(std::size_t n, std::size_t threads, std::size_
 }
 
 /// f(begin, end) over ranges that cover [0, n), on so many threads: each takes the next range when it has
-/// finished one. A thread that waits takes no other task of the caller's.
+/// finished one.
 template <class F>
 void parallel_ranges(std::size_t n, std::size_t threads, const F& f, std::size_t least = 1 << 15) {
   const std::size_t ranges = range_count(n, threads, least);
   if (ranges == 1) return f(std::size_t{0}, n);
   std::atomic<std::size_t> taken = 0;
-  tbb::task_group_context context(tbb::task_group_context::isolated);
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(
-        std::size_t{0}, std::min(threads, ranges),
-        [&](std::size_t) {
-          for (std::size_t k; (k = taken++) < ranges;) f(n * k / ranges, n * (k + 1) / ranges);
-        },
-        tbb::simple_partitioner{}, context);
+  parallel_tasks(std::min(threads, ranges), [&](std::size_t) {
+    for (std::size_t k; (k = taken++) < ranges;) f(n * k / ranges, n * (k + 1) / ranges);
   });
 }
 

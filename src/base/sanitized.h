@@ -1,15 +1,24 @@
 // Whether this build is watched by the address or the thread sanitizer.
 #pragma once
 
-namespace darboux {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // g++
-#define DARBOUX_SANITIZED
+// g++ defines macros, clang has features.
+#if defined(__SANITIZE_ADDRESS__)
+#define DARBOUX_ADDRESS_SANITIZER
+#elif defined(__SANITIZE_THREAD__)
+#define DARBOUX_THREAD_SANITIZER
 #elif defined(__clang__)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#if __has_feature(address_sanitizer)
+#define DARBOUX_ADDRESS_SANITIZER
+#elif __has_feature(thread_sanitizer)
+#define DARBOUX_THREAD_SANITIZER
+#endif
+#endif
+
+#if defined(DARBOUX_ADDRESS_SANITIZER) || defined(DARBOUX_THREAD_SANITIZER)
 #define DARBOUX_SANITIZED
 #endif
-#endif
+
+namespace darboux {
 
 #ifdef DARBOUX_SANITIZED
 inline constexpr bool sanitized = true;

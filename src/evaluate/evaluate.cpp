@@ -1,16 +1,10 @@
 #include <algorithm>
 #include <string>
 
-#include <tbb/blocked_range.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
-
 #include <darboux/error.h>
 #include <darboux/evaluate.h>
 
+#include "base/parallel.h"
 #include "worker.h"
 
 namespace darboux {
@@ -35,26 +29,16 @@ StatusSummary evaluate_all(const detail::ErasedSurface<T>& surface, const Points
   if (options.threads < 0)
     throw ParameterError("threads", "expected 0 (all) or more, got " + std::to_string(options.threads));
   const evaluation::Call<T> call(surface, points, outputs, options);
-  const std::size_t wanted = options.threads == 0 ? static_cast<std::size_t>(tbb::info::default_concurrency())
-                                                  : static_cast<std::size_t>(options.threads);
-  const std::size_t threads = std::min({wanted, n / least_per_thread, std::size_t{1024}});
+  const std::size_t threads =
+      std::min({thread_count(options.threads), n / least_per_thread, std::size_t{1024}});
   if (threads <= 1) return evaluation::Worker<T>(call, n).run(0, n);
   std::array<StatusSummary, 1024> part;
   const auto begin_of = [&](std::size_t k) {
     return k == threads ? n : n / threads * k / kernels::batch_size<T> * kernels::batch_size<T>;
   };
-  // In the caller's arena, whose workers stay awake from call to call; as many chunks as threads keep no more
-  // busy. Isolated: no other task of the caller begins here, and its cancellation leaves nothing out.
-  tbb::task_group_context context(tbb::task_group_context::isolated);
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, threads, 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-          for (std::size_t k = range.begin(); k < range.end(); ++k)
-            part[k] =
-                evaluation::Worker<T>(call, begin_of(k + 1) - begin_of(k)).run(begin_of(k), begin_of(k + 1));
-        },
-        tbb::simple_partitioner{}, context);
+  // As many chunks as threads: more keep no more busy.
+  parallel_tasks(threads, [&](std::size_t k) {
+    part[k] = evaluation::Worker<T>(call, begin_of(k + 1) - begin_of(k)).run(begin_of(k), begin_of(k + 1));
   });
   StatusSummary total;
   for (std::size_t k = 0; k < threads; ++k) {
