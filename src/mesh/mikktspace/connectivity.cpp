@@ -161,7 +161,7 @@ void Connectivity::list_corners() {
   at_vertex_ = memory_.take<Index>(3 * good_);
   const std::span<Index> all_next = reused<Index>(scratch_, ids);
   // Each thread has some of the ids and looks at all corners; many threads would look too often.
-  const std::size_t parts = std::min<std::size_t>(threads_, 8);
+  const std::size_t parts = ids < least_counted ? 1 : std::min<std::size_t>(threads_, 8);
   const auto of_ids = [&](const auto& f) { parallel_ranges(ids, parts, f, ids / parts + 1); };
   of_ids([&](std::size_t first, std::size_t last) {
     std::ranges::fill(begin_.subspan(first, last - first), 0);

@@ -29,10 +29,14 @@ constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
 }
 
+// How many a thread is woken for, at least: some 50 microseconds of work.
+constexpr std::size_t least_welded = 4096, least_triangles = 2048, least_served = 1024,
+                      least_counted = 1 << 14;
+
 // Ids are handed out a few at a time to each range of vertices, so that some are left unused.
 constexpr Index ids_at_a_time = 256;
 constexpr std::size_t most_ids(std::size_t vertices, std::size_t threads) {
-  return vertices + ids_at_a_time * range_count(vertices, threads);
+  return vertices + ids_at_a_time * range_count(vertices, threads, least_welded);
 }
 
 // Each edge of a run of equal ones takes the first after it that is left and passes the other way: pair(i,

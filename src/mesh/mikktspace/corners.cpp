@@ -46,20 +46,23 @@ void Connectivity::differentiate(bool lengths) {
   if (lengths) lengths_ = memory_.take<Lengths>(good_);
   const auto arc_cosine = [](float x) { return static_cast<float>(std::acos(static_cast<double>(x))); };
   std::atomic<bool> any = false;
-  parallel_ranges(good_, threads_, [&](std::size_t begin, std::size_t end) {
-    constexpr std::size_t most = 256;
-    std::array<Index, 3 * most> vertices;
-    for (std::size_t first = begin; first < end; first += most) {
-      const std::size_t count = std::min(most, end - first);
-      for (std::size_t k = 0; k < 3 * count; ++k) vertices[k] = source(3 * first + k);
-      if (lanes_.differentiate({mesh_.positions.data(), mesh_.normals.data(), mesh_.uvs.data(),
-                                static_cast<Index>(mesh_.vertex_count() - 1), vertices.data(), count,
-                                range_.scale, range_.shrink_positions, range_.shrink_uvs, arc_cosine,
-                                directions_.data() + first, orientation_.data() + first,
-                                lengths ? lengths_.data() + first : nullptr}))
-        any = true;
-    }
-  });
+  parallel_ranges(
+      good_, threads_,
+      [&](std::size_t begin, std::size_t end) {
+        constexpr std::size_t most = 256;
+        std::array<Index, 3 * most> vertices;
+        for (std::size_t first = begin; first < end; first += most) {
+          const std::size_t count = std::min(most, end - first);
+          for (std::size_t k = 0; k < 3 * count; ++k) vertices[k] = source(3 * first + k);
+          if (lanes_.differentiate({mesh_.positions.data(), mesh_.normals.data(), mesh_.uvs.data(),
+                                    static_cast<Index>(mesh_.vertex_count() - 1), vertices.data(), count,
+                                    range_.scale, range_.shrink_positions, range_.shrink_uvs, arc_cosine,
+                                    directions_.data() + first, orientation_.data() + first,
+                                    lengths ? lengths_.data() + first : nullptr}))
+            any = true;
+        }
+      },
+      least_triangles);
   any_ = any;
   // Both triangles of a quad have one orientation: that of the larger in the uvs.
   if (mesh_.face_sizes.empty()) return;

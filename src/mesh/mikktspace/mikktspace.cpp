@@ -278,13 +278,16 @@ void Tangents::serve_in_lanes(std::size_t begin, std::size_t end, Scratch& x, Pu
 template <class Put, class Copy>
 void Tangents::of_corners(const Put& put, const Copy& copy) const {
   const bool in_lanes = lengths_.empty() && cosine_ <= -1;
-  parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
-    Scratch scratch;
-    Put mine = put;
-    if (in_lanes) return serve_in_lanes(begin, end, scratch, mine);
-    for (std::size_t id = begin; id < end; ++id)
-      if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, mine);
-  });
+  parallel_ranges(
+      ids_, threads_,
+      [&](std::size_t begin, std::size_t end) {
+        Scratch scratch;
+        Put mine = put;
+        if (in_lanes) return serve_in_lanes(begin, end, scratch, mine);
+        for (std::size_t id = begin; id < end; ++id)
+          if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, mine);
+      },
+      mikk::least_served);
   // A degenerate triangle takes over what the first good corner at the vertex has.
   for (std::size_t at = 3 * good_; at < 3 * all_; ++at)
     if (alone_[at / 3] == 0)

@@ -132,57 +132,60 @@ bool Connectivity::weld_with(std::span<Place> table, std::size_t most_steps) {
   });
   std::atomic<bool> full = false, joined = false, mixed_zeros = false;
   std::atomic<Index> ids = 0;
-  parallel_ranges(id_.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    // Some at a time: their places are fetched while hashes are taken, then the vertices there.
-    constexpr std::size_t at_a_time = 64;
-    std::array<std::uint64_t, at_a_time> hashes;
-    const Vertices vertices(mesh_);
-    Place* const places = table.data();
-    Index *const id_of = id_.data(), *const stands_for = stands_for_.data();
-    const std::size_t mask = table.size() - 1;
-    Numbers numbers(ids);
-    bool some = false, mixed = false;
-    for (std::size_t first = begin; first < end; first += at_a_time) {
-      const std::size_t count = std::min(at_a_time, end - first);
-      for (std::size_t i = 0; i < count; ++i) {
-        hashes[i] = vertices.hash(first + i);
-        __builtin_prefetch(&places[hashes[i] & mask]);
-      }
-      for (std::size_t i = 0; i < count; ++i) {
-        const Place there = Access::load(places[hashes[i] & mask]);
-        if (there != empty && same_half(there, hashes[i])) vertices.prefetch(vertex_in(there));
-      }
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t v = first + i;
-        const std::uint64_t hash = hashes[i];
-        for (std::size_t at = hash & mask, steps = 0;; at = (at + 1) & mask, ++steps) {
-          if (steps > most_steps) {
-            full = true;
-            return;
+  parallel_ranges(
+      id_.size(), threads_,
+      [&](std::size_t begin, std::size_t end) {
+        // Some at a time: their places are fetched while hashes are taken, then the vertices there.
+        constexpr std::size_t at_a_time = 64;
+        std::array<std::uint64_t, at_a_time> hashes;
+        const Vertices vertices(mesh_);
+        Place* const places = table.data();
+        Index *const id_of = id_.data(), *const stands_for = stands_for_.data();
+        const std::size_t mask = table.size() - 1;
+        Numbers numbers(ids);
+        bool some = false, mixed = false;
+        for (std::size_t first = begin; first < end; first += at_a_time) {
+          const std::size_t count = std::min(at_a_time, end - first);
+          for (std::size_t i = 0; i < count; ++i) {
+            hashes[i] = vertices.hash(first + i);
+            __builtin_prefetch(&places[hashes[i] & mask]);
           }
-          Place there = Access::load(places[at]);
-          if (there == empty) {
-            const Index id = numbers.next();
-            id_of[v] = id;
-            stands_for[id] = static_cast<Index>(v);
-            if (Access::take(places[at], there, place_of(hash, v))) {
-              numbers.take();
+          for (std::size_t i = 0; i < count; ++i) {
+            const Place there = Access::load(places[hashes[i] & mask]);
+            if (there != empty && same_half(there, hashes[i])) vertices.prefetch(vertex_in(there));
+          }
+          for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t v = first + i;
+            const std::uint64_t hash = hashes[i];
+            for (std::size_t at = hash & mask, steps = 0;; at = (at + 1) & mask, ++steps) {
+              if (steps > most_steps) {
+                full = true;
+                return;
+              }
+              Place there = Access::load(places[at]);
+              if (there == empty) {
+                const Index id = numbers.next();
+                id_of[v] = id;
+                stands_for[id] = static_cast<Index>(v);
+                if (Access::take(places[at], there, place_of(hash, v))) {
+                  numbers.take();
+                  break;
+                }
+              }
+              if (!same_half(there, hash)) continue;
+              const int same = vertices.compare(vertex_in(there), v);
+              if (same == 0) continue;
+              some = true;
+              mixed = mixed || same == 2;
+              id_of[v] = id_of[vertex_in(there)];
               break;
             }
           }
-          if (!same_half(there, hash)) continue;
-          const int same = vertices.compare(vertex_in(there), v);
-          if (same == 0) continue;
-          some = true;
-          mixed = mixed || same == 2;
-          id_of[v] = id_of[vertex_in(there)];
-          break;
         }
-      }
-    }
-    if (some) joined = true;
-    if (mixed) mixed_zeros = true;
-  });
+        if (some) joined = true;
+        if (mixed) mixed_zeros = true;
+      },
+      least_welded);
   ids_ = ids;
   joined_ = joined;
   mixed_zeros_ = mixed_zeros;
@@ -195,7 +198,8 @@ void Connectivity::weld() {
   stands_for_ = memory_.take<Index>(most_ids(n, threads_));
   const std::span<Place> table = reused<Place>(scratch_, enough);
   const auto with = [&](std::span<Place> places, std::size_t most_steps) {
-    return threads_ <= 1 ? weld_with<Alone>(places, most_steps) : weld_with<Shared>(places, most_steps);
+    return range_count(n, threads_, least_welded) == 1 ? weld_with<Alone>(places, most_steps)
+                                                       : weld_with<Shared>(places, most_steps);
   };
   // Vertices of a triangle soup are mostly sixfold: a table that is a third full then at most, and soon in
   // the caches.
