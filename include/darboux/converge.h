@@ -91,21 +91,17 @@ struct Study {
   /// where that are fewer than three.
   double order, order_low, order_high;
   double max_order;  ///< the same of the largest errors
-  /// 0: is not expected to converge, as where derivatives of the surface are unbounded at a vertex, or
-  /// singular along a line.
+  /// 0: is not expected to converge. So it is of a surface whose partials are zero, parallel or not finite
+  /// along a line of u or v, as far as multiples of 1/16 show it.
   double expected_order;
   OrderVerdict verdict;
-  /// Whether the order, though below what is expected, still rises to it: between the last two meshes what it
-  /// lacks, 0.15 allowed, is less by a fifth or more than between those before. The meshes are too coarse to
-  /// tell.
-  bool rises = false;
 
   /// Whether the largest error falls, also where the rms does only because what is wrong is rare.
   bool max_converges() const { return !(max_order < least_order); }
-  /// Whether it does at least what was expected, as far as these resolutions tell.
+  /// Whether it does at least what was expected.
   bool holds() const {
-    return rises || (verdict != OrderVerdict::slower &&
-                     (verdict != OrderVerdict::does_not_converge || expected_order == 0));
+    return verdict != OrderVerdict::slower &&
+           (verdict != OrderVerdict::does_not_converge || expected_order == 0);
   }
 };
 

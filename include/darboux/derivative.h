@@ -37,7 +37,7 @@ inline std::string name(DerivativeMethod method, int order = 0) {
 /// What derivative() is asked for.
 struct DerivativeRequest {
   double error;       ///< the absolute error wanted
-  double length = 1;  ///< of f, as above
+  double length = 1;  ///< of f: see differentiate.h
   Interval domain{};  ///< f is evaluated nowhere else
 };
 

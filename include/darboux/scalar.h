@@ -218,11 +218,11 @@ struct Dual {
       : value(constant), derivative{} {
     derivative.fill(lift<T>(0.0));
   }
-  /// A number of the machine, also where T is a dual number itself: 0.5 * exp(x).
+  /// A constant of an arithmetic type, also where T is a dual number itself: 0.5 * exp(x).
   template <class A>
   requires(std::is_arithmetic_v<A> && !std::same_as<A, T>) constexpr explicit(false)
       Dual(A constant)  // NOLINT: as above
-      : Dual(lift<T>(static_cast<double>(constant))) {}
+      : Dual(lift<T>(constant)) {}
   constexpr Dual(const T& v, const std::array<T, N>& d) : value(v), derivative(d) {}
   /// The k-th variable at x.
   static constexpr Dual variable(const T& x, int k) {

@@ -1,6 +1,6 @@
 /// \file spline_patch.h
-/// What Bézier and B-spline patches share: the window of a control net at (u, v), its columns, and the jet of
-/// their tensor product, rational or not.
+/// What Bézier and B-spline patches share: the window of a control net at (u, v), its columns, and the jet
+/// of their tensor product, rational or not.
 #pragma once
 
 #include <array>

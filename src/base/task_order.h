@@ -1,5 +1,5 @@
-// What a loop of tasks orders, told to the thread sanitizer: oneTBB, which orders it, is compiled without.
-// Else nothing.
+// Tells the thread sanitizer what a loop of tasks orders, as oneTBB, which orders it, is compiled without it.
+// In other builds it does nothing.
 #pragma once
 
 #include "sanitized.h"

@@ -19,6 +19,7 @@ void add_merge(CLI::App& app, Common& common) {
       ->capture_default_str();
   add_common(sub, common, "darboux merge shard-1.jsonl shard-2.jsonl -o results.jsonl");
   sub.callback([arguments, &common] {
+    known_extension("-o", arguments->output, {".jsonl", ".json", ".txt"});
     const std::string text = merge_results(arguments->results, DARBOUX_VERSION);
     if (common.json && is_standard_output(arguments->output))
       throw ParameterError("--json", "expected -o FILE for the results beside it, got none");

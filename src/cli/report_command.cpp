@@ -135,6 +135,7 @@ void check(const ReportArguments& arguments, const OtherOutput& other, const Com
     if (!added) throw ParameterError(option, expected_got("another file than that of " + at->second, file));
   }
   known_extension("--csv", arguments.csv, {".csv", ".txt"});
+  known_extension("--results", arguments.results, {".jsonl", ".json", ".txt"});
   if (!arguments.format.empty() && arguments.output.empty())
     throw ParameterError("--format", "expected -o FILE with it, got none");
   if (arguments.shard.empty()) return;

@@ -1,11 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
-#include <span>
+#include <optional>
 
 #include <darboux/converge.h>
 #include <darboux/error.h>
@@ -40,7 +40,6 @@ constexpr MeshFamily families[] = {
 constexpr double above_floor = 10;    // a level is used where its rms is this many times its floor
 constexpr std::size_t fit_least = 3;  // levels without which there is no order
 constexpr double tolerance = 0.15;    // of an order
-constexpr double shrinks = 0.8;  // what an order lacks, by a refinement, where it rises to what is expected
 constexpr double orthogonal_below =
     1e-9;  // |cos| between dpdu and dpdv, and what their lengths differ by: far above rounding
 // Positions and uvs rounded once to float: an edge errs by 2^-24 |P|, a tangent by twice that over the edge.
@@ -72,7 +71,7 @@ struct Reference {
   Chart chart = Chart::conformal;            // the narrowest kind that holds everywhere, by the stored uvs
   Chart unsheared_chart = Chart::conformal;  // the same by u and v themselves
   bool has_pole = false;
-  bool is_regular = true;  // the chart, but for single points: derivatives are bounded, and vanish on no line
+  bool has_singular_line = false;
 };
 
 double floor_deg(const Mesh& mesh) {
@@ -105,16 +104,28 @@ Chart chart_at(const Sample<double>& sample, double du_dstored, const Vec3<doubl
   return std::fabs(norm(along_v) / along_u - 1) > orthogonal_below ? Chart::orthogonal : Chart::conformal;
 }
 
-// Whether an edge joins two singular vertices in different places.
-bool has_singular_line(const Mesh& mesh, const std::vector<bool>& is_pole) {
+// Whether partials are not finite, zero or parallel along a line: at two neighbours, in different places, of
+// the grid of sixteenths of u and v.
+bool has_singular_line(const AnySurface& surface, double v_first, double v_last) {
+  constexpr int n = 16;
   constexpr double same_place = 1e-9;  // of the distance from the origin: far above rounding
-  for (const Triangle& triangle : mesh.triangles)
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];
-      if (!is_pole[a] || !is_pole[b]) continue;
-      const Vec3<double>&p = mesh.positions[a], &q = mesh.positions[b];
-      if (norm(p - q) > same_place * std::max(norm(p), norm(q))) return true;
+  std::array<std::optional<Vec3<double>>, n + 1> below, row;  // positions where it is singular
+  const auto apart = [&](const auto& a, const auto& b) {
+    return a && b && norm(*a - *b) > same_place * std::max(norm(*a), norm(*b));
+  };
+  for (int j = 0; j <= n; ++j) {
+    const double v = j / double{n};
+    if (v < v_first || v > v_last) continue;
+    for (int i = 0; i <= n; ++i) {
+      const Sample<double> s = surface.sample(i / double{n}, v);
+      const bool finite = detail::finite(s.jet.dpdu) && detail::finite(s.jet.dpdv);
+      const bool singular =
+          !finite || has(s.frame.status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel);
+      row[i] = singular && detail::finite(s.jet.position) ? std::optional(s.jet.position) : std::nullopt;
+      if (apart(row[i], below[i]) || (i > 0 && apart(row[i], row[i - 1]))) return true;
     }
+    below = row;
+  }
   return false;
 }
 
@@ -136,9 +147,6 @@ Reference make_reference(const ConvergeOptions& options, const ConvergeJob& job)
       surface, mesh_options(family, job.resolution, options.seed + static_cast<std::uint64_t>(job.mesh),
                             options.v_first, options.v_last));
   std::vector<bool> is_pole;
-  const auto is_unbounded = [](const Sample<double>& s) {
-    return detail::finite(s.jet.position) && !(detail::finite(s.jet.dpdu) && detail::finite(s.jet.dpdv));
-  };
   for (std::size_t i = 0; i < r.mesh.uvs.size(); ++i) {
     const Vec2<double>& stored = r.mesh.uvs[i];
     const auto [sample, du_dstored] =
@@ -153,12 +161,11 @@ Reference make_reference(const ConvergeOptions& options, const ConvergeJob& job)
          !has(status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero)});
     is_pole.push_back(has(status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel));
     r.has_pole = r.has_pole || is_pole.back();
-    r.is_regular = r.is_regular && !is_unbounded(sample);
     if (is_pole.back()) continue;
     r.chart = std::min(r.chart, chart_at(sample, du_dstored, along_v));
     r.unsheared_chart = std::min(r.unsheared_chart, chart_at(sample, du_dstored, sample.jet.dpdv));
   }
-  r.is_regular = r.is_regular && !has_singular_line(r.mesh, is_pole);
+  r.has_singular_line = has_singular_line(surface, options.v_first, options.v_last);
   r.vertex_class = classify(r.mesh, is_pole).of_vertex;
   r.floor_deg = floor_deg(r.mesh);
   r.h = mean_edge(r.mesh);
@@ -190,7 +197,7 @@ bool answers(const FrameMethod& method, std::size_t quantity) {
 
 double expected_order(const FrameMethod& method, const MeshFamily& family, VertexClass vertex_class,
                       std::size_t quantity, const Reference& reference) {
-  if (promises_nothing(family, reference.has_pole) || !reference.is_regular) return 0;
+  if (promises_nothing(family, reference.has_pole) || reference.has_singular_line) return 0;
   const bool irregular = family.is_random();
   const auto of_family = [&](const ExpectedOrders& orders) {
     return irregular ? orders.jittered : orders.regular;
@@ -233,23 +240,6 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   return std::min(order, beside_poles + (irregular && beside_poles < 1 ? 0.25 : 0.5));
 }
 
-// Whether an order below the expected one still rises towards it. \param rms of the levels that are used,
-// coarse to fine
-bool order_rises(std::span<const ErrorsAtWidth> rms, double expected) {
-  if (rms.size() < fit_least) return false;
-  const auto level_order = [&](std::size_t fine) {
-    const auto mean = [](const ErrorsAtWidth& w) {
-      return std::sqrt(std::inner_product(w.errors.begin(), w.errors.end(), w.errors.begin(), 0.0) /
-                       static_cast<double>(w.errors.size()));
-    };
-    const ErrorsAtWidth &above = rms[fine - 1], &below = rms[fine];
-    return std::log(mean(above) / mean(below)) / std::log(above.h / below.h);
-  };
-  const double before = expected - tolerance - level_order(rms.size() - 2),
-               last = expected - tolerance - level_order(rms.size() - 1);
-  return before > 0 && last <= shrinks * before;
-}
-
 OrderVerdict judge_order(const Study& study) {
   if (std::isnan(study.order)) return OrderVerdict::at_the_floor;
   const double expected = study.expected_order;
@@ -281,7 +271,6 @@ void conclude(Study& study) {
   study.order_high = estimate.high;
   study.max_order = estimate_order(max).order;
   study.verdict = judge_order(study);
-  study.rises = !study.holds() && order_rises(rms, study.expected_order);
 }
 
 // Several random meshes of one resolution as one level.

@@ -36,7 +36,7 @@ StatusSummary evaluate_all(const detail::ErasedSurface<T>& surface, const Points
   const auto begin_of = [&](std::size_t k) {
     return k == threads ? n : n / threads * k / kernels::batch_size<T> * kernels::batch_size<T>;
   };
-  // As many chunks as threads: more keep no more busy.
+  // One chunk per thread: more would keep no more threads busy.
   parallel_tasks(threads, [&](std::size_t k) {
     part[k] = evaluation::Worker<T>(call, begin_of(k + 1) - begin_of(k)).run(begin_of(k), begin_of(k + 1));
   });

@@ -60,9 +60,7 @@ Json study_row(const Study& s, std::size_t surface, std::size_t mesh, std::size_
           s.expected_order,
           shown(s.max_order),
           static_cast<std::size_t>(s.verdict),
-          s.rises     ? 2
-          : s.holds() ? 1
-                      : 0,
+          s.holds() ? 1 : 0,
           shown(s.levels.back().floor_deg, 2),
           s.levels.size() == grid.size() ? Json(nullptr) : at,
           rms,
@@ -153,8 +151,7 @@ constexpr std::string_view tables = R"html(</div>
 <p class=soft id=at-floor aria-live=polite></p>
 <h2 id=map-of>Orders</h2>
 <p class=soft>By method, mesh and class of vertices. The stronger the colour, the higher the order; exact: the
-error is nothing but rounding; ×: does not converge; △: below what is expected so far, but still rising to it;
-red: below what is expected. A click shows the curve.</p>
+error is nothing but rounding; ×: does not converge; red: below what is expected. A click shows the curve.</p>
 <div class=scroll><table class=map id=map></table></div>
 </section>
 <section class=card>

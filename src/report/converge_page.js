@@ -23,8 +23,7 @@
           expected,
           max_order,
           verdict: data.verdicts[verdict],
-          holds: holds !== 0,
-          rises: holds === 2,
+          holds: holds === 1,
           floor,
           exact: order === null,
           levels: places.map((k, i) => ({
@@ -54,7 +53,6 @@
   const interval = s => s.exact ? '–' : fixed(s.low) + ' to ' + fixed(s.high);
   const never = s => s.verdict === 'does not converge';
   const verdict = s => {
-    if (s.rises) return `△ ${s.verdict}, but still rising to what is expected`;
     const symbol = s.exact     ? '–' :
         never(s)               ? '×' :
         s.verdict === 'slower' ? '▼' :
@@ -192,7 +190,6 @@
   // ---- the map: method by mesh and class
   const step = s => !s.holds ? 's4' :
       s.exact                ? 'good' :
-      s.rises                ? 'plain' :
       never(s)               ? 'plain' :
       s.order < 0.75         ? 's0' :
       s.order < 1.25         ? 's1' :
@@ -244,7 +241,7 @@
             s, verdict(s),
             'link verdict ' +
                 (!s.holds                ? 'bad' :
-                     s.exact || s.rises || never(s) ? 'plain' :
+                     s.exact || never(s) ? 'plain' :
                                            'good')));
     return element(
         'tr', {className: 'study'}, element('th', {scope: 'row', textContent: s.method}),

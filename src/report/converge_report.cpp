@@ -68,8 +68,7 @@ nlohmann::ordered_json studies_json(const std::vector<Study>& studies) {
                     {"expected_order", s.expected_order},
                     {"floor_deg", s.levels.back().floor_deg},
                     {"floors_deg", column(&Level::floor_deg)},
-                    {"verdict", verdict_name(s)},
-                    {"rises", s.rises}});
+                    {"verdict", verdict_name(s)}});
   }
   return list;
 }
@@ -78,7 +77,7 @@ std::string studies_csv(const std::vector<Study>& studies) {
   std::string text =
       "surface,mesh,method,class,quantity,resolution,h,max_deg,rms_deg,rms_deg_least,rms_deg_most,p95_deg,"
       "floor_deg,seconds,corners,fallback_corners,used,order,order_low,order_high,max_order,expected_order,"
-      "verdict,rises\r\n";
+      "verdict\r\n";
   for (const Study& s : studies)
     for (const Level& l : s.levels) {
       for (const std::string_view field :
@@ -92,7 +91,7 @@ std::string studies_csv(const std::vector<Study>& studies) {
           ',' + std::to_string(l.corners) + ',' + std::to_string(l.fallback) + (l.used ? ",true" : ",false");
       for (const double x : {s.order, s.order_low, s.order_high, s.max_order, s.expected_order})
         text += ',' + csv_number(x);
-      text += ',' + csv_text(verdict_name(s)) + (s.rises ? ",true\r\n" : ",false\r\n");
+      text += ',' + csv_text(verdict_name(s)) + "\r\n";
     }
   return text;
 }
@@ -100,21 +99,18 @@ std::string studies_csv(const std::vector<Study>& studies) {
 std::string verdict_summary(const std::vector<Study>& studies) {
   std::string text = std::to_string(studies.size()) + (studies.size() == 1 ? " study" : " studies");
   const char* separator = ": ";
-  const auto add_those = [&](const auto& counts, const char* words) {
-    const auto count = std::count_if(studies.begin(), studies.end(), counts);
+  const auto add = [&](OrderVerdict verdict, bool holds, const char* words) {
+    const auto count = std::count_if(studies.begin(), studies.end(), [&](const Study& s) {
+      return s.verdict == verdict && s.holds() == holds;
+    });
     if (count == 0) return;
     text += separator + std::to_string(count) + ' ' + words;
     separator = ", ";
-  };
-  const auto add = [&](OrderVerdict verdict, bool holds, const char* words) {
-    add_those([&](const Study& s) { return s.verdict == verdict && s.holds() == holds && !s.rises; }, words);
   };
   add(OrderVerdict::as_expected, true, "as expected");
   add(OrderVerdict::faster, true, "faster");
   add(OrderVerdict::at_the_floor, true, "at the floor");
   add(OrderVerdict::does_not_converge, true, "not converging, as expected");
-  add_those([](const Study& s) { return s.rises; },
-            "slower, but rising to what is expected (finer --resolutions would show it)");
   add(OrderVerdict::slower, false, "slower than expected");
   add(OrderVerdict::does_not_converge, false, "not converging, though expected to");
   const auto rare = std::count_if(studies.begin(), studies.end(), [](const Study& s) {
@@ -139,13 +135,11 @@ struct OrderTable {
   }
 };
 
-// "2.00 [1.99, 2.01] !": !: less than expected; ^: so far, as it still rises; *: the largest error does not
-// converge
+// "2.00 [1.99, 2.01] !": !: less than expected; *: the largest error does not converge
 std::string order_cell(const Study& s) {
   if (s.verdict == OrderVerdict::at_the_floor) return "at the floor";
-  const std::string mark = !s.holds() ? " !" : s.rises ? " ^" : s.max_converges() ? "" : " *";
-  if (s.verdict == OrderVerdict::does_not_converge)
-    return s.expected_order == 0 ? "does not converge" : "none" + mark;
+  const std::string mark = !s.holds() ? " !" : s.max_converges() ? "" : " *";
+  if (s.verdict == OrderVerdict::does_not_converge) return s.holds() ? "does not converge" : "none" + mark;
   return fixed(s.order) + " [" + fixed(s.order_low) + ", " + fixed(s.order_high) + ']' + mark;
 }
 
@@ -174,10 +168,9 @@ std::vector<OrderTable> order_tables(const std::vector<Study>& studies) {
 
 std::string orders_text(const std::vector<Study>& studies) {
   std::string text =
-      "Order of convergence of the tangents, with its 95 % interval; !: below what is expected; ^: so far, "
-      "as "
-      "it\n"
-      "still rises; *: the largest error does not converge:\n";
+      "Order of convergence of the tangents, with its 95 % interval; !: below what is expected; *: the "
+      "largest\n"
+      "error does not converge:\n";
   for (const OrderTable& table : order_tables(studies)) {
     const auto row = [&](std::string_view first, const auto& cell) {
       std::string line = "  " + padded(std::string(first), 18);
@@ -196,9 +189,12 @@ std::vector<std::string> unexpected(const std::vector<Study>& studies) {
   std::vector<std::string> lines;
   for (const Study& s : studies) {
     if (s.holds()) continue;
-    char numbers[80];
-    std::snprintf(numbers, sizeof numbers, "order %.2f [%.2f, %.2f], expected %g", s.order, s.order_low,
-                  s.order_high, s.expected_order);
+    const Level &coarse = s.levels[s.levels.size() - 2], &fine = s.levels.back();
+    char numbers[160];
+    std::snprintf(numbers, sizeof numbers,
+                  "order %.2f [%.2f, %.2f], %.2f between the two finest meshes, expected %g", s.order,
+                  s.order_low, s.order_high,
+                  std::log(coarse.rms_deg / fine.rms_deg) / std::log(coarse.h / fine.h), s.expected_order);
     lines.push_back(std::string(verdict_name(s)) + ": " + s.surface + ", " + std::string(s.mesh) + " mesh, " +
                     std::string(s.method) + ", " + std::string(s.quantity) + " of the " +
                     std::string(class_name(s)) + ": " + numbers);
@@ -248,7 +244,7 @@ std::string levels_markdown(const std::vector<Study>& studies, const OrderTable&
 std::string converge_markdown(const std::vector<Study>& studies, const Provenance& p) {
   std::string text = "# Orders of convergence\n\n" + verdict_summary(studies) +
                      ".\n\nOf the tangents: orders with their 95 % intervals, errors, run times. !: below "
-                     "what is expected; ^: so far, as it still rises; *: the largest error "
+                     "what is expected; *: the largest error "
                      "does not converge.\n";
   for (const OrderTable& table : order_tables(studies)) {
     text += "\n## " + table.surface + ", " + table.mesh + "\n\n| method |";

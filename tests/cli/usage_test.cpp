@@ -160,6 +160,7 @@ TEST_F(Cli, RefusesNamesOfOtherFormats) {
         std::string("mesh sphere --grid 4x4 -o OUT.ply"),
         std::string("tangents data/torus_016.none.glb -o OUT.obj"),
         std::string("eval sphere --at 0,0 -o OUT.html"), converge + "--csv OUT.html",
+        converge + "--results OUT.csv", std::string("merge shard.jsonl -o OUT.html"),
         std::string("validate data/torus_016.three.glb --sarif OUT.html"),
         std::string("validate data/torus_016.three.glb --junit OUT.json"),
         std::string("plan data/torus_016.three.glb --sarif OUT.txt"),
@@ -225,6 +226,7 @@ TEST_F(Cli, EvalWritesWhatTheNameOfItsOutputSays) {
     EXPECT_EQ(read_bytes(path(name)), table) << name;
   }
   good("darboux eval torus --grid 3x2 --format csv -o other.html");
+  EXPECT_EQ(read_bytes(path("other.html")), read_bytes(path("by_name.csv")));
 }
 
 TEST_F(Cli, SceneSaysHowOtherFormatsBecomeGltf) {

@@ -1,5 +1,6 @@
 // Curves and graphs of functions by users: their derivatives, and functions that fail.
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -73,6 +74,16 @@ TEST(PositionOnly, NumbersNeedNoLift) {
       EXPECT_EQ(p.z, q.z);
     }
   }
+}
+
+// No digit that the value's type has is lost on the way.
+TEST(PositionOnly, NumbersAreAsExactAsTheScalar) {
+  constexpr std::int64_t odd = (std::int64_t{1} << 53) + 1;  // no double
+  using Wide = Dual<long double, 1>;
+  EXPECT_EQ(Wide(odd).value, static_cast<long double>(odd));
+  EXPECT_EQ(Wide(0.1L).value, 0.1L);
+  EXPECT_EQ((Dual<Wide, 1>(odd).value.value), static_cast<long double>(odd));
+  EXPECT_EQ((Dual<float, 1>(0.1).value), 0.1F);
 }
 
 // Of curves without another formula the second formula of the surface takes the first; and lines that cross
