@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fit/uv/kinds.h"
+#include "fit/uv/uv_kinds.h"
 
 namespace darboux {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "fit/common/mixture.h"
 #include "fit/common/normalised_points.h"
-#include "kinds.h"
+#include "uv_kinds.h"
 
 namespace darboux {
 

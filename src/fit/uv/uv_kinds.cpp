@@ -1,4 +1,4 @@
-#include "kinds.h"
+#include "uv_kinds.h"
 
 #include <algorithm>
 #include <cmath>
