@@ -101,7 +101,7 @@ Policy policy_of(const Arguments& arguments) {
   return policy;
 }
 
-// No output may replace a file that is assessed, or another output.
+// No output may replace a file that is assessed, or another output, or have the name of another format.
 void check_outputs(const Arguments& arguments, const std::vector<AssessedFile>& files) {
   namespace fs = std::filesystem;
   std::vector<std::pair<std::string, std::string>> taken;
@@ -120,6 +120,8 @@ void check_outputs(const Arguments& arguments, const std::vector<AssessedFile>& 
     }
     taken.emplace_back(output, "what " + option + " writes");
   }
+  known_extension("--sarif", arguments.sarif, {".sarif", ".json"});
+  known_extension("--junit", arguments.junit, {".xml"});
 }
 
 void run(const Arguments& arguments, Common& common) {
@@ -134,8 +136,6 @@ void run(const Arguments& arguments, Common& common) {
   for (const auto& [option, file] : {std::pair{"--sarif", &arguments.sarif}, {"--junit", &arguments.junit}})
     if (is_standard_output(*file))
       throw ParameterError(option, expected_got("the name of a file", "-: standard output is taken"));
-  known_extension("--sarif", arguments.sarif, {".sarif", ".json"});
-  known_extension("--junit", arguments.junit, {".xml"});
   AssessOptions options;
   options.max_angle_deg = arguments.max_angle;
   if (!(arguments.max_angle > 0) || arguments.max_angle > 180)
