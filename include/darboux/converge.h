@@ -91,8 +91,8 @@ struct Study {
   /// where that are fewer than three.
   double order, order_low, order_high;
   double max_order;  ///< the same of the largest errors
-  /// 0: is not expected to converge. So it is of a surface whose partials are zero, parallel or not finite
-  /// along a line of u or v, as far as multiples of 1/16 show it.
+  /// 0: is not expected to converge. That is so for any surface whose partials are zero, parallel or infinite
+  /// along a line, as far as u and v that are multiples of 1/16 show it.
   double expected_order;
   OrderVerdict verdict;
 
@@ -135,10 +135,10 @@ struct ConvergeOptions {
 /// below 1, 0 where that is 0; seam and border half an order less than 2 or 3, as measured, and at most half
 /// an order faster than pole_ring on irregular meshes. On graded meshes with poles polynomials are expected
 /// to have no more in the interior than on irregular ones. Where a method is not made for the chart, or
-/// nothing is expected of the family, it is 0. A family's shear vanishes at the poles: pole and pole_ring go
-/// by the chart without it, with at most 1 where the method is not made for the sheared one. \param progress
-/// called with the share done, in [0, 1] \throws ParameterError when the resolutions or the range of v are
-/// not as above, or a surface has no such mesh
+/// nothing is expected of the family, or the surface is singular along a line, it is 0. A family's shear
+/// vanishes at the poles: pole and pole_ring go by the chart without it, with at most 1 where the method is
+/// not made for the sheared one. \param progress called with the share done, in [0, 1] \throws ParameterError
+/// when the resolutions or the range of v are not as above, or a surface has no such mesh
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
 
 /// The pieces that converge() is made of, for those who run them elsewhere: one mesh of one surface each.

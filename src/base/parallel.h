@@ -39,7 +39,8 @@ void parallel_tasks(std::size_t n, const F& f) {
   });
 }
 
-/// How many ranges parallel_ranges() cuts [0, n) into: of `least` each at least.
+/// How many ranges parallel_ranges() cuts [0, n) into: more than one from n = `least` on, and one more for
+/// each further `least`.
 constexpr std::size_t range_count(std::size_t n, std::size_t threads, std::size_t least = 1 << 15) {
   return threads <= 1 ? 1 : std::min(n / least + 1, 16 * threads);
 }

@@ -1,5 +1,5 @@
-// Tells the thread sanitizer what a loop of tasks orders, as oneTBB, which orders it, is compiled without it.
-// In other builds it does nothing.
+// Tells the thread sanitizer what a loop of tasks orders, as oneTBB, which orders it, is compiled
+// without the sanitizer. In other builds it does nothing.
 #pragma once
 
 #include "sanitized.h"

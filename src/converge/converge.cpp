@@ -104,29 +104,34 @@ Chart chart_at(const Sample<double>& sample, double du_dstored, const Vec3<doubl
   return std::fabs(norm(along_v) / along_u - 1) > orthogonal_below ? Chart::orthogonal : Chart::conformal;
 }
 
-// Whether partials are not finite, zero or parallel along a line: at two neighbours, in different places, of
-// the grid of sixteenths of u and v.
+// Whether partials are infinite, zero or parallel along a line: at two neighbours, in different places, of
+// the grid of sixteenths of u and v, rows outside of the range being those of its ends.
 bool has_singular_line(const AnySurface& surface, double v_first, double v_last) {
   constexpr int n = 16;
-  constexpr double same_place = 1e-9;  // of the distance from the origin: far above rounding
+  constexpr double same_place = 1e-9;  // of the farthest point's distance from the origin: far above rounding
   std::array<std::optional<Vec3<double>>, n + 1> below, row;  // positions where it is singular
-  const auto apart = [&](const auto& a, const auto& b) {
-    return a && b && norm(*a - *b) > same_place * std::max(norm(*a), norm(*b));
+  double farthest = 0, apart = 0;
+  const auto compare = [&](const auto& a, const auto& b) {
+    if (a && b) apart = std::fmax(apart, norm(*a - *b));
   };
   for (int j = 0; j <= n; ++j) {
-    const double v = j / double{n};
-    if (v < v_first || v > v_last) continue;
+    const double v = std::clamp(j / double{n}, v_first, v_last);
     for (int i = 0; i <= n; ++i) {
       const Sample<double> s = surface.sample(i / double{n}, v);
       const bool finite = detail::finite(s.jet.dpdu) && detail::finite(s.jet.dpdv);
       const bool singular =
           !finite || has(s.frame.status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel);
-      row[i] = singular && detail::finite(s.jet.position) ? std::optional(s.jet.position) : std::nullopt;
-      if (apart(row[i], below[i]) || (i > 0 && apart(row[i], row[i - 1]))) return true;
+      row[i].reset();
+      if (!detail::finite(s.jet.position)) continue;
+      farthest = std::fmax(farthest, norm(s.jet.position));
+      if (!singular) continue;
+      row[i] = s.jet.position;
+      compare(row[i], below[i]);
+      if (i > 0) compare(row[i], row[i - 1]);
     }
     below = row;
   }
-  return false;
+  return apart > same_place * farthest;
 }
 
 // The sample at a vertex of a mirrored mesh, and du by its stored u, which does not tell the two halves

@@ -168,9 +168,8 @@ std::vector<OrderTable> order_tables(const std::vector<Study>& studies) {
 
 std::string orders_text(const std::vector<Study>& studies) {
   std::string text =
-      "Order of convergence of the tangents, with its 95 % interval; !: below what is expected; *: the "
-      "largest\n"
-      "error does not converge:\n";
+      "Order of convergence of the tangents, with its 95 % interval; !: below what is expected;\n"
+      "*: the largest error does not converge:\n";
   for (const OrderTable& table : order_tables(studies)) {
     const auto row = [&](std::string_view first, const auto& cell) {
       std::string line = "  " + padded(std::string(first), 18);
@@ -189,10 +188,13 @@ std::vector<std::string> unexpected(const std::vector<Study>& studies) {
   std::vector<std::string> lines;
   for (const Study& s : studies) {
     if (s.holds()) continue;
-    const Level &coarse = s.levels[s.levels.size() - 2], &fine = s.levels.back();
+    std::vector<const Level*> used;  // three at least, their h falls
+    for (const Level& level : s.levels)
+      if (level.used) used.push_back(&level);
+    const Level &coarse = *used[used.size() - 2], &fine = *used.back();
     char numbers[160];
     std::snprintf(numbers, sizeof numbers,
-                  "order %.2f [%.2f, %.2f], %.2f between the two finest meshes, expected %g", s.order,
+                  "order %.2f [%.2f, %.2f], %.2f between the two finest meshes used, expected %g", s.order,
                   s.order_low, s.order_high,
                   std::log(coarse.rms_deg / fine.rms_deg) / std::log(coarse.h / fine.h), s.expected_order);
     lines.push_back(std::string(verdict_name(s)) + ": " + s.surface + ", " + std::string(s.mesh) + " mesh, " +

@@ -1,4 +1,7 @@
 // The command line as other people's scripts use it: help, exit statuses, errors in one line.
+#include <cmath>
+#include <cstdio>
+
 #include <darboux/image_files.h>
 
 #include "cli.h"
@@ -199,6 +202,29 @@ TEST_F(Cli, ConvergeTakesSurfacesAsArguments) {
 }
 
 // Standard input has no other files beside it, and no end to go back from.
+// What is below what is expected is listed with the order between the finest meshes, which tells whether it
+// still rises.
+TEST_F(Cli, ConvergeListsOrdersBelowWhatIsExpected) {
+  const std::string run =
+      "darboux converge pseudosphere --methods average --meshes jittered --resolutions 8..64 ";
+  const auto text = sh(run);
+  EXPECT_EQ(text.status, 1);
+  const Json document = Json::parse(sh(run + "--json").out);
+  std::size_t slower = 0;
+  for (const Json& s : document["studies"]) {
+    if (s["verdict"] != "slower") continue;
+    ++slower;
+    const Json &h = s["h"], &rms = s["rms_deg"];
+    const std::size_t n = h.size() - 1;
+    char between[80];
+    std::snprintf(between, sizeof between, "%.2f between the two finest meshes used",
+                  std::log(rms[n - 1].get<double>() / rms[n].get<double>()) /
+                      std::log(h[n - 1].get<double>() / h[n].get<double>()));
+    EXPECT_NE(text.out.find(between), std::string::npos) << between << '\n' << text.out;
+  }
+  EXPECT_GT(slower, 0U);
+}
+
 TEST_F(Cli, SaysWhatToDoWithStandardInput) {
   for (const std::string command :
        {"validate IN", "plan IN", "tangents IN -o out.glb", "compare IN data/torus_016.obj"})

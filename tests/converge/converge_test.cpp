@@ -349,6 +349,10 @@ TEST(Converge, NothingIsExpectedOfSurfacesWithSingularLines) {
   for (const auto& [v, u] : {std::pair{"0.5", "0.5"}, {"2.5", "1"}, {"1", "1.5"}})
     for (const std::vector<int>& rows : {resolutions, odd})
       for (const Study& s : studies(v, u, rows)) EXPECT_EQ(s.expected_order, 0) << v << ' ' << u;
+  // A part between two multiples of 1/16 of v has lines of constant u all the same.
+  ConvergeOptions part = options("superellipsoid:exponent_v=1,exponent_u=1.5", {"regular"}, {"face"});
+  part.v_first = 0.4, part.v_last = 0.43;
+  for (const Study& s : converge(part)) EXPECT_EQ(s.expected_order, 0);
   for (const Study& s : studies("1", "1", resolutions)) {
     EXPECT_TRUE(s.holds()) << s.mesh << ' ' << s.method << ' ' << s.quantity << ' ' << s.order;
     if (s.vertex_class == VertexClass::interior && s.method == "average") {
@@ -357,7 +361,7 @@ TEST(Converge, NothingIsExpectedOfSurfacesWithSingularLines) {
   }
 }
 
-// Poles, tips and collapsed edges are points.
+// Poles and tips are points.
 TEST(Converge, PolesAreNoSingularLines) {
   for (const char* surface : {"sphere", "disk", "cone", "ellipsoid", "elliptic-paraboloid"}) {
     ConvergeOptions o = options(surface, {"regular"}, {"face"});

@@ -29,7 +29,8 @@ constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
 }
 
-// How many a thread is woken for, at least: some 50 microseconds of work.
+// So many on a second thread is woken: vertices to be welded, triangles, vertices to be served, vertices
+// whose corners are counted. Some 50 microseconds of work in all, of which each thread has half.
 constexpr std::size_t least_welded = 4096, least_triangles = 2048, least_served = 1024,
                       least_counted = 1 << 14;
 
