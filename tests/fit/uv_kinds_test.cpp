@@ -1,10 +1,10 @@
 // The kinds that fits through uvs know: what linear() says holds.
+#include "fit/uv/uv_kinds.h"
+
 #include <iostream>
 #include <random>
 
 #include <gtest/gtest.h>
-
-#include "fit/uv/uv_kinds.h"
 
 namespace darboux {
 namespace {
