@@ -9,11 +9,11 @@
 /// f takes a double (the dual routes: a dual number) and returns a number or a Vec3; an error is absolute,
 /// for a Vec3 the length of the error. u = 2^-53.
 ///
-/// *Length.* L says how fast f varies: |f⁽ⁿ⁾| is about (2π/L)ⁿ |f| for n up to the order of the method. It is
-/// the period of a sine, 2π/k for exp(kx), about 1.5 times the distance to the nearest pole of a rational
-/// function, and 1 for a surface that goes round once; a helicoid of 10^6 turns has 10^-6. Steps are
-/// proportional to it. Too large an L costs truncation, too small a one rounding; the estimate sees both as
-/// long as the stencil stays within a tenth of the true length.
+/// *Length.* L says how fast f varies: |f⁽ⁿ⁾| is about (2π/L)ⁿ |f| for n up to the order of the
+/// method. It is the period of a sine, 2π/k for exp(kx), about 1.5 times the distance to the nearest pole of
+/// a rational function, and 1 for a surface that goes round once; a helicoid of 10^6 turns has 10^-6. Steps
+/// are proportional to it. Too large an L costs truncation, too small a one rounding; the estimate sees both
+/// as long as the stencil stays within a tenth of the true length.
 ///
 /// *Rounding.* A value of f alone does not show its rounding error. Given a step, a difference takes
 /// it to be a few roundings of |f| and of the argument; that holds for positions of surfaces. Given a
@@ -120,7 +120,8 @@ constexpr std::array<double, n> abscissae() {
   return t;
 }
 
-// ℓ_k: the value at t = 0 of the polynomial through (t_k, q_k) is Σ ℓ_k q_k. Integers until the one division.
+// ℓ_k: the value at t = 0 of the polynomial through (t_k, q_k) is Σ ℓ_k q_k. Integers until the one
+// division.
 template <int n, int power>
 constexpr std::array<double, n> weights_at_zero() {
   const std::array<double, n> t = abscissae<n, power>();
@@ -138,8 +139,8 @@ constexpr std::array<double, n> weights_at_zero() {
 }
 
 // A: the rms error of Σ ℓ_k q_k, times h (second: h²), where f's values err independently by 1.
-//   quotients   2 k h q_k = f_k - f_-k (central), k h q_k = f_k - f_0 (one_sided), (k h)² q_k = f_k - 2 f_0 +
-//               f_-k (second)
+//   quotients   2 k h q_k = f_k - f_-k (central), k h q_k = f_k - f_0 (one_sided),
+//               (k h)² q_k = f_k - 2 f_0 + f_-k (second)
 enum class Quotient { central, one_sided, second };
 template <Quotient quotient, int n>
 double amplification() {
@@ -347,8 +348,9 @@ auto ridders(F& f, double x, double h, double rounding, int& evaluations) {
 
 }  // namespace detail::difference
 
-/// The weights w of a central difference of the given order: f'(x) ≈ Σ_k w[k-1] (f(x + k h) - f(x - k h)) /
-/// h. Exact for polynomials of degree `order`. [Fornberg1988]
+/// The weights w of a central difference of the given order:
+///   f'(x) ≈ Σ_k w[k-1] (f(x + k h) - f(x - k h)) / h
+/// Exact for polynomials of degree `order`. [Fornberg1988]
 template <int order>
 constexpr std::array<double, order / 2> central_weights() {
   static_assert(order == 2 || order == 4 || order == 6 || order == 8);
@@ -424,10 +426,10 @@ Behaviour behaviour(F&& f, double x, double length = 1, const Interval& domain =
   return {length, size, std::hypot(residue / std::sqrt(2.0 * (points - 3)), 0.3 * d::unit_roundoff * size)};
 }
 
-/// f'(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x ± k h, k = 1 ... order/2 + 1.
-/// The outermost two serve the estimate: 2.5 |D - D'| with D' the difference of the next order, plus 3.5
-/// times the rms of the rounding. Cost: order + 2 evaluations. On the sphere and the torus it errs by 3e-11,
-/// 4e-13, 5e-14, 2e-14 of 2π|f|.
+/// f'(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x ± k h, k = 1 ...
+/// order/2 + 1. The outermost two serve the estimate: 2.5 |D - D'| with D' the difference of the next order,
+/// plus 3.5 times the rms of the rounding. Cost: order + 2 evaluations. On the sphere and the torus it errs
+/// by 3e-11, 4e-13, 5e-14, 2e-14 of 2π|f|.
 template <int order, class F>
 auto central_difference(F&& f, double x, double h = central_step<order>()) {
   return detail::difference::central<order>(f, x, h, detail::difference::unknown);
@@ -456,8 +458,8 @@ auto one_sided_difference(F&& f, double x, const Behaviour& b, int side) {
 }
 
 /// f''(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x and at x ± k h, k = 1 ...
-/// order/2 + 1. Cost: order + 3 evaluations. It errs by 1e-8, 3e-11, 2e-12, 4e-13 of 4π²|f| on the sphere and
-/// the torus.
+/// order/2 + 1. Cost: order + 3 evaluations. It errs by 1e-8, 3e-11, 2e-12, 4e-13 of 4π²|f| on the sphere
+/// and the torus.
 template <int order, class F>
 auto second_difference(F&& f, double x, double h = second_step<order>()) {
   return detail::difference::second<order>(f, x, h, detail::difference::unknown);

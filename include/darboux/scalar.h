@@ -71,7 +71,8 @@ struct Scalar {
 
 namespace detail {
 
-// Polynomials for sin and cos of (π/2) r, |r| <= 1/2: sin = r (HI + (LO + z S(z))), cos = 1 + z C(z), z = r².
+// Polynomials for sin and cos of (π/2) r, |r| <= 1/2, z = r²:
+//   sin = r (HI + (LO + z S(z))), cos = 1 + z C(z)
 // Minimax in the relative error, coefficients rounded to the format (sollya's fpminimax); approximation error
 // 3.7e-18 and 3.9e-19 in double, 1.1e-10 and 5.2e-10 in float.
 template <class T>

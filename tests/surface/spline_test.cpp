@@ -99,7 +99,7 @@ TEST(KnotSearch, UnclampedSplineKeepsToItsPolynomial) {
   }
 }
 
-// ---- against the Bézier extraction ------------------------------------------------------------------------
+// ---- against the Bézier extraction -----------------------------------------------------------------------
 
 struct Homogeneous {
   Vec a;

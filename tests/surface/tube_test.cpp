@@ -100,7 +100,8 @@ TEST(Tubes, RotationMinimisingFrameDoesNotTwist) {
     EXPECT_GT(std::fabs(rate(twisting)), 0.1) << t;
   }
   EXPECT_LE(norm(curve.moving_frame(0.0).N - twisting.moving_frame(0.0).N), 4 * roundoff);
-  // Bishop's angle on a helix: φ' = -torsion against Frenet's frame, torsion times length 2π p/sqrt(R² + p²).
+  // Bishop's angle on a helix: φ' = -torsion against Frenet's frame, torsion times length
+  // 2π p/sqrt(R² + p²).
   const CurveFrame<double> end = curve.moving_frame(1.0),
                            frenet = HelixCurve{1.0, 0.4, 1.0}.moving_frame(1.0);
   const CurveFrame<double> begin = curve.moving_frame(0.0),

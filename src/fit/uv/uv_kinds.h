@@ -21,13 +21,14 @@ struct UvBlock {
   Eigen::MatrixXd by_uv;         ///< dpdu, dpdv
 };
 
-/// One kind. Its position is homogeneous of degree 1 in its lengths: P = sum over the lengths of p_k ∂P/∂p_k.
+/// One kind. Its position is homogeneous of degree 1 in its lengths:
+///   P = sum over the lengths of p_k ∂P/∂p_k
 struct UvKind {
   std::string_view name;
   std::vector<ParameterValue> parameters;
   std::vector<bool> length;  ///< whether a parameter is one; the others are numbers that give the shape
-  /// Values of all parameters at which the linear start takes ∂P/∂p_k; where P is linear in the lengths only
-  /// those of the shape matter, and one is enough where there are none.
+  /// Values of all parameters at which the linear start takes ∂P/∂p_k; where P is linear in the lengths
+  /// only those of the shape matter, and one is enough where there are none.
   std::vector<std::vector<double>> starts;
   /// Position and derivatives of the surface with these parameters at each uv. Blocks have room for all of
   /// them.

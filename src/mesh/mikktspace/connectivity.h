@@ -30,7 +30,7 @@ constexpr std::size_t weld_places(std::size_t vertices) {
 }
 
 // So many on a second thread is woken: vertices to be welded, triangles, vertices to be served, vertices
-// whose corners are counted. Some 50 microseconds of work in all, of which each thread has half.
+// whose corners are counted.
 constexpr std::size_t least_welded = 4096, least_triangles = 2048, least_served = 1024,
                       least_counted = 1 << 14;
 
