@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -12,6 +13,8 @@ namespace {
 
 constexpr std::ptrdiff_t largest_group = 16;
 constexpr double least_correlation = 0.25, chance = 1e-6;
+constexpr std::size_t enough_points = 256;  // for polynomials
+constexpr int highest_degree = 4;
 
 // Orders numbers of points so that any 2, 4, ... consecutive ones from a multiple of that many on are
 // neighbours: halves across the longest side of their box.
@@ -53,6 +56,54 @@ bool groups_differ(const std::vector<double>& errors, std::size_t size) {
   return chance_of_ratio(between / within, g - 1, g * (m - 1)) < chance;
 }
 
+// A sum of squares that is split among orthonormal columns, one after the other.
+class Regression {
+ public:
+  explicit Regression(Eigen::VectorXd errors) : left_(std::move(errors)), columns_(left_.size(), 0) {}
+
+  void add(Eigen::VectorXd column) {
+    const double length = column.norm();
+    for (int twice = 0; twice < 2; ++twice) column -= columns_ * (columns_.transpose() * column).eval();
+    const double own = column.norm();
+    if (!(own > 1e-6 * length)) return;  // the columns before explain it
+    column /= own;
+    left_ -= column.dot(left_) * column;
+    columns_.conservativeResize(Eigen::NoChange, columns_.cols() + 1);
+    columns_.rightCols<1>() = column;
+  }
+  double rank() const { return static_cast<double>(columns_.cols()); }
+  double squares() const { return left_.squaredNorm(); }
+
+ private:
+  Eigen::VectorXd left_;
+  Eigen::MatrixXd columns_;
+};
+
+// Whether polynomials explain the errors, and derivatives by the surface's parameters do not.
+bool polynomials_explain(const Eigen::VectorXd& errors, const Eigen::MatrixXd& derivatives,
+                         const Eigen::Matrix3Xd& places) {
+  const auto points = static_cast<double>(errors.size());
+  Regression regression(errors);
+  for (Eigen::Index k = 0; k < derivatives.cols(); ++k) regression.add(derivatives.col(k));
+  const double before = regression.squares(), free_before = points - regression.rank();
+  const Eigen::AlignedBox3d box(places.rowwise().minCoeff(), places.rowwise().maxCoeff());
+  const double unit = std::max(0.5 * box.sizes().maxCoeff(), 1e-300);
+  const Eigen::Array3Xd at = (places.colwise() - box.center()) / unit;
+  for (int degree = 0; degree <= highest_degree; ++degree) {
+    for (int i = 0; i <= degree; ++i)
+      for (int j = 0; i + j <= degree; ++j)
+        regression.add(at.row(0).pow(i) * at.row(1).pow(j) * at.row(2).pow(degree - i - j));
+    const double left = regression.squares(), free = points - regression.rank(), taken = free_before - free;
+    if (taken < 1) continue;
+    if (free < 1) return false;
+    // The share of the variance that is explained, as estimated without bias.
+    if (!(left / free < (1 - least_correlation) * before / free_before)) continue;
+    if (!(left > 0) || chance_of_ratio((before - left) / taken / (left / free), taken, free) < chance)
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit,
@@ -60,15 +111,22 @@ bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < is_inlier.size(); ++i)
     if (is_inlier[i]) order.push_back(i);
+  const LocalModel model = fit.primitive->localise(fit.surface, fit.reference);
   // Places on the surface: the noise across it must not choose who is a neighbour.
   Eigen::Matrix3Xd feet;
-  fit.primitive->distance.foot_points(cloud, fit.primitive->localise(fit.surface, fit.reference), feet);
+  fit.primitive->distance.foot_points(cloud, model, feet);
   order_by_place(feet, order.begin(), order.end());
   std::vector<double> errors;
   for (const std::size_t i : order) errors.push_back(fit.error[i]);
   for (std::size_t size = 2; size <= largest_group; size *= 2)
     if (groups_differ(errors, size)) return true;
-  return false;
+  std::vector<Eigen::Index> some;
+  const std::size_t step = (order.size() + enough_points - 1) / enough_points;
+  for (std::size_t i = 0; i < order.size(); i += step) some.push_back(static_cast<Eigen::Index>(order[i]));
+  const auto all = Eigen::Map<const Eigen::VectorXd>(fit.error.data(), cloud.cols());
+  Eigen::MatrixXd derivatives;
+  fit.primitive->distance.jacobian(cloud(Eigen::all, some), model, derivatives);
+  return polynomials_explain(all(some), derivatives, feet(Eigen::all, some));
 }
 
 }  // namespace darboux::fit

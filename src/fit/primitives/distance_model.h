@@ -86,6 +86,29 @@ void foot_points(const Eigen::Matrix3Xd& cloud, const LocalModel& model, Eigen::
   }
 }
 
+// By how much a small turn of the frame and the parameters move the distance. A turn by r moves the local
+// point by p x r.
+template <int S>
+Eigen::Matrix<double, 1, 3 + S> derivatives(const LocalDistance<S>& local, const Vector3d& p) {
+  Eigen::Matrix<double, 1, 3 + S> row;
+  row.template head<3>() = local.gradient.cross(p).transpose();
+  for (int k = 0; k < S; ++k) row[3 + k] = local.by[static_cast<std::size_t>(k)];
+  return row;
+}
+
+template <DistanceModel M>
+void jacobian(const Eigen::Matrix3Xd& cloud, const LocalModel& model, Eigen::MatrixXd& to) {
+  const Matrix3d to_local = model.rotation.conjugate().toRotationMatrix();
+  const M surface(model.s.data());
+  LocalDistance<M::parameters> local;
+  to.resize(cloud.cols(), 3 + M::parameters);
+  for (Eigen::Index i = 0; i < cloud.cols(); ++i) {
+    const Vector3d p = to_local * (cloud.col(i) - model.origin);
+    surface.at(p, local);
+    to.row(i) = derivatives(local, p);
+  }
+}
+
 template <DistanceModel M>
 void accumulate(const Eigen::Matrix3Xd& cloud, const LocalModel& model, const Weighting& weighting,
                 PointStates& states, NormalEquations& sums) {
@@ -129,10 +152,7 @@ void accumulate(const Eigen::Matrix3Xd& cloud, const LocalModel& model, const We
     squares += w * e * e;
     slopes[filled] = w * e;
     curvatures[filled] = curvature;
-    // Turning the frame by r moves the local point by p x r.
-    const Vector3d turn = local.gradient.cross(p);
-    for (int k = 0; k < 3; ++k) rows(filled, k) = turn[k];
-    for (int k = 0; k < S; ++k) rows(filled, 3 + k) = local.by[static_cast<std::size_t>(k)];
+    rows.row(filled) = derivatives(local, p);
     if (++filled == block) add();
   }
   add();
@@ -146,7 +166,7 @@ void accumulate(const Eigen::Matrix3Xd& cloud, const LocalModel& model, const We
 
 template <DistanceModel M>
 inline constexpr DistanceFunctions distance_functions{
-    M::parameters,      detail::in_range<M>,    detail::rough_distances<M>,
-    detail::measure<M>, detail::foot_points<M>, detail::accumulate<M>};
+    M::parameters,          detail::in_range<M>, detail::rough_distances<M>, detail::measure<M>,
+    detail::foot_points<M>, detail::jacobian<M>, detail::accumulate<M>};
 
 }  // namespace darboux::fit

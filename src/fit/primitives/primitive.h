@@ -70,6 +70,8 @@ struct DistanceFunctions {
   void (*measure)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, PointStates& states);
   // The points of the surface nearest to the cloud's, in the model's own coordinates.
   void (*foot_points)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, Eigen::Matrix3Xd& to);
+  // Derivatives of the distances by (rotation vector, parameters), a row per point.
+  void (*jacobian)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, Eigen::MatrixXd& to);
   // As `measure`, and the sums over (rotation vector, parameters).
   void (*accumulate)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, const Weighting& weighting,
                      PointStates& states, NormalEquations& sums);

@@ -116,7 +116,7 @@ const Nesting* nesting(const PrimitiveFit& inner, const PrimitiveFit& outer) {
 
 struct Choice {
   std::size_t index = 0;
-  bool usable = false;
+  bool usable = false, has_rival = false;
   std::string reason{};
 };
 
@@ -164,16 +164,16 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
   if (found == best_first.end()) {
     const auto possible = std::find_if(best_first.begin(), best_first.end(), is(Determinacy::Kind::unsure));
     const std::size_t i = possible != best_first.end() ? *possible : best_first.front();
-    return {i, false, with_article(tried[i].primitive->name) + " " + determinacies[i].why};
+    return {i, false, false, with_article(tried[i].primitive->name) + " " + determinacies[i].why};
   }
   const std::size_t best = *found;
   std::string remark;
   for (const std::size_t i : best_first) {
     if (i == best || determinacies[i].kind == Determinacy::Kind::none) continue;
-    const auto undetermined = [&](const std::string& why) {
+    const auto undetermined = [&](bool has_rival, const std::string& why) {
       const bool first = tried[best].primitive->unknowns <= tried[i].primitive->unknowns;
       const PrimitiveFit &a = tried[first ? best : i], &b = tried[first ? i : best];
-      return Choice{best, false, "undetermined: " + either(a, b, scale) + why};
+      return Choice{best, false, has_rival, "undetermined: " + either(a, b, scale) + why};
     };
     constexpr const char* help = "; points over a larger part of it or less noise help";
     // Better, but it is no surface that could be given.
@@ -188,8 +188,8 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     if (is_unproven) least = deviance(other, chosen) - deviance(chosen, chosen);
     if (!is_unproven &&
         most + price(chosen) * (other.primitive->unknowns - chosen.primitive->unknowns) < -margin)
-      return undetermined(": the points speak for " + with_article(tried[i].primitive->name) + ", which " +
-                          determinacies[i].why);
+      return undetermined(false, ": the points speak for " + with_article(tried[i].primitive->name) +
+                                     ", which " + determinacies[i].why);
     if (!nested) {
       // Every kind becomes a plane; what the points allow is seen by sphere and cylinder. None is a kind that
       // explains too few of the points to be the answer, or has far more noise and is far less
@@ -199,15 +199,15 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
           other.primitive != chosen.primitive &&
           (!explains_enough(other) ||
            (other.sigma > 10 * chosen.sigma && evidence(other) < evidence(chosen) - far_less_likely));
-      if (!chosen.primitive->is_plane && least < margin && !is_none) return undetermined(help);
+      if (!chosen.primitive->is_plane && least < margin && !is_none) return undetermined(true, help);
       continue;
     }
     const double departure = nested->departure(tried[i]);
-    if (!(departure < nested->most)) return undetermined(help);
+    if (!(departure < nested->most)) return undetermined(true, help);
     if (remark.empty() && departure > 0.05 * nested->most)
       remark = "; " + with_article(tried[i].primitive->name) + " cannot be excluded";
   }
-  return {best, true, "converged" + remark};
+  return {best, true, false, "converged" + remark};
 }
 
 }  // namespace
@@ -232,6 +232,7 @@ Selection select(const std::vector<PrimitiveFit>& tried, double scale) {
   const auto place = std::find(result.order.begin(), result.order.end(), choice.index);
   std::rotate(result.order.begin(), place, place + 1);
   result.usable = choice.usable;
+  result.has_rival = choice.has_rival;
   result.reason = std::move(choice.reason);
   return result;
 }

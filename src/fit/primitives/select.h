@@ -12,6 +12,7 @@ struct Selection {
   std::vector<double> bic;         // one per fit
   std::vector<std::size_t> order;  // of the fits: the chosen one, then best first
   bool usable = false;
+  bool has_rival = false;  // another surface is as likely
   std::string reason{};
 };
 
