@@ -4,6 +4,7 @@
 #include <darboux/compare.h>
 #include <darboux/io.h>
 
+#include "base/counted.h"
 #include "base/text.h"
 #include "command.h"
 
@@ -163,7 +164,8 @@ void print_tangents(const Pair& pair) {
     return;
   }
   if (r.matched == 0) return;
-  std::cout << "    bit-equal at " << percent(r.equal_bits, r.matched) << " of " << r.matched << " corners";
+  std::cout << "    bit-equal at " << percent(r.equal_bits, r.matched) << " of "
+            << counted(r.matched, "corner");
   if (r.equal_directions > r.equal_bits)
     std::cout << ", but for the sign at " << percent(r.equal_directions, r.matched);
   std::cout << '\n';
@@ -177,13 +179,13 @@ void print_tangents(const Pair& pair) {
     if (r.a_is_raw) std::cout << (*r.a_is_raw ? " (a writes raw, b gltf)" : " (a writes gltf, b raw)");
     std::cout << '\n';
   } else if (r.sign == SignAgreement::mixed) {
-    std::cout << "    signs opposite at " << r.opposite_signs << " corners\n";
+    std::cout << "    signs opposite at " << counted(r.opposite_signs, "corner") << '\n';
   } else if (r.sign == SignAgreement::same && !r.same) {
     std::cout << "    signs the same everywhere\n";
   }
   if (r.no_direction > 0)
-    std::cout << "    tangents that are zero or not finite, in a or in b, at " << r.no_direction
-              << " corners\n";
+    std::cout << "    tangents that are zero or not finite, in a or in b, at "
+              << counted(r.no_direction, "corner") << '\n';
 }
 
 void print_pair(const Pair& pair) {
@@ -192,9 +194,9 @@ void print_pair(const Pair& pair) {
   if (a.mesh != b.mesh || a.primitive != b.primitive) std::cout << " against " << place(b);
   std::cout << ": " << (r.same ? "same" : "not the same") << ", ";
   if (r.matched == r.corners_a && r.matched == r.corners_b)
-    std::cout << "all " << r.matched << " corners matched\n";
+    std::cout << "all " << counted(r.matched, "corner") << " matched\n";
   else
-    std::cout << r.matched << " corners matched of " << r.corners_a << " in a and " << r.corners_b
+    std::cout << counted(r.matched, "corner") << " matched of " << r.corners_a << " in a and " << r.corners_b
               << " in b\n";
   print_unmatched("a", "b", r.unmatched_a);
   print_unmatched("b", "a", r.unmatched_b);
@@ -203,7 +205,8 @@ void print_pair(const Pair& pair) {
   if (a.data.normals.empty() != b.data.normals.empty())
     std::cout << "    " << (a.data.normals.empty() ? "a" : "b") << " has no normals\n";
   if (r.matched_with_v_flipped > r.matched)
-    std::cout << "    with v flipped in b (1 - v) " << r.matched_with_v_flipped << " corners would match\n";
+    std::cout << "    with v flipped in b (1 - v) " << counted(r.matched_with_v_flipped, "corner")
+              << " would match\n";
   if (a.texcoord != b.texcoord && a.texcoord >= 0 && b.texcoord >= 0)
     std::cout << "    uvs are those of TEXCOORD_" << a.texcoord << " in a, TEXCOORD_" << b.texcoord
               << " in b: the sets that their materials' normal maps name\n";
@@ -213,7 +216,7 @@ void print_pair(const Pair& pair) {
 void print_left_over(const char* file, const std::vector<std::size_t>& left_over, const Asset& asset) {
   for (const std::size_t i : left_over)
     std::cout << "  " << place(asset.primitives[i]) << " of " << file << " has no counterpart, "
-              << asset.primitives[i].data.corners() << " corners\n";
+              << counted(asset.primitives[i].data.corners(), "corner") << '\n';
 }
 
 void print_skipped(const char* file, const Asset& asset) {

@@ -11,6 +11,7 @@
 #include <darboux/fit_points.h>
 #include <darboux/io.h>
 
+#include "base/counted.h"
 #include "base/parallel_jobs.h"
 #include "base/text.h"
 #include "command.h"
@@ -241,8 +242,8 @@ std::string spread_text(const Deviations& s, const char* why_unknown) {
   if (s.finite() > 0)
     text = "uncertain by " + rounded(s.rms(), 3) + " deg rms, at most " + rounded(s.largest, 3);
   if (s.infinite() > 0)
-    text += (text.empty() ? "" : "; ") + ("unknown at " + std::to_string(s.infinite())) +
-            (s.infinite() == 1 ? " point, " : " points, ") + why_unknown;
+    text +=
+        (text.empty() ? "" : "; ") + ("unknown at " + counted(s.infinite(), "point") + ", ") + why_unknown;
   return text;
 }
 
@@ -264,7 +265,7 @@ void print_text(const FitArguments& arguments, const PointFit& fit, const Member
     return count > 0 ? ", " + std::to_string(count) + what : std::string();
   };
   print_line("points", (fit.usable ? std::to_string(members.inliers) + " on the surface, " +
-                                         std::to_string(members.outliers) + " outliers"
+                                         counted(members.outliers, "outlier")
                                    : std::to_string(members.inliers + members.outliers)) +
                            also(members.not_finite, " not finite") + also(members.unused, " in no triangle"));
   if (fit.usable) {
@@ -327,8 +328,7 @@ void run_fit(const FitArguments& arguments, Common& common) {
   };
   if (!points.note.empty()) note(points.note);
   if (members.not_finite > 0)
-    note(std::to_string(members.not_finite) + (members.not_finite == 1 ? " point is" : " points are") +
-         " not finite, ignored" +
+    note(counted(members.not_finite, "point is", "points are") + " not finite, ignored" +
          (points.first_not_finite.empty() ? "" : "; the first at " + points.first_not_finite));
   if (!fit.usable) {
     common.exit_status = 1;

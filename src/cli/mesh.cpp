@@ -5,6 +5,7 @@
 #include <darboux/io.h>
 #include <darboux/sample_mesh.h>
 
+#include "base/counted.h"
 #include "base/text.h"
 #include "command.h"
 
@@ -110,8 +111,8 @@ void run_mesh(const MeshArguments& arguments, const Common& common) {
                 {"triangles", mesh.triangles.size()},
                 {"dropped_cells", dropped}});
   else if (!common.quiet && !is_standard_output(arguments.output))
-    std::cout << arguments.output << ": " << mesh.positions.size() << " vertices, " << mesh.triangles.size()
-              << " triangles\n";
+    std::cout << arguments.output << ": " << counted(mesh.positions.size(), "vertex", "vertices") << ", "
+              << counted(mesh.triangles.size(), "triangle") << '\n';
 }
 
 }  // namespace

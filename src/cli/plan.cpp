@@ -7,6 +7,7 @@
 
 #include <darboux/tangent_need.h>
 
+#include "base/counted.h"
 #include "base/parallel_jobs.h"
 #include "sarif.h"
 #include "validate_files.h"
@@ -78,10 +79,6 @@ std::string missing_text(const PrimitiveNeed& p) {
 std::string idle_text(const PrimitiveNeed& p) {
   return bytes_text(p.tangent_bytes) + " of TANGENT that nothing reads" +
          (p.reasons.empty() ? "" : ": there is no NORMAL, without which viewers ignore it");
-}
-
-std::string counted(std::size_t n, const char* one, const char* many) {
-  return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
 Json primitive_json(const PrimitiveNeed& p) {

@@ -4,6 +4,7 @@
 
 #include <darboux/file_tangents.h>
 
+#include "base/counted.h"
 #include "base/text.h"
 #include "command.h"
 
@@ -119,13 +120,14 @@ void print_text(const DroppedIdle& dropped, std::ostream& out) {
 
 void print_text(const FileTangents& result, std::ostream& out) {
   for (const PrimitiveTangents& p : result.primitives) {
-    out << "mesh " << p.mesh << " primitive " << p.primitive << ": " << p.corners << " corners, "
-        << p.vertices << " vertices";
+    out << "mesh " << p.mesh << " primitive " << p.primitive << ": " << counted(p.corners, "corner") << ", "
+        << counted(p.vertices, "vertex", "vertices");
     if (p.vertices != p.old_vertices)
       out << " (" << p.old_vertices << " before: those whose corners have several tangents were split)";
-    if (p.morph_targets != 0) out << ", " << p.morph_targets << " morph targets";
+    if (p.morph_targets != 0) out << ", " << counted(p.morph_targets, "morph target");
     if (p.fallback_corners != 0)
-      out << "; at " << p.fallback_corners << " corners the method has no direction: some other was written";
+      out << "; at " << counted(p.fallback_corners, "corner")
+          << " the method has no direction: some other was written";
     out << '\n';
   }
   for (const SkippedPrimitive& s : result.skipped)

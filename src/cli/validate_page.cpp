@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/base64.h"
+#include "base/counted.h"
 #include "report/colour_map.h"
 #include "report/histogram.h"
 #include "report/html.h"
@@ -101,10 +102,6 @@ std::string badge(Severity severity) {
   const auto k = static_cast<std::size_t>(severity);
   return "<span class=\"verdict " + std::string(classes[k]) + "\">" + std::string(severity_names[k]) +
          "</span>";
-}
-
-std::string plural(std::size_t count, const std::string& what) {
-  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
 }
 
 std::string css_gradient() {
@@ -216,13 +213,13 @@ std::string reference_text(const Assessment& assessment) {
              escape(deviation_text(report.tangent_uncertainty_deg.rms(), 2, "° rms")) + " (tangents).";
   if (report.triangles && report.triangles->compared > 0) {
     const TrianglesReport& t = *report.triangles;
-    words += " At " + std::to_string(t.compared - t.outside) + " of " + plural(t.compared, "corner") +
+    words += " At " + std::to_string(t.compared - t.outside) + " of " + counted(t.compared, "corner") +
              " the tangent lies within the cone of its own triangles";
     if (t.outside > 0) words += ", at the others up to " + rounded(t.worst_deg, 3) + "° outside";
     words += '.';
   }
   if (report.faceted > 0)
-    words += " Faceted: at " + plural(report.faceted, "corner") + " the normal is the triangle's own.";
+    words += " Faceted: at " + counted(report.faceted, "corner") + " the normal is the triangle's own.";
   if (report.handedness.convention != HandednessConvention::none)
     words += " The sign w follows the convention " + text(name_of(report.handedness.convention)) + '.';
   if (report.mikktspace)
@@ -353,7 +350,7 @@ std::string histogram(const Entry& e) {
   if (svg.empty()) return {};
   std::size_t compared = 0, beyond = 0;
   for (const float error : e.errors) compared += !std::isnan(error), beyond += error > e.limit;
-  std::string words = std::to_string(beyond) + " of " + plural(compared, "corner") +
+  std::string words = std::to_string(beyond) + " of " + counted(compared, "corner") +
                       " compared lie beyond the interior's limit, " + rounded(e.limit, 4) + "°.";
   const std::vector<CodeCount> codes = codes_of(e);
   const std::string errors = codes_text(codes, Severity::error, ", "),
@@ -391,7 +388,7 @@ std::string parts(const Entry& e) {
     const MeshReport &x = all[a].report, &y = all[b].report;
     return x.verdict != y.verdict ? x.verdict > y.verdict : x.corners > y.corners;
   });
-  std::string html = "<h4>Its " + plural(all.size(), "part") + "</h4>\n";
+  std::string html = "<h4>Its " + counted(all.size(), "part") + "</h4>\n";
   bool folded = false;
   std::size_t shown = 0;
   for (const std::size_t k : order) {
@@ -405,7 +402,7 @@ std::string parts(const Entry& e) {
     html += "<details class=part" +
             std::string(report.verdict == Verdict::fail && shown == 1 ? " open" : "") + "><summary>" +
             badge(report.verdict) + " part " + std::to_string(all[k].part.value_or(k)) +
-            "<span class=soft> " + plural(report.corners, "corner") +
+            "<span class=soft> " + counted(report.corners, "corner") +
             (all[k].fit && all[k].fit->fits ? ", " + text(all[k].fit->surface.surface.info().name) : "") +
             "</span></summary>\n" + assessment_body(all[k], e.number + k) + "</details>\n";
   }
@@ -438,7 +435,7 @@ std::string entry(const Entry& e, bool one_file, bool open) {
                      (std::isnan(e.worst) ? "–" : rounded(e.worst, 3) + "°") + "</span>";
   const std::size_t count = e.assessed.assessments.size();
   if (count > 1 || !codes.empty())
-    html += "<span class=codes>" + (count > 1 ? plural(count, "part") : "") +
+    html += "<span class=codes>" + (count > 1 ? counted(count, "part") : "") +
             (count > 1 && !codes.empty() ? " · " : "") + codes + "</span>";
   html += "</summary>\n<div class=body>\n";
   if (!one_file) html += "<p class=soft>" + text(e.file.path) + ", " + text(place) + "</p>\n";
@@ -524,7 +521,7 @@ std::string validate_page(const std::vector<AssessedFile>& files, double max_ang
   Verdict verdict = Verdict::nothing;
   for (const AssessedFile& file : files)
     verdict = std::max(verdict, file.readable() ? file.verdict : Verdict::fail);
-  const std::string what = files.size() == 1 ? one_line(files.front().path) : plural(files.size(), "file");
+  const std::string what = files.size() == 1 ? one_line(files.front().path) : counted(files.size(), "file");
   const std::vector<Entry> entries = entries_of(files, max_angle_deg);
   const auto unread = static_cast<std::size_t>(
       std::count_if(files.begin(), files.end(), [](const AssessedFile& f) { return !f.readable(); }));

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "base/counted.h"
 #include "validate_files.h"
 
 namespace darboux {
@@ -63,7 +64,7 @@ void print_mikktspace(const MikkReport& mikktspace) {
 void print_assessment(const AssessedPrimitive& assessed, std::size_t number, bool with_baseline) {
   const Assessment& assessment = assessed.assessments[number];
   const MeshReport& report = assessment.report;
-  std::cout << "  " << place_of(assessed.primitive, assessment) << ": " << report.corners << " corners";
+  std::cout << "  " << place_of(assessed.primitive, assessment) << ": " << counted(report.corners, "corner");
   if (assessment.fit && assessment.fit->fits)
     std::cout << ", " << assessment.fit->surface.surface.specification(6) << ", uvs "
               << (assessed.primitive.texcoord < 0 ? "none" : uv_convention(*assessment.fit));
@@ -85,7 +86,7 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
       std::snprintf(text, sizeof text, "%.3g / %.3g", s->max, s->rms);
       return std::string(text);
     };
-    std::printf("    %-10s %9zu  %-23s  %-23s  %-23s\n", std::string(name_of(c.vertex_class)).c_str(),
+    std::printf("    %-10s %9zu  %-23s  %-23s  %s\n", std::string(name_of(c.vertex_class)).c_str(),
                 c.corners, cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(),
                 cell(c.bitangent_deg).c_str());
   }
@@ -115,7 +116,7 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
 }
 
 // "3 pass, 1 fail"
-std::string counted(const std::array<std::size_t, verdict_names.size()>& verdicts) {
+std::string verdicts_text(const std::array<std::size_t, verdict_names.size()>& verdicts) {
   std::vector<std::string> texts;
   for (std::size_t k = 0; k < verdicts.size(); ++k)
     if (verdicts[k] > 0) texts.push_back(std::to_string(verdicts[k]) + ' ' + std::string(verdict_names[k]));
@@ -171,7 +172,7 @@ std::string overview(const AssessedFile& file) {
     for (const Assessment& j : p.assessments) ++count, ++verdicts[static_cast<std::size_t>(j.report.verdict)];
   }
   const char* what = !with_parts ? "meshes" : file.primitives.size() == 1 ? "parts" : "meshes and parts";
-  return count < 2 ? "" : std::to_string(count) + ' ' + what + ": " + counted(verdicts);
+  return count < 2 ? "" : std::to_string(count) + ' ' + what + ": " + verdicts_text(verdicts);
 }
 
 // The same with all codes: "6 parts: 6 fail; TANGENT_ANGLE 720; warnings: NORMAL_ANGLE 12".
@@ -226,10 +227,6 @@ std::string first_sentence(const AssessedFile& file) {
   return text.substr(0, std::min(text.find(". "), text.size()));
 }
 
-std::string files_text(std::size_t count) {
-  return std::to_string(count) + (count == 1 ? " file" : " files");
-}
-
 // Files that fail, are undetermined or cannot be read, a line each.
 void print_bad(const std::vector<AssessedFile>& files, bool with_baseline) {
   const auto print = [&](const char* title, auto&& is_wanted, auto&& text) {
@@ -280,13 +277,12 @@ void print_rest(const std::vector<AssessedFile>& files) {
       ++(has_something(file) ? with_warnings : plain);
   }
   if (plain + with_warnings + nothing.size() + skipped.size() > 0) std::cout << "the rest:\n";
-  if (plain > 0) std::cout << "  " << files_text(plain) << ": pass, nothing found\n";
-  if (with_warnings > 0) std::cout << "  " << files_text(with_warnings) << ": pass, with warnings\n";
+  if (plain > 0) std::cout << "  " << counted(plain, "file") << ": pass, nothing found\n";
+  if (with_warnings > 0) std::cout << "  " << counted(with_warnings, "file") << ": pass, with warnings\n";
   for (const auto& [reason, count] : nothing)
-    std::cout << "  " << files_text(count) << ": " << reason << '\n';
+    std::cout << "  " << counted(count, "file") << ": " << reason << '\n';
   for (const auto& [reason, count] : skipped)
-    std::cout << "  " << count << (count == 1 ? " primitive" : " primitives") << " not judged: " << reason
-              << '\n';
+    std::cout << "  " << counted(count, "primitive") << " not judged: " << reason << '\n';
 }
 
 // The remedies of what was found, each kind once.
@@ -309,11 +305,11 @@ void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadabl
   if (!totals.empty()) std::cout << "found:\n";
   for (const CodeTotal& t : totals) {
     std::cout << "  " << name_of(t.first->severity) << ' ' << t.first->code << ": " << t.count << " in "
-              << files_text(t.files) << ". To do: " << t.first->to_do << '\n';
+              << counted(t.files, "file") << ". To do: " << t.first->to_do << '\n';
   }
   print_bad(files, with_baseline);
   print_rest(files);
-  std::string text = counted(verdicts);
+  std::string text = verdicts_text(verdicts);
   if (unreadable > 0) text += (text.empty() ? "" : ", ") + std::to_string(unreadable) + " unreadable";
   std::cout << files.size() << " files: " << text << '\n';
 }

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/counted.h"
 #include "base/text.h"
 #include "csv.h"
 #include "finite_or_null.h"
@@ -97,7 +98,7 @@ std::string studies_csv(const std::vector<Study>& studies) {
 }
 
 std::string verdict_summary(const std::vector<Study>& studies) {
-  std::string text = std::to_string(studies.size()) + (studies.size() == 1 ? " study" : " studies");
+  std::string text = counted(studies.size(), "study", "studies");
   const char* separator = ": ";
   const auto add = [&](OrderVerdict verdict, bool holds, const char* words) {
     const auto count = std::count_if(studies.begin(), studies.end(), [&](const Study& s) {

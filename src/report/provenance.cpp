@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/counted.h"
 #include "html.h"
 
 namespace darboux {
@@ -30,12 +31,8 @@ Provenance provenance(std::string version, std::string command) {
 #else
   const std::string compiler = std::string("g++ ") + __VERSION__;
 #endif
-  return {processor + ", " + std::to_string(cores) + (cores == 1 ? " core" : " cores"),
-          compiler,
-          date,
-          std::move(version),
-          std::move(command),
-          {}};
+  return {
+      processor + ", " + counted(cores, "core"), compiler, date, std::move(version), std::move(command), {}};
 }
 
 std::string provenance_html(const Provenance& p) {

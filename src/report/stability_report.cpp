@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "base/counted.h"
 #include "base/text.h"
 #include "csv.h"
 #include "finite_or_null.h"
@@ -148,7 +149,7 @@ std::string stability_summary(const std::vector<StabilityCurve>& curves) {
   const auto broken = count([](const StabilityCurve& c) { return !c.holds(); });
   const auto others = count([](const StabilityCurve& c) { return !c.own; });
   const auto lost = count([](const StabilityCurve& c) { return !c.own && !c.within_bound; });
-  std::string text = std::to_string(own) + (own == 1 ? " curve" : " curves") + " with a bound, " +
+  std::string text = counted(static_cast<std::size_t>(own), "curve") + " with a bound, " +
                      (broken == 0 ? "all within it" : std::to_string(broken) + " beyond it");
   if (unbounded > 0) text += "; " + std::to_string(unbounded) + " without one";
   if (others > 0)

@@ -7,6 +7,7 @@
 
 #include <darboux/error.h>
 
+#include "base/counted.h"
 #include "base/text.h"
 #include "csv.h"
 #include "finite_or_null.h"
@@ -21,11 +22,6 @@ std::string kind_of(const std::string& specification) {
 }
 
 constexpr std::string_view evaluation_name = "evaluation", meshes_name = "meshes";
-
-// "1 surface", "2 surfaces"
-std::string counted(std::size_t count, const std::string& what) {
-  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
-}
 
 // By time, the fastest first.
 std::vector<const WorkSample*> by_time(const WorkGroup& group, const WorkAxes& axes) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/counted.h"
+
 namespace darboux {
 namespace {
 
@@ -193,8 +195,8 @@ void compare_conventions(std::span<const NamedReport> parts) {
     names += (i == 0 ? "" : ", ") + few[i].name;
   if (few.size() > most_named) names += " and " + std::to_string(few.size() - most_named) + " more";
   const std::string text = (few_are_raw ? ": raw in " : ": glTF's in ") + names +
-                           (few_are_raw ? "; glTF's in " : "; raw in ") + std::to_string(most.size()) +
-                           (most.size() == 1 ? " other part" : " other parts") + " of the file";
+                           (few_are_raw ? "; glTF's in " : "; raw in ") + counted(most.size(), "other part") +
+                           " of the file";
   for (const NamedReport& part : few)
     add(*part.report, finding(Code::handedness_mixed, part.report->corners, text));
 }

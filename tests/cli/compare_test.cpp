@@ -179,8 +179,8 @@ TEST_F(Cli, CompareNamesWhatOneFileLacks) {
                "all 3 corners matched\n"
                "    bit-equal at 33.3 % of 3 corners, but for the sign at 66.7 %\n"
                "    tangents differ by 0 deg rms, 0 max at vertex 2 of a, uv 0 1, position 0 1 0\n"
-               "    signs opposite at 1 corners\n"
-               "    tangents that are zero or not finite, in a or in b, at 1 corners\n");
+               "    signs opposite at 1 corner\n"
+               "    tangents that are zero or not finite, in a or in b, at 1 corner\n");
   expect_lines("whole.glb turned.glb",  // 90 / sqrt(3) = 52.0
                "all 3 corners matched\n"
                "    bit-equal at 66.7 % of 3 corners\n"

@@ -12,9 +12,9 @@ namespace darboux::fit {
 namespace {
 
 constexpr std::ptrdiff_t largest_group = 16;
-constexpr double least_correlation = 0.25, chance = 1e-6;
+constexpr double least_correlation = 0.25, chance_of_groups = 1e-6, chance_of_polynomials = 1e-5;
 constexpr std::size_t enough_points = 256;  // for polynomials
-constexpr int highest_degree = 4;
+constexpr int highest_degree = 6;
 
 // Orders numbers of points so that any 2, 4, ... consecutive ones from a multiple of that many on are
 // neighbours: halves across the longest side of their box.
@@ -53,7 +53,7 @@ bool groups_differ(const std::vector<double>& errors, std::size_t size) {
                within = (squares - of_means) / (g * (m - 1));
   if (!(within > 0)) return between > 0;
   if (!(between - within > least_correlation * (between + (m - 1) * within))) return false;
-  return chance_of_ratio(between / within, g - 1, g * (m - 1)) < chance;
+  return chance_of_ratio(between / within, g - 1, g * (m - 1)) < chance_of_groups;
 }
 
 // A sum of squares that is split among orthonormal columns, one after the other.
@@ -98,7 +98,8 @@ bool polynomials_explain(const Eigen::VectorXd& errors, const Eigen::MatrixXd& d
     if (free < 1) return false;
     // The share of the variance that is explained, as estimated without bias.
     if (!(left / free < (1 - least_correlation) * before / free_before)) continue;
-    if (!(left > 0) || chance_of_ratio((before - left) / taken / (left / free), taken, free) < chance)
+    if (!(left > 0) ||
+        chance_of_ratio((before - left) / taken / (left / free), taken, free) < chance_of_polynomials)
       return true;
   }
   return false;

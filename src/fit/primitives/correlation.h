@@ -10,13 +10,13 @@
 namespace darboux::fit {
 
 // Whether the inliers' errors are alike between neighbours, as where the points lie on another surface. Two
-// tests, each of which noise passes but with a probability of 1e-6, and that what is alike is more than a
+// tests, which noise fails with a probability of 1e-6 and 1e-5, and only where what is alike is more than a
 // quarter of the errors' variance, so much that sigma is not the noise:
 // - groups of 2, 4, 8 and 16 neighbours on the surface have other means: analysis of variance [Fisher1925,
 //   sec. 38 to 40];
-// - polynomials of degree 2, 3 and 4 in the places explain the errors, beyond what the surface's own
-//   parameters do: the F test for lack of fit [DraperSmith1998, ch. 6]. Where points are few no one is near
-//   another, and this still sees it. Of many points 256 are taken.
+// - polynomials of degree up to 6 in the places explain the errors, beyond what the surface's own parameters
+//   do: the F test for lack of fit [DraperSmith1998, ch. 6]. Where points are few no one is near another,
+//   and this still sees it. Of many points 256 are taken.
 bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit,
                           const std::vector<bool>& is_inlier);
 
