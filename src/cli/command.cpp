@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <new>
 
@@ -12,6 +11,7 @@
 
 #include <darboux/io.h>
 
+#include "base/extension.h"
 #include "base/text.h"
 
 namespace darboux {
@@ -75,7 +75,7 @@ CLI::Validator finite_number(const std::string& expected, bool (*good)(double)) 
 
 void check_glb_name(const std::string& output) {
   const auto others = asset_extensions();
-  const std::string extension = lower(std::filesystem::path(output).extension().string());
+  const std::string extension = extension_of(output);
   if (extension != ".glb" && std::find(others.begin(), others.end(), extension) != others.end())
     throw ParameterError(output, expected_got("a name of a GLB, not ending in " + extension, output));
 }
@@ -90,7 +90,7 @@ std::string known_extension(const std::string& option, const std::string& output
   const auto is_in = [](const auto& list, const std::string& name) {
     return std::find(std::begin(list), std::end(list), name) != std::end(list);
   };
-  const std::string extension = lower(std::filesystem::path(output).extension().string());
+  const std::string extension = extension_of(output);
   if (is_in(extensions, extension)) return extension;
   if (!is_in(formats, extension) && !is_in(asset_extensions(), extension)) return {};
   throw ParameterError(

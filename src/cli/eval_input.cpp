@@ -16,6 +16,7 @@
 
 #include <darboux/error.h>
 
+#include "base/extension.h"
 #include "base/text.h"
 #include "command.h"
 #include "io/input.h"
@@ -433,7 +434,7 @@ class KeptInput final : public PointInput {
 
 PointFormat point_format_of(const std::string& path) {
   if (path == "-") return PointFormat::csv;
-  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  const std::string extension = extension_of(path);
   std::string known;
   for (std::size_t k = 0; k < point_format_names.size(); ++k) {
     if (extension == std::string(".") + point_format_names[k]) return static_cast<PointFormat>(k);

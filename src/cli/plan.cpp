@@ -8,6 +8,7 @@
 #include <darboux/tangent_need.h>
 
 #include "base/counted.h"
+#include "base/extension.h"
 #include "base/parallel_jobs.h"
 #include "sarif.h"
 #include "validate_files.h"
@@ -44,7 +45,7 @@ constexpr FindingKind dropped_kind{"TANGENT_DROPPED", Severity::error,
 constexpr std::size_t most_idle_lines = 4;  // per file: what can be left out is no error
 
 bool is_gltf(const std::string& path) {
-  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  const std::string extension = extension_of(path);
   return extension == ".glb" || extension == ".gltf";
 }
 

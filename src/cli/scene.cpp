@@ -15,6 +15,7 @@
 #include <darboux/scene.h>
 
 #include "assets/scene_of_gltf.h"
+#include "base/extension.h"
 #include "command.h"
 #include "io/scene_file.h"
 #include "io/scene_tiles.h"
@@ -488,7 +489,7 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
 
 void run(const SceneArguments& arguments, Common& common) {
   // Other meshes too, which are refused there with what to do.
-  const std::string extension = lower(std::filesystem::path(arguments.file).extension().string());
+  const std::string extension = extension_of(arguments.file);
   const auto meshes = asset_extensions();
   if (std::find(meshes.begin(), meshes.end(), extension) != meshes.end())
     run_gltf(arguments, common);

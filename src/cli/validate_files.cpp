@@ -11,6 +11,7 @@
 
 #include <fnmatch.h>
 
+#include "base/extension.h"
 #include "io/json_cursor.h"
 
 namespace darboux {
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_mesh_file(const fs::path& path) {
-  const std::string extension = lower(path.extension().string());
+  const std::string extension = extension_of(path);
   const auto& known = asset_extensions();
   return std::find(known.begin(), known.end(), extension) != known.end();
 }

@@ -1,10 +1,10 @@
 #include "validate_pictures.h"
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 
+#include "base/extension.h"
 #include "base/text.h"
 #include "report/colour_map.h"
 #include "validate_page.h"
@@ -16,7 +16,7 @@ namespace {
 bool is_gltf(const std::string& path) {
   std::string magic(4, '\0');
   std::ifstream(path, std::ios::binary).read(magic.data(), 4);
-  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  const std::string extension = extension_of(path);
   return magic == "glTF" || extension == ".glb" || extension == ".gltf";
 }
 

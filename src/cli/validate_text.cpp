@@ -86,9 +86,8 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
       std::snprintf(text, sizeof text, "%.3g / %.3g", s->max, s->rms);
       return std::string(text);
     };
-    std::printf("    %-10s %9zu  %-23s  %-23s  %s\n", std::string(name_of(c.vertex_class)).c_str(),
-                c.corners, cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(),
-                cell(c.bitangent_deg).c_str());
+    std::printf("    %-10s %9zu  %-23s  %-23s  %s\n", std::string(name_of(c.vertex_class)).c_str(), c.corners,
+                cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(), cell(c.bitangent_deg).c_str());
   }
   std::fflush(stdout);
   if (has_uncertainty(report) && report.corners > 0)

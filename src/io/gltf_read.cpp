@@ -15,6 +15,7 @@
 #include "accessor.h"
 #include "budget.h"
 #include "float_mesh.h"
+#include "half_step.h"
 #include "mesh_files.h"
 #include "tangent_space.h"
 
@@ -96,19 +97,6 @@ std::vector<Triangle> make_triangles(std::uint64_t mode, std::span<const std::ui
   return result;
 }
 
-/// Half the step of the numbers that numbers() gives, 0 for floats.
-double half_step(const Accessor& accessor) {
-  double result = 0;
-  with_component(accessor.component_type, [&](auto zero) {
-    using T = decltype(zero);
-    if constexpr (!std::is_floating_point_v<T>)
-      result =
-          0.5 /
-          (accessor.normalized && sizeof(T) < 4 ? static_cast<double>(std::numeric_limits<T>::max()) : 1);
-  });
-  return result;
-}
-
 template <class Vector>
 std::vector<Vector> gather(const Accessor& accessor) {
   std::vector<Vector> vectors(accessor.count);
@@ -148,7 +136,8 @@ void read_triangles(const GltfFile& file, const JsonCursor& place, std::uint64_t
     const Accessor accessor = read_attribute(file, attributes, name, type, count);
     values = gather<typename std::remove_reference_t<decltype(values)>::value_type>(accessor);
     const auto decoded = file.half_steps.find(attributes.at(name.c_str()).integer());
-    step = decoded != file.half_steps.end() ? decoded->second : half_step(accessor);
+    step = decoded != file.half_steps.end() ? decoded->second
+                                            : half_step(accessor, name == "NORMAL" || name == "TANGENT");
   };
   read("POSITION", "VEC3", 0, mesh.positions, mesh.half_steps.position);
   const std::size_t vertices = mesh.positions.size();

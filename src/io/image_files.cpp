@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <array>
-#include <filesystem>
 
 #include <darboux/error.h>
 #include <darboux/image_files.h>
 #include <darboux/io.h>
 
+#include "base/extension.h"
 #include "base/text.h"
 #include "budget.h"
 #include "files.h"
@@ -13,13 +13,7 @@
 #include "read_png.h"
 
 namespace darboux {
-namespace {
-
-std::string extension_of(const std::string& path) {
-  return lower(std::filesystem::path(path).extension().string());
-}
-
-}  // namespace
+namespace {}  // namespace
 
 namespace io {
 

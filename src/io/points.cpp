@@ -9,6 +9,7 @@
 #include <darboux/error.h>
 #include <darboux/weld.h>
 
+#include "base/extension.h"
 #include "base/text.h"
 #include "files.h"
 
@@ -171,7 +172,7 @@ PointCloud distinct_points(const PointFile& file) {
 
 PointFile read_points(const std::string& path, const std::function<void(double)>& progress,
                       const ReadOptions& options) {
-  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  const std::string extension = extension_of(path);
   if (extension == ".glb" || extension == ".gltf") return io::read_gltf_points(path, options);
   struct Format {
     std::vector<std::string_view> extensions;

@@ -1,11 +1,11 @@
 // Which file of a mesh is read how.
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 
 #include <darboux/error.h>
 
+#include "base/extension.h"
 #include "base/text.h"
 #include "files.h"
 #include "gltf_file.h"
@@ -20,10 +20,6 @@ std::span<const std::string_view> asset_extensions() {
 }
 
 namespace {
-
-std::string extension_of(const std::string& path) {
-  return lower(std::filesystem::path(path).extension().string());
-}
 
 // Half a step of the decimals with which somebody wrote unit vectors, two to four, as "0.577 0.577 0.577"; 0
 // where there are more or fewer: one decimal is exact.

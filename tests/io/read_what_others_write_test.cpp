@@ -113,6 +113,63 @@ TEST(ReadWhatOthersWrite, StepsOfIntegers) {
   EXPECT_EQ(steps.normal, 0);
 }
 
+// Unit vectors to so many bits, that of the sign included, as gltf-transform's quantize stores them in 16
+// bits: the bits repeated below themselves.
+std::vector<std::int16_t> quantised(int bits, int vertices) {
+  const int steps = (1 << (bits - 1)) - 1, shift = 16 - bits;
+  std::vector<std::int16_t> result;
+  for (int i = 0; i < vertices; ++i) {
+    const double z = 0.97 * (2 * (i + 0.5) / vertices - 1), r = std::sqrt(1 - z * z);
+    for (const double x : {r * std::cos(2.4 * i), r * std::sin(2.4 * i), z}) {
+      const int q = static_cast<int>(std::lround(std::fabs(x) * steps));
+      const int repeated = bits == 16 ? q : (q << shift) | (q >> (bits - 1 - shift));
+      result.push_back(static_cast<std::int16_t>(x < 0 ? -repeated : repeated));
+    }
+  }
+  return result;
+}
+
+// What gltf-transform's quantize and optimize write passed for normals of wrong length: 10 bits in 16 are off
+// by up to 0.0017, where 16 bits would be off by 0.00003.
+TEST(ReadWhatOthersWrite, StepsOfFewerBitsThanTheIntegersHave) {
+  constexpr int vertices = 60;
+  const auto step = [&](const std::vector<std::int16_t>& normals) {
+    Builder b = quad();
+    const auto n = static_cast<int>(normals.size() / 3);
+    const auto stored = b.packed<std::int16_t>("VEC3", 5122, n, normals, {{"normalized", true}});
+    const auto positions =
+        b.packed<float>("VEC3", 5126, n, std::vector<float>(static_cast<std::size_t>(3 * n), 0));
+    b.primitive({{"POSITION", positions}, {"NORMAL", stored}});
+    return read(b.glb()).primitives.at(1).data.half_steps.normal;
+  };
+  for (const int bits : {9, 10, 11, 12, 13})
+    EXPECT_EQ(step(quantised(bits, vertices)), 0.5 / ((1 << (bits - 1)) - 1)) << bits;
+  EXPECT_EQ(step(quantised(16, vertices)), 0.5 / 32767);
+  EXPECT_EQ(step(quantised(10, 2)), 0.5 / 511) << "few numbers";
+  // Too few numbers to tell.
+  EXPECT_EQ(step({32767, 0, 0, 0, -32767, 0, 0, 0, 32767}), 0.5 / 32767);
+  std::vector<std::int16_t> one_apart = quantised(10, vertices);
+  one_apart[7] = static_cast<std::int16_t>(one_apart[7] + 20);
+  EXPECT_EQ(step(one_apart), 0.5 / 32767) << "one number is no multiple";
+}
+
+TEST(ReadWhatOthersWrite, StepsOfUvsOfTwelveBitsAndFloatsOfBytes) {
+  constexpr int vertices = 40;
+  std::vector<std::uint16_t> uvs;
+  std::vector<float> normals, positions(3 * vertices, 0);
+  for (int i = 0; i < 2 * vertices; ++i)
+    uvs.push_back(static_cast<std::uint16_t>(std::lround(37 * i * 65535 / 4095.0)));
+  for (const std::int16_t x : quantised(8, vertices)) normals.push_back(static_cast<float>((x >> 8) / 127.0));
+  Builder b = quad();
+  b.primitive({{"POSITION", b.packed<float>("VEC3", 5126, vertices, positions)},
+               {"NORMAL", b.packed<float>("VEC3", 5126, vertices, normals)},
+               {"TEXCOORD_0", b.packed<std::uint16_t>("VEC2", 5123, vertices, uvs, {{"normalized", true}})}});
+  const HalfSteps steps = read(b.glb()).primitives.at(1).data.half_steps;
+  EXPECT_EQ(steps.uv, 0.5 / 4095);
+  EXPECT_EQ(steps.normal, 0.5 / 127);
+  EXPECT_EQ(steps.position, 0) << "floats are not directions";
+}
+
 // Few decimals of unit vectors are steps too: 3 × 0.577² = 0.9988 is no wrong length.
 TEST(ReadWhatOthersWrite, StepsOfDecimals) {
   const std::string faces = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1//1 2//2 3//3\n";

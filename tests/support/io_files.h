@@ -74,8 +74,9 @@ struct Builder {
   /// A tightly packed accessor with a bufferView of its own.
   template <class T>
   std::size_t packed(const std::string& type, int component_type, std::size_t count,
-                     std::initializer_list<T> values, const Json& more = Json::object()) {
-    return packed_bytes(type, component_type, count, pack(values), more);
+                     const std::vector<T>& values, const Json& more = Json::object()) {
+    const std::string bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+    return packed_bytes(type, component_type, count, bytes, more);
   }
   std::size_t positions(std::initializer_list<float> values) {
     return packed<float>("VEC3", 5126, values.size() / 3, values);
