@@ -201,6 +201,9 @@ class Reader {
         equals != std::string_view::npos && !name.empty() && begins_name(name[0]) &&
         std::all_of(name.begin(), name.end(), [](char c) { return begins_name(c) || is_digit(c); });
     if (!good) fail(number, expected_got("lines like x = a*cos(2*pi*u)", in_quotes(content)));
+    constexpr std::size_t longest = 64;  // muParser throws beyond 100
+    if (name.size() > longest)
+      fail(number, expected_got("a name of at most 64 characters", std::to_string(name.size())));
     if (name == "u" || name == "v" || name == "pi" || find_function(name))
       fail(number, expected_got("a name other than u, v, pi and those of functions", name));
     if (const auto before = variables_.find(name); before != variables_.end())

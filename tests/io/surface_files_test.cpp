@@ -281,6 +281,11 @@ TEST_F(SurfaceFiles, RefusesBadFormulasInOneLine) {
   for (const std::string name : {"u", "v", "pi", "sin", "cos_turns"})
     refused(name + " = 1\n",
             {":1:", "expected a name other than u, v, pi and those of functions, got " + name});
+  const std::string longest(64, 'a');
+  EXPECT_EQ(formula(longest + " = 2\nx = u\ny = v\nz = " + longest + "*u\n").jet(0.5, 0).position.z, 1);
+  for (const std::size_t length : {65U, 101U, 100000U})  // 101 ended the process
+    refused(std::string(length, 'a') + " = 2\nx = u\ny = v\nz = u\n",
+            {":1:", "expected a name of at most 64 characters, got " + std::to_string(length)});
   refused("a = 2\nx = u\ny = v\nz = a*radius\n",
           {":4:", "unknown name 'radius' at column 7", known + ", a, x, y, z", "sqrt"});
   refused("x = u\ny = v\nz = foo(u)\n", {":3:", "unknown name 'foo' at column 5", known});
