@@ -194,7 +194,7 @@ void print_pair(const Pair& pair) {
   if (a.mesh != b.mesh || a.primitive != b.primitive) std::cout << " against " << place(b);
   std::cout << ": " << (r.same ? "same" : "not the same") << ", ";
   if (r.matched == r.corners_a && r.matched == r.corners_b)
-    std::cout << "all " << counted(r.matched, "corner") << " matched\n";
+    std::cout << (r.matched == 1 ? "the " : "all ") << counted(r.matched, "corner") << " matched\n";
   else
     std::cout << counted(r.matched, "corner") << " matched of " << r.corners_a << " in a and " << r.corners_b
               << " in b\n";

@@ -27,6 +27,7 @@ void read_configuration(CLI::App& sub, const std::string& path) {
       if (std::find(known.begin(), known.end(), name) == known.end())
         throw FileError(path, expected_got("an option of " + sub.get_name() + " (" + joined(known) + ")",
                                            "'" + name + "'"));
+      if (item.inputs.empty()) throw FileError(path, expected_got("a value of " + name, "none"));
       CLI::Option& option = *sub.get_option_no_throw(name == "files" ? "FILES" : "--" + name);
       if (option.count() > 0) continue;  // a name that is given twice comes once, with two values
       option.add_result(item.inputs);

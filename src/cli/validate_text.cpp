@@ -97,8 +97,8 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
   if (report.local && report.reference != ReferenceKind::local) print_local(*report.local);
   if (report.triangles && report.triangles->compared > 0) {
     const TrianglesReport& t = *report.triangles;
-    std::cout << "    triangles: " << t.compared - t.outside << " of " << t.compared
-              << " corners lie within the cone of their own triangles";
+    std::cout << "    triangles: " << t.compared - t.outside << " of " << counted(t.compared, "corner")
+              << " lie within the cone of their own triangles";
     if (t.outside > 0) std::cout << ", the others up to " << rounded(t.worst_deg, 3) << " deg outside";
     std::cout << '\n';
   }

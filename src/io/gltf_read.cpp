@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <numeric>
 #include <type_traits>
 
@@ -136,8 +135,10 @@ void read_triangles(const GltfFile& file, const JsonCursor& place, std::uint64_t
     const Accessor accessor = read_attribute(file, attributes, name, type, count);
     values = gather<typename std::remove_reference_t<decltype(values)>::value_type>(accessor);
     const auto decoded = file.half_steps.find(attributes.at(name.c_str()).integer());
+    const bool directions = name == "NORMAL" || name == "TANGENT";
     step = decoded != file.half_steps.end() ? decoded->second
-                                            : half_step(accessor, name == "NORMAL" || name == "TANGENT");
+           : directions                     ? half_step_of_directions(accessor)
+                                            : half_step(accessor);
   };
   read("POSITION", "VEC3", 0, mesh.positions, mesh.half_steps.position);
   const std::size_t vertices = mesh.positions.size();

@@ -3,37 +3,41 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <type_traits>
+#include <vector>
 
 namespace darboux::io {
 namespace {
 
-constexpr int least_bits = 7;  // of what is quantised: with its sign a byte
+// Without their signs.
+constexpr int bits_of_a_byte = 7;
+constexpr int most_bits_of_floats = 11;  // steps of more are within the length that floats are allowed
 
-// The magnitudes that tell of steps: each once, without 0 and 1, which every number of bits has. Enough of
-// them.
+// The magnitudes that tell of steps, each once: without those that are 0 or 1 but for `error`, which all
+// steps have.
 template <class T>
-std::vector<double> magnitudes(const Accessor& accessor, double most) {
+std::vector<double> magnitudes(const Accessor& accessor, double largest, double error) {
   constexpr std::size_t enough = 4096;
   std::vector<double> result;
   const std::size_t stride = std::max<std::size_t>(1, accessor.count / enough);
   for (std::size_t i = 0; i < accessor.count; i += stride)
     for (std::size_t k = 0; k < accessor.components; ++k) {
-      const double x = std::fabs(static_cast<double>(raw_component<T>(accessor, i, k))) / most;
-      if (x != 0 && x != 1 && std::isfinite(x)) result.push_back(x);
+      const double x = std::fabs(static_cast<double>(raw_component<T>(accessor, i, k))) / largest;
+      if (x > error && std::fabs(1 - x) > error && std::isfinite(x)) result.push_back(x);
     }
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 
-// The fewest bits, at most `most_bits`, with which all numbers are multiples of 1 / (2^bits - 1), and by
-// chance are so with this logarithm of its probability to base 2 at most; 0 where there are none. \param
-// error of the numbers as stored
-int fewest_bits(const std::vector<double>& numbers, int most_bits, double error, double chance) {
-  for (int bits = least_bits; bits <= most_bits; ++bits) {
-    const double steps = std::ldexp(1.0, bits) - 1, apart = 1.001 * error * steps;
-    if (static_cast<double>(numbers.size()) * std::log2(2 * apart) > chance) continue;
+// The fewest bits with which all numbers, known up to `error`, are multiples of 1 / (2^bits - 1); 0 where
+// these are more than `most_bits`, or the numbers are likely to be such multiples by chance. \param
+// least_surprise that they are has at most a probability of 2^-least_surprise
+int fewest_bits(const std::vector<double>& numbers, int most_bits, double error, double least_surprise) {
+  for (int bits = bits_of_a_byte; bits <= most_bits; ++bits) {
+    const double steps = std::ldexp(1.0, bits) - 1, apart = error * steps;
+    if (-std::log2(2 * apart) * static_cast<double>(numbers.size()) < least_surprise) continue;
     if (std::all_of(numbers.begin(), numbers.end(),
                     [&](double x) { return std::fabs(x * steps - std::round(x * steps)) <= apart; }))
       return bits;
@@ -43,29 +47,35 @@ int fewest_bits(const std::vector<double>& numbers, int most_bits, double error,
 
 }  // namespace
 
-double half_step(const Accessor& accessor, bool directions) {
-  constexpr double unlikely = -30;
+double half_step(const Accessor& accessor) {
   double result = 0;
   with_component(accessor.component_type, [&](auto zero) {
     using T = decltype(zero);
-    if constexpr (std::is_floating_point_v<T>) {
-      constexpr int most_bits = 11;  // more are within the length that floats are allowed
-      if (!directions) return;
-      const int bits = fewest_bits(magnitudes<T>(accessor, 1), most_bits, 0x1p-24, unlikely);
-      if (bits > 0) result = 0.5 / (std::ldexp(1.0, bits) - 1);
-    } else if (accessor.normalized && sizeof(T) < 4) {
-      constexpr double most = std::numeric_limits<T>::max();
-      // Tools round to the nearest integer, or repeat the bits below themselves, which is less than one off.
-      // That directions are such multiples by chance harms little: longer steps excuse more, and find
-      // nothing.
-      const int bits = fewest_bits(magnitudes<T>(accessor, most), std::numeric_limits<T>::digits - 1,
-                                   1 / most, directions ? 0.3 * unlikely : unlikely);
-      result = 0.5 / (bits > 0 ? std::ldexp(1.0, bits) - 1 : most);
-    } else {
-      result = 0.5;
-    }
+    if constexpr (!std::is_floating_point_v<T>)
+      result =
+          0.5 /
+          (accessor.normalized && sizeof(T) < 4 ? static_cast<double>(std::numeric_limits<T>::max()) : 1);
   });
   return result;
+}
+
+double half_step_of_directions(const Accessor& accessor) {
+  int bits = 0;
+  with_component(accessor.component_type, [&](auto zero) {
+    using T = decltype(zero);
+    if constexpr (std::is_floating_point_v<T>) {
+      // 0.6 and 0.8 are multiples of 1 / 255.
+      constexpr double error = 0x1.01p-24, least_surprise = 50;
+      bits = fewest_bits(magnitudes<T>(accessor, 1, error), most_bits_of_floats, error, least_surprise);
+    } else if (accessor.normalized && sizeof(T) < 4) {
+      // Tools round to the nearest integer, or repeat the bits below themselves, which is less than one off.
+      // A box has one magnitude to tell by. Taken for a step by chance, it allows a wrong length of 1 %.
+      constexpr double largest = std::numeric_limits<T>::max(), error = 1.001 / largest, least_surprise = 2;
+      bits = fewest_bits(magnitudes<T>(accessor, largest, error), std::numeric_limits<T>::digits - 1, error,
+                         least_surprise);
+    }
+  });
+  return bits > 0 ? 0.5 / (std::ldexp(1.0, bits) - 1) : half_step(accessor);
 }
 
 }  // namespace darboux::io

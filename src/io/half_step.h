@@ -5,10 +5,13 @@
 
 namespace darboux::io {
 
-/// Half the step of the numbers that numbers() gives: that of their integer type, or that of fewer bits,
-/// where all numbers are multiples of 1 / (2^bits - 1) as near as their type holds these, which tools that
-/// quantise to 10 bits store in 16 (gltf-transform quantize). 0 for floats, but for directions of which all
-/// numbers are such multiples: they were quantised once. \param directions vectors of length 1
-double half_step(const Accessor& accessor, bool directions);
+/// Half the step of the numbers that numbers() gives, by their integer type; 0 for floats.
+double half_step(const Accessor& accessor);
+
+/// The same of vectors of length 1. Tools that quantise to 10 bits store these in 16 (gltf-transform
+/// quantize): where all numbers are multiples of 1 / (2^bits - 1), as near as their type holds these, that is
+/// the step; also in floats, of signed bytes or more bits. Of many vectors some 4000 are looked at. Not for
+/// positions and uvs: those of a regular grid are such multiples too, and exact.
+double half_step_of_directions(const Accessor& accessor);
 
 }  // namespace darboux::io

@@ -13,8 +13,6 @@
 #include "read_png.h"
 
 namespace darboux {
-namespace {}  // namespace
-
 namespace io {
 
 void check_image_size(const std::string& file, std::uint64_t width, std::uint64_t height,

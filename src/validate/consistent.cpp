@@ -317,20 +317,36 @@ class Closely {
       return joins_.position_and_normal[a] == joins_.position_and_normal[b] && mesh_.uvs[a] == mesh_.uvs[b];
     };
     for (auto e = first_edge; e != last_edge; ++e) {
-      if (e->triangle == t || raw_sign_[e->triangle] != sign) continue;
+      if (e->triangle == t || raw_sign_[e->triangle] == 0) continue;
       if (!same(corner(e->triangle, e->k), q) || !same(corner(e->triangle, e->k + 1), p)) continue;
       const std::uint32_t x = corner(e->triangle, e->k + 2);
       const Triangle first{p, x, r}, second{x, q, r};
-      const auto winds = [&](const Triangle& a) {
+      const auto winds = [&](const Triangle& a, int as) {
         const double area = signed_uv_area2(mesh_.uvs[a[0]], mesh_.uvs[a[1]], mesh_.uvs[a[2]]);
-        return area * sign > 0;
+        return area * as > 0;
       };
+      if (raw_sign_[e->triangle] != sign) {
+        // A quad that is concave in uv, cut along the diagonal outside it, has halves that wind in two ways.
+        // Its tangents, of one side, are those of the diagonal inside. At a mirrored seam there are two
+        // sides.
+        if (mesh_.tangents[x].w == mesh_.tangents[r].w && winds(first, 1) == winds(second, 1) &&
+            winds(first, -1) == winds(second, -1))
+          uncertain_ = true;
+        continue;
+      }
       // What the other diagonal would be is open where a half has no area.
       if (is_open(first) || is_open(second)) {
         uncertain_ = true;
         continue;
       }
-      if (!winds(first) || !winds(second)) continue;  // not convex in uv
+      if (!winds(first, sign) || !winds(second, sign)) {  // not convex in uv
+        // MikkTSpace cuts a quad along the shorter diagonal in uv, though it lies outside.
+        const auto apart = [&](std::uint32_t a, std::uint32_t b) {
+          return norm(mesh_.uvs[a] - mesh_.uvs[b]);
+        };
+        if (apart(x, r) <= apart(p, q)) uncertain_ = true;
+        continue;
+      }
       for (const Triangle& other : {first, second})
         if (other[0] == corner(t, c.k) || other[1] == corner(t, c.k) || other[2] == corner(t, c.k))
           add(positions_of(mesh_, other), uvs_of(mesh_, other), sign);

@@ -276,7 +276,10 @@ Code MeshValidation::error_of(const CornerGroup& group) const {
     if (!c.tangent_finite) return tangent_not_finite;
     if (c.tangent_zero && under_test_.has_uv_area[v]) return tangent_zero;
     if (!c.tangent_zero && !c.tangent_unit) return tangent_not_unit;
-    if (!c.tangent_zero && !c.sign_valid) return tangent_invalid_sign;
+    // Of a zero w nothing is seen where there is no uv area: FBX and Collada, whose bitangents are zero
+    // there, have no side.
+    if (!c.tangent_zero && !c.sign_valid && (under_test_.has_uv_area[v] || mesh_.tangents[v].w != 0))
+      return tangent_invalid_sign;
     if (c.along_normal && !is_unseen(v)) return tangent_not_orthogonal;
     if (group.wrong_sign) return tangent_handedness;
     if (tangent_error(group) != Decider::nobody) return tangent_angle;

@@ -158,14 +158,16 @@ TEST_F(CliMany, OptionsComeFromAFileToo) {
   // The command line goes before it.
   EXPECT_EQ(json("darboux validate assets/deep/bad.glb --config ci.toml", 1)["files"][0]["file"],
             "assets/deep/bad.glb");
-  for (const auto& [text, part] :
-       std::vector<std::pair<std::string, std::string>>{{"max-angel = 2", "'max-angel'"},
-                                                        {"max-angle = 2\nmax-angle = 3", "received 2"},
-                                                        {"max-angle = two", "max-angle"},
-                                                        {"max-angle = -2", "--max-angle"},
-                                                        {"[validate]\nmax-angle = 2", "section [validate]"},
-                                                        {"fail-on = [\"NO_SUCH\"]", "'NO_SUCH'"},
-                                                        {"config = \"ci.toml\"", "'config'"}}) {
+  for (const auto& [text, part] : std::vector<std::pair<std::string, std::string>>{
+           {"max-angel = 2", "'max-angel'"},
+           {"max-angle = 2\nmax-angle = 3", "received 2"},
+           {"max-angle = two", "max-angle"},
+           {"max-angle = -2", "--max-angle"},
+           {"[validate]\nmax-angle = 2", "section [validate]"},
+           {"fail-on = [\"NO_SUCH\"]", "'NO_SUCH'"},
+           {"strict = []", "expected a value of strict, got none"},
+           {"strict=[\"", "expected a value of strict, got none"},
+           {"config = \"ci.toml\"", "'config'"}}) {
     write("wrong.toml", text + '\n');
     refused("darboux validate assets/good.glb --config wrong.toml", {part});
   }

@@ -44,5 +44,26 @@ TEST(LackOfFit, FewPointsOfAnotherSurfaceAreNoPrimitive) {
     }
 }
 
+// Roundings of a grid repeat at points that mirror each other: polynomials explain them, and they are no
+// other surface.
+TEST(LackOfFit, RoundedGridsAreNoOtherSurface) {
+  for (const auto& [specification, digits] : {std::pair{"sphere:radius=1", 100.0},
+                                              {"sphere:radius=50", 10.0},
+                                              {"torus:major_radius=1,minor_radius=0.4", 100.0}})
+    for (const auto& [columns, rows] : {std::pair{16, 8}, {12, 12}, {20, 10}}) {
+      const AnySurface surface = make_surface(specification);
+      PointCloud cloud;
+      for (int i = 0; i < columns; ++i)
+        for (int k = 0; k <= rows; ++k) {
+          const Vec3<double> p = surface.jet(1.0 * i / columns, 1.0 * k / rows).position;
+          cloud.positions.push_back({std::round(p.x * digits) / digits, std::round(p.y * digits) / digits,
+                                     std::round(p.z * digits) / digits});
+        }
+      const PointFit fit = fit_points(cloud, {});
+      EXPECT_TRUE(fit.usable) << specification << ' ' << columns << 'x' << rows << ": " << fit.reason;
+      EXPECT_EQ(fit.reason.find("alike"), std::string::npos) << fit.reason;
+    }
+}
+
 }  // namespace
 }  // namespace darboux::test

@@ -146,6 +146,8 @@ TEST(ReadWhatOthersWrite, StepsOfFewerBitsThanTheIntegersHave) {
     EXPECT_EQ(step(quantised(bits, vertices)), 0.5 / ((1 << (bits - 1)) - 1)) << bits;
   EXPECT_EQ(step(quantised(16, vertices)), 0.5 / 32767);
   EXPECT_EQ(step(quantised(10, 2)), 0.5 / 511) << "few numbers";
+  const std::int16_t diagonal = 23149;  // 361 / 511, of a box that was turned by 45 degrees
+  EXPECT_EQ(step({diagonal, diagonal, 0, diagonal, -diagonal, 0, 0, 0, 32767}), 0.5 / 511) << "one magnitude";
   // Too few numbers to tell.
   EXPECT_EQ(step({32767, 0, 0, 0, -32767, 0, 0, 0, 32767}), 0.5 / 32767);
   std::vector<std::int16_t> one_apart = quantised(10, vertices);
@@ -153,21 +155,24 @@ TEST(ReadWhatOthersWrite, StepsOfFewerBitsThanTheIntegersHave) {
   EXPECT_EQ(step(one_apart), 0.5 / 32767) << "one number is no multiple";
 }
 
-TEST(ReadWhatOthersWrite, StepsOfUvsOfTwelveBitsAndFloatsOfBytes) {
+// Floats that were signed bytes; and positions and uvs on a grid, which are exact though multiples of 1 /
+// 255.
+TEST(ReadWhatOthersWrite, StepsOfDirectionsAlone) {
   constexpr int vertices = 40;
-  std::vector<std::uint16_t> uvs;
-  std::vector<float> normals, positions(3 * vertices, 0);
-  for (int i = 0; i < 2 * vertices; ++i)
-    uvs.push_back(static_cast<std::uint16_t>(std::lround(37 * i * 65535 / 4095.0)));
+  std::vector<std::uint16_t> uvs, grid;
+  std::vector<float> normals;
+  for (int i = 0; i < 2 * vertices; ++i) uvs.push_back(static_cast<std::uint16_t>(257 * i));
+  for (int i = 0; i < 3 * vertices; ++i) grid.push_back(static_cast<std::uint16_t>(257 * (7 * i % 256)));
   for (const std::int16_t x : quantised(8, vertices)) normals.push_back(static_cast<float>((x >> 8) / 127.0));
   Builder b = quad();
-  b.primitive({{"POSITION", b.packed<float>("VEC3", 5126, vertices, positions)},
+  const Json normalized = {{"normalized", true}};
+  b.primitive({{"POSITION", b.packed<std::uint16_t>("VEC3", 5123, vertices, grid, normalized)},
                {"NORMAL", b.packed<float>("VEC3", 5126, vertices, normals)},
-               {"TEXCOORD_0", b.packed<std::uint16_t>("VEC2", 5123, vertices, uvs, {{"normalized", true}})}});
+               {"TEXCOORD_0", b.packed<std::uint16_t>("VEC2", 5123, vertices, uvs, normalized)}});
   const HalfSteps steps = read(b.glb()).primitives.at(1).data.half_steps;
-  EXPECT_EQ(steps.uv, 0.5 / 4095);
+  EXPECT_EQ(steps.uv, 0.5 / 65535);
+  EXPECT_EQ(steps.position, 0.5 / 65535);
   EXPECT_EQ(steps.normal, 0.5 / 127);
-  EXPECT_EQ(steps.position, 0) << "floats are not directions";
 }
 
 // Few decimals of unit vectors are steps too: 3 × 0.577² = 0.9988 is no wrong length.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -105,6 +106,18 @@ bool polynomials_explain(const Eigen::VectorXd& errors, const Eigen::MatrixXd& d
   return false;
 }
 
+// Whether some coordinate takes few values, as in a grid: points that mirror each other have one rounding,
+// and their errors are not independent.
+bool is_grid(const Eigen::Matrix3Xd& points) {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    std::vector<double> values(points.row(axis).begin(), points.row(axis).end());
+    std::sort(values.begin(), values.end());
+    if (2 * std::distance(values.begin(), std::unique(values.begin(), values.end())) < points.cols())
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit,
@@ -124,9 +137,11 @@ bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit
   std::vector<Eigen::Index> some;
   const std::size_t step = (order.size() + enough_points - 1) / enough_points;
   for (std::size_t i = 0; i < order.size(); i += step) some.push_back(static_cast<Eigen::Index>(order[i]));
+  const Eigen::Matrix3Xd points = cloud(Eigen::all, some);
+  if (is_grid(points)) return false;
   const auto all = Eigen::Map<const Eigen::VectorXd>(fit.error.data(), cloud.cols());
   Eigen::MatrixXd derivatives;
-  fit.primitive->distance.jacobian(cloud(Eigen::all, some), model, derivatives);
+  fit.primitive->distance.jacobian(points, model, derivatives);
   return polynomials_explain(all(some), derivatives, feet(Eigen::all, some));
 }
 

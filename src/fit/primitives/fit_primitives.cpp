@@ -192,15 +192,15 @@ class PrimitivesFit {
     const std::vector<bool> is_inlier = inliers_of(best);
     const NoiseKnowledge noise = report_points(best, points_, is_inlier, options_.noise.has_value(), fit_);
     // Where two surfaces are as likely, but neither is the points', that they are not comes first.
-    const bool is_noise = !(selection.usable || selection.has_rival) ||
-                          !(best.sigma > points_.stored_rounding()) ||
-                          !neighbours_are_alike(points_.cloud, best, is_inlier);
-    if (!selection.usable && (is_noise || !automatic())) return selection.reason;
+    const bool are_alike = (selection.usable || selection.has_rival) &&
+                           best.sigma > points_.stored_rounding() &&
+                           neighbours_are_alike(points_.cloud, best, is_inlier);
+    if (!selection.usable && !(are_alike && automatic())) return selection.reason;
     const std::string name = with_article(best.primitive->name);
     if (automatic() && !explains_enough(best))
       return "undetermined: the nearest is " + name + ", with only " + std::to_string(fit_.inliers) + " of " +
              std::to_string(points_.finite) + " points; fewer outliers help, or naming the kind";
-    if (!is_noise) {
+    if (are_alike) {
       const std::string alike = "distances of neighbouring points are alike, not noise";
       if (automatic())
         return "undetermined: the nearest is " + name + ", but " + alike +
