@@ -4,6 +4,7 @@
 #include <new>
 
 #include <fcntl.h>
+#include <glog/logging.h>
 #include <unistd.h>
 
 #include "base/keep_freed_memory.h"
@@ -102,6 +103,8 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Ceres logs a step that fails to standard error, silent or not. What comes of it is in the results.
+  FLAGS_minloglevel = google::GLOG_FATAL;
   try {
     return run(argc, argv);
   } catch (const std::bad_alloc&) {
