@@ -16,8 +16,8 @@ namespace darboux::fit {
 //   sec. 38 to 40]. Noise fails with a probability of 1e-6 for each size.
 // - polynomials of some degree up to 6 in the places explain the errors, beyond what the surface's own
 //   parameters do: the F test for lack of fit [DraperSmith1998, ch. 6]. This sees it in few points too, which
-//   have no near neighbours. Noise fails with a probability of 1e-5 for each degree. Of many points at most 256
-//   are taken; those of a grid are not asked, as their roundings repeat.
+//   have no near neighbours. Noise fails with a probability of 1e-5 for each degree. At most 256 points are
+//   taken; those of a grid are not asked, as their roundings repeat.
 bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit,
                           const std::vector<bool>& is_inlier);
 
