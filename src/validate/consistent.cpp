@@ -293,6 +293,15 @@ class Closely {
     arcs_.push_back({std::atan2(y, x), std::asin(error / length)});
   }
 
+  double uv_area2(const Triangle& t) const {
+    return signed_uv_area2(mesh_.uvs[t[0]], mesh_.uvs[t[1]], mesh_.uvs[t[2]]);
+  }
+  // As the normal at hand does.
+  bool faces(const Triangle& t) const {
+    const auto p = positions_of(mesh_, t);
+    return dot(cross(p[1] - p[0], p[2] - p[0]), n_) > 0;
+  }
+
   // Whether a triangle has no area in space, or none in uv as far as its uvs are known.
   bool is_open(const Triangle& t) const {
     const auto p = positions_of(mesh_, t);
@@ -321,16 +330,14 @@ class Closely {
       if (!same(corner(e->triangle, e->k), q) || !same(corner(e->triangle, e->k + 1), p)) continue;
       const std::uint32_t x = corner(e->triangle, e->k + 2);
       const Triangle first{p, x, r}, second{x, q, r};
-      const auto winds = [&](const Triangle& a, int as) {
-        const double area = signed_uv_area2(mesh_.uvs[a[0]], mesh_.uvs[a[1]], mesh_.uvs[a[2]]);
-        return area * as > 0;
-      };
+      const double first_area = uv_area2(first), second_area = uv_area2(second);
+      // What is no quad of anybody's is not convex in space.
+      const auto is_convex = [&] { return faces(first) && faces(second); };
       if (raw_sign_[e->triangle] != sign) {
         // A quad that is concave in uv, cut along the diagonal outside it, has halves that wind in two ways.
         // Its tangents, of one side, are those of the diagonal inside. At a mirrored seam there are two
         // sides.
-        if (mesh_.tangents[x].w == mesh_.tangents[r].w && winds(first, 1) == winds(second, 1) &&
-            winds(first, -1) == winds(second, -1))
+        if (mesh_.tangents[x].w == mesh_.tangents[r].w && first_area * second_area > 0 && is_convex())
           uncertain_ = true;
         continue;
       }
@@ -339,12 +346,12 @@ class Closely {
         uncertain_ = true;
         continue;
       }
-      if (!winds(first, sign) || !winds(second, sign)) {  // not convex in uv
+      if (!(first_area * sign > 0) || !(second_area * sign > 0)) {  // not convex in uv
         // MikkTSpace cuts a quad along the shorter diagonal in uv, though it lies outside.
-        const auto apart = [&](std::uint32_t a, std::uint32_t b) {
-          return norm(mesh_.uvs[a] - mesh_.uvs[b]);
+        const auto apart = [&](std::uint32_t i, std::uint32_t k) {
+          return norm(mesh_.uvs[i] - mesh_.uvs[k]);
         };
-        if (apart(x, r) <= apart(p, q)) uncertain_ = true;
+        if (apart(x, r) <= apart(p, q) && is_convex()) uncertain_ = true;
         continue;
       }
       for (const Triangle& other : {first, second})

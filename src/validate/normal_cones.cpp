@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <iterator>
 #include <map>
+#include <optional>
 
 #include <darboux/frame.h>
 #include <darboux/mesh_frames.h>
@@ -17,9 +18,11 @@ namespace {
 
 using Normals = std::vector<Vec3<double>>;
 
-constexpr double tolerance = 1e-3;        // the sine of how far outside the cone rounding may leave a normal
-constexpr std::size_t most_normals = 40;  // of which each three are looked at
-constexpr double alike = 1 - 1e-6, opposite = 1 - 1e-4;  // cosines of 0.08 degrees and, of the rest, 0.8
+constexpr double tolerance = 1e-3;  // the sine of how far outside the cone rounding may leave a normal
+// Of normals each three are looked at: where many meet at a tip, then of those that are apart.
+constexpr std::size_t many = 40, most_normals = 100;
+// Cosines: of 0.08 degrees, of 5 degrees, and 0.8 degrees from -1.
+constexpr double alike = 1 - 1e-6, near = 0.9962, opposite = -1 + 1e-4;
 
 // On the arc from a to b.
 bool is_on_arc(const Vec3<double>& n, const Vec3<double>& a, const Vec3<double>& b) {
@@ -43,7 +46,7 @@ bool is_in_cone(const Vec3<double>& n, const Vec3<double>& a, const Vec3<double>
 bool is_in_cone(const Vec3<double>& n, const Normals& of) {
   for (std::size_t i = 0; i < of.size(); ++i)
     for (std::size_t j = i + 1; j < of.size(); ++j)
-      if (dot(of[i], of[j]) < -opposite) return false;
+      if (dot(of[i], of[j]) < opposite) return false;
   for (std::size_t i = 0; i < of.size(); ++i)
     for (std::size_t j = i + 1; j < of.size(); ++j) {
       if (is_on_arc(n, of[i], of[j])) return true;
@@ -57,24 +60,33 @@ bool is_in_cone(const Vec3<double>& n, const Normals& of) {
 
 std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices) {
-  std::map<std::uint32_t, Normals> normals;  // by what joins vertices of one place and normal
+  struct Group {
+    Normals normals{};
+    std::optional<bool> between{};
+  };
+  std::map<std::uint32_t, Group> groups;  // by what joins vertices of one place and normal
   for (std::uint32_t v = 0; v < vertices.size(); ++v)
-    if (vertices[v]) normals[joins.position_and_normal[v]];
+    if (vertices[v]) groups[joins.position_and_normal[v]];
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t) {
-      const auto about = normals.find(joins.position_and_normal[v]);
-      if (about == normals.end() || about->second.size() >= most_normals) continue;
+      const auto found = groups.find(joins.position_and_normal[v]);
+      if (found == groups.end() || found->second.normals.size() >= most_normals) continue;
+      Normals& kept = found->second.normals;
       const Vec3<double>& p = mesh.positions[t[0]];
       const Vec3<double> plane = unit(accurate_cross(mesh.positions[t[1]] - p, mesh.positions[t[2]] - p));
-      Normals& kept = about->second;
+      const double as_near = kept.size() < many ? alike : near;
       if (dot(plane, plane) > 0.5 && std::none_of(kept.begin(), kept.end(), [&](const auto& other) {
-            return dot(other, plane) > alike;
+            return dot(other, plane) > as_near;
           }))
         kept.push_back(plane);
     }
   std::vector<bool> result(vertices.size(), false);
-  for (std::uint32_t v = 0; v < vertices.size(); ++v)
-    if (vertices[v]) result[v] = is_in_cone(unit(mesh.normals[v]), normals[joins.position_and_normal[v]]);
+  for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+    if (!vertices[v]) continue;
+    Group& group = groups[joins.position_and_normal[v]];
+    if (!group.between) group.between = is_in_cone(unit(mesh.normals[v]), group.normals);
+    result[v] = *group.between;
+  }
   return result;
 }
 

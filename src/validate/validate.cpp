@@ -278,7 +278,7 @@ Code MeshValidation::error_of(const CornerGroup& group) const {
     if (!c.tangent_zero && !c.tangent_unit) return tangent_not_unit;
     // Of a zero w nothing is seen where there is no uv area: FBX and Collada, whose bitangents are zero
     // there, have no side.
-    if (!c.tangent_zero && !c.sign_valid && (under_test_.has_uv_area[v] || mesh_.tangents[v].w != 0))
+    if (!c.tangent_zero && !c.sign_valid && (!is_unseen(v) || mesh_.tangents[v].w != 0))
       return tangent_invalid_sign;
     if (c.along_normal && !is_unseen(v)) return tangent_not_orthogonal;
     if (group.wrong_sign) return tangent_handedness;

@@ -106,16 +106,15 @@ bool polynomials_explain(const Eigen::VectorXd& errors, const Eigen::MatrixXd& d
   return false;
 }
 
-// Whether some coordinate takes few values, as in a grid: points that mirror each other have one rounding,
+// Whether each coordinate takes few values, as in a grid: points that mirror each other have one rounding,
 // and their errors are not independent.
 bool is_grid(const Eigen::Matrix3Xd& points) {
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+  const auto takes_few_values = [&](Eigen::Index axis) {
     std::vector<double> values(points.row(axis).begin(), points.row(axis).end());
     std::sort(values.begin(), values.end());
-    if (2 * std::distance(values.begin(), std::unique(values.begin(), values.end())) < points.cols())
-      return true;
-  }
-  return false;
+    return 2 * std::distance(values.begin(), std::unique(values.begin(), values.end())) < points.cols();
+  };
+  return takes_few_values(0) && takes_few_values(1) && takes_few_values(2);
 }
 
 }  // namespace
