@@ -6,10 +6,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#ifdef DARBOUX_GLOG
-#include <glog/logging.h>
-#endif
-
 #include "base/keep_freed_memory.h"
 #include "base/nearest_name.h"
 #include "command.h"
@@ -106,10 +102,6 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-#ifdef DARBOUX_GLOG
-  // Ceres logs a step that fails to standard error, silent or not. What comes of it is in the results.
-  FLAGS_minloglevel = google::GLOG_FATAL;
-#endif
   try {
     return run(argc, argv);
   } catch (const std::bad_alloc&) {
