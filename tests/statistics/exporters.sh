@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# exporters.sh [TOOL]: has Blender make and export some 3000 models (exporters.py), and gltf-transform (npm) quantise and optimise
+# some of glTF, validates all of them, and writes the measured part of docs/reports/exporters.md: how many pass, and what those
+# that fail are said to have. Needs blender, python3-numpy and npm, which .ci/packages does not list. Five minutes.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+tool=$(realpath "${1:-build/release/bin/darboux}")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir -p "$work/blender" "$work/quantize" "$work/optimize"
+blender -b --python tests/statistics/exporters.py -- "$work/blender" >"$work/log" 2>&1
+grep -q "Blender quit" "$work/log" || { tail -5 "$work/log" >&2; exit 2; }
+packages=@gltf-transform/cli@4.5.1
+npm install --silent --no-audit --no-fund --prefix "$work/node" "$packages"
+for file in "$work"/blender/*_{smooth,auto,smart,scaled,bevelled,decimated}.applied.glb; do
+  for command in quantize optimize; do
+    "$work/node/node_modules/.bin/gltf-transform" "$command" "$file" "$work/$command/$(basename "$file")" >/dev/null 2>&1 || true
+  done
+done
+for from in blender quantize optimize; do
+  "$tool" validate "$work/$from" --json >"$work/$from.json" || [ $? = 1 ]
+done
+{
+  echo
+  echo "- date: $(date -u +%F)"
+  echo "- $(blender --version | head -1); $packages"
+  echo "- $("$tool" --version)"
+  echo
+  python3 tests/statistics/exporters_table.py "$work"/{blender,quantize,optimize}.json
+  echo
+} >"$work/measured"
+report=docs/reports/exporters.md
+sed -i -e "/<!-- measured: begin -->/r $work/measured" -e '/<!-- measured: begin -->/,/<!-- measured: end -->/{/<!-- measured/!d}' "$report"
