@@ -1,7 +1,5 @@
 #include "averages.h"
 
-#include "normal_cones.h"
-
 namespace darboux {
 
 Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
@@ -27,9 +25,6 @@ Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
   }
   if (!any_normal) return;
   normals_ = are_average_normals(mesh, joins, normals);
-  const std::vector<bool> between = lie_in_normal_cones(mesh, joins, normals);
-  for (std::size_t v = 0; v < n; ++v)
-    if (between[v]) normals_[v] = true;
   std::size_t beyond = 0, averages = 0;
   for (std::size_t v = 0; v < n; ++v) {
     beyond += normals[v] ? corners_of[v] : 0;

@@ -21,8 +21,7 @@ class Averages {
   // Whether the tangent of v is an average of the dpdu of its triangles of that sign, or these go all round
   // it; of either sign for 0.
   bool tangent(std::uint32_t v, int sign) const;
-  // Whether the normal of v is an average of its triangles' with positive weights, or within a degree of a
-  // common one.
+  // Whether the normal of v is an average of its triangles'.
   bool normal(std::uint32_t v) const { return !normals_.empty() && normals_[v]; }
   // Whether at least half of the corners whose normals are beyond are such: no mistake need explain them.
   bool explain_normals() const { return explain_normals_; }

@@ -13,6 +13,7 @@
 
 #include "angles.h"
 #include "mesh/frames/corner.h"
+#include "normal_cones.h"
 #include "rounding.h"
 
 namespace darboux {
@@ -331,7 +332,7 @@ class Closely {
       const std::uint32_t x = corner(e->triangle, e->k + 2);
       const Triangle first{p, x, r}, second{x, q, r};
       const double first_area = uv_area2(first), second_area = uv_area2(second);
-      // What is no quad of anybody's is not convex in space.
+      // As the quads that people model are.
       const auto is_convex = [&] { return faces(first) && faces(second); };
       if (raw_sign_[e->triangle] != sign) {
         // A quad that is concave in uv, cut along the diagonal outside it, has halves that wind in two ways.
@@ -486,7 +487,7 @@ std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins
       s[0] += plane, s[1] += twice_area, s[2] += angle * plane, s[3] += angle * twice_area;
       s[4] += twice_area / (dot(a, a) * dot(b, b));
     }
-  std::vector<bool> result(n, false);
+  std::vector<bool> result = lie_in_normal_cones(mesh, joins, vertices);
   for (std::uint32_t v = 0; v < n; ++v)
     if (vertices[v])
       for (const Vec3<double>& sum : sums[sum_of_group[joins.position_and_normal[v]]])

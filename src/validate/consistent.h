@@ -8,16 +8,16 @@
 // From what evidence. The triangles are all that share the corner's position and, within 0.9 degrees, its
 // normal (assimp joins dot products of 0.9999), and whose uv area has the sign of the corner's own. Where two
 // of them form a quad that is convex in uv, those of its other diagonal count too: nobody knows along which
-// one the tool that made the tangents cut it. Of the
-// corners of a quad that is convex in space and concave in uv nothing is claimed where that other diagonal
-// would be the one inside, or is the shorter one in uv, along which MikkTSpace cuts. Each dpdu carries the
-// interval that half a rounding step of positions, uvs and normal allows. Where directions span 180 degrees
-// or more, or a triangle that tells no direction may have drawn the tangent outside, nothing is claimed. Nor
-// is it where the triangles lie on one side of a curved vertex only, as at creases, tips and folds of the
-// uvs, and the tangent is outside by no more than three times the limit and the turn of the normals over
-// them: the true direction may lie half a triangle beyond them. But where one turn about the normals, by 30
-// degrees or more, would bring nine tenths of a mesh's or a part's tangents from outside their cones to
-// within the limit of them, that explains what is left open, and no shape does: those are beyond, too.
+// one the tool that made the tangents cut it. Of the corners of a quad that is convex in space and concave
+// in uv nothing is claimed where that other diagonal would be the one inside, or is the shorter one in uv,
+// along which MikkTSpace cuts. Each dpdu carries the interval that half a rounding step of positions, uvs
+// and normal allows. Where directions span 180 degrees or more, or a triangle that tells no direction may
+// have drawn the tangent outside, nothing is claimed. Nor is it where the triangles lie on one side of a
+// curved vertex only, as at creases, tips and folds of the uvs, and the tangent is outside by no more than
+// three times the limit and the turn of the normals over them: the true direction may lie half a triangle
+// beyond them. But where one turn about the normals, by 30 degrees or more, would bring nine tenths of a
+// mesh's or a part's tangents from outside their cones to within the limit of them, that explains what is
+// left open, and no shape does: those are beyond, too.
 #pragma once
 
 #include <cstdint>
@@ -74,8 +74,9 @@ struct OwnDirections {
 OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_sign,
                              const VertexJoins& joins, const std::vector<bool>& vertices);
 
-// Whether the normals of vertices that are asked about are within a degree of the average of their own
-// triangles' normals, each alike, by area, by angle, by both, or by sin(angle)/(|e1| |e2|) as [Max1999].
+// Whether the normals of vertices that are asked about are averages of their own triangles' normals: with any
+// positive weights, or within a degree of each alike, by area, by angle, by both, or by sin(angle)/(|e1|
+// |e2|) as [Max1999].
 std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices);
 

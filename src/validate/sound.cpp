@@ -14,7 +14,6 @@
 #include "base/flatten.h"
 #include "consistent.h"
 #include "mesh/frames/creases.h"
-#include "normal_cones.h"
 #include "rounding.h"
 
 namespace darboux {
@@ -346,9 +345,6 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       const std::vector<bool> average = are_average_normals(mesh, joins, result.unsupported);
       for (std::uint32_t v = 0; v < n; ++v)
         if (average[v]) result.unsupported[v] = false;
-      const std::vector<bool> between = lie_in_normal_cones(mesh, joins, result.unsupported);
-      for (std::uint32_t v = 0; v < n; ++v)
-        if (between[v]) result.unsupported[v] = false;
       const std::vector<bool> inside = insides_of_hulls(mesh, has_area, result.opposes, result.unsupported);
       std::vector<bool> elsewhere(n, false);
       for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
