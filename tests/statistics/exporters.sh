@@ -3,10 +3,11 @@
 # some of glTF, validates all of them, and writes the measured part of docs/reports/exporters.md: how many pass, and what those
 # that fail are said to have. Needs blender, python3-numpy and npm, which .ci/packages does not list. Five minutes.
 set -euo pipefail
-cd "$(dirname "$0")/../.."
-tool=$(realpath "${1:-build/release/bin/darboux}")
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+tool=$(realpath "${1:-$(dirname "$0")/../../build/release/bin/darboux}")
+set --  # common.sh knows other arguments
+. "$(dirname "$0")/../benchmark/common.sh"
+
+work=$PWD/$work
 mkdir -p "$work/blender" "$work/quantize" "$work/optimize"
 blender -b --python tests/statistics/exporters.py -- "$work/blender" >"$work/log" 2>&1
 grep -q "Blender quit" "$work/log" || { tail -5 "$work/log" >&2; exit 2; }
@@ -29,5 +30,4 @@ done
   python3 tests/statistics/exporters_table.py "$work"/{blender,quantize,optimize}.json
   echo
 } >"$work/measured"
-report=docs/reports/exporters.md
-sed -i -e "/<!-- measured: begin -->/r $work/measured" -e '/<!-- measured: begin -->/,/<!-- measured: end -->/{/<!-- measured/!d}' "$report"
+write_report exporters.md "$work/measured"
