@@ -507,33 +507,39 @@ void add_scene(CLI::App& app, Common& common) {
                  "a scene as JSON (docs/schemas/scene.schema.json), or a .glb or .gltf, whose primitives are "
                  "planned as a whole")
       ->required();
-  sub.add_option("--camera", arguments->camera, "number of the camera to plan for, from 0")
-      ->capture_default_str()
-      ->check(whole_number);
+  // Excluded below by pointers: CLI11 finds names by functions that allocate and must not throw.
+  CLI::Option* camera =
+      sub.add_option("--camera", arguments->camera, "number of the camera to plan for, from 0")
+          ->capture_default_str()
+          ->check(whole_number);
   sub.add_option("--chord", arguments->chord,
                  "largest distance of the triangles from the surface: pixels (0.5px) or a length (0.01); "
                  "overrides the file");
   sub.add_option("--angle", arguments->angle,
                  "largest angle between interpolated frames and the surface's (1deg); overrides the file");
-  sub.add_option("-o,--output", arguments->output, "write the needed tiles as a .glb; - for standard output");
-  sub.add_option("--render", arguments->render, "draw what the camera sees as a .png");
-  sub.add_option("--render-skipped", arguments->render_skipped,
-                 "draw the scene from outside as a .png: needed tiles green, back-facing orange, hidden "
-                 "blue, out of view grey");
-  sub.add_flag("--no-skip", arguments->no_skip,
-               "also evaluate everything, every instance with all attributes, as fine as its nearest point "
-               "needs; write and draw that");
-  sub.add_flag("--no-cull", arguments->no_cull,
-               "also evaluate what is out of view, back-facing or hidden, as fine as its distance needs; the "
-               "picture stays the same, bit for bit")
-      ->excludes("--no-skip");
+  CLI::Option* output = sub.add_option("-o,--output", arguments->output,
+                                       "write the needed tiles as a .glb; - for standard output");
+  CLI::Option* render = sub.add_option("--render", arguments->render, "draw what the camera sees as a .png");
+  CLI::Option* render_skipped =
+      sub.add_option("--render-skipped", arguments->render_skipped,
+                     "draw the scene from outside as a .png: needed tiles green, back-facing orange, hidden "
+                     "blue, out of view grey");
+  CLI::Option* no_skip = sub.add_flag(
+      "--no-skip", arguments->no_skip,
+      "also evaluate everything, every instance with all attributes, as fine as its nearest point "
+      "needs; write and draw that");
+  CLI::Option* no_cull =
+      sub.add_flag(
+             "--no-cull", arguments->no_cull,
+             "also evaluate what is out of view, back-facing or hidden, as fine as its distance needs; the "
+             "picture stays the same, bit for bit")
+          ->excludes(no_skip);
   CLI::Option* path = sub.add_option("--path", arguments->path,
                                      "plan for this many cameras along the path of the first camera that a "
                                      "glTF animates, or else through all cameras of the file; what did not "
                                      "change is kept from one camera to the next, and the counts are sums")
                           ->check(whole_number_up_to(1000000));
-  for (const char* other : {"--camera", "--output", "--render", "--render-skipped", "--no-skip", "--no-cull"})
-    path->excludes(other);
+  for (CLI::Option* other : {camera, output, render, render_skipped, no_skip, no_cull}) path->excludes(other);
   add_read_options(sub, common);
   add_common(sub, common, "darboux scene scene.json --render scene.png");
   sub.callback([arguments, &common] { run(*arguments, common); });

@@ -302,7 +302,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
     const double own = std::min(faceted_deg / degrees_per_radian + plane.uncertain + rounding, 1.0);
     bool candidate = plane.uncertain < 1;
     for (const std::uint32_t v : mesh.triangles[t]) {
-      result.drawn[v] = true;
+      if (plane.uncertain < 1) result.drawn[v] = true;
       const Vec3<double>& m = mesh.normals[v];
       const double along = dot(m, plane.normal), square = dot(m, m);
       if (!(square > 0) || !std::isfinite(square)) {

@@ -102,9 +102,20 @@ __attribute__((destructor)) void end() {
   ::syscall(SYS_close, to);
 }
 
+// That of a library that is preloaded after this one, as the leak sanitizer's, or glibc's. Finding it may
+// allocate.
+void* next_malloc(std::size_t size) {
+  static std::atomic<bool> is_finding{false};
+  static std::atomic<void* (*)(std::size_t)> found{nullptr};
+  if (void* (*const known)(std::size_t) = found.load()) return known(size);
+  if (is_finding.exchange(true)) return ::__libc_malloc(size);
+  found = next<void*(std::size_t)>("malloc");
+  return found.load()(size);
+}
+
 void* allocated(std::size_t size) {
   if (allocation_fails("new")) throw std::bad_alloc();
-  void* const result = ::__libc_malloc(size == 0 ? 1 : size);
+  void* const result = next_malloc(size == 0 ? 1 : size);
   if (result == nullptr) throw std::bad_alloc();
   return result;
 }
@@ -191,7 +202,7 @@ void* malloc(std::size_t size) {
     errno = ENOMEM;
     return nullptr;
   }
-  return ::__libc_malloc(size);
+  return next_malloc(size);
 }
 
 ssize_t write(int descriptor, const void* bytes, std::size_t size) {

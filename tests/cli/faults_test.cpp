@@ -54,6 +54,13 @@ struct End {
   std::string err;
 };
 
+// DARBOUX_FAULTS_LEAKS=1: memory that is not given back ends the tool with another status. It takes the leak
+// sanitizer, which looks at the process as a debugger does.
+std::string preloaded() {
+  const std::string faults = DARBOUX_FAULTS_LIBRARY;
+  return std::getenv("DARBOUX_FAULTS_LEAKS") == nullptr ? faults : faults + ":" DARBOUX_LEAK_SANITIZER;
+}
+
 class Faults : public Cli {
  protected:
   void SetUp() override {
@@ -112,7 +119,8 @@ class Faults : public Cli {
       if (::chdir(path("").c_str()) != 0 || !std::freopen("/dev/null", "w", stdout) ||
           !std::freopen("err", "w", stderr))
         std::_Exit(99);
-      ::setenv("LD_PRELOAD", DARBOUX_FAULTS_LIBRARY, 1);
+      ::setenv("LD_PRELOAD", preloaded().c_str(), 1);
+      ::setenv("LSAN_OPTIONS", "exitcode=77", 1);
       ::setenv("DARBOUX_FAULT", fault.c_str(), 1);
       ::setenv("DARBOUX_FAULT_COUNT", path("count").c_str(), 1);
       ::setenv("DARBOUX_FAULT_STACK", path("stack").c_str(), 1);

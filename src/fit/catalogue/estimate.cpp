@@ -9,6 +9,7 @@
 
 #include "base/quantile.h"
 #include "fit/common/noise_bias.h"
+#include "fit/common/solve_quietly.h"
 
 namespace darboux::fit::catalogue {
 namespace {
@@ -187,9 +188,7 @@ void refine(Estimate& e, const Positions& points, const std::vector<double>& typ
     options.function_tolerance = 1e-14;
     options.gradient_tolerance = 1e-16;
     options.parameter_tolerance = 1e-10;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
+    const ceres::Solver::Summary summary = solve_quietly(options, problem);
     e.iterations += static_cast<int>(summary.iterations.size());
     if (!summary.IsSolutionUsable()) return;
     const Eigen::VectorXd delta = Eigen::Map<Eigen::VectorXd>(x.data(), units.size());

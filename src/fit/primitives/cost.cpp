@@ -7,6 +7,7 @@
 
 #include "base/linear_algebra.h"
 #include "fit/common/rotation_manifold.h"
+#include "fit/common/solve_quietly.h"
 
 namespace darboux::fit {
 
@@ -102,9 +103,7 @@ Solved solve(BatchedCost& cost, LocalModel& model, int most_iterations, double p
   options.gradient_tolerance = 1e-30;
   options.parameter_tolerance = parameter_tolerance;
   options.initial_trust_region_radius = cost.phase() == Phase::score ? 1e16 : trust;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  const ceres::Solver::Summary summary = solve_quietly(options, problem);
   return {cost.evaluate_at(model) && summary.IsSolutionUsable(), summary.num_successful_steps > 1,
           static_cast<int>(summary.iterations.size()),
           summary.iterations.empty() ? trust : summary.iterations.back().trust_region_radius};

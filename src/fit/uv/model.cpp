@@ -11,6 +11,7 @@
 #include "base/linear_algebra.h"
 #include "fit/common/reduced_normal_equations.h"
 #include "fit/common/rotation_manifold.h"
+#include "fit/common/solve_quietly.h"
 
 namespace darboux {
 
@@ -358,11 +359,9 @@ Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance, 
   options.function_tolerance = tolerance * tolerance;
   options.gradient_tolerance = 1e-16;
   options.parameter_tolerance = tolerance;
-  options.logging_type = ceres::SILENT;
   // Steps are cut at the bounds; a search along each of them costs more than it gains.
   options.max_num_line_search_step_size_iterations = 0;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  const ceres::Solver::Summary summary = solve_quietly(options, problem);
   std::vector<double> x(rotation, rotation + 4);
   x.insert(x.end(), translation, translation + 3);
   x.insert(x.end(), rest.begin(), rest.end());
