@@ -15,7 +15,7 @@ int main() {
   const darboux::Sphere sphere{2.0};  // v from pole to pole
   using darboux::Attribute;
 
-  // Arrays of one's own points, in double: one array a component, or vectors without gaps.
+  // Arrays of one's own points, in double: one array per component, or packed vectors.
   const std::vector<double> u{0.125, 0.25, 0.375}, v{0.625, 0.75, 1.0};
   std::vector<double> x(3), y(3), z(3), normals(3 * 3);
   std::vector<darboux::Status> status(3);

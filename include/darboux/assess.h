@@ -15,10 +15,10 @@
 namespace darboux {
 
 struct AssessOptions : ValidateOptions {
-  std::optional<SurfaceSpecification> surface;  ///< the kind with its fixed parameters; nothing: recognise it
+  std::optional<SurfaceSpecification> surface;  ///< kind and known parameters; none: recognise it
   std::optional<AnySurface>
       exact_surface;  ///< or the surface itself, of any kind, whose parameters are all known
-  std::optional<Eigen::Isometry3d> placement;  ///< where the surface lies; nothing: fit it
+  std::optional<Eigen::Isometry3d> placement;  ///< surface space to mesh space; none: fit it
   /// Seconds after which no further surface is looked for; the report then depends on the machine. Nothing:
   /// no limit.
   std::optional<double> budget;
@@ -40,7 +40,7 @@ struct Evidence {
       rival;  ///< the best other explanation: "polyhedron", "faceted", "authored normals", a kind of surface
   std::string text;  ///< one sentence for people: what speaks for it, what against
 };
-/// One wrong surface in 10^4 meshes that are none.
+/// log10 odds from which a surface is claimed: about one wrong claim in 10^4 meshes.
 inline constexpr double evidence_needed = 4;
 
 struct Assessment {

@@ -17,8 +17,8 @@
 
 namespace darboux {
 
-/// Consecutive points with what was asked for, an array a component. Valid until the function that is handed
-/// it returns.
+/// Consecutive points with what was asked for, one array per component. Valid until the function that it is
+/// passed to returns.
 template <std::floating_point T>
 class Block {
  public:
@@ -47,9 +47,9 @@ class Block {
 };
 
 /// Calls f(const Block<T>&) for consecutive blocks of up to 1024 points, in order and in the calling thread
-/// (options.threads is not looked at). One allocation a call. About 7 ns a point for position, dpdu, dpdv, t,
-/// b, n of a torus in double, the consumer's reading included. \param surface a surface type, or AnySurface
-/// \throws ParameterError as evaluate(); exceptions of f are passed on
+/// (options.threads is not looked at). One allocation per call. About 7 ns per point for position, dpdu,
+/// dpdv, t, b, n of a torus in double, the consumer's reading included. \param surface a surface type, or
+/// AnySurface \throws ParameterError as evaluate(); exceptions of f are passed on
 template <class X, std::floating_point T, class F>
 StatusSummary for_each_block(const X& surface, const Points<T>& points, Attributes asked, F&& f,
                              const EvaluateOptions& options = {}) {

@@ -1,5 +1,6 @@
 /// \file error.h
-/// What the library throws: at construction, on files and on the command line, never during evaluation.
+/// What the library throws: at construction, for wrong arguments, on files and on the command line; never for
+/// a value of u, v or a formula.
 #pragma once
 
 #include <stdexcept>

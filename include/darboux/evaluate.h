@@ -34,15 +34,14 @@ class Points {
   /// `points` pairs, each `stride` bytes after the one before.
   /// \throws ParameterError for a stride below that of a pair, or not a multiple of the numbers' alignment
   static Points interleaved(const T* uv, std::size_t points, std::ptrdiff_t stride);
-  /// The corners of columns × rows cells: u = i/columns, v = j/rows, ends included, u running faster. Of the
-  /// rows + 1 rows of points `count` from `first` on, or as many as there are. Their coordinates are rounded
-  /// from double. Sines are taken once a row and column. \throws ParameterError for no columns or rows, or
-  /// rows of points that there are not
+  /// The (columns + 1) × (rows + 1) corners of a grid of cells: u = i/columns, v = j/rows, u running faster,
+  /// rounded from double to T. \param first, count only these rows of points: `count` of them from row
+  /// `first` on; by default all. Sines and cosines are computed once per row and column. \throws
+  /// ParameterError unless columns and rows are 1 to 2^31 and `first` is 0 to rows
   static Points grid(std::size_t columns, std::size_t rows, std::size_t first = 0,
                      std::size_t count = std::numeric_limits<std::size_t>::max());
-  /// Of the same grid the corners of cells `first_column` to first_column + cells_u - 1, first_row to
-  /// first_row + cells_v - 1, with the same bits. \throws ParameterError for no cells, or cells that there
-  /// are not
+  /// The corners of a block of cells_u × cells_v cells of that grid, from cell (first_column, first_row) on,
+  /// with the same bits. \throws ParameterError when the block is empty or not within the grid
   static Points part_of_grid(std::size_t columns, std::size_t rows, std::size_t first_column,
                              std::size_t cells_u, std::size_t first_row, std::size_t cells_v);
 
@@ -95,7 +94,7 @@ struct OutputPlace {
 template <std::floating_point T>
 class Outputs {
  public:
-  /// An array a component, in the order of attributes.h. All functions: \throws ParameterError naming the
+  /// One array per component, in the order of attributes.h. All functions: \throws ParameterError naming the
   /// attribute when it is already asked for, the number of components is wrong, a pointer is null or not
   /// aligned to T, or the stride is below the size of the vector or not a multiple of T's alignment.
   Outputs& separate(Attribute a, std::span<const std::span<T>> components);
@@ -104,8 +103,8 @@ class Outputs {
   }
   /// One array of vectors, without gaps.
   Outputs& packed(Attribute a, std::span<T> values);
-  /// A member of each struct of an array: its first component in the first struct, the number of structs,
-  /// their size in bytes.
+  /// A member of each struct of an array. \param first the member's first component in the first struct
+  /// \param points number of structs \param stride their size in bytes
   Outputs& member(Attribute a, T* first, std::size_t points, std::ptrdiff_t stride);
   /// The status of each point.
   Outputs& status(std::span<Status> values) { return status(values.data(), values.size(), sizeof(Status)); }
@@ -126,8 +125,8 @@ class Outputs {
   std::size_t status_points_ = 0;
 };
 
-/// Whether results are written past the caches. Worth it for more than these hold: about 1.5 times as fast
-/// then, as much slower for less.
+/// Whether results bypass the caches (non-temporal stores). For results larger than the caches that is about
+/// 1.5 times as fast, for smaller ones as much slower. automatic: decided by size.
 enum class Stores : std::uint8_t { automatic, cached, past_caches };
 
 struct EvaluateOptions {
@@ -141,9 +140,10 @@ struct EvaluateOptions {
 struct StatusSummary {
   std::size_t points = 0;
   std::size_t point_by_point =
-      0;  ///< how many of them the single-point functions did, for what lanes leave to them
+      0;  ///< of these, points that fell back from SIMD lanes to the single-point functions
   std::array<std::size_t, status_names.size()> count{};  ///< points with each bit
-  std::array<std::size_t, status_names.size()> first{};  ///< the first of them
+  std::array<std::size_t, status_names.size()>
+      first{};  ///< index of the first such point; 0 where count is 0
   bool all_regular() const {
     for (const std::size_t n : count)
       if (n > 0) return false;
@@ -265,21 +265,21 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 
 }  // namespace detail
 
-/// Evaluates a surface type at all points: those of the catalogue by kernels over SIMD lanes where their
-/// formulas allow, any other point by point. What is not asked for is not computed, but for the frame, which
-/// tells the status, where points go one by one or the surface has no closed form of it, and, of splines, for
-/// higher derivatives where points go one by one.
-/// Nothing is allocated but by threads, and once for good by the first call. Results must not overlap one
-/// another or the points. In float the coordinates and parameters are rounded to float first, which alone may
-/// cost hundreds of units in the last place; for floats that are the nearest to the values at doubles,
-/// evaluate in double and round. Numbers and statuses are to the bit those of sample() and curvature() (NaN
-/// for NaN), whatever the instruction set, layout, number of threads and place in the batch; the status has
-/// overflow where a partial asked for is not finite, and umbilic only where principal directions are asked
-/// for. Where no frame exists vectors are NaN. About 5 ns a point for position, dpdu, dpdv, t, b, n of a
-/// torus in double; docs/reports/evaluation.md has the figures. \throws ParameterError when an output has
-/// room for fewer points than there are, the number of threads is negative, or the instruction set, or what
-/// DARBOUX_ISA names, is not one of instruction_sets(); nothing is written then. Exceptions of a user's
-/// surface are passed on.
+/// Evaluates a surface at all points, in SIMD lanes for the catalogue where its formulas allow, else point by
+/// point. Numbers and statuses are bit for bit those of sample() and curvature(), whatever the instruction
+/// set, layout, number of threads and place in the batch. Where no frame exists vectors are NaN. The status
+/// has overflow only for partials that were asked for, umbilic only with principal directions.
+///
+/// Only what is asked for is computed, except the frame (for the status) and higher derivatives of splines,
+/// where points go one by one or the surface has no closed-form frame. Results must not overlap one another
+/// or the points. Only threads, and the first call, allocate.
+///
+/// In float, u, v and the parameters are rounded to float first, which alone may cost hundreds of ulps. For
+/// floats nearest to the exact values, evaluate in double and round. About 5 ns per point for position, dpdu,
+/// dpdv, t, b, n of a torus in double; docs/reports/evaluation.md has the figures. \throws ParameterError
+/// when an output has room for fewer points than there are, the number of threads is negative, or the
+/// instruction set, or what DARBOUX_ISA names, is not one of instruction_sets(); nothing is written then.
+/// Exceptions of a user's surface are passed on.
 template <ParametricSurface X, std::floating_point T>
 StatusSummary evaluate(const X& surface, const Points<T>& points, const Outputs<T>& outputs,
                        const EvaluateOptions& options = {}) {

@@ -1,5 +1,5 @@
 /// \file file_tangents.h
-/// Tangents for the meshes of a glTF file.
+/// Tangents for the meshes of a glTF file. Target darboux::io.
 #pragma once
 
 #include <cstddef>

@@ -59,10 +59,10 @@ struct MeshFit : SurfaceUncertainty {
 /// / 100; else the best of what was tried. Start in closed form from least squares on P = O + sum_k A_k
 /// ∂P/∂p_k(u, v), linear in O and the A_k; then Ceres minimises the sum of squared distances over at most
 /// 2048 vertices at random; what fits these is refined on all vertices. Scale and offset of the data do not
-/// matter. Method: docs/theory/fit-with-uvs.md. \param kind name, with the parameters that are held \param
-/// placement held when given A kind that is not among fitted_kinds() is taken as exact, below, with default
-/// values where none are given. \throws ParameterError for an unknown kind or parameter; UndeterminedError;
-/// MeshError where the positions do not follow the uvs at all
+/// matter. Method: docs/theory/fit-with-uvs.md. A kind that is not among fitted_kinds() is taken as exact
+/// (the next overload), with default values for parameters that are not given. \param kind name, with the
+/// parameters that are held fixed \param placement held fixed when given \throws ParameterError for an
+/// unknown kind or parameter; UndeterminedError; MeshError where the positions do not follow the uvs at all
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
@@ -75,18 +75,18 @@ MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
 /// whether the uvs, where there are any, are a projection: what an affine map of them leaves of the positions
 /// lies along one direction, up to fits_below of the bounding box's diagonal. A kind fits where the rms
 /// distance of all vertices is at most fits_below of that diagonal and none ten times as far. 1024 vertices
-/// are fitted, all are held against it. Cost: some 50 ms, and 1 us a vertex. \param kind no other than this,
-/// with the parameters that are given; nothing where it is not of found_kinds() \param placement held when
-/// given \throws MeshError when the mesh is inconsistent
+/// are fitted, all are held against it. Cost: some 50 ms, and 1 µs per vertex. \param kind no other than
+/// this, with the parameters that are given; nothing where it is not of found_kinds() \param placement held
+/// when given \throws MeshError when the mesh is inconsistent
 std::optional<MeshFit> fit_positions(const Mesh& mesh,
                                      const std::optional<SurfaceSpecification>& kind = std::nullopt,
                                      const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
 /// The truth at each vertex by a surface that fits. Of a chart that is the surface's own: truth_at(), unknown
 /// where all triangles of the vertex lack area, in space or uv, so that its uv need not name its place. Else
-/// at the foot of the position: for a projected chart with t = unit(a - d (n·a) / (n·d)), b likewise; for an
-/// unknown one t and b are NaN, with infinite deviation. Cost: about 1 us a vertex. \throws ParameterError
-/// for a fit without a covariance
+/// at the position's foot: for a projected chart with t = unit(a - d (n·a) / (n·d)), b likewise; for an
+/// unknown one t and b are NaN, with infinite deviation. Cost: about 1 µs per vertex.
+/// \throws ParameterError for a fit without a covariance
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit);
 
 /// The truth at a stored uv, as fit.surface.truth(), with its standard deviations, to first order in δ. They

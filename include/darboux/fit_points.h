@@ -20,12 +20,11 @@ namespace darboux {
 struct PointFitOptions {
   std::string surface = "auto";  ///< the kind; auto: whichever of found_kinds() explains the points best
   std::optional<double>
-      noise{};           ///< standard deviation of each coordinate, where it is known; else it is estimated
-  bool with_uv = false;  ///< each point is surface(uv) + noise, uv as stored under one convention for all
-  std::optional<PlacedSurface> guess{};  ///< tried beside the starts that the points themselves give
-  std::uint64_t seed = 1;                ///< of the random samples: same points, same seed, same bits
-  std::function<void(double)>
-      progress{};  ///< called now and then with the share that is done, from this thread; at last with 1
+      noise{};  ///< standard deviation of each coordinate, > 0, in the units of the points; none: estimated
+  bool with_uv = false;  ///< take each point as surface(uv) + noise, with one uv convention for all points
+  std::optional<PlacedSurface> guess{};    ///< tried beside the starts that the points themselves give
+  std::uint64_t seed = 1;                  ///< of the random samples: same points, same seed, same bits
+  std::function<void(double)> progress{};  ///< called from this thread with the share done, in [0, 1]; 1 last
 };
 
 struct StandardError {

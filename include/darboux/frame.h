@@ -17,7 +17,7 @@ namespace detail {
 
 }  // namespace detail
 
-/// The angle between two unit vectors, in radians, accurate near 0 and near π. [Kahan2006]
+/// The angle between two unit vectors, in radians, 0 to π, accurate at both ends. NaN for NaN. [Kahan2006]
 template <std::floating_point S>
 S angle_between_units(const Vec3<S>& p, const Vec3<S>& q) {
   const S chord = norm(p - q), square = chord * chord;
@@ -26,14 +26,14 @@ S angle_between_units(const Vec3<S>& p, const Vec3<S>& q) {
   return S(2) * std::atan2(chord, norm(p + q));
 }
 
-/// The same between two directions of any length.
+/// The same for vectors of any length; meaningless where one is zero.
 template <std::floating_point S>
 S angle_between(const Vec3<S>& a, const Vec3<S>& b) {
   return angle_between_units(unit(a), unit(b));
 }
 
-/// The orthonormal frame of two partials: t = dpdu/|dpdu|, n = dpdu × dpdv / |dpdu × dpdv|, b = n × t. Both
-/// are scaled to ordinary size first, so any representable lengths do. Where it does not exist the vectors
+/// The orthonormal frame of two partials: t = dpdu/|dpdu|, n = dpdu × dpdv / |dpdu × dpdv|, b = n × t. Any
+/// finite lengths will do: the partials are scaled first. handedness is +1. Where no frame exists the vectors
 /// are NaN and the status says why: dpdu_zero, dpdv_zero or parallel, with no_frame; non_finite_input for NaN
 /// or infinity. Error about 2u / sin(angle between the partials) with u the unit roundoff. About 90 ns.
 template <detail::Binary S>
@@ -66,10 +66,10 @@ Frame<S> frame_from_partials(const Vec3<S>& dpdu, const Vec3<S>& dpdv) {
   }
 }
 
-/// Orthonormal frame from a tangent, bitangent and unit normal that are nearly one:
+/// Makes a tangent and bitangent of any length orthonormal to a normal n, which must be unit and is kept:
 ///   t' = unit(t - (t·n) n),   b' = unit(b - (b·n) n - (b·t') t')
-/// n is kept. The handedness is the sign of det(t, b, n); b' keeps b's side, so (t', b', n) is left-handed
-/// where it is negative. NaN with no_frame where t is parallel to n, or b lies in the plane of t and n.
+/// handedness is the sign of det(t, b, n): -1 where (t', b', n) is left-handed. Where t is parallel to n, t'
+/// and b' are NaN; where b lies in the plane of t and n, b' is; the status is then no_frame.
 /// [Lengyel2001]
 template <std::floating_point S>
 struct Orthogonalised {
@@ -134,8 +134,8 @@ Vec4<S> tangent4(const Frame<S>& frame, SignConvention convention = SignConventi
           convention == SignConvention::raw ? frame.handedness : -frame.handedness};
 }
 
-/// An affine map prepared for frames: tangents go by M, normals by the inverse transpose, the handedness by
-/// the sign of det M (a mirror flips it; n itself is never flipped silently).
+/// An affine map prepared for frames: transforms tangents by M, normals by its inverse transpose, and
+/// multiplies handedness by the sign of det M. A mirror flips the handedness, never n.
 template <std::floating_point S>
 class FrameTransform {
  public:

@@ -1,5 +1,5 @@
 /// \file image_files.h
-/// Images that hold numbers, not colours: PNG, TGA and EXR.
+/// Images that hold numbers, not colours: PNG, TGA and EXR. Target darboux::io.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 /// \file io.h
 /// Files: glTF and GLB over the JSON document itself; PLY, STL, COLLADA, OBJ and FBX; sampled points;
-/// surfaces that a user wrote down. Every float of a glTF keeps its bits.
+/// surfaces that a user wrote down. Every float of a glTF keeps its bits. Target darboux::io.
 #pragma once
 
 #include <algorithm>
@@ -27,12 +27,12 @@ namespace darboux {
 
 /// What a file may do while it is read.
 struct ReadOptions {
-  /// Whether files that a document names may lie outside of its folder, by ../ or by a symbolic link.
-  /// Without, one that is to be opened and does is an error.
+  /// Whether a document may name files outside its folder, by ../ or a symbolic link. false: opening such a
+  /// file is an error.
   bool allow_outside = false;
-  /// Whether the process that reads an OBJ or FBX, by a library that is not this one, is confined: it opens
-  /// no file, has no network and starts nothing. Where the kernel cannot do that (it needs Linux with seccomp
-  /// on x86-64 or AArch64), such a file is an error.
+  /// Whether the child process that reads OBJ and FBX (by assimp) is confined: it can open no file, use no
+  /// network and start nothing. Needs Linux with seccomp on x86-64 or AArch64; elsewhere such a file is an
+  /// error unless this is false.
   bool sandbox = true;
   /// Bytes that the content of a glTF, COLLADA, PLY or image may take, decoded: vertices of all primitives,
   /// triangles (128 bytes each, with what judging them takes), instances, morph targets, compressed streams,
@@ -262,9 +262,8 @@ PointCloud distinct_points(const PointFile& file);
 ///   .pcd  ASCII, binary or compressed binary; the viewpoint is not applied
 ///   .obj  the vertices, where there are faces with the attributes of the first corner
 ///   .stl  the corners, ASCII or binary, without the triangles' normals
-///   .glb .gltf  the vertices, one primitive after the other, normals and uvs where every primitive has them;
-///               nodes are not
-///         applied: the mesh's own space
+///   .glb .gltf  the vertices, one primitive after the other, in the mesh's space: nodes are not applied;
+///               normals and uvs where every primitive has them
 /// Other names of columns: position_x ..., normal_x ..., s t, texture_u texture_v. Empty lines and those that
 /// begin with # are passed over. NaN and infinities are read as they are.
 ///
@@ -327,7 +326,7 @@ void write_file(const std::string& path, std::string_view content);
 ///     y = a*cosh(t)*sin(2*pi*u)
 ///     z = a*t
 ///
-/// One definition a line, in any order; # begins a comment. x, y and z are the position. A name whose
+/// One definition per line, in any order; # begins a comment. x, y and z are the position. A name whose
 /// expression has numbers and pi only is a parameter (its comment says what it means), its value a double;
 /// any other is an abbreviation. Operators, strongest first: ^ (from the right), + and - as signs, * and /, +
 /// and -, comparisons, &&, ||, condition ? a : b. Functions: sin cos tan asin acos atan atan2(y, x), sinh

@@ -14,31 +14,32 @@ namespace darboux {
 /// Three vertex indices. The winding order p0, p1, p2 is the file's.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Half the steps by which a file rounded each component of an attribute, in the attribute's own units: the
-/// true value lies within that of the stored one. 0: not rounded beyond single precision.
+/// Rounding of quantised attributes: the true value of a component lies within this of the stored one, in the
+/// attribute's own units. 0: rounded to single precision only.
 struct HalfSteps {
   double position = 0, normal = 0, uv = 0, tangent = 0;
 };
 
-/// Vertices with their attributes and triangles over them. Attributes are double, in which every float of a
-/// file keeps its value; an attribute the mesh lacks is empty, any other has one entry per vertex.
+/// Vertices with their attributes, and triangles over them. An attribute has one entry per vertex, or none
+/// where the mesh lacks it. Attributes are double, so that every float of a file keeps its value.
 struct Mesh {
-  std::vector<Vec3<double>> positions;
-  std::vector<Vec3<double>> normals;   ///< unit, as stored
-  std::vector<Vec2<double>> uvs;       ///< as stored, unflipped
-  std::vector<Vec4<double>> tangents;  ///< unit direction and sign w = ±1, as stored
+  std::vector<Vec3<double>> positions;  ///< in the mesh's own space and unit of length
+  std::vector<Vec3<double>> normals;    ///< as stored; should be unit
+  std::vector<Vec2<double>> uvs;        ///< as stored, unflipped
+  std::vector<Vec4<double>> tangents;   ///< x, y, z and the sign w, as stored; should be unit and ±1
   std::vector<Triangle> triangles;
   HalfSteps half_steps{};
 
   std::size_t corners() const { return 3 * triangles.size(); }
 };
 
-/// Throws MeshError unless attributes are empty or as long as positions, indices name vertices, and 32 bits
-/// number the corners. \param name what the message calls the mesh
+/// Checks that each attribute is empty or as long as positions, that every index names a vertex, and that 32
+/// bits can number the corners. \param name what the message calls the mesh \throws MeshError naming the
+/// first that does not hold
 void check_consistent(const Mesh& mesh, const std::string& name);
 
-/// Throws MeshError naming the first position, normal or uv that is NaN or infinite.
-/// \param name what the message calls the mesh
+/// Checks that positions, normals and uvs (not tangents) are finite. \param name what the message calls the
+/// mesh \throws MeshError naming the first that is NaN or infinite
 void check_finite(const Mesh& mesh, const std::string& name);
 
 }  // namespace darboux

@@ -17,7 +17,7 @@ struct MikkMesh {
   std::span<const float> uvs;        ///< u, v of each vertex
   /// The vertex of each corner, face after face; empty: corner i is vertex i, and all vertices are corners.
   std::span<const std::uint32_t> corners;
-  /// 3 or 4 of each face; empty: all triangles.
+  /// Corners of each face, 3 or 4; empty: all faces are triangles.
   std::span<const std::uint8_t> face_sizes;
 
   std::size_t vertex_count() const { return positions.size() / 3; }
@@ -28,13 +28,12 @@ namespace mikk {
 class Memory;
 }
 
-/// Work memory of mikktspace(), for programs that call it often. A call that is given one in MikkOptions
-/// works in it, and takes new memory from the system only where it is too small, and for small lists. It
-/// grows to what the largest call needs, and shrinks by release() alone. Small meshes gain most: the system
-/// clears each page that it hands out.
+/// Work memory of mikktspace(), for programs that call it often. Pass it in MikkOptions: a
+/// call works in it, and allocates only where it is too small, and for small lists. It grows to what the
+/// largest call needs and shrinks only by release(). Small meshes gain most.
 ///
-/// Use it in one call at a time. Results do not depend on earlier calls, nor on whether they threw. A
-/// moved-from MikkMemory is empty, and can be used like a new one.
+/// Not thread-safe: use it in one call at a time. Results do not depend on earlier calls, nor on whether they
+/// threw. A moved-from MikkMemory is empty, and can be used like a new one.
 class MikkMemory {
  public:
   MikkMemory();
@@ -53,12 +52,13 @@ class MikkMemory {
 };
 
 struct MikkOptions {
-  /// In degrees: a triangle's tangents are averaged with those of its group that differ by less in direction.
+  /// In degrees, 0 to 180: a triangle is averaged only with those of its group whose directions differ by
+  /// less. 180: with all of them, MikkTSpace's default.
   float angular_threshold = 180;
-  /// The original leaves the last run of its edges unsorted, so that triangles about the last vertices may
-  /// not find their neighbours; true: they do.
+  /// false: as the original, which leaves the last run of its edges unsorted, so that some triangles at the
+  /// last vertices miss their neighbours. true: all edges are sorted; bits may differ from the original's.
   bool sort_all_edges = false;
-  float unserved_sign = -1;      ///< of a corner that no triangle serves; the original's is -1
+  float unserved_sign = -1;      ///< w of a corner that no triangle serves; -1 as the original
   int threads = 1;               ///< 0: all; the bits do not depend on it
   MikkMemory* memory = nullptr;  ///< kept from call to call; null: the call takes its own and gives it back
 };
@@ -69,27 +69,27 @@ struct MikkTangent {
         b[3] = {0, 1, 0};            ///< unit, but for what mikktspace() says of rounding; b is not n × t
   float t_length = 1, b_length = 1;  ///< of the derivatives in u and v, averaged; see mikktspace()
   float sign = -1;                   ///< raw: 1 where the uvs wind as the triangle does
-  bool served = false;               ///< by a triangle; else the values above, which stand for nothing
+  bool served = false;  ///< false: no triangle gives a direction; the values above are placeholders
 };
 
 /// MikkTSpace's tangents, bit for bit those of the original in single precision. [Mikkelsen2008]
 ///
-/// Vertices that equal each other in position, normal and uv are one. With edges d1, d2 of a triangle and
-/// their (u1, v1), (u2, v2) in the uvs, s = ±unit(v2 d1 - v1 d2) and t = ±unit(u1 d2 - u2 d1), + where the
-/// uvs wind as the triangle does. At a vertex, triangles that are joined by edges, passed in opposite
-/// directions, and whose uvs wind alike form a group. With n the vertex's normal and x' = unit(x - (n·x) n),
-/// all its corners get t = unit(sum angle s'), b = unit(sum angle t'), the angle being that between e1' and
-/// e2' of the triangle's edges at the vertex. Triangles whose uvs have no area join any group and add
-/// nothing; those with two corners in one place take the tangents of the first other triangle at the vertex;
-/// a corner that nothing serves has t = (1, 0, 0), b = (0, 1, 0) and the sign -1. Quads are cut along the
-/// shorter diagonal in the uvs.
+/// Vertices with equal position, normal and uv count as one. For a triangle with edges d1, d2 and their uv
+/// differences (u1, v1), (u2, v2), let p = ±unit(v2 d1 - v1 d2) and q = ±unit(u1 d2 - u2 d1), with + where
+/// the uvs wind as the triangle does. At a vertex, triangles form a group when they share edges (traversed in
+/// opposite directions) and their uvs wind alike. With n the vertex's normal and x' = unit(x - (n·x) n), all
+/// corners of a group get t = unit(Σ angle p') and b = unit(Σ angle q'), where angle is that between the
+/// triangle's two edges at the vertex, both projected by '. Triangles whose uvs have no area join any group
+/// and add nothing; those with two corners in one place take the tangents of the first other triangle at the
+/// vertex; a corner that nothing serves has t = (1, 0, 0), b = (0, 1, 0) and the sign -1. Quads are cut along
+/// the shorter diagonal in the uvs.
 ///
 /// Where a position or uv is beyond 2^28, or all are below 2^-28, each triangle is multiplied by a power of
 /// two first, so that nothing overflows or vanishes as it does in the original. Where nothing does there,
 /// that changes no bit.
 ///
 /// t and b are unit and across the normal, or zero where their sum is, with these exceptions, which are the
-/// original's. Where s or t is along n to rounding, s' or t' is rounding: unit, of any direction, even along
+/// original's. Where p or q is along n to rounding, p' or q' is rounding: unit, of any direction, even along
 /// n. A vector to be made unit that is not zero, but has no component above 2^-75, has a square of 0: t or b
 /// gets infinities or NaN. With none above 2^-126 it is left as short as it is. With none above 2^-63 its
 /// square has few bits: t or b is 0.7 to 1.23 long. Each takes a normal or a direction some of whose
@@ -100,12 +100,12 @@ struct MikkTangent {
 /// infinite; where a triangle of infinite |dpdu| has an angle of 0 at the corner, it is NaN. |dpdu| is as
 /// single precision has it: of a uv area that cancels to rounding, up to 2^25 times too large.
 ///
-/// glTF's w is the raw sign, negated. The bits do not depend on the order of the vertices of an indexed mesh,
-/// nor on threads. Cost: linear in the triangles; quadratic in the number of those at one vertex whose
-/// directions are not all within 84 degrees of one of them, or with a threshold below 180, and in vertices
-/// that were made to have one hash. Memory beyond input and output: about 60 bytes per triangle where
-/// triangles share most vertices by index, 72 where the same vertices are equal instead, 120 where they share
-/// none; from half a megabyte on rounded up to pages of 2 MB.
+/// The sign is raw; glTF's w is its negative. The bits do not depend on the order of the vertices of an
+/// indexed mesh, nor on threads. Cost: linear in the triangles; quadratic in the number of those at one
+/// vertex whose directions are not all within 84 degrees of one of them, or with a threshold below 180, and
+/// in vertices that were made to have one hash. Memory beyond input and output: about 60 bytes per triangle
+/// where triangles share most vertices by index, 72 where the same vertices are equal instead, 120 where they
+/// share none; from half a megabyte on rounded up to pages of 2 MB.
 ///
 /// \param tangent4 x, y, z of t and the raw sign, four numbers per corner
 /// \throws MeshError for attributes of unequal length, faces of other than three or four corners, indices out

@@ -10,7 +10,7 @@ namespace darboux {
 
 /// A real number of 40 decimal digits with exponents far beyond double's, usable wherever a formula takes a
 /// scalar. Arithmetic and sqrt are correctly rounded, the other functions err by a few units of the 39th
-/// digit. About 0.1 µs an operation, 5 µs a sine. The implementation, boost::multiprecision's
+/// digit. About 0.1 µs per operation, 5 µs per sine. The implementation, boost::multiprecision's
 /// cpp_bin_float, is hidden.
 class Multiprecision {
  public:

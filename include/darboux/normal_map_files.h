@@ -1,5 +1,5 @@
 /// \file normal_map_files.h
-/// The triangles of a file as a normal map sees them.
+/// The triangles of a file as a normal map sees them. Target darboux::io.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,6 @@
 /// \file point.h
-/// Evaluates a surface at one point (u, v): partials, frames, status. Total: nothing here throws or logs.
+/// Evaluates a surface at one point (u, v): partials, frames, status. Nothing here throws or
+/// logs; without NDEBUG a parameter out of range ends the program (checked() in surface.h).
 #pragma once
 
 #include <cmath>

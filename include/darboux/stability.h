@@ -1,6 +1,6 @@
 /// \file stability.h
 /// Numerical stability: errors in units of roundoff against what makes evaluation hard, route by route, each
-/// curve beside its bound and its condition.
+/// curve beside its bound and its condition. Target darboux::fit.
 #pragma once
 
 #include <array>

@@ -150,9 +150,9 @@ Surface surface_of(T Surface::*);
 
 }  // namespace detail
 
-/// The parameter that is the member `first`, or the member of a member:
-/// parameter<&Torus::major_radius>("major_radius",
-/// ...), parameter<&BilinearPatch::p00, &Vec3<T>::x>("p00_x", ...).
+/// Describes a parameter that is a member, or a member of a member:
+///   parameter<&Torus::major_radius>("major_radius", ...)
+///   parameter<&BilinearPatch::p00, &Vec3<T>::x>("p00_x", ...)
 template <auto first, auto... rest>
 constexpr auto parameter(std::string_view name, Range permitted, std::string_view meaning,
                          Magnitudes proven = {}) {

@@ -1,5 +1,5 @@
 /// \file tangent_need.h
-/// Which primitives of a glTF file need a tangent frame, and which carry one.
+/// Which primitives of a glTF file need a tangent frame, and which carry one. Target darboux::io.
 ///
 /// A frame is read through a normal texture, through the normal texture of a clearcoat, and by anisotropy,
 /// with a texture or without (KHR_materials_anisotropy asks for NORMAL and TANGENT, or a normal texture).

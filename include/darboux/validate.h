@@ -17,14 +17,13 @@
 
 namespace darboux {
 
-/// In the order of how bad they are. nothing: there is nothing to assess, neither triangles nor normals nor
-/// tangents.
+/// From best to worst. nothing: there is nothing to judge: no triangles, or neither normals nor tangents.
 enum class Verdict { nothing, pass, undetermined, fail };
 enum class Severity { info, warning, error };
 inline constexpr std::array<std::string_view, 4> verdict_names{"nothing", "pass", "undetermined", "fail"};
 inline constexpr std::array<std::string_view, 3> severity_names{"info", "warning", "error"};
 
-/// What a mesh is compared with, and which of them decided: ReferenceKind::none where none did.
+/// What a mesh is compared with. none: nothing decided.
 enum class ReferenceKind { none, analytic, triangles, local, mikktspace };
 inline constexpr std::array<std::string_view, 5> reference_names{"none", "analytic", "triangles", "local",
                                                                  "mikktspace"};
@@ -32,7 +31,7 @@ inline constexpr std::array<std::string_view, 5> reference_names{"none", "analyt
 /// A kind of finding: its code, which stays, and what it means. The whole list: finding_kinds().
 struct FindingKind {
   std::string_view code;
-  Severity severity;         ///< of the sure case; on weaker evidence the same code is a warning
+  Severity severity;         ///< by default; errors become warnings on weaker evidence
   std::string_view message;  ///< what is wrong, in plain words
   std::string_view to_do;    ///< what to do about it
 };
@@ -49,12 +48,13 @@ struct Finding {
   std::size_t kind = 0;  ///< its place in finding_kinds()
 };
 
-/// The errors of one class of vertices, in degrees, over its triangle corners. A corner whose tangent is zero
-/// or not finite counts in `corners` and nowhere else; the normal's statistics leave out its own likewise.
+/// The corner with the largest error of a class.
 struct WorstCorner {
-  std::uint32_t vertex;
-  Vec2<double> uv;
+  std::uint32_t vertex;  ///< index into the mesh
+  Vec2<double> uv;       ///< as stored
 };
+/// The errors of one class of vertices, in degrees, over its triangle corners. A corner whose tangent is zero
+/// or not finite counts in `corners` only; likewise a corner whose normal is, for the normal statistics.
 struct ClassReport {
   VertexClass vertex_class;
   std::size_t corners = 0;
@@ -83,14 +83,12 @@ struct TrianglesReport {
   double worst_deg = 0;      ///< the farthest of those outside
 };
 
-/// Which MikkTSpace tangents are of, at 99 % of the corners or more.
+/// Which implementation of MikkTSpace made the tangents, at 99 % of the corners or more.
 enum class MikkVariant {
   none,
-  original,        ///< to the bit
-  sorted_edges,    ///< to the bit that of ports that sort all edges, where the original leaves the last run
-                   ///< unsorted
-  reordered_sums,  ///< the original within 2e-5 degrees, a few units in the last place, as ports that add in
-                   ///< another order have them
+  original,        ///< the original, bit for bit
+  sorted_edges,    ///< bit for bit a port that sorts all edges (MikkOptions::sort_all_edges)
+  reordered_sums,  ///< within 2e-5 degrees of the original: a port that adds in another order
 };
 inline constexpr std::array<std::string_view, 4> mikk_variant_names{"none", "original", "sorted edges",
                                                                     "reordered sums"};
@@ -158,29 +156,28 @@ struct ValidateOptions {
   double max_angle_deg =
       5;  ///< limit for interior corners; three times that at seams, pole rings, creases and borders
   References references{};
-  /// Other uv sets of the mesh, a uv a vertex, which its tangents may follow instead; the number names the
-  /// set.
+  /// Other uv sets of the mesh, one uv per vertex, which its tangents may follow instead; the number names
+  /// the set.
   std::span<const std::pair<int, std::vector<Vec2<double>>>> other_uvs{};
   int threads = 1;           ///< 0: all; the report does not depend on it
-  bool keep_errors = false;  ///< whether the report has errors_deg, 12 bytes a triangle
+  bool keep_errors = false;  ///< whether the report has errors_deg, 12 bytes per triangle
 };
 
 /// Assesses a mesh in its own space.
 /// Angles are atan2 angles of normalised vectors, tangents not projected. The bitangent is w·cross(n, t), n
 /// as stored, w corrected for the one sign convention found, against the derivative by the stored v.
-/// The truth has standard deviations s. An angle is beyond its limit where it is by more than 3 s: the true
-/// angle differs from the measured one by the error of the truth in that direction, whose standard deviation
-/// is s at most, so that no more than 0.14 % of fits accuse an angle that is right. It is within where 3 s
-/// more would be permitted too; else it is undecided. Verdict: fail with any error finding; else pass where
-/// something was compared with what decides and half of the corners or more are decided, undetermined
-/// otherwise. Errors, one to a corner, the first that fits: TANGENT_NOT_FINITE, TANGENT_ZERO,
-/// TANGENT_NOT_UNIT (|1 - |t|²| > 0.0005), TANGENT_INVALID_SIGN, TANGENT_NOT_ORTHOGONAL (|t·n| > 0.02),
-/// TANGENT_HANDEDNESS (against its uv island), TANGENT_ANGLE, NORMAL_NOT_FINITE, NORMAL_NOT_UNIT,
-/// NORMAL_ANGLE, POSITION_NOT_FINITE, UV_NOT_FINITE. TANGENT_NOT_MIKKTSPACE is one where MikkTSpace decides.
-/// Others: finding_kinds(). What explains tangents of which most are off is looked for and named, and changes
-/// no error: swapped or negated axes, another uv set, a linear map that the tangents were not taken along.
-/// Cost: linear in the corners; local_truth()'s 1 us a vertex, MikkTSpace 0.3 us a triangle.
-/// \param truth at each vertex; empty: the other references decide
+/// Let s be the standard deviation of the truth. An angle is beyond its limit when it exceeds it by more than
+/// 3 s, within when it stays below it by more than 3 s, and undecided otherwise. So at most 0.14 % of fits
+/// call a right angle wrong. Verdict: fail with any error finding; else nothing where there are no triangles,
+/// or neither tangents to judge nor normals; else pass where there are no tangents to judge, or the surface
+/// or the triangles judged some of them; else undetermined. Errors, one to a corner, the first that fits:
+/// TANGENT_NOT_FINITE, TANGENT_ZERO, TANGENT_NOT_UNIT (|1 - |t|²| > 0.0005), TANGENT_INVALID_SIGN,
+/// TANGENT_NOT_ORTHOGONAL (|t·n| > 0.26; a warning from 0.02), TANGENT_HANDEDNESS (against its uv island),
+/// TANGENT_ANGLE, NORMAL_NOT_FINITE, NORMAL_NOT_UNIT, NORMAL_ANGLE, POSITION_NOT_FINITE, UV_NOT_FINITE.
+/// TANGENT_NOT_MIKKTSPACE is an error where MikkTSpace decides. Others: finding_kinds(). Where most tangents
+/// are off, common causes are tested and reported as well (swapped axes, another uv set, a transform that
+/// skipped the tangents); this changes no error. Cost: linear in the corners; local_truth()'s 1 µs per
+/// vertex, MikkTSpace 0.3 us a triangle. \param truth at each vertex; empty: the other references decide
 /// \throws MeshError when the mesh is inconsistent, or for another number of truths, or of uvs of a set, than
 /// vertices; ParameterError as chosen_instruction_set()
 MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options = {});

@@ -1,6 +1,6 @@
 /// \file work_precision.h
 /// Work against precision: how long each method takes for a frame, and how wrong the frame is; at points of a
-/// surface and on meshes of it.
+/// surface and on meshes of it. Target darboux::fit.
 #pragma once
 
 #include <algorithm>

@@ -18,14 +18,14 @@ namespace darboux {
 
 void add_common(CLI::App& sub, Common& common, const std::string& example) {
   sub.add_flag("--json", common.json, "print one JSON document to stdout and nothing else");
-  sub.add_flag(
-      "--quiet", common.quiet,
-      "print no progress bar and no notes; of what is judged (check, validate, compare, plan, studies, "
-      "normalmap --check and --compare) the verdict alone, in a line for each; of what is written "
-      "(mesh, tangents, scene, normalmap, bake, surfaces --pages) nothing but errors");
+  sub.add_flag("--quiet", common.quiet,
+               "print no progress bar and no notes; commands that judge print one verdict per line, commands "
+               "that write "
+               "files print nothing but errors");
   sub.add_option("--threads", common.threads,
-                 "number of threads: for eval, tangents, normalmap, bake, the frames of fit, several "
-                 "surfaces of check, several files of validate and plan, and the jobs of a study")
+                 "number of threads; only measured times depend on it. check takes a surface per thread, "
+                 "validate and "
+                 "plan a file, studies a job")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
@@ -39,8 +39,8 @@ void add_read_options(CLI::App& sub, Common& common) {
                "do not confine the process that reads OBJ and FBX; for kernels that cannot");
   sub.add_option_function<std::uint64_t>(
          "--max-memory", [&common](const std::uint64_t& bytes) { common.read.max_memory = bytes; },
-         "largest size of the decoded content of a glTF, COLLADA, PLY or image, such as 8GiB [4GiB, or 16 "
-         "times the file; 512MiB for files of less than 10 MB]")
+         "largest size of the decoded content of a glTF, COLLADA, PLY or image, such as 8GiB [4GiB or 16 "
+         "times the file, whichever is larger; 512MiB for files below 10 MB]")
       ->transform(CLI::AsSizeValue(false))
       ->transform(CLI::Validator(
           [](std::string& text) {

@@ -110,7 +110,9 @@ std::vector<std::string> split(std::string_view text, char separator);
 AnySurface surface_argument(std::string_view text);
 
 /// How help texts describe SURFACE.
-inline constexpr const char* surface_help = "NAME, NAME:PARAMETER=VALUE,... or formula:file=FILE";
+inline constexpr const char* surface_help =
+    "NAME, NAME:PARAMETER=VALUE,..., formula:file=FILE, or bezier-patch, bspline-patch or "
+    "surface-of-revolution with :file=FILE";
 
 /// The surface's name, file and parameters as JSON, for every command alike.
 Json surface_json(const AnySurface& surface);

@@ -34,13 +34,13 @@ constexpr Choice<NeedLevel, 3> levels{{"spec", "factors", "pixels"}};
 
 constexpr FindingKind missing{"TANGENT_NEEDED", Severity::warning,
                               "the material reads a tangent frame, and there is no TANGENT",
-                              "export NORMAL and uvs where they lack, then darboux tangents IN -o OUT "
-                              "--only needed makes it"};
-constexpr FindingKind idle{"TANGENT_IDLE", Severity::info, "nothing reads the TANGENT that is there",
-                           "darboux tangents IN -o OUT --only needed --drop-idle leaves it out"};
+                              "export NORMAL and uvs if they are missing, then run darboux tangents IN "
+                              "-o OUT --only needed"};
+constexpr FindingKind idle{"TANGENT_IDLE", Severity::info, "TANGENT is stored, and nothing reads it",
+                           "remove it: darboux tangents IN -o OUT --only needed --drop-idle"};
 constexpr FindingKind dropped_kind{"TANGENT_DROPPED", Severity::error,
-                                   "the file before had the TANGENT, with NORMAL, that the material reads",
-                                   "have the tool between keep both"};
+                                   "the earlier file had the TANGENT and NORMAL that the material reads",
+                                   "configure the tool that wrote the file to keep both"};
 
 constexpr std::size_t most_idle_lines = 4;  // per file: what can be left out is no error
 

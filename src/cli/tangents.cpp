@@ -201,7 +201,8 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
 }  // namespace
 
 void add_tangents(CLI::App& app, Common& common) {
-  CLI::App& sub = *app.add_subcommand("tangents", "Compute the tangents of a glTF file by a named method");
+  CLI::App& sub =
+      *app.add_subcommand("tangents", "Write a glTF file with tangents by MikkTSpace or another method");
   auto arguments = std::make_shared<TangentsArguments>();
   sub.add_option("INPUT", arguments->input, "the .glb or .gltf to read; export other formats as .glb first");
   sub.add_option("-o,--output", arguments->output, "the .glb to write");

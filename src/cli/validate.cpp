@@ -208,7 +208,7 @@ void run(const Arguments& arguments, Common& common) {
 }  // namespace
 
 void add_validate(CLI::App& app, Common& common) {
-  CLI::App& sub = *app.add_subcommand("validate", "Compare the tangents stored in mesh files with the truth");
+  CLI::App& sub = *app.add_subcommand("validate", "Judge the normals and tangents stored in mesh files");
   auto arguments = std::make_shared<Arguments>();
   sub.add_option(
       "FILES", arguments->files,
@@ -231,7 +231,8 @@ void add_validate(CLI::App& app, Common& common) {
          "--reference", arguments->reference,
          "references to compare with, separated by commas: analytic (the surface that the mesh was made "
          "from), triangles (the mesh's own triangles), local (neighbouring vertices), mikktspace "
-         "(MikkTSpace's tangents). Deviations from the first two are errors, from the others warnings")
+         "(MikkTSpace's tangents). Only the first two make errors; a surface that was recognised, not "
+         "declared, may make warnings instead")
       ->capture_default_str();
   sub.add_option("--fail-on", arguments->fail_on,
                  "count these findings as errors: codes separated by commas; --findings lists them")
@@ -264,9 +265,10 @@ void add_validate(CLI::App& app, Common& common) {
   sub.add_option("--junit", arguments->junit,
                  "also write the verdicts as JUnit XML to this file, one test case per mesh or part");
   add_pictures(sub, arguments->pictures);
-  sub.add_option("--config", arguments->configuration,
-                 "read options from this file, one per line: max-angle = 2, fail-on = [\"CODE\"], files = "
-                 "[\"assets\"]; the command line takes precedence");
+  sub.add_option(
+      "--config", arguments->configuration,
+      "read options from this TOML file, one per line: max-angle = 2, fail-on = [\"CODE\"], files = "
+      "[\"assets\"]; the command line takes precedence");
   sub.add_flag("--details", arguments->details,
                "print a table for every mesh and part, even where there are more than a dozen");
   sub.add_flag("--findings", arguments->findings, "list and explain all findings");

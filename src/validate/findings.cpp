@@ -19,7 +19,7 @@ constexpr std::array kinds{
                 "normalise before writing; undo scale in quantised data"},
     FindingKind{"TANGENT_INVALID_SIGN", error, "w of the tangent is neither +1 nor -1",
                 "write the sign itself, not a product or an interpolated value"},
-    FindingKind{"TANGENT_NOT_ORTHOGONAL", error, "tangents lean on the normal",
+    FindingKind{"TANGENT_NOT_ORTHOGONAL", error, "tangents are not perpendicular to the normal",
                 "project, t - (t.n) n, then normalise"},
     FindingKind{"TANGENT_HANDEDNESS", error,
                 "w differs from the rest of its uv island: the normal map is mirrored here",

@@ -1,7 +1,6 @@
 // Solvers of Ceres that fail say so to their caller alone.
 #include "fit/common/solve_quietly.h"
 
-
 #include <ceres/problem.h>
 #include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>

@@ -16,7 +16,7 @@ struct Osculation {
   std::array<double, 2> curvatures;  // along them, positive where the centre lies along that normal
   Circle3 circle;                    // of the inliers
 
-  bool is_strip() const { return circle.deviation < 0.1 * (at - circle.centre).norm(); }
+  bool is_strip() const { return circle.deviation < 0.2 * (at - circle.centre).norm(); }
 };
 
 // Principal curvatures by differences of the normals of a model, good to 1e-3: for starts. Nothing where the

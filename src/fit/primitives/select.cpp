@@ -42,6 +42,23 @@ std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b
   return std::minmax(deviance(b, a) - deviance(a, a), deviance(b, b) - deviance(a, b));
 }
 
+// Whether the points that both take for inliers speak for `a`. A surface that is bent towards outliers beside
+// a strip of points takes more of them for inliers, by which it is likelier, but not nearer to the others.
+bool is_told_by_inliers(const PrimitiveFit& a, const PrimitiveFit& b) {
+  constexpr double many_more = 0.1;
+  const std::vector<bool> in_a = inliers_of(a), in_b = inliers_of(b);
+  const double sigma = std::max(noise_and_rounding(a), exact);
+  double nearer = 0;
+  std::ptrdiff_t more = 0, of_b = 0;
+  for (std::size_t i = 0; i < in_a.size(); ++i) {
+    if (in_a[i] && in_b[i]) nearer += (b.error[i] - a.error[i]) * (b.error[i] + a.error[i]) / (sigma * sigma);
+    more += in_a[i] - in_b[i];
+    of_b += in_b[i];
+  }
+  return nearer > std::max(margin, price(a) * (a.primitive->unknowns - b.primitive->unknowns)) ||
+         static_cast<double>(more) > many_more * static_cast<double>(of_b);
+}
+
 // Of a fit with its own noise and outliers. Points are counted whole: the shares of a thousand points that
 // are almost certain inliers would add up to outliers.
 double evidence(const PrimitiveFit& f) {
@@ -199,7 +216,8 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
           other.primitive != chosen.primitive &&
           (!explains_enough(other) ||
            (other.sigma > 10 * chosen.sigma && evidence(other) < evidence(chosen) - far_less_likely));
-      if (!chosen.primitive->is_plane && least < margin && !is_none) return undetermined(true, help);
+      if (!chosen.primitive->is_plane && !is_none && (least < margin || !is_told_by_inliers(chosen, other)))
+        return undetermined(true, help);
       continue;
     }
     const double departure = nested->departure(tried[i]);
