@@ -7,7 +7,7 @@
 #   fuzz          each target of tests/fuzz for 60 seconds (FUZZ_SECONDS)
 #   mutants       100 000 mutants of corpora over all formats, without sanitizers (MUTANTS)
 #   kills         500 kills
-#   faults        60 points of failure per call and command
+#   faults        60 points of failure per call and command, and memory that is lost there
 #   determinism   release, debug and clang give the same bits
 #   reproducible  two builds in two folders give the same bytes
 #   coverage      lines and branches
@@ -52,7 +52,7 @@ mutants() {
   done
 }
 kills() { build release cli_kills_test && DARBOUX_KILLS=500 build/release/bin/cli_kills_test --gtest_filter='*NoOutputIsBroken*'; }
-faults() { build release cli_faults_test && DARBOUX_FAULTS=60 build/release/bin/cli_faults_test; }
+faults() { build release cli_faults_test && DARBOUX_FAULTS=60 DARBOUX_FAULTS_LEAKS=1 build/release/bin/cli_faults_test; }
 determinism() {
   build release darboux_tool && build debug darboux_tool && build clang darboux_tool &&
     tests/determinism.sh build/release/bin/darboux build/debug/bin/darboux build/clang/bin/darboux

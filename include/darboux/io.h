@@ -147,6 +147,8 @@ struct Asset {
 /// textures are not opened. assimp runs in a process of its own, so that no file can crash or stop this one:
 /// it may take 1 GiB and 256 times the file, 20 seconds and 2 for each MB.
 ///
+/// Normals of OBJ and PLY, formats that promise no length, are made unit where they are not; zeros stay.
+///
 /// Nothing is allocated by a count the file states before the count is checked against the bytes it has.
 /// \throws FileError naming the file, the place in it, what is expected there and what it has
 Asset read_asset(const std::string& path, const ReadOptions& options = {});

@@ -38,6 +38,12 @@ double half_step_of_decimals(const std::vector<Vector>& directions) {
   return most < 2 ? 0 : 0.5 * std::pow(10, -most);
 }
 
+// Lengths that rounding explains stay, to the bit.
+void make_unit(std::vector<Vec3<double>>& normals) {
+  for (Vec3<double>& n : normals)
+    if (std::fabs(dot(n, n) - 1) > 0x1p-10 && detail::finite(n) && n != Vec3<double>{}) n = unit(n);
+}
+
 // Whether the file holds decimals: OBJ, Collada, ASCII PLY and ASCII STL. Others round as their numbers do.
 bool is_text(const std::string& path) {
   const std::string extension = extension_of(path);
@@ -76,10 +82,13 @@ bool io::is_gltf(const std::string& path) {
 
 Asset read_asset(const std::string& path, const ReadOptions& options) {
   Asset asset = read_any(path, options);
-  if (!is_text(path)) return asset;
+  const bool text = is_text(path);
+  const std::string extension = extension_of(path);
   for (Primitive& p : asset.primitives) {
-    if (p.data.half_steps.normal == 0) p.data.half_steps.normal = half_step_of_decimals(p.data.normals);
-    if (p.data.half_steps.tangent == 0) p.data.half_steps.tangent = half_step_of_decimals(p.data.tangents);
+    HalfSteps& steps = p.data.half_steps;
+    if (text && steps.normal == 0) steps.normal = half_step_of_decimals(p.data.normals);
+    if (text && steps.tangent == 0) steps.tangent = half_step_of_decimals(p.data.tangents);
+    if ((extension == ".obj" || extension == ".ply") && steps.normal == 0) make_unit(p.data.normals);
   }
   return asset;
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -187,6 +188,25 @@ void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
   }
 }
 
+// Places, of one normal, where islands of one sign meet: their uvs may be the same there, as at the corner of
+// three faces of a cube that have the same texture.
+std::vector<bool> meeting_places(const Mesh& mesh, const First& normal, std::span<const signed char> sign,
+                                 const MeshClasses& classes) {
+  std::vector<bool> several(normal.size(), false);
+  if (classes.islands < 2) return several;
+  std::vector<std::array<int, 2>> first(normal.size(), {-1, -1});
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const int island = classes.island_of_triangle[t];
+    if (island < 0) continue;
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      int& there = first[normal[v]][sign[t] > 0 ? 1 : 0];
+      if (there < 0) there = island;
+      if (there != island) several[normal[v]] = true;
+    }
+  }
+  return several;
+}
+
 }  // namespace
 
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
@@ -215,19 +235,22 @@ MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::sp
       for (const std::uint32_t v : triangle) ring[place[v]] = true;
   DisjointSets islands(mesh.triangles.size());
   walk_edges(mesh, place, uv_places(mesh, place, tolerance), sign, border, islands);
-  for (std::uint32_t v = 0; v < n; ++v) {
-    VertexClass& of_vertex = classes.of_vertex[v];
-    of_vertex = pole(v)                              ? VertexClass::pole
-                : of_vertex != VertexClass::interior ? of_vertex
-                : ring[place[v]]                     ? VertexClass::pole_ring
-                : border[place[v]]                   ? VertexClass::border
-                                                     : VertexClass::interior;
-  }
   classes.island_of_triangle.assign(mesh.triangles.size(), -1);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (sign[t] == 0) continue;
     const std::uint32_t first = islands.find(t);
     classes.island_of_triangle[t] = first == t ? classes.islands++ : classes.island_of_triangle[first];
+  }
+  const std::vector<bool> several = meeting_places(mesh, joins.position_and_normal, sign, classes);
+  for (std::uint32_t v = 0; v < n; ++v) {
+    VertexClass& of_vertex = classes.of_vertex[v];
+    const bool seam = of_vertex != VertexClass::crease && several[joins.position_and_normal[v]];
+    of_vertex = pole(v)                              ? VertexClass::pole
+                : seam                               ? VertexClass::seam
+                : of_vertex != VertexClass::interior ? of_vertex
+                : ring[place[v]]                     ? VertexClass::pole_ring
+                : border[place[v]]                   ? VertexClass::border
+                                                     : VertexClass::interior;
   }
   return classes;
 }

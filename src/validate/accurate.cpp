@@ -48,6 +48,9 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
     all_normals.add(normals_[v], corners_of[v]);
     all_tangents.add(tangents_[v], corners_of[v]);
   }
+  std::size_t corners = 0, inward = 0;
+  for (std::uint32_t v = 0; v < n; ++v) corners += corners_of[v], inward += inward_[v] ? corners_of[v] : 0;
+  faces_inward_ = 2 * inward > corners;
   normals_agree_ = all_normals.agree();
   tangents_agree_ = all_tangents.agree();
 }

@@ -39,6 +39,8 @@ class Accurate {
   std::span<const Truth> truths() const { return truth_; }
   const Angles& angles(std::uint32_t v) const { return angles_[v]; }
   bool inward(std::uint32_t v) const { return inward_[v]; }
+  // Whether most corners are inward, so that this is the mesh's outside.
+  bool faces_inward() const { return faces_inward_; }
   Claim normal(std::uint32_t v) const { return normals_[v]; }
   Claim tangent(std::uint32_t v) const { return tangents_[v]; }
 
@@ -56,6 +58,7 @@ class Accurate {
   std::vector<Angles> angles_;
   std::vector<Claim> normals_, tangents_;
   double normals_agree_ = 1, tangents_agree_ = 1;
+  bool faces_inward_ = false;
 };
 
 // Three times as far at seams, pole rings, creases and borders as in the interior.

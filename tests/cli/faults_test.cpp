@@ -54,12 +54,12 @@ struct End {
   std::string err;
 };
 
-// DARBOUX_FAULTS_LEAKS=1: memory that is not given back ends the tool with another status. It takes the leak
-// sanitizer, which looks at the process as a debugger does.
-std::string preloaded() {
-  const std::string faults = DARBOUX_FAULTS_LIBRARY;
-  return std::getenv("DARBOUX_FAULTS_LEAKS") == nullptr ? faults : faults + ":" DARBOUX_LEAK_SANITIZER;
+// DARBOUX_FAULTS_LEAKS=1: memory that is not given back ends the tool with a status of its own. It takes the
+// leak sanitizer, which looks at the process as a debugger does.
+bool finds_leaks() {
+  return std::getenv("DARBOUX_FAULTS_LEAKS") != nullptr;
 }
+constexpr int status_of_leaks = 77;
 
 class Faults : public Cli {
  protected:
@@ -119,8 +119,10 @@ class Faults : public Cli {
       if (::chdir(path("").c_str()) != 0 || !std::freopen("/dev/null", "w", stdout) ||
           !std::freopen("err", "w", stderr))
         std::_Exit(99);
-      ::setenv("LD_PRELOAD", preloaded().c_str(), 1);
-      ::setenv("LSAN_OPTIONS", "exitcode=77", 1);
+      std::string libraries = DARBOUX_FAULTS_LIBRARY;
+      if (finds_leaks()) libraries += ":" DARBOUX_LEAK_SANITIZER;
+      ::setenv("LD_PRELOAD", libraries.c_str(), 1);
+      ::setenv("LSAN_OPTIONS", ("exitcode=" + std::to_string(status_of_leaks)).c_str(), 1);
       ::setenv("DARBOUX_FAULT", fault.c_str(), 1);
       ::setenv("DARBOUX_FAULT_COUNT", path("count").c_str(), 1);
       ::setenv("DARBOUX_FAULT_STACK", path("stack").c_str(), 1);
@@ -170,6 +172,10 @@ class Faults : public Cli {
   // \param most points of each command that fail, spread evenly \param over_old outputs are there before
   void each_fails(const std::string& kind, std::size_t most, bool over_old = false,
                   const std::vector<Command>& run_commands = commands) const {
+    if (finds_leaks()) {
+      ASSERT_EQ(run(run_commands.front(), "leak:0").status, status_of_leaks) << DARBOUX_LEAK_SANITIZER;
+      remove_outputs();
+    }
     std::size_t points = 0, failed = 0, errors = 0, crashes = 0;
     for (const Command& command : run_commands) {
       if (over_old) put_old_outputs(command);
@@ -230,7 +236,7 @@ class Faults : public Cli {
   std::set<std::string> given_;
 };
 
-// DARBOUX_FAULTS=100000: every one.
+// DARBOUX_FAULTS=1000000: every one.
 std::size_t wanted() {
   const char* const text = std::getenv("DARBOUX_FAULTS");
   return text ? static_cast<std::size_t>(std::atoi(text)) : 8;

@@ -93,6 +93,34 @@ TEST(ReadObj, EveryCornerIsTheTexts) {
 }
 
 // As C's printf does not write them, but other programs do.
+// The format promises no length, and tools write sums. Decimals stay as they are.
+TEST(ReadObj, NormalsOfAnyLengthAreMadeUnit) {
+  TempFolder folder;
+  const std::string faces = "vt 0 0\nvt 1 0\nvt 0 1\nf 1/1/1 2/2/2 3/3/3\n",
+                    points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const auto normals_of = [&](const std::string& name, const std::string& text) {
+    write_bytes(folder / name, text);
+    return read_asset(folder / name).primitives.at(0).data.normals;
+  };
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0 0 0 6.25\n1 0 0 3 0 4\n0 1 0 0 0 0\n3 0 1 "
+      "2\n";
+  for (const auto& normals : {normals_of("long.obj", points + "vn 0 0 6.25\nvn 3 0 4\nvn 0 0 0\n" + faces),
+                              normals_of("long.ply", ply)}) {
+    ASSERT_EQ(normals.size(), 3u);
+    EXPECT_EQ(normals[0], (Vec3<double>{0, 0, 1}));
+    EXPECT_NEAR(normals[1].x, 0.6, 1e-15);
+    EXPECT_NEAR(normals[1].z, 0.8, 1e-15);
+    EXPECT_EQ(normals[2], (Vec3<double>{}));
+  }
+  const auto rounded =
+      normals_of("short.obj", points + "vn 0.577 0.577 0.577\nvn 0 0.707 0.707\nvn 0 0 1\n" + faces);
+  EXPECT_EQ(static_cast<float>(rounded[0].x), 0.577f);
+  EXPECT_EQ(static_cast<float>(rounded[1].y), 0.707f);
+}
+
 TEST(ReadObj, NumbersMayBeginWithAPoint) {
   const TempFolder folder;
   const std::string path = folder / "m.obj";
