@@ -20,6 +20,11 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
   const std::size_t n = mesh.positions.size();
   if (truth.empty()) return;
   inward_ = basis == Basis::recognised_unsided ? opposed_vertices(mesh, truth) : inward_vertices(mesh, truth);
+  // Of the back of a sheet, whose normals are those of the front: triangles of another part agree with them.
+  const NormalChecks& checked = under_test.normals;
+  if (has_sides() && !checked.all_oppose && !checked.unsupported.empty())
+    for (std::uint32_t v = 0; v < n; ++v)
+      if (!checked.unsupported[v] && dot(mesh.normals[v], truth[v].normal) < 0) inward_[v] = true;
   angles_.resize(n);
   normals_.assign(n, Claim::none), tangents_.assign(n, Claim::none);
   struct {

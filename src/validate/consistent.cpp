@@ -186,6 +186,10 @@ class Closely {
              cone->half <= widest + uniform_deg / degrees_per_radian;
     }
   };
+  struct Spoke {
+    std::uint32_t place;  // of its other end
+    Vec2<double> along;   // in uv
+  };
   using Key = std::tuple<std::uint32_t, int, bool, double, double, double>;
 
   // Of the triangles of v with that sign, in the plane of its normal; nothing where the normal is no
@@ -229,7 +233,9 @@ class Closely {
       if (c->group != own && !are_alike(mesh_.normals[triangle[c->k]], n)) continue;
       add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
       if (raw_sign_[c->triangle] == sign) {
-        rim_.push_back(place(c->triangle, c->k + 1)), rim_.push_back(place(c->triangle, c->k + 2));
+        for (const std::uint32_t k : {c->k + 1, c->k + 2})
+          rim_.push_back(
+              {place(c->triangle, k), mesh_.uvs[corner(c->triangle, k)] - mesh_.uvs[triangle[c->k]]});
         for (const std::uint32_t w : triangle)
           if (const double turn = angle_between(mesh_.normals[w], n); turn > result.normals_turn)
             result.normals_turn = turn;
@@ -254,11 +260,15 @@ class Closely {
   std::uint32_t corner(std::uint32_t t, std::uint32_t k) const { return mesh_.triangles[t][k % 3]; }
   std::uint32_t place(std::uint32_t t, std::uint32_t k) const { return joins_.position[corner(t, k)]; }
 
-  // One side of a curved surface leaves out half of the directions.
+  // One side of a curved surface leaves out half of the directions. Charts that are cut may go on, as at the
+  // seam of a sphere, or be others, as where three faces of a cube meet.
   bool goes_all_round() {
-    std::sort(rim_.begin(), rim_.end());
+    constexpr double rounding = 1e-4;
+    std::sort(rim_.begin(), rim_.end(), [](const Spoke& a, const Spoke& b) { return a.place < b.place; });
     for (std::size_t i = 0; i < rim_.size(); i += 2)
-      if (i + 1 == rim_.size() || rim_[i] != rim_[i + 1]) return false;
+      if (i + 1 == rim_.size() || rim_[i].place != rim_[i + 1].place ||
+          norm(rim_[i].along - rim_[i + 1].along) > rounding * norm(rim_[i].along) + 8 * mesh_.half_steps.uv)
+        return false;
     return true;
   }
   // The direction of a triangle with its interval, where its uvs wind as asked.
@@ -372,7 +382,7 @@ class Closely {
   // Of the directions at hand: their plane, and what the triangles say so far.
   Vec3<double> x_{}, y_{}, n_{};
   std::vector<Arc> arcs_;
-  std::vector<std::uint32_t> rim_;  // places about the vertex, twice each where the triangles go all round
+  std::vector<Spoke> rim_;  // the edges at the vertex, twice each where the triangles go all round
   bool uncertain_ = false;
 };
 

@@ -60,6 +60,9 @@ bool finds_leaks() {
   return std::getenv("DARBOUX_FAULTS_LEAKS") != nullptr;
 }
 constexpr int status_of_leaks = 77;
+// A constructor of nlohmann::json that throws leaves what it has made: whoever has that on the stack is not
+// told. It takes whole stacks, which are slow.
+constexpr const char* but_of_json = ":fast_unwind_on_malloc=0:print_suppressions=0:suppressions=suppressions";
 
 class Faults : public Cli {
  protected:
@@ -84,6 +87,7 @@ class Faults : public Cli {
         "darboux converge --surfaces torus --methods face --meshes regular --resolutions 6,8,10 --results "
         "results.jsonl");
     fs::remove(path("points.csv"));
+    write_bytes(path("suppressions"), "leak:nlohmann::\n");
     given_ = names();
   }
 
@@ -107,7 +111,7 @@ class Faults : public Cli {
 
   // Runs the command with the fault, on one processor and without address randomisation: stacks are the same
   // every time.
-  End run(const Command& command, const std::string& fault) const {
+  End run(const Command& command, const std::string& fault, const std::string& leaks = "") const {
     std::fflush(stdout);  // or the child prints it too
     const pid_t child = ::fork();
     if (child == 0) {
@@ -122,7 +126,7 @@ class Faults : public Cli {
       std::string libraries = DARBOUX_FAULTS_LIBRARY;
       if (finds_leaks()) libraries += ":" DARBOUX_LEAK_SANITIZER;
       ::setenv("LD_PRELOAD", libraries.c_str(), 1);
-      ::setenv("LSAN_OPTIONS", ("exitcode=" + std::to_string(status_of_leaks)).c_str(), 1);
+      ::setenv("LSAN_OPTIONS", ("exitcode=" + std::to_string(status_of_leaks) + leaks).c_str(), 1);
       ::setenv("DARBOUX_FAULT", fault.c_str(), 1);
       ::setenv("DARBOUX_FAULT_COUNT", path("count").c_str(), 1);
       ::setenv("DARBOUX_FAULT_STACK", path("stack").c_str(), 1);
@@ -176,7 +180,7 @@ class Faults : public Cli {
       ASSERT_EQ(run(run_commands.front(), "leak:0").status, status_of_leaks) << DARBOUX_LEAK_SANITIZER;
       remove_outputs();
     }
-    std::size_t points = 0, failed = 0, errors = 0, crashes = 0;
+    std::size_t points = 0, failed = 0, errors = 0, crashes = 0, of_json = 0;
     for (const Command& command : run_commands) {
       if (over_old) put_old_outputs(command);
       const End clean = run(command, kind + ":0");
@@ -192,8 +196,15 @@ class Faults : public Cli {
         SCOPED_TRACE(command.arguments[0] + " " + command.arguments[1] + ", " + kind + " " +
                      std::to_string(k) + " of " + std::to_string(there));
         if (over_old) put_old_outputs(command);
-        const End end = run(command, kind + ":" + std::to_string(k));
+        const std::string fault = kind + ":" + std::to_string(k);
+        End end = run(command, fault);
         ++failed;
+        if (!end.by_signal && end.status == status_of_leaks) {
+          remove_outputs();
+          if (over_old) put_old_outputs(command);
+          end = run(command, fault, but_of_json);
+          ++of_json;
+        }
         if (end.by_signal) {
           EXPECT_TRUE(crashed_in_a_library()) << "signal " << end.status << ' ' << end.err << crash_stack();
           // It was written before, or is not there.
@@ -227,8 +238,9 @@ class Faults : public Cli {
       }
     }
     std::printf(
-        "%s: %zu points, %zu failed once, %zu errors of one line, %zu ends in nlohmann::json or Ceres\n",
-        kind.c_str(), points, failed, errors, crashes);
+        "%s: %zu points, %zu failed once, %zu errors of one line, %zu ends in nlohmann::json or Ceres, %zu "
+        "with memory lost in nlohmann::json%s\n",
+        kind.c_str(), points, failed, errors, crashes, of_json, finds_leaks() ? "" : " (not looked for)");
     EXPECT_GT(points, 0u);
   }
 

@@ -18,6 +18,7 @@ namespace darboux {
 namespace {
 
 using test::TempFolder;
+using test::write_bytes;
 
 const std::string data = DARBOUX_TEST_DATA "/";
 
