@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iostream>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -21,12 +21,28 @@ constexpr std::array surfaces{"sphere",
                               "hyperbolic-paraboloid",
                               "ellipsoid:semi_axis_x=1,semi_axis_y=2,semi_axis_z=1.5"};
 
-Mesh half_of(const std::string& surface, bool inside_out) {
-  Mesh mesh = sample_mesh(make_surface(surface), {.columns = 12, .rows = 8, .v_last = 0.5});
-  if (!inside_out) return mesh;
+void turn_inside_out(Mesh& mesh) {
   for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   for (auto& n : mesh.normals) n = -n;
+}
+
+Mesh half_of(const std::string& surface, bool inside_out) {
+  Mesh mesh = sample_mesh(make_surface(surface), {.columns = 12, .rows = 8, .v_last = 0.5});
+  if (inside_out) turn_inside_out(mesh);
   return mesh;
+}
+
+Mesh corner_by_corner(const Mesh& mesh) {
+  Mesh soup;
+  for (const Triangle& t : mesh.triangles) {
+    const auto first = static_cast<std::uint32_t>(soup.positions.size());
+    soup.triangles.push_back({first, first + 1, first + 2});
+    for (const std::uint32_t v : t) {
+      soup.positions.push_back(mesh.positions[v]), soup.normals.push_back(mesh.normals[v]);
+      soup.uvs.push_back(mesh.uvs[v]), soup.tangents.push_back(mesh.tangents[v]);
+    }
+  }
+  return soup;
 }
 
 std::size_t errors(const MeshReport& report, std::string_view code) {
@@ -51,6 +67,7 @@ TEST(Sheets, TrianglesOfBothSidesOverTheSameVertices) {
       ASSERT_TRUE(both.fit);
       EXPECT_EQ(errors(both.report, ""), 0u);
       EXPECT_NE(both.report.verdict, Verdict::fail);
+      for (const Assessment& part : assess_parts(mesh)) EXPECT_EQ(errors(part.report, ""), 0u);
     }
 }
 
@@ -69,6 +86,34 @@ TEST(Flips, NormalsTurnedRoundAreErrors) {
           for (const std::uint32_t v : t) corners += flipped[v];
         const Assessment found = assess(mesh);
         EXPECT_EQ(errors(found.report, "NORMAL_ANGLE") + errors(found.report, "TANGENT_HANDEDNESS"), corners);
+      }
+}
+
+// A column whose normals are blended into the base on which it stands: told, and no error. As far off all the
+// way, they are one.
+TEST(Blends, NormalsThatTurnTowardsABorder) {
+  for (const bool soup : {false, true})
+    for (const bool inside_out : {false, true})
+      for (const bool blended : {true, false}) {
+        SCOPED_TRACE(std::string(soup ? "a vertex per corner" : "shared vertices") +
+                     (inside_out ? ", inside out" : "") + (blended ? ", blended" : ", alike"));
+        Mesh mesh = sample_mesh(make_surface("cylinder:radius=1,height=4"), {.columns = 16, .rows = 24});
+        if (inside_out) turn_inside_out(mesh);
+        std::size_t edited = 0;
+        for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+          const double row = std::round(24 * mesh.uvs[v].y);
+          if (row > 2) continue;
+          const double deg = blended ? 45 / (1 + row) : 20, a = deg * std::numbers::pi / 180;
+          mesh.normals[v] = std::cos(a) * mesh.normals[v] + std::sin(a) * Vec3<double>{0, 0, 1};
+          ++edited;
+        }
+        ASSERT_GT(edited, 0u);
+        if (soup) mesh = corner_by_corner(mesh);
+        const Assessment found = assess(mesh);
+        ASSERT_TRUE(found.fit);
+        EXPECT_EQ(errors(found.report, "") == 0, blended);
+        EXPECT_TRUE(std::ranges::any_of(found.report.findings,
+                                        [](const Finding& f) { return f.code == "NORMAL_ANGLE"; }));
       }
 }
 
