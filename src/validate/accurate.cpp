@@ -20,7 +20,7 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
   const std::size_t n = mesh.positions.size();
   if (truth.empty()) return;
   inward_ = basis == Basis::recognised_unsided ? opposed_vertices(mesh, truth) : inward_vertices(mesh, truth);
-  // Of the back of a sheet, whose normals are those of the front: triangles of another part agree with them.
+  // Of a sheet that has both sides: triangles of the other, of another part maybe, agree with the normal.
   const NormalChecks& checked = under_test.normals;
   if (has_sides() && !checked.all_oppose && !checked.unsupported.empty())
     for (std::uint32_t v = 0; v < n; ++v)

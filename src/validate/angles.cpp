@@ -40,8 +40,7 @@ std::vector<bool> inward_vertices(const Mesh& mesh, std::span<const Truth> truth
     for (const std::uint32_t v : {a, b, c})
       if (inward[v]) against[v] += dot(face, truth[v].normal) < 0 ? 1 : -1;
   }
-  // As many of one as of the other: a sheet that has both sides, and the normal is that of one of them.
-  for (std::size_t v = 0; v < inward.size(); ++v) inward[v] = inward[v] && against[v] >= 0;
+  for (std::size_t v = 0; v < inward.size(); ++v) inward[v] = against[v] > 0;
   return inward;
 }
 
