@@ -1,6 +1,6 @@
 /// \file error.h
 /// What the library throws: at construction, for wrong arguments, on files and on the command line; never for
-/// a value of u, v or a formula.
+/// values of u and v, nor for what a user's formula gives there.
 #pragma once
 
 #include <stdexcept>

@@ -20,12 +20,10 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
   sub.add_flag("--json", common.json, "print one JSON document to stdout and nothing else");
   sub.add_flag("--quiet", common.quiet,
                "print no progress bar and no notes; commands that judge print one verdict per line, commands "
-               "that write "
-               "files print nothing but errors");
+               "that write files print nothing but errors");
   sub.add_option("--threads", common.threads,
                  "number of threads; only measured times depend on it. check takes a surface per thread, "
-                 "validate and "
-                 "plan a file, studies a job")
+                 "validate and plan a file, studies a job")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);

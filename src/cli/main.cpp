@@ -52,13 +52,10 @@ int run(int argc, char** argv) {
   app.footer(
       "\nExample:\n  darboux eval torus:major_radius=1,minor_radius=0.4 --at 0.3,0.7 --json\n"
       "\nSURFACE is NAME, NAME:PARAMETER=VALUE,... or formula:file=FILE; `darboux surfaces` lists the "
-      "names.\n"
-      "`darboux COMMAND --help` explains a command.\n"
+      "names.\n`darboux COMMAND --help` explains a command.\n"
       "Exit status: 0 success; 1 the answer is negative: a check failed, the verdict is fail or "
-      "undetermined, "
-      "files differ,\nno surface was found, nothing could be written; 2 usage error, unreadable input, or "
-      "output "
-      "that cannot be written.");
+      "undetermined, files differ,\nno surface was found, nothing could be written; 2 usage error, "
+      "unreadable input, or output that cannot be written.");
   darboux::Common common;
   darboux::add_surfaces(app, common);
   darboux::add_eval(app, common);

@@ -10,6 +10,7 @@
 #include "files.h"
 #include "gltf_file.h"
 #include "mesh_files.h"
+#include "validate/rounding.h"
 
 namespace darboux {
 
@@ -39,9 +40,9 @@ double half_step_of_decimals(const std::vector<Vector>& directions) {
 }
 
 // Lengths that rounding explains stay, to the bit.
-void make_unit(std::vector<Vec3<double>>& normals) {
+void make_unit(std::vector<Vec3<double>>& normals, double half_step) {
   for (Vec3<double>& n : normals)
-    if (std::fabs(dot(n, n) - 1) > 0x1p-10 && detail::finite(n) && n != Vec3<double>{}) n = unit(n);
+    if (!is_unit(n, half_step) && detail::finite(n) && n != Vec3<double>{}) n = unit(n);
 }
 
 // Whether the file holds decimals: OBJ, Collada, ASCII PLY and ASCII STL. Others round as their numbers do.
@@ -88,7 +89,7 @@ Asset read_asset(const std::string& path, const ReadOptions& options) {
     HalfSteps& steps = p.data.half_steps;
     if (text && steps.normal == 0) steps.normal = half_step_of_decimals(p.data.normals);
     if (text && steps.tangent == 0) steps.tangent = half_step_of_decimals(p.data.tangents);
-    if ((extension == ".obj" || extension == ".ply") && steps.normal == 0) make_unit(p.data.normals);
+    if (extension == ".obj" || extension == ".ply") make_unit(p.data.normals, steps.normal);
   }
   return asset;
 }

@@ -244,13 +244,12 @@ MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::sp
   const std::vector<bool> several = meeting_places(mesh, joins.position_and_normal, sign, classes);
   for (std::uint32_t v = 0; v < n; ++v) {
     VertexClass& of_vertex = classes.of_vertex[v];
-    const bool seam = of_vertex != VertexClass::crease && several[joins.position_and_normal[v]];
-    of_vertex = pole(v)                              ? VertexClass::pole
-                : seam                               ? VertexClass::seam
-                : of_vertex != VertexClass::interior ? of_vertex
-                : ring[place[v]]                     ? VertexClass::pole_ring
-                : border[place[v]]                   ? VertexClass::border
-                                                     : VertexClass::interior;
+    of_vertex = pole(v)                                 ? VertexClass::pole
+                : several[joins.position_and_normal[v]] ? VertexClass::seam
+                : of_vertex != VertexClass::interior    ? of_vertex
+                : ring[place[v]]                        ? VertexClass::pole_ring
+                : border[place[v]]                      ? VertexClass::border
+                                                        : VertexClass::interior;
   }
   return classes;
 }

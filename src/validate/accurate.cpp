@@ -22,9 +22,9 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
   inward_ = basis == Basis::recognised_unsided ? opposed_vertices(mesh, truth) : inward_vertices(mesh, truth);
   // Of a sheet that has both sides: triangles of the other, of another part maybe, agree with the normal.
   const NormalChecks& checked = under_test.normals;
-  if (has_sides() && !checked.all_oppose && !checked.unsupported.empty())
+  if (has_sides() && !checked.all_oppose && !checked.agrees.empty())
     for (std::uint32_t v = 0; v < n; ++v)
-      if (!checked.unsupported[v] && dot(mesh.normals[v], truth[v].normal) < 0) inward_[v] = true;
+      if (checked.agrees[v] && dot(mesh.normals[v], truth[v].normal) < 0) inward_[v] = true;
   angles_.resize(n);
   normals_.assign(n, Claim::none), tangents_.assign(n, Claim::none);
   struct {

@@ -6,8 +6,9 @@
 // (normals and tangents counted apart), or where a named mistake explains the rest; else it is a warning, and
 // question 2 decides. Nor is it an error that a coarse mesh does not follow a recognised surface: a tangent
 // that is an average of its own triangles' dpdu, and a normal that is a common average of theirs, are
-// warnings. From what evidence: the surface's truth at each vertex. At poles, where no direction is right for
-// every texture, and of faceted normals on a recognised surface, nothing is claimed.
+// warnings; so is what may be authored (authored.h). From what evidence: the surface's truth at each vertex.
+// At poles, where no direction is right for every texture, and of faceted normals on a recognised surface,
+// nothing is claimed.
 #pragma once
 
 #include <span>
@@ -39,7 +40,7 @@ class Accurate {
   std::span<const Truth> truths() const { return truth_; }
   const Angles& angles(std::uint32_t v) const { return angles_[v]; }
   bool inward(std::uint32_t v) const { return inward_[v]; }
-  // Whether most corners are inward, so that this is the mesh's outside.
+  // Whether most corners face the surface's inside, which is then the mesh's outside.
   bool faces_inward() const { return faces_inward_; }
   Claim normal(std::uint32_t v) const { return normals_[v]; }
   Claim tangent(std::uint32_t v) const { return tangents_[v]; }

@@ -177,7 +177,7 @@ class Closely {
     std::optional<Arc> cone;  // of their directions, from x to y; nothing: they have none
     double widest = 0;        // half of the widest of them
     double normals_turn = 0;  // from the normal to others of its triangles, the most
-    bool closed = false;      // the triangles go all round the vertex
+    bool closed = false;      // the triangles go all round the vertex, and their charts go on
     bool uncertain = false;   // a triangle tells no direction, and may have drawn the tangent anywhere
 
     // Whether neither directions nor normals turn, as on a flat face with its uvs laid flat.
@@ -189,6 +189,7 @@ class Closely {
   struct Spoke {
     std::uint32_t place;  // of its other end
     Vec2<double> along;   // in uv
+    double size;          // of the uvs
   };
   using Key = std::tuple<std::uint32_t, int, bool, double, double, double>;
 
@@ -233,9 +234,10 @@ class Closely {
       if (c->group != own && !are_alike(mesh_.normals[triangle[c->k]], n)) continue;
       add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
       if (raw_sign_[c->triangle] == sign) {
+        const double size = largest_coordinate(uvs_of(mesh_, triangle));
         for (const std::uint32_t k : {c->k + 1, c->k + 2})
           rim_.push_back(
-              {place(c->triangle, k), mesh_.uvs[corner(c->triangle, k)] - mesh_.uvs[triangle[c->k]]});
+              {place(c->triangle, k), mesh_.uvs[corner(c->triangle, k)] - mesh_.uvs[triangle[c->k]], size});
         for (const std::uint32_t w : triangle)
           if (const double turn = angle_between(mesh_.normals[w], n); turn > result.normals_turn)
             result.normals_turn = turn;
@@ -264,10 +266,14 @@ class Closely {
   // seam of a sphere, or be others, as where three faces of a cube meet.
   bool goes_all_round() {
     constexpr double rounding = 1e-4;
-    std::sort(rim_.begin(), rim_.end(), [](const Spoke& a, const Spoke& b) { return a.place < b.place; });
+    std::sort(rim_.begin(), rim_.end(), [](const Spoke& a, const Spoke& b) {
+      return std::tuple(a.place, a.along.x, a.along.y) < std::tuple(b.place, b.along.x, b.along.y);
+    });
     for (std::size_t i = 0; i < rim_.size(); i += 2)
       if (i + 1 == rim_.size() || rim_[i].place != rim_[i + 1].place ||
-          norm(rim_[i].along - rim_[i + 1].along) > rounding * norm(rim_[i].along) + 8 * mesh_.half_steps.uv)
+          norm(rim_[i].along - rim_[i + 1].along) >
+              rounding * norm(rim_[i].along) +
+                  8 * half_step(mesh_.half_steps.uv, std::fmax(rim_[i].size, rim_[i + 1].size)))
         return false;
     return true;
   }

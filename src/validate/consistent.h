@@ -13,11 +13,11 @@
 // along which MikkTSpace cuts. Each dpdu carries the interval that half a rounding step of positions, uvs
 // and normal allows. Where directions span 180 degrees or more, or a triangle that tells no direction may
 // have drawn the tangent outside, nothing is claimed. Nor is it where the triangles lie on one side of a
-// curved vertex only, as at creases, tips and folds of the uvs, and the tangent is outside by no more than
-// three times the limit and the turn of the normals over them: the true direction may lie half a triangle
-// beyond them. But where one turn about the normals, by 30 degrees or more, would bring nine tenths of a
-// mesh's or a part's tangents from outside their cones to within the limit of them, that explains what is
-// left open, and no shape does: those are beyond, too.
+// curved vertex only, as at creases, tips, folds of the uvs and where charts meet that do not go on, and the
+// tangent is outside by no more than three times the limit and the turn of the normals over them: the true
+// direction may lie half a triangle beyond them. But where one turn about the normals, by 30 degrees or more,
+// would bring nine tenths of a mesh's or a part's tangents from outside their cones to within the limit of
+// them, that explains what is left open, and no shape does: those are beyond, too.
 #pragma once
 
 #include <cstdint>

@@ -19,22 +19,16 @@
 namespace darboux {
 namespace {
 
-constexpr double unit_tolerance = 0.0005;        // of |t|², as the Khronos glTF validator
 constexpr double orthogonal_tolerance = 0.02;    // of t·n
 constexpr double along_normal_tolerance = 0.26;  // 75 degrees
 constexpr double faceted_deg = 0.1;
 constexpr double most_against = 0.99;
 
-// Of |a|² where each component is known up to half a step.
-bool is_unit(const Vec3<double>& a, double half_step) {
-  const double rounding = 2 * std::numbers::sqrt3 * half_step + 3 * half_step * half_step;
-  return std::fabs(1 - dot(a, a)) <= std::fmax(unit_tolerance, rounding);
-}
-
 // The plane of a triangle with area, and by how much rounding of its positions may turn it.
 struct Plane {
   Vec3<double> normal;  // unit
   double uncertain;     // the sine of that angle; 1: it is not known
+  bool vanishes;  // its area is no thousandth of what rounding makes: corners that were meant to coincide
 };
 
 class Planes {
@@ -56,7 +50,7 @@ class Planes {
     for (const Vec3<double>& q : p) size = std::max({size, std::fabs(q.x), std::fabs(q.y), std::fabs(q.z)});
     const double step = half_step(scale_ * mesh_.half_steps.position, size);
     const double error = 2 * std::numbers::sqrt3 * step * (norm(e1) + norm(e2) + 2 * step);
-    return {across / twice_area, std::min(error / twice_area, 1.0)};
+    return {across / twice_area, std::min(error / twice_area, 1.0), twice_area < 1e-3 * error};
   }
 
  private:
@@ -287,7 +281,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   const Planes planes(mesh);
   const double least = std::cos(supported_deg / degrees_per_radian),
                rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
-  std::vector<bool> asked(n, false), supported(n, false);
+  std::vector<bool> asked(n, false), supported(n, false), agrees(n, false);
   result.drawn.assign(n, false);
   result.faceted.assign(mesh.triangles.size(), false);
   result.opposes.assign(mesh.triangles.size(), false);
@@ -302,7 +296,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
     const double own = std::min(faceted_deg / degrees_per_radian + plane.uncertain + rounding, 1.0);
     bool candidate = plane.uncertain < 1;
     for (const std::uint32_t v : mesh.triangles[t]) {
-      if (plane.uncertain < 1) result.drawn[v] = true;
+      if (!plane.vanishes) result.drawn[v] = true;
       const Vec3<double>& m = mesh.normals[v];
       const double along = dot(m, plane.normal), square = dot(m, m);
       if (!(square > 0) || !std::isfinite(square)) {
@@ -317,7 +311,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       if (plane.uncertain >= 1 ||
           (along >= 0 && (enough <= 0 || along * along >= enough * enough * square)) ||
           (along < 0 && enough < 0 && along * along <= enough * enough * square))
-        supported[v] = true;
+        supported[v] = true, agrees[v] = agrees[v] || plane.uncertain < 1;
       candidate = candidate && along > 0 && along * along >= (1 - own * own) * square;
     }
     against += static_cast<std::size_t>(opposing);
@@ -333,6 +327,10 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   }
   result.all_oppose =
       corners > 0 && static_cast<double>(against) >= most_against * static_cast<double>(corners);
+  result.agrees.assign(n, false);
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (agrees[v]) agrees[joins.position_and_normal[v]] = true;
+  for (std::uint32_t v = 0; v < n; ++v) result.agrees[v] = agrees[joins.position_and_normal[v]];
   result.unsupported.assign(n, false);
   result.sheet_border.assign(n, false);
   if (!result.all_oppose) {

@@ -35,7 +35,8 @@ struct NormalChecks {
                                   // shares it, no common average of these, and not on a hull turned inside
                                   // out around the same mesh
   std::vector<bool> sheet_border;  // at the borders of triangles that lie back to back, as of leaves on cards
-  std::vector<bool> drawn;         // vertices of a triangle whose area is no rounding; others are not seen
+  std::vector<bool> agrees;  // within 80 degrees of a triangle, as surely as positions tell, that shares it
+  std::vector<bool> drawn;   // vertices of a triangle whose area does not vanish; others are not seen
   std::vector<bool>
       faceted;  // triangles whose three normals are their own, beside one that turns and has others
   std::vector<bool> faceted_vertices;  // of which all triangles with area are faceted

@@ -11,10 +11,10 @@
 #include <darboux/validate.h>
 
 #include "accurate.h"
+#include "authored.h"
 #include "averages.h"
 #include "base/flatten.h"
 #include "base/text.h"
-#include "blends.h"
 #include "diagnose.h"
 #include "findings.h"
 #include "mesh_under_test.h"
@@ -79,7 +79,8 @@ class MeshValidation {
     for (const Triangle& triangle : mesh_.triangles)
       for (const std::uint32_t v : triangle) ++corners_of_[v];
     accurate_ = Accurate(under_test, checks_, corners_of_, truth, basis, signs_.raw(), options.max_angle_deg);
-    if (accurate_.known() && !accurate_.declared()) blended_ = blended_vertices(under_test_, accurate_);
+    if (accurate_.known() && !accurate_.declared())
+      authored_ = darboux::may_be_authored(under_test_, accurate_);
     averages_ = Averages(under_test, accurate_, checks_, corners_of_);
     if (!under_test.local.empty())
       smooth_ = check_smooth(under_test, accurate_, checks_, signs_.raw(), options.max_angle_deg);
@@ -115,7 +116,7 @@ class MeshValidation {
   }
   bool is_pole(std::uint32_t v) const { return classes_.of_vertex[v] == VertexClass::pole; }
   // Where a recognised surface ends, people blend its normals into what comes next, and tangents follow.
-  bool may_be_authored(std::uint32_t v) const { return !blended_.empty() && blended_[v]; }
+  bool may_be_authored(std::uint32_t v) const { return !authored_.empty() && authored_[v]; }
   std::string worst_text(double worst, const std::string& more = {}) const {
     return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) +
            rounded(options_.max_angle_deg, 4) + " in the interior, " +
@@ -190,7 +191,7 @@ class MeshValidation {
   std::vector<std::uint32_t> corners_of_;  // how many each vertex has
   Signs signs_;
   Accurate accurate_;
-  std::vector<bool> blended_;
+  std::vector<bool> authored_;  // of a recognised surface
   Averages averages_;
   Smooth smooth_;
   bool tangents_diagnosed_ = false, normals_diagnosed_ = false;
@@ -242,7 +243,7 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
   if (accurate_.known()) {
     const Claim claim = accurate_.tangent(v);
     if (claim == Claim::within) return Decider::nobody;
-    // Of a vertex of triangles without area alone nothing is seen.
+    // Of a vertex of triangles that vanish alone nothing is seen.
     if (!accurate_.declared() && !mesh_.normals.empty() && !under_test_.normals.drawn[v])
       return Decider::nobody;
     // At a seam every tool sees triangles on one side only: with few columns its tangents are far from the
@@ -420,8 +421,7 @@ void MeshValidation::add_warnings(const Counts& counts) {
       unsure = "; by the recognised surface, with which too few corners agree to call that an error",
       edge =
           "; at borders, seams and creases of the recognised surface, or blended from there, where they may "
-          "be "
-          "authored: the corners' own triangles do not speak against them",
+          "be authored: the corners' own triangles do not speak against them",
       coarse = "; averages of their own triangles', which are too coarse for the recognised surface",
       nearby = "; told by neighbouring vertices alone, so only what is beyond three times the limit counts";
   for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, counts.surface_tangents, unsure},

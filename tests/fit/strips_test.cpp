@@ -17,6 +17,7 @@ namespace {
 struct Strip {
   std::string_view cell;
   std::uint64_t run;
+  bool is_found = false;  // else it may be undetermined
 };
 
 class Strips : public testing::TestWithParam<Strip> {};
@@ -28,11 +29,13 @@ TEST_P(Strips, AreOfNoOtherKind) {
       std::find_if(cells.begin(), cells.end(), [&](const matrix::Cell& c) { return c.key() == strip.cell; });
   ASSERT_NE(cell, cells.end());
   const PointFit fit = fit_points(matrix::points_of(*cell, strip.run).cloud, {.seed = strip.run + 1});
+  EXPECT_TRUE(fit.usable || !strip.is_found) << fit.reason;
   if (!fit.usable) return;
   EXPECT_EQ(fit.surface->surface.info().name, matrix::kinds[cell->kind]) << fit.reason;
 }
 
-// Each was called another kind: ellipsoids, spheres, cones.
+// Those that need not be found were called another kind: ellipsoids, spheres, cones; so were those of the
+// torus.
 INSTANTIATE_TEST_SUITE_P(Runs, Strips,
                          testing::Values(Strip{"sphere/thin strip/1000/50% scattered/1e-2", 1003},
                                          Strip{"sphere/thin strip/1000/30% scattered/1e-2", 1006},

@@ -93,7 +93,6 @@ TEST(ReadObj, EveryCornerIsTheTexts) {
   }
 }
 
-// As C's printf does not write them, but other programs do.
 // The format promises no length, and tools write sums. Decimals stay as they are.
 TEST(ReadObj, NormalsOfAnyLengthAreMadeUnit) {
   TempFolder folder;
@@ -120,8 +119,13 @@ TEST(ReadObj, NormalsOfAnyLengthAreMadeUnit) {
       normals_of("short.obj", points + "vn 0.577 0.577 0.577\nvn 0 0.707 0.707\nvn 0 0 1\n" + faces);
   EXPECT_EQ(static_cast<float>(rounded[0].x), 0.577f);
   EXPECT_EQ(static_cast<float>(rounded[1].y), 0.707f);
+  // Decimals that are no roundings of unit vectors; and a length that rounding to floats does not explain.
+  const auto sums = normals_of("sums.obj", points + "vn 0 0 0.25\nvn 0.03 0 0.04\nvn 0 0 1.00035\n" + faces);
+  EXPECT_NEAR(sums[1].x, 0.6, 1e-7);
+  for (const Vec3<double>& n : sums) EXPECT_NEAR(norm(n), 1, 1e-7);
 }
 
+// As C's printf does not write them, but other programs do.
 TEST(ReadObj, NumbersMayBeginWithAPoint) {
   const TempFolder folder;
   const std::string path = folder / "m.obj";

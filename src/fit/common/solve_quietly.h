@@ -1,4 +1,4 @@
-// Ceres, without a word of it on standard error.
+// Ceres, without its line on standard error about invalid steps.
 #pragma once
 
 #include <ceres/problem.h>
