@@ -13,10 +13,10 @@ namespace darboux {
 
 /// In the order in which a vertex is assigned: it belongs to the first that fits.
 enum class VertexClass : std::uint8_t {
-  pole,    ///< at a singular point of the chart
-  seam,    ///< at its position, with the same normal, lies another uv, uv area of the other sign or another
-           ///< island
-  crease,  ///< another vertex at its position has another normal
+  pole,  ///< at a singular point of the chart
+  seam,  ///< at its position, with the same normal, lies another uv, or uv area of the other sign; or, where
+         ///< no other class fits, islands meet
+  crease,     ///< another vertex at its position has another normal
   pole_ring,  ///< shares a triangle with a pole
   border,     ///< on an edge with one triangle
   interior,

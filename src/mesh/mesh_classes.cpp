@@ -245,10 +245,10 @@ MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::sp
   for (std::uint32_t v = 0; v < n; ++v) {
     VertexClass& of_vertex = classes.of_vertex[v];
     of_vertex = pole(v)                                 ? VertexClass::pole
-                : several[joins.position_and_normal[v]] ? VertexClass::seam
                 : of_vertex != VertexClass::interior    ? of_vertex
                 : ring[place[v]]                        ? VertexClass::pole_ring
                 : border[place[v]]                      ? VertexClass::border
+                : several[joins.position_and_normal[v]] ? VertexClass::seam
                                                         : VertexClass::interior;
   }
   return classes;

@@ -45,9 +45,14 @@ INSTANTIATE_TEST_SUITE_P(Runs, Strips,
                                          Strip{"cylinder/thin strip/1000/50% scattered/1e-2", 1007},
                                          Strip{"cylinder/thin strip/1000/30% scattered/1e-2", 1008},
                                          Strip{"plane/thin strip/1000/50% scattered/1e-2", 1008},
-                                         Strip{"torus/thin strip/1000/0%/3e-2", 1006},
-                                         Strip{"torus/thin strip/1000/30% scattered/1e-2", 1005},
-                                         Strip{"torus/thin strip/1000/50% scattered/1e-2", 1005}),
+                                         Strip{"torus/thin strip/1000/0%/3e-2", 1006, true},
+                                         Strip{"torus/thin strip/1000/30% scattered/1e-2", 1005, true},
+                                         Strip{"torus/thin strip/1000/50% scattered/1e-2", 1005, true},
+                                         Strip{"sphere/thin strip/1000/30% scattered/1e-4", 1003, true},
+                                         Strip{"cylinder/thin strip/1000/30% scattered/1e-4", 1003, true},
+                                         Strip{"cone/thin strip/1000/30% scattered/1e-4", 1003, true},
+                                         Strip{"ellipsoid/quarter/1000/30% scattered/1e-2", 1003, true},
+                                         Strip{"torus/quarter/1000/50% scattered/1e-2", 1003, true}),
                          [](const testing::TestParamInfo<Strip>& info) {
                            std::string name =
                                std::string(info.param.cell) + " " + std::to_string(info.param.run);

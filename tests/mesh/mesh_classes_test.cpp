@@ -416,6 +416,15 @@ MeshClasses reference_classes(const Mesh& mesh, const std::vector<bool>& pole) {
     classes.island_of_triangle.push_back(sign[t] == 0     ? -1
                                          : island[t] == t ? classes.islands++
                                                           : classes.island_of_triangle[island[t]]);
+  // Inside, where islands of one sign meet.
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (classes.of_vertex[i] != VertexClass::interior) continue;
+    std::map<int, std::set<int>> of_sign;
+    for (std::uint32_t t = 0; t < triangles; ++t)
+      for (const std::uint32_t v : mesh.triangles[t])
+        if (sign[t] != 0 && normal[v] == normal[i]) of_sign[sign[t]].insert(classes.island_of_triangle[t]);
+    if (of_sign[1].size() > 1 || of_sign[-1].size() > 1) classes.of_vertex[i] = VertexClass::seam;
+  }
   return classes;
 }
 

@@ -30,8 +30,9 @@ TEST(FindingsPage, HasASectionForEachCode) {
       code = line.substr(3), sections[code];
     else if (!code.empty())
       sections[code] += line + '\n';
-  for (const char* of_files : {"FILE_UNREADABLE", "FILE_NOTHING_TO_JUDGE"})
-    EXPECT_EQ(sections.erase(of_files), 1u) << of_files;
+  for (const char* of_others : {"FILE_UNREADABLE", "FILE_NOTHING_TO_JUDGE", "TANGENT_NEEDED", "TANGENT_IDLE",
+                                "TANGENT_DROPPED"})  // of files, and of `plan`
+    EXPECT_EQ(sections.erase(of_others), 1u) << of_others;
   for (const FindingKind& kind : finding_kinds()) {
     ASSERT_TRUE(sections.contains(std::string(kind.code))) << kind.code;
     std::string severity(severity_names[static_cast<std::size_t>(kind.severity)]);
