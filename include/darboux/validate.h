@@ -168,10 +168,10 @@ struct ValidateOptions {
 /// as stored, w corrected for the one sign convention found, against the derivative by the stored v.
 /// Let s be the standard deviation of the truth. An angle is beyond its limit when it exceeds it by more than
 /// 3 s, within when it stays below it by more than 3 s, and undecided otherwise. So at most 0.14 % of fits
-/// call a correct angle wrong. Verdict: fail with any error finding; else nothing where there are no triangles,
-/// or neither tangents to judge nor normals; else pass where there are no tangents to judge, or the surface
-/// or the triangles judged some of them; else undetermined. Errors, one to a corner, the first that fits:
-/// TANGENT_NOT_FINITE, TANGENT_ZERO, TANGENT_NOT_UNIT (|1 - |t|²| > 0.0005), TANGENT_INVALID_SIGN,
+/// call a correct angle wrong. Verdict: fail with any error finding; else nothing where there are no
+/// triangles, or neither tangents to judge nor normals; else pass where there are no tangents to judge, or
+/// the surface or the triangles judged some of them; else undetermined. Errors, one to a corner, the first
+/// that fits: TANGENT_NOT_FINITE, TANGENT_ZERO, TANGENT_NOT_UNIT (|1 - |t|²| > 0.0005), TANGENT_INVALID_SIGN,
 /// TANGENT_NOT_ORTHOGONAL (|t·n| > 0.26; a warning from 0.02), TANGENT_HANDEDNESS (against its uv island),
 /// TANGENT_ANGLE, NORMAL_NOT_FINITE, NORMAL_NOT_UNIT, NORMAL_ANGLE, POSITION_NOT_FINITE, UV_NOT_FINITE.
 /// Others: finding_kinds(). Where more than a fifth of the tangents are off, common causes are tested and

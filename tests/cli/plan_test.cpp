@@ -139,7 +139,7 @@ TEST_F(Cli, PlanTellsFilesApart) {
             std::string::npos)
       << splits;
   const std::string against = good("darboux plan made.glb --against before.glb", 1);
-  EXPECT_NE(against.find("\n  dropped: mesh 0 primitive 0 (made by hand): the file before had the TANGENT"),
+  EXPECT_NE(against.find("\n  dropped: mesh 0 primitive 0 (made by hand): the earlier file had the TANGENT"),
             std::string::npos)
       << against;
 }

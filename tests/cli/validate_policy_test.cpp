@@ -230,8 +230,9 @@ TEST_F(Leaning, ErrorsAndWarningsOfOneCodeAreCountedApart) {
   for (const Json& finding : document["files"][0]["meshes"][0]["findings"])
     if (finding["code"] == "TANGENT_NOT_ORTHOGONAL") {
       EXPECT_TRUE(finding["message"].get<std::string>().starts_with(
-          finding["severity"] == "error" ? "tangents lean on the normal (|t.n| > 0.26)"
-                                         : "tangents lean on the normal (|t.n| > 0.02; above 0.26 an error"))
+          finding["severity"] == "error"
+              ? "tangents are not perpendicular to the normal (|t.n| > 0.26)"
+              : "tangents are not perpendicular to the normal (|t.n| > 0.02; above 0.26 an error"))
           << finding;
     }
   // In the summary of a file among many, whichever came first.
