@@ -36,8 +36,8 @@ struct MeshClasses {
 
 /// Cost: linear in vertices and triangles, but for n log n in the triangles at one place. 10^6 triangles take
 /// 0.1 s and 24 bytes each where they share vertices, 0.25 s and 57 bytes where each has its own at shared
-/// places. Places with several uvs add 0.2 µs and 40 bytes per vertex. \param is_pole for each vertex whether
-/// it lies at a singular point of the chart; empty: none does
+/// places. Places with several uvs add 0.2 µs and 40 bytes per vertex.
+/// \param is_pole for each vertex whether it lies at a singular point of the chart; empty: none does
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole);
 
 }  // namespace darboux

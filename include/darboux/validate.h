@@ -171,14 +171,14 @@ struct ValidateOptions {
 /// call a correct angle wrong. Verdict: fail with any error finding; else nothing where there are no
 /// triangles, or neither tangents to judge nor normals; else pass where there are no tangents to judge, or
 /// the surface or the triangles judged some of them; else undetermined. Errors, one to a corner, the first
-/// that fits: TANGENT_NOT_FINITE, TANGENT_ZERO, TANGENT_NOT_UNIT (|1 - |t|²| > 0.0005), TANGENT_INVALID_SIGN,
-/// TANGENT_NOT_ORTHOGONAL (|t·n| > 0.26; a warning from 0.02), TANGENT_HANDEDNESS (against its uv island),
-/// TANGENT_ANGLE, NORMAL_NOT_FINITE, NORMAL_NOT_UNIT, NORMAL_ANGLE, POSITION_NOT_FINITE, UV_NOT_FINITE.
-/// Others: finding_kinds(). Where more than a fifth of the tangents are off, common causes are tested and
-/// reported as well (swapped axes, another uv set, a transform that skipped the tangents); this changes no
-/// error. Cost: linear in the corners; local_truth()'s 1 µs per vertex, MikkTSpace 0.3 µs per triangle.
-/// \param truth at each vertex; empty: the other references decide
-/// \throws MeshError when the mesh is inconsistent, or for another number of truths, or of uvs of a set, than
+/// that fits: TANGENT_NOT_FINITE, TANGENT_ZERO, TANGENT_NOT_UNIT (|1 - |t|²| > 0.0005),
+/// TANGENT_INVALID_SIGN, TANGENT_NOT_ORTHOGONAL (|t·n| > 0.26; a warning from 0.02), TANGENT_HANDEDNESS
+/// (against its uv island), TANGENT_ANGLE, NORMAL_NOT_FINITE, NORMAL_NOT_UNIT, NORMAL_ANGLE,
+/// POSITION_NOT_FINITE, UV_NOT_FINITE. Others: finding_kinds(). Where more than a fifth of the tangents are
+/// off, common causes are tested and reported as well (swapped axes, another uv set, a transform that skipped
+/// the tangents); this changes no error. Cost: linear in the corners; local_truth()'s 1 µs per vertex,
+/// MikkTSpace 0.3 µs per triangle. \param truth at each vertex; empty: the other references decide \throws
+/// MeshError when the mesh is inconsistent, or for another number of truths, or of uvs of a set, than
 /// vertices; ParameterError as chosen_instruction_set()
 MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options = {});
 

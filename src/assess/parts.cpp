@@ -110,7 +110,7 @@ MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part, doub
     under_test.has_uv_area.push_back(whole.has_uv_area[v]);
     if (normals) {
       under_test.normals.unsupported.push_back(whole.normals.unsupported[v]);
-      under_test.normals.agrees.push_back(whole.normals.agrees[v]);
+      under_test.normals.side.push_back(whole.normals.side[v]);
       under_test.normals.sheet_border.push_back(whole.normals.sheet_border[v]);
       under_test.normals.drawn.push_back(whole.normals.drawn[v]);
       under_test.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);

@@ -9,8 +9,8 @@
 #include "base/text.h"
 #include "files.h"
 #include "gltf_file.h"
+#include "mesh/stored_rounding.h"
 #include "mesh_files.h"
-#include "validate/rounding.h"
 
 namespace darboux {
 

@@ -20,11 +20,8 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
   const std::size_t n = mesh.positions.size();
   if (truth.empty()) return;
   inward_ = basis == Basis::recognised_unsided ? opposed_vertices(mesh, truth) : inward_vertices(mesh, truth);
-  // Of a sheet that has both sides: triangles of the other, of another part maybe, agree with the normal.
-  const NormalChecks& checked = under_test.normals;
-  if (has_sides() && !checked.all_oppose && !checked.agrees.empty())
-    for (std::uint32_t v = 0; v < n; ++v)
-      if (checked.agrees[v] && dot(mesh.normals[v], truth[v].normal) < 0) inward_[v] = true;
+  if (has_sides() && !under_test.normals.all_oppose && !under_test.normals.side.empty())
+    find_sides(mesh, under_test.normals.side, corners_of);
   angles_.resize(n);
   normals_.assign(n, Claim::none), tangents_.assign(n, Claim::none);
   struct {
@@ -53,11 +50,23 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
     all_normals.add(normals_[v], corners_of[v]);
     all_tangents.add(tangents_[v], corners_of[v]);
   }
-  std::size_t corners = 0, inward = 0;
-  for (std::uint32_t v = 0; v < n; ++v) corners += corners_of[v], inward += inward_[v] ? corners_of[v] : 0;
-  faces_inward_ = 2 * inward > corners;
   normals_agree_ = all_normals.agree();
   tangents_agree_ = all_tangents.agree();
+}
+
+// By the triangles that share a normal: those of a sheet that has both sides may lie in another part.
+void Accurate::find_sides(const Mesh& mesh, std::span<const signed char> side,
+                          std::span<const std::uint32_t> corners_of) {
+  std::size_t corners = 0, inward = 0;
+  const auto is_opposed = [&](std::size_t v) { return dot(mesh.normals[v], truth_[v].normal) < 0; };
+  for (std::size_t v = 0; v < inward_.size(); ++v) {
+    if (side[v] > 0 && is_opposed(v)) inward_[v] = true;
+    corners += corners_of[v], inward += inward_[v] ? corners_of[v] : 0;
+  }
+  // Where the surface's inside is the mesh's outside, so it is for a normal that only its triangles oppose.
+  if (2 * inward <= corners) return;
+  for (std::size_t v = 0; v < inward_.size(); ++v)
+    if (side[v] < 0 && !is_opposed(v)) inward_[v] = true;
 }
 
 }  // namespace darboux

@@ -39,9 +39,8 @@ class Accurate {
   const Truth& truth(std::uint32_t v) const { return truth_[v]; }
   std::span<const Truth> truths() const { return truth_; }
   const Angles& angles(std::uint32_t v) const { return angles_[v]; }
+  // Whether a normal is compared with the surface's inward one.
   bool inward(std::uint32_t v) const { return inward_[v]; }
-  // Whether most corners face the surface's inside, which is then the mesh's outside.
-  bool faces_inward() const { return faces_inward_; }
   Claim normal(std::uint32_t v) const { return normals_[v]; }
   Claim tangent(std::uint32_t v) const { return tangents_[v]; }
 
@@ -53,13 +52,15 @@ class Accurate {
   static constexpr double enough = 0.8;
 
  private:
+  void find_sides(const Mesh& mesh, std::span<const signed char> side,
+                  std::span<const std::uint32_t> corners_of);
+
   std::span<const Truth> truth_;
   Basis basis_ = Basis::declared;
   std::vector<bool> inward_;
   std::vector<Angles> angles_;
   std::vector<Claim> normals_, tangents_;
   double normals_agree_ = 1, tangents_agree_ = 1;
-  bool faces_inward_ = false;
 };
 
 // Three times as far at seams, pole rings, creases and borders as in the interior.

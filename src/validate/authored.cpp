@@ -36,11 +36,11 @@ std::vector<bool> may_be_authored(const MeshUnderTest& under_test, const Accurat
   std::vector<bool> reached(result.size(), false);
   for (std::uint32_t v = 0; v < result.size(); ++v)
     if (ends_at(classes[v])) reached[group[v]] = true;
-  constexpr double least_fall = 1.1;
+  constexpr double most_left = 0.9;
   std::vector<Step> steps;
   const auto look = [&](std::uint32_t v, std::uint32_t w) {
     const double off = accurate.angles(v).normal;
-    if ((reached[group[v]] || is_beyond(v)) && is_beyond(w) && off >= least_fall * accurate.angles(w).normal)
+    if ((reached[group[v]] || is_beyond(v)) && is_beyond(w) && accurate.angles(w).normal <= most_left * off)
       steps.push_back({off, group[v], group[w]});
   };
   for (const Triangle& t : mesh.triangles)

@@ -28,7 +28,7 @@ constexpr double most_against = 0.99;
 struct Plane {
   Vec3<double> normal;  // unit
   double uncertain;     // the sine of that angle; 1: it is not known
-  bool vanishes;  // its area is no thousandth of what rounding makes: corners that were meant to coincide
+  bool vanishes;  // its area is no thousandth of what rounding makes: corners meant to coincide, or on a line
 };
 
 class Planes {
@@ -282,6 +282,8 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   const double least = std::cos(supported_deg / degrees_per_radian),
                rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
   std::vector<bool> asked(n, false), supported(n, false), agrees(n, false);
+  std::vector<std::int32_t> agreeing(n,
+                                     0);  // triangles of the position and normal on its side, less the others
   result.drawn.assign(n, false);
   result.faceted.assign(mesh.triangles.size(), false);
   result.opposes.assign(mesh.triangles.size(), false);
@@ -306,6 +308,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       opposing += along < 0;
       ++corners;
       asked[v] = true;
+      if (plane.uncertain < 1) agreeing[joins.position_and_normal[v]] += along < 0 ? -1 : 1;
       // cos(80° + the uncertainty) |m|, to first order.
       const double enough = least - plane.uncertain;
       if (plane.uncertain >= 1 ||
@@ -327,10 +330,16 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   }
   result.all_oppose =
       corners > 0 && static_cast<double>(against) >= most_against * static_cast<double>(corners);
-  result.agrees.assign(n, false);
   for (std::uint32_t v = 0; v < n; ++v)
     if (agrees[v]) agrees[joins.position_and_normal[v]] = true;
-  for (std::uint32_t v = 0; v < n; ++v) result.agrees[v] = agrees[joins.position_and_normal[v]];
+  result.side.assign(n, 0);
+  for (std::uint32_t v = 0; v < n; ++v) {
+    const std::uint32_t group = joins.position_and_normal[v];
+    if (agreeing[group] < 0)
+      result.side[v] = -1;
+    else if (agrees[group])
+      result.side[v] = 1;
+  }
   result.unsupported.assign(n, false);
   result.sheet_border.assign(n, false);
   if (!result.all_oppose) {

@@ -35,8 +35,10 @@ struct NormalChecks {
                                   // shares it, no common average of these, and not on a hull turned inside
                                   // out around the same mesh
   std::vector<bool> sheet_border;  // at the borders of triangles that lie back to back, as of leaves on cards
-  std::vector<bool> agrees;  // within 80 degrees of a triangle, as surely as positions tell, that shares it
-  std::vector<bool> drawn;   // vertices of a triangle whose area does not vanish; others are not seen
+  // As surely as positions tell, on the whole: -1: the triangles that share it lie on the other side; 1: they
+  // do not, and one is within 80 degrees; 0: neither.
+  std::vector<signed char> side;
+  std::vector<bool> drawn;  // vertices of a triangle whose area does not vanish; others are not seen
   std::vector<bool>
       faceted;  // triangles whose three normals are their own, beside one that turns and has others
   std::vector<bool> faceted_vertices;  // of which all triangles with area are faceted

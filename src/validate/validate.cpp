@@ -259,10 +259,8 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
 
 bool MeshValidation::normal_error(std::uint32_t v) const {
   const bool unsupported = is_unsupported(v) && !may_be_lit_otherwise(v);
-  // Of a plane either side may be out, so that it has nothing to say for a normal against its own triangles;
-  // nor has another surface whose inside is the mesh's outside.
-  const bool within = accurate_.known() && accurate_.has_sides() && accurate_.normal(v) == Claim::within &&
-                      !(accurate_.faces_inward() && !accurate_.inward(v));
+  // Of a plane either side may be out, so that it has nothing to say for a normal against its own triangles.
+  const bool within = accurate_.known() && accurate_.has_sides() && accurate_.normal(v) == Claim::within;
   if (unsupported && !within) return true;
   return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
          accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) &&

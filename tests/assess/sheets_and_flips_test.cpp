@@ -88,6 +88,52 @@ TEST(Flips, NormalsTurnedRoundAreErrors) {
       }
 }
 
+// A triangle that is wound the wrong way agrees with a normal that is turned round; the others do not.
+TEST(Flips, BesideATriangleThatIsWoundTheWrongWay) {
+  for (const std::string surface : surfaces)
+    for (const bool inside_out : {false, true})
+      for (const bool declared : {false, true}) {
+        SCOPED_TRACE(surface + (inside_out ? ", inside out" : "") + (declared ? ", declared" : ""));
+        Mesh mesh = half_of(surface, inside_out);
+        AssessOptions options;
+        if (declared) options.surface = parse_specification(surface);
+        // The first with four triangles or more.
+        std::vector<std::size_t> triangles(mesh.positions.size(), 0);
+        for (const Triangle& t : mesh.triangles)
+          for (const std::uint32_t v : t) ++triangles[v];
+        const auto turned = static_cast<std::uint32_t>(
+            std::ranges::find_if(triangles, [](std::size_t n) { return n >= 4; }) - triangles.begin());
+        Triangle& wrong = *std::ranges::find_if(
+            mesh.triangles, [&](const Triangle& t) { return std::ranges::find(t, turned) != t.end(); });
+        std::swap(wrong[1], wrong[2]);
+        mesh.normals[turned] = -mesh.normals[turned];
+        const MeshReport found = assess(mesh, options).report;
+        EXPECT_GE(errors(found, "NORMAL_ANGLE") + errors(found, "TANGENT_HANDEDNESS"), triangles[turned]);
+      }
+}
+
+// Corners that were meant to coincide, as JavaScript's sin(pi) leaves them: nobody sees what lies between.
+TEST(Vanishing, TrianglesNeedNoNormals) {
+  Mesh mesh = sample_mesh(make_surface("sphere"), {.columns = 12, .rows = 8});
+  mesh.tangents.clear();
+  const auto with_triangle = [&](double apart) {
+    Mesh more = mesh;
+    const auto first = static_cast<std::uint32_t>(more.positions.size());
+    for (const Vec3<double>& p : {Vec3<double>{0, 0, 1}, {apart, 0, 1}, {0, 0.1, 0.995}}) {
+      more.positions.push_back(p);
+      more.normals.push_back({});
+      more.uvs.push_back({0.5, 0.5});
+    }
+    more.triangles.push_back({first, first + 1, first + 2});
+    std::size_t count = 0;
+    for (const Assessment& part : assess_parts(more)) count += errors(part.report, "NORMAL_NOT_UNIT");
+    return count;
+  };
+  EXPECT_EQ(with_triangle(1e-17), 0u);
+  EXPECT_EQ(with_triangle(1e-12), 0u);
+  EXPECT_EQ(with_triangle(1e-6), 3u);
+}
+
 // A column whose normals are blended into the base on which it stands: told, and no error. As far off all the
 // way, they are one.
 TEST(Blends, NormalsThatTurnTowardsABorder) {

@@ -1,0 +1,26 @@
+// How far a stored number may be from the true one, by rounding.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include <darboux/vector.h>
+
+namespace darboux {
+
+inline constexpr double single_roundoff = 0x1p-24;
+
+// Half of the step in which a component of a size is stored: the file's, or single precision's where that is
+// larger.
+inline double half_step(double of_file, double size) {
+  return std::fmax(of_file, single_roundoff * size);
+}
+
+// Whether |a|² is 1, where each component is known up to half a step.
+inline bool is_unit(const Vec3<double>& a, double half_step) {
+  constexpr double tolerance = 0.0005;  // as the Khronos glTF validator
+  const double rounding = 2 * std::numbers::sqrt3 * half_step + 3 * half_step * half_step;
+  return std::fabs(1 - dot(a, a)) <= std::fmax(tolerance, rounding);
+}
+
+}  // namespace darboux
