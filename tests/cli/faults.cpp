@@ -1,7 +1,9 @@
 // Preloaded, it makes one call fail, as DARBOUX_FAULT says: its kind, a colon, and which of them, from 1.
-// Allocations are counted by the stacks they come from, each once: new is that of C++, malloc is called by
+// Allocations are counted once for each stack they come from: "new" is that of C++ and looks at all callers,
+// "own" is the same, but looks at the functions that the file DARBOUX_FAULT_OWN lists, "malloc" is called by
 // the tool itself. At the end the number there were is written to the file DARBOUX_FAULT_COUNT, by the
 // process that read it.
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -19,6 +21,7 @@
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+#include <unwind.h>
 
 extern "C" void* __libc_malloc(std::size_t);
 
@@ -35,14 +38,56 @@ thread_local bool inside = false;
 constexpr std::size_t most_stacks = std::size_t{1} << 17;
 std::atomic<std::uint64_t> stacks[most_stacks];
 
-// Whether this stack was not seen before.
-bool is_new_stack() {
-  constexpr int depth = 10;
-  void* frames[depth + 2];
-  const int n = ::backtrace(frames, depth + 2);
+// Addresses of functions in the tool, in order, as [begin, end).
+struct Function {
+  std::uint64_t begin, end;
+};
+constexpr std::size_t most_functions = std::size_t{1} << 17;
+Function own[most_functions];
+std::size_t number_of_own = 0;
+
+void read_own() {
+  const char* const file = std::getenv("DARBOUX_FAULT_OWN");
+  if (file == nullptr) return;
+  const long from = ::syscall(SYS_openat, AT_FDCWD, file, O_RDONLY);
+  const long bytes = ::syscall(SYS_read, from, own, sizeof own);
+  ::syscall(SYS_close, from);
+  number_of_own = bytes < 0 ? 0 : static_cast<std::size_t>(bytes) / sizeof(Function);
+}
+
+bool is_own(std::uintptr_t address) {
+  if (address < tool_begin || address >= tool_end) return false;
+  address -= tool_base;
+  const Function* const after = std::upper_bound(
+      own, own + number_of_own, address, [](std::uint64_t a, const Function& f) { return a < f.begin; });
+  return after != own && address < after[-1].end;
+}
+
+// The innermost callers, as a hash.
+struct Callers {
+  bool of_own_code;
+  int skipped = 2;  // of this file
+  int left = 10;
   std::uint64_t hash = 1469598103934665603u;
-  for (int i = 2; i < n; ++i) hash = (hash ^ reinterpret_cast<std::uintptr_t>(frames[i])) * 1099511628211u;
-  hash |= 1;
+
+  static _Unwind_Reason_Code add(_Unwind_Context* context, void* callers) {
+    Callers& c = *static_cast<Callers*>(callers);
+    const std::uintptr_t address = ::_Unwind_GetIP(context);
+    if (c.skipped > 0) {
+      --c.skipped;
+      return _URC_NO_REASON;
+    }
+    if (c.of_own_code && !is_own(address - 1)) return _URC_NO_REASON;
+    c.hash = (c.hash ^ address) * 1099511628211u;
+    return --c.left > 0 ? _URC_NO_REASON : _URC_END_OF_STACK;
+  }
+};
+
+// Whether this stack was not seen before.
+bool is_new_stack(bool of_own_code) {
+  Callers callers{of_own_code};
+  ::_Unwind_Backtrace(Callers::add, &callers);
+  const std::uint64_t hash = callers.hash | 1;
   for (std::size_t i = hash % most_stacks;; i = (i + 1) % most_stacks) {
     std::uint64_t there = stacks[i].load();
     if (there == hash) return false;
@@ -55,10 +100,13 @@ bool fails(const char* which) {
   return ready && std::strcmp(which, kind) == 0 && ++count == at;
 }
 
+// After the one that fails there is nothing to count.
 bool allocation_fails(const char* which) {
-  if (!ready || inside || std::strcmp(which, kind) != 0) return false;
+  if (!ready || inside || (at != 0 && count >= at)) return false;
+  const bool of_own_code = std::strcmp(kind, "own") == 0 && std::strcmp(which, "new") == 0;
+  if (!of_own_code && std::strcmp(which, kind) != 0) return false;
   inside = true;
-  const bool result = is_new_stack() && ++count == at;
+  const bool result = is_new_stack(of_own_code) && ++count == at;
   inside = false;
   return result;
 }
@@ -88,6 +136,7 @@ __attribute__((constructor)) void begin() {
         return 1;  // the first is the program
       },
       nullptr);
+  read_own();
   owner = ::getpid();
   wants = true;
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include <fcntl.h>
 #include <sched.h>
@@ -89,7 +90,23 @@ class Faults : public Cli {
         "results.jsonl");
     fs::remove(path("points.csv"));
     write_bytes(path("suppressions"), "leak:nlohmann::\nleak:Imf_\n");
+    list_own_functions();
     given_ = names();
+  }
+
+  // Those of namespace darboux, for the kind "own".
+  void list_own_functions() const {
+    std::istringstream lines(
+        sh("nm --defined-only --numeric-sort --print-size " DARBOUX_TOOL
+           " | sed -nE 's/^([0-9a-f]+) ([0-9a-f]+) [tTwWuU] (_Z+NK?7darboux.*|main)$/\\1 \\2/p'")
+            .out);
+    std::vector<std::uint64_t> functions;
+    for (std::uint64_t begin = 0, size = 0; lines >> std::hex >> begin >> size;) {
+      if (!functions.empty() && begin == functions[functions.size() - 2]) continue;  // another name
+      functions.insert(functions.end(), {begin, begin + size});
+    }
+    ASSERT_GT(functions.size(), 2000u) << DARBOUX_TOOL " has no symbols";
+    write_bytes(path("own"), {reinterpret_cast<const char*>(functions.data()), functions.size() * 8});
   }
 
   std::set<std::string> names() const {
@@ -130,6 +147,7 @@ class Faults : public Cli {
       ::setenv("LSAN_OPTIONS", ("exitcode=" + std::to_string(status_of_leaks) + leaks).c_str(), 1);
       ::setenv("DARBOUX_FAULT", fault.c_str(), 1);
       ::setenv("DARBOUX_FAULT_COUNT", path("count").c_str(), 1);
+      ::setenv("DARBOUX_FAULT_OWN", path("own").c_str(), 1);
       ::setenv("DARBOUX_FAULT_STACK", path("stack").c_str(), 1);
       std::vector<char*> arguments{const_cast<char*>("darboux")};
       for (const std::string& text : command.arguments) arguments.push_back(const_cast<char*>(text.c_str()));
@@ -258,6 +276,10 @@ std::size_t wanted() {
 
 TEST_F(Faults, Allocations) {
   each_fails("new", wanted());
+}
+// From each distinct stack of functions of this repository, whatever libraries are between.
+TEST_F(Faults, AllocationsOfOwnCode) {
+  each_fails("own", wanted());
 }
 TEST_F(Faults, AllocationsOfC) {
   each_fails("malloc", wanted());
