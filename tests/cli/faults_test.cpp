@@ -48,6 +48,18 @@ const std::vector<Command> commands{
     {{"normalmap", "--compare", "map.png", "map.tga", "--report", "o.png"}, {"o.png"}},
 };
 
+// Without reports, which hold the time of day.
+const std::vector<Command> studies{
+    {{"surfaces"}, {}},
+    {{"check", "plane", "--points", "5"}, {}},
+    {{"stability", "plane", "--sweeps", "scale", "--routes", "double"}, {}},
+    {{"converge", "--surfaces", "plane", "--methods", "face", "--meshes", "regular", "--resolutions",
+      "6,8,10"},
+     {}},
+    {{"work-precision", "plane", "--methods", "naive", "--rounds", "3", "--points", "16", "--checked", "4"},
+     {}},
+};
+
 // Why a process ended.
 struct End {
   bool by_signal = false;
@@ -144,7 +156,9 @@ class Faults : public Cli {
       std::string libraries = DARBOUX_FAULTS_LIBRARY;
       if (finds_leaks()) libraries += ":" DARBOUX_LEAK_SANITIZER;
       ::setenv("LD_PRELOAD", libraries.c_str(), 1);
-      ::setenv("LSAN_OPTIONS", ("exitcode=" + std::to_string(status_of_leaks) + leaks).c_str(), 1);
+      ::setenv("LSAN_OPTIONS",
+               ("handle_segv=0:handle_abort=0:exitcode=" + std::to_string(status_of_leaks) + leaks).c_str(),
+               1);
       ::setenv("DARBOUX_FAULT", fault.c_str(), 1);
       ::setenv("DARBOUX_FAULT_COUNT", path("count").c_str(), 1);
       ::setenv("DARBOUX_FAULT_OWN", path("own").c_str(), 1);
@@ -212,8 +226,8 @@ class Faults : public Cli {
       const std::size_t step = std::max<std::size_t>(1, (there + most - 1) / most);
       points += there;
       for (std::size_t k = 1; k <= there; k += step) {
-        SCOPED_TRACE(command.arguments[0] + " " + command.arguments[1] + ", " + kind + " " +
-                     std::to_string(k) + " of " + std::to_string(there));
+        SCOPED_TRACE(command.arguments[0] + " " + (command.arguments.size() > 1 ? command.arguments[1] : "") +
+                     ", " + kind + " " + std::to_string(k) + " of " + std::to_string(there));
         if (over_old) put_old_outputs(command);
         const std::string fault = kind + ":" + std::to_string(k);
         End end = run(command, fault);
@@ -280,6 +294,9 @@ TEST_F(Faults, Allocations) {
 // From each distinct stack of functions of this repository, whatever libraries are between.
 TEST_F(Faults, AllocationsOfOwnCode) {
   each_fails("own", wanted());
+}
+TEST_F(Faults, AllocationsOfOwnCodeInStudies) {
+  each_fails("own", wanted(), false, studies);
 }
 TEST_F(Faults, AllocationsOfC) {
   each_fails("malloc", wanted());
