@@ -25,6 +25,7 @@ void read_configuration(CLI::App& sub, const std::string& path) {
       }
   }
   std::istringstream text(io::read_file(path));
+  text.exceptions(std::ios::badbit);  // or lines that have no memory are left out
   try {
     for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(text)) {
       if (!item.parents.empty())

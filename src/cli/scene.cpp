@@ -220,6 +220,7 @@ Json report_json(const SceneReport& r) {
 // "  1 000 tiles  12.5 %"
 std::string share_line(std::uint64_t part, std::uint64_t all, const std::string& text) {
   std::ostringstream line;
+  line.exceptions(std::ios::badbit);  // or what has no memory is left out
   line << "  " << std::setw(12) << part << std::setw(7) << std::fixed << std::setprecision(1)
        << (all > 0 ? 100 * static_cast<double>(part) / static_cast<double>(all) : 0) << " %  " << text
        << '\n';

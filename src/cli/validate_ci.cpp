@@ -195,6 +195,7 @@ std::string junit(const std::vector<AssessedFile>& files, bool with_baseline) {
     suite.append_attribute("skipped") = skipped;
   }
   std::ostringstream text;
+  text.exceptions(std::ios::badbit);  // or what has no memory is left out
   document.save(text, "  ", pugi::format_default, pugi::encoding_utf8);
   return text.str();
 }

@@ -139,11 +139,19 @@ void run_compare(const WorkArguments& arguments, Common& common) {
 
 // --compare measures nothing: what says how to measure, or where to write, is not beside it.
 void check_compare(const CLI::App& sub) {
-  const bool compares = sub.get_option("--compare")->count() > 0;
-  if (!compares && sub.get_option("--tolerance")->count() > 0)
-    throw ParameterError("--tolerance", "expected --compare beside it, got none");
-  if (!compares) return;
-  for (const CLI::Option* option : sub.get_options()) {
+  // Not by get_option(), which allocates where it must not throw.
+  const std::vector<const CLI::Option*> options = sub.get_options();
+  const auto is_given = [&](std::string_view name) {
+    return std::any_of(options.begin(), options.end(), [&](const CLI::Option* option) {
+      return option->count() > 0 && option->get_name() == name;
+    });
+  };
+  if (!is_given("--compare")) {
+    if (is_given("--tolerance"))
+      throw ParameterError("--tolerance", "expected --compare beside it, got none");
+    return;
+  }
+  for (const CLI::Option* option : options) {
     const std::string name = option->get_name();
     const bool fits = name == "--compare" || name == "--tolerance" || name == "--json" || name == "--quiet" ||
                       name == "--threads";

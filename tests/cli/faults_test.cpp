@@ -21,6 +21,7 @@ namespace {
 struct Command {
   std::vector<std::string> arguments;
   std::vector<std::string> outputs;
+  bool records_failures = false;  // exit 1: what failed is part of the result
 };
 
 const std::vector<Command> commands{
@@ -57,7 +58,8 @@ const std::vector<Command> studies{
       "6,8,10"},
      {}},
     {{"work-precision", "plane", "--methods", "naive", "--rounds", "3", "--points", "16", "--checked", "4"},
-     {}},
+     {},
+     true},
 };
 
 // Why a process ended.
@@ -145,9 +147,12 @@ class Faults : public Cli {
     std::fflush(stdout);  // or the child prints it too
     const pid_t child = ::fork();
     if (child == 0) {
-      cpu_set_t one;
+      cpu_set_t permitted, one;
+      ::sched_getaffinity(0, sizeof permitted, &permitted);
+      int first = 0;
+      while (first < CPU_SETSIZE - 1 && !CPU_ISSET(first, &permitted)) ++first;
       CPU_ZERO(&one);
-      CPU_SET(0, &one);
+      CPU_SET(first, &one);
       ::sched_setaffinity(0, sizeof one, &one);
       ::personality(ADDR_NO_RANDOMIZE);
       if (::chdir(path("").c_str()) != 0 || !std::freopen("/dev/null", "w", stdout) ||
@@ -198,7 +203,9 @@ class Faults : public Cli {
       EXPECT_FALSE(Json::parse(content, nullptr, false).is_discarded()) << name;
     } else {
       const std::string end = wanted.substr(wanted.rfind("</"));
-      EXPECT_TRUE(content.ends_with(end)) << name << " ends with " << content.substr(content.size() - 20);
+      EXPECT_TRUE(content.ends_with(end))
+          << name << " ends with "
+          << content.substr(content.size() - std::min<std::size_t>(content.size(), 20));
     }
   }
 
@@ -253,7 +260,7 @@ class Faults : public Cli {
           const std::size_t last = end.err.rfind('\n', end.err.size() - 2);
           expect_one_line(last == std::string::npos ? end.err : end.err.substr(last + 1));
         } else {
-          EXPECT_EQ(end.status, clean.status) << end.err;
+          EXPECT_TRUE(end.status == clean.status || (command.records_failures && end.status == 1)) << end.err;
         }
         for (const auto& [name, content] : outputs()) {
           if (over_old && end.status == 2 && content == "old") continue;

@@ -336,12 +336,16 @@ Solved UvModel::solve(UvState& state, const Mixture& mixture, double tolerance, 
   double* const translation = state.translation.data();
   if (placement_held && rest.empty()) return {true, 0};
 
-  ceres::Problem problem;
   std::vector<double*> blocks{rotation, translation};
   if (!rest.empty()) blocks.push_back(rest.data());
   const UvState start = state;
-  problem.AddResidualBlock(new SummedCost(*this, mixture, start), nullptr, blocks);
-  problem.SetManifold(rotation, new RotationManifold);
+  SummedCost cost(*this, mixture, start);
+  RotationManifold manifold;
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  problem.AddResidualBlock(&cost, nullptr, blocks);
+  problem.SetManifold(rotation, &manifold);
   if (placement_held) {
     problem.SetParameterBlockConstant(rotation);
     problem.SetParameterBlockConstant(translation);
