@@ -162,7 +162,7 @@ class MeshValidation {
   struct Counts {
     std::array<std::size_t, corner_errors> of_error{};
     Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
-        coarse_tangents, coarse_normals, local_tangents, local_normals, poles;
+        coarse_tangents, coarse_normals, chord_tangents, local_tangents, local_normals, poles;
     std::size_t leaning = 0, lit_otherwise = 0;
   };
   void check_corners();
@@ -172,6 +172,7 @@ class MeshValidation {
   void add_warnings(const Counts& counts);
   enum class Decider { nobody, surface, triangles };
   Decider tangent_error(const CornerGroup& group) const;
+  bool may_be_exact(std::uint32_t v) const;
   bool normal_error(std::uint32_t v) const;
   Code error_of(const CornerGroup& group) const;
   void count_vertex(std::uint32_t v);
@@ -254,7 +255,17 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
       return authored || is_average_tangent(v, group.sign) ? Decider::nobody : Decider::surface;
   }
   const bool outside = !under_test_.cones.empty() && under_test_.cones.claim(v, group.sign) == Claim::beyond;
-  return outside ? Decider::triangles : Decider::nobody;
+  return outside && !may_be_exact(v) ? Decider::triangles : Decider::nobody;
+}
+
+// A coarse mesh's triangles are chords: a tangent outside their cone may be that of the surface that the
+// positions were taken from. The neighbours' polynomial tells, where it is known well enough to tell
+// anything.
+bool MeshValidation::may_be_exact(std::uint32_t v) const {
+  constexpr double most_deviation_deg = 25;
+  if (!smooth_.known() || tangents_diagnosed_ || under_test_.cones.turn_deg()) return false;
+  const double angle = smooth_.angles[v].projected_tangent, deviation = under_test_.local[v].tangent_deg;
+  return angle >= 0 && deviation <= most_deviation_deg && angle - certain * deviation <= limit_of(v);
 }
 
 bool MeshValidation::normal_error(std::uint32_t v) const {
@@ -380,6 +391,10 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
                                                                            : counts.authored_normals,
          surface.normal);
   if (!smooth_.known() || is_pole(v)) return;
+  if (error == no_code && !under_test_.cones.empty() &&
+      (!accurate_.known() || accurate_.tangent(v) == Claim::none) &&
+      under_test_.cones.claim(v, group.sign) == Claim::beyond)
+    warn(counts.chord_tangents, under_test_.cones.outside_deg(v, group.sign));
   if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
       (!accurate_.known() || accurate_.tangent(v) == Claim::none))
     warn(counts.local_tangents, smooth_.angles[v].projected_tangent);
@@ -421,6 +436,9 @@ void MeshValidation::add_warnings(const Counts& counts) {
           "; at borders, seams and creases of the recognised surface, or blended from there, where they may "
           "be authored: the corners' own triangles do not speak against them",
       coarse = "; averages of their own triangles', which are too coarse for the recognised surface",
+      chords =
+          "; outside the cone of their own triangles, which are too coarse to tell: neighbouring vertices "
+          "allow it",
       nearby = "; told by neighbouring vertices alone, so only what is beyond three times the limit counts";
   for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, counts.surface_tangents, unsure},
                                      {Code::normal_angle, counts.surface_normals, unsure},
@@ -428,6 +446,7 @@ void MeshValidation::add_warnings(const Counts& counts) {
                                      {Code::normal_angle, counts.authored_normals, edge},
                                      {Code::tangent_angle, counts.coarse_tangents, coarse},
                                      {Code::normal_angle, counts.coarse_normals, coarse},
+                                     {Code::tangent_angle, counts.chord_tangents, chords},
                                      {Code::tangent_angle, counts.local_tangents, nearby},
                                      {Code::normal_angle, counts.local_normals, nearby}})
     add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
