@@ -263,7 +263,8 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
 // anything.
 bool MeshValidation::may_be_exact(std::uint32_t v) const {
   constexpr double most_deviation_deg = 25;
-  if (!smooth_.known() || tangents_diagnosed_ || under_test_.cones.turn_deg()) return false;
+  if (accurate_.known() || !smooth_.known() || tangents_diagnosed_ || under_test_.cones.turn_deg())
+    return false;
   const double angle = smooth_.angles[v].projected_tangent, deviation = under_test_.local[v].tangent_deg;
   return angle >= 0 && deviation <= most_deviation_deg && angle - certain * deviation <= limit_of(v);
 }
@@ -391,8 +392,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
                                                                            : counts.authored_normals,
          surface.normal);
   if (!smooth_.known() || is_pole(v)) return;
-  if (error == no_code && !under_test_.cones.empty() &&
-      (!accurate_.known() || accurate_.tangent(v) == Claim::none) &&
+  if (error == no_code && !accurate_.known() && !under_test_.cones.empty() &&
       under_test_.cones.claim(v, group.sign) == Claim::beyond)
     warn(counts.chord_tangents, under_test_.cones.outside_deg(v, group.sign));
   if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
