@@ -79,7 +79,7 @@ TEST(WavyMeshes, ExactTangentsAreSeldomErrors) {
     turn_some(mesh, 45, seed);
     if (fails(mesh)) ++turned;
   }
-  EXPECT_LE(exact, 2u);
+  EXPECT_LE(exact, 1u);  // 3 by cones alone
   EXPECT_GE(turned, 54u);
 }
 
