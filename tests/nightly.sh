@@ -7,8 +7,8 @@
 #   fuzz          each target of tests/fuzz for 60 seconds (FUZZ_SECONDS)
 #   mutants       100 000 mutants of corpora over all formats, without sanitizers (MUTANTS)
 #   kills         500 kills
-#   faults        60 points of failure per call and command, all allocations of the tool's own functions, and memory
-#                 that is lost there: an hour and a half
+#   faults        60 points of failure per call and command, one allocation from each stack of the tool's own
+#                 functions, and memory that is lost there: an hour and a half
 #   determinism   release, debug and clang give the same bits
 #   reproducible  two builds in two folders give the same bytes
 #   coverage      lines and branches
@@ -53,12 +53,12 @@ mutants() {
   done
 }
 kills() { build release cli_kills_test && DARBOUX_KILLS=500 build/release/bin/cli_kills_test --gtest_filter='*NoOutputIsBroken*'; }
-faults() {
-  local test=build/release/bin/cli_faults_test
+faults() (
+  test=build/release/bin/cli_faults_test
   export DARBOUX_FAULTS_LEAKS=1
   build release cli_faults_test && DARBOUX_FAULTS=60 "$test" --gtest_filter='-*OwnCode*' &&
     DARBOUX_FAULTS=1000000 "$test" --gtest_filter='*OwnCode*'
-}
+)
 determinism() {
   build release darboux_tool && build debug darboux_tool && build clang darboux_tool &&
     tests/determinism.sh build/release/bin/darboux build/debug/bin/darboux build/clang/bin/darboux

@@ -3,7 +3,7 @@
 // What it may claim. The dpdu of a corner's triangles, each made square to the stored normal, span a cone of
 // directions in the plane of that normal. Every average of them with positive weights lies inside:
 // MikkTSpace's, area's, angle's, anybody's. A tangent farther outside than the limit is no such average, and
-// that is an error whatever the surface.
+// that is an error, unless a known surface or, of a coarse mesh, the neighbours (smooth.h) allow it.
 //
 // From what evidence. The triangles are all that share the corner's position and, within 0.9 degrees, its
 // normal (assimp joins dot products of 0.9999), and whose uv area has the sign of the corner's own. Where two

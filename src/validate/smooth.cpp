@@ -1,6 +1,12 @@
 #include "smooth.h"
 
 namespace darboux {
+namespace {
+
+// Of a direction that speaks for a tangent: three still tell half a right angle.
+constexpr double most_deviation_deg = 15;
+
+}  // namespace
 
 Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
                     std::span<const VertexChecks> checks, bool raw, double max_angle_deg) {
@@ -11,6 +17,7 @@ Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
     result.angles.push_back(
         angles(under_test.mesh, v, checks[v], under_test.local[v], under_test.normals.all_oppose, raw));
   result.normals.assign(n, Claim::none), result.tangents.assign(n, Claim::none);
+  result.may_be_exact.assign(n, false);
   const std::vector<bool>& faceted = under_test.normals.faceted_vertices;
   for (std::uint32_t v = 0; v < n; ++v) {
     const VertexClass vertex_class = under_test.classes.of_vertex[v];
@@ -20,9 +27,12 @@ Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
         (under_test.mesh.tangents.empty() || accurate.tangent(v) != Claim::none))
       continue;
     const Angles& a = result.angles[v];
-    const double limit = 3 * limit_of(vertex_class, max_angle_deg);
-    result.normals[v] = claim_of(a.normal, under_test.local[v].normal_deg, limit);
-    result.tangents[v] = claim_of(a.projected_tangent, under_test.local[v].tangent_deg, limit);
+    const double limit = limit_of(vertex_class, max_angle_deg), deviation = under_test.local[v].tangent_deg;
+    result.normals[v] = claim_of(a.normal, under_test.local[v].normal_deg, 3 * limit);
+    result.tangents[v] = claim_of(a.projected_tangent, deviation, 3 * limit);
+    result.may_be_exact[v] = !accurate.known() && deviation <= most_deviation_deg &&
+                             a.projected_tangent >= 0 &&
+                             claim_of(a.projected_tangent, deviation, limit) != Claim::beyond;
   }
   return result;
 }

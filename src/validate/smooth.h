@@ -2,8 +2,9 @@
 //
 // What it may claim. Normals of an unknown surface are their author's: smoothed bevels and normals taken from
 // a finer model are meant so. So what is farther from the polynomial through the neighbours than three times
-// the limit, and than three standard deviations, is worth a look, a warning, never an error. From what
-// evidence: local_truth() at each vertex.
+// the limit, and than three standard deviations, is worth a look, a warning, never an error. Where no surface
+// is known it may speak for a tangent, too: triangles of a coarse mesh are chords, and an exact tangent may
+// leave their cone. From what evidence: local_truth() at each vertex.
 #pragma once
 
 #include <span>
@@ -19,6 +20,7 @@ namespace darboux {
 struct Smooth {
   std::vector<Angles> angles{};
   std::vector<Claim> normals{}, tangents{};
+  std::vector<bool> may_be_exact{};  // a tangent within the limit and three deviations, of 15 degrees at most
   bool known() const { return !angles.empty(); }
 };
 Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,

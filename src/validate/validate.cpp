@@ -258,15 +258,9 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
   return outside && !may_be_exact(v) ? Decider::triangles : Decider::nobody;
 }
 
-// A coarse mesh's triangles are chords: a tangent outside their cone may be that of the surface that the
-// positions were taken from. The neighbours' polynomial tells, where it is known well enough to tell
-// anything.
+// One mistake of all tangents, or one turn, is no matter of coarse triangles.
 bool MeshValidation::may_be_exact(std::uint32_t v) const {
-  constexpr double most_deviation_deg = 25;
-  if (accurate_.known() || !smooth_.known() || tangents_diagnosed_ || under_test_.cones.turn_deg())
-    return false;
-  const double angle = smooth_.angles[v].projected_tangent, deviation = under_test_.local[v].tangent_deg;
-  return angle >= 0 && deviation <= most_deviation_deg && angle - certain * deviation <= limit_of(v);
+  return smooth_.known() && smooth_.may_be_exact[v] && !tangents_diagnosed_ && !under_test_.cones.turn_deg();
 }
 
 bool MeshValidation::normal_error(std::uint32_t v) const {

@@ -1,8 +1,8 @@
 // Preloaded, it makes one call fail, as DARBOUX_FAULT says: its kind, a colon, and which of them, from 1.
 // Allocations are counted once for each stack they come from: "new" is that of C++ and looks at all callers,
 // "own" is the same, but looks at the functions that the file DARBOUX_FAULT_OWN lists, "malloc" is called by
-// the tool itself. At the end the number there were is written to the file DARBOUX_FAULT_COUNT, by the
-// process that read it.
+// the tool itself. At the end the number there were, where none fails (0), is written to the file
+// DARBOUX_FAULT_COUNT, by the process that read it.
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
