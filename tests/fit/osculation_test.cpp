@@ -47,7 +47,7 @@ bool includes(const std::vector<GeometricParameters>& tori, const GeometricParam
   });
 }
 
-const Circle3 no_strip{Vector3d::Zero(), Vector3d::UnitZ(), 1e300};
+const Circle3 no_strip{Vector3d::Zero(), Vector3d::UnitZ(), 1, 1e300};
 
 // Curvatures of a torus: 1 / r, and cos(phi) / (R + r cos(phi)). They are of differences over 1e-4.
 TEST(Osculation, HasTheCurvatures) {
@@ -96,7 +96,7 @@ TEST(Osculation, LeadsFromAStripToATorus) {
     const Vector3d axis = p.torus.axes.col(2),
                    centre = p.torus.centre + axis.dot(p.at - p.torus.centre) * axis;
     const Vector3d along = axis.cross(p.at - centre).normalized();
-    Osculation o{p.at, {}, {0, 0}, {centre, axis, 0.01}};
+    Osculation o{p.at, {}, {0, 0}, {centre, axis, (p.at - centre).norm(), 0.01}};
     o.frame << along, p.outward.cross(along), p.outward;
     EXPECT_TRUE(includes(torus_primitive.osculating(o), p.torus, 1e-12)) << phi;
   }

@@ -106,6 +106,10 @@ class PrimitivesFit {
       if (options_.progress) options_.progress(done);
     };
     for (Search& search : searches) search.look(), work(1);
+    constexpr double nearly_all = 0.9;
+    if (std::none_of(searches.begin(), searches.end(),
+                     [](const Search& search) { return search.share_of_inliers() > nearly_all; }))
+      for (Search& search : searches) search.look_among_outliers();
     // No more rounds where a likely surface of another kind is found: far likelier, or simpler and as likely.
     // One with more unknowns may be likelier only because this one is not found yet, if it is a torus or has
     // as many unknowns: others are found at once.

@@ -112,7 +112,8 @@ Circle3 algebraic_circle(const Eigen::Matrix3Xd& points, const std::vector<doubl
   const Eigen::ArrayXd radial =
       (p.bottomRows<2>().colwise() - circle.head<2>()).colwise().norm().transpose().array() - radius;
   const double squared = ((radial.square() + p.row(0).transpose().array().square()) * w.array()).sum();
-  return {mean + axes * Vector3d(0, circle.x(), circle.y()), axes.col(0), std::sqrt(squared / (2 * sum))};
+  return {mean + axes * Vector3d(0, circle.x(), circle.y()), axes.col(0), radius,
+          std::sqrt(squared / (2 * sum))};
 }
 
 AxisOfRevolution linear_axis(const OrientedPoints& sample) {

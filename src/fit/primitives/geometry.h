@@ -43,6 +43,7 @@ std::optional<Circle2> linear_circle(const Eigen::Matrix2Xd& points);
 
 struct Circle3 {
   Vector3d centre, axis;
+  double radius;
   double deviation;  // of the points, root mean square, of each of the two directions across it
 };
 // The circle of weighted points: in the plane of their largest moments the algebraic one, x^2 + y^2 = 2 a x +

@@ -140,6 +140,7 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
   for (std::size_t i = 0; i < weights.size(); ++i)
     inliers += weights[i], of_outliers += (1 - weights[i]) * std::fabs(states.error(i));
   const auto n = static_cast<double>(weights.size());
+  candidate.share_of_inliers = inliers / n;
   candidate.score.log_likelihood_ratio = log_likelihood_ratio(
       inliers, n, mixture.sigma, primitive.unknowns,
       range_of_outliers(of_outliers / std::fmax(n - inliers, 1e-300), mixture.sigma, inliers / n));
@@ -237,8 +238,26 @@ void Search::look() {
   const bool is_first = round_++ == 0;
   for (Candidate& c : starts(problem_, primitive_, is_first, scored_, repeat, followed, random_)) {
     follow(std::move(c));
-    if (agreeing_ >= enough_) break;
+    if (is_settled()) break;
   }
+}
+
+void Search::look_among_outliers() {
+  if (primitive_.starts_among_outliers && !is_settled())
+    follow_best(primitive_.starts_among_outliers(scored_, random_), scored_.col(0), 1);
+}
+
+void Search::follow_best(const std::vector<GeometricParameters>& surfaces, const Vector3d& near,
+                         std::ptrdiff_t most) {
+  Scorer scorer(scored_, primitive_);
+  std::vector<Candidate> candidates;
+  for (const GeometricParameters& n : surfaces) {
+    const LocalModel model = primitive_.localise(n, near);
+    if (model.origin.allFinite() && model.rotation.coeffs().allFinite())
+      candidates.push_back({model, scorer(model), {}, crosses_itself_unasked(problem_, primitive_, n)});
+  }
+  keep_best(candidates, most);
+  for (Candidate& c : candidates) follow(std::move(c));
 }
 
 void Search::follow(Candidate c) {
@@ -264,6 +283,10 @@ bool Search::has_surface() const {
   return best_ && !best_->refused;
 }
 
+double Search::share_of_inliers() const {
+  return has_surface() ? best_->share_of_inliers : 0;
+}
+
 std::optional<Osculation> Search::osculation() const {
   if (!best_) return std::nullopt;
   PointStates states(static_cast<std::size_t>(part_.cols()));
@@ -276,15 +299,7 @@ std::optional<Osculation> Search::osculation() const {
 }
 
 void Search::look_like(const Osculation& o) {
-  Scorer scorer(scored_, primitive_);
-  std::vector<Candidate> candidates;
-  for (const GeometricParameters& n : primitive_.osculating(o)) {
-    const LocalModel model = primitive_.localise(n, o.at);
-    if (model.origin.allFinite() && model.rotation.coeffs().allFinite())
-      candidates.push_back({model, scorer(model), {}, crosses_itself_unasked(problem_, primitive_, n)});
-  }
-  keep_best(candidates, 4 * refined_starts);
-  for (Candidate& c : candidates) follow(std::move(c));
+  follow_best(primitive_.osculating(o), o.at, 4 * refined_starts);
 }
 
 std::vector<Hypothesis> Search::hypotheses() const {

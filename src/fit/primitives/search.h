@@ -53,6 +53,7 @@ struct Candidate {
   Score score;
   Mixture mixture{};
   bool refused = false;  // in the end, however likely: see determinacy()
+  double share_of_inliers = 0;
 };
 
 // Whether the normals are near one direction: a small patch, which surfaces of several kinds are like.
@@ -66,6 +67,8 @@ class Search {
   const Primitive& primitive() const { return primitive_; }
   // Descends from the best of some new starts.
   void look();
+  // And, where that is not settled, from one that the primitive knows to find beside many outliers.
+  void look_among_outliers();
   // Whether the best surface was met so often, from different starts, that others need not be looked for.
   bool is_settled() const { return agreeing_ >= enough_; }
   int rounds() const { return round_; }
@@ -75,6 +78,8 @@ class Search {
   double log_likelihood_ratio() const;
   // Whether there is one that will not be refused.
   bool has_surface() const;
+  // Of the best surface, 0 where that will be refused.
+  double share_of_inliers() const;
   // What the best surface is like in the middle of its points.
   std::optional<Osculation> osculation() const;
   // Descends from surfaces that are like that, of a primitive that knows such.
@@ -85,6 +90,9 @@ class Search {
 
  private:
   void follow(Candidate c);
+  // Descends from the best of these. \param near a point next to them
+  void follow_best(const std::vector<GeometricParameters>& surfaces, const Vector3d& near,
+                   std::ptrdiff_t most);
 
   const SearchProblem& problem_;
   const Primitive& primitive_;

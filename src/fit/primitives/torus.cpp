@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include <darboux/torus.h>
@@ -116,6 +117,76 @@ std::optional<GeometricParameters> start_by_equation(const Eigen::Matrix3Xd& sam
   return checked_start({mean + size * centre,
                         axes_with_z(vectors.col(2)),
                         {size * std::sqrt(major), size * std::sqrt(minor)}});
+}
+
+// The circle through three points.
+std::optional<Circle3> circle_through(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const Vector3d u = b - a, v = c - a, normal = u.cross(v);
+  const double square = normal.squaredNorm();
+  if (!(square > 1e-12 * u.squaredNorm() * v.squaredNorm())) return std::nullopt;
+  const Vector3d from_a =
+      (u.squaredNorm() * v.cross(normal) + v.squaredNorm() * normal.cross(u)) / (2 * square);
+  return Circle3{a + from_a, normal / std::sqrt(square), from_a.norm(), 0};
+}
+
+// How many points a tube about a circle holds, by their sorted distances from it: k of n within a distance
+// are likeliest where k log(k / volume of that tube) + (n - k) log((n - k) / what is left) is largest.
+std::size_t count_in_tube(const std::vector<double>& sorted, double circle_radius, double volume) {
+  const auto n = static_cast<double>(sorted.size());
+  double best = 0;
+  std::size_t count = 0;
+  for (std::size_t i = sorted.size() / 10; i + 1 < sorted.size(); ++i) {
+    const double k = static_cast<double>(i + 1), minor = sorted[i],
+                 tube = 2 * std::numbers::pi * std::numbers::pi * circle_radius * minor * minor;
+    if (!(tube < 0.9 * volume)) break;
+    const double value = k * std::log(k / tube) + (n - k) * std::log((n - k) / (volume - tube));
+    if (count == 0 || value > best) best = value, count = i + 1;
+  }
+  return count;
+}
+
+// Circles that many points are near: through three points, then in a few rounds that of the points in the
+// likeliest tube about it. The tube's radius is the median of their distances.
+std::vector<GeometricParameters> starts_among_outliers(const Eigen::Matrix3Xd& all_points,
+                                                       std::mt19937_64& random) {
+  constexpr int circles = 60, rounds = 4;
+  constexpr Eigen::Index enough = 200;
+  const Eigen::Matrix3Xd points = all_points(
+      Eigen::all, Eigen::seq(0, Eigen::last, std::max<Eigen::Index>(1, all_points.cols() / enough)));
+  const double volume = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).prod();
+  const auto any = [&] {
+    return Vector3d(
+        points.col(static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(points.cols()))));
+  };
+  std::vector<GeometricParameters> result;
+  std::vector<double> weights(static_cast<std::size_t>(points.cols())), sorted;
+  for (int k = 0; k < circles; ++k) {
+    const Vector3d a = any(), b = any(), c = any();
+    std::optional<Circle3> circle = circle_through(a, b, c);
+    double minor = 0;
+    for (int round = 0; circle && round < rounds; ++round) {
+      const Eigen::Matrix3Xd q = points.colwise() - circle->centre;
+      const Eigen::ArrayXd height = (circle->axis.transpose() * q).transpose().array();
+      const Eigen::ArrayXd from_axis =
+          (q.colwise().squaredNorm().transpose().array() - height.square()).max(0).sqrt();
+      const Eigen::ArrayXd distance = ((from_axis - circle->radius).square() + height.square()).sqrt();
+      sorted.assign(distance.begin(), distance.end());
+      std::sort(sorted.begin(), sorted.end());
+      const std::size_t count = count_in_tube(sorted, circle->radius, volume);
+      circle.reset();
+      if (count == 0) break;
+      minor = sorted[count / 2];
+      const double within = 1.2 * sorted[count - 1];
+      std::transform(distance.begin(), distance.end(), weights.begin(),
+                     [&](double d) { return d <= within ? 1. : 0.; });
+      circle = algebraic_circle(points, weights);
+    }
+    if (!circle) continue;
+    if (const auto torus =
+            checked_start({circle->centre, axes_with_z(circle->axis), {circle->radius, minor}}))
+      result.push_back(*torus);
+  }
+  return result;
 }
 
 std::array<double, 2> sheets(const GeometricParameters& n, const Vector3d& p) {
@@ -233,6 +304,7 @@ constinit const Primitive torus_primitive{
     .length_names = {"major radius", "minor radius"},
     .start = start,
     .start_by_equation = start_by_equation,
+    .starts_among_outliers = starts_among_outliers,
     .localise = localise,
     .geometric = geometric,
     .support = {support_frame, coordinates, 2 * std::numbers::pi, 2 * std::numbers::pi},
