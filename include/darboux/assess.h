@@ -35,10 +35,10 @@ struct AssessOptions : ValidateOptions {
 /// Why a surface was recognised, or not: how far the data over-determine it against what else they may be.
 struct Evidence {
   double log10_odds =
-      0;  ///< of the surface against its rivals; recognised where it is at least evidence_needed
-  std::string
-      rival;  ///< the best other explanation: "polyhedron", "faceted", "authored normals", a kind of surface
-  std::string text;  ///< one sentence for people: what speaks for it, what against
+      0;              ///< of the surface against its rivals; recognised where it is at least evidence_needed
+  std::string rival;  ///< the best other explanation: "polyhedron", "faceted", "authored normals", "chance",
+                      ///< a kind of surface
+  std::string text;   ///< one sentence for people: what speaks for it, what against
 };
 /// log10 odds from which a surface is claimed: about one wrong claim in 10^4 meshes.
 inline constexpr double evidence_needed = 4;
@@ -67,7 +67,8 @@ Assessment assess(const Mesh& mesh, const AssessOptions& options = {});
 /// differently apart; and where such a part is none, those that edges cut off it where faces meet at more
 /// than 50 degrees. Those that are recognised, or fit the declared surface, have an assessment each, in the
 /// order of the mesh; all the rest shares one, the last. Where none is, or there are more than 256 parts,
-/// there is one assessment of the whole. Vertices are numbered as in the mesh.
+/// there is one assessment of the whole. Vertices are numbered as in the mesh. All parts share the budget.
+/// \throws as assess() does
 std::vector<Assessment> assess_parts(const Mesh& mesh, const AssessOptions& options = {});
 
 }  // namespace darboux

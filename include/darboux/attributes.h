@@ -9,22 +9,22 @@
 
 namespace darboux {
 
-/// An attribute of a point. Names are those of the command line and of conventions.md.
+/// An attribute of a point, named as on the command line; formulas and signs: docs/conventions.md.
 enum class Attribute : std::uint8_t {
-  position,
-  dpdu,
+  position,  ///< a length
+  dpdu,      ///< a length, as all partials: by u and v without a unit
   dpdv,
   d2pdu2,
   d2pduv,
   d2pdv2,
-  tangent,
-  bitangent,
-  normal,
-  handedness,
-  tangent4,  ///< tangent and sign w, in the convention asked for
-  gaussian_curvature,
-  mean_curvature,
-  principal_curvatures,  ///< κ1 >= κ2
+  tangent,               ///< unit, along dpdu
+  bitangent,             ///< unit, n × t
+  normal,                ///< unit
+  handedness,            ///< +1 or -1, the sign of det(dpdu, dpdv, n)
+  tangent4,              ///< tangent and sign w, in the convention asked for
+  gaussian_curvature,    ///< 1 / length²
+  mean_curvature,        ///< 1 / length; negative on a sphere whose n points outward
+  principal_curvatures,  ///< κ1 >= κ2, 1 / length, likewise
   principal_directions,  ///< two unit vectors
 };
 inline constexpr std::size_t attribute_count = 15;

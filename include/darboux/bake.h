@@ -18,18 +18,18 @@
 namespace darboux {
 
 struct BakeOptions {
-  int width = 1024, height = 1024;
+  int width = 1024, height = 1024;    ///< texels
   MapBasis basis = MapBasis::stored;  ///< stored or mikktspace
   MapDecode decode = MapDecode::mikktspace;
   MapGreen green = MapGreen::opengl;
   SampleType type = SampleType::u8;
-  bool signed_floats = false;  ///< SampleType::f32 holds -1 to 1, not 0 to 1
-  std::optional<std::uint64_t> dither{};
-  int dilate = 4;
-  int samples = 16;        ///< per triangle, at which the error is looked for; 0 to 10000
-  std::uint64_t seed = 1;  ///< of their places
-  int threads = 1;         ///< 0: all; the results do not depend on it
-  std::function<void(double)> progress{};
+  bool signed_floats = false;              ///< SampleType::f32 holds -1 to 1, not 0 to 1
+  std::optional<std::uint64_t> dither{};   ///< as NormalMapOptions has it
+  int dilate = 4;                          ///< texels by which islands grow into the gutter; at most 1024
+  int samples = 16;                        ///< per triangle, at which the error is looked for; 0 to 10000
+  std::uint64_t seed = 1;                  ///< of their places
+  int threads = 1;                         ///< 0: all; the results do not depend on it
+  std::function<void(double)> progress{};  ///< called with the share that is done, from any thread
 };
 
 /// What is left of the error at points inside triangles, in degrees, of those whose corners' class is lowest.

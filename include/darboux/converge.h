@@ -49,10 +49,10 @@ SampleMeshOptions mesh_options(const MeshFamily& family, int rows, std::uint64_t
 
 /// What became of the order that was expected.
 enum class OrderVerdict : std::uint8_t {
-  as_expected,        ///< lies within 0.15 of the order's 95 % interval
-  faster,             ///< the whole interval lies above that
-  slower,             ///< the whole interval lies below
-  does_not_converge,  ///< the order is below 0.15, and so it is expected or the whole interval lies below
+  as_expected,        ///< the expected order lies within 0.15 of the 95 % interval
+  faster,             ///< the whole interval lies more than 0.15 above it
+  slower,             ///< the whole interval lies more than 0.15 below it
+  does_not_converge,  ///< the order is below 0.15, and none was expected or the whole interval lies below
   at_the_floor,       ///< fewer than three resolutions above what rounding alone may cause: no order
 };
 inline constexpr std::array<std::string_view, 5> order_verdict_names{"as expected", "faster", "slower",

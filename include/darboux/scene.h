@@ -61,9 +61,9 @@ struct Camera {
   Projection projection = Projection::perspective;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< camera to scene
   int width_px = 1280, height_px = 720;
-  double vertical_field_of_view_rad = 1;  ///< of a perspective camera, the whole angle
-  double view_height = 2;                 ///< of an orthographic camera, a length
-  double near_distance = 0.1, far_distance = 1000;
+  double vertical_field_of_view_rad = 1;            ///< of a perspective camera, the whole angle
+  double view_height = 2;                           ///< of an orthographic camera, a length
+  double near_distance = 0.1, far_distance = 1000;  ///< lengths along the view; far may be infinity
 
   /// In `eye` looking at `target`. \throws ParameterError when they are one, or `up` is parallel to the view
   static Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
@@ -85,7 +85,7 @@ struct SceneRequest {
   /// scene's unit of length.
   double chord_px = 0.5, chord = std::numeric_limits<double>::infinity();
   /// By how much t, b and n may differ from those interpolated in a triangle and normalised.
-  double frame_angle_rad = 0.0175;
+  double frame_angle_rad = 0.0175;  // about 1 degree
   /// What may be skipped. Nothing is every instance uniformly, at the resolution that its nearest point
   /// needs.
   struct Skip {
@@ -155,7 +155,7 @@ struct ScenePlan {
 
   std::uint64_t instances_needed = 0;  ///< those with at least one tile, and parts of instances of meshes
   std::uint64_t tiles_all = 0;         ///< of all instances at their finest resolution
-  std::uint64_t tiles_needed = 0;      ///< all, less those skipped: patches, and parts of meshes once
+  std::uint64_t tiles_needed = 0;      ///< all, less those skipped: distinct patches and distinct parts
   SkippedTiles skipped;
   /// Of those needed, before duplicates and what is hidden: their resolution is an estimate from samples,
   /// half as much again, next to poles, on surfaces without bounds, and without skip.below_error on those

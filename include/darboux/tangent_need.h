@@ -77,7 +77,7 @@ struct TangentNeeds {
 TangentNeeds tangent_need(const GltfDocument& document, NeedLevel level = NeedLevel::spec);
 
 /// The same of a file: its JSON is read and nothing else, at NeedLevel::pixels the normal maps too. Buffers
-/// and images may be absent.
+/// and images may be absent. \throws FileError for a file that cannot be read, or is no glTF
 TangentNeeds tangent_need(const std::string& path, NeedLevel level = NeedLevel::spec,
                           const ReadOptions& options = {});
 

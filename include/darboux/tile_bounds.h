@@ -112,20 +112,20 @@ class TileBounds {
   bool known() const { return !std::holds_alternative<std::monostate>(shape_); }
   /// Whether support and facing come from closed forms, which the tile attains.
   bool attained() const;
-  /// facing() changes by no more than this times the way of the eye, and facing_along() times that of the
-  /// direction. Infinite where that is not known.
+  /// facing() changes by no more than this times the distance that the eye moves, and facing_along() by
+  /// that of the direction. Infinite where that is not known.
   double facing_rate() const;
 
   /// An upper bound of direction · P over the tile: the tile lies wholly where direction · P <= support. With
   /// the outer normal of a plane of the frustum, a tile is outside where -support(-normal) exceeds its
   /// offset; with the axes it is the tile's box. Of closed forms it exceeds the maximum by at most
-  /// 32u |direction| size.
+  /// 32u |direction| size, size a length about that of the tile's farthest point from the origin.
   double support(const Vec3<double>& direction) const;
 
-  /// An upper bound of n · (eye - P), times no length: where it is negative, all of the tile faces away from
-  /// the eye. Of a surface that is open, or that is seen from inside, that side is seen all the same: cull
-  /// only what is single-sided and not displaced. Of closed forms it exceeds the
-  /// maximum by at most 32u (|eye| + size).
+  /// An upper bound, a length, of n · (eye - P), n unit: where it is negative, all of the tile faces away
+  /// from the eye. Of a surface that is open, or that is seen from inside, that side is seen all the same:
+  /// cull only what is single-sided and not displaced. Of closed forms it exceeds the maximum by at most 32u
+  /// (|eye| + size), but of ellipsoids, where only its sign is so exact.
   double facing(const Vec3<double>& eye) const;
   /// The same for parallel rays: of n · towards_eye.
   double facing_along(const Vec3<double>& towards_eye) const;

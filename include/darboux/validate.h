@@ -2,6 +2,7 @@
 /// Compares the normals and tangents stored in a mesh with the truth and says what is wrong, where.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -124,8 +125,8 @@ struct MeshReport {
   Handedness handedness;
   std::size_t zero_tangents = 0, non_unit = 0, non_orthogonal = 0, non_finite = 0;  ///< corners
   std::size_t degenerate_triangles = 0, degenerate_uv_triangles = 0;
-  /// Against the surface, else against local jets, else how far outside its cone a tangent lies; empty ones
-  /// left out.
+  /// Angles to the surface, else to local jets, else, where nothing else was asked for, to MikkTSpace's
+  /// tangents; empty ones left out.
   std::vector<ClassReport> classes;
   /// Standard deviations of the truth in degrees over all corners, whatever the mesh stores.
   Spread normal_uncertainty_deg, tangent_uncertainty_deg;

@@ -160,7 +160,7 @@ void add_bake(CLI::App& app, Common& common) {
   auto a = std::make_shared<BakeArguments>();
   a->basis = "stored";
   a->dilate = 4;
-  sub.add_option("--surface", a->surface, std::string("the surface: ") + surface_help);
+  sub.add_option("--surface", a->surface, std::string("the surface, required: ") + surface_help);
   add_map_options(sub, *a);
   sub.add_option("--basis", a->basis, "which tangents: stored (in the file) or mikktspace (computed anew)")
       ->capture_default_str()

@@ -255,8 +255,9 @@ void run_compare(const CompareArguments& arguments, Common& common) {
                        {"skipped_b", skipped_json(b)},
                        {"same", same}});
   }
-  std::cout << (same ? "same" : "not the same") << ": a = " << one_line(arguments.a)
-            << ", b = " << one_line(arguments.b) << '\n';
+  std::cout << (same ? "same" : "not the same")
+            << (same && arguments.max_angle > 0 ? " within " + rounded(arguments.max_angle, 6) + " deg" : "")
+            << ": a = " << one_line(arguments.a) << ", b = " << one_line(arguments.b) << '\n';
   if (common.quiet) return;
   for (const Pair& pair : pairs) print_pair(pair);
   print_left_over("a", found.only_a, a);

@@ -176,11 +176,13 @@ void add_converge(CLI::App& app, Common& common) {
   };
   sub.add_option("SURFACE", arguments->named,
                  std::string(surface_help) + " [torus:major_radius=1,minor_radius=0.4 sphere cylinder]");
-  list("--surfaces", arguments->surfaces, "more of them, separated by commas");
+  list("--surfaces", arguments->surfaces,
+       "surfaces, separated by commas, beside those named before; either replaces the default");
   list("--methods", arguments->methods, "some of " + methods + " [all]");
   list("--meshes", arguments->meshes, "some of " + meshes + " [jittered,regular,sheared]");
   sub.add_option("--resolutions", arguments->resolutions,
-                 "rows of the meshes, with twice as many columns: 8..256 (doubling) or 8,16,32; at least "
+                 "rows of the meshes, with twice as many columns (lantern: 2 sqrt(rows)): 8..256 (doubling) "
+                 "or 8,16,32; at least "
                  "three [8..128]");
   sub.add_option("--v-range", arguments->v_range,
                  "mesh only this part of the surface: FIRST,LAST in [0, 1] [0,1]");

@@ -169,7 +169,11 @@ void add_eval(CLI::App& app, Common& common) {
                  joined({point_format_names.begin(), point_format_names.end()}) +
                      " [by the extension; csv for standard input]")
       ->check(point_formats.check());
-  sub.add_option("--attributes", arguments->attributes, "separated by commas: " + joined(attribute_names()));
+  sub.add_option(
+      "--attributes", arguments->attributes,
+      "separated by commas: " + joined(attribute_names()) +
+          " [table: position, tangent, bitangent, normal, handedness; csv, f32, f64 and npy: up to "
+          "principal_directions; json: all but tangent4]");
   sub.add_option(
          "--format", arguments->format,
          "table, json or csv; or plain numbers: f32, f64 (little-endian) or npy [by the extension of -o; "

@@ -39,7 +39,7 @@ struct SkipReason {
 constexpr std::array<SkipReason, 6> skip_reasons{
     {{"no_normal_map", &SkippedTiles::no_normal_map, "of materials that read nothing of what was asked for"},
      {"outside_frustum", &SkippedTiles::outside_frustum, "outside the view of the camera"},
-     {"back_facing", &SkippedTiles::back_facing, "facing away from it"},
+     {"back_facing", &SkippedTiles::back_facing, "facing away from the camera"},
      {"occluded", &SkippedTiles::occluded, "hidden behind others"},
      {"below_error", &SkippedTiles::below_error, "finer than the bounds ask for: a larger tile does"},
      {"duplicates", &SkippedTiles::duplicates, "computed already for another instance"}}};
@@ -236,7 +236,8 @@ void print_text(const SceneReport& r) {
                                 : std::to_string(r.path.size()) + " cameras of a path";
   std::cout << one_line(r.arguments.file) << ", " << which << ", " << camera.width_px << " x "
             << camera.height_px << " pixels: " << plan.instances_needed << " of "
-            << r.instances * std::max<std::size_t>(r.path.size(), 1) << " instances are needed\n";
+            << r.instances * std::max<std::size_t>(r.path.size(), 1) << " instances"
+            << (r.path.empty() ? " are needed\n" : ", each counted for every camera, are needed\n");
   std::cout << "of " << plan.tiles_all << " tiles\n"
             << share_line(plan.tiles_needed, plan.tiles_all, "needed");
   for (const SkipReason& reason : skip_reasons)
@@ -249,7 +250,7 @@ void print_text(const SceneReport& r) {
                                                  "is an estimate, or the finest there is\n");
   const bool evaluated = !std::isnan(r.needed_seconds);  // else triangles that are there
   std::cout << "of " << plan.samples_full
-            << (evaluated ? " samples, each instance as fine as its nearest point needs"
+            << (evaluated ? " samples, if each instance were one grid as fine as its nearest point needs"
                           : " vertices, each instance's counted")
             << '\n'
             << share_line(plan.samples_needed, plan.samples_full, "needed");
@@ -259,13 +260,14 @@ void print_text(const SceneReport& r) {
                               std::string(attribute_infos[a].name));
   if (!r.path.empty() && evaluated)
     std::cout << share_line(r.samples_evaluated, plan.samples_full,
-                            "evaluated: the last camera had the others");
+                            "evaluated anew: the camera before had the others");
   std::vector<std::string> bounds;
-  if (std::isfinite(r.request.chord_px)) bounds.push_back(rounded(r.request.chord_px, 6) + " pixels");
+  if (std::isfinite(r.request.chord_px))
+    bounds.push_back(rounded(r.request.chord_px, 6) + (r.request.chord_px == 1 ? " pixel" : " pixels"));
   if (std::isfinite(r.request.chord)) bounds.push_back("a length of " + rounded(r.request.chord, 6));
-  if (std::isfinite(r.request.frame_angle_rad))
-    bounds.push_back("frames within " + rounded(r.request.frame_angle_rad * (180 / std::numbers::pi), 6) +
-                     " degrees");
+  const double degrees = r.request.frame_angle_rad * (180 / std::numbers::pi);
+  if (degrees < 180)  // beyond, every frame is within
+    bounds.push_back("frames within " + rounded(degrees, 6) + (degrees == 1 ? " degree" : " degrees"));
   if (!bounds.empty()) std::cout << "bounds: " << joined(bounds) << '\n';
   std::cout << "seconds: " << rounded(r.plan_seconds, 2) << " to plan"
             << (r.path.empty() ? "" : ", the first camera " + rounded(r.path.front().plan_seconds, 2))

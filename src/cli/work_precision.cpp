@@ -194,19 +194,25 @@ void run_work_precision(const WorkArguments& arguments, Common& common) {
 }
 
 void add_choices(CLI::App& sub, WorkArguments& arguments) {
-  std::vector<std::string> methods, meshes, metrics(work_metrics.begin(), work_metrics.end());
-  for (const WorkMethod& method : work_methods()) methods.emplace_back(method.name);
+  std::vector<std::string> methods, families, meshes, metrics(work_metrics.begin(), work_metrics.end());
+  for (const WorkMethod& method : work_methods()) {
+    methods.emplace_back(method.name);
+    if (std::find(families.begin(), families.end(), method.family) == families.end())
+      families.emplace_back(method.family);
+  }
   for (const MeshFamily& family : mesh_families()) meshes.emplace_back(family.name);
   sub.add_option("SURFACE", arguments.surfaces,
                  std::string(surface_help) + " [torus sphere klein-bottle bspline-patch]");
   sub.add_option("--methods", arguments.methods,
-                 "separated by commas, some of " + joined(methods) + ", or a family: darboux [all]")
+                 "separated by commas, some of " + joined(methods) +
+                     ", or a family of them: " + joined(families) + " [all]")
       ->delimiter(',');
   sub.add_option("--meshes", arguments.meshes,
                  "separated by commas, some of " + joined(meshes) + " [jittered]")
       ->delimiter(',');
   sub.add_option("--resolutions", arguments.resolutions,
-                 "rows of the meshes, with twice as many columns: 8..64 (doubling) or 8,16,32 [8..32]");
+                 "rows of the meshes, with twice as many columns (lantern: 2 sqrt(rows)): 8..64 (doubling) "
+                 "or 8,16,32 [8..32]");
   sub.add_option("--rounds", arguments.rounds, "rounds; each times every method once, in turn [11]")
       ->check(CLI::Range(3, most_rounds));
   sub.add_option("--points", arguments.points, "random points per call [4096]")

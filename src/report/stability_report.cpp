@@ -162,9 +162,10 @@ std::string stability_text(const std::vector<StabilityCurve>& curves) {
   std::string text =
       "Errors in roundings (2^-53 in double), over meshes in half steps of the stored data, of fits in "
       "standard\n"
-      "errors: the largest of each sweep, the share of its bound that is nearest to it and where, and the "
-      "largest\n"
-      "of the naive formulas.\n\n" +
+      "errors. largest: of the sweep. of its bound, in, at x: where an error comes nearest to its bound, as\n"
+      "a share of it. naive: the largest error of textbook formulas; \"all digits\": no correct digit is "
+      "left."
+      "\n\n" +
       line({{"surface", 22},
             {"sweep", 20},
             {"largest", 11},

@@ -101,7 +101,7 @@ constexpr std::array kinds{
     FindingKind{"UV_WITHOUT_AREA", info,
                 "no triangle has area in uv: no tangent is judged, nor seen under a normal map",
                 "nothing, where the material reads one texel; else unwrap it"},
-    FindingKind{"SURFACE_UNKNOWN", info, "no surface of the catalogue fits",
+    FindingKind{"SURFACE_UNKNOWN", info, "none of the kinds that are recognised fits",
                 "nothing; if you know the surface, declare it (--surface)"},
     FindingKind{
         "BUDGET_SPENT", info,
