@@ -1,26 +1,48 @@
 #include "uv_choice.h"
 
+#include <cmath>
+#include <limits>
+
+#include <darboux/frame.h>
+
 #include "mesh/triangle_signs.h"
+#include "validate/angles.h"
 
 namespace darboux {
 namespace {
 
-constexpr double follows = 0.8;
+// Other uvs are taken where the tangents follow them so much more closely, in the mean.
+constexpr double follows = 0.8, closer = 0.97;
 
-// The share of corners within the cone, of those about which it claims something.
+// How tangents follow the uvs: the share of corners within the cone, of those about which it claims
+// something, and the mean angle to the dpdu of each corner's triangle, both made square to the normal.
+struct Following {
+  double share_within = 0, mean_rad = 0;
+  bool is_enough() const { return share_within >= follows; }
+};
+
 // \param own what is known of the mesh but for its uvs
-double share_within(const Mesh& mesh, std::span<const signed char> raw_sign, const MeshUnderTest& own,
+Following following(const Mesh& mesh, std::span<const signed char> raw_sign, const MeshUnderTest& own,
                     double max_angle_deg) {
   const Cones cones(mesh, raw_sign, own.has_area, own.joins,
                     std::vector<double>(mesh.positions.size(), max_angle_deg), max_angle_deg);
-  std::size_t within = 0, compared = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+  std::size_t within = 0, compared = 0, with_angle = 0;
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3<double> dpdu = direction_of_dpdu(mesh, mesh.triangles[t], raw_sign[t]);
     for (const std::uint32_t v : mesh.triangles[t]) {
       const Claim claim = cones.claim(v, raw_sign[t]);
       compared += claim != Claim::none;
       within += claim == Claim::within;
+      const double angle =
+          angle_between(square_to(mesh.tangents[v].xyz(), mesh.normals[v]), square_to(dpdu, mesh.normals[v]));
+      if (raw_sign[t] == 0 || !std::isfinite(angle)) continue;
+      ++with_angle;
+      sum += angle;
     }
-  return compared == 0 ? 0 : static_cast<double>(within) / static_cast<double>(compared);
+  }
+  const auto share = [](double part, std::size_t of) { return of == 0 ? 0 : part / static_cast<double>(of); };
+  return {share(static_cast<double>(within), compared), share(sum, with_angle)};
 }
 
 }  // namespace
@@ -31,26 +53,30 @@ std::optional<UvChoice> choose_uvs(const MeshUnderTest& own, const AssessOptions
   if (mesh.tangents.empty() || mesh.normals.empty() || mesh.uvs.empty()) return std::nullopt;
   if (!options.texture_transform && !other_sets) return std::nullopt;
   const double limit = options.max_angle_deg;
-  if (share_within(mesh, own.raw_sign, own, limit) >= follows) return std::nullopt;
-  // The one copy of the mesh, for all that are tried.
-  UvChoice choice{mesh, std::nullopt, false};
-  const auto is_followed = [&] {
-    return share_within(choice.mesh, triangle_signs(choice.mesh), own, limit) >= follows;
+  const Following by_own = following(mesh, own.raw_sign, own, limit);
+  double best_rad = by_own.is_enough() ? closer * by_own.mean_rad : std::numeric_limits<double>::infinity();
+  UvChoice tried{mesh, std::nullopt, false};
+  std::optional<UvChoice> choice;
+  const auto try_it = [&] {
+    const Following by_these = following(tried.mesh, triangle_signs(tried.mesh), own, limit);
+    if (!by_these.is_enough() || !(by_these.mean_rad < best_rad)) return;
+    best_rad = by_these.mean_rad;
+    choice = tried;
   };
   if (options.texture_transform) {
     const UvConvention transform{"", *options.texture_transform};
-    for (Vec2<double>& uv : choice.mesh.uvs) uv = transform.surface_uv(uv);
-    choice.transformed = true;
-    if (is_followed()) return choice;
+    for (Vec2<double>& uv : tried.mesh.uvs) uv = transform.surface_uv(uv);
+    tried.transformed = true;
+    try_it();
   }
-  choice.transformed = false;
-  if (!other_sets) return std::nullopt;
+  tried.transformed = false;
+  if (!other_sets) return choice;
   for (const auto& [set, uvs] : options.other_uvs) {
-    choice.mesh.uvs = uvs;
-    choice.set = set;
-    if (is_followed()) return choice;
+    tried.mesh.uvs = uvs;
+    tried.set = set;
+    try_it();
   }
-  return std::nullopt;
+  return choice;
 }
 
 }  // namespace darboux

@@ -15,9 +15,10 @@ struct UvChoice {
   bool transformed = false;  // the mesh's after KHR_texture_transform
 };
 
-// Other uvs than the mesh's own that its tangents follow where they do not follow those: after
-// KHR_texture_transform, or of another set where the material names none. Nothing where the mesh's own serve
-// as well. Follow means: at 80 % of the corners or more the tangent lies within the cone of its triangles.
+// Other uvs than the mesh's own that its tangents follow, after KHR_texture_transform or, where the material
+// names none, of another set: where they do not follow those, or follow these more closely by 3 %. Follow
+// means: at 80 % of the corners or more the tangent lies within the cone of its triangles; how closely is the
+// mean angle to the dpdu of each corner's triangle.
 // \param own of prepare()
 std::optional<UvChoice> choose_uvs(const MeshUnderTest& own, const AssessOptions& options);
 

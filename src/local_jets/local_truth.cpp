@@ -18,7 +18,11 @@ namespace {
 
 constexpr int first_degree = 3, finest_degree = 4;
 constexpr double close = 2e-5;  // a thousandth of a degree
-constexpr int most_rings = 5;   // the corner of a grid has too few within four
+// A polynomial that its neighbours do not determine, as of the fourth degree over four rows, is singular.
+// Where the rows lie askew, roundings of floats (6e-8) hide that, and its errors with it: from here on they
+// decide.
+constexpr double worst_condition = 1e6;
+constexpr int most_rings = 5;  // the corner of a grid has too few within four
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 Truth no_truth() {
@@ -118,7 +122,9 @@ class LocalTruth {
     for (std::size_t k = 0; k < asked_.size(); ++k) {
       const auto& [open, begin, end, first_ring_end] = asked_[k];
       const UvJet& jet = jets_[k];
-      if (!std::isfinite(jet.normal_error) || !std::isfinite(jet.tangent_error)) continue;
+      if (!(jet.condition < worst_condition) || !std::isfinite(jet.normal_error) ||
+          !std::isfinite(jet.tangent_error))
+        continue;
       const auto first_ring = std::span<const Index>(near_).subspan(begin, first_ring_end - begin);
       open->best = is_singular(jet.jet, rings_.uv(open->node), first_ring, mesh_.uvs)
                        ? no_truth()

@@ -136,6 +136,8 @@ class Closely {
     const double outside = outside_deg(v, *cone);
     if (outside <= limit_deg) return {Claim::within, std::nullopt};
     if (directions->uncertain) return {Claim::none, std::nullopt};
+    if (directions->pole_turn > 0 && outside <= limit_deg + degrees_per_radian * directions->pole_turn)
+      return {Claim::none, cone};
     // The frame turns over a triangle about as its normals do.
     if (outside <= one_sided * max_angle_deg_ + degrees_per_radian * directions->normals_turn &&
         !directions->is_uniform() && !directions->closed)
@@ -177,6 +179,7 @@ class Closely {
     std::optional<Arc> cone;  // of their directions, from x to y; nothing: they have none
     double widest = 0;        // half of the widest of them
     double normals_turn = 0;  // from the normal to others of its triangles, the most
+    double pole_turn = 0;     // where an edge of the uvs is collapsed, half of the widest angle of a triangle
     bool closed = false;      // the triangles go all round the vertex, and their charts go on
     bool uncertain = false;   // a triangle tells no direction, and may have drawn the tangent anywhere
 
@@ -190,6 +193,10 @@ class Closely {
     std::uint32_t place;  // of its other end
     Vec2<double> along;   // in uv
     double size;          // of the uvs
+  };
+  struct FanEdge {
+    std::uint32_t place;       // of its other end
+    Vec2<double> there, here;  // uvs
   };
   using Key = std::tuple<std::uint32_t, int, bool, double, double, double>;
 
@@ -227,10 +234,15 @@ class Closely {
     result.x = any_perpendicular(n), result.y = cross(n, result.x);
     arcs_.clear();
     rim_.clear();
+    fan_.clear();
     uncertain_ = false;
     x_ = result.x, y_ = result.y, n_ = n;
     for (auto c = at.first; c != at.last; ++c) {
       const Triangle& triangle = mesh_.triangles[c->triangle];
+      if (raw_sign_[c->triangle] == sign)
+        for (const std::uint32_t k : {c->k + 1, c->k + 2})
+          fan_.push_back(
+              {place(c->triangle, k), mesh_.uvs[corner(c->triangle, k)], mesh_.uvs[triangle[c->k]]});
       if (c->group != own && !are_alike(mesh_.normals[triangle[c->k]], n)) continue;
       add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
       if (raw_sign_[c->triangle] == sign) {
@@ -241,11 +253,13 @@ class Closely {
         for (const std::uint32_t w : triangle)
           if (const double turn = angle_between(mesh_.normals[w], n); turn > result.normals_turn)
             result.normals_turn = turn;
+        result.pole_turn = std::fmax(result.pole_turn, 0.5 * angle_at(*c));
       }
       for (std::uint32_t k = 0; of_quads && k < 3; ++k) add_other_diagonal(*c, k, sign);
     }
     for (const Arc& arc : arcs_) result.widest = std::fmax(result.widest, arc.half);
     result.closed = goes_all_round();
+    if (!is_collapsed_edge()) result.pole_turn = 0;
     result.uncertain = uncertain_;
     if (!arcs_.empty()) result.cone = hull(arcs_);
     return result;
@@ -276,6 +290,28 @@ class Closely {
                   8 * half_step(mesh_.half_steps.uv, std::fmax(rim_[i].size, rim_[i + 1].size)))
         return false;
     return true;
+  }
+  // The angle of a triangle at its corner, in the plane at hand.
+  double angle_at(const Corner& c) const {
+    const Vec3<double>& at = mesh_.positions[corner(c.triangle, c.k)];
+    const auto direction = [&](std::uint32_t k) {
+      const Vec3<double> e = mesh_.positions[corner(c.triangle, k)] - at;
+      return std::atan2(dot(e, y_), dot(e, x_));
+    };
+    return std::fabs(std::remainder(direction(c.k + 1) - direction(c.k + 2), 2 * pi));
+  }
+  // Whether the uvs of this place are a line, as at a pole: edges from here to one uv begin at two, three
+  // times at least. The direction of u turns along that line, by a triangle's angle from its one end to the
+  // other.
+  bool is_collapsed_edge() {
+    std::sort(fan_.begin(), fan_.end(), [](const FanEdge& a, const FanEdge& b) { return a.place < b.place; });
+    int split = 0;
+    for (std::size_t i = 0; i + 1 < fan_.size(); ++i) {
+      const FanEdge &a = fan_[i], &b = fan_[i + 1];
+      const double apart = norm(a.here - b.here);
+      split += a.place == b.place && norm(a.there - b.there) <= 1e-3 * apart;
+    }
+    return split >= 3;
   }
   // The direction of a triangle with its interval, where its uvs wind as asked.
   void add(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv, int sign) {
@@ -388,11 +424,16 @@ class Closely {
   // Of the directions at hand: their plane, and what the triangles say so far.
   Vec3<double> x_{}, y_{}, n_{};
   std::vector<Arc> arcs_;
-  std::vector<Spoke> rim_;  // the edges at the vertex, twice each where the triangles go all round
+  std::vector<Spoke> rim_;    // the edges at the vertex, twice each where the triangles go all round
+  std::vector<FanEdge> fan_;  // the same edges, and those of other normals
   bool uncertain_ = false;
 };
 
 }  // namespace
+
+Vec3<double> direction_of_dpdu(const Mesh& mesh, const Triangle& t, int sign) {
+  return along_u(positions_of(mesh, t), uvs_of(mesh, t), sign);
+}
 
 Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std::vector<bool>& has_area,
              const VertexJoins& joins, std::span<const double> limit_deg, double max_angle_deg) {
@@ -406,7 +447,7 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (raw_sign[t] == 0 || !has_area[t]) continue;
     const Triangle& triangle = mesh.triangles[t];
-    const Vec3<double> along = along_u(positions_of(mesh, triangle), uvs_of(mesh, triangle), raw_sign[t]);
+    const Vec3<double> along = direction_of_dpdu(mesh, triangle, raw_sign[t]);
     for (const std::uint32_t v : triangle) {
       const std::size_t place = place_of(v, raw_sign[t]);
       if (claims_[place] == Claim::within) continue;

@@ -15,7 +15,9 @@
 // have drawn the tangent outside, nothing is claimed. Nor is it where the triangles lie on one side of a
 // curved vertex only, as at creases, tips, folds of the uvs and where charts meet that do not go on, and the
 // tangent is outside by no more than three times the limit and the turn of the normals over them: the true
-// direction may lie half a triangle beyond them. But where one turn about the normals, by 30 degrees or more,
+// direction may lie half a triangle beyond them. Nor at a collapsed edge of the uvs, a pole, of a tangent
+// that is outside by no more than the limit and half of the triangle's angle there: each column has a vertex
+// of its own, which lies on one side of it. But where one turn about the normals, by 30 degrees or more,
 // would bring nine tenths of a mesh's or a part's tangents from outside their cones to within the limit of
 // them, that explains what is left open, and no shape does: those are beyond, too.
 #pragma once
@@ -29,6 +31,10 @@
 #include "mesh/vertex_joins.h"
 
 namespace darboux {
+
+// A multiple of a triangle's dpdu in its direction, of ordinary size; zero or NaN where there is none.
+// \param sign its raw sign
+Vec3<double> direction_of_dpdu(const Mesh& mesh, const Triangle& t, int sign);
 
 class Cones {
  public:

@@ -26,7 +26,7 @@ constexpr std::array kinds{
                 "compute w from the sign of the uv area; split vertices where uvs are mirrored"},
     FindingKind{"TANGENT_ANGLE", error, "tangents point away from the true direction by more than the limit",
                 "see whether tangents belong to another uv set, or were computed before the uvs or normals "
-                "were changed"},
+                "were changed; a mesh too coarse for the limit needs refining, or --max-angle"},
     FindingKind{"NORMAL_NOT_FINITE", error, "normals hold NaN or infinity",
                 "look for triangles without area"},
     FindingKind{"NORMAL_NOT_UNIT", error, "normals are not of unit length", "normalise before writing"},
@@ -60,7 +60,7 @@ constexpr std::array kinds{
                 "split vertices where uvs are mirrored"},
     FindingKind{"NORMALS_OPPOSE_WINDING", warning,
                 "triangles are wound clockwise as seen along their normals",
-                "reverse the winding, as after baking a mirror"},
+                "reverse the winding, as after baking a mirror, or negate the normals"},
     FindingKind{
         "INDICES_LEFT_OVER", warning,
         "the last indices do not make a whole triangle (counted in indices); only whole triangles are judged",

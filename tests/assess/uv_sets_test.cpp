@@ -1,5 +1,7 @@
 // The uv sets of a primitive: which are read, and that tangents which follow another than the one assessed by
 // are named.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include <darboux/assess.h>
@@ -102,6 +104,33 @@ TEST(UvSets, TangentsThatFollowAnotherAreNamed) {
       EXPECT_EQ(uv_set_finding(assessments[0]).empty(), !other);
     }
   }
+}
+
+// A coarse mesh's cones are wide: most hold the tangents that follow the transformed uvs too, so that cones
+// alone do not tell which they follow.
+TEST(UvSets, TangentsMayFollowTheTextureTransform) {
+  for (const auto& [columns, rows] : {std::pair{16, 8}, {24, 12}, {48, 24}})
+    for (const double angle : {0.15, 0.3, 0.5, 0.8, 2.5}) {
+      SCOPED_TRACE(std::to_string(columns) + " columns, turned by " + std::to_string(angle));
+      Mesh mesh = sample_mesh(make_surface("torus"), {.columns = columns, .rows = rows});
+      AssessOptions options;
+      const double c = std::cos(angle), s = std::sin(angle);
+      options.texture_transform = {c, s, -s, c, 0, 0};
+      const auto assessed = [&] {
+        const std::vector<Assessment> assessments = assess_parts(mesh, options);
+        bool transformed = false, angles = false;
+        for (const Finding& f : assessments.front().report.findings) {
+          transformed = transformed || f.code == "TANGENT_TEXTURE_TRANSFORM";
+          angles = angles || f.code == "TANGENT_ANGLE";
+        }
+        EXPECT_EQ(assessments.front().report.verdict, Verdict::pass);
+        EXPECT_FALSE(angles);
+        return transformed;
+      };
+      EXPECT_FALSE(assessed());
+      for (Vec2<double>& uv : mesh.uvs) uv = {c * uv.x - s * uv.y, s * uv.x + c * uv.y};
+      EXPECT_TRUE(assessed());
+    }
 }
 
 TEST(UvSets, OthersAreReadOnlyWhereTangentsMayFollowThem) {

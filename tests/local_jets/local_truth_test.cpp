@@ -186,5 +186,42 @@ TEST(Rings, WalksStartAnew) {
   }
 }
 
+// Beside the border of a grid some polynomials have too few rows, and are singular; uvs that are turned and
+// rounded to floats hide that. Normals were off by up to 160 degrees, known to two.
+TEST(LocalTruth, TurnedUvsChangeNoNormal) {
+  constexpr int n = 40;
+  const auto truth_of_turned = [](double angle) {
+    Mesh mesh;
+    for (int i = 0; i <= n; ++i)
+      for (int k = 0; k <= n; ++k) {
+        const double x = static_cast<double>(i) / n, y = static_cast<double>(k) / n;
+        mesh.positions.push_back({x, y, 0.04 * (std::sin(31 * x + 3) * std::cos(23 * y) + std::sin(41 * y))});
+        mesh.uvs.push_back({static_cast<float>(std::cos(angle) * x - std::sin(angle) * y),
+                            static_cast<float>(std::sin(angle) * x + std::cos(angle) * y)});
+      }
+    for (std::uint32_t i = 0; i < n; ++i)
+      for (std::uint32_t k = 0; k < n; ++k) {
+        const std::uint32_t a = i * (n + 1) + k, b = a + n + 1;
+        mesh.triangles.push_back({a, b, b + 1});
+        mesh.triangles.push_back({a, b + 1, a + 1});
+      }
+    return local_truth(mesh);
+  };
+  const std::vector<Truth> straight = truth_of_turned(0);
+  for (const double angle : {0.1, 0.5, 0.785, 1.05}) {
+    SCOPED_TRACE("turned by " + std::to_string(angle));
+    const std::vector<Truth> turned = truth_of_turned(angle);
+    std::size_t known = 0;
+    for (std::size_t v = 0; v < turned.size(); ++v) {
+      if (!(turned[v].normal_deg < 5 && straight[v].normal_deg < 5)) continue;
+      ++known;
+      EXPECT_LT(degrees(turned[v].normal, straight[v].normal),
+                1 + 6 * std::hypot(turned[v].normal_deg, straight[v].normal_deg))
+          << "vertex " << v;
+    }
+    EXPECT_GT(known, 200u);
+  }
+}
+
 }  // namespace
 }  // namespace darboux

@@ -282,6 +282,22 @@ TEST(Cones, LeaveOutWhatIsNoAverageAtBorders) {
 
 // Very many triangles at one place, each with vertices of its own: what is claimed of a few of them is
 // claimed of all. (Each looked at beside each of the others would take hours.)
+// At the tip of a flat cone each column has a vertex of its own, whose exact tangent is that of one side of
+// the column: half of it off its only triangle.
+TEST(Cones, LeaveOutHalfAColumnAtTips) {
+  for (const char* height : {"0.07", "0.15", "1"})
+    for (const int columns : {6, 7, 8, 9, 10, 16}) {
+      SCOPED_TRACE(std::string(height) + " high, " + std::to_string(columns) + " columns");
+      Mesh mesh = sample_mesh(make_surface(std::string("cone:radius=1,height=") + height),
+                              {.columns = columns, .rows = 1});
+      EXPECT_EQ(assessed(mesh).outside, 0u);
+      const std::uint32_t tip = mesh.triangles.front()[2];
+      const Vec3<double> t = mesh.tangents[tip].xyz(), turned = cross(mesh.normals[tip], t);
+      mesh.tangents[tip] = {turned.x, turned.y, turned.z, mesh.tangents[tip].w};
+      EXPECT_EQ(assessed(mesh).outside, 1u);
+    }
+}
+
 TEST(Cones, OfVeryManyTrianglesAtAPlace) {
   for (const std::uint32_t n : {20U, 200U, 1000U, 100000U})
     for (const double degrees : {0.0, 90.0, 180.0, 300.0}) {
