@@ -57,7 +57,7 @@ struct Assessment {
 
 /// Assesses the mesh as one surface: fit_surface() or fit_any_surface(), else fit_positions(), else the other
 /// references. Adds to validate()'s findings: SURFACE_MISMATCH (error) where a declared surface is farther
-/// off than fits_below, SURFACE_UNKNOWN (info) where none of the catalogue is recognised, UV_MISSING (info)
+/// off than fits_below, SURFACE_UNKNOWN (info) where none is recognised, UV_MISSING (info)
 /// without uvs. \throws ParameterError for an unknown surface or parameter, MeshError for an inconsistent
 /// mesh
 Assessment assess(const Mesh& mesh, const AssessOptions& options = {});
@@ -66,9 +66,9 @@ Assessment assess(const Mesh& mesh, const AssessOptions& options = {});
 /// triangles joined over edges whose vertices agree in position, normal and uv, those whose uvs wind
 /// differently apart; and where such a part is none, those that edges cut off it where faces meet at more
 /// than 50 degrees. Those that are recognised, or fit the declared surface, have an assessment each, in the
-/// order of the mesh; all the rest shares one, the last. Where none is, or there are more than 256 parts,
-/// there is one assessment of the whole. Vertices are numbered as in the mesh. All parts share the budget.
-/// \throws as assess() does
+/// order of the mesh; all the rest shares one, the last. Where none is, there is one assessment of the whole;
+/// of more than 256 parts the largest 256 are looked at, the others belong to the rest. Vertices are numbered
+/// as in the mesh. All parts share the budget. \throws as assess() does
 std::vector<Assessment> assess_parts(const Mesh& mesh, const AssessOptions& options = {});
 
 }  // namespace darboux

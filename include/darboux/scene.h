@@ -85,7 +85,7 @@ struct SceneRequest {
   /// scene's unit of length.
   double chord_px = 0.5, chord = std::numeric_limits<double>::infinity();
   /// By how much t, b and n may differ from those interpolated in a triangle and normalised.
-  double frame_angle_rad = 0.0175;  // about 1 degree
+  double frame_angle_rad = 0.0175;  ///< radians, about 1 degree
   /// What may be skipped. Nothing is every instance uniformly, at the resolution that its nearest point
   /// needs.
   struct Skip {
@@ -155,7 +155,7 @@ struct ScenePlan {
 
   std::uint64_t instances_needed = 0;  ///< those with at least one tile, and parts of instances of meshes
   std::uint64_t tiles_all = 0;         ///< of all instances at their finest resolution
-  std::uint64_t tiles_needed = 0;      ///< all, less those skipped: distinct patches and distinct parts
+  std::uint64_t tiles_needed = 0;      ///< all, less those skipped: patches and parts of meshes
   SkippedTiles skipped;
   /// Of those needed, before duplicates and what is hidden: their resolution is an estimate from samples,
   /// half as much again, next to poles, on surfaces without bounds, and without skip.below_error on those

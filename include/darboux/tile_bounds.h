@@ -125,7 +125,8 @@ class TileBounds {
   /// An upper bound, a length, of n · (eye - P), n unit: where it is negative, all of the tile faces away
   /// from the eye. Of a surface that is open, or that is seen from inside, that side is seen all the same:
   /// cull only what is single-sided and not displaced. Of closed forms it exceeds the maximum by at most 32u
-  /// (|eye| + size), but of ellipsoids, where only its sign is so exact.
+  /// (|eye| + size), of ellipsoids only its sign is told, to that
+  /// times the longest over the shortest semi-axis.
   double facing(const Vec3<double>& eye) const;
   /// The same for parallel rays: of n · towards_eye.
   double facing_along(const Vec3<double>& towards_eye) const;

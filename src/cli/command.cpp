@@ -22,7 +22,7 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
                "print no progress bar and no notes; commands that judge print one verdict per line, commands "
                "that write files print nothing but errors");
   sub.add_option("--threads", common.threads,
-                 "number of threads; results do not depend on it, but times that are measured")
+                 "number of threads; results do not depend on it, only measured times do")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
@@ -34,7 +34,7 @@ void add_read_options(CLI::App& sub, Common& common) {
                "open files outside the folder of a .gltf that it names by ../ or a symbolic link");
   sub.add_flag_callback(
       "--no-sandbox", [&common] { common.read.sandbox = false; },
-      "read OBJ and FBX without confining the process that does, where the kernel has no seccomp");
+      "do not confine the process that reads OBJ and FBX; only for kernels without seccomp");
   sub.add_option_function<std::uint64_t>(
          "--max-memory", [&common](const std::uint64_t& bytes) { common.read.max_memory = bytes; },
          "largest size of the decoded content of a glTF, COLLADA, PLY or image, such as 8GiB [4GiB or 16 "

@@ -309,7 +309,7 @@ class Closely {
     for (std::size_t i = 0; i + 1 < fan_.size(); ++i) {
       const FanEdge &a = fan_[i], &b = fan_[i + 1];
       const double apart = norm(a.here - b.here);
-      split += a.place == b.place && norm(a.there - b.there) <= 1e-3 * apart;
+      split += a.place == b.place && apart > 0 && norm(a.there - b.there) <= 1e-3 * apart;
     }
     return split >= 3;
   }

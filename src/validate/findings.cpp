@@ -111,9 +111,10 @@ constexpr std::array kinds{
                 "vertices are shared by two surfaces that meet at an angle: no normal or tangent is right "
                 "for both; these vertices are not judged",
                 "nothing, if the edge should look round; otherwise split the vertices"},
-    FindingKind{"PARTS_TOO_MANY", info,
-                "the mesh falls into more than 256 parts, which were not compared with surfaces one by one",
-                "nothing, or give each surface a primitive of its own"},
+    FindingKind{
+        "PARTS_TOO_MANY", info,
+        "the mesh falls into more than 256 parts, of which the largest 256 were compared with surfaces",
+        "nothing, or give each surface a primitive of its own"},
     FindingKind{"PARTS_IN_BRIEF", info,
                 "after a dozen parts without a known surface, the others were compared with spheres, "
                 "cylinders, cones and tori only (counted in parts)",

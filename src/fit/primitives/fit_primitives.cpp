@@ -107,7 +107,8 @@ class PrimitivesFit {
     };
     for (Search& search : searches) search.look(), work(1);
     constexpr double nearly_all = 0.9;
-    if (std::none_of(searches.begin(), searches.end(),
+    if (problem.effort == Effort::full &&
+        std::none_of(searches.begin(), searches.end(),
                      [](const Search& search) { return search.share_of_inliers() > nearly_all; }))
       for (Search& search : searches) search.look_among_outliers();
     // No more rounds where a likely surface of another kind is found: far likelier, or simpler and as likely.

@@ -132,8 +132,8 @@ struct Primitive {
   std::optional<GeometricParameters> (*start)(const OrientedPoints& sample);
   // As well, by an equation that needs no normals: neighbours in a grid may lie on one curve, and have none.
   std::optional<GeometricParameters> (*start_by_equation)(const Eigen::Matrix3Xd& sample) = nullptr;
-  // Surfaces from all points where many are outliers, without normals: those tell little of a tube that is
-  // thin beside the noise.
+  // Surfaces from the points that are scored, where many are outliers, without normals: those tell little of
+  // a tube that is thin beside the noise.
   std::vector<GeometricParameters> (*starts_among_outliers)(const Eigen::Matrix3Xd& points,
                                                             std::mt19937_64& random) = nullptr;
   // The local model at the surface point nearest to `at`; an inverse of geometric(). Not finite where there

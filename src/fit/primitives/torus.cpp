@@ -8,7 +8,9 @@
 #include <darboux/torus.h>
 
 #include "any_surface/compiled_models.h"
+#include "base/evenly_chosen.h"
 #include "base/linear_algebra.h"
+#include "base/quantile.h"
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
@@ -130,13 +132,15 @@ std::optional<Circle3> circle_through(const Vector3d& a, const Vector3d& b, cons
 }
 
 // How many points a tube about a circle holds, by their sorted distances from it: k of n within a distance
-// are likeliest where k log(k / volume of that tube) + (n - k) log((n - k) / what is left) is largest.
+// are likeliest where k log(k / volume of that tube) + (n - k) log((n - k) / what is left) is largest. The
+// three that the circle was laid through count for nothing.
 std::size_t count_in_tube(const std::vector<double>& sorted, double circle_radius, double volume) {
-  const auto n = static_cast<double>(sorted.size());
   double best = 0;
   std::size_t count = 0;
-  for (std::size_t i = sorted.size() / 10; i + 1 < sorted.size(); ++i) {
-    const double k = static_cast<double>(i + 1), minor = sorted[i],
+  constexpr std::size_t laid_through = 3, least = 10;
+  const double n = static_cast<double>(sorted.size()) - laid_through;
+  for (std::size_t i = std::max(sorted.size() / 10, least); i + 1 < sorted.size(); ++i) {
+    const double k = static_cast<double>(i + 1 - laid_through), minor = sorted[i],
                  tube = 2 * std::numbers::pi * std::numbers::pi * circle_radius * minor * minor;
     if (!(tube < 0.9 * volume)) break;
     const double value = k * std::log(k / tube) + (n - k) * std::log((n - k) / (volume - tube));
@@ -146,14 +150,17 @@ std::size_t count_in_tube(const std::vector<double>& sorted, double circle_radiu
 }
 
 // Circles that many points are near: through three points, then in a few rounds that of the points in the
-// likeliest tube about it. The tube's radius is the median of their distances.
+// likeliest tube about it. The tube's radius is the median of their distances from the last but one.
 std::vector<GeometricParameters> starts_among_outliers(const Eigen::Matrix3Xd& all_points,
                                                        std::mt19937_64& random) {
   constexpr int circles = 60, rounds = 4;
   constexpr Eigen::Index enough = 200;
-  const Eigen::Matrix3Xd points = all_points(
-      Eigen::all, Eigen::seq(0, Eigen::last, std::max<Eigen::Index>(1, all_points.cols() / enough)));
-  const double volume = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).prod();
+  const Eigen::Matrix3Xd points = all_points(Eigen::all, evenly_chosen(all_points.cols(), enough, random));
+  // Of a ball that holds nine tenths of them: some may be far.
+  const Vector3d mean = points.rowwise().mean();
+  std::vector<double> from_mean;
+  for (const auto& p : points.colwise()) from_mean.push_back((p - mean).norm());
+  const double volume = 4 * std::numbers::pi / 3 * std::pow(quantile(from_mean, 0.9), 3);
   const auto any = [&] {
     return Vector3d(
         points.col(static_cast<Eigen::Index>(random() % static_cast<std::uint64_t>(points.cols()))));
@@ -181,7 +188,7 @@ std::vector<GeometricParameters> starts_among_outliers(const Eigen::Matrix3Xd& a
                      [&](double d) { return d <= within ? 1. : 0.; });
       circle = algebraic_circle(points, weights);
     }
-    if (!circle) continue;
+    if (!circle || !(minor > 0)) continue;
     if (const auto torus =
             checked_start({circle->centre, axes_with_z(circle->axis), {circle->radius, minor}}))
       result.push_back(*torus);
