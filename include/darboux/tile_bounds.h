@@ -32,7 +32,8 @@ struct TileRates {
   double frame_uu = unknown, frame_uv = unknown, frame_vv = unknown;
 
   /// An upper bound of the distance from the surface to its points interpolated linearly in any triangle
-  /// within a cell of size du × dv: (M_uu du² + 2 M_uv du dv + M_vv dv²)/8, M the largest |d²P|. [Filip1986]
+  /// within a cell of size du × dv: (M_uu du² + 2 M_uv du dv + M_vv dv²)/8, M the largest |d²P|
+  /// [Filip1986].
   double chord(double du, double dv) const;
   /// Upper bounds, in radians, of the angle between n, or whichever of t, b and n, and the same vector
   /// interpolated linearly in such a triangle and normalised; infinite where the interpolated one may
@@ -116,8 +117,8 @@ class TileBounds {
   /// that of the direction. Infinite where that is not known.
   double facing_rate() const;
 
-  /// An upper bound of direction · P over the tile: the tile lies wholly where direction · P <= support. With
-  /// the outer normal of a plane of the frustum, a tile is outside where -support(-normal) exceeds its
+  /// An upper bound of direction · P over the tile: the tile lies wholly where direction · P <= support.
+  /// With the outer normal of a plane of the frustum, a tile is outside where -support(-normal) exceeds its
   /// offset; with the axes it is the tile's box. Of closed forms it exceeds the maximum by at most
   /// 32u |direction| size, size a length about that of the tile's farthest point from the origin.
   double support(const Vec3<double>& direction) const;
@@ -125,8 +126,8 @@ class TileBounds {
   /// An upper bound, a length, of n · (eye - P), n unit: where it is negative, all of the tile faces away
   /// from the eye. Of a surface that is open, or that is seen from inside, that side is seen all the same:
   /// cull only what is single-sided and not displaced. Of closed forms it exceeds the maximum by at most 32u
-  /// (|eye| + size), of ellipsoids only its sign is told, to that
-  /// times the longest over the shortest semi-axis.
+  /// (|eye| + size); of ellipsoids it tells the sign alone, within that times the ratio of the longest to the
+  /// shortest semi-axis.
   double facing(const Vec3<double>& eye) const;
   /// The same for parallel rays: of n · towards_eye.
   double facing_along(const Vec3<double>& towards_eye) const;

@@ -189,14 +189,12 @@ class Closely {
              cone->half <= widest + uniform_deg / degrees_per_radian;
     }
   };
+  // An edge of a triangle from its corner here.
   struct Spoke {
-    std::uint32_t place;  // of its other end
-    Vec2<double> along;   // in uv
-    double size;          // of the uvs
-  };
-  struct FanEdge {
     std::uint32_t place;       // of its other end
     Vec2<double> there, here;  // uvs
+    double size;               // of the triangle's uvs
+    Vec2<double> along() const { return there - here; }
   };
   using Key = std::tuple<std::uint32_t, int, bool, double, double, double>;
 
@@ -239,17 +237,11 @@ class Closely {
     x_ = result.x, y_ = result.y, n_ = n;
     for (auto c = at.first; c != at.last; ++c) {
       const Triangle& triangle = mesh_.triangles[c->triangle];
-      if (raw_sign_[c->triangle] == sign)
-        for (const std::uint32_t k : {c->k + 1, c->k + 2})
-          fan_.push_back(
-              {place(c->triangle, k), mesh_.uvs[corner(c->triangle, k)], mesh_.uvs[triangle[c->k]]});
+      if (raw_sign_[c->triangle] == sign) add_spokes(*c, fan_);
       if (c->group != own && !are_alike(mesh_.normals[triangle[c->k]], n)) continue;
       add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
       if (raw_sign_[c->triangle] == sign) {
-        const double size = largest_coordinate(uvs_of(mesh_, triangle));
-        for (const std::uint32_t k : {c->k + 1, c->k + 2})
-          rim_.push_back(
-              {place(c->triangle, k), mesh_.uvs[corner(c->triangle, k)] - mesh_.uvs[triangle[c->k]], size});
+        add_spokes(*c, rim_);
         for (const std::uint32_t w : triangle)
           if (const double turn = angle_between(mesh_.normals[w], n); turn > result.normals_turn)
             result.normals_turn = turn;
@@ -281,15 +273,21 @@ class Closely {
   bool goes_all_round() {
     constexpr double rounding = 1e-4;
     std::sort(rim_.begin(), rim_.end(), [](const Spoke& a, const Spoke& b) {
-      return std::tuple(a.place, a.along.x, a.along.y) < std::tuple(b.place, b.along.x, b.along.y);
+      return std::tuple(a.place, a.along().x, a.along().y) < std::tuple(b.place, b.along().x, b.along().y);
     });
     for (std::size_t i = 0; i < rim_.size(); i += 2)
       if (i + 1 == rim_.size() || rim_[i].place != rim_[i + 1].place ||
-          norm(rim_[i].along - rim_[i + 1].along) >
-              rounding * norm(rim_[i].along) +
+          norm(rim_[i].along() - rim_[i + 1].along()) >
+              rounding * norm(rim_[i].along()) +
                   8 * half_step(mesh_.half_steps.uv, std::fmax(rim_[i].size, rim_[i + 1].size)))
         return false;
     return true;
+  }
+  void add_spokes(const Corner& c, std::vector<Spoke>& to) const {
+    const Triangle& triangle = mesh_.triangles[c.triangle];
+    const double size = largest_coordinate(uvs_of(mesh_, triangle));
+    for (const std::uint32_t k : {c.k + 1, c.k + 2})
+      to.push_back({place(c.triangle, k), mesh_.uvs[corner(c.triangle, k)], mesh_.uvs[triangle[c.k]], size});
   }
   // The angle of a triangle at its corner, in the plane at hand.
   double angle_at(const Corner& c) const {
@@ -304,12 +302,16 @@ class Closely {
   // times at least. The direction of u turns along that line, by a triangle's angle from its one end to the
   // other.
   bool is_collapsed_edge() {
-    std::sort(fan_.begin(), fan_.end(), [](const FanEdge& a, const FanEdge& b) { return a.place < b.place; });
+    constexpr double alike = 1e-3;  // of the way between the two
+    const auto order = [](const Spoke& s) {
+      return std::tuple(s.place, s.there.x, s.there.y, s.here.x, s.here.y);
+    };
+    std::sort(fan_.begin(), fan_.end(), [&](const Spoke& a, const Spoke& b) { return order(a) < order(b); });
     int split = 0;
     for (std::size_t i = 0; i + 1 < fan_.size(); ++i) {
-      const FanEdge &a = fan_[i], &b = fan_[i + 1];
+      const Spoke &a = fan_[i], &b = fan_[i + 1];
       const double apart = norm(a.here - b.here);
-      split += a.place == b.place && apart > 0 && norm(a.there - b.there) <= 1e-3 * apart;
+      split += a.place == b.place && apart > 0 && norm(a.there - b.there) <= alike * apart;
     }
     return split >= 3;
   }
@@ -424,8 +426,8 @@ class Closely {
   // Of the directions at hand: their plane, and what the triangles say so far.
   Vec3<double> x_{}, y_{}, n_{};
   std::vector<Arc> arcs_;
-  std::vector<Spoke> rim_;    // the edges at the vertex, twice each where the triangles go all round
-  std::vector<FanEdge> fan_;  // the same edges, and those of other normals
+  std::vector<Spoke> rim_;  // the edges at the vertex, twice each where the triangles go all round
+  std::vector<Spoke> fan_;  // the same, and those of other normals
   bool uncertain_ = false;
 };
 
