@@ -201,6 +201,11 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const 
       if (fit.chart == UvChart::projected && detail::finite(frame.n)) {
         const Eigen::Vector3d n = to_eigen(frame.n);
         const double facing = n.dot(d);
+        // Seen from the side, where the tangent turns by 180 degrees.
+        if (!(std::fabs(facing) > 10 * frame.normal_deg * std::numbers::pi / 180)) {
+          result.push_back(truth);
+          continue;
+        }
         const Eigen::Vector3d t = fit.projection.col(0) - n.dot(fit.projection.col(0)) / facing * d,
                               b = fit.projection.col(1) - n.dot(fit.projection.col(1)) / facing * d;
         truth.tangent = from_eigen(t.normalized());

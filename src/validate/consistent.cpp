@@ -19,7 +19,8 @@
 namespace darboux {
 namespace {
 
-constexpr double one_sided = 3;  // times the limit
+constexpr double one_sided = 3;            // times the limit
+constexpr double most_turned_on_deg = 45;  // from the next triangles to a border
 constexpr double uniform_deg = 0.1;
 constexpr double average_deg = 1;  // from a common average of triangles' normals
 // Normals at one place that count as one. assimp's dot product is 0.9999.
@@ -36,6 +37,7 @@ constexpr std::size_t least_turned = 8;  // corners of vertices
 constexpr std::ptrdiff_t most_at_a_place = 256;  // corners
 constexpr std::ptrdiff_t kept_from = 16;         // corners at a place whose directions are kept for the next
 constexpr std::ptrdiff_t most_at_an_edge = 64;   // triangles that each make a quad with each of the others
+constexpr std::ptrdiff_t most_next = 64;         // triangles at a place whose turn is looked at
 
 // \param n unit
 bool are_alike(const Vec3<double>& a, const Vec3<double>& n) {
@@ -138,10 +140,15 @@ class Closely {
     if (directions->uncertain) return {Claim::none, std::nullopt};
     if (directions->pole_turn > 0 && outside <= limit_deg + degrees_per_radian * directions->pole_turn)
       return {Claim::none, cone};
-    // The frame turns over a triangle about as its normals do.
-    if (outside <= one_sided * max_angle_deg_ + degrees_per_radian * directions->normals_turn &&
-        !directions->is_uniform() && !directions->closed)
+    if (directions->closed) return {Claim::beyond, cone};
+    // The frame turns over a triangle about as its normals do, or goes on to turn as from the next triangles.
+    const double left_open = one_sided * max_angle_deg_;
+    if (outside <= left_open + degrees_per_radian * directions->normals_turn && !directions->is_uniform())
       return {Claim::none, cone};
+    if (outside > left_open + most_turned_on_deg) return {Claim::beyond, cone};
+    const bool clockwise = std::remainder(cone->middle, 2 * pi) < 0;
+    const double on = degrees_per_radian * 0.5 * turn_from_next(v, sign, *directions, clockwise);
+    if (on > uniform_deg && outside <= left_open + on) return {Claim::none, cone};
     return {Claim::beyond, cone};
   }
 
@@ -173,6 +180,9 @@ class Closely {
     std::uint32_t from, to, triangle, k;  // places; from corner k to the next
     auto operator<=>(const Edge&) const = default;
   };
+  struct Corners {
+    std::vector<Corner>::const_iterator first, last;
+  };
   // What the triangles of one place and sign say in the plane of one normal.
   struct Directions {
     Vec3<double> x, y;        // the plane's axes
@@ -182,6 +192,7 @@ class Closely {
     double pole_turn = 0;     // where an edge of the uvs is collapsed, half of the widest angle of a triangle
     bool closed = false;      // the triangles go all round the vertex, and their charts go on
     bool uncertain = false;   // a triangle tells no direction, and may have drawn the tangent anywhere
+    Corners at;               // the corners they are of
 
     // Whether neither directions nor normals turn, as on a flat face with its uvs laid flat.
     bool is_uniform() const {
@@ -223,12 +234,10 @@ class Closely {
                 ->second;
   }
 
-  struct Corners {
-    std::vector<Corner>::const_iterator first, last;
-  };
   Directions directions(const Corners& at, std::uint32_t own, const Vec3<double>& n, int sign,
                         bool of_quads) {
     Directions result;
+    result.at = at;
     result.x = any_perpendicular(n), result.y = cross(n, result.x);
     arcs_.clear();
     rim_.clear();
@@ -255,6 +264,46 @@ class Closely {
     result.uncertain = uncertain_;
     if (!arcs_.empty()) result.cone = hull(arcs_);
     return result;
+  }
+
+  // By how much the triangles that share a vertex with those of v turn on from the edge of their cone that is
+  // next to the tangent, the most. \param clockwise on this side
+  double turn_from_next(std::uint32_t v, int sign, const Directions& own, bool clockwise) {
+    if (own.at.last - own.at.first > most_next) return 0;
+    sort_by_vertex();
+    x_ = own.x, y_ = own.y, n_ = unit(mesh_.normals[v]);
+    double most = 0;
+    for (auto c = own.at.first; c != own.at.last; ++c) {
+      if (raw_sign_[c->triangle] != sign) continue;
+      if (!are_alike(mesh_.normals[mesh_.triangles[c->triangle][c->k]], n_)) continue;
+      for (const std::uint32_t k : {c->k + 1, c->k + 2}) {
+        const std::uint32_t w = corner(c->triangle, k), group = joins_.position_and_normal[w];
+        const auto first = std::lower_bound(by_vertex_.begin(), by_vertex_.end(), std::pair{group, 0U}),
+                   last = std::lower_bound(first, by_vertex_.end(), std::pair{group + 1, 0U});
+        if (last - first > most_next) continue;
+        for (auto t = first; t != last; ++t) {
+          const Triangle& next = mesh_.triangles[t->second];
+          const bool goes_on = std::any_of(next.begin(), next.end(), [&](std::uint32_t i) {
+            return joins_.position_and_normal[i] == group && mesh_.uvs[i] == mesh_.uvs[w];
+          });
+          if (!goes_on || raw_sign_[t->second] != sign) continue;
+          arcs_.clear();
+          add(positions_of(mesh_, next), uvs_of(mesh_, next), sign);
+          if (arcs_.empty()) continue;
+          const double turn = std::remainder(arcs_[0].middle - own.cone->middle, 2 * pi);
+          most = std::fmax(most, (clockwise ? -turn : turn) + own.cone->half);
+        }
+      }
+    }
+    return most;
+  }
+  void sort_by_vertex() {
+    if (!by_vertex_.empty()) return;
+    by_vertex_.reserve(3 * mesh_.triangles.size());
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
+      for (const std::uint32_t v : mesh_.triangles[t])
+        by_vertex_.emplace_back(joins_.position_and_normal[v], t);
+    std::sort(by_vertex_.begin(), by_vertex_.end());
   }
 
   // The cone as seen from the tangent, which is the direction 0.
@@ -421,6 +470,7 @@ class Closely {
   double max_angle_deg_;
   std::vector<Corner> corners_;
   std::vector<Edge> edges_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> by_vertex_;  // groups and triangles, once asked for
   std::map<Key, Directions> kept_;
   Directions last_;
   // Of the directions at hand: their plane, and what the triangles say so far.

@@ -377,6 +377,58 @@ TEST(CoarseMeshes, CoarselyStoredUvsAreUvArea) {
 // ---- signs
 
 // Of any vertex of a coarse tube.
+// Octahedral uvs fold at the octahedron's edges. Tangents are exact on the triangle's side of a fold, and a
+// polynomial over both sides is none.
+TEST(CoarseMeshes, UvsMayFold) {
+  for (const std::uint32_t n : {4U, 8U, 16U, 32U}) {
+    Mesh mesh;
+    const auto sign = [](double x) { return x < 0 ? -1.0 : 1.0; };
+    const auto on_octahedron = [&](double x, double y) {
+      const double z = 1 - std::fabs(x) - std::fabs(y);
+      return z < 0 ? V{(1 - std::fabs(y)) * sign(x), (1 - std::fabs(x)) * sign(y), z} : V{x, y, z};
+    };
+    const auto coordinate = [&](std::uint32_t i) { return 2.0 * i / n - 1; };
+    const auto add = [&](std::array<std::array<std::uint32_t, 2>, 3> corners) {
+      double x = 0, y = 0;
+      for (const auto& [i, j] : corners) x += coordinate(i) / 3, y += coordinate(j) / 3;
+      const bool lower = std::fabs(x) + std::fabs(y) > 1;
+      const double s = sign(x), t = sign(y);
+      const V along_x = lower ? V{0, -s * t, -s} : V{1, 0, -s},
+              along_y = lower ? V{-s * t, 0, -t} : V{0, 1, -t};
+      Triangle triangle{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto [i, j] = corners[k];
+        const V p = unit(on_octahedron(coordinate(i), coordinate(j))),
+                tangent = unit(along_x - dot(along_x, p) * p);
+        triangle[k] = static_cast<std::uint32_t>(mesh.positions.size());
+        mesh.positions.push_back(p);
+        mesh.normals.push_back(p);
+        mesh.uvs.push_back({1.0 * i / n, 1.0 * j / n});
+        mesh.tangents.push_back({tangent.x, tangent.y, tangent.z, -sign(dot(cross(p, tangent), along_y))});
+      }
+      const V &a = mesh.positions[triangle[0]], &b = mesh.positions[triangle[1]],
+              &c = mesh.positions[triangle[2]];
+      if (dot(cross(b - a, c - a), a + b + c) < 0) std::swap(triangle[1], triangle[2]);
+      mesh.triangles.push_back(triangle);
+    };
+    for (std::uint32_t j = 0; j < n; ++j)
+      for (std::uint32_t i = 0; i < n; ++i) {
+        // Along the folds.
+        if ((i < n / 2) != (j < n / 2)) {
+          add({{{i, j}, {i + 1, j}, {i + 1, j + 1}}});
+          add({{{i, j}, {i + 1, j + 1}, {i, j + 1}}});
+        } else {
+          add({{{i, j}, {i + 1, j}, {i, j + 1}}});
+          add({{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}});
+        }
+      }
+    const MeshReport report = assess(mesh).report;
+    EXPECT_EQ(report.verdict, Verdict::pass) << n;
+    // Where folds meet, directions go all round, so that triangles do not speak for a tangent.
+    EXPECT_LE(count_of(report, "TANGENT_ANGLE", Severity::warning), n == 8 ? 4U : 0U) << n;
+  }
+}
+
 TEST(Signs, OfOneVertexAreErrors) {
   Mesh mesh = sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.3"),
                           {.columns = 24, .rows = 8, .random_diagonals = true});

@@ -81,6 +81,48 @@ TEST(ValidateParts, ACapIsAssessedThroughItsProjection) {
   }
 }
 
+// Two halves of a sphere under one projection along its axis: at their rim, seen from the side, the tangent's
+// limit is one for the upper half and the opposite for the lower.
+TEST(ValidateParts, ARimSeenFromTheSideHasNoTangent) {
+  std::mt19937_64 random(62);
+  constexpr std::uint32_t rings = 8, columns = 32;
+  for (int k = 0; k < 4; ++k) {
+    Mesh mesh;
+    for (const double side : {1.0, -1.0}) {
+      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+      for (std::uint32_t j = 0; j <= rings; ++j)
+        for (std::uint32_t i = 0; i < columns; ++i) {
+          const double a = 2 * std::numbers::pi * i / columns, b = std::numbers::pi / 2 * j / rings,
+                       x = std::sin(b) * std::cos(a), y = std::sin(b) * std::sin(a),
+                       z = j == rings ? 0 : side * std::cos(b);
+          mesh.positions.push_back({x, y, z});
+          mesh.normals.push_back({x, y, z});
+          mesh.uvs.push_back({x, y});
+          const Vec3<double> t =
+              j < rings ? unit(Vec3<double>{1, 0, -x / z}) : Vec3<double>{0, 0, x > 0 ? -side : side};
+          mesh.tangents.push_back({t.x, t.y, t.z, side});
+        }
+      for (std::uint32_t j = 0; j < rings; ++j)
+        for (std::uint32_t i = 0; i < columns; ++i) {
+          const std::uint32_t next = (i + 1) % columns, p = first + j * columns + i,
+                              q = first + j * columns + next;
+          for (Triangle t : {Triangle{p, p + columns, q + columns}, Triangle{p, q + columns, q}}) {
+            if (side < 0) std::swap(t[1], t[2]);
+            mesh.triangles.push_back(t);
+          }
+        }
+    }
+    place(mesh, random_pose(random, 1));
+    if (k % 2 == 1)
+      for (Vec3<double>& p : mesh.positions) p = {float(p.x), float(p.y), float(p.z)};
+    const Assessment assessment = assess(mesh);
+    ASSERT_TRUE(assessment.fit && assessment.fit->fits);
+    EXPECT_EQ(assessment.fit->chart, UvChart::projected);
+    EXPECT_FALSE(has(assessment.report, "TANGENT_ANGLE"));
+    EXPECT_LT(interior_of(assessment.report).tangent_deg->max, 1e-3);
+  }
+}
+
 // Other uvs on a known surface: normals are the surface's, of tangents it knows nothing.
 TEST(ValidateParts, UnknownUvsOnAKnownSurface) {
   Mesh mesh = sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.4"), {.columns = 64, .rows = 32});
