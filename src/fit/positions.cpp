@@ -181,12 +181,25 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const 
   const fit::Primitive* primitive = fit::primitive_named(fit.surface.surface.info().name);
   const bool tipped = primitive && primitive->has_apex;
   const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
+  const auto known_to = [&](const Vec3<double>& p) {
+    return std::fmax(fit.rms,
+                     std::fmax(mesh.half_steps.position, 0x1p-24 * to_eigen(p).cwiseAbs().maxCoeff()));
+  };
   const auto is_tip = [&](const Vec3<double>& p) {
     if (!tipped) return false;
     const Eigen::Vector3d q = to_local * to_eigen(p);
-    const double known_to =
-        std::fmax(fit.rms, std::fmax(mesh.half_steps.position, 0x1p-24 * to_eigen(p).cwiseAbs().maxCoeff()));
-    return std::hypot(q.x(), q.y()) <= tip_share * known_to;
+    return std::hypot(q.x(), q.y()) <= tip_share * known_to(p);
+  };
+  // Where a projection looks along the surface, its tangent turns by 180 degrees. Whether p lies on one side
+  // of that, ten times as far as it and the normal are known: there a deviation is 6 degrees.
+  const auto is_seen = [&](const Vec3<double>& p, const UncertainFrame& frame) {
+    constexpr double surely = 10, steep = 0.1;
+    const double facing = to_eigen(frame.n).dot(d);
+    if (!(std::fabs(facing) > surely * frame.normal_deg * std::numbers::pi / 180)) return false;
+    if (std::fabs(facing) > steep) return true;
+    const Vec3<double> away = surely * known_to(p) * from_eigen(d);
+    return to_eigen(frame_near(fit.surface, fit, p + away).n).dot(d) * facing > 0 &&
+           to_eigen(frame_near(fit.surface, fit, p - away).n).dot(d) * facing > 0;
   };
   for (const Vec3<double>& p : mesh.positions) {
     Truth truth = unknown;
@@ -198,14 +211,9 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const 
       truth.normal = frame.n;
       truth.normal_deg = frame.normal_deg;
       truth.status = frame.status;
-      if (fit.chart == UvChart::projected && detail::finite(frame.n)) {
+      if (fit.chart == UvChart::projected && detail::finite(frame.n) && is_seen(p, frame)) {
         const Eigen::Vector3d n = to_eigen(frame.n);
         const double facing = n.dot(d);
-        // Seen from the side, where the tangent turns by 180 degrees.
-        if (!(std::fabs(facing) > 10 * frame.normal_deg * std::numbers::pi / 180)) {
-          result.push_back(truth);
-          continue;
-        }
         const Eigen::Vector3d t = fit.projection.col(0) - n.dot(fit.projection.col(0)) / facing * d,
                               b = fit.projection.col(1) - n.dot(fit.projection.col(1)) / facing * d;
         truth.tangent = from_eigen(t.normalized());

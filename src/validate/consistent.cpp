@@ -37,7 +37,7 @@ constexpr std::size_t least_turned = 8;  // corners of vertices
 constexpr std::ptrdiff_t most_at_a_place = 256;  // corners
 constexpr std::ptrdiff_t kept_from = 16;         // corners at a place whose directions are kept for the next
 constexpr std::ptrdiff_t most_at_an_edge = 64;   // triangles that each make a quad with each of the others
-constexpr std::ptrdiff_t most_next = 64;         // triangles at a place whose turn is looked at
+constexpr std::ptrdiff_t most_next = 16;         // triangles at a place, where those next to them count
 
 // \param n unit
 bool are_alike(const Vec3<double>& a, const Vec3<double>& n) {
@@ -126,29 +126,23 @@ class Closely {
     std::sort(edges_.begin(), edges_.end());
   }
 
-  // What is claimed, and where the tangent lies outside a cone that is known, that cone.
+  // What is claimed, and where the tangent lies outside a cone that is known, that cone, or of what is left
+  // open that of its chart.
   struct Assessed {
     Claim claim;
     std::optional<Arc> left;
   };
   Assessed assess(std::uint32_t v, int sign, double limit_deg) {
-    const Directions* directions = directions_of(v, sign, true);
-    const std::optional<Arc> cone = cone_of(v, directions);
-    if (!cone || cone->half >= pi / 2) return {Claim::none, std::nullopt};
+    const Directions* found = directions_of(v, sign, true);
+    const std::optional<Arc> cone = cone_of(v, found);
+    if (!cone) return {Claim::none, std::nullopt};
+    const Directions directions = *found;  // the next that are asked for take its place
+    if (cone->half >= pi / 2) return {Claim::none, cone_of_chart(v, sign, directions)};
     const double outside = outside_deg(v, *cone);
     if (outside <= limit_deg) return {Claim::within, std::nullopt};
-    if (directions->uncertain) return {Claim::none, std::nullopt};
-    if (directions->pole_turn > 0 && outside <= limit_deg + degrees_per_radian * directions->pole_turn)
-      return {Claim::none, cone};
-    if (directions->closed) return {Claim::beyond, cone};
-    // The frame turns over a triangle about as its normals do, or goes on to turn as from the next triangles.
-    const double left_open = one_sided * max_angle_deg_;
-    if (outside <= left_open + degrees_per_radian * directions->normals_turn && !directions->is_uniform())
-      return {Claim::none, cone};
-    if (outside > left_open + most_turned_on_deg) return {Claim::beyond, cone};
-    const bool clockwise = std::remainder(cone->middle, 2 * pi) < 0;
-    const double on = degrees_per_radian * 0.5 * turn_from_next(v, sign, *directions, clockwise);
-    if (on > uniform_deg && outside <= left_open + on) return {Claim::none, cone};
+    if (directions.uncertain) return {Claim::none, std::nullopt};
+    if (is_left_open(v, sign, directions, *cone, outside, limit_deg))
+      return {Claim::none, cone_of_chart(v, sign, directions)};
     return {Claim::beyond, cone};
   }
 
@@ -266,16 +260,33 @@ class Closely {
     return result;
   }
 
-  // By how much the triangles that share a vertex with those of v turn on from the edge of their cone that is
-  // next to the tangent, the most. \param clockwise on this side
-  double turn_from_next(std::uint32_t v, int sign, const Directions& own, bool clockwise) {
-    if (own.at.last - own.at.first > most_next) return 0;
+  // Whether the true direction may be so far outside of the cone, as the triangles lie on one side.
+  bool is_left_open(std::uint32_t v, int sign, const Directions& directions, const Arc& cone, double outside,
+                    double limit_deg) {
+    if (directions.pole_turn > 0 && outside <= limit_deg + degrees_per_radian * directions.pole_turn)
+      return true;
+    if (directions.closed) return false;
+    // The frame turns over a triangle about as its normals do.
+    const double normals_turn = degrees_per_radian * directions.normals_turn;
+    if (outside <= one_sided * max_angle_deg_ + normals_turn && !directions.is_uniform()) return true;
+    return outside <= limit_deg + most_turned_on_deg &&
+           outside <= limit_deg + degrees_per_radian * turn_before(v, sign, directions, cone);
+  }
+
+  // By how much the direction at v may lie before that of its own triangles, towards the tangent: half of
+  // what the next triangles, which share a vertex with them and have none at this place, turn on, less what
+  // its own do, which then lie on both sides of v.
+  double turn_before(std::uint32_t v, int sign, Directions all, const Arc& cone) {
+    if (all.at.last - all.at.first > most_next) return 0;
+    const bool clockwise = std::remainder(cone.middle, 2 * pi) < 0;  // from the tangent to the cone, and on
+    const Directions* own = directions_of(v, sign, false);
+    if (!own || !own->cone) return 0;
+    const Arc from = *own->cone;
     sort_by_vertex();
-    x_ = own.x, y_ = own.y, n_ = unit(mesh_.normals[v]);
     double most = 0;
-    for (auto c = own.at.first; c != own.at.last; ++c) {
-      if (raw_sign_[c->triangle] != sign) continue;
-      if (!are_alike(mesh_.normals[mesh_.triangles[c->triangle][c->k]], n_)) continue;
+    for (auto c = all.at.first; c != all.at.last; ++c) {
+      if (raw_sign_[c->triangle] != sign || !are_alike(mesh_.normals[corner(c->triangle, c->k)], n_))
+        continue;
       for (const std::uint32_t k : {c->k + 1, c->k + 2}) {
         const std::uint32_t w = corner(c->triangle, k), group = joins_.position_and_normal[w];
         const auto first = std::lower_bound(by_vertex_.begin(), by_vertex_.end(), std::pair{group, 0U}),
@@ -283,19 +294,22 @@ class Closely {
         if (last - first > most_next) continue;
         for (auto t = first; t != last; ++t) {
           const Triangle& next = mesh_.triangles[t->second];
-          const bool goes_on = std::any_of(next.begin(), next.end(), [&](std::uint32_t i) {
+          const auto is_here = [&](std::uint32_t i) { return joins_.position[i] == joins_.position[v]; };
+          const auto goes_on = [&](std::uint32_t i) {
             return joins_.position_and_normal[i] == group && mesh_.uvs[i] == mesh_.uvs[w];
-          });
-          if (!goes_on || raw_sign_[t->second] != sign) continue;
+          };
+          if (raw_sign_[t->second] != sign || std::any_of(next.begin(), next.end(), is_here) ||
+              std::none_of(next.begin(), next.end(), goes_on))
+            continue;
           arcs_.clear();
           add(positions_of(mesh_, next), uvs_of(mesh_, next), sign);
           if (arcs_.empty()) continue;
-          const double turn = std::remainder(arcs_[0].middle - own.cone->middle, 2 * pi);
-          most = std::fmax(most, (clockwise ? -turn : turn) + own.cone->half);
+          const double turn = std::remainder(arcs_[0].middle - from.middle, 2 * pi);
+          if (std::fabs(turn) <= pi / 2) most = std::fmax(most, (clockwise ? -turn : turn) - from.half);
         }
       }
     }
-    return most;
+    return std::fmax(0.5 * most - 2 * from.half, 0);
   }
   void sort_by_vertex() {
     if (!by_vertex_.empty()) return;
@@ -304,6 +318,23 @@ class Closely {
       for (const std::uint32_t v : mesh_.triangles[t])
         by_vertex_.emplace_back(joins_.position_and_normal[v], t);
     std::sort(by_vertex_.begin(), by_vertex_.end());
+  }
+
+  // The cone, as seen from the tangent, of those triangles alone that have v's uv; nothing where it goes all
+  // round.
+  std::optional<Arc> cone_of_chart(std::uint32_t v, int sign, Directions all) {
+    if (all.at.last - all.at.first > most_next) return std::nullopt;
+    x_ = all.x, y_ = all.y, n_ = unit(mesh_.normals[v]);
+    arcs_.clear();
+    for (auto c = all.at.first; c != all.at.last; ++c) {
+      const Triangle& triangle = mesh_.triangles[c->triangle];
+      const std::uint32_t w = triangle[c->k];
+      if (mesh_.uvs[w] == mesh_.uvs[v] && are_alike(mesh_.normals[w], n_))
+        add(positions_of(mesh_, triangle), uvs_of(mesh_, triangle), sign);
+    }
+    if (arcs_.empty()) return std::nullopt;
+    all.cone = hull(arcs_);
+    return all.cone->half < pi / 2 ? cone_of(v, &all) : std::nullopt;
   }
 
   // The cone as seen from the tangent, which is the direction 0.

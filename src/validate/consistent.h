@@ -15,12 +15,15 @@
 // have drawn the tangent outside, nothing is claimed. Nor is it where the triangles lie on one side of a
 // curved vertex only, as at creases, tips, folds of the uvs and where charts meet that do not go on, and the
 // tangent is outside by no more than three times the limit and the turn of the normals over them: the true
-// direction may lie half a triangle beyond them. The same holds there up to three times the limit and half of
-// what the next triangles turn on, as at the end of a bend of few columns. Nor at a collapsed edge of the uvs, a pole, of a tangent
-// that is outside by no more than the limit and half of the triangle's angle there: each column has a vertex
-// of its own, which lies on one side of it. But where one turn about the normals, by 30 degrees or more,
-// would bring nine tenths of a mesh's or a part's tangents from outside their cones to within the limit of
-// them, that explains what is left open, and no shape does: those are beyond, too.
+// direction may lie half a triangle beyond them. Nor, on one side of any vertex, flat or curved, where it is
+// outside by no more than the limit and half of what the next triangles turn on, 45 degrees at most: at the
+// end of a bend of few columns the exact tangent is half a column outside. Nor at a collapsed edge of the
+// uvs, a pole, of a tangent that is outside by no more than the limit and half of the triangle's angle there:
+// each column has a vertex of its own, which lies on one side of it. But where one turn about the normals, by
+// 30 degrees or more, would bring nine tenths of a mesh's or a part's tangents from outside their cones to
+// within the limit of them, that explains what is left open, and no shape does: those are beyond, too. Of
+// what is left open the cone is then that of the triangles that have the vertex's uv: charts that meet, as at
+// the corners of a smooth cube, may be averaged, but not all in one sense.
 #pragma once
 
 #include <cstdint>

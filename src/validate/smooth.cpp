@@ -29,9 +29,7 @@ Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
     const Angles& a = result.angles[v];
     const double limit = limit_of(vertex_class, max_angle_deg), deviation = under_test.local[v].tangent_deg;
     result.normals[v] = claim_of(a.normal, under_test.local[v].normal_deg, 3 * limit);
-    // A polynomial does not see that uvs fold, as octahedral ones do.
-    if (under_test.cones.empty() || under_test.cones.claim(v, 0) != Claim::within)
-      result.tangents[v] = claim_of(a.projected_tangent, deviation, 3 * limit);
+    result.tangents[v] = claim_of(a.projected_tangent, deviation, 3 * limit);
     result.may_be_exact[v] = !accurate.known() && deviation <= most_deviation_deg &&
                              a.projected_tangent >= 0 &&
                              claim_of(a.projected_tangent, deviation, limit) != Claim::beyond;

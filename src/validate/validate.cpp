@@ -389,7 +389,10 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
   if (error == no_code && !accurate_.known() && !under_test_.cones.empty() &&
       under_test_.cones.claim(v, group.sign) == Claim::beyond)
     warn(counts.chord_tangents, under_test_.cones.outside_deg(v, group.sign));
-  if (error == no_code && smooth_.tangents[v] == Claim::beyond &&
+  // A polynomial does not see that uvs fold, as octahedral ones do.
+  const bool is_average =
+      !under_test_.cones.empty() && under_test_.cones.claim(v, group.sign) == Claim::within;
+  if (error == no_code && smooth_.tangents[v] == Claim::beyond && !is_average &&
       (!accurate_.known() || accurate_.tangent(v) == Claim::none))
     warn(counts.local_tangents, smooth_.angles[v].projected_tangent);
   if (!normal_error(v) && smooth_.normals[v] == Claim::beyond &&

@@ -374,9 +374,6 @@ TEST(CoarseMeshes, CoarselyStoredUvsAreUvArea) {
   EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_ZERO", Severity::error), mesh.corners());
 }
 
-// ---- signs
-
-// Of any vertex of a coarse tube.
 // Octahedral uvs fold at the octahedron's edges. Tangents are exact on the triangle's side of a fold, and a
 // polynomial over both sides is none.
 TEST(CoarseMeshes, UvsMayFold) {
@@ -426,9 +423,22 @@ TEST(CoarseMeshes, UvsMayFold) {
     EXPECT_EQ(report.verdict, Verdict::pass) << n;
     // Where folds meet, directions go all round, so that triangles do not speak for a tangent.
     EXPECT_LE(count_of(report, "TANGENT_ANGLE", Severity::warning), n == 8 ? 4U : 0U) << n;
+    if (n < 16) continue;
+    // One of them between folds, turned.
+    const auto between = static_cast<std::size_t>(
+        std::find_if(mesh.uvs.begin(), mesh.uvs.end(),
+                     [](const Vec2<double>& uv) { return uv.x == 0.625 && uv.y == 0.375; }) -
+        mesh.uvs.begin());
+    ASSERT_LT(between, mesh.uvs.size());
+    const V t = cross(mesh.normals[between], mesh.tangents[between].xyz());
+    mesh.tangents[between] = {t.x, t.y, t.z, mesh.tangents[between].w};
+    EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_ANGLE", Severity::error), 1U) << n;
   }
 }
 
+// ---- signs
+
+// Of any vertex of a coarse tube.
 TEST(Signs, OfOneVertexAreErrors) {
   Mesh mesh = sample_mesh(make_surface("torus:major_radius=1,minor_radius=0.3"),
                           {.columns = 24, .rows = 8, .random_diagonals = true});

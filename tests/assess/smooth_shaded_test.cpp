@@ -261,6 +261,30 @@ TEST(OneSided, WhatTheTrianglesCannotTellIsNotWithin) {
   EXPECT_EQ(assessed(85 * pi / 180).verdict, Verdict::fail);
 }
 
+// A cube of smooth normals whose faces have charts of their own: the dpdu of three faces go all round its
+// corners, or nearly, so that a tangent there may be anyone's average. Not where all lie one way to their own
+// face.
+TEST(OneSided, ChartsThatMeetDoNotExplainOneTurnOfAll) {
+  const AssessOptions options;
+  for (const int n : {1, 2}) {
+    Mesh mesh = test::with_averaged_normals(test::box_of_patches({1, 1, 1}, n));
+    test::bake(mesh);
+    for (const double deg : {0., 90., 180., 270.}) {
+      Mesh turned = mesh;
+      for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        const Vec3<double> t = mesh.tangents[v].xyz(),
+                           d = std::cos(deg * pi / 180) * t +
+                               std::sin(deg * pi / 180) * cross(mesh.normals[v], t);
+        turned.tangents[v] = {d.x, d.y, d.z, mesh.tangents[v].w};
+      }
+      const MeshReport report = assess(turned, options).report;
+      EXPECT_EQ(report.verdict, deg == 0 ? Verdict::pass : Verdict::fail) << n << ", " << deg;
+      ASSERT_TRUE(report.triangles);
+      EXPECT_TRUE(deg != 180 || report.triangles->outside == report.triangles->compared) << n;
+    }
+  }
+}
+
 TEST(Budget, IsSpentOnlyWhereSomethingIsLeftOut) {
   AssessOptions options;
   options.budget = 1e-9;
