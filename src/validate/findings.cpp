@@ -51,10 +51,11 @@ constexpr std::array kinds{
     FindingKind{"TANGENT_HANDEDNESS_CONVENTION", warning,
                 "w is MikkTSpace's raw sign, and glTF's is its opposite",
                 "negate w in glTF files; readers of the raw convention leave it as it is"},
-    FindingKind{"HANDEDNESS_MIXED", warning,
-                "w follows neither sign convention throughout; the smaller part is counted",
-                "give every part the same convention; where vertices are shared across a seam, split them: "
-                "their uvs jump back inside triangles"},
+    FindingKind{
+        "HANDEDNESS_MIXED", warning,
+        "w follows neither sign convention throughout; the smaller part is counted",
+        "compute w in every part from the sign of the uv area; split vertices across whose seam uvs jump "
+        "back inside triangles"},
     FindingKind{"VERTEX_ACROSS_MIRROR", warning,
                 "vertices are shared by triangles whose uvs wind differently: one w cannot serve both",
                 "split vertices where uvs are mirrored"},
