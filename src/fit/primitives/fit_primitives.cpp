@@ -7,9 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "clump.h"
 #include "correlation.h"
 #include "determinacy.h"
 #include "fit/common/arguments.h"
+#include "fit/common/intervals.h"
 #include "fit/common/kinds.h"
 #include "fit/common/normalised_points.h"
 #include "list.h"
@@ -228,10 +230,114 @@ class PrimitivesFit {
 
 }  // namespace
 
+namespace {
+
+// The fit of all points, or of those beside a clump, where there is one that they tell not to be of the
+// surface.
+class ClumpedFit {
+ public:
+  ClumpedFit(const PointCloud& points, const PointFitOptions& options, const Primitive* only)
+      : points_(points), options_(options), only_(only), normal_(normalised(points)) {
+    if (normal_.scale > 0) clump_ = dense_clump(normal_.cloud);
+  }
+
+  PointFit run() {
+    if (clump_.empty()) return PrimitivesFit(points_, options_, only_, Effort::full).run();
+    const auto started = std::chrono::steady_clock::now();
+    PointFit fit = chosen();
+    fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    if (options_.progress) options_.progress(1);
+    return fit;
+  }
+
+ private:
+  // How likely the others are beside a fit, and what shares of them and of the clump are within its noise.
+  struct Told {
+    double log_likelihood_ratio, share_of_others, share_of_clump;
+  };
+  Told told(const PointFit& fit) const {
+    const Primitive& primitive = *primitive_named(fit.surface->surface.info().name);
+    const GeometricParameters surface = guess_of(*fit.surface, primitive, normal_);
+    std::vector<double> distances;
+    primitive.distance.rough_distances(normal_.cloud, primitive.localise(surface, normal_.cloud.col(0)),
+                                       distances);
+    const double sigma = std::fmax(fit.sigma / normal_.scale, normal_.stored_rounding());
+    double near[2]{}, all[2]{};
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      near[clump_[i]] += std::fabs(distances[i]) <= 3 * sigma;
+      ++all[clump_[i]];
+    }
+    return {fit::log_likelihood_ratio(near[0], all[0], sigma, primitive.unknowns), near[0] / all[0],
+            near[1] / all[1]};
+  }
+
+  PointFit of(const PointCloud& cloud, double begin) const {
+    PointFitOptions options = options_;
+    if (options_.progress)
+      options.progress = [this, begin](double share) { options_.progress(begin + 0.5 * share); };
+    return PrimitivesFit(cloud, options, only_, Effort::full).run();
+  }
+
+  PointFit chosen() const {
+    constexpr double nearly_all = 0.8, few = 0.5, wider = 1.5, by_chance = 1e-3;
+    std::vector<bool> in_clump(points_.positions.size(), false);
+    normal_.spread(clump_, in_clump);
+    PointCloud others;
+    std::vector<std::size_t> index;
+    for (std::size_t i = 0; i < in_clump.size(); ++i) {
+      if (in_clump[i]) continue;
+      index.push_back(i);
+      others.positions.push_back(points_.positions[i]);
+      if (!points_.normals.empty()) others.normals.push_back(points_.normals[i]);
+    }
+    PointFit beside = of(others, 0);
+    std::vector<bool> is_inlier(points_.positions.size(), false);
+    for (std::size_t k = 0; k < index.size(); ++k) is_inlier[index[k]] = beside.is_inlier[k];
+    beside.is_inlier = std::move(is_inlier);
+    beside.ignored = points_.positions.size() - normal_.finite;
+    beside.outliers = normal_.finite - beside.inliers;
+    const std::string size =
+        "a clump of " + std::to_string(std::count(in_clump.begin(), in_clump.end(), true)) + " points";
+    const bool enough =
+        static_cast<double>(beside.inliers) >= enough_inliers * static_cast<double>(normal_.finite);
+    if (beside.usable && (only_ || enough)) {
+      const Told told_beside = told(beside);
+      if (told_beside.share_of_clump <= few) {
+        beside.reason += "; " + size + " beside it is left out";
+        if (told_beside.share_of_others >= nearly_all) return beside;
+        PointFit all = of(points_, 0.5);
+        return all.usable && told(all).log_likelihood_ratio + margin >= told_beside.log_likelihood_ratio
+                   ? all
+                   : beside;
+      }
+    }
+    PointFit all = of(points_, 0.5);
+    // A surface that takes the clump for its own has more noise than the others alone.
+    const double ratio = all.sigma * all.sigma / (beside.sigma * beside.sigma);
+    if (!beside.usable && all.usable && enough && ratio > wider &&
+        chance_of_ratio(ratio, static_cast<double>(all.inliers), static_cast<double>(beside.inliers)) <
+            by_chance) {
+      beside.reason =
+          "undetermined: " + size + " may be of the surface or not, and without it " + beside.reason;
+      return beside;
+    }
+    return all;
+  }
+
+  const PointCloud& points_;
+  const PointFitOptions& options_;
+  const Primitive* only_;
+  NormalisedPoints normal_;
+  std::vector<bool> clump_;
+};
+
+}  // namespace
+
 PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options, const Primitive* only,
                         Effort effort) {
   check_arguments(points, options);
-  return PrimitivesFit(points, options, only, effort).run();
+  return effort == Effort::full ? ClumpedFit(points, options, only).run()
+                                : PrimitivesFit(points, options, only, effort).run();
 }
 
 }  // namespace fit
