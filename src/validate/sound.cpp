@@ -126,23 +126,51 @@ std::vector<bool> backs_of_sheets(const Mesh& mesh, const std::vector<bool>& has
   return result;
 }
 
-// Vertices at the borders of what lies back to back, which has no border of its own.
+// Vertices at the borders of what lies back to back, which has no border of its own: at edges that have one
+// triangle beside those that lie on another's back, or two of one quad that are folded onto each other, as
+// where the two sides of a card are cut along other diagonals.
 std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& has_area,
                                     const std::vector<std::uint32_t>& place) {
+  static const double folded = -std::cos(15 / degrees_per_radian);
   std::vector<bool> result(mesh.positions.size(), false);
   const std::vector<bool> back = backs_of_sheets(mesh, has_area, place);
-  if (std::find(back.begin(), back.end(), true) == back.end()) return result;
-  using Edge = std::array<std::uint32_t, 2>;
+  struct Edge {
+    std::uint32_t from, to, triangle;  // places
+    bool operator==(const Edge& o) const { return from == o.from && to == o.to; }
+    auto operator<=>(const Edge&) const = default;
+  };
   std::vector<Edge> edges;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3 && has_area[t] && !back[t]; ++k) {
       const auto [a, b] = std::minmax(place[mesh.triangles[t][k]], place[mesh.triangles[t][(k + 1) % 3]]);
-      edges.push_back({a, b});
+      edges.push_back({a, b, t});
     }
   std::sort(edges.begin(), edges.end());
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    if ((i == 0 || edges[i - 1] != edges[i]) && (i + 1 == edges.size() || edges[i + 1] != edges[i]))
-      result[edges[i][0]] = result[edges[i][1]] = true;
+  const auto normal_of = [&](std::uint32_t t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    return unit(accurate_cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+  };
+  const auto is_edge = [&](std::uint32_t a, std::uint32_t b) {
+    const Edge edge{std::min(a, b), std::max(a, b), 0};
+    const auto at = std::lower_bound(edges.begin(), edges.end(), edge);
+    return at != edges.end() && *at == edge;
+  };
+  const auto third = [&](const Edge& e) {
+    for (const std::uint32_t v : mesh.triangles[e.triangle])
+      if (place[v] != e.from && place[v] != e.to) return place[v];
+    return e.from;
+  };
+  // A mesh of no backs has borders of its own.
+  const bool any_back = std::find(back.begin(), back.end(), true) != back.end();
+  for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
+    while (end < edges.size() && edges[end] == edges[i]) ++end;
+    const bool is_border =
+        end - i == 1
+            ? any_back
+            : end - i == 2 && dot(normal_of(edges[i].triangle), normal_of(edges[i + 1].triangle)) < folded &&
+                  is_edge(third(edges[i]), third(edges[i + 1]));
+    if (is_border) result[edges[i].from] = result[edges[i].to] = true;
+  }
   for (std::size_t v = 0; v < result.size(); ++v) result[v] = result[place[v]];
   return result;
 }

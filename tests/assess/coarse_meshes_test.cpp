@@ -229,6 +229,20 @@ TEST(Cards, NormalsOfTheGroundOnBothSides) {
     EXPECT_EQ(errors(report), "") << shared;
     EXPECT_EQ(count_of(report, "NORMAL_ANGLE", Severity::warning), mesh.corners()) << shared;
   }
+  // The back cut along the other diagonal, as a polygon that is turned over and cut anew.
+  for (const double warp : {0.0, 0.1}) {
+    Mesh other = two_sided(one, false);
+    const auto back = static_cast<std::uint32_t>(one.positions.size());
+    other.triangles.resize(one.triangles.size());
+    for (std::uint32_t a = back; a < back + 4; a += 2) {  // a row of one quad: a + 1, a + 2, a + 3
+      other.triangles.push_back({a, a + 2, a + 1});
+      other.triangles.push_back({a + 1, a + 2, a + 3});
+    }
+    for (const std::uint32_t v : {3U, back + 3}) other.positions[v].z += warp;
+    const MeshReport report = assess(other).report;
+    EXPECT_EQ(errors(report), "") << warp;
+    EXPECT_GE(count_of(report, "NORMAL_ANGLE", Severity::warning), other.corners() / 2) << warp;
+  }
   // In the middle of a sheet nobody lights so.
   Mesh wide = sheet(3, [](double x, double y) { return 0.1 * std::sin(3 * x + y); });
   average_normals(wide, Average::area);
