@@ -127,49 +127,46 @@ std::vector<bool> backs_of_sheets(const Mesh& mesh, const std::vector<bool>& has
 }
 
 // Vertices at the borders of what lies back to back, which has no border of its own: at edges that have one
-// triangle beside those that lie on another's back, or two of one quad that are folded onto each other, as
-// where the two sides of a card are cut along other diagonals.
-std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& has_area,
+// triangle beside those that lie on another's back, or two that are folded onto each other, halves of one
+// quad that is cut along both diagonals. Sides with more corners that are cut in two ways are not seen.
+std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& has_area, const Planes& planes,
                                     const std::vector<std::uint32_t>& place) {
   static const double folded = -std::cos(15 / degrees_per_radian);
   std::vector<bool> result(mesh.positions.size(), false);
   const std::vector<bool> back = backs_of_sheets(mesh, has_area, place);
+  using Places = std::array<std::uint32_t, 3>;
+  const auto sorted = [](Places places) {
+    std::sort(places.begin(), places.end());
+    return places;
+  };
   struct Edge {
-    std::uint32_t from, to, triangle;  // places
-    bool operator==(const Edge& o) const { return from == o.from && to == o.to; }
+    std::array<std::uint32_t, 2> ends;  // places
+    std::uint32_t third, triangle;
     auto operator<=>(const Edge&) const = default;
   };
   std::vector<Edge> edges;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3 && has_area[t] && !back[t]; ++k) {
-      const auto [a, b] = std::minmax(place[mesh.triangles[t][k]], place[mesh.triangles[t][(k + 1) % 3]]);
-      edges.push_back({a, b, t});
-    }
+  std::vector<Places> triangles;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!has_area[t] || back[t]) continue;
+    const auto at = [&](std::size_t k) { return place[mesh.triangles[t][k % 3]]; };
+    for (std::size_t k = 0; k < 3; ++k)
+      edges.push_back({{std::min(at(k), at(k + 1)), std::max(at(k), at(k + 1))}, at(k + 2), t});
+    triangles.push_back(sorted({at(0), at(1), at(2)}));
+  }
   std::sort(edges.begin(), edges.end());
-  const auto normal_of = [&](std::uint32_t t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    return unit(accurate_cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
-  };
-  const auto is_edge = [&](std::uint32_t a, std::uint32_t b) {
-    const Edge edge{std::min(a, b), std::max(a, b), 0};
-    const auto at = std::lower_bound(edges.begin(), edges.end(), edge);
-    return at != edges.end() && *at == edge;
-  };
-  const auto third = [&](const Edge& e) {
-    for (const std::uint32_t v : mesh.triangles[e.triangle])
-      if (place[v] != e.from && place[v] != e.to) return place[v];
-    return e.from;
+  std::sort(triangles.begin(), triangles.end());
+  const auto are_cut_both_ways = [&](const Edge& a, const Edge& b) {
+    return dot(planes(a.triangle).normal, planes(b.triangle).normal) < folded &&
+           std::all_of(a.ends.begin(), a.ends.end(), [&](std::uint32_t end) {
+             return std::binary_search(triangles.begin(), triangles.end(), sorted({a.third, b.third, end}));
+           });
   };
   // A mesh of no backs has borders of its own.
   const bool any_back = std::find(back.begin(), back.end(), true) != back.end();
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
-    while (end < edges.size() && edges[end] == edges[i]) ++end;
-    const bool is_border =
-        end - i == 1
-            ? any_back
-            : end - i == 2 && dot(normal_of(edges[i].triangle), normal_of(edges[i + 1].triangle)) < folded &&
-                  is_edge(third(edges[i]), third(edges[i + 1]));
-    if (is_border) result[edges[i].from] = result[edges[i].to] = true;
+    while (end < edges.size() && edges[end].ends == edges[i].ends) ++end;
+    if (end - i == 1 ? any_back : end - i == 2 && are_cut_both_ways(edges[i], edges[i + 1]))
+      for (const std::uint32_t v : edges[i].ends) result[v] = true;
   }
   for (std::size_t v = 0; v < result.size(); ++v) result[v] = result[place[v]];
   return result;
@@ -387,7 +384,8 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
           if (has_area[t] && !inside[t]) elsewhere[v] = true;
       for (std::uint32_t v = 0; v < n; ++v)
         if (!elsewhere[v]) result.unsupported[v] = false;
-      result.sheet_border = borders_of_sheets(mesh, has_area, joins.position);
+      if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end())
+        result.sheet_border = borders_of_sheets(mesh, has_area, planes, joins.position);
     }
   }
   result.faceted_vertices.assign(n, false);

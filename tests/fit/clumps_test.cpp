@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -81,7 +82,8 @@ TEST(Clumps, BesideASurfaceAreLeftOut) {
       usable += found.usable;
       right += found.found == kind;
       EXPECT_TRUE(found.found.empty() || found.found == kind) << run << ": " << found.found;
-      // A chi squared of at least 4 degrees of freedom over them is above 8 once in four hundred thousand.
+      // A chi squared of the plane's 3 degrees of freedom over them is above 8 once in forty thousand, of
+      // more less often.
       EXPECT_LT(found.mahalanobis, 8) << run;
     }
     EXPECT_GE(usable, 3);
@@ -106,6 +108,60 @@ TEST(Clumps, OnASurfaceAreOfIt) {
   EXPECT_GE(fit.inliers, 580U);
   EXPECT_EQ(fit.reason.find("clump"), std::string::npos) << fit.reason;
   EXPECT_NEAR(fit.surface->surface.parameters()[0].value, radius, 5 * sigma / std::sqrt(600.));
+}
+
+// A small sphere of most of the points beside a plane is as dense as a clump, but hollow: it is the surface.
+TEST(Clumps, SmallSurfacesAreSurfaces) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal(0, 1);
+  std::uniform_real_distribution<double> anywhere(-2, 2);
+  PointCloud cloud;
+  constexpr double radius = 0.3, sigma = 0.005;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d direction =
+        Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    const double r = radius + sigma * normal(random);
+    cloud.positions.push_back(i % 20 < 11
+                                  ? from_eigen(r * direction + Eigen::Vector3d(0.5, 0, 1))
+                                  : Vec3<double>{anywhere(random), anywhere(random), sigma * normal(random)});
+  }
+  ASSERT_FALSE(fit::dense_clump(matrix_of(cloud)).empty());
+  for (const char* kind : {"auto", "sphere"}) {
+    const PointFit fit = fit_points(cloud, {.surface = kind});
+    ASSERT_TRUE(fit.usable) << fit.reason;
+    EXPECT_EQ(fit.surface->surface.info().name, "sphere") << fit.reason;
+    EXPECT_NEAR(fit.surface->surface.parameters()[0].value, radius, 0.01);
+  }
+}
+
+// A cap of a sphere, and a spot of it far away that was measured often: the spot is as wide as the noise.
+TEST(Clumps, ASpotFarAwayIsOfTheSurface) {
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal(0, 1);
+  std::uniform_real_distribution<double> height(0.75, 1), turn(0, 2 * std::numbers::pi);
+  PointCloud cloud;
+  constexpr double sigma = 0.02;
+  for (int i = 0; i < 600; ++i) {
+    const double z = height(random), a = turn(random), r = std::sqrt(1 - z * z);
+    Eigen::Vector3d p =
+        i % 2 == 0 ? Eigen::Vector3d(r * std::cos(a), r * std::sin(a), z) : Eigen::Vector3d(0, 0, -1);
+    p += sigma * Eigen::Vector3d(normal(random), normal(random), normal(random));
+    cloud.positions.push_back(from_eigen(p));
+  }
+  const PointFit fit = fit_points(cloud, {.surface = "sphere"});
+  ASSERT_TRUE(fit.usable) << fit.reason;
+  EXPECT_GE(fit.inliers, 580U) << fit.reason;
+  EXPECT_NEAR(fit.surface->surface.parameters()[0].value, 1, 5 * sigma / std::sqrt(300.));
+}
+
+// Points at the ends of the range of numbers, which have no size.
+TEST(Clumps, OfPointsWithoutASizeAreNotLookedFor) {
+  PointCloud cloud;
+  for (int i = 0; i < 40; ++i)
+    cloud.positions.push_back({i % 2 == 0 ? 1.7e308 : -1.7e308, 1e300 * i, 1.6e308 * (i % 3 - 1)});
+  const PointFit fit = fit_points(cloud, {.surface = "sphere"});
+  EXPECT_FALSE(fit.usable);
+  EXPECT_FALSE(fit.reason.empty());
 }
 
 // Every point is counted once, each inlier is one of the others, and the share done never falls.

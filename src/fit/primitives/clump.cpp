@@ -81,4 +81,24 @@ std::vector<bool> dense_clump(const Eigen::Matrix3Xd& cloud) {
   return clump;
 }
 
+ClumpShape shape_of_clump(const Eigen::Matrix3Xd& cloud, const std::vector<bool>& clump) {
+  std::vector<Eigen::Index> columns;
+  for (std::size_t i = 0; i < clump.size(); ++i)
+    if (clump[i]) columns.push_back(static_cast<Eigen::Index>(i));
+  Eigen::Matrix3Xd points = cloud(Eigen::all, columns);
+  points.colwise() -= Eigen::Vector3d(points.rowwise().mean());
+  const double variance = points.squaredNorm() / (3 * static_cast<double>(points.cols()));
+  constexpr double between = 5.7;  // the root of 4 times 8
+  constexpr std::size_t fewest = 100;
+  if (columns.size() < fewest) return {std::sqrt(variance), false};
+  const Eigen::Matrix3Xd some = points(Eigen::all, evenly_chosen(columns.size(), looked_at));
+  double within[2]{};
+  for (Eigen::Index i = 1; i < some.cols(); ++i)
+    for (Eigen::Index k = 0; k < i; ++k) {
+      const double square = (some.col(i) - some.col(k)).squaredNorm();
+      within[0] += square < 0.25 * variance, within[1] += square < variance;
+    }
+  return {std::sqrt(variance), within[1] > between * within[0]};
+}
+
 }  // namespace darboux::fit

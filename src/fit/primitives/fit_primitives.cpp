@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <random>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -42,8 +43,9 @@ constexpr int hard_to_find = 7, enough_rounds = 4;
 // One fit of some primitives.
 class PrimitivesFit {
  public:
-  PrimitivesFit(const PointCloud& cloud, const PointFitOptions& options, const Primitive* only, Effort effort)
-      : options_(options), only_(only), effort_(effort), points_(normalised(cloud)) {
+  PrimitivesFit(const PointCloud& cloud, NormalisedPoints points, const PointFitOptions& options,
+                const Primitive* only, Effort effort)
+      : options_(options), only_(only), effort_(effort), points_(std::move(points)) {
     if (only)
       list_ = std::span(&only_, 1);
     else
@@ -55,8 +57,6 @@ class PrimitivesFit {
 
   PointFit run() && {
     fit_.reason = reason();
-    fit_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
-    if (options_.progress) options_.progress(1);
     return std::move(fit_);
   }
 
@@ -219,7 +219,6 @@ class PrimitivesFit {
     return selection.reason;
   }
 
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   const PointFitOptions& options_;
   const Primitive* only_;
   Effort effort_;
@@ -232,54 +231,18 @@ class PrimitivesFit {
 
 namespace {
 
-// The fit of all points, or of those beside a clump, where there is one that they tell not to be of the
-// surface.
+// The fit of all points, or of those beside a clump that is not of their surface: docs/theory/fit.md.
 class ClumpedFit {
  public:
-  ClumpedFit(const PointCloud& points, const PointFitOptions& options, const Primitive* only)
-      : points_(points), options_(options), only_(only), normal_(normalised(points)) {
-    if (normal_.scale > 0) clump_ = dense_clump(normal_.cloud);
-  }
+  ClumpedFit(const PointCloud& points, NormalisedPoints normal, std::vector<bool> clump,
+             const PointFitOptions& options, const Primitive* only)
+      : points_(points),
+        options_(options),
+        only_(only),
+        normal_(std::move(normal)),
+        clump_(std::move(clump)) {}
 
-  PointFit run() {
-    if (clump_.empty()) return PrimitivesFit(points_, options_, only_, Effort::full).run();
-    const auto started = std::chrono::steady_clock::now();
-    PointFit fit = chosen();
-    fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-    if (options_.progress) options_.progress(1);
-    return fit;
-  }
-
- private:
-  // How likely the others are beside a fit, and what shares of them and of the clump are within its noise.
-  struct Told {
-    double log_likelihood_ratio, share_of_others, share_of_clump;
-  };
-  Told told(const PointFit& fit) const {
-    const Primitive& primitive = *primitive_named(fit.surface->surface.info().name);
-    const GeometricParameters surface = guess_of(*fit.surface, primitive, normal_);
-    std::vector<double> distances;
-    primitive.distance.rough_distances(normal_.cloud, primitive.localise(surface, normal_.cloud.col(0)),
-                                       distances);
-    const double sigma = std::fmax(fit.sigma / normal_.scale, normal_.stored_rounding());
-    double near[2]{}, all[2]{};
-    for (std::size_t i = 0; i < distances.size(); ++i) {
-      near[clump_[i]] += std::fabs(distances[i]) <= 3 * sigma;
-      ++all[clump_[i]];
-    }
-    return {fit::log_likelihood_ratio(near[0], all[0], sigma, primitive.unknowns), near[0] / all[0],
-            near[1] / all[1]};
-  }
-
-  PointFit of(const PointCloud& cloud, double begin) const {
-    PointFitOptions options = options_;
-    if (options_.progress)
-      options.progress = [this, begin](double share) { options_.progress(begin + 0.5 * share); };
-    return PrimitivesFit(cloud, options, only_, Effort::full).run();
-  }
-
-  PointFit chosen() const {
-    constexpr double nearly_all = 0.8, few = 0.5, wider = 1.5, by_chance = 1e-3;
+  PointFit run() const {
     std::vector<bool> in_clump(points_.positions.size(), false);
     normal_.spread(clump_, in_clump);
     PointCloud others;
@@ -290,39 +253,109 @@ class ClumpedFit {
       others.positions.push_back(points_.positions[i]);
       if (!points_.normals.empty()) others.normals.push_back(points_.normals[i]);
     }
-    PointFit beside = of(others, 0);
+    NormalisedPoints normal_others = normalised(others);
+    const double scale = normal_others.scale;
+    PointFit beside = of(others, std::move(normal_others), 0);
     std::vector<bool> is_inlier(points_.positions.size(), false);
     for (std::size_t k = 0; k < index.size(); ++k) is_inlier[index[k]] = beside.is_inlier[k];
     beside.is_inlier = std::move(is_inlier);
     beside.ignored = points_.positions.size() - normal_.finite;
     beside.outliers = normal_.finite - beside.inliers;
-    const std::string size =
-        "a clump of " + std::to_string(std::count(in_clump.begin(), in_clump.end(), true)) + " points";
-    const bool enough =
-        static_cast<double>(beside.inliers) >= enough_inliers * static_cast<double>(normal_.finite);
-    if (beside.usable && (only_ || enough)) {
-      const Told told_beside = told(beside);
-      if (told_beside.share_of_clump <= few) {
-        beside.reason += "; " + size + " beside it is left out";
-        if (told_beside.share_of_others >= nearly_all) return beside;
-        PointFit all = of(points_, 0.5);
-        return all.usable && told(all).log_likelihood_ratio + margin >= told_beside.log_likelihood_ratio
-                   ? all
-                   : beside;
-      }
-    }
-    PointFit all = of(points_, 0.5);
-    // A surface that takes the clump for its own has more noise than the others alone.
-    const double ratio = all.sigma * all.sigma / (beside.sigma * beside.sigma);
-    if (!beside.usable && all.usable && enough && ratio > wider &&
-        chance_of_ratio(ratio, static_cast<double>(all.inliers), static_cast<double>(beside.inliers)) <
-            by_chance) {
-      beside.reason =
-          "undetermined: " + size + " may be of the surface or not, and without it " + beside.reason;
+    const auto size = static_cast<std::size_t>(std::count(in_clump.begin(), in_clump.end(), true));
+    if (beside.usable && is_clutter(beside, scale)) {
+      beside.reason += "; a clump of " + std::to_string(size) + " points beside it is left out";
       return beside;
     }
-    return all;
+    PointFit all = of(points_, normal_, 0.5);
+    all.iterations += beside.iterations;
+    return choose(std::move(beside), std::move(all), scale, size);
   }
+
+ private:
+  // How likely the others are beside a fit, and what shares of them and of the clump are within its noise.
+  struct Told {
+    double log_likelihood_ratio = 0, share_of_others = 0, share_of_clump = 0;
+  };
+  // \param scale the unit of lengths, of the size of the others
+  Told told(const PointFit& fit, double scale) const {
+    const Primitive& primitive = *primitive_named(fit.surface->surface.info().name);
+    Eigen::Index near_it = 0;
+    while (near_it + 1 < normal_.cloud.cols() &&
+           !fit.is_inlier[normal_.index[static_cast<std::size_t>(near_it)]])
+      ++near_it;
+    const LocalModel model =
+        primitive.localise(guess_of(*fit.surface, primitive, normal_), normal_.cloud.col(near_it));
+    if (!model.origin.allFinite() || !model.rotation.coeffs().allFinite()) return {};
+    std::vector<double> distances;
+    primitive.distance.rough_distances(normal_.cloud, model, distances);
+    const double sigma = std::fmax(fit.sigma / normal_.scale, normal_.stored_rounding());
+    double near[2]{}, all[2]{};
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      near[clump_[i]] += std::fabs(distances[i]) <= 3 * sigma;
+      ++all[clump_[i]];
+    }
+    return {fit::log_likelihood_ratio(near[0], all[0], sigma * normal_.scale / scale, primitive.unknowns),
+            near[0] / all[0], near[1] / all[1]};
+  }
+
+  bool enough(const PointFit& beside) const {
+    return only_ ||
+           static_cast<double>(beside.inliers) >= enough_inliers * static_cast<double>(normal_.finite);
+  }
+
+  // Whether that is plain without a fit of all points: nearly all others are near a surface that the clump is
+  // not on, and it fills a ball that is far wider than the noise. A small surface is hollow.
+  bool is_clutter(const PointFit& beside, double scale) const {
+    constexpr double nearly_all = 0.8, far_wider = 2.5;
+    if (options_.guess || !enough(beside)) return false;
+    const auto shape = shape_of_clump(normal_.cloud, clump_);
+    if (!shape.fills_a_ball || normal_.scale * shape.deviation < far_wider * beside.sigma) return false;
+    const Told t = told(beside, scale);
+    return t.share_of_clump <= off_it && t.share_of_others >= nearly_all;
+  }
+
+  PointFit choose(PointFit beside, PointFit all, double scale, std::size_t size) const {
+    constexpr double sharp = 0.25, wider = 1.5, by_chance = 1e-3;
+    const std::string clump = "a clump of " + std::to_string(size) + " points";
+    if (beside.usable && enough(beside)) {
+      const Told of_beside = told(beside, scale);
+      if (of_beside.share_of_clump > off_it) return all;
+      if (all.usable) {
+        const Told of_all = told(all, scale);
+        const bool is_sharp =
+            all.inliers > beside.inliers &&
+            all.sigma <= sharp * normal_.scale * shape_of_clump(normal_.cloud, clump_).deviation;
+        if (of_all.share_of_clump > off_it &&
+            (is_sharp || of_all.log_likelihood_ratio + margin >= of_beside.log_likelihood_ratio))
+          return all;
+      }
+      beside.reason += "; " + clump + " beside it is left out";
+      return beside;
+    }
+    // A surface that takes the clump for its own has more noise than the others alone.
+    constexpr std::string_view undetermined = "undetermined: ";
+    if (only_ || beside.usable || !all.usable || !enough(beside) || !beside.reason.starts_with(undetermined))
+      return all;
+    const auto freedom = [&](const PointFit& fit) {
+      const int unknowns = primitive_named(all.surface->surface.info().name)->unknowns;
+      return std::fmax(1, static_cast<double>(fit.inliers) - unknowns);
+    };
+    const double ratio = all.sigma * all.sigma / (beside.sigma * beside.sigma);
+    if (!(ratio > wider && chance_of_ratio(ratio, freedom(all), freedom(beside)) < by_chance)) return all;
+    beside.reason = std::string(undetermined) + "beside " + clump + " that may be of the surface or not, " +
+                    beside.reason.substr(undetermined.size());
+    return beside;
+  }
+
+  PointFit of(const PointCloud& cloud, NormalisedPoints normal, double begin) const {
+    PointFitOptions options = options_;
+    if (options_.progress)
+      options.progress = [this, begin](double share) { options_.progress(begin + 0.5 * share); };
+    return PrimitivesFit(cloud, std::move(normal), options, only_, Effort::full).run();
+  }
+
+  static constexpr double off_it =
+      0.5;  // no more of a clump is within the noise of a surface that it is not on
 
   const PointCloud& points_;
   const PointFitOptions& options_;
@@ -336,8 +369,16 @@ class ClumpedFit {
 PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options, const Primitive* only,
                         Effort effort) {
   check_arguments(points, options);
-  return effort == Effort::full ? ClumpedFit(points, options, only).run()
-                                : PrimitivesFit(points, options, only, effort).run();
+  const auto started = std::chrono::steady_clock::now();
+  NormalisedPoints normal = normalised(points);
+  std::vector<bool> clump;
+  if (effort == Effort::full && normal.scale > 1e-152 && normal.scale < 1e152)
+    clump = dense_clump(normal.cloud);
+  PointFit fit = clump.empty() ? PrimitivesFit(points, std::move(normal), options, only, effort).run()
+                               : ClumpedFit(points, std::move(normal), std::move(clump), options, only).run();
+  fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  if (options.progress) options.progress(1);
+  return fit;
 }
 
 }  // namespace fit
