@@ -102,8 +102,8 @@ const std::vector<std::string_view>& found_kinds();
 /// distances d for a mixture of inliers N(σ² H, σ²) and outliers of locally constant density, H = (k1 +
 /// k2) / 2 the curvature that moves the mean distance, found by Ceres. Lengths and place of the points do not
 /// matter: they are centred and scaled first. Points at one place count once in the estimate. Of
-/// found_kinds(), without uvs: a clump, a tenth to two thirds of the points in a small ball, is left out where
-/// the others tell a surface that it is not on, and named in `reason`.
+/// found_kinds(), without uvs: a clump, a tenth to two thirds of the points in a small ball, is left out
+/// where the others tell a surface that it is not on, and named in `reason`.
 ///
 /// No noise is taken to be less than half of the greatest rounding that the coordinates show (of floats, of
 /// three to eight decimals, of four to eight digits); where there is no more noise than that, standard errors

@@ -276,13 +276,14 @@ class Closely {
   // By how much the direction at v may lie before that of its own triangles, towards the tangent: half of
   // what the next triangles, which share a vertex with them and have none at this place, turn on, less what
   // its own do, which then lie on both sides of v.
-  double turn_before(std::uint32_t v, int sign, Directions all, const Arc& cone) {
+  double turn_before(std::uint32_t v, int sign, const Directions& all, const Arc& cone) {
     if (all.at.last - all.at.first > most_next) return 0;
     const bool clockwise = std::remainder(cone.middle, 2 * pi) < 0;  // from the tangent to the cone, and on
     const Directions* own = directions_of(v, sign, false);
     if (!own || !own->cone) return 0;
     const Arc from = *own->cone;
     sort_by_vertex();
+    x_ = all.x, y_ = all.y, n_ = unit(mesh_.normals[v]);  // those of what was kept are another vertex's
     double most = 0;
     for (auto c = all.at.first; c != all.at.last; ++c) {
       if (raw_sign_[c->triangle] != sign || !are_alike(mesh_.normals[corner(c->triangle, c->k)], n_))

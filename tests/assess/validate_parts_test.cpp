@@ -28,8 +28,8 @@ const ClassReport& interior_of(const MeshReport& report) {
   throw std::runtime_error("no interior in the report");
 }
 
-// A cap z = sqrt(R² - x² - y²) over a square of half side `half`, whose uvs are a turned and scaled (x, y);
-// exact frames.
+// A cap z = sqrt(R² - x² - y²) over a square of half side `half`, whose uvs are a turned and scaled
+// (x, y); exact frames.
 Mesh cap(double radius, double half, double turn) {
   constexpr int n = 16;
   const double c = std::cos(turn) * 3, s = std::sin(turn) * 3;

@@ -227,10 +227,6 @@ class PrimitivesFit {
   PointFit fit_;
 };
 
-}  // namespace
-
-namespace {
-
 // The fit of all points, or of those beside a clump that is not of their surface: docs/theory/fit.md.
 class ClumpedFit {
  public:
@@ -261,14 +257,14 @@ class ClumpedFit {
     beside.is_inlier = std::move(is_inlier);
     beside.ignored = points_.positions.size() - normal_.finite;
     beside.outliers = normal_.finite - beside.inliers;
-    const auto size = static_cast<std::size_t>(std::count(in_clump.begin(), in_clump.end(), true));
-    if (beside.usable && is_clutter(beside, scale)) {
-      beside.reason += "; a clump of " + std::to_string(size) + " points beside it is left out";
-      return beside;
-    }
+    const std::string clump =
+        "a clump of " + std::to_string(std::count(in_clump.begin(), in_clump.end(), true)) + " points";
+    if (beside.usable && is_clutter(beside, scale)) return left_out(std::move(beside), clump);
     PointFit all = of(points_, normal_, 0.5);
-    all.iterations += beside.iterations;
-    return choose(std::move(beside), std::move(all), scale, size);
+    const int iterations = beside.iterations + all.iterations;
+    PointFit fit = chosen(std::move(beside), std::move(all), scale, clump);
+    fit.iterations = iterations;
+    return fit;
   }
 
  private:
@@ -314,9 +310,13 @@ class ClumpedFit {
     return t.share_of_clump <= off_it && t.share_of_others >= nearly_all;
   }
 
-  PointFit choose(PointFit beside, PointFit all, double scale, std::size_t size) const {
+  static PointFit left_out(PointFit beside, const std::string& clump) {
+    beside.reason += "; " + clump + " beside it is left out";
+    return beside;
+  }
+
+  PointFit chosen(PointFit beside, PointFit all, double scale, const std::string& clump) const {
     constexpr double sharp = 0.25, wider = 1.5, by_chance = 1e-3;
-    const std::string clump = "a clump of " + std::to_string(size) + " points";
     if (beside.usable && enough(beside)) {
       const Told of_beside = told(beside, scale);
       if (of_beside.share_of_clump > off_it) return all;
@@ -329,8 +329,7 @@ class ClumpedFit {
             (is_sharp || of_all.log_likelihood_ratio + margin >= of_beside.log_likelihood_ratio))
           return all;
       }
-      beside.reason += "; " + clump + " beside it is left out";
-      return beside;
+      return left_out(std::move(beside), clump);
     }
     // A surface that takes the clump for its own has more noise than the others alone.
     constexpr std::string_view undetermined = "undetermined: ";
@@ -354,8 +353,8 @@ class ClumpedFit {
     return PrimitivesFit(cloud, std::move(normal), options, only_, Effort::full).run();
   }
 
-  static constexpr double off_it =
-      0.5;  // no more of a clump is within the noise of a surface that it is not on
+  // No more of a clump is within the noise of a surface that it is not on.
+  static constexpr double off_it = 0.5;
 
   const PointCloud& points_;
   const PointFitOptions& options_;
