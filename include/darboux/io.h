@@ -97,6 +97,9 @@ struct Primitive {
   std::optional<std::array<double, 6>> texture_transform;
   /// Indices at the end that are no whole triangle; they are left out.
   std::size_t leftover_indices = 0;
+  /// How many morph targets it has; `data` is the mesh at weights of 0. GltfDocument::morph_targets reads
+  /// them.
+  std::size_t morph_targets = 0;
 };
 
 /// What a morph target of a primitive adds to its vertices at weight 1, one entry per vertex; empty where it

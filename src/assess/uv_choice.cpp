@@ -15,9 +15,11 @@ namespace {
 constexpr double follows = 0.8, closer = 0.97;
 
 // How tangents follow the uvs: the share of corners within the cone, of those about which it claims
-// something, and the mean angle to the dpdu of each corner's triangle, both made square to the normal.
+// something, the mean angle to the dpdu of each corner's triangle, both made square to the normal, and at how
+// many more corners w has glTF's sign than the raw one.
 struct Following {
   double share_within = 0, mean_rad = 0;
+  std::ptrdiff_t gltf_signs = 0;
   bool is_enough() const { return share_within >= follows; }
 };
 
@@ -27,6 +29,7 @@ Following following(const Mesh& mesh, std::span<const signed char> raw_sign, con
   const Cones cones(mesh, raw_sign, own.has_area, own.joins,
                     std::vector<double>(mesh.positions.size(), max_angle_deg), max_angle_deg);
   std::size_t within = 0, compared = 0, with_angle = 0;
+  std::ptrdiff_t gltf_signs = 0;
   double sum = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3<double> dpdu = direction_of_dpdu(mesh, mesh.triangles[t], raw_sign[t]);
@@ -34,6 +37,8 @@ Following following(const Mesh& mesh, std::span<const signed char> raw_sign, con
       const Claim claim = cones.claim(v, raw_sign[t]);
       compared += claim != Claim::none;
       within += claim == Claim::within;
+      const double sign = mesh.tangents[v].w * raw_sign[t];
+      gltf_signs += sign < 0 ? 1 : sign > 0 ? -1 : 0;
       const double angle =
           angle_between(square_to(mesh.tangents[v].xyz(), mesh.normals[v]), square_to(dpdu, mesh.normals[v]));
       if (raw_sign[t] == 0 || !std::isfinite(angle)) continue;
@@ -42,7 +47,7 @@ Following following(const Mesh& mesh, std::span<const signed char> raw_sign, con
     }
   }
   const auto share = [](double part, std::size_t of) { return of == 0 ? 0 : part / static_cast<double>(of); };
-  return {share(static_cast<double>(within), compared), share(sum, with_angle)};
+  return {share(static_cast<double>(within), compared), share(sum, with_angle), gltf_signs};
 }
 
 }  // namespace
@@ -57,10 +62,17 @@ std::optional<UvChoice> choose_uvs(const MeshUnderTest& own, const AssessOptions
   double best_rad = by_own.is_enough() ? closer * by_own.mean_rad : std::numeric_limits<double>::infinity();
   UvChoice tried{mesh, std::nullopt, false};
   std::optional<UvChoice> choice;
+  // Where the tangents follow both alike, as where a transform mirrors v, w tells by its convention.
+  const auto tells_by_sign = [&](const Following& by_these) {
+    constexpr double rounding_rad = 1e-6;
+    return by_own.is_enough() && by_own.gltf_signs < 0 && by_these.gltf_signs > 0 &&
+           closer * by_these.mean_rad <= by_own.mean_rad + rounding_rad;
+  };
   const auto try_it = [&] {
     const Following by_these = following(tried.mesh, triangle_signs(tried.mesh), own, limit);
-    if (!by_these.is_enough() || !(by_these.mean_rad < best_rad)) return;
-    best_rad = by_these.mean_rad;
+    if (!by_these.is_enough()) return;
+    if (!(by_these.mean_rad < best_rad) && !(tried.transformed && tells_by_sign(by_these))) return;
+    best_rad = std::fmin(best_rad, by_these.mean_rad);
     choice = tried;
   };
   if (options.texture_transform) {

@@ -18,7 +18,8 @@ struct UvChoice {
 // Other uvs than the mesh's own that its tangents follow, after KHR_texture_transform or, where the material
 // names none, of another set: where they do not follow those, or follow these more closely by 3 %. Follow
 // means: at 80 % of the corners or more the tangent lies within the cone of its triangles; how closely is the
-// mean angle to the dpdu of each corner's triangle.
+// mean angle to the dpdu of each corner's triangle. A transform that mirrors v leaves t as it is: there the
+// uvs are chosen by which w has glTF's sign at most corners.
 // \param own of prepare()
 std::optional<UvChoice> choose_uvs(const MeshUnderTest& own, const AssessOptions& options);
 

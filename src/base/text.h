@@ -37,9 +37,9 @@ constexpr std::string_view name_in(const std::array<std::string_view, N>& names,
 }
 
 /// "a, b, c"
-inline std::string joined(const std::vector<std::string>& names) {
+inline std::string joined(const std::vector<std::string>& names, std::string_view between = ", ") {
   std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  for (const std::string& name : names) text.append(text.empty() ? "" : between).append(name);
   return text;
 }
 

@@ -71,6 +71,7 @@ Json references_json(const MeshReport& report) {
   }
   if (report.triangles)
     references["triangles"] = {{"judged", report.triangles->compared},
+                               {"open", report.triangles->open},
                                {"outside", report.triangles->outside},
                                {"worst_deg", number(report.triangles->worst_deg)}};
   if (report.mikktspace)

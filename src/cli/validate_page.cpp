@@ -211,11 +211,12 @@ std::string reference_text(const Assessment& assessment) {
     words += " It is uncertain by " +
              escape(deviation_text(report.normal_uncertainty_deg.rms(), 2, "° rms")) + " (normals) and " +
              escape(deviation_text(report.tangent_uncertainty_deg.rms(), 2, "° rms")) + " (tangents).";
-  if (report.triangles && report.triangles->compared > 0) {
+  if (report.triangles && report.triangles->compared + report.triangles->open > 0) {
     const TrianglesReport& t = *report.triangles;
     words += " At " + std::to_string(t.compared - t.outside) + " of " + counted(t.compared, "corner") +
              " the tangent lies within the cone of its own triangles";
     if (t.outside > 0) words += ", at the others up to " + rounded(t.worst_deg, 3) + "° outside";
+    if (t.open > 0) words += "; of " + std::to_string(t.open) + " more the triangles cannot tell";
     words += '.';
   }
   if (report.faceted > 0)

@@ -95,11 +95,12 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
               << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals), "
               << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms") << " (tangents)\n";
   if (report.local && report.reference != ReferenceKind::local) print_local(*report.local);
-  if (report.triangles && report.triangles->compared > 0) {
+  if (report.triangles && report.triangles->compared + report.triangles->open > 0) {
     const TrianglesReport& t = *report.triangles;
     std::cout << "    triangles: " << t.compared - t.outside << " of " << counted(t.compared, "corner")
               << " lie within the cone of their own triangles";
     if (t.outside > 0) std::cout << ", the others up to " << rounded(t.worst_deg, 3) << " deg outside";
+    if (t.open > 0) std::cout << "; of " << t.open << " more the triangles cannot tell";
     std::cout << '\n';
   }
   if (report.mikktspace) print_mikktspace(*report.mikktspace);
@@ -126,6 +127,7 @@ std::string verdicts_text(const std::array<std::size_t, verdict_names.size()>& v
 struct CodeTotal {
   const Finding* first;  // which was found
   std::size_t count = 0, places = 0, files = 0, known = 0;
+  std::vector<std::string> to_do{};  // each once
 };
 
 // Errors and warnings of the files, errors first. known counts the baseline's in primitives without any now.
@@ -145,6 +147,8 @@ std::vector<CodeTotal> totals_of(std::span<const AssessedFile> files) {
         });
         if (at == gathered.end()) at = gathered.insert(at, Gathered{.total = {.first = &f}});
         at->total.count += f.count, ++at->total.places;
+        std::vector<std::string>& to_do = at->total.to_do;
+        if (std::find(to_do.begin(), to_do.end(), f.to_do) == to_do.end()) to_do.emplace_back(f.to_do);
         at->total.files += std::exchange(at->last, &file) != &file;
         at->own.insert(own);
       });
@@ -284,14 +288,15 @@ void print_rest(const std::vector<AssessedFile>& files) {
     std::cout << "  " << counted(count, "primitive") << " not judged: " << reason << '\n';
 }
 
-// The remedies of what was found, each kind once.
+// The remedies of what was found, each once.
 void print_to_do(const std::vector<AssessedFile>& files) {
-  std::set<std::string_view> said;
-  for (const CodeTotal& t : totals_of(files)) {
-    if (said.empty()) std::cout << "to do:\n";
-    if (said.insert(t.first->code).second)
-      std::cout << "  " << t.first->code << ": " << t.first->to_do << '\n';
-  }
+  std::set<std::pair<std::string_view, std::string>> said;
+  for (const CodeTotal& t : totals_of(files))
+    for (const std::string& to_do : t.to_do) {
+      if (said.empty()) std::cout << "to do:\n";
+      if (said.insert({t.first->code, to_do}).second)
+        std::cout << "  " << t.first->code << ": " << to_do << '\n';
+    }
 }
 
 // The end of a report of several files, that reads alone: what was found and what to do, which files failed
@@ -304,7 +309,7 @@ void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadabl
   if (!totals.empty()) std::cout << "found:\n";
   for (const CodeTotal& t : totals) {
     std::cout << "  " << name_of(t.first->severity) << ' ' << t.first->code << ": " << t.count << " in "
-              << counted(t.files, "file") << ". To do: " << t.first->to_do << '\n';
+              << counted(t.files, "file") << ". To do: " << joined(t.to_do, "; or: ") << '\n';
   }
   print_bad(files, with_baseline);
   print_rest(files);

@@ -126,8 +126,8 @@ class Closely {
     std::sort(edges_.begin(), edges_.end());
   }
 
-  // What is claimed, and where the tangent lies outside a cone that is known, that cone, or of what is left
-  // open that of its chart.
+  // What is claimed, and where the tangent lies outside a cone that is known, that cone: of what is left
+  // open, or lies within the cones of several charts together, that of its chart.
   struct Assessed {
     Claim claim;
     std::optional<Arc> left;
@@ -139,7 +139,10 @@ class Closely {
     const Directions directions = *found;  // the next that are asked for take its place
     if (cone->half >= pi / 2) return {Claim::none, cone_of_chart(v, sign, directions)};
     const double outside = outside_deg(v, *cone);
-    if (outside <= limit_deg) return {Claim::within, std::nullopt};
+    if (outside <= limit_deg) {
+      const std::optional<Arc> of_chart = cone_of_chart(v, sign, directions);
+      return {Claim::within, of_chart && outside_deg(v, *of_chart) > limit_deg ? of_chart : std::nullopt};
+    }
     if (directions.uncertain) return {Claim::none, std::nullopt};
     if (is_left_open(v, sign, directions, *cone, outside, limit_deg))
       return {Claim::none, cone_of_chart(v, sign, directions)};
@@ -570,8 +573,9 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
 
 void Cones::hold_if_turned(double max_angle_deg) {
   turn_deg_.reset();
-  const auto within = static_cast<std::size_t>(std::count(claims_.begin(), claims_.end(), Claim::within));
-  const double known = static_cast<double>(within + outside_.size());
+  auto within = std::count(claims_.begin(), claims_.end(), Claim::within);
+  for (const Outside& o : outside_) within -= claims_[o.place] == Claim::within ? 1 : 0;
+  const double known = static_cast<double>(within) + static_cast<double>(outside_.size());
   if (outside_.size() < least_turned || static_cast<double>(outside_.size()) < nearly_all * known) return;
   double x = 0, y = 0;
   for (const Outside& o : outside_)

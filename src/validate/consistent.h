@@ -22,8 +22,9 @@
 // each column has a vertex of its own, which lies on one side of it. But where one turn about the normals, by
 // 30 degrees or more, would bring nine tenths of a mesh's or a part's tangents from outside their cones to
 // within the limit of them, that explains what is left open, and no shape does: those are beyond, too. Of
-// what is left open the cone is then that of the triangles that have the vertex's uv: charts that meet, as at
-// the corners of a smooth cube, may be averaged, but not all in one sense.
+// what is left open, and where several charts meet, the cone is then that of the triangles that have the
+// vertex's uv: charts that meet, as at the corners of a smooth cube or at bevels, may be averaged, but not
+// all in one sense.
 #pragma once
 
 #include <cstdint>
@@ -60,8 +61,8 @@ class Cones {
   Cones restricted_to(std::span<const std::uint32_t> vertices, double max_angle_deg) const;
 
  private:
-  // Of a tangent outside a cone that is known, judged or not, in degrees: by how much, and the cone's middle,
-  // as seen from the tangent, and half of its width.
+  // Of a tangent outside a cone that is known, or outside its own chart's, judged or not, in degrees: by how
+  // much, and the cone's middle, as seen from the tangent, and half of its width.
   struct Outside {
     std::uint32_t place;  // in claims_
     float deg, middle, half;

@@ -55,6 +55,7 @@ enum class Code : std::size_t {
   parts_in_brief,
   triangles_missing,
   vertex_unreferenced,
+  morph_targets_not_judged,
   node_mirrored,
   node_scale_not_uniform,
   undetermined,

@@ -15,6 +15,7 @@
 #include "averages.h"
 #include "base/flatten.h"
 #include "base/text.h"
+#include "corner_counts.h"
 #include "diagnose.h"
 #include "findings.h"
 #include "mesh_under_test.h"
@@ -27,6 +28,7 @@ namespace {
 
 constexpr double expected_agreement = 0.8;  // of two references; their error bars cover less on coarse meshes
 constexpr double agree_within = 0.1;        // of the limit: two references that differ by less are the same
+constexpr double most = 0.9;                // corners, for which one cause is named
 constexpr auto no_code = static_cast<Code>(corner_errors);
 
 // Angles are negative where there is nothing to compare.
@@ -55,13 +57,6 @@ struct CornerGroup {
   std::int8_t sign;  // of their triangles, 0 without uv area
   bool wrong_sign;   // another w than their island
   std::uint32_t corners;
-};
-
-// How many corners of a code there are, and the worst of them.
-struct Beyond {
-  std::size_t by_surface = 0, by_triangles = 0, in_all = 0;
-  double worst = 0;
-  std::size_t counted() const { return by_surface + by_triangles; }
 };
 
 // The validation of one mesh: its data, and what is found along the way.
@@ -158,18 +153,11 @@ class MeshValidation {
 
   void compare();
   void diagnose();
-  // Corners by what is found of them.
-  struct Counts {
-    std::array<std::size_t, corner_errors> of_error{};
-    Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
-        coarse_tangents, coarse_normals, chord_tangents, local_tangents, local_normals, poles;
-    std::size_t leaning = 0, lit_otherwise = 0;
-  };
   void check_corners();
-  void count_errors(const CornerGroup& group, Code error, Counts& counts);
-  void count_warnings(const CornerGroup& group, Code error, Counts& counts);
-  void add_errors(const Counts& counts);
-  void add_warnings(const Counts& counts);
+  void count_errors(const CornerGroup& group, Code error, CornerCounts& counts);
+  void count_warnings(const CornerGroup& group, Code error, CornerCounts& counts);
+  void add_errors(const CornerCounts& counts);
+  void add_warnings(const CornerCounts& counts);
   enum class Decider { nobody, surface, triangles };
   Decider tangent_error(const CornerGroup& group) const;
   bool may_be_exact(std::uint32_t v) const;
@@ -325,7 +313,7 @@ void MeshValidation::count_vertex(std::uint32_t v) {
 }
 
 void MeshValidation::check_corners() {
-  Counts counts;
+  CornerCounts counts;
   for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
     if (corners_of_[v] > 0) count_vertex(v);
   if (!under_test_.cones.empty()) report_.triangles.emplace();
@@ -338,7 +326,7 @@ void MeshValidation::check_corners() {
   add_warnings(counts);
 }
 
-void MeshValidation::count_errors(const CornerGroup& group, Code error, Counts& counts) {
+void MeshValidation::count_errors(const CornerGroup& group, Code error, CornerCounts& counts) {
   const std::uint32_t v = group.vertex;
   const std::size_t corners = group.corners;
   if (error != no_code) counts.of_error[static_cast<std::size_t>(error)] += corners;
@@ -347,6 +335,16 @@ void MeshValidation::count_errors(const CornerGroup& group, Code error, Counts& 
     report_.triangles->compared += corners;
     if (outside > 0) report_.triangles->outside += corners;
     report_.triangles->worst_deg = std::fmax(report_.triangles->worst_deg, outside);
+  } else if (report_.triangles && group.sign != 0 && checks_[v].has_tangent) {
+    report_.triangles->open += corners;
+  }
+  if (error == Code::tangent_not_unit) counts.tangent_lengths.add(norm(mesh_.tangents[v].xyz()));
+  if (error == Code::normal_not_unit) counts.normal_lengths.add(norm(mesh_.normals[v]));
+  if (error == Code::tangent_not_orthogonal) {
+    const double along = std::fabs(dot(mesh_.tangents[v].xyz(), mesh_.normals[v]));
+    counts.most_along_normal = std::fmax(counts.most_along_normal, along);
+    if (counts.planes.empty()) counts.planes = planes_of_vertices(mesh_);
+    if (std::fabs(dot(mesh_.tangents[v].xyz(), counts.planes[v])) <= along / 2) counts.in_plane += corners;
   }
   const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
   const Decider decider = mesh_.tangents.empty() ? Decider::nobody : tangent_error(group);
@@ -365,7 +363,7 @@ void MeshValidation::count_errors(const CornerGroup& group, Code error, Counts& 
   }
 }
 
-void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts& counts) {
+void MeshValidation::count_warnings(const CornerGroup& group, Code error, CornerCounts& counts) {
   const std::uint32_t v = group.vertex;
   const auto warn = [&](Beyond& where, double angle) {
     where.by_surface += group.corners;
@@ -401,7 +399,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Counts
 }
 
 // Who says so, and where the rest of what is beyond the limit is counted.
-void MeshValidation::add_errors(const Counts& counts) {
+void MeshValidation::add_errors(const CornerCounts& counts) {
   const auto text = [&](const Beyond& b, const char* by_triangles) {
     std::string more;
     if (b.by_surface > 0) more += "; " + std::to_string(b.by_surface) + " by the surface";
@@ -414,19 +412,39 @@ void MeshValidation::add_errors(const Counts& counts) {
     return &b == &counts.normals && b.by_surface == 0 && !more.empty() ? " (" + more.substr(2) + ")"
                                                                        : worst_text(b.worst, more);
   };
+  const auto more = [&](Code code) -> std::string {
+    switch (code) {
+      case Code::tangent_not_unit:
+        return counts.tangent_lengths.text();
+      case Code::tangent_not_orthogonal:
+        return " (|t.n| up to " + rounded(counts.most_along_normal, 3) + ", limit 0.26)";
+      case Code::tangent_angle:
+        return text(counts.tangents, " outside the cone of their own triangles");
+      case Code::normal_not_unit:
+        return counts.normal_lengths.text();
+      case Code::normal_angle:
+        return text(counts.normals, " more than 80 deg from their own triangles");
+      default:
+        return "";
+    }
+  };
   for (std::size_t k = 0; k < corner_errors; ++k) {
     const auto code = static_cast<Code>(k);
-    add(report_, finding(code, counts.of_error[k],
-                         code == Code::tangent_angle
-                             ? text(counts.tangents, " outside the cone of their own triangles")
-                         : code == Code::normal_angle
-                             ? text(counts.normals, " more than 80 deg from their own triangles")
-                         : code == Code::tangent_not_orthogonal ? " (|t.n| > 0.26)"
-                                                                : ""));
+    if (counts.of_error[k] == 0) continue;
+    Finding found = finding(code, counts.of_error[k], more(code));
+    if (code == Code::tangent_not_orthogonal &&
+        static_cast<double>(counts.in_plane) >= most * static_cast<double>(counts.of_error[k])) {
+      found.message +=
+          "; they lie in the plane of their triangles, so the normals may be the ones that are wrong";
+      found.to_do =
+          "transform normals by the inverse transpose, or recompute them; where they are meant so, project: "
+          "t - (t.n) n, then normalise";
+    }
+    add(report_, std::move(found));
   }
 }
 
-void MeshValidation::add_warnings(const Counts& counts) {
+void MeshValidation::add_warnings(const CornerCounts& counts) {
   const std::string_view
       unsure = "; by the recognised surface, with which too few corners agree to call that an error",
       edge =
@@ -447,8 +465,10 @@ void MeshValidation::add_warnings(const Counts& counts) {
                                      {Code::tangent_angle, counts.local_tangents, nearby},
                                      {Code::normal_angle, counts.local_normals, nearby}})
     add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
-  add(report_, warning(Code::normal_angle, counts.lit_otherwise,
-                       "; more than 80 deg from their own triangles, at borders, where that may be meant"));
+  Finding lit = warning(Code::normal_angle, counts.lit_otherwise,
+                        "; more than 80 deg from their own triangles, at borders, where that may be meant");
+  lit.to_do = "nothing, where cards, skirts or risers are lit as the ground is; else recompute normals";
+  add(report_, std::move(lit));
   add(report_, warning(Code::tangent_not_orthogonal, counts.leaning,
                        " (|t.n| > 0.02; above 0.26 an error where triangles have uv area)"));
   add(report_, finding(Code::pole_tangent, counts.poles.counted(),
@@ -513,7 +533,8 @@ void MeshValidation::compare_with_mikktspace() {
 void MeshValidation::look_at_signs() {
   if (mesh_.tangents.empty()) return;
   const HandednessConvention convention = report_.handedness.convention;
-  if (convention == HandednessConvention::raw)
+  // Where all normals oppose the winding w reads the other way round: which of the three is wrong is open.
+  if (convention == HandednessConvention::raw && !under_test_.normals.all_oppose)
     add(report_,
         finding(Code::handedness_convention, signs_.all().raw, " (it would be glTF's if v were flipped)"));
   if (convention == HandednessConvention::mixed) {

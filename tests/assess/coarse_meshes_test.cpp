@@ -207,6 +207,10 @@ TEST(Cards, NormalsMayBeThoseOfTheGround) {
   const MeshReport report = assess(mesh).report;
   EXPECT_EQ(errors(report), "");
   EXPECT_EQ(count_of(report, "NORMAL_ANGLE", Severity::warning), mesh.corners());
+  for (const Finding& f : report.findings)
+    if (f.code == "NORMAL_ANGLE") {
+      EXPECT_TRUE(f.to_do.starts_with("nothing, where cards")) << f.to_do;
+    }
 }
 
 // A sheet with its back.

@@ -193,6 +193,14 @@ std::vector<Case> cases(const Mesh& good, bool known) {
       {"normals turned over", each([](Mesh& m, std::size_t i) { m.normals[i] = -m.normals[i]; }),
        known ? Codes{"NORMAL_ANGLE", "NORMALS_OPPOSE_WINDING"} : Codes{"NORMALS_OPPOSE_WINDING"},
        "NORMALS_OPPOSE_WINDING", all},
+      // w reads the other way round with the winding, which is no second cause.
+      {"wound the other way",
+       [](Mesh& m) {
+         for (auto& triangle : m.triangles) std::swap(triangle[1], triangle[2]);
+       },
+       {"NORMALS_OPPOSE_WINDING"},
+       "NORMALS_OPPOSE_WINDING",
+       all},
       {"one triangle wound the other way",
        [](Mesh& m) { std::swap(m.triangles[700][1], m.triangles[700][2]); },
        {"NORMALS_OPPOSE_WINDING", "VERTEX_ACROSS_MIRROR"},
@@ -253,6 +261,47 @@ TEST(PlantedDefects, StaleAfterAScale) {
     retangent(mesh, i, unit(Vec3<double>{2 * t.x, t.y, 0.7 * t.z}));
   }
   EXPECT_EQ(joined(codes(assess_parts(mesh, options))), "");
+}
+
+std::string message_of(const Mesh& mesh, std::string_view code) {
+  AssessOptions options;
+  options.references.analytic = false;
+  const MeshReport report = assess_parts(mesh, options).front().report;
+  for (const Finding& f : report.findings)
+    if (f.code == code && f.severity == Severity::error)
+      return f.message + "; to do: " + std::string(f.to_do);
+  return "";
+}
+
+// How far off the worst are, and whether the normals may be what is wrong.
+TEST(PlantedDefects, MessagesSayHowMuch) {
+  const Mesh good = baked_unknown();
+  Mesh mesh = good;
+  retangent(mesh, v, 1.1 * good.tangents[v].xyz());
+  EXPECT_NE(message_of(mesh, "TANGENT_NOT_UNIT").find("(length 1.1)"), std::string::npos);
+  retangent(mesh, v + 1, 0.25 * good.tangents[v + 1].xyz());
+  EXPECT_NE(message_of(mesh, "TANGENT_NOT_UNIT").find("(lengths 0.25 to 1.1)"), std::string::npos);
+  mesh = good;
+  mesh.normals[v] = 0.5 * good.normals[v];
+  EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("(length 0.5)"), std::string::npos);
+  mesh = good;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    retangent(mesh, i, unit(good.tangents[i].xyz() + good.normals[i]));
+  const std::string leaning = message_of(mesh, "TANGENT_NOT_ORTHOGONAL");
+  EXPECT_NE(leaning.find("|t.n| up to 0.707,"), std::string::npos) << leaning;
+  EXPECT_EQ(leaning.find("normals may be"), std::string::npos) << leaning;
+  EXPECT_NE(leaning.find("to do: project"), std::string::npos) << leaning;
+  // Positions, tangents and, wrongly, normals by one uneven scale.
+  mesh = good;
+  turn_by(mesh, Eigen::Vector3d(1, 1, 4).asDiagonal());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const auto scaled = [](const Vec3<double>& d) { return unit(Vec3<double>{d.x, d.y, 4 * d.z}); };
+    mesh.normals[i] = scaled(good.normals[i]);
+    retangent(mesh, i, scaled(good.tangents[i].xyz()));
+  }
+  const std::string scaled = message_of(mesh, "TANGENT_NOT_ORTHOGONAL");
+  EXPECT_NE(scaled.find("normals may be"), std::string::npos) << scaled;
+  EXPECT_NE(scaled.find("to do: transform normals by the inverse transpose"), std::string::npos) << scaled;
 }
 
 // All turned about their normals by one angle, on a strip whose corners are all at its borders.

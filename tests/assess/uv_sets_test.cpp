@@ -9,6 +9,7 @@
 #include <darboux/io.h>
 #include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
+#include <darboux/vertex_normals.h>
 
 #include "append_mesh.h"
 #include "fbx_files.h"
@@ -131,6 +132,32 @@ TEST(UvSets, TangentsMayFollowTheTextureTransform) {
       for (Vec2<double>& uv : mesh.uvs) uv = {c * uv.x - s * uv.y, s * uv.x + c * uv.y};
       EXPECT_TRUE(assessed());
     }
+}
+
+// t is the same before and after v is mirrored: w alone tells which of both it follows.
+TEST(UvSets, SignsMayFollowATransformThatMirrorsV) {
+  Mesh wave = sample_mesh(make_surface("plane"), {.columns = 12, .rows = 12});
+  for (auto& p : wave.positions) p.z = std::sin(5 * p.x) + 0.7 * std::cos(4 * p.y + p.x);
+  wave.normals = vertex_normals(wave, NormalWeight::angle);
+  bake(wave, wave.uvs);
+  for (const Mesh& mesh : {torus_along(false), wave})
+    for (const bool mirrored : {false, true})
+      for (const bool negated : {false, true}) {
+        Mesh signs = mesh;
+        if (negated)
+          for (auto& t : signs.tangents) t.w = -t.w;
+        AssessOptions options;
+        options.texture_transform = {1, 0, 0, mirrored ? -1. : 1., 0, 1};
+        std::string codes;
+        const MeshReport report = assess_parts(signs, options).front().report;
+        for (const Finding& f : report.findings)
+          if (f.code.starts_with("TANGENT_")) codes += f.code;
+        EXPECT_EQ(report.verdict, Verdict::pass);
+        EXPECT_EQ(codes, !negated   ? ""
+                         : mirrored ? "TANGENT_TEXTURE_TRANSFORM"
+                                    : "TANGENT_HANDEDNESS_CONVENTION")
+            << mirrored << negated;
+      }
 }
 
 TEST(UvSets, OthersAreReadOnlyWhereTangentsMayFollowThem) {

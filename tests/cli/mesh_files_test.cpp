@@ -5,6 +5,7 @@
 
 #include "cli.h"
 #include "fbx_files.h"
+#include "random_shapes.h"
 
 namespace darboux::test {
 namespace {
@@ -128,6 +129,51 @@ TEST_F(MeshFiles, TangentsOfAnotherUvSetAreToldSo) {
   EXPECT_EQ(assessed["verdict"], "fail");
   EXPECT_TRUE(has_finding(assessed, "TANGENT_UV_SET"));
   EXPECT_NE(good("darboux validate a.glb", 1).find("MikkTSpace's of TEXCOORD_1"), std::string::npos);
+}
+
+TEST_F(MeshFiles, MorphTargetsAreNotJudged) {
+  write_glb(path("a.glb"), torus(), "torus");
+  EXPECT_FALSE(has_finding(only_mesh(json("darboux validate a.glb --json")), "MORPH_TARGETS_NOT_JUDGED"));
+  Glb glb = split_glb(read_bytes(path("a.glb")));
+  Json& primitive = glb.json["meshes"][0]["primitives"][0];
+  const Json target{{"POSITION", primitive["attributes"]["POSITION"]}};
+  primitive["targets"] = {target, target, target};
+  write("a.glb", make_glb(glb.json.dump(), glb.bin));
+  const Json assessed = only_mesh(json("darboux validate a.glb --json"));
+  EXPECT_EQ(assessed["verdict"], "pass");
+  std::size_t targets = 0;
+  for (const Json& f : assessed["findings"])
+    if (f["code"] == "MORPH_TARGETS_NOT_JUDGED") targets = f["count"];
+  EXPECT_EQ(targets, 3u);
+}
+
+// One code may have another remedy in another case: each is told, and how many corners the triangles leave
+// open.
+TEST_F(MeshFiles, RemediesAndOpenCornersAreTold) {
+  Mesh ring;  // of one row, so that all corners lie at borders; shaded smooth, and all tangents turned
+  test::add_grid(ring, 6, 1, [](double u, double v) { return test::on_ring(1, u, 3 * v); });
+  ring = test::with_averaged_normals(ring);
+  test::bake(ring);
+  for (std::size_t v = 0; v < ring.positions.size(); ++v) {
+    const Vec3<double> t = ring.tangents[v].xyz(), b = cross(ring.normals[v], t), d = unit(t + b);
+    ring.tangents[v] = {d.x, d.y, d.z, ring.tangents[v].w};
+  }
+  write_glb(path("ring.glb"), ring, "ring");
+  const std::string open = "of " + std::to_string(ring.corners()) + " more the triangles cannot tell";
+  EXPECT_NE(good("darboux validate ring.glb --reference triangles", 1).find(open), std::string::npos);
+  Mesh card, wedge;
+  test::add_grid(card, 1, 1, [](double u, double v) { return Vec3<double>{u, 0, v}; });
+  card.normals.assign(card.positions.size(), {0, 0, 1});
+  write_glb(path("card.glb"), card, "card");
+  test::add_grid(wedge, 4, 4, [](double u, double v) { return Vec3<double>{u, v, 0}; });
+  wedge = test::with_averaged_normals(wedge);
+  wedge.normals[12] = -wedge.normals[12];
+  write_glb(path("wedge.glb"), wedge, "wedge");
+  const std::string text = good("darboux validate card.glb wedge.glb --reference triangles", 1);
+  EXPECT_NE(text.find("warning NORMAL_ANGLE: 6 in 1 file. To do: nothing, where cards"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("error NORMAL_ANGLE: 6 in 1 file. To do: transform normals"), std::string::npos)
+      << text;
 }
 
 }  // namespace

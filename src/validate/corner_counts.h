@@ -1,0 +1,51 @@
+// What a validation counts of its corners.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <darboux/mesh.h>
+
+#include "findings.h"
+
+namespace darboux {
+
+// How many corners of a code there are, and the worst of them.
+struct Beyond {
+  std::size_t by_surface = 0, by_triangles = 0, in_all = 0;
+  double worst = 0;
+  std::size_t counted() const { return by_surface + by_triangles; }
+};
+
+// The range of lengths that are not one.
+class Lengths {
+ public:
+  void add(double length);
+  // " (lengths 0.5 to 2)"
+  std::string text() const;
+
+ private:
+  double least_ = std::numeric_limits<double>::infinity(), most_ = 0;
+};
+
+// Corners by what is found of them.
+struct CornerCounts {
+  std::array<std::size_t, corner_errors> of_error{};
+  Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
+      coarse_tangents, coarse_normals, chord_tangents, local_tangents, local_normals, poles;
+  std::size_t leaning = 0, lit_otherwise = 0;
+  Lengths tangent_lengths, normal_lengths;
+  // Of tangents that are not perpendicular to the normal: how far they lean, at most, and the corners where
+  // they are nearer the plane of their triangles.
+  double most_along_normal = 0;
+  std::size_t in_plane = 0;
+  std::vector<Vec3<double>> planes;  // of each vertex, once they are asked for
+};
+
+// The unit mean by area of the normals of each vertex's triangles; NaN where there is none.
+std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh);
+
+}  // namespace darboux
