@@ -572,24 +572,31 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
 }
 
 void Cones::hold_if_turned(double max_angle_deg) {
-  turn_deg_.reset();
+  turn_.reset();
   auto within = std::count(claims_.begin(), claims_.end(), Claim::within);
   for (const Outside& o : outside_) within -= claims_[o.place] == Claim::within ? 1 : 0;
   const double known = static_cast<double>(within) + static_cast<double>(outside_.size());
   if (outside_.size() < least_turned || static_cast<double>(outside_.size()) < nearly_all * known) return;
-  double x = 0, y = 0;
-  for (const Outside& o : outside_)
-    x += std::cos(o.middle / degrees_per_radian), y += std::sin(o.middle / degrees_per_radian);
-  const double turn = degrees_per_radian * std::atan2(y, x);
-  if (!(std::fabs(turn) >= foreshortened_deg)) return;
-  const auto is_turned = [&](const Outside& o) {
-    return std::fabs(std::remainder(o.middle - turn, 360)) - o.half <= max_angle_deg;
-  };
-  const auto turned = std::count_if(outside_.begin(), outside_.end(), is_turned);
-  if (static_cast<double>(turned) < nearly_all * known) return;
-  turn_deg_ = -turn;
-  for (const Outside& o : outside_)
-    if (is_turned(o)) claims_[o.place] = Claim::beyond;
+  // All in one sense, or where uvs are mirrored in the other, as bitangents in the place of tangents.
+  for (const bool by_sign : {false, true}) {
+    const auto middle = [&](const Outside& o) {
+      return by_sign && o.place % 2 == 0 ? -double{o.middle} : double{o.middle};
+    };
+    double x = 0, y = 0;
+    for (const Outside& o : outside_)
+      x += std::cos(middle(o) / degrees_per_radian), y += std::sin(middle(o) / degrees_per_radian);
+    const double turn = degrees_per_radian * std::atan2(y, x);
+    if (!(std::fabs(turn) >= foreshortened_deg)) continue;
+    const auto is_turned = [&](const Outside& o) {
+      return std::fabs(std::remainder(middle(o) - turn, 360)) - o.half <= max_angle_deg;
+    };
+    const auto turned = std::count_if(outside_.begin(), outside_.end(), is_turned);
+    if (static_cast<double>(turned) < nearly_all * known) continue;
+    turn_ = Turn{-turn, by_sign};
+    for (const Outside& o : outside_)
+      if (is_turned(o)) claims_[o.place] = Claim::beyond;
+    return;
+  }
 }
 
 OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_sign,

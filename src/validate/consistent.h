@@ -55,8 +55,12 @@ class Cones {
   Claim claim(std::uint32_t v, int sign) const;
   // How far outside those beyond are, in degrees; 0 elsewhere.
   double outside_deg(std::uint32_t v, int sign) const;
-  // By how many degrees, from -180 to 180, nearly all tangents are turned about their normals, if they are.
-  std::optional<double> turn_deg() const { return turn_deg_; }
+  struct Turn {
+    double deg;    // from -180 to 180
+    bool by_sign;  // the other way where uvs are mirrored
+  };
+  // By how much nearly all tangents are turned about their normals, if they are.
+  const std::optional<Turn>& turn() const { return turn_; }
   // \param vertices those of a part, in its order
   Cones restricted_to(std::span<const std::uint32_t> vertices, double max_angle_deg) const;
 
@@ -72,7 +76,7 @@ class Cones {
 
   std::vector<Claim> claims_;     // of vertex v: clockwise at 2 v, counter-clockwise behind it
   std::vector<Outside> outside_;  // by place, ascending
-  std::optional<double> turn_deg_;
+  std::optional<Turn> turn_;
 };
 
 // Of vertices that are asked about and the sign of their triangles, clockwise at 2 v, counter-clockwise

@@ -152,13 +152,17 @@ std::optional<double> turn_deg_of(const Mesh& mesh, const std::vector<Pair>& sam
 // One turn of all about their normals, from the reference or as Cones has it.
 bool are_turned(const MeshUnderTest& under_test, const std::vector<Pair>& samples, double limit,
                 MeshReport& report) {
-  std::optional<double> turn = turn_deg_of(under_test.mesh, samples, limit);
-  if (!turn) turn = under_test.cones.turn_deg();
+  std::optional<Cones::Turn> turn;
+  if (const auto deg = turn_deg_of(under_test.mesh, samples, limit))
+    turn = {*deg, false};
+  else
+    turn = under_test.cones.turn();
   if (!turn) return false;
-  const bool quarters = std::fabs(std::remainder(*turn, 90)) <= limit;
+  const bool quarters = std::fabs(std::remainder(turn->deg, 90)) <= limit;
   add(report, finding(quarters ? Code::tangent_axes : Code::tangent_uv_set, under_test.mesh.corners(),
-                      ": all are turned about their normals by about " + rounded(*turn, 2) +
-                          " deg, as those of uvs that are turned"));
+                      ": all are turned about their normals by about " + rounded(turn->deg, 2) + " deg" +
+                          (turn->by_sign ? ", the other way where uvs are mirrored" : "") +
+                          ", as those of uvs that are turned"));
   return true;
 }
 

@@ -248,7 +248,7 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
 
 // One mistake of all tangents, or one turn, is no matter of coarse triangles.
 bool MeshValidation::may_be_exact(std::uint32_t v) const {
-  return smooth_.known() && smooth_.may_be_exact[v] && !tangents_diagnosed_ && !under_test_.cones.turn_deg();
+  return smooth_.known() && smooth_.may_be_exact[v] && !tangents_diagnosed_ && !under_test_.cones.turn();
 }
 
 bool MeshValidation::normal_error(std::uint32_t v) const {
