@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <darboux/mesh.h>
@@ -44,6 +45,29 @@ struct CornerCounts {
   std::size_t in_plane = 0;
   std::vector<Vec3<double>> planes;  // of each vertex, once they are asked for
 };
+
+// Why a deviation is no error, and what to do then; empty: what its kind says.
+struct Reason {
+  std::string_view why, to_do;
+};
+namespace reasons {
+
+inline constexpr Reason unsure{
+    "; by the recognised surface, with which too few corners agree to call that an error",
+    "nothing, where the mesh is no such surface; else declare it (--surface)"},
+    edge{
+        "; at borders, seams and creases of the recognised surface, or blended from there, where they may be "
+        "authored: the corners' own triangles do not speak against them",
+        "nothing, where they are authored; else recompute them"},
+    coarse{"; averages of their own triangles', which are too coarse for the recognised surface",
+           "nothing, or refine the mesh there"},
+    chords{
+        "; outside the cone of their own triangles, which are too coarse to tell: neighbouring vertices "
+        "allow it",
+        "nothing, or refine the mesh there"},
+    nearby{"; told by neighbouring vertices alone, so only what is beyond three times the limit counts", ""};
+
+}  // namespace reasons
 
 // The unit mean by area of the normals of each vertex's triangles; NaN where there is none.
 std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh);

@@ -445,26 +445,20 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
 }
 
 void MeshValidation::add_warnings(const CornerCounts& counts) {
-  const std::string_view
-      unsure = "; by the recognised surface, with which too few corners agree to call that an error",
-      edge =
-          "; at borders, seams and creases of the recognised surface, or blended from there, where they may "
-          "be authored: the corners' own triangles do not speak against them",
-      coarse = "; averages of their own triangles', which are too coarse for the recognised surface",
-      chords =
-          "; outside the cone of their own triangles, which are too coarse to tell: neighbouring vertices "
-          "allow it",
-      nearby = "; told by neighbouring vertices alone, so only what is beyond three times the limit counts";
-  for (const auto& [code, b, who] : {std::tuple{Code::tangent_angle, counts.surface_tangents, unsure},
-                                     {Code::normal_angle, counts.surface_normals, unsure},
-                                     {Code::tangent_angle, counts.authored_tangents, edge},
-                                     {Code::normal_angle, counts.authored_normals, edge},
-                                     {Code::tangent_angle, counts.coarse_tangents, coarse},
-                                     {Code::normal_angle, counts.coarse_normals, coarse},
-                                     {Code::tangent_angle, counts.chord_tangents, chords},
-                                     {Code::tangent_angle, counts.local_tangents, nearby},
-                                     {Code::normal_angle, counts.local_normals, nearby}})
-    add(report_, warning(code, b.counted(), worst_text(b.worst, std::string(who))));
+  for (const auto& [code, b, reason] :
+       {std::tuple{Code::tangent_angle, counts.surface_tangents, reasons::unsure},
+        {Code::normal_angle, counts.surface_normals, reasons::unsure},
+        {Code::tangent_angle, counts.authored_tangents, reasons::edge},
+        {Code::normal_angle, counts.authored_normals, reasons::edge},
+        {Code::tangent_angle, counts.coarse_tangents, reasons::coarse},
+        {Code::normal_angle, counts.coarse_normals, reasons::coarse},
+        {Code::tangent_angle, counts.chord_tangents, reasons::chords},
+        {Code::tangent_angle, counts.local_tangents, reasons::nearby},
+        {Code::normal_angle, counts.local_normals, reasons::nearby}}) {
+    Finding found = warning(code, b.counted(), worst_text(b.worst, std::string(reason.why)));
+    if (!reason.to_do.empty()) found.to_do = reason.to_do;
+    add(report_, std::move(found));
+  }
   Finding lit = warning(Code::normal_angle, counts.lit_otherwise,
                         "; more than 80 deg from their own triangles, at borders, where that may be meant");
   lit.to_do = "nothing, where cards, skirts or risers are lit as the ground is; else recompute normals";
