@@ -67,8 +67,8 @@ struct FrameMethod {
 /// All of them:
 ///   mikktspace             MikkTSpace to the bit (mikktspace.h), b = sign unit(n × t); a t that is not unit
 ///                          is replaced by a fallback. Where dpdu is along n, t is what rounding leaves of it
-///                          across n, of any direction. t = (1, 0, 0) where no triangle served and n is not
-///                          along it
+///                          across n, of any direction. Where no triangle served it is a fallback too, which
+///                          lies across n; the original's (1, 0, 0) need not
 ///   mikktspace-bitangent   the same with its own b
 ///   face                   the 2x2 solve of each triangle, unit(T), unit(B), face normal
 ///   average                sums of T and B over a vertex's triangles (lengths included), Gram-Schmidt

@@ -340,6 +340,21 @@ TEST(FileTangents, ADirectionAcrossTheNormalWhereTheMethodHasNone) {
   EXPECT_EQ(tangents[1], (std::array{1.0f, 0.0f, 0.0f, -1.0f}));
 }
 
+// Without uv area no triangle serves: what is written lies across the normal all the same.
+TEST(FileTangents, ADirectionAcrossTheNormalWhereNoTriangleServes) {
+  const Rewritten r = rewrite(one_triangle({0.6F, 0, 0.8F, 0, 0.6F, 0.8F, 0, 0, 1}, {0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(r.report.primitives.at(0).fallback_corners, 3u);
+  const Json& json = r.after.json["meshes"][0]["primitives"][0];
+  const auto tangents = test::corner_floats<4>(r.after, json, json["attributes"]["TANGENT"]);
+  const auto normals = test::corner_floats<3>(r.after, json, json["attributes"]["NORMAL"]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto& t = tangents[c];
+    const auto& n = normals[c];
+    EXPECT_NEAR(std::hypot(t[0], t[1], t[2]), 1, 1e-6);
+    EXPECT_NEAR(t[0] * n[0] + t[1] * n[1] + t[2] * n[2], 0, 1e-6) << c;
+  }
+}
+
 // No method leaves anything in a file that is not a unit direction and a sign, whatever the mesh.
 TEST(FileTangents, DegenerateMeshesGetUnitTangents) {
   const std::vector<Builder> meshes = {

@@ -244,6 +244,25 @@ TEST(FrameMethods, NeverGiveNaNForDegenerateTriangles) {
     }
 }
 
+// MikkTSpace's own (1, 0, 0) would lean on these normals.
+TEST(FrameMethods, FallbacksLieAcrossTheNormal) {
+  Mesh mesh = one_triangle({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {{{0.5, 0.5}, {0.5, 0.5}, {0.5, 0.5}}});
+  mesh.normals = {unit(Vec3<double>{1, 0, 2}), unit(Vec3<double>{2, 1, 2}), unit(Vec3<double>{-3, 1, 1})};
+  for (const FrameMethod& method : frame_methods()) {
+    const MeshFrames frames = mesh_frames(mesh, method);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const CornerFrame& f = frames.corner(c);
+      EXPECT_TRUE(f.fallback) << method.name;
+      const double rounding = method.single_precision ? 2e-7 : 1e-15;
+      EXPECT_NEAR(norm(f.t), 1, rounding) << method.name;
+      EXPECT_NEAR(dot(f.t, f.n), 0, rounding) << method.name;
+      if (method.needs_normals) {
+        EXPECT_NEAR(dot(f.t, mesh.normals[c]), 0, rounding) << method.name;
+      }
+    }
+  }
+}
+
 // A degenerate triangle beside good ones must not change what they give.
 TEST(FrameMethods, DegenerateTrianglesAreLeftOutOfAverages) {
   for (const FrameMethod& method : frame_methods()) {

@@ -55,12 +55,11 @@ Vec3<double> unit_or_zero(const float (&x)[3]) {
 
 // The method's frame of a corner.
 CornerFrame frame_of(const MikkTangent& x, const Vec3<double>& normal, bool own_bitangent) {
+  if (!x.served) return fallback_frame(normal, x.sign);
   const Vec3<double> n = unit(normal), t = unit_or_zero(x.t);
   // Where the mesh grows in u along n, t is the rounding of its projection: of any direction, even along n.
   const Vec3<double> b = own_bitangent ? unit_or_zero(x.b) : double{x.sign} * unit(cross(n, t));
-  CornerFrame frame = frame_or_fallback(t, b, n, x.sign);
-  frame.fallback |= !x.served;
-  return frame;
+  return frame_or_fallback(t, b, n, x.sign);
 }
 
 // Whether frame_of() keeps t: t is unit, n of a length whose square is a normal number, and they are apart.
