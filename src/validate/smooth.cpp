@@ -1,5 +1,7 @@
 #include "smooth.h"
 
+#include <algorithm>
+
 namespace darboux {
 namespace {
 
@@ -18,6 +20,7 @@ Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
         angles(under_test.mesh, v, checks[v], under_test.local[v], under_test.normals.all_oppose, raw));
   result.normals.assign(n, Claim::none), result.tangents.assign(n, Claim::none);
   result.may_be_exact.assign(n, false);
+  std::vector<bool> beyond(n, false);
   const std::vector<bool>& faceted = under_test.normals.faceted_vertices;
   for (std::uint32_t v = 0; v < n; ++v) {
     const VertexClass vertex_class = under_test.classes.of_vertex[v];
@@ -29,11 +32,18 @@ Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
     const Angles& a = result.angles[v];
     const double limit = limit_of(vertex_class, max_angle_deg), deviation = under_test.local[v].tangent_deg;
     result.normals[v] = claim_of(a.normal, under_test.local[v].normal_deg, 3 * limit);
+    beyond[v] = result.normals[v] == Claim::beyond;
     result.tangents[v] = claim_of(a.projected_tangent, deviation, 3 * limit);
     result.may_be_exact[v] = !accurate.known() && deviation <= most_deviation_deg &&
                              a.projected_tangent >= 0 &&
                              claim_of(a.projected_tangent, deviation, limit) != Claim::beyond;
   }
+  if (std::find(beyond.begin(), beyond.end(), true) == beyond.end()) return result;
+  VertexJoins of_part;
+  const std::vector<bool> average =
+      are_average_normals(under_test.mesh, joins_of(under_test, of_part), beyond);
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (average[v]) result.normals[v] = Claim::none;
   return result;
 }
 

@@ -89,6 +89,44 @@ std::vector<Shape> shapes() {
           {"book", book(10), 10, 2}};
 }
 
+// A vase of few rings: its profile turns by up to a right angle at one, where a polynomial through the
+// neighbours knows nothing of it.
+Mesh vase(int sides) {
+  constexpr std::array<std::array<double, 2>, 10> profile{{{0, 0},
+                                                           {0.5, 0},
+                                                           {0.55, 0.05},
+                                                           {0.6, 0.5},
+                                                           {0.3, 1},
+                                                           {0.25, 1.3},
+                                                           {0.3, 1.35},
+                                                           {0.27, 1.35},
+                                                           {0.22, 1.3},
+                                                           {0.22, 1}}};
+  std::array<double, 10> length{};
+  for (std::size_t k = 1; k < profile.size(); ++k)
+    length[k] =
+        length[k - 1] + std::hypot(profile[k][0] - profile[k - 1][0], profile[k][1] - profile[k - 1][1]);
+  const auto ring = [](double v) { return static_cast<std::size_t>(std::lround(9 * v)); };
+  Mesh mesh;
+  add_grid(mesh, sides, 9, [&](double u, double v) {
+    const auto& [r, z] = profile[ring(v)];
+    return on_ring(r, u, z);
+  });
+  for (Vec2<double>& uv : mesh.uvs) uv.y = length[ring(uv.y)] / length[9];
+  return mesh;
+}
+
+// Averages of the triangles' normals are what every tool writes.
+TEST(SmoothShaded, NothingIsSaidAgainstAveragedNormals) {
+  for (const int sides : {8, 12, 24}) {
+    Mesh mesh = test::with_averaged_normals(vase(sides), NormalWeight::area);
+    test::bake(mesh);
+    const std::vector<Assessment> assessments = assess_parts(mesh);
+    EXPECT_EQ(verdict(assessments), Verdict::pass);
+    EXPECT_EQ(count_of(assessments, "NORMAL_ANGLE", Severity::warning), 0U) << sides;
+  }
+}
+
 // ---- one mesh, stored in several ways
 // -----------------------------------------------------------------------
 

@@ -387,14 +387,14 @@ inline std::vector<std::uint32_t> places_of(const Mesh& mesh) {
 }
 
 // With the normals of one vertex at each place, weighted by angle: shaded smooth.
-inline Mesh with_averaged_normals(Mesh mesh) {
+inline Mesh with_averaged_normals(Mesh mesh, NormalWeight weight = NormalWeight::angle) {
   const std::vector<std::uint32_t> place = places_of(mesh);
   Mesh joined;
   joined.positions = mesh.positions;
   for (const auto& [a, b, c] : mesh.triangles)
     if (place[a] != place[b] && place[b] != place[c] && place[c] != place[a])
       joined.triangles.push_back({place[a], place[b], place[c]});
-  const std::vector<Vec3<double>> normals = vertex_normals(joined, NormalWeight::angle);
+  const std::vector<Vec3<double>> normals = vertex_normals(joined, weight);
   mesh.normals.clear();
   for (const std::uint32_t v : place) mesh.normals.push_back(normals[v]);
   return mesh;
