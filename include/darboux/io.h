@@ -97,8 +97,8 @@ struct Primitive {
   std::optional<std::array<double, 6>> texture_transform;
   /// Indices at the end that are no whole triangle; they are left out.
   std::size_t leftover_indices = 0;
-  /// How many morph targets it has; `data` is the mesh at weights of 0. GltfDocument::morph_targets reads
-  /// them.
+  /// How many morph targets it has, of a glTF; `data` is the mesh at weights of 0.
+  /// GltfDocument::morph_targets reads them.
   std::size_t morph_targets = 0;
 };
 

@@ -82,7 +82,7 @@ struct TrianglesReport {
   std::size_t compared = 0;  ///< corners whose triangles span a cone of less than 180 degrees
   std::size_t outside = 0;   ///< of these, corners whose tangent is farther from the cone than permitted
   double worst_deg = 0;      ///< the farthest of those outside
-  /// Corners with a tangent and a triangle with uv area of which the cone says nothing: it is 180 degrees or
+  /// Other corners with tangent, normal and a triangle with area in space and uv: the cone is 180 degrees or
   /// more, or the tangent is outside by no more than coarse triangles, seams and rounding explain.
   std::size_t open = 0;
 };

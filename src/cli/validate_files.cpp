@@ -302,7 +302,8 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
         of_mesh.try_emplace(primitive.mesh, primitive.instances)
             .first->second.add_to(assessments.front().report);
         add(assessments.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
-        add(assessments.front().report, finding(Code::morph_targets_not_judged, primitive.morph_targets));
+        if (assessments.front().report.verdict != Verdict::nothing)
+          add(assessments.front().report, finding(Code::morph_targets_not_judged, primitive.morph_targets));
         std::vector<AssessedMapCost> costs;
         for (const Assessment& j : assessments)
           if (map_cost) costs.push_back(map_cost_of(primitive, j, *map_cost));

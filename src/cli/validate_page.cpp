@@ -213,11 +213,15 @@ std::string reference_text(const Assessment& assessment) {
              escape(deviation_text(report.tangent_uncertainty_deg.rms(), 2, "° rms")) + " (tangents).";
   if (report.triangles && report.triangles->compared + report.triangles->open > 0) {
     const TrianglesReport& t = *report.triangles;
-    words += " At " + std::to_string(t.compared - t.outside) + " of " + counted(t.compared, "corner") +
-             " the tangent lies within the cone of its own triangles";
-    if (t.outside > 0) words += ", at the others up to " + rounded(t.worst_deg, 3) + "° outside";
-    if (t.open > 0) words += "; of " + std::to_string(t.open) + " more the triangles cannot tell";
-    words += '.';
+    if (t.compared > 0) {
+      words += " At " + std::to_string(t.compared - t.outside) + " of " + counted(t.compared, "corner") +
+               " the tangent lies within the cone of its own triangles";
+      if (t.outside > 0) words += ", at the others up to " + rounded(t.worst_deg, 3) + "° outside";
+      words += '.';
+    }
+    if (t.open > 0)
+      words +=
+          " The triangles cannot judge " + counted(t.open, t.compared > 0 ? "other corner" : "corner") + '.';
   }
   if (report.faceted > 0)
     words += " Faceted: at " + counted(report.faceted, "corner") + " the normal is the triangle's own.";

@@ -97,10 +97,14 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
   if (report.local && report.reference != ReferenceKind::local) print_local(*report.local);
   if (report.triangles && report.triangles->compared + report.triangles->open > 0) {
     const TrianglesReport& t = *report.triangles;
-    std::cout << "    triangles: " << t.compared - t.outside << " of " << counted(t.compared, "corner")
-              << " lie within the cone of their own triangles";
+    std::cout << "    triangles: ";
+    if (t.compared > 0)
+      std::cout << t.compared - t.outside << " of " << counted(t.compared, "corner")
+                << " lie within the cone of their own triangles";
     if (t.outside > 0) std::cout << ", the others up to " << rounded(t.worst_deg, 3) << " deg outside";
-    if (t.open > 0) std::cout << "; of " << t.open << " more the triangles cannot tell";
+    if (t.open > 0)
+      std::cout << (t.compared > 0 ? "; " : "") << "they cannot judge "
+                << counted(t.open, t.compared > 0 ? "other corner" : "corner");
     std::cout << '\n';
   }
   if (report.mikktspace) print_mikktspace(*report.mikktspace);
@@ -288,14 +292,20 @@ void print_rest(const std::vector<AssessedFile>& files) {
     std::cout << "  " << counted(count, "primitive") << " not judged: " << reason << '\n';
 }
 
-// The remedies of what was found, each once.
+// The remedies of what was found, each once; where a code has several, with the severity.
 void print_to_do(const std::vector<AssessedFile>& files) {
-  std::set<std::pair<std::string_view, std::string>> said;
-  for (const CodeTotal& t : totals_of(files))
+  const std::vector<CodeTotal> totals = totals_of(files);
+  if (totals.empty()) return;
+  std::map<std::string_view, std::set<std::string_view>> of_code;
+  for (const CodeTotal& t : totals) of_code[t.first->code].insert(t.to_do.begin(), t.to_do.end());
+  std::set<std::string> said;
+  std::cout << "to do:\n";
+  for (const CodeTotal& t : totals)
     for (const std::string& to_do : t.to_do) {
-      if (said.empty()) std::cout << "to do:\n";
-      if (said.insert({t.first->code, to_do}).second)
-        std::cout << "  " << t.first->code << ": " << to_do << '\n';
+      const std::string severity(of_code[t.first->code].size() > 1 ? name_of(t.first->severity) : "");
+      const std::string line =
+          std::string(t.first->code) + (severity.empty() ? "" : " (" + severity + ")") + ": " + to_do;
+      if (said.insert(line).second) std::cout << "  " << line << '\n';
     }
 }
 

@@ -151,7 +151,8 @@ void read_triangles(const GltfFile& file, const JsonCursor& place, std::uint64_t
     for (const int set : other_uv_sets(attributes, primitive))
       primitive.other_uvs.emplace_back(
           set, gather<Vec2<double>>(read_attribute(file, attributes, uv_name(set), "VEC2", vertices)));
-  if (place.has("targets")) primitive.morph_targets = place.at("targets").size();
+  if (place.has("targets") && place.at("targets").is_array())
+    primitive.morph_targets = place.at("targets").size();
   if (place.has("indices")) {
     const InPlace<std::uint32_t> corners = read_indices(file, place, vertices);
     mesh.triangles = make_triangles(mode, corners.span(), primitive.leftover_indices);

@@ -90,6 +90,7 @@ class JsonCursor {
                      "an unknown one");
   }
 
+  bool is_array() const { return json_->is_array(); }
   std::size_t size() const {
     if (!json_->is_array()) fail("an array");
     return json_->size();

@@ -126,8 +126,8 @@ class Closely {
     std::sort(edges_.begin(), edges_.end());
   }
 
-  // What is claimed, and where the tangent lies outside a cone that is known, that cone: of what is left
-  // open, or lies within the cones of several charts together, that of its chart.
+  // What is claimed, and the cone where the tangent lies outside one that is known. Of a tangent that is left
+  // open, or lies within the cones of several charts together, that is its own chart's.
   struct Assessed {
     Claim claim;
     std::optional<Arc> left;
@@ -678,7 +678,8 @@ Cones Cones::restricted_to(std::span<const std::uint32_t> vertices, double max_a
       result.claims_.push_back(claims_[place]);
       const auto at = std::lower_bound(outside_.begin(), outside_.end(), place,
                                        [](const Outside& o, std::uint32_t p) { return o.place < p; });
-      if (at == outside_.end() || at->place != place) continue;
+      // A part that ends at its charts' seams on one side alone has averages that lie one way.
+      if (at == outside_.end() || at->place != place || claims_[place] == Claim::within) continue;
       result.outside_.push_back(*at);
       result.outside_.back().place = static_cast<std::uint32_t>(place_of(i, sign));
     }

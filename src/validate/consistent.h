@@ -57,7 +57,7 @@ class Cones {
   double outside_deg(std::uint32_t v, int sign) const;
   struct Turn {
     double deg;    // from -180 to 180
-    bool by_sign;  // the other way where uvs are mirrored
+    bool by_sign;  // of uvs that wind counter-clockwise, and the other way of the others
   };
   // By how much nearly all tangents are turned about their normals, if they are.
   const std::optional<Turn>& turn() const { return turn_; }

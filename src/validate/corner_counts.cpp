@@ -17,15 +17,19 @@ std::string Lengths::text() const {
   return from == to ? " (length " + to + ")" : " (lengths " + from + " to " + to + ")";
 }
 
-std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh) {
+std::vector<Vec3<double>> planes_of_vertices(const MeshUnderTest& under_test) {
+  const Mesh& mesh = under_test.mesh;
+  VertexJoins of_part;
+  const std::vector<std::uint32_t>& group = joins_of(under_test, of_part).position_and_normal;
   std::vector<Vec3<double>> sums(mesh.positions.size());
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vec3<double> plane =
         cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
-    for (const std::uint32_t v : {a, b, c}) sums[v] = sums[v] + plane;
+    for (const std::uint32_t v : {a, b, c}) sums[group[v]] = sums[group[v]] + plane;
   }
-  for (Vec3<double>& sum : sums) sum = unit(sum);
-  return sums;
+  std::vector<Vec3<double>> result;
+  for (std::uint32_t v = 0; v < sums.size(); ++v) result.push_back(sums[group[v]]);
+  return result;
 }
 
 }  // namespace darboux

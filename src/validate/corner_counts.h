@@ -1,4 +1,4 @@
-// What a validation counts of its corners.
+// What a validation counts of its corners, and how it says so.
 #pragma once
 
 #include <array>
@@ -8,9 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include <darboux/mesh.h>
-
 #include "findings.h"
+#include "mesh_under_test.h"
 
 namespace darboux {
 
@@ -40,7 +39,7 @@ struct CornerCounts {
   std::size_t leaning = 0, lit_otherwise = 0;
   Lengths tangent_lengths, normal_lengths;
   // Of tangents that are not perpendicular to the normal: how far they lean, at most, and the corners where
-  // they are nearer the plane of their triangles.
+  // they are twice as near to the plane of their triangles.
   double most_along_normal = 0;
   std::size_t in_plane = 0;
   std::vector<Vec3<double>> planes;  // of each vertex, once they are asked for
@@ -54,7 +53,7 @@ namespace reasons {
 
 inline constexpr Reason unsure{
     "; by the recognised surface, with which too few corners agree to call that an error",
-    "nothing, where the mesh is no such surface; else declare it (--surface)"},
+    "nothing, where the mesh is no such surface; else declare it (--surface), and mend what is off"},
     edge{
         "; at borders, seams and creases of the recognised surface, or blended from there, where they may be "
         "authored: the corners' own triangles do not speak against them",
@@ -69,7 +68,8 @@ inline constexpr Reason unsure{
 
 }  // namespace reasons
 
-// The unit mean by area of the normals of each vertex's triangles; NaN where there is none.
-std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh);
+// At each vertex the mean by area of the normals of all triangles that share its position and normal, of any
+// length.
+std::vector<Vec3<double>> planes_of_vertices(const MeshUnderTest& under_test);
 
 }  // namespace darboux

@@ -159,10 +159,17 @@ bool are_turned(const MeshUnderTest& under_test, const std::vector<Pair>& sample
     turn = under_test.cones.turn();
   if (!turn) return false;
   const bool quarters = std::fabs(std::remainder(turn->deg, 90)) <= limit;
+  // Uvs that are turned turn tangents the other way in mirrored charts.
+  const auto has = [&](signed char sign) {
+    return std::find(under_test.raw_sign.begin(), under_test.raw_sign.end(), sign) !=
+           under_test.raw_sign.end();
+  };
+  const bool both = has(-1) && has(1);
+  const std::string deg = turn->by_sign && both ? rounded(std::fabs(turn->deg), 2) : rounded(turn->deg, 2);
   add(report, finding(quarters ? Code::tangent_axes : Code::tangent_uv_set, under_test.mesh.corners(),
-                      ": all are turned about their normals by about " + rounded(turn->deg, 2) + " deg" +
-                          (turn->by_sign ? ", the other way where uvs are mirrored" : "") +
-                          ", as those of uvs that are turned"));
+                      ": all are turned about their normals by about " + deg + " deg" +
+                          (turn->by_sign && both ? ", in mirrored charts the other way" : "") +
+                          (turn->by_sign || !both ? ", as those of uvs that are turned" : "")));
   return true;
 }
 

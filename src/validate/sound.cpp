@@ -274,6 +274,11 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
 
 }  // namespace
 
+double cosine_between(const Vec3<double>& t, const Vec3<double>& n) {
+  const double squares = dot(t, t) * dot(n, n);
+  return squares > 0 ? std::fabs(dot(t, n)) / std::sqrt(squares) : 0;
+}
+
 VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
   VertexChecks c{.position_finite = detail::finite(mesh.positions[v])};
   if (!mesh.uvs.empty()) c.uv_finite = std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);
@@ -290,7 +295,7 @@ VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
   c.tangent_unit = is_unit(t.xyz(), mesh.half_steps.tangent);
   c.sign_valid = std::fabs(std::fabs(t.w) - 1) <= mesh.half_steps.tangent;
   if (!mesh.normals.empty() && c.normal_finite && c.tangent_finite) {
-    const double along = std::fabs(dot(t.xyz(), mesh.normals[v])),
+    const double along = cosine_between(t.xyz(), mesh.normals[v]),
                  rounding = std::numbers::sqrt3 * (mesh.half_steps.normal + mesh.half_steps.tangent);
     c.orthogonal = along <= orthogonal_tolerance;
     c.along_normal = along > along_normal_tolerance + rounding;

@@ -21,11 +21,14 @@ struct VertexChecks {
   bool has_normal : 1 = false;   // finite and not zero
   bool has_tangent : 1 = false;  // likewise
   bool tangent_finite : 1 = true, tangent_zero : 1 = false, tangent_unit : 1 = true, sign_valid : 1 = true;
-  bool orthogonal : 1 = true;     // |t.n| <= 0.02
+  bool orthogonal : 1 = true;     // |t.n| <= 0.02, of both as unit vectors
   bool leans : 1 = false;         // beyond what rounding adds to that
   bool along_normal : 1 = false;  // |t.n| > 0.26, likewise
 };
 VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v);
+
+// |t.n| of both as unit vectors; 0 where either is zero.
+double cosine_between(const Vec3<double>& t, const Vec3<double>& n);
 
 constexpr double supported_deg = 80;  // how far a normal may be from all triangles that share it
 

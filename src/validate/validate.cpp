@@ -335,16 +335,17 @@ void MeshValidation::count_errors(const CornerGroup& group, Code error, CornerCo
     report_.triangles->compared += corners;
     if (outside > 0) report_.triangles->outside += corners;
     report_.triangles->worst_deg = std::fmax(report_.triangles->worst_deg, outside);
-  } else if (report_.triangles && group.sign != 0 && checks_[v].has_tangent) {
+  } else if (report_.triangles && group.sign != 0 && checks_[v].has_tangent && checks_[v].has_normal &&
+             under_test_.normals.drawn[v]) {
     report_.triangles->open += corners;
   }
   if (error == Code::tangent_not_unit) counts.tangent_lengths.add(norm(mesh_.tangents[v].xyz()));
   if (error == Code::normal_not_unit) counts.normal_lengths.add(norm(mesh_.normals[v]));
   if (error == Code::tangent_not_orthogonal) {
-    const double along = std::fabs(dot(mesh_.tangents[v].xyz(), mesh_.normals[v]));
+    const double along = cosine_between(mesh_.tangents[v].xyz(), mesh_.normals[v]);
     counts.most_along_normal = std::fmax(counts.most_along_normal, along);
-    if (counts.planes.empty()) counts.planes = planes_of_vertices(mesh_);
-    if (std::fabs(dot(mesh_.tangents[v].xyz(), counts.planes[v])) <= along / 2) counts.in_plane += corners;
+    if (counts.planes.empty()) counts.planes = planes_of_vertices(under_test_);
+    if (cosine_between(mesh_.tangents[v].xyz(), counts.planes[v]) <= along / 2) counts.in_plane += corners;
   }
   const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
   const Decider decider = mesh_.tangents.empty() ? Decider::nobody : tangent_error(group);
@@ -435,9 +436,11 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
     if (code == Code::tangent_not_orthogonal &&
         static_cast<double>(counts.in_plane) >= most * static_cast<double>(counts.of_error[k])) {
       found.message +=
-          "; they lie in the plane of their triangles, so the normals may be the ones that are wrong";
+          "; they lie much nearer to the plane of their triangles, so the normals may be the ones that are "
+          "wrong";
       found.to_do =
-          "transform normals by the inverse transpose, or recompute them; where they are meant so, project: "
+          "if the normals are wrong, transform them by the inverse transpose or recompute them; else "
+          "project: "
           "t - (t.n) n, then normalise";
     }
     add(report_, std::move(found));

@@ -291,6 +291,14 @@ TEST(PlantedDefects, MessagesSayHowMuch) {
   EXPECT_NE(leaning.find("|t.n| up to 0.707,"), std::string::npos) << leaning;
   EXPECT_EQ(leaning.find("normals may be"), std::string::npos) << leaning;
   EXPECT_NE(leaning.find("to do: project"), std::string::npos) << leaning;
+  // Of normals that are no unit vectors the cosine counts.
+  mesh = good;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    mesh.normals[i] = 10. * good.normals[i];
+    retangent(mesh, i, unit(good.tangents[i].xyz() + 0.03 * good.normals[i]));
+  }
+  EXPECT_EQ(message_of(mesh, "TANGENT_NOT_ORTHOGONAL"), "");
+  EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("(length 10)"), std::string::npos);
   // Positions, tangents and, wrongly, normals by one uneven scale.
   mesh = good;
   turn_by(mesh, Eigen::Vector3d(1, 1, 4).asDiagonal());
@@ -301,7 +309,7 @@ TEST(PlantedDefects, MessagesSayHowMuch) {
   }
   const std::string scaled = message_of(mesh, "TANGENT_NOT_ORTHOGONAL");
   EXPECT_NE(scaled.find("normals may be"), std::string::npos) << scaled;
-  EXPECT_NE(scaled.find("to do: transform normals by the inverse transpose"), std::string::npos) << scaled;
+  EXPECT_NE(scaled.find("to do: if the normals are wrong, transform"), std::string::npos) << scaled;
 }
 
 // All turned about their normals by one angle, on a strip whose corners are all at its borders.

@@ -159,7 +159,7 @@ TEST_F(MeshFiles, RemediesAndOpenCornersAreTold) {
     ring.tangents[v] = {d.x, d.y, d.z, ring.tangents[v].w};
   }
   write_glb(path("ring.glb"), ring, "ring");
-  const std::string open = "of " + std::to_string(ring.corners()) + " more the triangles cannot tell";
+  const std::string open = "triangles: they cannot judge " + std::to_string(ring.corners()) + " corners";
   EXPECT_NE(good("darboux validate ring.glb --reference triangles", 1).find(open), std::string::npos);
   Mesh card, wedge;
   test::add_grid(card, 1, 1, [](double u, double v) { return Vec3<double>{u, 0, v}; });
