@@ -248,7 +248,7 @@ std::string spread_text(const Deviations& s, const char* why_unknown) {
 }
 
 void print_text(const FitArguments& arguments, const PointFit& fit, const Membership& members,
-                const std::optional<FrameSpread>& spread) {
+                const std::optional<FrameSpread>& spread, bool quiet) {
   const auto error_of = [&](std::string_view name) -> std::optional<double> {
     for (const StandardError& e : fit.standard_errors)
       if (e.name == name) return e.value;
@@ -260,6 +260,7 @@ void print_text(const FitArguments& arguments, const PointFit& fit, const Member
   };
   std::cout << one_line(arguments.file) << ": "
             << (fit.usable ? std::string(fit.surface->surface.info().name) : "not usable") << '\n';
+  if (quiet) return;
   print_line("reason", one_line(fit.reason));
   const auto also = [](std::size_t count, const char* what) {
     return count > 0 ? ", " + std::to_string(count) + what : std::string();
@@ -337,7 +338,7 @@ void run_fit(const FitArguments& arguments, Common& common) {
   if (common.json)
     print_json(fit_json(arguments, fit, members, spread));
   else
-    print_text(arguments, fit, members, spread);
+    print_text(arguments, fit, members, spread, common.quiet);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 
 #include <darboux/io.h>
@@ -20,6 +21,12 @@ void add_merge(CLI::App& app, Common& common) {
   add_common(sub, common, "darboux merge shard-1.jsonl shard-2.jsonl -o results.jsonl");
   sub.callback([arguments, &common] {
     known_extension("-o", arguments->output, {".jsonl", ".json", ".txt"});
+    for (const std::string& results : arguments->results) {
+      std::error_code none;
+      if (std::filesystem::equivalent(results, arguments->output, none))
+        throw ParameterError(arguments->output,
+                             expected_got("the name of another file", "that of one to be merged"));
+    }
     const std::string text = merge_results(arguments->results, DARBOUX_VERSION);
     if (common.json && is_standard_output(arguments->output))
       throw ParameterError("--json", "expected -o FILE for the results beside it, got none");

@@ -29,16 +29,22 @@ struct Chunks {
   bool has_bin = false;
 };
 
+/// The length that the header of a GLB states. \throws FileError where it is more than there is
+std::size_t stated_length(const std::string& path, std::string_view header, std::uintmax_t there) {
+  const std::size_t stated = read_u32(header, 8);
+  if (stated > there)
+    throw FileError(path, expected_got("the " + std::to_string(stated) + " bytes that its header states",
+                                       std::to_string(there) + ": the file is cut off"));
+  return stated;
+}
+
 Chunks split_chunks(const std::string& path, std::string_view bytes) {
   if (bytes.size() < header_bytes + chunk_header_bytes)
     throw FileError(path,
                     expected_got("the header of a GLB, of at least 20 bytes", std::to_string(bytes.size())));
   if (const std::uint32_t version = read_u32(bytes, 4); version != 2)
     throw FileError(path, expected_got("GLB version 2", "version " + std::to_string(version)));
-  const std::uint32_t stated = read_u32(bytes, 8);
-  if (stated > bytes.size())
-    throw FileError(path, expected_got("the " + std::to_string(stated) + " bytes that its header states",
-                                       std::to_string(bytes.size()) + ": the file is cut off"));
+  const std::size_t stated = stated_length(path, bytes, bytes.size());
   if (stated < header_bytes + chunk_header_bytes)
     throw FileError(path, expected_got("a stated length of at least 20 bytes", std::to_string(stated)));
   bytes = bytes.substr(0, stated);  // those after it are ignored
@@ -280,6 +286,7 @@ GltfFile load_gltf_json(const std::string& path, const ReadOptions& options) {
   if (bytes.starts_with("glTF") && bytes.size() == header_bytes + chunk_header_bytes) {
     const std::size_t length = read_u32(bytes, header_bytes);
     const std::uintmax_t there = std::filesystem::file_size(path);
+    stated_length(path, bytes, there);
     if (length > there - bytes.size())
       throw FileError(path,
                       expected_got("a JSON chunk of at most the " + std::to_string(there - bytes.size()) +

@@ -1,4 +1,5 @@
 // The methods: loops over points, and those of frame_methods().
+#include <algorithm>
 #include <iterator>
 
 #include <darboux/catalogue.h>
@@ -7,6 +8,7 @@
 #include <darboux/evaluate.h>
 #include <darboux/work_precision.h>
 
+#include "base/nearest_name.h"
 #include "base/text.h"
 #include "loops.h"
 
@@ -169,14 +171,20 @@ std::span<const WorkMethod> work_methods() {
 
 std::vector<const WorkMethod*> find_work_methods(std::string_view name) {
   std::vector<const WorkMethod*> found;
-  std::vector<std::string> known;
+  std::vector<std::string> known, told;
+  const auto tell = [&](std::string_view text) {
+    if (!text.ends_with("-float") && std::find(told.begin(), told.end(), text) == told.end())
+      told.emplace_back(text);
+  };
   for (const WorkMethod& method : work_methods()) {
     if (method.name == name) return {&method};
     if (method.family == name) found.push_back(&method);
-    known.emplace_back(method.name);
+    for (const std::string_view text : {method.family, method.name}) known.emplace_back(text), tell(text);
   }
   if (found.empty())
-    throw ParameterError("method '" + std::string(name) + "'", "unknown, known are " + joined(known));
+    throw ParameterError("method '" + std::string(name) + "'",
+                         "unknown" + did_you_mean(name, known) + ", known are " + joined(told) +
+                             "; most that evaluate points have a -float form");
   return found;
 }
 

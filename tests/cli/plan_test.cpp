@@ -40,6 +40,13 @@ TEST_F(Cli, PlanSaysWhatIsMissingAndWhatIsIdle) {
   EXPECT_EQ(needed["idle"], 0);
 }
 
+// plan reads the document alone, and still sees that the rest is missing.
+TEST_F(Cli, PlanRefusesAFileThatIsCutOff) {
+  const std::string whole = made();
+  write_bytes(path("cut.glb"), whole.substr(0, whole.size() - 8));
+  refused("darboux plan cut.glb", {"cut.glb", std::to_string(whole.size()), "the file is cut off"});
+}
+
 TEST_F(Cli, PlanAtLevelPixelsSaysWhichImagesItCouldNotLookAt) {
   Builder b = generated_gltf();
   b.json["textures"] = Json::array({{{"source", 0}}});

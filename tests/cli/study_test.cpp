@@ -88,6 +88,9 @@ TEST_F(StudyCli, ThreadsAndShardsGiveTheBitsOfOneProcess) {
   EXPECT_EQ(numbers("--results merged.jsonl"), expected);
   // Nothing was left to do: no second header, no run.
   EXPECT_EQ(good("darboux merge merged.jsonl"), read_bytes(path("merged.jsonl")));
+  const std::string shard = read_bytes(path("s1.jsonl"));
+  refused("darboux merge s2.jsonl s1.jsonl -o ./s1.jsonl", {"./s1.jsonl", "another file"});
+  EXPECT_EQ(read_bytes(path("s1.jsonl")), shard);
 }
 
 TEST_F(StudyCli, StabilityIsResumedAndMergedToTheBit) {

@@ -127,6 +127,15 @@ TEST_F(Cli, AMeshPassesByTheSurfaceItWasMadeOf) {
   refused("darboux validate m.glb --surface graph:slope=1", {"graph", "slope"});
 }
 
+// A route that does not apply proves nothing.
+TEST_F(Cli, CheckSaysWhereNothingWasChecked) {
+  write_bytes(path("my.surface"), neck);
+  const std::string command = "darboux check formula:file=my.surface --points 10 --routes ";
+  EXPECT_EQ(good(command + "implicit --quiet", 1), "nothing checked: each route was skipped\n");
+  EXPECT_EQ(json(command + "implicit --json", 1)["passed"], false);
+  EXPECT_EQ(good(command + "implicit,gauss --quiet"), "all passed\n");
+}
+
 TEST_F(Cli, AFormulaGoesWhereverASurfaceIsAskedFor) {
   write_bytes(path("my.surface"), neck);
   const Json document = json("darboux eval formula:file=my.surface --at 0.3,0.7 --json");

@@ -117,6 +117,7 @@ TEST_F(Cli, QuietLeavesTheVerdict) {
                                                            ": ok, no primitive needs TANGENT; 1 carries it "
                                                            "for nothing (34.3 kB of 128 kB of geometry)\n");
   EXPECT_EQ(good("darboux check sphere --points 10 --quiet"), "all passed\n");
+  EXPECT_EQ(good("darboux fit data/torus_032.mikk.glb --quiet"), "data/torus_032.mikk.glb: torus\n");
   for (const std::string command :
        {"compare data/torus_016.three.glb data/torus_016.three.glb",
         "stability sphere --sweeps turns --points 2", "work-precision sphere --rounds 3 --methods naive",

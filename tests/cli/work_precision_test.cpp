@@ -47,6 +47,8 @@ TEST_F(WorkCli, WritesWhatIsAskedFor) {
 
 TEST_F(WorkCli, RefusesWhatIsNotThere) {
   refused("darboux work-precision --methods simd", {"simd", "naive", "mikktspace"});
+  refused("darboux work-precision --methods darbox",
+          {"did you mean darboux?", "naive", "fragment-solve", "cubic"});
   refused("darboux work-precision nope", {"nope", "torus"});
   refused("darboux work-precision --meshes nope", {"nope", "jittered"});
   refused("darboux work-precision --y time", {"--y", "frame_max"});
