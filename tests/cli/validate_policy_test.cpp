@@ -231,7 +231,7 @@ TEST_F(Leaning, ErrorsAndWarningsOfOneCodeAreCountedApart) {
     if (finding["code"] == "TANGENT_NOT_ORTHOGONAL") {
       EXPECT_TRUE(finding["message"].get<std::string>().starts_with(
           finding["severity"] == "error"
-              ? "tangents are not perpendicular to the normal (|t.n| > 0.26)"
+              ? "tangents are not perpendicular to the normal (|t.n| up to 0.5, limit 0.26)"
               : "tangents are not perpendicular to the normal (|t.n| > 0.02; above 0.26 an error"))
           << finding;
     }
