@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "findings.h"
-#include "mesh_under_test.h"
 
 namespace darboux {
 
@@ -64,12 +63,10 @@ inline constexpr Reason unsure{
         "; outside the cone of their own triangles, which are too coarse to tell: neighbouring vertices "
         "allow it",
         "nothing, or refine the mesh there"},
-    nearby{"; told by neighbouring vertices alone, so only what is beyond three times the limit counts", ""};
+    nearby{"; told by neighbouring vertices alone, so only what is beyond three times the limit counts", ""},
+    lit_otherwise{"; more than 80 deg from their own triangles, at borders, where that may be meant",
+                  "nothing, where cards, skirts or risers are lit as the ground is; else recompute normals"};
 
 }  // namespace reasons
-
-// At each vertex the mean by area of the normals of all triangles that share its position and normal, of any
-// length.
-std::vector<Vec3<double>> planes_of_vertices(const MeshUnderTest& under_test);
 
 }  // namespace darboux

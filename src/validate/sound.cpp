@@ -279,6 +279,19 @@ double cosine_between(const Vec3<double>& t, const Vec3<double>& n) {
   return squares > 0 ? std::fabs(dot(t, n)) / std::sqrt(squares) : 0;
 }
 
+std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh, const VertexJoins& joins) {
+  const std::vector<std::uint32_t>& group = joins.position_and_normal;
+  std::vector<Vec3<double>> sums(mesh.positions.size());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3<double> plane =
+        cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+    for (const std::uint32_t v : {a, b, c}) sums[group[v]] = sums[group[v]] + plane;
+  }
+  std::vector<Vec3<double>> result;
+  for (const std::uint32_t g : group) result.push_back(sums[g]);
+  return result;
+}
+
 VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
   VertexChecks c{.position_finite = detail::finite(mesh.positions[v])};
   if (!mesh.uvs.empty()) c.uv_finite = std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);

@@ -30,6 +30,10 @@ VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v);
 // |t.n| of both as unit vectors; 0 where either is zero.
 double cosine_between(const Vec3<double>& t, const Vec3<double>& n);
 
+// At each vertex the mean by area of the normals of all triangles that share its position and normal, of any
+// length.
+std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh, const VertexJoins& joins);
+
 constexpr double supported_deg = 80;  // how far a normal may be from all triangles that share it
 
 // The stored normals beside the planes of the triangles.

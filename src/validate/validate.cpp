@@ -344,7 +344,10 @@ void MeshValidation::count_errors(const CornerGroup& group, Code error, CornerCo
   if (error == Code::tangent_not_orthogonal) {
     const double along = cosine_between(mesh_.tangents[v].xyz(), mesh_.normals[v]);
     counts.most_along_normal = std::fmax(counts.most_along_normal, along);
-    if (counts.planes.empty()) counts.planes = planes_of_vertices(under_test_);
+    if (counts.planes.empty()) {
+      VertexJoins of_part;
+      counts.planes = planes_of_vertices(mesh_, joins_of(under_test_, of_part));
+    }
     if (cosine_between(mesh_.tangents[v].xyz(), counts.planes[v]) <= along / 2) counts.in_plane += corners;
   }
   const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
@@ -448,6 +451,11 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
 }
 
 void MeshValidation::add_warnings(const CornerCounts& counts) {
+  const auto warn = [&](Code code, std::size_t count, const std::string& more, const Reason& reason) {
+    Finding found = warning(code, count, more);
+    if (!reason.to_do.empty()) found.to_do = reason.to_do;
+    add(report_, std::move(found));
+  };
   for (const auto& [code, b, reason] :
        {std::tuple{Code::tangent_angle, counts.surface_tangents, reasons::unsure},
         {Code::normal_angle, counts.surface_normals, reasons::unsure},
@@ -458,14 +466,10 @@ void MeshValidation::add_warnings(const CornerCounts& counts) {
         {Code::tangent_angle, counts.chord_tangents, reasons::chords},
         {Code::tangent_angle, counts.local_tangents, reasons::nearby},
         {Code::normal_angle, counts.local_normals, reasons::nearby}}) {
-    Finding found = warning(code, b.counted(), worst_text(b.worst, std::string(reason.why)));
-    if (!reason.to_do.empty()) found.to_do = reason.to_do;
-    add(report_, std::move(found));
+    warn(code, b.counted(), worst_text(b.worst, std::string(reason.why)), reason);
   }
-  Finding lit = warning(Code::normal_angle, counts.lit_otherwise,
-                        "; more than 80 deg from their own triangles, at borders, where that may be meant");
-  lit.to_do = "nothing, where cards, skirts or risers are lit as the ground is; else recompute normals";
-  add(report_, std::move(lit));
+  warn(Code::normal_angle, counts.lit_otherwise, std::string(reasons::lit_otherwise.why),
+       reasons::lit_otherwise);
   add(report_, warning(Code::tangent_not_orthogonal, counts.leaning,
                        " (|t.n| > 0.02; above 0.26 an error where triangles have uv area)"));
   add(report_, finding(Code::pole_tangent, counts.poles.counted(),

@@ -102,7 +102,7 @@ std::size_t count_of(const MeshReport& report, std::string_view code, Severity s
 TEST(CoarseMeshes, AveragesAreNoErrors) {
   constexpr std::uint64_t seed = 5;
   std::cout << "seed " << seed << '\n';
-  std::size_t recognised = 0, beyond = 0;
+  std::size_t recognised = 0, beyond = 0, coarse_warnings = 0;
   std::uint64_t number = seed;
   for (const char* surface : {"sphere", "ellipsoid:semi_axis_x=0.8,semi_axis_y=1.1,semi_axis_z=0.95",
                               "ellipsoid:semi_axis_x=1,semi_axis_y=1,semi_axis_z=0.5",
@@ -128,6 +128,7 @@ TEST(CoarseMeshes, AveragesAreNoErrors) {
           for (const Finding& f : assessment.report.findings)
             if (f.message.find("too coarse for the recognised surface") != std::string::npos) {
               EXPECT_TRUE(f.to_do.starts_with("nothing")) << f.message << ": " << f.to_do;
+              ++coarse_warnings;
             }
           recognised += assessment.fit && assessment.fit->fits;
           beyond += count_of(assessment.report, "TANGENT_ANGLE", Severity::warning) +
@@ -137,6 +138,7 @@ TEST(CoarseMeshes, AveragesAreNoErrors) {
   // Else the test would say nothing.
   EXPECT_GT(recognised, 300U);
   EXPECT_GT(beyond, 1000U);
+  EXPECT_GT(coarse_warnings, 0U);
 }
 
 // Flat triangles whose normals are nearly one share their tangents, as assimp has it: dot products of 0.9999.

@@ -274,6 +274,18 @@ TEST(Opposed, OneFaceOfABoxIsAnError) {
 // ---- what is not looked at
 // ----------------------------------------------------------------------------------
 
+// All tangents turned about their normals. \param by_sign the other way where w is -1
+Mesh turned_by(Mesh mesh, double deg, bool by_sign = false) {
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Vec4<double>& stored = mesh.tangents[v];
+    const double angle = (by_sign ? stored.w : 1) * deg * pi / 180;
+    const Vec3<double> t = stored.xyz(),
+                       d = std::cos(angle) * t + std::sin(angle) * cross(mesh.normals[v], t);
+    mesh.tangents[v] = {d.x, d.y, d.z, stored.w};
+  }
+  return mesh;
+}
+
 // A tube of six sides: at each vertex two triangles' planes turn by 60 degrees, on one side of it only.
 TEST(OneSided, WhatTheTrianglesCannotTellIsNotWithin) {
   Mesh mesh;
@@ -282,25 +294,17 @@ TEST(OneSided, WhatTheTrianglesCannotTellIsNotWithin) {
   test::bake(mesh);
   AssessOptions options;
   options.references.analytic = false;
-  const auto assessed = [&](double turn) {
-    Mesh turned = mesh;
-    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-      const Vec3<double> t = mesh.tangents[v].xyz(),
-                         d = std::cos(turn) * t + std::sin(turn) * cross(mesh.normals[v], t);
-      turned.tangents[v] = {d.x, d.y, d.z, mesh.tangents[v].w};
-    }
-    return assess(turned, options).report;
-  };
+  const auto assessed = [&](double deg) { return assess(turned_by(mesh, deg), options).report; };
   EXPECT_EQ(assessed(0).verdict, Verdict::pass);
   EXPECT_EQ(assessed(0).triangles->compared, mesh.corners());
   EXPECT_EQ(assessed(0).triangles->open, 0u);
   for (const double deg : {20., 40., 70.}) {
-    const MeshReport report = assessed(deg * pi / 180);
+    const MeshReport report = assessed(deg);
     EXPECT_EQ(report.verdict, Verdict::undetermined) << deg;
     EXPECT_EQ(report.triangles->compared, 0u) << deg;
     EXPECT_EQ(report.triangles->open, mesh.corners()) << deg;
   }
-  EXPECT_EQ(assessed(85 * pi / 180).verdict, Verdict::fail);
+  EXPECT_EQ(assessed(85).verdict, Verdict::fail);
 }
 
 // A cube of smooth normals whose faces have charts of their own: the dpdu of three faces go all round its
@@ -312,14 +316,7 @@ TEST(OneSided, ChartsThatMeetDoNotExplainOneTurnOfAll) {
     Mesh mesh = test::with_averaged_normals(test::box_of_patches({1, 1, 1}, n));
     test::bake(mesh);
     for (const double deg : {0., 90., 180., 270.}) {
-      Mesh turned = mesh;
-      for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-        const Vec3<double> t = mesh.tangents[v].xyz(),
-                           d = std::cos(deg * pi / 180) * t +
-                               std::sin(deg * pi / 180) * cross(mesh.normals[v], t);
-        turned.tangents[v] = {d.x, d.y, d.z, mesh.tangents[v].w};
-      }
-      const MeshReport report = assess(turned, options).report;
+      const MeshReport report = assess(turned_by(mesh, deg), options).report;
       EXPECT_EQ(report.verdict, deg == 0 ? Verdict::pass : Verdict::fail) << n << ", " << deg;
       ASSERT_TRUE(report.triangles);
       EXPECT_TRUE(deg != 180 || report.triangles->outside == report.triangles->compared) << n;
@@ -389,18 +386,6 @@ Mesh bevelled_cube(double bevel, bool mirrored, std::mt19937_64& random) {
                 {axis(0, s), axis(1, a), axis(2, b)});
       }
     }
-  return mesh;
-}
-
-// All tangents turned about their normals. \param by_sign the other way where w is -1
-Mesh turned_by(Mesh mesh, double deg, bool by_sign = false) {
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const Vec4<double>& stored = mesh.tangents[v];
-    const double angle = (by_sign ? stored.w : 1) * deg * pi / 180;
-    const Vec3<double> t = stored.xyz(),
-                       d = std::cos(angle) * t + std::sin(angle) * cross(mesh.normals[v], t);
-    mesh.tangents[v] = {d.x, d.y, d.z, stored.w};
-  }
   return mesh;
 }
 
