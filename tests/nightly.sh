@@ -4,6 +4,7 @@
 # passed or FAILED, seconds. Exit 1 where one failed.
 #   address       the whole suite under the address and undefined-behaviour sanitizers
 #   threads       what runs in parallel under the thread sanitizer
+#   clang         clang compiles every source and every public header alone, without a warning
 #   fuzz          each target of tests/fuzz for 60 seconds (FUZZ_SECONDS)
 #   mutants       100 000 mutants of corpora over all formats, without sanitizers (MUTANTS)
 #   kills         500 kills
@@ -16,7 +17,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 mkdir -p build/nightly
 steps=("$@")
-[ $# -gt 0 ] || steps=(address threads fuzz mutants kills faults determinism reproducible coverage)
+[ $# -gt 0 ] || steps=(address threads clang fuzz mutants kills faults determinism reproducible coverage)
 build() {  # build PRESET TARGET ...
   local preset=$1
   shift
@@ -44,6 +45,7 @@ threads() {
   rm -rf "$work"
   return $status
 }
+clang() { build clang darboux_tool all_verify_interface_header_sets; }
 fuzz() { tests/fuzz/run.sh "${FUZZ_SECONDS:-60}"; }
 mutants() {
   build release fuzz_targets || return 1
@@ -69,7 +71,7 @@ coverage() { tests/coverage.sh; }
 failed=0
 for step in "${steps[@]}"; do
   case $step in
-    address | threads | fuzz | mutants | kills | faults | determinism | reproducible | coverage) ;;
+    address | threads | clang | fuzz | mutants | kills | faults | determinism | reproducible | coverage) ;;
     *) echo "nightly.sh: expected steps that its first lines list, got $step" >&2; exit 2 ;;
   esac
   begun=$SECONDS

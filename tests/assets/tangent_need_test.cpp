@@ -322,9 +322,12 @@ TEST(TangentNeed, ReadsTheDocumentAlone) {
   json["images"] = Json::array({{{"uri", "nowhere.png"}}});
   EXPECT_EQ(only(json).need, TangentNeed::needed);
   const TempFolder folder;
-  const std::string glb = test::make_glb(json.dump(), std::string(64, 'x'));
-  const std::string cut = test::write_bytes(folder / "a.glb", glb.substr(0, glb.size() - 60));
-  EXPECT_EQ(tangent_need(cut).primitives.at(0).need, TangentNeed::needed);
+  const std::string glb = test::make_glb(json.dump(), std::string(64, 'x'));  // not the bytes that it needs
+  const std::string whole = test::write_bytes(folder / "a.glb", glb);
+  EXPECT_EQ(tangent_need(whole).primitives.at(0).need, TangentNeed::needed);
+  // A file that is cut off is refused, though nothing that is read is lost.
+  const std::string cut = test::write_bytes(folder / "b.glb", glb.substr(0, glb.size() - 60));
+  EXPECT_NE(test::refusal_of<FileError>([&] { tangent_need(cut); }).find("cut off"), std::string::npos);
 }
 
 TEST(TangentNeed, RefusesWhatContradictsItself) {
