@@ -22,13 +22,6 @@ DARBOUX_FOR_EACH_SURFACE_HEADER(DARBOUX_COMPILE_MODEL)
 
 namespace {
 
-template <class Range, class Name>
-std::string join(const Range& range, Name name) {
-  std::string text;
-  for (const auto& item : range) text += (text.empty() ? "" : ", ") + std::string(name(item));
-  return text.empty() ? "none" : text;
-}
-
 const AnySurface& find_surface(const std::string& name) {
   for (const AnySurface& surface : all_surfaces())
     if (surface.info().name == name) return surface;
@@ -39,9 +32,11 @@ const AnySurface& find_surface(const std::string& name) {
 }
 
 [[noreturn]] void throw_unknown_parameter(const AnySurface& surface, const std::string& name) {
-  throw ParameterError(std::string(surface.info().name),
-                       "unknown parameter '" + name + "', known are " +
-                           join(surface.parameters(), [](const ParameterValue& p) { return p.name; }));
+  std::vector<std::string> known;
+  for (const ParameterValue& p : surface.parameters()) known.emplace_back(p.name);
+  throw ParameterError(std::string(surface.info().name), "unknown parameter '" + name + "'" +
+                                                             did_you_mean(name, known) + ", known are " +
+                                                             (known.empty() ? "none" : joined(known)));
 }
 
 double parse_number(const std::string& subject, std::string_view text) {

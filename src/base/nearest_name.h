@@ -29,16 +29,29 @@ inline std::size_t name_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// " (did you mean torus?)" where one of the known names is near, else nothing: one letter of four may
-/// differ.
+/// " (did you mean torus?)" where known names are near, else nothing: one letter of four may differ, of a
+/// name or of one of its words ("klein" of klein-bottle).
 inline std::string did_you_mean(std::string_view name, const std::vector<std::string>& known) {
   constexpr std::size_t longest = 100;  // of a name that somebody types
-  std::string_view nearest;
-  std::size_t least = name.size() <= longest ? name.size() / 4 + 1 : 0;
-  for (const std::string& other : known)
-    if (const std::size_t distance = least > 0 ? name_distance(name, other) : 0; distance < least)
-      nearest = other, least = distance;
-  return nearest.empty() ? std::string() : " (did you mean " + std::string(nearest) + "?)";
+  if (name.empty() || name.size() > longest) return {};
+  std::string nearest;
+  std::size_t least = name.size() / 4 + 1;
+  const auto look = [&](std::string_view candidate, const std::string& of) {
+    const std::size_t distance = name_distance(name, candidate);
+    if (distance < least)
+      nearest = of, least = distance;
+    else if (distance == least && !nearest.empty() && nearest != of)
+      nearest += " or " + of;
+  };
+  for (const std::string& other : known) look(other, other);
+  if (nearest.empty() && name.size() > 2)
+    for (const std::string& other : known)
+      for (std::size_t begin = 0; begin < other.size();) {
+        const std::size_t end = std::min(other.find_first_of("-_", begin), other.size());
+        look(std::string_view(other).substr(begin, end - begin), other);
+        begin = end + 1;
+      }
+  return nearest.empty() ? std::string() : " (did you mean " + nearest + "?)";
 }
 
 }  // namespace darboux

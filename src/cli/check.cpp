@@ -126,7 +126,7 @@ void add_check(CLI::App& app, Common& common) {
   sub.add_option("SURFACE", arguments->surfaces, std::string(surface_help) + "; all when none is given");
   sub.add_option("--points", arguments->options.points, "random points per surface")
       ->capture_default_str()
-      ->check(CLI::Range(1, 100000000));
+      ->check(whole_number_between(1, 100000000));
   sub.add_option("--seed", arguments->options.seed, "seed of the random points")
       ->capture_default_str()
       ->check(whole_number);
@@ -140,7 +140,7 @@ void add_check(CLI::App& app, Common& common) {
          "--parameter-sets", arguments->options.parameter_sets,
          "for the routes high_precision*: use this many random sets of parameters instead of those given")
       ->capture_default_str()
-      ->check(CLI::Range(0, 1000000));
+      ->check(whole_number_between(0, 1000000));
   sub.add_flag("--markdown", arguments->markdown,
                "print tables of the worst error and its bound, in roundings, per surface and quantity");
   add_common(sub, common, "darboux check torus:minor_radius=0.4 --points 10000");

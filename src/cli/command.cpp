@@ -24,7 +24,7 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
   sub.add_option("--threads", common.threads,
                  "number of threads; results do not depend on it, only measured times do")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number_between(1, 1024));
   sub.set_version_flag("--version", std::string("darboux ") + DARBOUX_VERSION);
   sub.footer("\nExample:\n  " + example + "\n");
 }
@@ -48,13 +48,15 @@ void add_read_options(CLI::App& sub, Common& common) {
           ""));
 }
 
-CLI::Validator whole_number_up_to(std::uint64_t most) {
-  const auto check = [most](const std::string& text) {
+CLI::Validator whole_number_between(std::uint64_t least, std::uint64_t most) {
+  const auto check = [least, most](const std::string& text) {
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool good = error == std::errc{} && end == text.data() + text.size() && value <= most;
+    const bool good =
+        error == std::errc{} && end == text.data() + text.size() && value >= least && value <= most;
     return good ? std::string()
-                : expected_got("a whole number from 0 to " + std::to_string(most), "'" + text + "'");
+                : expected_got("a whole number from " + std::to_string(least) + " to " + std::to_string(most),
+                               "'" + text + "'");
   };
   return {check, ""};
 }
@@ -189,6 +191,9 @@ AnySurface surface_argument(std::string_view text) {
 
   std::string file;
   std::vector<std::pair<std::string, double>> parameters;
+  if (formula && colon < text.size() - 1 && text.find("file=") == std::string_view::npos)
+    throw ParameterError(name,
+                         expected_got("formula:file=FILE, where FILE has lines such as z = u*v", "no file"));
   if (colon != std::string_view::npos)
     for (const std::string& item : split_assignments(text.substr(colon + 1))) {
       const std::size_t equals = item.find('=');

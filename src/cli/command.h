@@ -52,8 +52,11 @@ struct Choice {
   }
 };
 
-/// A check for options: digits only, and no number above `most`.
-CLI::Validator whole_number_up_to(std::uint64_t most);
+/// A check for options: digits only, and a number from `least` to `most`.
+CLI::Validator whole_number_between(std::uint64_t least, std::uint64_t most);
+inline CLI::Validator whole_number_up_to(std::uint64_t most) {
+  return whole_number_between(0, most);
+}
 inline const CLI::Validator whole_number = whole_number_up_to(std::numeric_limits<std::uint64_t>::max());
 
 /// A check for options: a finite number that is `good`; `expected` says which.

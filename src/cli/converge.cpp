@@ -189,7 +189,7 @@ void add_converge(CLI::App& app, Common& common) {
   sub.add_option("--seed", arguments->seed, "seed of the first random mesh [1]")->check(whole_number);
   sub.add_option("--seeds", arguments->seeds,
                  "random meshes per resolution, whose spread widens the intervals; one above 256 rows [3]")
-      ->check(CLI::Range(1, most_seeds));
+      ->check(whole_number_between(1, most_seeds));
   add_report_options(
       sub, arguments->report,
       "quick (the defaults), standard (6 surfaces, 6 families of meshes, 16..512), full (8..1024)");

@@ -32,6 +32,19 @@ void refuse_empty_values(CLI::App& app) {
       if (!option->get_positional() && option->get_items_expected_max() > 0) option->check(check);
 }
 
+// What the parser left over, in the order it was typed, and what an option among it was meant to be.
+std::string unexpected(const CLI::App& sub) {
+  std::string got, meant;
+  std::vector<std::string> known;
+  for (const CLI::Option* option : sub.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (const std::string& text : sub.remaining()) {
+    got += (got.empty() ? "'" : ", '") + text + "'";
+    if (meant.empty() && text.starts_with('-')) meant = did_you_mean(text.substr(0, text.find('=')), known);
+  }
+  return expected_got("options and arguments of " + sub.get_name(), got) + meant;
+}
+
 int report(const std::string& message, int status) {
   print_error(message);
   return status;
@@ -81,12 +94,19 @@ int run(int argc, char** argv) {
                            "standard output: expected an open file or pipe, got an error on writing", 2);
   };
   try {
+    std::vector<char*> arguments(argv, argv + argc);
+    std::string help = "--help";
+    if (argc > 1 && std::string_view(argv[1]) == "help") {  // help COMMAND is COMMAND --help
+      arguments.erase(arguments.begin() + 1);
+      arguments.push_back(help.data());
+    }
+    const std::string first = arguments.size() > 1 ? arguments[1] : "-";
     std::vector<std::string> known;
     for (const CLI::App* sub : app.get_subcommands({})) known.push_back(sub->get_name());
-    if (argc > 1 && argv[1][0] != '-' && std::find(known.begin(), known.end(), argv[1]) == known.end())
-      throw darboux::ParameterError(argv[1], "unknown command" + darboux::did_you_mean(argv[1], known) +
-                                                 ", known are " + darboux::joined(known));
-    app.parse(argc, argv);
+    if (!first.starts_with('-') && std::find(known.begin(), known.end(), first) == known.end())
+      throw darboux::ParameterError(first, "unknown command" + darboux::did_you_mean(first, known) +
+                                               ", known are " + darboux::joined(known));
+    app.parse(static_cast<int>(arguments.size()), arguments.data());
     return finish(common.exit_status);
   } catch (const CLI::CallForHelp& e) {
     return finish(app.exit(e));
@@ -94,8 +114,10 @@ int run(int argc, char** argv) {
     return finish(app.exit(e));
   } catch (const CLI::ParseError& e) {
     const std::string command = argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) + ' ' : std::string();
-    return darboux::report(std::string("command line: ") + e.what() + ", see darboux " + command + "--help",
-                           2);
+    const auto parsed = app.get_subcommands();
+    const bool left_over = !parsed.empty() && parsed[0]->remaining_size() > 0;
+    const std::string what = left_over ? darboux::unexpected(*parsed[0]) : e.what();
+    return darboux::report("command line: " + what + ", see darboux " + command + "--help", 2);
   }
 }
 

@@ -146,10 +146,12 @@ double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> piec
         const Eigen::Vector3d p = to_eigen(piece.mesh.positions[v]);
         least = least.cwiseMin(p);
         greatest = greatest.cwiseMax(p);
-        sum += (to_eigen(surface.position(piece.mesh.uvs[v])) - p).squaredNorm();
+        const double squared = (to_eigen(surface.position(piece.mesh.uvs[v])) - p).squaredNorm();
+        if (!std::isfinite(squared)) continue;
+        sum += squared;
         ++count;
       }
-  return std::sqrt(sum / count) / (greatest - least).norm();
+  return count == 0 ? infinity : std::sqrt(sum / count) / (greatest - least).norm();
 }
 
 void check_files_apart(const std::vector<MapFile>& read, const std::vector<MapFile>& written) {

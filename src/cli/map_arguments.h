@@ -54,7 +54,7 @@ std::vector<MapPiece> map_pieces(const MapArguments& arguments, const Common& co
 Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_floats, const Common& common);
 
 /// The rms distance of the corners of triangles from the surface at their uvs, over the diagonal of the box
-/// about them.
+/// about them. Corners at which the surface has no value are left out; infinity where that is all of them.
 double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> pieces);
 
 /// What that is at most where the mesh is one of the surface: twice what a fit leaves, as corners count here,

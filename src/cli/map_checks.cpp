@@ -164,6 +164,16 @@ void run_map_comparison(const MapCheckArguments& a, const MapArguments& mesh, bo
   if (!d.worst.empty())
     std::cout << "worst texel: (" << d.worst[0].x << ", " << d.worst[0].y << "), "
               << rounded(d.worst[0].angle_deg, 3) << " degrees\n";
+  const std::string limit = "--max-angle " + rounded(a.max_angle_deg, 3);
+  if (same)
+    std::cout << "same: all within " << limit << '\n';
+  else if (d.compared == 0)
+    std::cout << "not the same: nothing was compared\n";
+  else
+    std::cout << "not the same: "
+              << (d.angle_deg.max > a.max_angle_deg ? "over " + limit
+                                                    : "some are no direction in one of the maps")
+              << '\n';
 }
 
 }  // namespace darboux

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <iostream>
 #include <stdexcept>
@@ -71,6 +72,18 @@ Mesh make(const AnySurface& surface, const SampleMeshOptions& o, std::size_t& dr
   throw std::invalid_argument(std::string("--") + error.what());
 }
 
+// As the file holds them: floats.
+bool any_area(const Mesh& mesh) {
+  const auto stored = [&](std::uint32_t v) {
+    const Vec3<double>& p = mesh.positions[v];
+    return Vec3<double>{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  };
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+    const Vec3<double> p = stored(t[0]);
+    return !(norm(cross(stored(t[1]) - p, stored(t[2]) - p)) <= 0);  // write_glb() refuses what is no number
+  });
+}
+
 void run_mesh(const MeshArguments& arguments, const Common& common) {
   if (is_standard_output(arguments.output) && common.json)
     throw ParameterError("-", expected_got("one of -o - and --json for standard output", "both"));
@@ -79,6 +92,9 @@ void run_mesh(const MeshArguments& arguments, const Common& common) {
   const SampleMeshOptions o = parse(arguments);
   std::size_t dropped = 0;
   Mesh mesh = make(surface, o, dropped);
+  if (!any_area(mesh))
+    throw ParameterError("mesh", expected_got("triangles with an area, of positions that floats hold",
+                                              "none: a finer grid, or another size, has some"));
   if (arguments.no_tangents) mesh.tangents.clear();
   Json how{{"surface", surface.specification()}, {"topology", arguments.topology}};
   if (arguments.grid.empty())

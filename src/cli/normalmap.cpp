@@ -266,8 +266,10 @@ void add_normalmap(CLI::App& app, Common& common) {
   sub.add_option("--compare", a->checks.compared,
                  "report the angles between two maps; with --mesh, per island")
       ->expected(2);
-  sub.add_option("--max-angle", a->checks.max_angle_deg,
-                 "angle in degrees above which --compare exits with status 1 [180]")
+  sub.add_option(
+         "--max-angle", a->checks.max_angle_deg,
+         "angle in degrees up to which --compare calls texels the same; beyond, it exits with status 1")
+      ->capture_default_str()
       ->check(finite_number("degrees from 0 to 180", [](double x) { return x >= 0 && x <= 180; }));
   sub.add_option("--worst", a->checks.worst, "number of texels that --compare lists")
       ->capture_default_str()

@@ -148,8 +148,9 @@ void add_stability(CLI::App& app, Common& common) {
                  "separated by commas, some of " + names(stability_routes()) + " [all]")
       ->delimiter(',');
   sub.add_option("--points", arguments->points, "values of x in each sweep [24]")
-      ->check(CLI::Range(2, 10000));
-  sub.add_option("--samples", arguments->samples, "random points at each x [3]")->check(CLI::Range(1, 10000));
+      ->check(whole_number_between(2, 10000));
+  sub.add_option("--samples", arguments->samples, "random points at each x [3]")
+      ->check(whole_number_between(1, 10000));
   sub.add_option("--seed", arguments->seed, "seed of the random points [1]")->check(whole_number);
   add_report_options(sub, arguments->report,
                      "quick (the defaults), standard (61 values of x, 8 points at each), full (301, 16)");

@@ -26,9 +26,13 @@ bool periodic(Coordinate kind) {
   return kind == Coordinate::turn || kind == Coordinate::twisted_turn;
 }
 
-void list_surfaces(const Common& common) {
+// \param names none: all of the catalogue
+void list_surfaces(const std::vector<std::string>& names, const Common& common) {
+  std::vector<AnySurface> surfaces;
+  for (const std::string& name : names) surfaces.push_back(make_surface(name));
+  if (names.empty()) surfaces = all_surfaces();
   Json all = Json::array();
-  for (const AnySurface& surface : all_surfaces()) {
+  for (const AnySurface& surface : surfaces) {
     const SurfaceInfo& info = surface.info();
     Json parameters = Json::array(), singular = Json::array();
     for (const ParameterValue& p : surface.parameters())
@@ -50,7 +54,7 @@ void list_surfaces(const Common& common) {
                    {"facts", fact_names(surface)}});
   }
   if (common.json) return print_json({{"surfaces", all}});
-  for (const AnySurface& surface : all_surfaces()) {
+  for (const AnySurface& surface : surfaces) {
     const SurfaceInfo& info = surface.info();
     std::cout << info.name << ": " << info.summary << '\n';
     for (const ParameterValue& p : surface.parameters())
@@ -81,12 +85,18 @@ void write_pages(const std::string& folder, const Common& common) {
 void add_surfaces(CLI::App& app, Common& common) {
   CLI::App& sub =
       *app.add_subcommand("surfaces", "List the surfaces: names, parameters, defaults, singular points");
-  add_common(sub, common, "darboux surfaces --json");
+  add_common(sub, common, "darboux surfaces torus --json");
+  auto names = std::make_shared<std::vector<std::string>>();
+  sub.add_option("NAME", *names, "only these surfaces");
   auto pages = std::make_shared<std::string>();
   sub.add_option(
       "--pages", *pages,
       "write a page and a picture of each surface to this folder instead, each file whole or not at all");
-  sub.callback([pages, &common] { pages->empty() ? list_surfaces(common) : write_pages(*pages, common); });
+  sub.callback([names, pages, &common] {
+    if (!pages->empty() && !names->empty())
+      throw ParameterError("--pages", expected_got("no names of surfaces beside it", names->front()));
+    pages->empty() ? list_surfaces(*names, common) : write_pages(*pages, common);
+  });
 }
 
 }  // namespace darboux

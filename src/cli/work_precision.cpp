@@ -214,12 +214,12 @@ void add_choices(CLI::App& sub, WorkArguments& arguments) {
                  "rows of the meshes, with twice as many columns (lantern: 2 sqrt(rows)): 8..64 (doubling) "
                  "or 8,16,32 [8..32]");
   sub.add_option("--rounds", arguments.rounds, "rounds; each times every method once, in turn [11]")
-      ->check(CLI::Range(3, most_rounds));
+      ->check(whole_number_between(3, most_rounds));
   sub.add_option("--points", arguments.points, "random points per call [4096]")
-      ->check(CLI::Range(16, most_work_points));
+      ->check(whole_number_between(16, most_work_points));
   sub.add_option("--checked", arguments.checked,
                  "how many of these points are compared with 40 digits [1000]")
-      ->check(CLI::Range(1, most_work_points));
+      ->check(whole_number_between(1, most_work_points));
   sub.add_option("--timeout", arguments.timeout,
                  "seconds that a call may take; a slower method is recorded once and not called again, but "
                  "the call is not interrupted [10]")

@@ -168,6 +168,7 @@ template <int order>  // 2, 4, 6 or 8
 void check_central(const AnySurface& surface, const Points& points, Checks& checks);
 void check_one_sided(const AnySurface& surface, const Points& points, Checks& checks);
 void check_ridders(const AnySurface& surface, const Points& points, Checks& checks);
+void check_continuity(const AnySurface& surface, const Points& points, Checks& checks);
 void check_implicit(const AnySurface& surface, const Points& points, Checks& checks);
 void check_second_formula(const AnySurface& surface, const Points& points, Checks& checks);
 void check_curvature(const AnySurface& surface, const Points& points, Checks& checks);

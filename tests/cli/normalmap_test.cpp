@@ -328,6 +328,13 @@ TEST_F(NormalMapCli, BakesOnlyAMeshOfTheSurface) {
   refused(bake, {"e.glb: expected a mesh of the surface",
                  "as in --surface ellipsoid:semi_axis_x=3, got one that is off it by ", " % of its size"});
   EXPECT_FALSE(fs::exists(path("e.png")));
+  // Where a surface has no value it says nothing of the mesh: neither that it is one of the surface ...
+  test::write_bytes(path("part.surface"), "x = u\ny = v\nz = 5 + log(u - 0.3)\n");
+  refused("darboux bake --mesh e.glb --size 32x32 -o e.png --surface formula:file=part.surface",
+          {"expected a mesh of the surface"});
+  test::write_bytes(path("none.surface"), "x = u\ny = v\nz = log(-1)\n");
+  refused("darboux bake --mesh e.glb --size 32x32 -o e.png --surface formula:file=none.surface",
+          {"expected a mesh of the surface"});
   good("darboux mesh torus --grid 24x12 --shear 1 -o sheared.glb");
   EXPECT_NE(good("darboux bake --mesh sheared.glb --size 32x32 -o s.png --surface torus").find("uvs affine"),
             std::string::npos);
@@ -432,6 +439,16 @@ TEST_F(NormalMapCli, ComparesTwoMaps) {
   EXPECT_FALSE(json("darboux normalmap --compare in.png in16.png --max-angle 0.01 --json", 1)["same"]);
   EXPECT_NE(good("darboux normalmap --compare in.png in.png --max-angle 0").find("1200 texels"),
             std::string::npos);
+  // Without a limit of the user's: what the rounding of 8 bits explains is the same, another map is not.
+  const Image map = read_image(path("in.png"));
+  Image turned = map;
+  auto& samples = std::get<0>(turned.samples);
+  for (std::size_t i = 0; i < samples.size(); i += 3) std::swap(samples[i], samples[i + 1]);
+  write_image(path("turned.png"), turned);
+  EXPECT_FALSE(json("darboux normalmap --compare in.png turned.png --json", 1)["same"]);
+  EXPECT_NE(
+      sh("darboux normalmap --compare in.png turned.png").out.find("not the same: over --max-angle 1\n"),
+      std::string::npos);
   const std::vector<std::string> rows =
       lines(good("darboux normalmap --compare in.png in.png --mesh torus.glb"));
   EXPECT_EQ(rows.at(2), "  mesh 0 island 0           1200        0        0        0");

@@ -134,6 +134,9 @@ TEST_F(ReferenceMeshes, RefuseWrongUsageInOneLine) {
   refused(mesh("sphere --grid 8x4 --jitter 0.7"), {"darboux: --jitter: expected", "got 0.7"});
   refused(mesh("sphere --grid 8x4 --degenerate-uvs 99"), {"darboux: --degenerate-uvs: expected", "got 99"});
   refused(mesh("torus --grid 1x1"), {"darboux: --grid: expected", "got 1x1"});
+  // Two segments each way lie on a line; a radius of 1e-60 is no float.
+  for (const char* none : {"torus --grid 2x2", "sphere:radius=1e-60 --grid 16x8"})
+    refused(mesh(none), {"darboux: mesh: expected triangles with an area", "got none"});
   refused(mesh("sphere --grid 8x4 --shear 1e300"), {"--shear", "1000"});
   refused(mesh("sphere --grid 8x4 --scale 1,1e31,1"), {"--scale", "1e30"});
   refused(mesh("sphere"), {"--grid NxM", "64x32"});

@@ -139,6 +139,12 @@ TEST_F(Cli, QuietLeavesTheVerdict) {
   ASSERT_EQ(check.size(), 1u);
   EXPECT_EQ(check[0], "n.png: nothing wrong");
   EXPECT_EQ(good("darboux normalmap --compare n.png n.png --quiet"), "same\n");
+  EXPECT_EQ(good("darboux help eval"), good("darboux eval --help"));
+  EXPECT_EQ(good("darboux help"), good("darboux --help"));
+  EXPECT_EQ(good("darboux surfaces torus").find("torus: "), 0u);
+  EXPECT_EQ(json("darboux surfaces torus disk --json")["surfaces"].size(), 2u);
+  refused("darboux surfaces trus", {"did you mean torus?"});
+  refused("darboux surfaces torus --pages pages", {"--pages: expected no names of surfaces beside it"});
 }
 
 TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
@@ -146,6 +152,20 @@ TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
           {"Torus: unknown surface (did you mean torus?), known are sphere, "});
   refused("darboux check moebius_strip", {"did you mean moebius-strip?"});
   refused("darboux check shpere", {"did you mean sphere?"});
+  refused("darboux check klein", {"did you mean klein-bottle?"});  // a word of the name
+  refused("darboux check mobius", {"did you mean moebius-strip?"});
+  refused("darboux check paraboloid", {"did you mean elliptic-paraboloid or hyperbolic-paraboloid?"});
+  refused("darboux check torus:majr_radius=2", {"'majr_radius' (did you mean major_radius?), known are"});
+  refused("darboux eval torus --att position --bar",
+          {"command line: expected options and arguments of eval, got '--att', 'position', '--bar'",
+           "see darboux eval --help"});
+  refused("darboux eval torus --attribute=position",
+          {"got '--attribute=position' (did you mean --attributes?)"});
+  refused("darboux check torus --points 1e3",
+          {"--points: expected a whole number from 1 to 100000000, got '1e3'"});
+  refused("darboux eval torus --threads 0", {"--threads: expected a whole number from 1 to 1024, got '0'"});
+  refused("darboux eval formula:x=u,y=v --at 0,0",
+          {"expected formula:file=FILE, where FILE has lines such as"});
   refused("darboux valdate x.glb", {"unknown command (did you mean validate?), known are surfaces, "});
   refused("darboux work_precision", {"did you mean work-precision?"});
   for (const char* far : {"eval potato --at 0,0", "eval x --at 0,0", "nonsense", "eval '' --at 0,0"})

@@ -120,6 +120,8 @@ TEST_P(Laws, CoverEveryRouteAndPartial) {
   EXPECT_TRUE(contains(names, "codazzi", "dL/dv - dM/du"));
   EXPECT_TRUE(contains(names, "gauss_bonnet", "gaussian_curvature"));
   EXPECT_TRUE(contains(names, "periodicity", "position"));
+  for (const char* quantity : {"position", "dpdu", "dpdv"})
+    EXPECT_TRUE(contains(names, "continuity", quantity)) << quantity;
   std::set<std::string> routes;
   for (const auto& [route, quantity] : names) routes.insert(route);
   routes.insert("high_precision_forms");  // runs only where it is named
@@ -369,6 +371,53 @@ struct Hemisphere {
 TEST(Laws, LookAtAnEdgeFromInside) {
   EXPECT_EQ(broken_laws(Hemisphere{}, {.points = 20, .routes = {"high_precision", "high_precision_float"}}),
             "");
+}
+
+// z = f(u), with something at u = 0.3: a corner, a cliff, both known, or a slope that is steep but smooth.
+enum class At03 { corner, cliff, known_corner, hill };
+template <At03 what>
+struct Profile {
+  static constexpr SurfaceInfo info{"profile", "z = f(u)", Coordinate::linear, Coordinate::linear};
+  template <class S>
+  Jet2<S> jet(const S& u, const S& v) const {
+    const S zero = lift<S>(0.0), one = lift<S>(1.0), x = u - lift<S>(0.3);
+    S z = zero, dz = zero, d2z = zero;
+    if (what == At03::hill) {  // rises by 1 over some 1e-4
+      const S k = lift<S>(1e4), t = k * x, w = one / (one + t * t);
+      using std::sqrt;
+      const S root = sqrt(w);
+      z = t * root, dz = k * w * root, d2z = -(lift<S>(3.0) * k * k * t * w * w * root);
+    } else if (zero < x) {
+      z = what == At03::cliff ? one : x, dz = what == At03::cliff ? zero : one;
+    } else if (what != At03::cliff) {
+      z = -x, dz = -one;
+    }
+    return {.position = {u, v, z},
+            .dpdu = {one, zero, dz},
+            .dpdv = {zero, one, zero},
+            .d2pdu2 = {zero, zero, d2z},
+            .d2pduv = {zero, zero, zero},
+            .d2pdv2 = {zero, zero, zero}};
+  }
+  template <class S>
+  Status singular(const S& u, const S&) const {
+    return what == At03::known_corner && !(u < lift<S>(0.3)) && !(lift<S>(0.3) < u) ? Status::crease
+                                                                                    : Status::regular;
+  }
+};
+
+// Points and differences miss it: the places are as narrow as doubles are.
+TEST(Laws, FindCornersAndCliffsBetweenThePoints) {
+  const auto broken = [](const AnySurface& surface) {
+    return broken_laws(surface, {.points = 20, .routes = {"continuity"}});
+  };
+  const std::string corner = broken(Profile<At03::corner>{}), cliff = broken(Profile<At03::cliff>{});
+  EXPECT_EQ(corner.find("profile: continuity of dpdu: expected an error of at most"), 0u) << corner;
+  EXPECT_NE(corner.find("at u = 0.3"), std::string::npos) << corner;
+  EXPECT_EQ(corner.find("position"), std::string::npos) << corner;
+  EXPECT_EQ(cliff.find("profile: continuity of position: expected an error of at most"), 0u) << cliff;
+  EXPECT_EQ(broken(Profile<At03::known_corner>{}), "");
+  EXPECT_EQ(broken(Profile<At03::hill>{}), "");
 }
 
 // Across an inner knot nothing is differentiated: the surfaces on a spline know its knots.
