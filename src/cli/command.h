@@ -47,6 +47,9 @@ struct Choice {
   std::array<const char*, N> names;
 
   CLI::IsMember check() const { return CLI::IsMember(std::vector<std::string>(names.begin(), names.end())); }
+  bool has(const std::string& name) const {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
   E of(const std::string& name) const {
     return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
   }

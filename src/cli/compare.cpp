@@ -188,11 +188,21 @@ void print_tangents(const Pair& pair) {
               << counted(r.no_direction, "corner") << '\n';
 }
 
+// Neither has tangents, and all else is alike.
+bool compares_nothing(const Pair& pair) {
+  const MeshComparison& r = pair.result;
+  return !r.tangents_a && !r.tangents_b && r.matched == r.corners_a && r.matched == r.corners_b;
+}
+
+const char* verdict(bool same, bool nothing) {
+  return same ? "same" : nothing ? "nothing compared" : "not the same";
+}
+
 void print_pair(const Pair& pair) {
   const auto& [a, b, r] = pair;
   std::cout << "  " << place(a);
   if (a.mesh != b.mesh || a.primitive != b.primitive) std::cout << " against " << place(b);
-  std::cout << ": " << (r.same ? "same" : "not the same") << ", ";
+  std::cout << ": " << verdict(r.same, compares_nothing(pair)) << ", ";
   if (r.matched == r.corners_a && r.matched == r.corners_b)
     std::cout << (r.matched == 1 ? "the " : "all ") << counted(r.matched, "corner") << " matched\n";
   else
@@ -255,7 +265,9 @@ void run_compare(const CompareArguments& arguments, Common& common) {
                        {"skipped_b", skipped_json(b)},
                        {"same", same}});
   }
-  std::cout << (same ? "same" : "not the same")
+  const bool nothing = std::all_of(pairs.begin(), pairs.end(), compares_nothing) && found.only_a.empty() &&
+                       found.only_b.empty();
+  std::cout << verdict(same, nothing)
             << (same && arguments.max_angle > 0 ? " within " + rounded(arguments.max_angle, 6) + " deg" : "")
             << ": a = " << one_line(arguments.a) << ", b = " << one_line(arguments.b) << '\n';
   if (common.quiet) return;

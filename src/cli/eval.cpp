@@ -5,6 +5,7 @@
 
 #include <darboux/io.h>
 
+#include "base/extension.h"
 #include "base/text.h"
 #include "command.h"
 #include "eval_input.h"
@@ -92,8 +93,17 @@ void write_grid(FrameWriter& writer, std::size_t columns, std::size_t rows, std:
 
 // As --format says, else by the extension of -o, else a table.
 FrameFormat format_of(const EvalArguments& arguments, const Common& common) {
-  if (common.json) return FrameFormat::json;
-  if (!arguments.format.empty()) return frame_formats.of(arguments.format);
+  const std::string format = common.json ? "json" : arguments.format;
+  if (common.json && !arguments.format.empty() && arguments.format != "json")
+    throw ParameterError("--json", expected_got("no --format but json beside it", arguments.format));
+  if (!format.empty()) {
+    const std::string name = extension_of(arguments.output).erase(0, 1);
+    if (frame_formats.has(name) && name != format)
+      throw ParameterError("-o",
+                           expected_got("a name that ends in ." + format + " or in that of no other format",
+                                        "'" + arguments.output + "'"));
+    return frame_formats.of(format);
+  }
   const std::string extension = known_extension(
       "-o", arguments.output, {".json", ".csv", ".f32", ".f64", ".npy", ".txt"}, ", or --format beside it");
   return extension.empty() || extension == ".txt" ? FrameFormat::table

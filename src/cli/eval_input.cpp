@@ -21,6 +21,7 @@
 #include "command.h"
 #include "io/input.h"
 #include "io/json_cursor.h"
+#include "io/points.h"
 
 namespace darboux {
 namespace {
@@ -37,34 +38,30 @@ class CsvInput final : public PointInput {
   void read(PointBlocks& points) override {
     io::Lines lines(bytes_, "lines like 0.25,0.5");
     std::size_t u_column = 0, v_column = 1;
-    bool first = true;
+    std::optional<char> separator;
+    std::vector<std::string_view> fields;
     while (lines.next()) {
-      const std::string_view line = lines.text();
-      if (std::exchange(first, false) && !io::parse_number(line.substr(0, line.find(',')))) {
-        const std::vector<std::string> names = split(line, ',');
-        const auto column = [&](const std::string& name) {
-          const auto found =
-              std::find_if(names.begin(), names.end(), [&](const auto& x) { return io::trimmed(x) == name; });
-          if (found == names.end())
+      const bool first = !separator;
+      if (first) separator = io::separator_of(lines.text());
+      io::split_fields(lines.text(), *separator, fields);
+      if (first && !fields.empty() && !io::parse_number(fields[0])) {
+        const auto column = [&](const char* name) {
+          const auto found = std::find(fields.begin(), fields.end(), name);
+          if (found == fields.end())
             throw FileError(bytes_.path() + ":" + std::to_string(lines.number()),
                             expected_got("two numbers such as 0.25,0.5, or a header with the columns u and v",
-                                         "a line without '" + name + "'"));
-          return static_cast<std::size_t>(found - names.begin());
+                                         std::string("a line without '") + name + "'"));
+          return static_cast<std::size_t>(found - fields.begin());
         };
         u_column = column("u");
         v_column = column("v");
         continue;
       }
-      std::optional<double> u, v;
-      std::string_view rest = line;
-      for (std::size_t k = 0; k <= std::max(u_column, v_column); ++k) {
-        const std::size_t end = rest.find(',');
-        if (k == u_column) u = io::parse_number(rest.substr(0, end));
-        if (k == v_column) v = io::parse_number(rest.substr(0, end));
-        if (end == std::string_view::npos) break;
-        rest.remove_prefix(end + 1);
-      }
-      if (!u || !v) lines.fail("'" + std::string(line.substr(0, 60)) + "'");
+      const auto number = [&](std::size_t k) {
+        return k < fields.size() ? io::parse_number(fields[k]) : std::optional<double>();
+      };
+      const std::optional<double> u = number(u_column), v = number(v_column);
+      if (!u || !v) lines.fail("'" + std::string(lines.text().substr(0, 60)) + "'");
       points.add(*u, *v);
     }
     bytes_.finish();
@@ -435,6 +432,7 @@ class KeptInput final : public PointInput {
 PointFormat point_format_of(const std::string& path) {
   if (path == "-") return PointFormat::csv;
   const std::string extension = extension_of(path);
+  if (extension == ".txt" || extension == ".tsv") return PointFormat::csv;
   std::string known;
   for (std::size_t k = 0; k < point_format_names.size(); ++k) {
     if (extension == std::string(".") + point_format_names[k]) return static_cast<PointFormat>(k);

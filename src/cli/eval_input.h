@@ -44,7 +44,7 @@ enum class PointFormat { csv, json, f32, f64, npy };
 /// In the order of PointFormat.
 inline constexpr std::array<const char*, 5> point_format_names{"csv", "json", "f32", "f64", "npy"};
 
-/// The format of a file by its extension; csv for "-", standard input.
+/// The format of a file by its extension; csv for .txt and .tsv too, and for "-", standard input.
 /// \throws FileError for any other extension
 PointFormat point_format_of(const std::string& path);
 

@@ -117,6 +117,13 @@ PointFile PointReader::finish() {
   return std::move(result_);
 }
 
+char separator_of(std::string_view line) {
+  char separator = ' ';
+  for (const char c : {',', ';'})
+    if (line.find(c) != std::string_view::npos) separator = c;
+  return separator;
+}
+
 void split_fields(std::string_view line, char separator, std::vector<std::string_view>& fields) {
   fields.clear();
   if (separator != ' ') {

@@ -22,13 +22,6 @@ void split_row(std::string_view line, char separator, std::vector<std::string_vi
       field = trimmed(field.substr(1, field.size() - 2));
 }
 
-char separator_of(std::string_view line) {
-  char separator = ' ';
-  for (const char c : {',', ';'})
-    if (line.find(c) != std::string_view::npos) separator = c;
-  return separator;
-}
-
 // "x y z [nx ny nz]": brackets about names are no part of them; those of a unit, "x[m]", are.
 std::string without_brackets(std::string_view line) {
   std::string text(line);

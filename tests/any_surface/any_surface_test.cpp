@@ -79,7 +79,8 @@ TEST(MakeSurface, ListsTheKnownSurfacesForAnUnknownOne) {
   std::string known;
   for (const AnySurface& surface : all_surfaces())
     known += (known.empty() ? "" : ", ") + std::string(surface.info().name);
-  EXPECT_EQ(message_of("klein"), "klein: unknown surface, known are " + known);
+  EXPECT_EQ(message_of("klein"), "klein: unknown surface (did you mean klein-bottle?), known are " + known);
+  EXPECT_EQ(message_of("nothing"), "nothing: unknown surface, known are " + known);
   EXPECT_EQ(message_of(""), "surface: unknown surface, known are " + known);
   EXPECT_EQ(message_of(":radius=1"), "surface: unknown surface, known are " + known);
   for (const char* text : {"Torus", "torus ", " torus", "torus,major_radius=1"})
@@ -91,15 +92,16 @@ TEST(MakeSurface, ListsTheKnownSurfacesForAnUnknownOne) {
 }
 
 TEST(MakeSurface, ListsTheKnownParametersForAnUnknownOne) {
-  const auto unknown = [](const std::string& name) {
-    return "torus: unknown parameter '" + name + "', known are major_radius, minor_radius";
+  const auto unknown = [](const std::string& name, const std::string& meant = "") {
+    return "torus: unknown parameter '" + name + "'" + meant + ", known are major_radius, minor_radius";
   };
-  EXPECT_EQ(message_of("torus:radius=1"), unknown("radius"));
+  EXPECT_EQ(message_of("torus:radius=1"), unknown("radius", " (did you mean major_radius or minor_radius?)"));
+  EXPECT_EQ(message_of("torus:height=1"), unknown("height"));
   EXPECT_EQ(message_of("torus:"), unknown(""));
   EXPECT_EQ(message_of("torus:=1"), unknown(""));
   EXPECT_EQ(message_of("torus:major_radius=1,"), unknown(""));
   EXPECT_EQ(message_of("torus:,major_radius=1"), unknown(""));
-  EXPECT_EQ(message_of("torus: major_radius=1"), unknown(" major_radius"));
+  EXPECT_EQ(message_of("torus: major_radius=1"), unknown(" major_radius", " (did you mean major_radius?)"));
   EXPECT_THROW(make_surface(SurfaceSpecification{"torus", {{"radius", 1}}}), ParameterError);
 }
 

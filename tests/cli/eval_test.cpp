@@ -233,7 +233,8 @@ TEST_F(Cli, EvalReadsHeadersAsSpreadsheetsWriteThem) {
   write_bytes(path("plain.csv"), "0.25,0.5\n");
   const std::string plain = good("darboux eval torus --input plain.csv --format csv");
   for (const std::string text : {"u,v\n0.25,0.5\n", "u, v\r\n0.25, 0.5\r\n", "\xEF\xBB\xBFu,v\n0.25,0.5\n",
-                                 "# points\n\nname,v,u\nx,0.5,0.25\n"}) {
+                                 "# points\n\nname,v,u\nx,0.5,0.25\n", "0.25 0.5\n", "0.25\t0.5\n",
+                                 "u;v\n0.25;0.5\n", "u v\n 0.25   0.5 \n"}) {
     write_bytes(path("headed.csv"), text);
     EXPECT_EQ(good("darboux eval torus --input headed.csv --format csv"), plain) << text;
   }
@@ -470,15 +471,18 @@ TEST_F(Cli, EvalRefusesInputsThatAreNotWhole) {
 TEST_F(Cli, EvalRefusesFormatsItDoesNotKnow) {
   write_bytes(path("uv.txt"), "0.25,0.5\n");
   write_bytes(path("uv"), "0.25,0.5\n");
-  for (const std::string name : {"uv.txt", "uv"})
-    refused("darboux eval torus --input " + name,
-            {name, ".csv", ".json", ".f32", ".f64", ".npy", "--input-format"});
+  refused("darboux eval torus --input uv", {"uv", ".csv", ".json", ".f32", ".f64", ".npy", "--input-format"});
   const std::string expected = good("darboux eval torus --at 0.25,0.5");
-  EXPECT_EQ(good("darboux eval torus --input uv.txt --input-format csv"), expected);
+  for (const char* input : {"uv --input-format csv", "uv.txt", "uv.txt --input-format csv"})
+    EXPECT_EQ(good(std::string("darboux eval torus --input ") + input), expected);
   good("cp uv.txt UV.CSV");
   EXPECT_EQ(good("darboux eval torus --input UV.CSV"), expected);
   refused("darboux eval torus --input uv --input-format table", {"--input-format", "csv", "json", "npy"});
   refused("darboux eval torus --at 0,0 --input-format csv", {"--input-format", "--input"});
+  refused("darboux eval torus --at 0,0 --format csv -o a.npy",
+          {"-o: expected a name that ends in .csv", "'a.npy'"});
+  refused("darboux eval torus --at 0,0 --json --format csv",
+          {"--json: expected no --format but json beside it"});
   refused("darboux eval torus --at 0,0 --format f16", {"--format", "f32", "f64", "npy"});
   for (const std::string format : {"csv", "json", "f32", "f64", "npy"}) {
     refused("darboux eval torus --input missing --input-format " + format, {"missing"});
