@@ -21,7 +21,6 @@
 #include "command.h"
 #include "io/input.h"
 #include "io/json_cursor.h"
-#include "io/points.h"
 
 namespace darboux {
 namespace {

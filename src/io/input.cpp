@@ -108,4 +108,27 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
+char separator_of(std::string_view line) {
+  char separator = ' ';
+  for (const char c : {',', ';'})
+    if (line.find(c) != std::string_view::npos) separator = c;
+  return separator;
+}
+
+void split_fields(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  fields.clear();
+  if (separator != ' ') {
+    for (std::size_t end = line.find(separator); end != std::string_view::npos; end = line.find(separator)) {
+      fields.push_back(trimmed(line.substr(0, end)));
+      line.remove_prefix(end + 1);
+    }
+    fields.push_back(trimmed(line));
+    return;
+  }
+  for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+    fields.push_back(line.substr(0, line.find_first_of(" \t\r")));
+    line.remove_prefix(fields.back().size());
+  }
+}
+
 }  // namespace darboux::io

@@ -83,4 +83,11 @@ std::string_view trimmed(std::string_view text);
 /// numbers here; what is beyond the range of double is none.
 std::optional<double> parse_number(std::string_view text);
 
+/// What separates the fields of a table whose first line this is: a semicolon, a comma, or else blanks and
+/// tabs, as ' '.
+char separator_of(std::string_view line);
+
+/// The fields of a line between `separator`, or between runs of blanks and tabs where it is a blank.
+void split_fields(std::string_view line, char separator, std::vector<std::string_view>& fields);
+
 }  // namespace darboux::io

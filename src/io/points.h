@@ -51,13 +51,6 @@ class PointReader {
   PointFile result_;
 };
 
-/// What separates the fields of a table whose first line this is: a semicolon, a comma, or else blanks and
-/// tabs, as ' '.
-char separator_of(std::string_view line);
-
-/// The fields of a line between `separator`, or between runs of blanks and tabs where it is a blank.
-void split_fields(std::string_view line, char separator, std::vector<std::string_view>& fields);
-
 /// A number of a line. \throws FileError with file and line when it is none
 double number_of(std::string_view field, const Lines& lines);
 
