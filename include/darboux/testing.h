@@ -10,8 +10,10 @@
 ///   central2 ... 8  central differences of that order, judged by their own error estimate
 ///   one_sided8      one-sided differences of order 8 at the edges of non-periodic coordinates
 ///   ridders         Ridders' extrapolation
-///   continuity      position and first partials on either side of the worst place of each of 64 lines: finds
-///                   corners and cliffs of more than a millionth of the scale that the status does not tell
+///   continuity      position and first partials between neighbouring doubles, by bisection along 32 lines of
+///                   constant u and 32 of constant v: finds corners and cliffs above a millionth of the scale
+///                   (positions: of the extent), unless the status says crease, or that partials vanish or are
+///                   parallel. What is narrower than 1/256 of a line may be missed
 ///   high_precision  the same formula in 40 digits; the frame by the cross product of its partials, the
 ///                   status by which of them vanish or are parallel
 ///   high_precision_forms

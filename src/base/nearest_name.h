@@ -34,14 +34,14 @@ inline std::size_t name_distance(std::string_view a, std::string_view b) {
 inline std::string did_you_mean(std::string_view name, const std::vector<std::string>& known) {
   constexpr std::size_t longest = 100;  // of a name that somebody types
   if (name.empty() || name.size() > longest) return {};
-  std::string nearest;
+  std::vector<std::string> nearest;
   std::size_t least = name.size() / 4 + 1;
   const auto look = [&](std::string_view candidate, const std::string& of) {
     const std::size_t distance = name_distance(name, candidate);
     if (distance < least)
-      nearest = of, least = distance;
-    else if (distance == least && !nearest.empty() && nearest != of)
-      nearest += " or " + of;
+      nearest = {of}, least = distance;
+    else if (distance == least && !nearest.empty() && nearest.back() != of)
+      nearest.push_back(of);
   };
   for (const std::string& other : known) look(other, other);
   if (nearest.empty() && name.size() > 2)
@@ -51,7 +51,10 @@ inline std::string did_you_mean(std::string_view name, const std::vector<std::st
         look(std::string_view(other).substr(begin, end - begin), other);
         begin = end + 1;
       }
-  return nearest.empty() ? std::string() : " (did you mean " + nearest + "?)";
+  std::string text;
+  for (std::size_t k = 0; k < nearest.size(); ++k)
+    text += (k == 0 ? "" : k + 1 < nearest.size() ? ", " : " or ") + nearest[k];
+  return text.empty() ? text : " (did you mean " + text + "?)";
 }
 
 }  // namespace darboux

@@ -1,5 +1,6 @@
 // `darboux bake`: the exact normals of a surface as a tangent-space map for a coarse mesh of it.
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <span>
@@ -46,8 +47,9 @@ Place place_of(const AnySurface& surface, std::span<const MapPiece> pieces, cons
   }
   throw FileError(file, expected_got("a mesh of the surface, its parameters given, as in --surface "
                                      "ellipsoid:semi_axis_x=3",
-                                     "one that is off it by " + rounded(100 * off, 3) +
-                                         " % of its size (rms) at its uvs"));
+                                     std::isinf(off) ? "one at whose uvs the surface has no value"
+                                                     : "one that is off it by " + rounded(100 * off, 3) +
+                                                           " % of its size (rms) at its uvs"));
 }
 
 Json numbers(std::span<const double> values) {

@@ -190,16 +190,13 @@ AnySurface surface_argument(std::string_view text) {
   if (!from_file || (!formula && colon == std::string_view::npos)) return make_surface(text);
 
   std::string file;
-  std::vector<std::pair<std::string, double>> parameters;
-  if (formula && colon < text.size() - 1 && text.find("file=") == std::string_view::npos)
-    throw ParameterError(name,
-                         expected_got("formula:file=FILE, where FILE has lines such as z = u*v", "no file"));
+  std::vector<std::pair<std::string, std::string>> texts;
   if (colon != std::string_view::npos)
     for (const std::string& item : split_assignments(text.substr(colon + 1))) {
       const std::size_t equals = item.find('=');
       const std::string key = item.substr(0, equals);
       const auto same = [&](const auto& p) { return p.first == key; };
-      if ((key == "file" && !file.empty()) || std::any_of(parameters.begin(), parameters.end(), same))
+      if ((key == "file" && !file.empty()) || std::any_of(texts.begin(), texts.end(), same))
         throw ParameterError(name, "'" + key + "': " + expected_got("one value", "a second one"));
       if (equals == std::string::npos || equals + 1 == item.size())
         throw ParameterError(
@@ -209,12 +206,17 @@ AnySurface surface_argument(std::string_view text) {
       if (key == "file")
         file = item.substr(equals + 1);
       else if (formula)
-        parameters.emplace_back(key,
-                                parse_finite(name + ": " + key, std::string_view(item).substr(equals + 1)));
+        texts.emplace_back(key, item.substr(equals + 1));
       else
         throw ParameterError(name, "unknown parameter '" + key + "', known are file");
     }
-  if (file.empty()) throw ParameterError(name, expected_got(name + ":file=FILE", "no file"));
+  if (file.empty())
+    throw ParameterError(
+        name, expected_got(name + ":file=FILE" + (formula ? ", where FILE has lines such as z = u*v" : ""),
+                           "no file"));
+  std::vector<std::pair<std::string, double>> parameters;
+  for (const auto& [key, text_of] : texts)
+    parameters.emplace_back(key, parse_finite(name + ": " + key, text_of));
   return formula ? read_formula_surface(file, parameters) : read_surface_file(name, file);
 }
 

@@ -32,17 +32,19 @@ void refuse_empty_values(CLI::App& app) {
       if (!option->get_positional() && option->get_items_expected_max() > 0) option->check(check);
 }
 
-// What the parser left over, in the order it was typed, and what an option among it was meant to be.
+// What the parser left over, in the order it was typed, and what options among it were meant to be.
 std::string unexpected(const CLI::App& sub) {
-  std::string got, meant;
+  std::string got;
   std::vector<std::string> known;
   for (const CLI::Option* option : sub.get_options())
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   for (const std::string& text : sub.remaining()) {
+    const std::string name = text.substr(0, text.find('='));
     got += (got.empty() ? "'" : ", '") + text + "'";
-    if (meant.empty() && text.starts_with('-')) meant = did_you_mean(text.substr(0, text.find('=')), known);
+    if (text.starts_with('-') && std::find(known.begin(), known.end(), name) == known.end())
+      got += did_you_mean(name, known);
   }
-  return expected_got("options and arguments of " + sub.get_name(), got) + meant;
+  return expected_got("options and arguments of " + sub.get_name(), got);
 }
 
 int report(const std::string& message, int status) {
@@ -65,7 +67,7 @@ int run(int argc, char** argv) {
   app.footer(
       "\nExample:\n  darboux eval torus:major_radius=1,minor_radius=0.4 --at 0.3,0.7 --json\n"
       "\nSURFACE is NAME, NAME:PARAMETER=VALUE,... or formula:file=FILE; `darboux surfaces` lists the "
-      "names.\n`darboux COMMAND --help` explains a command.\n"
+      "names.\n`darboux COMMAND --help` or `darboux help COMMAND` explains a command.\n"
       "Exit status: 0 success; 1 the answer is negative: a check failed, the verdict is fail or "
       "undetermined, files differ,\nno surface was found, nothing could be written; 2 usage error, "
       "unreadable input, or output that cannot be written.");
@@ -96,9 +98,11 @@ int run(int argc, char** argv) {
   try {
     std::vector<char*> arguments(argv, argv + argc);
     std::string help = "--help";
-    if (argc > 1 && std::string_view(argv[1]) == "help") {  // help COMMAND is COMMAND --help
-      arguments.erase(arguments.begin() + 1);
-      arguments.push_back(help.data());
+    if (argc > 1 &&
+        std::string_view(argv[1]) == "help") {  // help COMMAND is COMMAND --help, whatever follows
+      const bool of_command = argc > 2 && std::string_view(argv[2]) != "help";
+      arguments = {argv[0], of_command ? argv[2] : help.data()};
+      if (of_command) arguments.push_back(help.data());
     }
     const std::string first = arguments.size() > 1 ? arguments[1] : "-";
     std::vector<std::string> known;

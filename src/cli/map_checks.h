@@ -14,7 +14,7 @@ struct MapCheckArguments {
   std::vector<std::string> compared;    ///< two files
   std::vector<std::string> primitives;  ///< of `file`, where it is a glTF
   bool signed_floats = false;
-  double max_angle_deg = 1;  // more than the rounding of two maps of 8 bits: 0.78
+  double max_angle_deg = 1;  // over the rounding of two maps, 8 bits in each of 3 channels: 0.78
   std::uint64_t worst = 10;
 };
 

@@ -150,7 +150,7 @@ void add_mesh(CLI::App& app, Common& common) {
   sub.add_option("--grid", arguments->grid, "NxM segments along u and v, for grid and lantern");
   sub.add_option("--subdivisions", arguments->subdivisions,
                  "segments along each edge of the icosahedron or cube (even)")
-      ->check(CLI::Range(1, 2000));
+      ->check(whole_number_between(1, 2000));
   sub.add_option("--pole", arguments->pole,
                  "vertices where all columns meet in one point: per-column (one per column, with its u), "
                  "half-cell (one per column, with u in its middle, as three.js does), shared (one for all)")

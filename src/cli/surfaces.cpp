@@ -29,7 +29,7 @@ bool periodic(Coordinate kind) {
 // \param names none: all of the catalogue
 void list_surfaces(const std::vector<std::string>& names, const Common& common) {
   std::vector<AnySurface> surfaces;
-  for (const std::string& name : names) surfaces.push_back(make_surface(name));
+  for (const std::string& name : names) surfaces.push_back(make_surface(SurfaceSpecification{name, {}}));
   if (names.empty()) surfaces = all_surfaces();
   Json all = Json::array();
   for (const AnySurface& surface : surfaces) {

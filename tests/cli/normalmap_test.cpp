@@ -328,13 +328,13 @@ TEST_F(NormalMapCli, BakesOnlyAMeshOfTheSurface) {
   refused(bake, {"e.glb: expected a mesh of the surface",
                  "as in --surface ellipsoid:semi_axis_x=3, got one that is off it by ", " % of its size"});
   EXPECT_FALSE(fs::exists(path("e.png")));
-  // Where a surface has no value it says nothing of the mesh: neither that it is one of the surface ...
+  // Where a surface has no value it says nothing of the mesh.
   test::write_bytes(path("part.surface"), "x = u\ny = v\nz = 5 + log(u - 0.3)\n");
   refused("darboux bake --mesh e.glb --size 32x32 -o e.png --surface formula:file=part.surface",
           {"expected a mesh of the surface"});
   test::write_bytes(path("none.surface"), "x = u\ny = v\nz = log(-1)\n");
   refused("darboux bake --mesh e.glb --size 32x32 -o e.png --surface formula:file=none.surface",
-          {"expected a mesh of the surface"});
+          {"expected a mesh of the surface", "got one at whose uvs the surface has no value"});
   good("darboux mesh torus --grid 24x12 --shear 1 -o sheared.glb");
   EXPECT_NE(good("darboux bake --mesh sheared.glb --size 32x32 -o s.png --surface torus").find("uvs affine"),
             std::string::npos);

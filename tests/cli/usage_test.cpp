@@ -105,6 +105,17 @@ TEST_F(Cli, RefusesUnknownSurfacesAndParametersWithTheKnownOnes) {
 }
 
 // --quiet: of what is judged the verdict, a line each; of what is written nothing.
+TEST_F(Cli, HelpAndSurfacesTakeNames) {
+  EXPECT_EQ(good("darboux help eval"), good("darboux eval --help"));
+  EXPECT_EQ(good("darboux help"), good("darboux --help"));
+  EXPECT_EQ(good("darboux help help"), good("darboux --help"));
+  EXPECT_EQ(good("darboux help surfaces --pages"), good("darboux surfaces --help"));  // and writes nothing
+  EXPECT_EQ(good("darboux surfaces torus").find("torus: "), 0u);
+  EXPECT_EQ(json("darboux surfaces torus disk --json")["surfaces"].size(), 2u);
+  refused("darboux surfaces trus", {"did you mean torus?"});
+  refused("darboux surfaces torus --pages pages", {"--pages: expected no names of surfaces beside it"});
+}
+
 TEST_F(Cli, QuietLeavesTheVerdict) {
   const std::string good_file = "data/torus_032.mikk.glb", bad_file = "data/plainsphere_016.three.glb";
   EXPECT_EQ(good("darboux validate --quiet " + good_file), good_file + ": pass\n");
@@ -139,12 +150,6 @@ TEST_F(Cli, QuietLeavesTheVerdict) {
   ASSERT_EQ(check.size(), 1u);
   EXPECT_EQ(check[0], "n.png: nothing wrong");
   EXPECT_EQ(good("darboux normalmap --compare n.png n.png --quiet"), "same\n");
-  EXPECT_EQ(good("darboux help eval"), good("darboux eval --help"));
-  EXPECT_EQ(good("darboux help"), good("darboux --help"));
-  EXPECT_EQ(good("darboux surfaces torus").find("torus: "), 0u);
-  EXPECT_EQ(json("darboux surfaces torus disk --json")["surfaces"].size(), 2u);
-  refused("darboux surfaces trus", {"did you mean torus?"});
-  refused("darboux surfaces torus --pages pages", {"--pages: expected no names of surfaces beside it"});
 }
 
 TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
@@ -154,11 +159,12 @@ TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
   refused("darboux check shpere", {"did you mean sphere?"});
   refused("darboux check klein", {"did you mean klein-bottle?"});  // a word of the name
   refused("darboux check mobius", {"did you mean moebius-strip?"});
+  refused("darboux check patch", {"did you mean bilinear-patch, bezier-patch or bspline-patch?"});
   refused("darboux check paraboloid", {"did you mean elliptic-paraboloid or hyperbolic-paraboloid?"});
   refused("darboux check torus:majr_radius=2", {"'majr_radius' (did you mean major_radius?), known are"});
-  refused("darboux eval torus --att position --bar",
-          {"command line: expected options and arguments of eval, got '--att', 'position', '--bar'",
-           "see darboux eval --help"});
+  refused("darboux eval torus --att position --bar", {"command line: expected options and arguments of eval, "
+                                                      "got '--att' (did you mean --at?), 'position', '--bar'",
+                                                      "see darboux eval --help"});
   refused("darboux eval torus --attribute=position",
           {"got '--attribute=position' (did you mean --attributes?)"});
   refused("darboux check torus --points 1e3",

@@ -219,25 +219,6 @@ void measure(Efficiency& result, double outliers, int runs, Random& random) {
 
 // 20 to 40 % outliers: no less efficient than least squares on the true inliers could be, by 5 %. Some 1300
 // squares are averaged, so that the root of their mean strays by 2 %.
-// The rows of a grid share their rounding: its systematic part, which two more semi-axes explain, is no
-// ellipsoid.
-TEST(FitWithUv, RoundingIsNoReasonForMoreUnknowns) {
-  const auto stored = [](double x) { return static_cast<double>(static_cast<float>(x)); };
-  for (int k = 0; k < 8; ++k) {
-    const Sphere<> sphere{1 + 0.37 * k};
-    PointCloud cloud;
-    for (int i = 0; i < 400; ++i) {
-      const Vec2<double> uv{stored(i % 20 / 20.0), stored((i / 20 + 0.5) / 20)};
-      const Vec3<double> p = PlacedSurface{AnySurface(sphere)}.position(uv);
-      cloud.uvs.push_back(uv);
-      cloud.positions.push_back({stored(p.x), stored(p.y), stored(p.z)});
-    }
-    const PointFit fit = fitted(cloud);
-    ASSERT_TRUE(fit.usable) << fit.reason;
-    EXPECT_EQ(fit.surface->surface.info().name, "sphere") << "radius " << sphere.radius;
-  }
-}
-
 TEST(FitWithUv, ReachesTheBound) {
   constexpr std::uint64_t seed = 8;
   std::cout << "seed " << seed << '\n';

@@ -373,25 +373,31 @@ TEST(Laws, LookAtAnEdgeFromInside) {
             "");
 }
 
-// z = f(u), with something at u = 0.3: a corner, a cliff, both known, or a slope that is steep but smooth.
-enum class At03 { corner, cliff, known_corner, hill };
+// z = f(u), with something at u = 0.3: a corner, a cliff, a corner that the status tells or that a steep hill
+// at u = 0.7 stands beside, the hill alone, no value nearby, and |u - 0.3|^1.5, whose second derivative is
+// infinite.
+enum class At03 { corner, cliff, known_corner, corner_and_hill, hill, nothing, power };
 template <At03 what>
 struct Profile {
   static constexpr SurfaceInfo info{"profile", "z = f(u)", Coordinate::linear, Coordinate::linear};
   template <class S>
   Jet2<S> jet(const S& u, const S& v) const {
-    const S zero = lift<S>(0.0), one = lift<S>(1.0), x = u - lift<S>(0.3);
+    using std::sqrt;
+    const S zero = lift<S>(0.0), one = lift<S>(1.0), x = u - lift<S>(0.3), size = x < zero ? -x : x,
+            side = x < zero ? -one : one;
     S z = zero, dz = zero, d2z = zero;
-    if (what == At03::hill) {  // rises by 1 over some 1e-4
-      const S k = lift<S>(1e4), t = k * x, w = one / (one + t * t);
-      using std::sqrt;
+    if (what == At03::hill || what == At03::corner_and_hill) {  // rises by 2 over some 1e-4
+      const S k = lift<S>(1e4), t = k * (u - lift<S>(0.7)), w = one / (one + t * t);
       const S root = sqrt(w);
       z = t * root, dz = k * w * root, d2z = -(lift<S>(3.0) * k * k * t * w * w * root);
-    } else if (zero < x) {
-      z = what == At03::cliff ? one : x, dz = what == At03::cliff ? zero : one;
-    } else if (what != At03::cliff) {
-      z = -x, dz = -one;
     }
+    if (what == At03::corner || what == At03::known_corner) z = size, dz = side;
+    if (what == At03::corner_and_hill) z = z + lift<S>(1e4) * size, dz = dz + lift<S>(1e4) * side;
+    if (what == At03::cliff) z = zero < x ? one : zero;
+    if (what == At03::nothing)
+      z = sqrt(size - lift<S>(0.004)), dz = side / (z + z), d2z = -(one / (z * z * z));
+    if (what == At03::power)
+      z = size * sqrt(size), dz = lift<S>(1.5) * side * sqrt(size), d2z = lift<S>(0.75) / sqrt(size);
     return {.position = {u, v, z},
             .dpdu = {one, zero, dz},
             .dpdv = {zero, one, zero},
@@ -409,15 +415,23 @@ struct Profile {
 // Points and differences miss it: the places are as narrow as doubles are.
 TEST(Laws, FindCornersAndCliffsBetweenThePoints) {
   const auto broken = [](const AnySurface& surface) {
-    return broken_laws(surface, {.points = 20, .routes = {"continuity"}});
+    const CheckOptions options{.points = 20, .routes = {"continuity"}};
+    const std::vector<Check> checks = check_surface(surface, options);
+    EXPECT_EQ(checks.size(), 3u);
+    for (const Check& c : checks) EXPECT_GE(c.points, 40) << c.quantity;
+    return broken_laws(surface, options);
   };
-  const std::string corner = broken(Profile<At03::corner>{}), cliff = broken(Profile<At03::cliff>{});
-  EXPECT_EQ(corner.find("profile: continuity of dpdu: expected an error of at most"), 0u) << corner;
-  EXPECT_NE(corner.find("at u = 0.3"), std::string::npos) << corner;
-  EXPECT_EQ(corner.find("position"), std::string::npos) << corner;
-  EXPECT_EQ(cliff.find("profile: continuity of position: expected an error of at most"), 0u) << cliff;
+  for (const std::string& corner :
+       {broken(Profile<At03::corner>{}), broken(Profile<At03::corner_and_hill>{})}) {
+    EXPECT_EQ(corner.find("profile: continuity of dpdu: expected an error of at most"), 0u) << corner;
+    EXPECT_NE(corner.find("at u = 0.3"), std::string::npos) << corner;
+    EXPECT_EQ(corner.find("position"), std::string::npos) << corner;
+  }
+  for (const std::string& cliff : {broken(Profile<At03::cliff>{}), broken(Profile<At03::nothing>{})})
+    EXPECT_EQ(cliff.find("profile: continuity of position: expected an error of at most"), 0u) << cliff;
   EXPECT_EQ(broken(Profile<At03::known_corner>{}), "");
   EXPECT_EQ(broken(Profile<At03::hill>{}), "");
+  EXPECT_EQ(broken(Profile<At03::power>{}), "");
 }
 
 // Across an inner knot nothing is differentiated: the surfaces on a spline know its knots.

@@ -234,16 +234,11 @@ std::string described(const Trial& trial) {
          std::string(trial.model.whole_convention(trial.state).name);
 }
 
-struct Inliers {
-  double count = 0, rms = 0;
-};
-Inliers inliers_of(const Trial& trial) {
-  Inliers result;
-  double sum = 0;
-  for (const double s : trial.model.squares(trial.state))
-    if (inlier_probability(trial.mixture, s) > 0.5) result.count += 1, sum += s;
-  result.rms = std::sqrt(sum / std::fmax(result.count, 1));
-  return result;
+double inliers_rms(const fit::Mixture& mixture, const std::vector<double>& squares) {
+  double inliers = 0, sum = 0;
+  for (const double s : squares)
+    if (inlier_probability(mixture, s) > 0.5) inliers += 1, sum += s;
+  return std::sqrt(sum / std::fmax(inliers, 1));
 }
 
 // Everything the header promises of a usable fit, from all points. Returns why it is not usable, else
@@ -272,7 +267,7 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   if (!(3 * weights > m))
     return std::to_string(fit.inliers) + " points on the surface, " + fit::with_article(kind.name) + " has " +
            std::to_string(m) + " unknowns";
-  fit.rms = size * inliers_of(trial).rms;
+  fit.rms = size * inliers_rms(trial.mixture, squares);
   const double sigma = data.noise ? *data.noise : std::sqrt(weighted / (3 * weights - m));
   fit.sigma = size * sigma;
 
@@ -427,27 +422,9 @@ class UvFit {
       t.log_likelihood = log_likelihood(t.mixture, t.model.squares(t.state));
     }
     sort_by_bic();
-    leave_rounding_alone();
     for (const Trial& t : trials_)
-      fit_.candidates.push_back(
-          {std::string(t.model.kind->name), t.bic(count_), data_.all.scale * inliers_of(t).rms});
-  }
-
-  // Where the rounding of coordinates is all that one surface leaves, another is no better for more unknowns:
-  // what it explains is rounding, which is alike along the rows of a grid. Rounding is uniform: a third of
-  // the square of its greatest, twice `rounding`, in each of three coordinates.
-  void leave_rounding_alone() {
-    const double rms_of_rounding = 2 * data_.all.rounding;
-    const Trial* simplest = nullptr;
-    for (const Trial& t : trials_)
-      if (t.converged && inliers_of(t).rms <= rms_of_rounding &&
-          (!simplest || t.model.columns() < simplest->model.columns()))
-        simplest = &t;
-    if (!simplest) return;
-    const int columns = simplest->model.columns();
-    const double most = 1.01 * inliers_of(*simplest).count;
-    std::erase_if(trials_,
-                  [&](const Trial& t) { return t.model.columns() > columns && inliers_of(t).count <= most; });
+      fit_.candidates.push_back({std::string(t.model.kind->name), t.bic(count_),
+                                 data_.all.scale * inliers_rms(t.mixture, t.model.squares(t.state))});
   }
 
   // The best of which everything is determined; a cone without height is a disk.
