@@ -12,13 +12,13 @@
 ///   ridders         Ridders' extrapolation
 ///   continuity      position and first partials between neighbouring doubles, by bisection along 32 lines of
 ///                   constant u and 32 of constant v: finds corners and cliffs above a millionth of the scale
-///                   (positions: of the extent), unless the status says crease, or that partials vanish or are
-///                   parallel. What is narrower than 1/256 of a line may be missed
+///                   (positions: of the extent), unless the status says crease, or that partials vanish or
+///                   are parallel. What is narrower than 1/256 of a line may be missed
 ///   high_precision  the same formula in 40 digits; the frame by the cross product of its partials, the
 ///                   status by which of them vanish or are parallel
 ///   high_precision_forms
-///                   curvatures, directions, derivatives of the normal, forms and Christoffel symbols of regular
-///                   points against 40 digits; takes long, and runs only where it is named
+///                   curvatures, directions, derivatives of the normal, forms and Christoffel symbols of
+///                   regular points against 40 digits; takes long, and runs only where it is named
 ///   implicit, curvature, second_formula
 ///                   the independent facts the surface states; the normal is the gradient of implicit()
 ///   gauss           K from the derivatives of E, F, G alone (Gauss's theorem) against K from the second form

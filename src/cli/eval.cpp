@@ -99,9 +99,9 @@ FrameFormat format_of(const EvalArguments& arguments, const Common& common) {
   if (!format.empty()) {
     const std::string name = extension_of(arguments.output).erase(0, 1);
     if (frame_formats.has(name) && name != format)
-      throw ParameterError("-o",
-                           expected_got("a name that ends in ." + format + " or in that of no other format",
-                                        "'" + arguments.output + "'"));
+      throw ParameterError(
+          "-o", expected_got("a name that ends in ." + format + ", or in the extension of no other format",
+                             "'" + arguments.output + "'"));
     return frame_formats.of(format);
   }
   const std::string extension = known_extension(

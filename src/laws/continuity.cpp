@@ -30,13 +30,14 @@ double remainder(const Derivative& d, const End& a, const End& b) {
   return norm(all - (b.x - a.x) / 2 * (partial(a.j, d.is) + partial(b.j, d.is)));
 }
 
-// What is left of the change between neighbours, less by what the change was larger ten halvings before:
-// nothing of |x|^a with a >= 0.1, whose neighbours may differ by much, all of a jump. An infinite derivative
-// leaves no remainder.
-double jump_of(const std::vector<double>& changes, double remainder) {
+// What is left of the change between neighbours; an infinite derivative leaves no remainder. Above `bound`
+// less by what the change was larger ten halvings before: nothing of |x|^a with a >= 0.1, whose neighbours
+// may differ by much, all of a jump.
+double jump_of(const std::vector<double>& changes, double remainder, double bound) {
   constexpr std::size_t halvings = 10;
-  const double last = changes.back(), left = remainder <= last ? remainder : last,
-               before = changes.size() > halvings ? changes[changes.size() - 1 - halvings] : last;
+  const double last = changes.back(), left = remainder <= last ? remainder : last;
+  if (!(left > bound) || changes.size() <= halvings) return left;
+  const double before = changes[changes.size() - 1 - halvings];
   return before > last && before < infinity ? std::fmax(left - (before - last), 0) : left;
 }
 
@@ -99,7 +100,7 @@ void check_continuity(const AnySurface& surface, const Points& points, Checks& c
             changes.push_back(change(d, a, b));
           }
           if (i != worst && left <= bound * scale) continue;
-          const double jump = jump_of(changes, left);
+          const double jump = jump_of(changes, left, bound * scale);
           if (!less(error, jump / scale)) continue;
           if (d.of != 0 && !(jump <= bound * scale) && (is_known(a) || is_known(b))) continue;
           error = jump / scale;

@@ -111,8 +111,8 @@ inline bool is_number(const Jet2<Multiprecision>& j) {
 }
 
 // Calls f(jet) for the jet with each input moved by a relative 1e-20 in turn, inward where outward there is
-// none: what that changes, times 1e20, is the sum over the inputs of |x ∂/∂x|, the condition that no formula
-// in these inputs can undercut.
+// none: what that changes, times 1e20, is the sum over the inputs of |x ∂/∂x|, the condition that no
+// formula in these inputs can undercut.
 constexpr double relative_change = 1e-20;
 template <class F>
 void for_each_neighbour(const AnySurface& surface, Inputs x, F f) {

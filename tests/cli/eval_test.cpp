@@ -158,7 +158,8 @@ TEST_F(Cli, EvalPrintsTheForms) {
         EXPECT_TRUE(same_bits(to_double(row[2 + k]), x)) << k;
         ++k;
       }
-    // Weingarten: L = -dndu · dpdu, M = -dndu · dpdv, N = -dndv · dpdv; and n turns within the tangent plane.
+    // Weingarten: L = -dndu · dpdu, M = -dndu · dpdv, N = -dndv · dpdv; and n turns within the tangent
+    // plane.
     const double size = norm(at.jet.d2pdu2) + norm(at.jet.d2pduv) + norm(at.jet.d2pdv2);
     EXPECT_NEAR(II.L, -dot(d.dndu, at.jet.dpdu), 1e-12 * size);
     EXPECT_NEAR(II.M, -dot(d.dndu, at.jet.dpdv), 1e-12 * size);
@@ -473,7 +474,8 @@ TEST_F(Cli, EvalRefusesFormatsItDoesNotKnow) {
   write_bytes(path("uv"), "0.25,0.5\n");
   refused("darboux eval torus --input uv", {"uv", ".csv", ".json", ".f32", ".f64", ".npy", "--input-format"});
   const std::string expected = good("darboux eval torus --at 0.25,0.5");
-  for (const char* input : {"uv --input-format csv", "uv.txt", "uv.txt --input-format csv"})
+  good("cp uv.txt uv.tsv");
+  for (const char* input : {"uv --input-format csv", "uv.txt", "uv.tsv", "uv.txt --input-format csv"})
     EXPECT_EQ(good(std::string("darboux eval torus --input ") + input), expected);
   good("cp uv.txt UV.CSV");
   EXPECT_EQ(good("darboux eval torus --input UV.CSV"), expected);

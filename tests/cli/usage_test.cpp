@@ -104,7 +104,6 @@ TEST_F(Cli, RefusesUnknownSurfacesAndParametersWithTheKnownOnes) {
   EXPECT_FALSE(fs::exists(path("x.glb")));
 }
 
-// --quiet: of what is judged the verdict, a line each; of what is written nothing.
 TEST_F(Cli, HelpAndSurfacesTakeNames) {
   EXPECT_EQ(good("darboux help eval"), good("darboux eval --help"));
   EXPECT_EQ(good("darboux help"), good("darboux --help"));
@@ -116,6 +115,7 @@ TEST_F(Cli, HelpAndSurfacesTakeNames) {
   refused("darboux surfaces torus --pages pages", {"--pages: expected no names of surfaces beside it"});
 }
 
+// --quiet: of what is judged the verdict, a line each; of what is written nothing.
 TEST_F(Cli, QuietLeavesTheVerdict) {
   const std::string good_file = "data/torus_032.mikk.glb", bad_file = "data/plainsphere_016.three.glb";
   EXPECT_EQ(good("darboux validate --quiet " + good_file), good_file + ": pass\n");
