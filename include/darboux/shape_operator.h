@@ -6,6 +6,7 @@
 #include <cmath>
 #include <concepts>
 #include <limits>
+#include <optional>
 #include <type_traits>
 
 #include <darboux/forms.h>
@@ -212,6 +213,14 @@ S size_of_both(const S& x, const S& y) {
   return abs(x) + abs(y);
 }
 
+// Whether a partial is as small as subnormal numbers, which have fewer digits.
+template <class S>
+auto is_subnormal(const ShapeOperator<S>& s) {
+  using std::abs;
+  const S least(4 * std::numeric_limits<Element<S>>::min());
+  return abs(s.e) < least || size_of_both(s.f, s.g) < least;
+}
+
 // Whether the formula of a surface type runs over 40 digits: a user's may not.
 template <class X>
 constexpr bool runs_in_40_digits = [] {
@@ -295,27 +304,41 @@ template <class X, class S>
 bool loses_digits(const ShapeOperator<S>& s) {
   const auto lost = [](S terms, S x, S y) { return cancels(terms, size_of_both(x, y), small_cancellation); };
   return lost(s.a_size + s.m_size, s.a, s.m) || lost(s.m_size + s.c_size, s.m, s.c) ||
-         lost(s.v_t_size + s.v_b_size, s.v_t, s.v_b) || (!HasClosedFrame<X> && cancels(abs(s.f), s.g));
+         lost(s.v_t_size + s.v_b_size, s.v_t, s.v_b) || (!HasClosedFrame<X> && cancels(abs(s.f), s.g)) ||
+         is_subnormal(s);
 }
+
+// The shape operator in S, and where that cannot hold it or has lost digits, in 40 digits.
+template <class S>
+struct ShapeAt {
+  ShapeOperator<S> narrow;
+  std::optional<WideForms> wide;
+
+  template <class X>
+  ShapeAt(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
+    const bool singular = is_limit(frame.status);
+    if (!singular) narrow = shape_operator(j, frame);
+    const bool limit = singular || left_range(narrow, j, frame);
+    if (limit) narrow = limit_shape_operator(surface, u, v, j, frame);
+    if constexpr (runs_in_40_digits<X>)
+      if (!singular && (limit ? !finite(narrow) : loses_digits<X>(narrow)))
+        wide.emplace(surface, u, v, frame);
+  }
+};
 
 }  // namespace detail
 
 /// The shape operator of a surface at (u, v), from a jet and frame of it at hand. Where they carry
 /// limit_frame (poles, collapsed edges) it is the limit, of derivatives to fourth order by nested dual
 /// numbers, within a few dozen roundings of its terms; so it is where a regular point is so close to one that
-/// terms leave the range of the scalar. Elsewhere it is that of the jet; where terms of that cancel, taken
-/// again in 40 digits (see curvature()). NaN where there is none: at
-/// the apex of a cone and wherever else the curvature grows without bound, where d2pduv vanishes with dpdu,
-/// or where those derivatives do not exist. \param surface a surface type, or AnySurface
+/// terms leave the range of the scalar. Elsewhere it is that of the jet; where terms of that cancel, or leave
+/// the range beside a point without a limit, taken again in 40 digits (see curvature()). NaN where there is
+/// none: at the apex of a cone and wherever else the curvature grows without bound, where d2pduv vanishes
+/// with dpdu, or where those derivatives do not exist. \param surface a surface type, or AnySurface
 template <class X, std::floating_point S>
 ShapeOperator<S> shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
-  if (detail::is_limit(frame.status)) return detail::limit_shape_operator(surface, u, v, j, frame);
-  const ShapeOperator<S> s = shape_operator(j, frame);
-  if (detail::left_range(s, j, frame)) return detail::limit_shape_operator(surface, u, v, j, frame);
-  if constexpr (detail::runs_in_40_digits<X>)
-    if (detail::loses_digits<X>(s))
-      return detail::rounded_to<S>(detail::WideForms(surface, u, v, frame).shape);
-  return s;
+  const detail::ShapeAt<S> at(surface, u, v, j, frame);
+  return at.wide ? detail::rounded_to<S>(at.wide->shape) : at.narrow;
 }
 
 template <class X, std::floating_point S>
@@ -350,19 +373,10 @@ SecondForm<S> second_form(const X& surface, S u, S v, const Jet2<S>& j, const Fr
 /// The derivatives of the normal likewise.
 template <class X, std::floating_point S>
 NormalDerivatives<S> normal_derivatives(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
-  if (!detail::is_limit(frame.status)) {
-    const ShapeOperator<S> s = shape_operator(j, frame);
-    if (!detail::left_range(s, j, frame)) {
-      if constexpr (detail::runs_in_40_digits<X>)
-        if (detail::loses_digits<X>(s)) {
-          const detail::WideForms wide(surface, u, v, frame);
-          const NormalDerivatives<Multiprecision> d = normal_derivatives(wide.shape, wide.frame);
-          return {detail::rounded_to<S>(d.dndu), detail::rounded_to<S>(d.dndv)};
-        }
-      return normal_derivatives(s, frame);
-    }
-  }
-  return normal_derivatives(shape_operator(surface, u, v, j, frame), frame);
+  const detail::ShapeAt<S> at(surface, u, v, j, frame);
+  if (!at.wide) return normal_derivatives(at.narrow, frame);
+  const NormalDerivatives<Multiprecision> d = normal_derivatives(at.wide->shape, at.wide->frame);
+  return {detail::rounded_to<S>(d.dndu), detail::rounded_to<S>(d.dndv)};
 }
 
 }  // namespace darboux

@@ -114,9 +114,15 @@ std::string command_line(const ConvergeOptions& options, const ConvergeArguments
 }
 
 // For a terminal: the orders unless a report has them, and what is not as expected.
-std::string text_of(const std::vector<Study>& studies, bool with_orders) {
+std::string text_of(const std::vector<Study>& studies, bool with_orders, const std::vector<int>& resolutions) {
   std::string text = (with_orders ? orders_text(studies) : std::string()) + verdict_summary(studies) + '\n';
   for (const std::string& line : unexpected(studies)) text += line + '\n';
+  const bool slower = std::any_of(studies.begin(), studies.end(),
+                                  [](const Study& s) { return s.verdict == OrderVerdict::slower; });
+  // Twice as fine, and from the third finest on: an order is one of fine meshes.
+  if (const int finest = resolutions.back(); slower && finest >= 8)
+    text += "slower: finer meshes show whether these are only too coarse for the surface: --resolutions " +
+            std::to_string(finest / 4) + ".." + std::to_string(finest / 4 * 8) + '\n';
   return text;
 }
 
@@ -151,7 +157,7 @@ void run_converge(const ConvergeArguments& arguments, Common& common) {
                  .picture = picture,
                  .csv = [studies] { return studies_csv(*studies); },
                  .other = picture,
-                 .text = text_of(*studies, arguments.report.output.empty()),
+                 .text = text_of(*studies, arguments.report.output.empty(), options.resolutions),
                  .summary = verdict_summary(*studies)};
            }},
       common);

@@ -99,11 +99,17 @@ PointCloud points_on(const AnySurface& surface, const Cloud& cloud, Numbers& ran
 // Of closed surfaces: those of others bound the patch of points as well.
 void compare_parameters(const AnySurface& surface, const PointFit& fit, auto add) {
   if (!surface.info().euler_characteristic) return;
-  const std::vector<ParameterValue> truth = surface.parameters(), found = fit.surface->surface.parameters();
+  std::vector<ParameterValue> truth = surface.parameters();
+  const std::vector<ParameterValue> found = fit.surface->surface.parameters();
+  // A fit has no x, y and z: an ellipsoid's semi-axes, which come first, are in descending order.
+  if (surface.info().name == "ellipsoid")
+    std::sort(truth.begin(), truth.begin() + 3, [](const ParameterValue& a, const ParameterValue& b) {
+      return a.value > b.value;
+    });
   for (std::size_t k = 0; k < truth.size(); ++k)
     for (const StandardError& e : fit.standard_errors)
-      if (e.name == truth[k].name)
-        add(parameters_quantity, truth[k].name, std::fabs(found[k].value - truth[k].value), e.value,
+      if (e.name == found[k].name)
+        add(parameters_quantity, found[k].name, std::fabs(found[k].value - truth[k].value), e.value,
             std::fabs(truth[k].value), Vec2<double>{});
 }
 

@@ -78,6 +78,22 @@ double altitude_in_uv(const Mesh& mesh) {
   });
 }
 
+// The largest ratio between the lengths on a triangle of two directions that are unit vectors in uv.
+double largest_stretch(const Mesh& mesh) {
+  double largest = 1;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3<double> a = mesh.positions[t[1]] - mesh.positions[t[0]],
+                       b = mesh.positions[t[2]] - mesh.positions[t[0]];
+    const Vec2<double> p = mesh.uvs[t[1]] - mesh.uvs[t[0]], q = mesh.uvs[t[2]] - mesh.uvs[t[0]];
+    const Vec3<double> T = q.y * a - p.y * b, B = p.x * b - q.x * a;  // times the uv area
+    const double E = dot(T, T), F = dot(T, B), G = dot(B, B), apart = std::hypot(E - G, 2 * F);
+    // The eigenvalues of [[E, F], [F, G]], the smaller by the determinant: |T × B|.
+    const double long_squared = (E + G + apart) / 2;
+    largest = std::fmax(largest, long_squared / norm(cross(T, B)));
+  }
+  return largest;
+}
+
 // The least cosine between a triangle's normal and those stored at its corners: T is projected along them, or
 // solved for with them.
 double least_cosine(const Mesh& mesh) {
@@ -154,6 +170,7 @@ class Measure {
     const bool rounding = sweep_.name != "jitter" && sweep_.name != "slivers";
     const Mesh exact = rounding ? mesh_of(surface_, 0.1, 1, options_.seed) : Mesh{};
     cosine_ = least_cosine(exact);
+    stretch_ = largest_stretch(exact);
     for (std::size_t r = 0; r < options_.routes.size(); ++r) {
       if (options_.routes[r]->domain != StabilityDomain::meshes) continue;
       const FrameMethod& method = find_frame_method(options_.routes[r]->name);
@@ -192,6 +209,8 @@ class Measure {
     double condition =
         method.single_precision ? std::fmax(s.condition, 1 / altitude_in_uv(exact)) : s.condition;
     if (method.needs_normals) condition /= cosine_ * cosine_;
+    // A rotation through stretched uvs: their errors along the long direction tilt it about the short one.
+    if (sweep_.name == "uv_quantisation" && method.tangent_chart == Chart::conformal) condition *= stretch_;
     // A perturbation as large as the triangles has no bound.
     if (!(condition * unit < 0.05)) return;
     const MeshFrames found = mesh_frames(s.mesh, method);
@@ -223,7 +242,8 @@ class Measure {
   const StabilitySweep& sweep_;
   const AnySurface& surface_;
   std::vector<Measurement> result_;
-  double cosine_ = 1;  // between triangles and stored normals, the least
+  double cosine_ = 1;   // between triangles and stored normals, the least
+  double stretch_ = 1;  // of the uvs, the largest
 };
 
 }  // namespace

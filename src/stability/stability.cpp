@@ -100,12 +100,8 @@ std::array<double, 2> lengths(const Case& c, const std::array<double, 6>& scale,
          {scale[first] / scale[second], scale[second] / third[static_cast<std::size_t>(along)]})
       if (quotient > 0) turn = std::fmin(turn, 2 * std::numbers::pi * quotient);
     length = std::isfinite(turn) && turn > 0 ? std::exp2(std::floor(std::log2(turn) + 0.5)) : 1;
-    const double x = along == 0 ? c.u : c.v;
-    for (const double b : c.surface.breaks(along)) {
-      const double away = std::fabs(x - b);
-      if (const double to = b == 0 ? std::fmin(away, std::fabs(1 - x)) : away; to > 0)
-        length = std::fmin(length, 15 * to);
-    }
+    // No route's step is longer than an eighth of it.
+    length = std::fmin(length, 7.5 * c.to_a_break(static_cast<std::size_t>(along)));
   }
   return result;
 }

@@ -42,7 +42,13 @@ double condition_of_data(const AnySurface& surface) {
 
 Case at(const AnySurface& surface, Random& random) {
   const double u = uniform(random), v = uniform(random);
-  return {surface, u, v, surface.specification(), surface.has_closed_frame(), condition_of_data(surface)};
+  return {.surface = surface,
+          .u = u,
+          .v = v,
+          .description = surface.specification(),
+          .closed_frame = surface.has_closed_frame(),
+          .data_condition = condition_of_data(surface),
+          .breaks = {surface.breaks(0), surface.breaks(1)}};
 }
 
 // ---- distances --------------------------------------------------------------------------------------------

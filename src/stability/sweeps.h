@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <random>
 #include <string>
@@ -31,11 +32,25 @@ struct Case {
   std::array<double, 4> M{1, 0, 0, 1};
   std::array<double, 2> offset{0, 0};
   bool mapped = false;
+  // Where the surface below is not smooth (AnySurface::breaks), along its u and its v.
+  std::array<std::vector<double>, 2> breaks{};
 
   // The coordinates here of a point of the surface below.
   Vec2<double> coordinates(const Vec2<double>& below) const {
     const double determinant = M[0] * M[3] - M[1] * M[2], x = below.x - offset[0], y = below.y - offset[1];
     return {(M[3] * x - M[1] * y) / determinant, (M[0] * y - M[2] * x) / determinant};
+  }
+  // How far u (along: 0) or v goes here to the nearest break, as if both coordinates were periodic.
+  double to_a_break(std::size_t along) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const std::size_t k : {0u, 1u}) {
+      const double per_unit = std::fabs(M[2 * k + along]);
+      const double x = std::fma(M[2 * k], u, std::fma(M[2 * k + 1], v, offset[k]));
+      for (const double b : breaks[k])
+        if (const double away = std::fabs(std::remainder(x - b, 1.0)); away > 0 && per_unit > 0)
+          nearest = std::fmin(nearest, away / per_unit);
+    }
+    return nearest;
   }
   // Whether coordinates that `roundoff` rounds still mean a point within the surface below: linear conditions
   // reach no farther.
