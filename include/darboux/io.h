@@ -216,8 +216,9 @@ class GltfDocument {
   /// Writes a self-contained GLB, whole or not at all. The bytes of buffer 0 begin the binary chunk, all that
   /// was added follows. Files that other buffers and images name by relative URI are embedded as data URIs,
   /// so that no bufferView moves; an image that cannot be read, or whose kind is unknown, keeps its URI.
+  /// \returns why, a line for each such image
   /// \throws FileError, also for an image that ReadOptions::allow_outside would have to permit
-  void save_glb(const std::string& path) const;
+  std::vector<std::string> save_glb(const std::string& path) const;
 
   /// What it holds, for darboux's own functions.
   const GltfFile& file() const { return *file_; }

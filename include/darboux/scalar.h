@@ -279,8 +279,10 @@ struct Dual {
   friend Dual sinh(const Dual& x) { return chain(sinh(x.value), cosh(x.value), x); }
   friend Dual cosh(const Dual& x) { return chain(cosh(x.value), sinh(x.value), x); }
   friend Dual tanh(const Dual& x) {
-    const T c = cosh(x.value);
-    return chain(tanh(x.value), lift<T>(1.0) / c / c, x);
+    // 1/cosh, without overflow: its derivatives are numbers everywhere.
+    using std::abs;
+    const T decay = exp(-abs(x.value)), sech = lift<T>(2.0) * decay / (lift<T>(1.0) + decay * decay);
+    return chain(tanh(x.value), sech * sech, x);
   }
   /// x to a constant power, x >= 0; its derivative for x > 0 only.
   friend Dual pow(const Dual& x, const Dual& constant) {

@@ -114,7 +114,8 @@ std::string command_line(const ConvergeOptions& options, const ConvergeArguments
 }
 
 // For a terminal: the orders unless a report has them, and what is not as expected.
-std::string text_of(const std::vector<Study>& studies, bool with_orders, const std::vector<int>& resolutions) {
+std::string text_of(const std::vector<Study>& studies, bool with_orders,
+                    const std::vector<int>& resolutions) {
   std::string text = (with_orders ? orders_text(studies) : std::string()) + verdict_summary(studies) + '\n';
   for (const std::string& line : unexpected(studies)) text += line + '\n';
   const bool slower = std::any_of(studies.begin(), studies.end(),

@@ -153,14 +153,17 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
                          expected_got("--only needed beside it, as it drops what others get", "none"));
   FileTangents result;
   DroppedIdle dropped;
+  std::vector<std::string> kept;
   {
     Progress progress("tangents", common);
     options.progress = [&](double share) { progress.update(share); };
     GltfDocument document = GltfDocument::load(arguments.input, common.read);
     if (arguments.drop_idle) dropped = drop_idle_tangents(document);
     result = add_tangents(document, options);
-    document.save_glb(arguments.output);
+    kept = document.save_glb(arguments.output);
   }
+  if (!common.quiet)
+    for (const std::string& image : kept) std::cerr << arguments.input << ": " << image << '\n';
   // Tangents were asked for, and none could be made.
   const bool none = result.primitives.empty() && (!options.only_needed || result.incapable != 0);
   if (none) common.exit_status = 1;

@@ -73,9 +73,10 @@ struct GltfFile {
                     const std::vector<io::Piece>& deltas);
 
   /// The file as a GLB, with everything it names embedded: its bytes in pieces, which hold as long as this.
-  std::vector<io::Piece> glb_pieces() const;
+  /// \param kept gets a line for each image that keeps its URI
+  std::vector<io::Piece> glb_pieces(std::vector<std::string>* kept = nullptr) const;
   /// The same in one.
-  std::string to_glb() const;
+  std::string to_glb(std::vector<std::string>* kept = nullptr) const;
 };
 
 namespace io {

@@ -57,20 +57,23 @@ std::string image_type(std::string_view bytes) {
 }
 
 /// Turns the URI of an image beside the file into a data URI; leaves the image as it is where that cannot be
-/// done.
-void embed_image(const GltfFile& file, Json& image) {
-  if (!image.is_object() || !image.contains("uri") || !image["uri"].is_string() ||
-      io::is_data_uri(image["uri"].get_ref<const std::string&>()))
-    return;
+/// done, and says why.
+std::optional<std::string> embed_image(const GltfFile& file, Json& image) {
+  if (!image.is_object() || !image.contains("uri") || !image["uri"].is_string()) return std::nullopt;
+  const std::string uri = image["uri"];
+  if (io::is_data_uri(uri)) return std::nullopt;
   try {
-    const std::string bytes = io::load_uri(file.path, "an image", image["uri"], file.options);
+    const std::string bytes = io::load_uri(file.path, "an image", uri, file.options);
     const std::string type = image_type(bytes);
-    if (!type.empty()) image["uri"] = io::make_data_uri(type, bytes);
+    if (type.empty()) return expected_got("PNG, JPEG, WebP or KTX2", "another kind of image");
+    image["uri"] = io::make_data_uri(type, bytes);
   } catch (const io::OutsideError&) {
     throw;
-  } catch (const FileError&) {
+  } catch (const FileError& error) {
     // Tangents do not depend on images: one that is missing is no reason to fail.
+    return error.what();
   }
+  return std::nullopt;
 }
 
 /// The least and the greatest of each component, as the glTF's min and max; nothing when some component has
@@ -190,7 +193,7 @@ std::size_t GltfFile::append_indices(std::span<const std::uint32_t> indices) {
                           {"type", "SCALAR"}});
 }
 
-std::vector<io::Piece> GltfFile::glb_pieces() const {
+std::vector<io::Piece> GltfFile::glb_pieces(std::vector<std::string>* kept) const {
   Json document = json;
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     Json& buffer = document["buffers"][i];
@@ -199,8 +202,10 @@ std::vector<io::Piece> GltfFile::glb_pieces() const {
     else if (buffers[i] && !io::is_data_uri(buffer["uri"].get_ref<const std::string&>()))
       buffer["uri"] = io::make_data_uri("application/octet-stream", buffers[i]->joined());
   }
-  if (const auto images = document.find("images"); images != document.end())
-    for (Json& image : *images) embed_image(*this, image);
+  if (const auto images = document.find("images"); images != document.end() && images->is_array())
+    for (std::size_t i = 0; i < images->size(); ++i)
+      if (const auto why = embed_image(*this, (*images)[i]); why && kept)
+        kept->push_back("images[" + std::to_string(i) + "] keeps its URI, and is not in the GLB: " + *why);
 
   // All texts of the document were read as UTF-8; those a caller brought may not be.
   std::string text = document.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -230,9 +235,9 @@ std::vector<io::Piece> GltfFile::glb_pieces() const {
   return pieces;
 }
 
-std::string GltfFile::to_glb() const {
+std::string GltfFile::to_glb(std::vector<std::string>* kept) const {
   std::string glb;
-  for (const io::Piece& piece : glb_pieces()) glb += piece.bytes;
+  for (const io::Piece& piece : glb_pieces(kept)) glb += piece.bytes;
   return glb;
 }
 
@@ -391,13 +396,15 @@ void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
   if (json.contains("mode")) json["mode"] = io::triangles;
 }
 
-void GltfDocument::save_glb(const std::string& path) const {
+std::vector<std::string> GltfDocument::save_glb(const std::string& path) const {
+  std::vector<std::string> kept;
   OutputFile file(path);
   if (file.is_written_in_place())  // it may be the file that is mapped
-    file.write(file_->to_glb());
+    file.write(file_->to_glb(&kept));
   else
-    for (const io::Piece& piece : file_->glb_pieces()) file.write(piece.bytes);
+    for (const io::Piece& piece : file_->glb_pieces(&kept)) file.write(piece.bytes);
   file.commit();
+  return kept;
 }
 
 }  // namespace darboux

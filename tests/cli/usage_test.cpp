@@ -250,6 +250,7 @@ TEST_F(Cli, ConvergeListsOrdersBelowWhatIsExpected) {
     EXPECT_NE(text.out.find(between), std::string::npos) << between << '\n' << text.out;
   }
   EXPECT_GT(slower, 0U);
+  EXPECT_NE(text.out.find("--resolutions 16..128"), std::string::npos) << text.out;
 }
 
 TEST_F(Cli, SaysWhatToDoWithStandardInput) {

@@ -44,7 +44,10 @@ TEST(Rewrite, AGltfBecomesASelfContainedGlb) {
   GltfDocument document = GltfDocument::load(source);
   const std::vector<Vec4<float>> tangents(3, {1, 0, 0, -1});
   document.set_tangents(0, 0, tangents);
-  document.save_glb(elsewhere / "scene.glb");
+  const std::vector<std::string> kept = document.save_glb(elsewhere / "scene.glb");
+  ASSERT_EQ(kept.size(), 2u);
+  EXPECT_NE(kept[0].find("missing.png"), std::string::npos) << kept[0];
+  EXPECT_NE(kept[1].find("images[2]"), std::string::npos) << kept[1];
   const test::Glb glb = test::split_glb(test::read_bytes(elsewhere / "scene.glb"));
   EXPECT_FALSE(glb.json["buffers"][0].contains("uri"));
   EXPECT_TRUE(glb.bin.starts_with(b.bin + "longer than stated"));
@@ -74,7 +77,10 @@ TEST(Rewrite, ImagesAreToldByTheirFirstBytes) {
   test::write_bytes(folder / "first.bin", b.bin);
   GltfDocument document = GltfDocument::load(test::write_bytes(folder / "scene.gltf", b.json.dump()));
   document.set_tangents(0, 0, std::vector<Vec4<float>>(3, {1, 0, 0, -1}));
-  document.save_glb(folder / "scene.glb");
+  const std::vector<std::string> kept = document.save_glb(folder / "scene.glb");
+  ASSERT_EQ(kept.size(), 2u);
+  EXPECT_TRUE(kept[0].starts_with("images[3] keeps its URI")) << kept[0];
+  EXPECT_TRUE(kept[1].starts_with("images[4] keeps its URI")) << kept[1];
   const Json images = test::split_glb(test::read_bytes(folder / "scene.glb")).json["images"];
   // By Python's base64.
   EXPECT_EQ(images[0]["uri"], "data:image/jpeg;base64,/9j/cmVzdA==");

@@ -292,6 +292,23 @@ TEST(Dual, NestedGivesSecondDerivatives) {
               4 * 40 * 0x1p-53);
 }
 
+// tanh' = 1/cosh², tanh'' = -2 tanh/cosh², which in 40 digits do not overflow: each has a few roundings.
+TEST(Dual, TanhHasDerivativesWhereCoshOverflows) {
+  using D = Dual<Dual<double, 1>, 1>;
+  for (const double x :
+       {-1e6, -800.0, -20.0, -0.3, 0.0, 1e-9, 0.3, 1.0, 5.0, 20.0, 350.0, 710.0, 800.0, 1e300}) {
+    const D f = tanh(D::variable(Dual<double, 1>::variable(x, 0), 0));
+    EXPECT_EQ(f.value.value, tanh(x));
+    // Beyond, both are less than a double.
+    const Multiprecision at(std::fmax(-800, std::fmin(x, 800))), c = cosh(at);
+    const auto first = static_cast<double>(Multiprecision(1.0) / (c * c)),
+               second = static_cast<double>(Multiprecision(-2.0) * tanh(at) / (c * c));
+    EXPECT_NEAR(f.derivative[0].value, first, 12 * 0x1p-53 * first) << x;
+    EXPECT_EQ(f.value.derivative[0], f.derivative[0].value) << x;
+    EXPECT_NEAR(f.derivative[0].derivative[0], second, 24 * 0x1p-53 * std::fabs(second)) << x;
+  }
+}
+
 TEST(Dual, ComparesByValue) {
   using D = Dual<double, 1>;
   const D one = D::variable(1, 0), two(2.0);

@@ -12,6 +12,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace darboux::fit {
 
@@ -73,5 +74,15 @@ struct MixtureInVolume : Mixture {
            dimensions * std::log(root_two_pi * sigma);
   }
 };
+
+// Noise and roundings of the input together, as if the roundings of all inliers moved one number alike: rows
+// of a grid share them. Noise dithers them: the mean of a number's rounding is a wave over a step, 4
+// rounding, that noise damps by exp(-2 (pi noise / step)^2) [Widrow1996]. \param sigma of noise and of
+// rounding, the latter's square at most 2 rounding^2 \param rounding half of the greatest error of a number
+inline double noise_and_rounding(double sigma, double rounding, double inliers) {
+  constexpr double pi = std::numbers::pi;
+  const double ratio = sigma / rounding, noise = std::fmax(0, ratio * ratio - 2) / 16;
+  return std::hypot(sigma, std::sqrt(inliers) * rounding * std::exp(-2 * pi * pi * noise));
+}
 
 }  // namespace darboux::fit

@@ -61,38 +61,50 @@ int digits_needed(double x, int first, int least, int most) {
   return most + 1;
 }
 
-// The greatest error that the last digit of the coordinates leaves. It is told by their values: floats, also
-// where nine of their digits are written; three to eight decimals; four to eight significant digits. The
-// coarsest counts. Multiples of 2^-12, and what has fewer digits, may as well be exact.
-// \param limit coordinates beyond are outliers', and do not say how large the others are
-double stored_error(const std::vector<Vec3<double>>& points, const std::vector<std::size_t>& used,
-                    double limit) {
-  constexpr int few_decimals = 2, few_digits = 3, most = 8;
-  bool is_dyadic = true, is_float = true;
-  int decimals = few_decimals, digits = few_digits;
-  double largest = 0;
-  for (const std::size_t i : used)
-    for (const double x : {points[i].x, points[i].y, points[i].z}) {
-      if (x == 0 || std::fabs(x) > limit) continue;
-      largest = std::fmax(largest, std::fabs(x));
-      constexpr double of_nine_digits = 5e-9;
-      is_dyadic = is_dyadic && std::rint(0x1p12 * x) == 0x1p12 * x;
-      is_float = is_float &&
-                 std::fabs(x - static_cast<double>(static_cast<float>(x))) <= of_nine_digits * std::fabs(x);
-      const int first = static_cast<int>(std::floor(std::log10(std::fabs(x))));
-      if (decimals <= most) decimals = digits_needed(x, -1, decimals, most);
-      if (digits <= most) digits = digits_needed(x, first, digits, most);
-    }
-  if (is_dyadic) return 0;
-  double error = is_float ? 0x1p-24 * largest : 0;
-  if (decimals > few_decimals && decimals <= most) error = std::fmax(error, 0.5 * std::pow(10, -decimals));
-  if (digits > few_digits && digits <= most) {
-    const int of_largest = digits - 1 - static_cast<int>(std::floor(std::log10(largest)));  // decimals
-    // So many digits, not decimals, are also written of floats.
-    const double of_float = digits == most && decimals > of_largest ? 0x1p-24 * largest : 0;
-    error = std::fmax(error, of_float + 0.5 * std::pow(10, -of_largest));
+// The greatest error that the last digit of numbers leaves. It is told by their values: floats, also where
+// nine of their digits are written; three to eight decimals; four to eight significant digits. The coarsest
+// counts. Multiples of 2^-12, and what has fewer digits, may as well be exact.
+class StoredDigits {
+ public:
+  // \param limit numbers beyond are outliers', and do not say how large the others are
+  explicit StoredDigits(double limit) : limit_(limit) {}
+
+  void add(double x) {
+    if (x == 0 || std::fabs(x) > limit_) return;
+    largest_ = std::fmax(largest_, std::fabs(x));
+    constexpr double of_nine_digits = 5e-9;
+    is_dyadic_ = is_dyadic_ && std::rint(0x1p12 * x) == 0x1p12 * x;
+    is_float_ = is_float_ &&
+                std::fabs(x - static_cast<double>(static_cast<float>(x))) <= of_nine_digits * std::fabs(x);
+    const int first = static_cast<int>(std::floor(std::log10(std::fabs(x))));
+    if (decimals_ <= most) decimals_ = digits_needed(x, -1, decimals_, most);
+    if (digits_ <= most) digits_ = digits_needed(x, first, digits_, most);
   }
-  return error;
+  double error() const {
+    if (is_dyadic_) return 0;
+    double error = is_float_ ? 0x1p-24 * largest_ : 0;
+    if (decimals_ > few_decimals && decimals_ <= most)
+      error = std::fmax(error, 0.5 * std::pow(10, -decimals_));
+    if (digits_ > few_digits && digits_ <= most) {
+      const int of_largest = digits_ - 1 - static_cast<int>(std::floor(std::log10(largest_)));  // decimals
+      // So many digits, not decimals, are also written of floats.
+      const double of_float = digits_ == most && decimals_ > of_largest ? 0x1p-24 * largest_ : 0;
+      error = std::fmax(error, of_float + 0.5 * std::pow(10, -of_largest));
+    }
+    return error;
+  }
+
+ private:
+  static constexpr int few_decimals = 2, few_digits = 3, most = 8;
+  double limit_, largest_ = 0;
+  bool is_dyadic_ = true, is_float_ = true;
+  int decimals_ = few_decimals, digits_ = few_digits;
+};
+
+double median_size(const std::vector<Vec2<double>>& uvs) {
+  std::vector<double> sizes;
+  for (const Vec2<double>& uv : uvs) sizes.push_back(std::fmax(std::fabs(uv.x), std::fabs(uv.y)));
+  return median(std::move(sizes));
 }
 
 }  // namespace
@@ -135,9 +147,16 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
   }
   if (result.scale > 0) {
     result.cloud /= result.scale;
-    const double limit = result.centre.cwiseAbs().maxCoeff() + 8 * size;
-    result.rounding =
-        std::fmax(result.rounding, 0.5 * stored_error(points.positions, result.index, limit) / result.scale);
+    StoredDigits of_positions(result.centre.cwiseAbs().maxCoeff() + 8 * size);
+    for (const std::size_t i : result.index)
+      for (const double x : {points.positions[i].x, points.positions[i].y, points.positions[i].z})
+        of_positions.add(x);
+    result.rounding = std::fmax(result.rounding, 0.5 * of_positions.error() / result.scale);
+  }
+  if (with_uv && !result.uvs.empty()) {
+    StoredDigits of_uvs(8 * (1 + median_size(result.uvs)));
+    for (const Vec2<double>& uv : result.uvs) of_uvs.add(uv.x), of_uvs.add(uv.y);
+    result.uv_rounding = 0.5 * of_uvs.error();
   }
   return result;
 }
@@ -150,6 +169,7 @@ NormalisedPoints NormalisedPoints::part(const std::vector<Eigen::Index>& columns
   result.centre = centre;
   result.scale = scale;
   result.rounding = rounding;
+  result.uv_rounding = uv_rounding;
   return result;
 }
 

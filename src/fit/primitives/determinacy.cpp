@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <string_view>
 #include <utility>
 
@@ -135,13 +134,7 @@ std::vector<bool> inliers_of(const PrimitiveFit& fit) {
 
 double noise_and_rounding(const PrimitiveFit& fit) {
   if (!(fit.least_sigma > 0)) return fit.sigma;
-  // Noise dithers the roundings: the mean of a number's rounding is a wave over a step, 4 least_sigma, that
-  // noise damps by exp(-2 (pi noise / step)^2) [Widrow1996]. sigma^2 is that of noise and of rounding, here
-  // at most 2 least_sigma^2.
-  constexpr double pi = std::numbers::pi;
-  const double ratio = fit.sigma / fit.least_sigma, noise = std::fmax(0, ratio * ratio - 2) / 16;
-  const double alike = fit.least_sigma * std::exp(-2 * pi * pi * noise);
-  return std::hypot(fit.sigma, std::sqrt(expected_inliers(fit)) * alike);
+  return noise_and_rounding(fit.sigma, fit.least_sigma, expected_inliers(fit));
 }
 
 std::ptrdiff_t count_inliers(const PrimitiveFit& fit) {

@@ -1,10 +1,12 @@
 #include "fit_uv.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include <darboux/error.h>
 
@@ -42,10 +44,11 @@ struct Trial {
   double log_likelihood;
   bool converged;
   int iterations;
+  double compared = log_likelihood;  // with that of others: see compare_as_rounded
 
   int parameters() const { return model.columns() + 2; }
   double bic(double points) const {
-    return -2 * log_likelihood * points / static_cast<double>(model.points->count()) +
+    return -2 * compared * points / static_cast<double>(model.points->count()) +
            parameters() * std::log(points);
   }
 };
@@ -210,14 +213,64 @@ UvStart guessed(const Data& data, const UvKind& kind, const PlacedSurface& guess
   return {model, state, std::sqrt(median(model.squares(state)))};
 }
 
+// The surface in its place, in the units of the input.
+std::optional<PlacedSurface> placed(const Trial& trial, const Data& data) {
+  const double size = data.all.scale;
+  const std::optional<AnySurface> surface = surface_of(trial, size);
+  if (!surface) return std::nullopt;
+  PlacedSurface result{*surface, Eigen::Isometry3d::Identity(), trial.model.whole_convention(trial.state)};
+  result.placement.linear() = trial.state.rotation.toRotationMatrix();
+  result.placement.translation() = size * trial.state.translation + data.all.centre;
+  return result;
+}
+
+// Half of what the roundings of the input move a coordinate by at most, in the points' units: its own, and
+// those of u and v, whose points then lie beside where the surface has them.
+double rounding_of(const Trial& trial, const Data& data) {
+  const double h = data.all.uv_rounding;
+  const std::optional<PlacedSurface> surface = h > 0 ? placed(trial, data) : std::nullopt;
+  if (!surface) return data.all.rounding;
+  double squares = 0;
+  for (const Vec2<double>& uv : data.few.uvs) {
+    const Vec3<double> p = surface->position(uv), du = surface->position({uv.x + h, uv.y}) - p,
+                       dv = surface->position({uv.x, uv.y + h}) - p;
+    if (const double both = dot(du, du) + dot(dv, dv); std::isfinite(both)) squares += both;
+  }
+  const double mean = squares / (3 * static_cast<double>(data.few.uvs.size()));
+  return std::hypot(data.all.rounding, std::sqrt(mean) / data.all.scale);
+}
+
+double noise_and_rounding(const Trial& trial, const Data& data) {
+  if (data.noise) return *data.noise;
+  const double inliers = (1 - trial.mixture.share) * static_cast<double>(trial.model.points->count());
+  return fit::noise_and_rounding(trial.mixture.sigma, rounding_of(trial, data), inliers);
+}
+
+// Where the best one is as near to the points as roundings let it be, the likelihoods are those of rounded
+// points: with its mixture for all, as one that misfits by more would call that its noise.
+void compare_as_rounded(std::span<Trial* const> trials, const Data& data) {
+  const auto per_point = [](const Trial* t) {
+    return t->log_likelihood / static_cast<double>(t->model.points->count());
+  };
+  for (Trial* t : trials) t->compared = t->log_likelihood;
+  const Trial& best = **std::max_element(trials.begin(), trials.end(), [&](const Trial* a, const Trial* b) {
+    return per_point(a) < per_point(b);
+  });
+  fit::MixtureInVolume mixture = best.mixture;
+  mixture.sigma = noise_and_rounding(best, data);
+  if (!(mixture.sigma > 1.1 * best.mixture.sigma)) return;
+  mixture.compare_densities();
+  for (Trial* t : trials) t->compared = log_likelihood(mixture, t->model.squares(t->state));
+}
+
 // Whether this convention explains little, or an affine map much more: then it is worth a search.
-bool wants_affine(const Data& data, const Trial& trial) {
+bool wants_affine(const Data& data, Trial trial) {
   if (!explains(trial, much_noise)) return true;
   UvStart start{trial.model, trial.state, 0};
   start.model.free_affine = observable_affine(start.model);
-  const Trial freed = maximised(start, data, data.trial);
-  return freed.log_likelihood >
-         trial.log_likelihood + decisive + 3 * std::log(static_cast<double>(data.trial.count()));
+  Trial freed = maximised(start, data, data.trial);
+  compare_as_rounded(std::array{&trial, &freed}, data);
+  return freed.compared > trial.compared + decisive + 3 * std::log(static_cast<double>(data.trial.count()));
 }
 
 std::optional<Trial> try_affine(const Data& data, const UvKind& kind, int& iterations) {
@@ -275,7 +328,9 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   if (!spread.undetermined.empty())
     return "the points and their uvs do not determine the " + spread.undetermined + " of the " +
            std::string(kind.name);
-  const double factor = (sigma / trial.mixture.sigma) * (sigma / trial.mixture.sigma);
+  const double with_rounding = noise_and_rounding(trial, data) / trial.mixture.sigma;
+  const double factor =
+      with_rounding * with_rounding * (sigma / trial.mixture.sigma) * (sigma / trial.mixture.sigma);
   const int dimension = 6 + parameters;  // (ω, τ, δp), whatever the uv map is
   const SurfaceUncertainty uncertainty =
       trial.model.uncertainty(trial.state, factor * spread.covariance, centre);
@@ -306,10 +361,7 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
       return "the " + std::string(p.name) + " of the best " + std::string(kind.name) + " is only " +
              rounded(times, 2) + " times the noise: no fit; less noise helps";
   }
-  fit.surface = PlacedSurface{*surface_of(trial, size), Eigen::Isometry3d::Identity(),
-                              trial.model.whole_convention(trial.state)};
-  fit.surface->placement.linear() = trial.state.rotation.toRotationMatrix();
-  fit.surface->placement.translation() = size * trial.state.translation + data.all.centre;
+  fit.surface = placed(trial, data);
   return "";
 }
 
@@ -363,6 +415,10 @@ class UvFit {
   }
 
   void sort_by_bic() {
+    if (trials_.empty()) return;
+    std::vector<Trial*> all;
+    for (Trial& t : trials_) all.push_back(&t);
+    compare_as_rounded(all, data_);
     std::sort(trials_.begin(), trials_.end(),
               [&](const Trial& a, const Trial& b) { return a.bic(count_) < b.bic(count_); });
   }
@@ -400,10 +456,12 @@ class UvFit {
       if (!affine) continue;
       const auto same =
           std::find_if(trials_.begin(), trials_.end(), [&](const Trial& t) { return t.model.kind == kind; });
-      if (same == trials_.end())
+      if (same == trials_.end()) {
         trials_.push_back(*affine);
-      else if (affine->bic(count_) < same->bic(count_) - 2 * decisive)
-        *same = *affine;
+        continue;
+      }
+      compare_as_rounded(std::array{&*affine, &*same}, data_);
+      if (affine->bic(count_) < same->bic(count_) - 2 * decisive) *same = *affine;
     }
     sort_by_bic();
   }
