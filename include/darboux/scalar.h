@@ -279,10 +279,11 @@ struct Dual {
   friend Dual sinh(const Dual& x) { return chain(sinh(x.value), cosh(x.value), x); }
   friend Dual cosh(const Dual& x) { return chain(cosh(x.value), sinh(x.value), x); }
   friend Dual tanh(const Dual& x) {
-    // 1/cosh, without overflow: its derivatives are numbers everywhere.
     using std::abs;
-    const T decay = exp(-abs(x.value)), sech = lift<T>(2.0) * decay / (lift<T>(1.0) + decay * decay);
-    return chain(tanh(x.value), sech * sech, x);
+    const T size = abs(x.value), c = cosh(x.value), decay = exp(-size);
+    // From 80 on 1/cosh² is 4 exp(-2|x|) to 69 digits; cosh would overflow, and have no derivatives.
+    return chain(tanh(x.value),
+                 select(size < lift<T>(80.0), T(lift<T>(1.0) / c / c), T(lift<T>(4.0) * decay * decay)), x);
   }
   /// x to a constant power, x >= 0; its derivative for x > 0 only.
   friend Dual pow(const Dual& x, const Dual& constant) {

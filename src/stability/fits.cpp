@@ -88,11 +88,12 @@ PointCloud points_on(const AnySurface& surface, const Cloud& cloud, Numbers& ran
     high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
     result.positions.push_back(p + noise * Vec3<double>{random.normal(), random.normal(), random.normal()});
   }
-  const Vec3<double> margin = 0.125 * (high - low);
+  // As far beyond the surface in every direction: flat ones have outliers above and below.
+  const double margin = 0.125 * std::fmax(high.x - low.x, std::fmax(high.y - low.y, high.z - low.z));
   while (static_cast<int>(result.positions.size()) < cloud.points)
-    result.positions.push_back({random.uniform(low.x - margin.x, high.x + margin.x),
-                                random.uniform(low.y - margin.y, high.y + margin.y),
-                                random.uniform(low.z - margin.z, high.z + margin.z)});
+    result.positions.push_back({random.uniform(low.x - margin, high.x + margin),
+                                random.uniform(low.y - margin, high.y + margin),
+                                random.uniform(low.z - margin, high.z + margin)});
   return result;
 }
 
@@ -103,9 +104,8 @@ void compare_parameters(const AnySurface& surface, const PointFit& fit, auto add
   const std::vector<ParameterValue> found = fit.surface->surface.parameters();
   // A fit has no x, y and z: an ellipsoid's semi-axes, which come first, are in descending order.
   if (surface.info().name == "ellipsoid")
-    std::sort(truth.begin(), truth.begin() + 3, [](const ParameterValue& a, const ParameterValue& b) {
-      return a.value > b.value;
-    });
+    std::sort(truth.begin(), truth.begin() + 3,
+              [](const ParameterValue& a, const ParameterValue& b) { return a.value > b.value; });
   for (std::size_t k = 0; k < truth.size(); ++k)
     for (const StandardError& e : fit.standard_errors)
       if (e.name == found[k].name)

@@ -57,39 +57,34 @@ Vec3<double> octahedral(const Vec3<double>& n, double step) {
   return unit(Vec3<double>{(1 - std::fabs(y)) * sign(x), (1 - std::fabs(x)) * sign(y), z});
 }
 
-// The lowest altitude of a triangle of points.
-template <class V>
-double lowest_altitude(const Mesh& mesh, const std::vector<V>& points, auto area) {
+// The lowest altitude of a triangle.
+double altitude_in_space(const Mesh& mesh) {
   double lowest = laws::infinity;
   for (const Triangle& t : mesh.triangles) {
-    const V a = points[t[1]] - points[t[0]], b = points[t[2]] - points[t[0]], c = points[t[2]] - points[t[1]];
-    const double longest = std::fmax(norm(a), std::fmax(norm(b), norm(c)));
-    lowest = std::fmin(lowest, area(a, b) / longest);
+    const Vec3<double> a = mesh.positions[t[1]] - mesh.positions[t[0]],
+                       b = mesh.positions[t[2]] - mesh.positions[t[0]];
+    const double longest = std::fmax(norm(a), std::fmax(norm(b), norm(b - a)));
+    lowest = std::fmin(lowest, norm(cross(a, b)) / longest);
   }
   return lowest;
 }
-double altitude_in_space(const Mesh& mesh) {
-  return lowest_altitude(mesh, mesh.positions,
-                         [](const Vec3<double>& a, const Vec3<double>& b) { return norm(cross(a, b)); });
-}
-double altitude_in_uv(const Mesh& mesh) {
-  return lowest_altitude(mesh, mesh.uvs, [](const Vec2<double>& a, const Vec2<double>& b) {
-    return std::fabs(a.x * b.y - a.y * b.x);
-  });
-}
 
-// The largest ratio between the lengths on a triangle of two directions that are unit vectors in uv.
-double largest_stretch(const Mesh& mesh) {
-  double largest = 1;
+// How many times an error of the uvs turns T or B of a triangle, or a plane that is laid through its uvs:
+// over the altitude in uv, and over the share that the shorter of two directions has on the triangle of the
+// longer, both unit in uv, as an error moves the shorter by as much as the longer.
+double condition_of_uvs(const Mesh& mesh) {
+  double largest = 0;
   for (const Triangle& t : mesh.triangles) {
     const Vec3<double> a = mesh.positions[t[1]] - mesh.positions[t[0]],
                        b = mesh.positions[t[2]] - mesh.positions[t[0]];
     const Vec2<double> p = mesh.uvs[t[1]] - mesh.uvs[t[0]], q = mesh.uvs[t[2]] - mesh.uvs[t[0]];
-    const Vec3<double> T = q.y * a - p.y * b, B = p.x * b - q.x * a;  // times the uv area
-    const double E = dot(T, T), F = dot(T, B), G = dot(B, B), apart = std::hypot(E - G, 2 * F);
-    // The eigenvalues of [[E, F], [F, G]], the smaller by the determinant: |T × B|.
-    const double long_squared = (E + G + apart) / 2;
-    largest = std::fmax(largest, long_squared / norm(cross(T, B)));
+    const double twice_area = std::fabs(p.x * q.y - p.y * q.x),
+                 longest = std::fmax(norm(p), std::fmax(norm(q), norm(q - p)));
+    const Vec3<double> T = q.y * a - p.y * b, B = p.x * b - q.x * a;  // times twice the uv area
+    const double E = dot(T, T), F = dot(T, B), G = dot(B, B);
+    // Of the eigenvalues of [[E, F], [F, G]] the larger, and the root of their product: |T x B|.
+    const double stretch = (E + G + std::hypot(E - G, 2 * F)) / 2 / norm(cross(T, B));
+    largest = std::fmax(largest, stretch * longest / twice_area);
   }
   return largest;
 }
@@ -140,7 +135,7 @@ Stored stored(const Mesh& exact, std::string_view sweep, double x) {
     result.condition = size / altitude_in_space(exact);
   } else if (sweep == "uv_quantisation") {
     for (Vec2<double>& uv : mesh.uvs) uv = {stepped(uv.x, x), stepped(uv.y, x)};
-    result.condition = 1 / altitude_in_uv(exact);
+    result.condition = condition_of_uvs(exact);
   } else {
     for (Vec3<double>& n : mesh.normals) n = octahedral(n, x);
     result.needs_normals = true;
@@ -170,7 +165,6 @@ class Measure {
     const bool rounding = sweep_.name != "jitter" && sweep_.name != "slivers";
     const Mesh exact = rounding ? mesh_of(surface_, 0.1, 1, options_.seed) : Mesh{};
     cosine_ = least_cosine(exact);
-    stretch_ = largest_stretch(exact);
     for (std::size_t r = 0; r < options_.routes.size(); ++r) {
       if (options_.routes[r]->domain != StabilityDomain::meshes) continue;
       const FrameMethod& method = find_frame_method(options_.routes[r]->name);
@@ -207,10 +201,8 @@ class Measure {
     double unit = s.half_step;
     if (method.single_precision) unit = std::fmax(unit, 0x1p-24);
     double condition =
-        method.single_precision ? std::fmax(s.condition, 1 / altitude_in_uv(exact)) : s.condition;
+        method.single_precision ? std::fmax(s.condition, condition_of_uvs(exact)) : s.condition;
     if (method.needs_normals) condition /= cosine_ * cosine_;
-    // A rotation through stretched uvs: their errors along the long direction tilt it about the short one.
-    if (sweep_.name == "uv_quantisation" && method.tangent_chart == Chart::conformal) condition *= stretch_;
     // A perturbation as large as the triangles has no bound.
     if (!(condition * unit < 0.05)) return;
     const MeshFrames found = mesh_frames(s.mesh, method);
@@ -242,8 +234,7 @@ class Measure {
   const StabilitySweep& sweep_;
   const AnySurface& surface_;
   std::vector<Measurement> result_;
-  double cosine_ = 1;   // between triangles and stored normals, the least
-  double stretch_ = 1;  // of the uvs, the largest
+  double cosine_ = 1;  // between triangles and stored normals, the least
 };
 
 }  // namespace
