@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <darboux/bspline_patch.h>
 #include <darboux/curvature.h>
 #include <darboux/error.h>
 #include <darboux/forms.h>
@@ -226,6 +227,37 @@ TEST(Stability, TheFitOfASmallPatchIsNotTheTwinTorus) {
   for (const StabilityCurve& c : curves) {
     EXPECT_GE(c.x.size(), 18u);
     EXPECT_TRUE(c.holds()) << text_of(c);
+  }
+}
+
+// Bounds are of the surface at hand, not of the catalogue's defaults: knots under another uv map, partials
+// that underflow, stretched uvs, semi-axes in another order, outliers about what is flat.
+TEST(Stability, BoundsHoldAtOtherParameters) {
+  const auto made = [](const char* name, std::vector<double> values) {
+    return make_surface(name).with(values);
+  };
+  const AnySurface patch = BSplinePatch<>(
+      2, 1, clamped_knots(2, 4), clamped_knots(1, 2),
+      {{0, 0, 0}, {0, 1, 0.5}, {1, 0, 1}, {1, 1, 0.5}, {2, 0, 0}, {2, 1, 1}, {3, 0, 1}, {3, 1, 0}});
+  const std::vector<std::pair<AnySurface, std::vector<const char*>>> cases{
+      {patch, {"uv_scale", "uv_shift", "condition"}},
+      {made("superellipsoid", {1, 1, 1, 1.3, 1.5}), {"pole_distance"}},
+      {made("superellipsoid", {1, 1, 1, 1.2, 1.7}), {"pole_distance"}},
+      {made("superellipsoid", {1, 1, 1, 0.3, 0.3}), {"pole_distance", "seam_distance"}},
+      {made("superellipsoid", {0.1443, 0.343, 3.445, 0.3501, 0.1283}), {"uv_quantisation"}},
+      {made("plane", {3.323, 0.1847}), {"uv_quantisation"}},
+      {made("torus", {1, 0.01}), {"uv_quantisation"}},
+      {made("ellipsoid", {1, 10, 0.1}), {"coverage"}},
+      {made("cone", {5.792, 0.141}), {"outliers"}}};
+  for (const auto& [surface, sweeps] : cases) {
+    StabilityOptions options = everything({surface});
+    options.points = 24;
+    options.samples = 3;
+    options.sweeps.clear();
+    for (const char* sweep : sweeps) options.sweeps.push_back(&find_stability_sweep(sweep));
+    const Curves curves = stability(options);
+    EXPECT_GE(curves.size(), sweeps.size()) << surface.specification();
+    for (const StabilityCurve& c : curves) EXPECT_TRUE(c.holds()) << text_of(c);
   }
 }
 
