@@ -262,8 +262,9 @@ PointCloud distinct_points(const PointFile& file);
 ///                        empty field, names them in any order and case: x y z, nx ny nz, u v; columns of
 ///                        other names, and groups that are not complete, are passed over. It may stand behind
 ///                        // or #, with as many names as there are columns. Without one: 3 columns x y z, 5 x
-///                        y z u v, 6 x y z nx ny nz, 8 all; those after z are passed over, with a note, where
-///                        nx ny nz are no normals: finite, not zero and not of unit length (10 %).
+///                        y z u v, 6 x y z nx ny nz, 8 all; those after z are passed over, with a note, of
+///                        other numbers of columns from 4 on, and where nx ny nz are no normals: finite, not
+///                        zero and not of unit length (10 %). Row numbers in the place of x are refused.
 ///   .ply  the vertices, ASCII or binary of either byte order, normals and uvs included
 ///   .pcd  ASCII, binary or compressed binary; the viewpoint is not applied
 ///   .obj  the vertices, where there are faces with the attributes of the first corner

@@ -60,26 +60,36 @@ bool may_be_normal(const PointNumbers& p) {
   return !std::isfinite(square) || square == 0 || (square > 0.81 && square < 1.21);
 }
 
-// The columns of a table without a header.
+// The columns of a table without a header: those of other counts are positions with something behind them, as
+// scanners write intensities.
 std::optional<PointColumns> counted_columns(std::size_t count) {
-  if (count == 3) return PointColumns{{0, 1, 2}, false, false};
   if (count == 5) return PointColumns{{0, 1, 2, 6, 7}, false, true};
   if (count == 6) return PointColumns{{0, 1, 2, 3, 4, 5}, true, false};
   if (count == 8) return PointColumns{{0, 1, 2, 3, 4, 5, 6, 7}, true, true};
-  return std::nullopt;
+  if (count < 3) return std::nullopt;
+  PointColumns result{std::vector<int>(count, -1), false, false};
+  for (const int k : {0, 1, 2}) result.slots[static_cast<std::size_t>(k)] = k;
+  return result;
+}
+// Whether x goes up by one from point to point: a column of row numbers.
+bool counts_rows(const std::vector<Vec3<double>>& points) {
+  constexpr std::size_t enough = 3;
+  for (std::size_t i = 1; i < points.size(); ++i)
+    if (points[i].x != points[i - 1].x + 1) return false;
+  return points.size() >= enough && (points.front().x == 0 || points.front().x == 1);
 }
 
 }  // namespace
 
 PointFile read_table(PointReader& reader) {
-  Lines lines(
-      reader.bytes(),
-      "rows of 3 numbers x y z, 5 with u v, 6 with nx ny nz, 8 with both, or a header of these names");
+  const std::string expected =
+      "rows of 3 numbers x y z, 5 with u v, 6 with nx ny nz, 8 with both, or a header of these names";
+  Lines lines(reader.bytes(), expected);
   std::vector<std::string_view> fields;
   PointColumns columns, commented;
   char separator = ' ';
   bool without_header = false;
-  std::string no_normals;
+  std::string no_normals, left;  // notes
   while (lines.next(columns.slots.empty())) {
     const bool first = columns.slots.empty();
     if (first && (lines.text().starts_with("#") || lines.text().starts_with("//"))) {
@@ -105,6 +115,9 @@ PointFile read_table(PointReader& reader) {
       if (!counted) lines.fail("a row of " + std::to_string(fields.size()) + " columns without a header");
       columns = *counted;
       without_header = true;
+      if (fields.size() > 3 && columns.slots.back() < 0)
+        left = "line " + std::to_string(lines.number()) + ": of " + std::to_string(fields.size()) +
+               " columns without a header those after the third are passed over";
     }
     if (fields.size() != columns.slots.size())
       lines.fail("a row of " + std::to_string(fields.size()) + " columns after " +
@@ -121,6 +134,11 @@ PointFile read_table(PointReader& reader) {
     reader.add(columns, point, "line ", lines.number());
   }
   PointFile result = reader.finish();
+  result.note = left;
+  if (!left.empty() && counts_rows(result.cloud.positions))
+    throw FileError(reader.path(), expected_got(expected, "row numbers in the first of " +
+                                                              std::to_string(columns.slots.size()) +
+                                                              " columns without a header"));
   if (!no_normals.empty()) {
     result.cloud.normals.clear();
     result.cloud.uvs.clear();
