@@ -120,7 +120,12 @@ int run(int argc, char** argv) {
     const std::string command = argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) + ' ' : std::string();
     const auto parsed = app.get_subcommands();
     const bool left_over = !parsed.empty() && parsed[0]->remaining_size() > 0;
-    const std::string what = left_over ? darboux::unexpected(*parsed[0]) : e.what();
+    const bool no_command = argc < 2 || argv[1][0] == '-';
+    const std::string what = no_command
+                                 ? darboux::expected_got("a command first, its options after it",
+                                                         argc < 2 ? "none" : "'" + std::string(argv[1]) + "'")
+                             : left_over ? darboux::unexpected(*parsed[0])
+                                         : e.what();
     return darboux::report("command line: " + what + ", see darboux " + command + "--help", 2);
   }
 }
