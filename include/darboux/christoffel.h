@@ -30,7 +30,8 @@ Christoffel<S> christoffel(const Jet2<S>& j, const Frame<S>& frame) {
 }
 
 /// Of a surface at (u, v), from a jet and frame of it at hand, within the bound of curvature.h: symbols whose
-/// terms cancel are taken again in 40 digits. \param surface a surface type, or AnySurface
+/// terms cancel, or of partials whose squares underflow, are taken again in 40 digits. \param surface a
+/// surface type, or AnySurface
 template <class X, std::floating_point S>
 Christoffel<S> christoffel(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   const Christoffel<S> symbols = christoffel(j, frame);
@@ -49,7 +50,7 @@ Christoffel<S> christoffel(const X& surface, S u, S v, const Jet2<S>& j, const F
       }
       // t and b may err by some u themselves, not by so little of each component.
       if (detail::cancels(terms, sum, detail::small_cancellation) || detail::cancels(lengths, sum, 16) ||
-          (!HasClosedFrame<X> && detail::cancels(f, g))) {
+          (!HasClosedFrame<X> && detail::cancels(f, g)) || detail::squares_underflow(e, f, g)) {
         const detail::WideForms wide(surface, u, v, frame);
         const Christoffel<Multiprecision> exact = christoffel(wide.jet, wide.frame);
         Christoffel<S> result;

@@ -121,7 +121,8 @@ auto lost_digits(const ShapeOperator<S>& s, const Curvature<S>& c) {
   constexpr double most = has_parameters<X> ? cancellation : large_cancellation;
   const auto vague = cancels(sizes, S(c.principal[0] - c.principal[1]), cancellation_of_directions) &&
                      m > S(4 * std::numeric_limits<Element<S>>::epsilon()) * s.m_size;
-  auto small = cancels(sizes, size_of_both(c.principal[0], c.principal[1]), most) || is_subnormal(s);
+  auto small =
+      cancels(sizes, size_of_both(c.principal[0], c.principal[1]), most) || squares_underflow(s.e, s.f, s.g);
   if constexpr (!HasClosedFrame<X>) small = small || cancels(abs(s.f), s.g, most);  // b errs by some u itself
   return Lost<std::remove_cv_t<decltype(vague)>>{
       cancels(S(k * s.a_size + a * s.c_size + two * m * s.m_size), c.gaussian,
@@ -181,6 +182,8 @@ Curvature<S> regular_curvature(const X& surface, S u, S v, const Frame<S>& frame
       (!lost.mean || state_mean(surface, u, v, c.mean)))
     return c;
   if constexpr (runs_in_40_digits<X>) return curvature_of<S>(WideForms(surface, u, v, frame));
+  if (lost.gaussian) state_gaussian(surface, u, v, c.gaussian);
+  if (lost.mean) state_mean(surface, u, v, c.mean);
   return c;
 }
 
@@ -188,11 +191,12 @@ Curvature<S> regular_curvature(const X& surface, S u, S v, const Frame<S>& frame
 
 /// The curvatures of a surface at (u, v), at poles and collapsed edges too, as shape_operator() says. At
 /// regular points they err by at most 8u times (1 + condition), as vectors: K, H, (κ1, κ2), the directions.
-/// The condition is the sum over u, v and the parameters of |x ∂q/∂x| / |q|; that of the directions at least
-/// what (κ1, κ2) errs by over κ1 - κ2, up to 256 times the former. About 100 ns. Where terms cancel to less
+/// The condition is the sum over u, v and the parameters of |x ∂q/∂x| / |q|; to that of the directions comes
+/// that of (κ1, κ2), and 1, times |κ|/(κ1 - κ2), at most 256. About 100 ns. Where terms cancel to less
 /// than an eighth, K and H are those that the surface states in closed form (some 20 ns more), and what it
 /// does not state, or κ and the directions, is computed in 40 digits: some 50 µs, for points where a chart is
-/// very oblique, a curvature is small beside the bending of the coordinate curves, or a partial is subnormal.
+/// very oblique, a curvature is small beside the bending of the coordinate curves, or the square of a first
+/// partial underflows.
 template <class X, std::floating_point S>
 Curvature<S> curvature(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   if constexpr (!ParametricSurface<X>) {
@@ -200,12 +204,9 @@ Curvature<S> curvature(const X& surface, S u, S v, const Jet2<S>& j, const Frame
   } else if (!detail::is_limit(frame.status)) {
     const ShapeOperator<S> s = shape_operator(j, frame);
     if (!detail::left_range(s, j, frame)) return detail::regular_curvature(surface, u, v, frame, s);
-    const ShapeOperator<S> limit = detail::limit_shape_operator(surface, u, v, j, frame);
-    if constexpr (detail::runs_in_40_digits<X>)
-      if (!detail::finite(limit)) return detail::curvature_of<S>(detail::WideForms(surface, u, v, frame));
-    return curvature(limit, frame);
   }
-  return curvature(detail::limit_shape_operator(surface, u, v, j, frame), frame);
+  const detail::ShapeAt<S> at(surface, u, v, j, frame);
+  return at.wide ? detail::curvature_of<S>(*at.wide) : curvature(at.narrow, frame);
 }
 template <class X, std::floating_point S>
 Curvature<S> curvature(const X& surface, S u, S v) {

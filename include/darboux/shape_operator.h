@@ -213,12 +213,14 @@ S size_of_both(const S& x, const S& y) {
   return abs(x) + abs(y);
 }
 
-// Whether a partial is as small as subnormal numbers, which have fewer digits.
+// Whether a first partial is so small that its square, the order of second partials, is a subnormal number:
+// those have fewer digits.
 template <class S>
-auto is_subnormal(const ShapeOperator<S>& s) {
+auto squares_underflow(const S& e, const S& f, const S& g) {
   using std::abs;
-  const S least(4 * std::numeric_limits<Element<S>>::min());
-  return abs(s.e) < least || size_of_both(s.f, s.g) < least;
+  using T = Element<S>;
+  const S least(std::ldexp(T(1), std::numeric_limits<T>::min_exponent / 2));
+  return abs(e) < least || size_of_both(f, g) < least;
 }
 
 // Whether the formula of a surface type runs over 40 digits: a user's may not.
@@ -305,7 +307,7 @@ bool loses_digits(const ShapeOperator<S>& s) {
   const auto lost = [](S terms, S x, S y) { return cancels(terms, size_of_both(x, y), small_cancellation); };
   return lost(s.a_size + s.m_size, s.a, s.m) || lost(s.m_size + s.c_size, s.m, s.c) ||
          lost(s.v_t_size + s.v_b_size, s.v_t, s.v_b) || (!HasClosedFrame<X> && cancels(abs(s.f), s.g)) ||
-         is_subnormal(s);
+         squares_underflow(s.e, s.f, s.g);
 }
 
 // The shape operator in S, and where that cannot hold it or has lost digits, in 40 digits.
@@ -331,10 +333,11 @@ struct ShapeAt {
 /// The shape operator of a surface at (u, v), from a jet and frame of it at hand. Where they carry
 /// limit_frame (poles, collapsed edges) it is the limit, of derivatives to fourth order by nested dual
 /// numbers, within a few dozen roundings of its terms; so it is where a regular point is so close to one that
-/// terms leave the range of the scalar. Elsewhere it is that of the jet; where terms of that cancel, or leave
-/// the range beside a point without a limit, taken again in 40 digits (see curvature()). NaN where there is
-/// none: at the apex of a cone and wherever else the curvature grows without bound, where d2pduv vanishes
-/// with dpdu, or where those derivatives do not exist. \param surface a surface type, or AnySurface
+/// terms leave the range of the scalar. Elsewhere it is that of the jet; where terms of that cancel, squares
+/// of first partials underflow, or terms leave the range beside a point without a limit, taken again in 40
+/// digits (see curvature()). NaN where there is none: at the apex of a cone and wherever else the curvature
+/// grows without bound, where d2pduv vanishes with dpdu, or where those derivatives do not exist. \param
+/// surface a surface type, or AnySurface
 template <class X, std::floating_point S>
 ShapeOperator<S> shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   const detail::ShapeAt<S> at(surface, u, v, j, frame);

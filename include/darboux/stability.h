@@ -92,12 +92,13 @@ const StabilityRoute& find_stability_route(std::string_view name);
 /// curvatures and forms. Condition: how many times a relative change of all inputs it is. Of meshes: angles
 /// in units of half the step to which the data are rounded, between what a method makes of the rounded mesh
 /// and of the exact one; the bound is 16 times the condition, the size of what is rounded over the lowest
-/// altitude of a triangle; for methods that take normals
-/// that over the squared least cosine between a triangle and its normals; none is stated of polynomials
-/// through many vertices. In jitter and slivers angles
-/// to the truth in units of the mesh width, without a bound. Of fits: errors in units of the standard error
-/// that the fit states, the bound being 6; the condition is that standard error over the parameter, or in
-/// radians. Fits that are not usable say nothing.
+/// altitude of a triangle. Of uvs, also where a method itself rounds them to float, the altitude is that in
+/// uv, and times the stretch: the ratio of the greatest to the least length in space of directions that are
+/// unit in uv. For methods that take normals that over the squared least cosine between a triangle and its
+/// normals; none is stated of polynomials through many vertices. In jitter and slivers angles to the truth in
+/// units of the mesh width, without a bound. Of fits: errors in units of the standard error that the fit
+/// states, the bound being 6; the condition is that standard error over the parameter, or in radians. Fits
+/// that are not usable say nothing.
 struct StabilityCurve {
   std::string surface;  ///< as AnySurface::specification() writes it
   std::string_view sweep, route, quantity;

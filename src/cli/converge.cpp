@@ -121,9 +121,9 @@ std::string text_of(const std::vector<Study>& studies, bool with_orders,
   const bool slower = std::any_of(studies.begin(), studies.end(),
                                   [](const Study& s) { return s.verdict == OrderVerdict::slower; });
   // Twice as fine, and from the third finest on: an order is one of fine meshes.
-  if (const int finest = resolutions.back(); slower && finest >= 8)
-    text += "slower: finer meshes show whether these are only too coarse for the surface: --resolutions " +
-            std::to_string(finest / 4) + ".." + std::to_string(finest / 4 * 8) + '\n';
+  if (const int first = resolutions.back() / 4; slower && first >= 2 && 8 * first <= finest_rows)
+    text += "hint: finer meshes may show the expected order: --resolutions " + std::to_string(first) + ".." +
+            std::to_string(8 * first) + '\n';
   return text;
 }
 

@@ -163,7 +163,7 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
     kept = document.save_glb(arguments.output);
   }
   if (!common.quiet)
-    for (const std::string& image : kept) std::cerr << arguments.input << ": " << image << '\n';
+    for (const std::string& image : kept) std::cerr << message_line(arguments.input, image) << '\n';
   // Tangents were asked for, and none could be made.
   const bool none = result.primitives.empty() && (!options.only_needed || result.incapable != 0);
   if (none) common.exit_status = 1;

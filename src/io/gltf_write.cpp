@@ -71,7 +71,8 @@ std::optional<std::string> embed_image(const GltfFile& file, Json& image) {
     throw;
   } catch (const FileError& error) {
     // Tangents do not depend on images: one that is missing is no reason to fail.
-    return error.what();
+    const std::string why = error.what(), of_file = file.path + ": ";
+    return why.starts_with(of_file) ? why.substr(of_file.size()) : why;
   }
   return std::nullopt;
 }
@@ -205,7 +206,8 @@ std::vector<io::Piece> GltfFile::glb_pieces(std::vector<std::string>* kept) cons
   if (const auto images = document.find("images"); images != document.end() && images->is_array())
     for (std::size_t i = 0; i < images->size(); ++i)
       if (const auto why = embed_image(*this, (*images)[i]); why && kept)
-        kept->push_back("images[" + std::to_string(i) + "] keeps its URI, and is not in the GLB: " + *why);
+        kept->push_back("images[" + std::to_string(i) + "] keeps its URI '" +
+                        (*images)[i]["uri"].get<std::string>() + "' and is not in the GLB: " + *why);
 
   // All texts of the document were read as UTF-8; those a caller brought may not be.
   std::string text = document.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -318,7 +318,7 @@ std::array<std::optional<Comparison>, form_names.size()> compare_forms(const Any
     if (q <= k_principal) times += 0.5;  // the frame's own 4u
     if (q == k_directions) {
       if (!(apart > 1e-12 * k)) continue;
-      // What the shape operator errs by, over the difference of its eigenvalues.
+      // The error of the shape operator over the difference of its eigenvalues turns them.
       times += (1 + condition[k_principal] / k) * std::fmin(k / apart, detail::cancellation_of_directions);
     }
     // What 40 digits leave of a sum that cancels.

@@ -69,9 +69,9 @@ double altitude_in_space(const Mesh& mesh) {
   return lowest;
 }
 
-// How many times an error of the uvs turns T or B of a triangle, or a plane that is laid through its uvs:
-// over the altitude in uv, and over the share that the shorter of two directions has on the triangle of the
-// longer, both unit in uv, as an error moves the shorter by as much as the longer.
+// How many times an error of the uvs turns T or B of a triangle, or a plane laid through positions over uvs:
+// one over the altitude in uv, times the ratio of the singular values of the map from uv to space. An error
+// adds a share of the longer direction to the shorter.
 double condition_of_uvs(const Mesh& mesh) {
   double largest = 0;
   for (const Triangle& t : mesh.triangles) {
@@ -82,7 +82,7 @@ double condition_of_uvs(const Mesh& mesh) {
                  longest = std::fmax(norm(p), std::fmax(norm(q), norm(q - p)));
     const Vec3<double> T = q.y * a - p.y * b, B = p.x * b - q.x * a;  // times twice the uv area
     const double E = dot(T, T), F = dot(T, B), G = dot(B, B);
-    // Of the eigenvalues of [[E, F], [F, G]] the larger, and the root of their product: |T x B|.
+    // The larger eigenvalue of [[E, F], [F, G]] over the root of the product of both, |T x B|.
     const double stretch = (E + G + std::hypot(E - G, 2 * F)) / 2 / norm(cross(T, B));
     largest = std::fmax(largest, stretch * longest / twice_area);
   }

@@ -79,8 +79,8 @@ TEST(Rewrite, ImagesAreToldByTheirFirstBytes) {
   document.set_tangents(0, 0, std::vector<Vec4<float>>(3, {1, 0, 0, -1}));
   const std::vector<std::string> kept = document.save_glb(folder / "scene.glb");
   ASSERT_EQ(kept.size(), 2u);
-  EXPECT_TRUE(kept[0].starts_with("images[3] keeps its URI")) << kept[0];
-  EXPECT_TRUE(kept[1].starts_with("images[4] keeps its URI")) << kept[1];
+  EXPECT_TRUE(kept[0].starts_with("images[3] keeps its URI 'd.png'")) << kept[0];
+  EXPECT_TRUE(kept[1].starts_with("images[4] keeps its URI 'e.png'")) << kept[1];
   const Json images = test::split_glb(test::read_bytes(folder / "scene.glb")).json["images"];
   // By Python's base64.
   EXPECT_EQ(images[0]["uri"], "data:image/jpeg;base64,/9j/cmVzdA==");

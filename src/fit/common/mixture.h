@@ -75,10 +75,10 @@ struct MixtureInVolume : Mixture {
   }
 };
 
-// Noise and roundings of the input together, as if the roundings of all inliers moved one number alike: rows
-// of a grid share them. Noise dithers them: the mean of a number's rounding is a wave over a step, 4
-// rounding, that noise damps by exp(-2 (pi noise / step)^2) [Widrow1996]. \param sigma of noise and of
-// rounding, the latter's square at most 2 rounding^2 \param rounding half of the greatest error of a number
+// Noise and roundings of the input together, as if all inliers had the same rounding error, which does not
+// average out: rows of a grid share them. Noise dithers them: the mean of a number's rounding is a wave over
+// a step, 4 rounding, that noise damps by exp(-2 (pi noise / step)^2) [Widrow1996]. sigma is that of noise
+// and of rounding, whose square is at most 2 rounding^2; rounding is half of the greatest error.
 inline double noise_and_rounding(double sigma, double rounding, double inliers) {
   constexpr double pi = std::numbers::pi;
   const double ratio = sigma / rounding, noise = std::fmax(0, ratio * ratio - 2) / 16;

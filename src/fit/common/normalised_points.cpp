@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <random>
 
 #include <darboux/vector.h>
@@ -80,15 +81,19 @@ class StoredDigits {
     if (decimals_ <= most) decimals_ = digits_needed(x, -1, decimals_, most);
     if (digits_ <= most) digits_ = digits_needed(x, first, digits_, most);
   }
+  // If they are floats, whatever their values tell.
+  double error_of_floats() const { return 0x1p-24 * largest_; }
+  int decimals() const { return decimals_ <= most ? decimals_ : 0; }  // 0: more than are written on purpose
+  bool are_floats() const { return is_float_ && !is_dyadic_; }
   double error() const {
     if (is_dyadic_) return 0;
-    double error = is_float_ ? 0x1p-24 * largest_ : 0;
+    double error = is_float_ ? error_of_floats() : 0;
     if (decimals_ > few_decimals && decimals_ <= most)
       error = std::fmax(error, 0.5 * std::pow(10, -decimals_));
     if (digits_ > few_digits && digits_ <= most) {
       const int of_largest = digits_ - 1 - static_cast<int>(std::floor(std::log10(largest_)));  // decimals
       // So many digits, not decimals, are also written of floats.
-      const double of_float = digits_ == most && decimals_ > of_largest ? 0x1p-24 * largest_ : 0;
+      const double of_float = digits_ == most && decimals_ > of_largest ? error_of_floats() : 0;
       error = std::fmax(error, of_float + 0.5 * std::pow(10, -of_largest));
     }
     return error;
@@ -100,6 +105,17 @@ class StoredDigits {
   bool is_dyadic_ = true, is_float_ = true;
   int decimals_ = few_decimals, digits_ = few_digits;
 };
+
+// Whether all are multiples of more than one unit of the last decimal, as 0.025 and 0.075 of 0.001: a grid's,
+// which are exact.
+bool is_lattice(const std::vector<Vec2<double>>& uvs, int decimals) {
+  std::int64_t common = 0;
+  const double units = std::pow(10, decimals);
+  for (const Vec2<double>& uv : uvs)
+    for (const double x : {uv.x, uv.y})
+      if (std::fabs(x) * units < 0x1p53) common = std::gcd(common, std::llrint(x * units));
+  return common > 1;
+}
 
 double median_size(const std::vector<Vec2<double>>& uvs) {
   std::vector<double> sizes;
@@ -152,11 +168,16 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
       for (const double x : {points.positions[i].x, points.positions[i].y, points.positions[i].z})
         of_positions.add(x);
     result.rounding = std::fmax(result.rounding, 0.5 * of_positions.error() / result.scale);
+    result.float_rounding = 0.5 * of_positions.error_of_floats() / result.scale;
   }
   if (with_uv && !result.uvs.empty()) {
     StoredDigits of_uvs(8 * (1 + median_size(result.uvs)));
     for (const Vec2<double>& uv : result.uvs) of_uvs.add(uv.x), of_uvs.add(uv.y);
-    result.uv_rounding = 0.5 * of_uvs.error();
+    result.float_uv_rounding = 0.5 * of_uvs.error_of_floats();
+    if (of_uvs.decimals() > 0 && is_lattice(result.uvs, of_uvs.decimals()))
+      result.uv_rounding = of_uvs.are_floats() ? result.float_uv_rounding : 0;
+    else
+      result.uv_rounding = 0.5 * of_uvs.error();
   }
   return result;
 }
@@ -169,7 +190,9 @@ NormalisedPoints NormalisedPoints::part(const std::vector<Eigen::Index>& columns
   result.centre = centre;
   result.scale = scale;
   result.rounding = rounding;
+  result.float_rounding = float_rounding;
   result.uv_rounding = uv_rounding;
+  result.float_uv_rounding = float_uv_rounding;
   return result;
 }
 

@@ -35,7 +35,9 @@ struct NormalisedPoints {
   // Half of the greatest error of a coordinate by how it was stored, as far as its value tells: no noise is
   // taken to be less.
   double rounding = 1e-15;
-  double uv_rounding = 0;  // the same of the stored uvs, in their own units
+  double float_rounding = 0;  // the same if they are floats, whatever their values tell
+  // Of the stored uvs, in their own units, likewise.
+  double uv_rounding = 0, float_uv_rounding = 0;
 
   std::size_t count() const { return static_cast<std::size_t>(cloud.cols()); }
   // What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <tuple>
 
 #include <darboux/error.h>
 
@@ -34,6 +35,7 @@ constexpr double decisive = 5, least_bic_margin = 2;
 struct Data {
   fit::NormalisedPoints all, trial, few;
   std::optional<double> noise;  // in units of the points
+  Vec2<double> values{1, 1};    // different ones of u, of v
 };
 
 // One kind with the best of its conventions, fitted to the trial points, later to all.
@@ -89,6 +91,17 @@ bool on_a_line(const fit::NormalisedPoints& points) {
   return along[1] <= rounding * rounding * n + 1e-30 * along[2];
 }
 
+// How many different values of u and of v there are.
+Vec2<double> count_values(const std::vector<Vec2<double>>& uvs) {
+  const auto count = [&](double Vec2<double>::*axis) {
+    std::vector<double> values;
+    for (const Vec2<double>& uv : uvs) values.push_back(uv.*axis);
+    std::sort(values.begin(), values.end());
+    return static_cast<double>(std::unique(values.begin(), values.end()) - values.begin());
+  };
+  return {count(&Vec2<double>::x), count(&Vec2<double>::y)};
+}
+
 // What can be said of the points before any surface; empty when there is nothing against them.
 std::string prepare(const PointCloud& cloud, const PointFitOptions& options, Data& data) {
   data.all = fit::normalised(cloud, true);
@@ -107,6 +120,7 @@ std::string prepare(const PointCloud& cloud, const PointFitOptions& options, Dat
   if (!uvs_differ) return "the uvs are all equal";
   data.trial = all.part(near).chosen(trial_points, options.seed);
   data.few = data.trial.chosen(start_points, options.seed);
+  data.values = count_values(all.uvs);
   if (options.noise) data.noise = *options.noise / all.scale;
   return on_a_line(data.trial) ? "all points are on one line" : "";
 }
@@ -224,38 +238,55 @@ std::optional<PlacedSurface> placed(const Trial& trial, const Data& data) {
   return result;
 }
 
-// Half of what the roundings of the input move a coordinate by at most, in the points' units: its own, and
-// those of u and v, whose points then lie beside where the surface has them.
-double rounding_of(const Trial& trial, const Data& data) {
-  const double h = data.all.uv_rounding;
-  const std::optional<PlacedSurface> surface = h > 0 ? placed(trial, data) : std::nullopt;
-  if (!surface) return data.all.rounding;
-  double squares = 0;
+// How far half of the greatest roundings of u and of v move the points, root mean square over points and
+// coordinates, in the points' units.
+Vec2<double> moved_by_uvs(const PlacedSurface& surface, const Data& data, double rounding) {
+  Vec2<double> squares{0, 0};
   for (const Vec2<double>& uv : data.few.uvs) {
-    const Vec3<double> p = surface->position(uv), du = surface->position({uv.x + h, uv.y}) - p,
-                       dv = surface->position({uv.x, uv.y + h}) - p;
-    if (const double both = dot(du, du) + dot(dv, dv); std::isfinite(both)) squares += both;
+    const Vec3<double> p = surface.position(uv), du = surface.position({uv.x + rounding, uv.y}) - p,
+                       dv = surface.position({uv.x, uv.y + rounding}) - p;
+    if (const double u = dot(du, du); std::isfinite(u)) squares.x += u;
+    if (const double v = dot(dv, dv); std::isfinite(v)) squares.y += v;
   }
-  const double mean = squares / (3 * static_cast<double>(data.few.uvs.size()));
-  return std::hypot(data.all.rounding, std::sqrt(mean) / data.all.scale);
+  const double values = 3 * static_cast<double>(data.few.uvs.size());
+  return {std::sqrt(squares.x / values) / data.all.scale, std::sqrt(squares.y / values) / data.all.scale};
 }
 
+// The noise, and roundings that points share. Uvs have no noise that could dither theirs, but as many errors
+// as there are values. Few digits may also be exact, as 0.05 is of a grid: then the points are much nearer to
+// the surface than roundings of so many digits would leave them, and tell no more than that they may be
+// floats.
 double noise_and_rounding(const Trial& trial, const Data& data) {
   if (data.noise) return *data.noise;
-  const double inliers = (1 - trial.mixture.share) * static_cast<double>(trial.model.points->count());
-  return fit::noise_and_rounding(trial.mixture.sigma, rounding_of(trial, data), inliers);
+  const fit::NormalisedPoints& all = data.all;
+  const double sigma = trial.mixture.sigma, most = 4 * sigma,
+               inliers = (1 - trial.mixture.share) * static_cast<double>(trial.model.points->count());
+  double result = sigma;
+  for (const double rounding : {all.rounding, all.float_rounding})
+    if (rounding > 0 && rounding <= most) {
+      result = fit::noise_and_rounding(sigma, rounding, inliers);
+      break;
+    }
+  const std::optional<PlacedSurface> surface = placed(trial, data);
+  if (!surface || all.uv_rounding == 0) return result;
+  for (const double rounding : {all.uv_rounding, all.float_uv_rounding})
+    if (const auto [u, v] = moved_by_uvs(*surface, data, rounding); u <= most && v <= most) {
+      const auto shared_by = [&](double values) { return std::fmax(0, inliers / values - 1); };
+      return std::sqrt(result * result + shared_by(data.values.x) * u * u + shared_by(data.values.y) * v * v);
+    }
+  return result;
 }
 
 // Where the best one is as near to the points as roundings let it be, the likelihoods are those of rounded
 // points: with its mixture for all, as one that misfits by more would call that its noise.
 void compare_as_rounded(std::span<Trial* const> trials, const Data& data) {
-  const auto per_point = [](const Trial* t) {
-    return t->log_likelihood / static_cast<double>(t->model.points->count());
-  };
   for (Trial* t : trials) t->compared = t->log_likelihood;
-  const Trial& best = **std::max_element(trials.begin(), trials.end(), [&](const Trial* a, const Trial* b) {
-    return per_point(a) < per_point(b);
-  });
+  // What is a surface before what is none, those of all points before those of some.
+  const auto rank = [](const Trial* t) {
+    return std::tuple(sound(*t), t->model.points->count(), t->log_likelihood);
+  };
+  const Trial& best = **std::max_element(trials.begin(), trials.end(),
+                                         [&](const Trial* a, const Trial* b) { return rank(a) < rank(b); });
   fit::MixtureInVolume mixture = best.mixture;
   mixture.sigma = noise_and_rounding(best, data);
   if (!(mixture.sigma > 1.1 * best.mixture.sigma)) return;
@@ -400,8 +431,9 @@ class UvFit {
       return std::to_string(data_.all.finite) + " finite points, " + fit::with_article(options_.surface) +
              " needs at least " + std::to_string((6 + kinds_.front()->parameter_count()) / 3 + 1);
     search();
-    if (mirrored_ &&
-        (trials_.empty() || mirrored_->log_likelihood > trials_.front().log_likelihood + 2 * decisive)) {
+    if (mirrored_ && std::none_of(trials_.begin(), trials_.end(), [&](const Trial& t) {
+          return t.log_likelihood >= mirrored_->log_likelihood - 2 * decisive;
+        })) {
       fit_.mirrored = true;
       return "the uvs follow the mirror image of " + fit::with_article(mirrored_->model.kind->name);
     }
