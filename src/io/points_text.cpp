@@ -8,6 +8,7 @@
 
 #include <darboux/error.h>
 
+#include "base/text.h"
 #include "files.h"
 #include "points.h"
 
