@@ -122,7 +122,8 @@ TEST(RoundedUv, AnEllipsoidThatRoundingsDoNotExplainIsOne) {
 
 // With noise in the positions, and uvs of exact or of three decimals: the radius errs by what is stated. Of
 // 60 runs the root mean square of errors over standard errors is within 1 ± 3/sqrt(120) where all errors are
-// independent. Roundings are counted by half of the greatest, 1.15 times less than they are.
+// independent. Roundings are counted by half of the greatest, 1.15 times less than they are, and those of u
+// as if they moved the radius too: it errs by less than is stated.
 TEST(RoundedUv, TheStatedErrorIsTheTrueOneWithNoise) {
   std::normal_distribution<double> normal;
   const Storage exact{"exact", [](double x) { return x; }, 0},
@@ -152,7 +153,7 @@ TEST(RoundedUv, TheStatedErrorIsTheTrueOneWithNoise) {
       squares += std::pow(error / fit.standard_errors[0].value, 2) / runs;
     }
     EXPECT_LE(std::sqrt(squares), 1.3) << grid.text() << ", " << storage.name;
-    EXPECT_GE(std::sqrt(squares), 0.5) << grid.text() << ", " << storage.name;
+    EXPECT_GE(std::sqrt(squares), storage.error > 0 ? 0.25 : 0.7) << grid.text() << ", " << storage.name;
   }
 }
 

@@ -62,9 +62,9 @@ int digits_needed(double x, int first, int least, int most) {
   return most + 1;
 }
 
-// The greatest error that the last digit of numbers leaves. It is told by their values: floats, also where
-// nine of their digits are written; three to eight decimals; four to eight significant digits. The coarsest
-// counts. Multiples of 2^-12, and what has fewer digits, may as well be exact.
+// The greatest errors that the last digit of numbers leaves. They are told by their values: floats, also
+// where nine of their digits are written; three to eight decimals; four to eight significant digits.
+// Multiples of 2^-12, and what has fewer digits, may as well be exact.
 class StoredDigits {
  public:
   // \param limit numbers beyond are outliers', and do not say how large the others are
@@ -81,23 +81,24 @@ class StoredDigits {
     if (decimals_ <= most) decimals_ = digits_needed(x, -1, decimals_, most);
     if (digits_ <= most) digits_ = digits_needed(x, first, digits_, most);
   }
-  // If they are floats, whatever their values tell.
-  double error_of_floats() const { return 0x1p-24 * largest_; }
-  int decimals() const { return decimals_ <= most ? decimals_ : 0; }  // 0: more than are written on purpose
-  bool are_floats() const { return is_float_ && !is_dyadic_; }
-  double error() const {
-    if (is_dyadic_) return 0;
-    double error = is_float_ ? error_of_floats() : 0;
-    if (decimals_ > few_decimals && decimals_ <= most)
-      error = std::fmax(error, 0.5 * std::pow(10, -decimals_));
-    if (digits_ > few_digits && digits_ <= most) {
+  // Of floats, of decimals and of digits, where the values agree with them, in falling order; 0: with none.
+  // \param decimals whether decimals and digits count
+  std::array<double, 3> errors(bool decimals = true) const {
+    std::array<double, 3> result{};
+    if (is_dyadic_) return result;
+    const double of_floats = 0x1p-24 * largest_;
+    if (is_float_) result[0] = of_floats;
+    if (decimals && decimals_ > few_decimals && decimals_ <= most) result[1] = 0.5 * std::pow(10, -decimals_);
+    if (decimals && digits_ > few_digits && digits_ <= most) {
       const int of_largest = digits_ - 1 - static_cast<int>(std::floor(std::log10(largest_)));  // decimals
       // So many digits, not decimals, are also written of floats.
-      const double of_float = digits_ == most && decimals_ > of_largest ? error_of_floats() : 0;
-      error = std::fmax(error, of_float + 0.5 * std::pow(10, -of_largest));
+      result[2] =
+          (digits_ == most && decimals_ > of_largest ? of_floats : 0) + 0.5 * std::pow(10, -of_largest);
     }
-    return error;
+    std::sort(result.rbegin(), result.rend());
+    return result;
   }
+  int decimals() const { return decimals_ <= most ? decimals_ : 0; }  // 0: more than are written on purpose
 
  private:
   static constexpr int few_decimals = 2, few_digits = 3, most = 8;
@@ -109,6 +110,7 @@ class StoredDigits {
 // Whether all are multiples of more than one unit of the last decimal, as 0.025 and 0.075 of 0.001: a grid's,
 // which are exact.
 bool is_lattice(const std::vector<Vec2<double>>& uvs, int decimals) {
+  if (decimals == 0) return false;
   std::int64_t common = 0;
   const double units = std::pow(10, decimals);
   for (const Vec2<double>& uv : uvs)
@@ -167,17 +169,14 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
     for (const std::size_t i : result.index)
       for (const double x : {points.positions[i].x, points.positions[i].y, points.positions[i].z})
         of_positions.add(x);
-    result.rounding = std::fmax(result.rounding, 0.5 * of_positions.error() / result.scale);
-    result.float_rounding = 0.5 * of_positions.error_of_floats() / result.scale;
+    for (std::size_t k = 0; k < 3; ++k) result.roundings[k] = 0.5 * of_positions.errors()[k] / result.scale;
+    result.rounding = std::fmax(result.rounding, result.roundings.front());
   }
   if (with_uv && !result.uvs.empty()) {
     StoredDigits of_uvs(8 * (1 + median_size(result.uvs)));
     for (const Vec2<double>& uv : result.uvs) of_uvs.add(uv.x), of_uvs.add(uv.y);
-    result.float_uv_rounding = 0.5 * of_uvs.error_of_floats();
-    if (of_uvs.decimals() > 0 && is_lattice(result.uvs, of_uvs.decimals()))
-      result.uv_rounding = of_uvs.are_floats() ? result.float_uv_rounding : 0;
-    else
-      result.uv_rounding = 0.5 * of_uvs.error();
+    result.uv_roundings = of_uvs.errors(!is_lattice(result.uvs, of_uvs.decimals()));
+    for (double& rounding : result.uv_roundings) rounding *= 0.5;
   }
   return result;
 }
@@ -190,9 +189,8 @@ NormalisedPoints NormalisedPoints::part(const std::vector<Eigen::Index>& columns
   result.centre = centre;
   result.scale = scale;
   result.rounding = rounding;
-  result.float_rounding = float_rounding;
-  result.uv_rounding = uv_rounding;
-  result.float_uv_rounding = float_uv_rounding;
+  result.roundings = roundings;
+  result.uv_roundings = uv_roundings;
   return result;
 }
 

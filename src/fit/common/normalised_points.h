@@ -1,6 +1,7 @@
 // Points as every fit sees them: about the origin, of size 1.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -35,9 +36,9 @@ struct NormalisedPoints {
   // Half of the greatest error of a coordinate by how it was stored, as far as its value tells: no noise is
   // taken to be less.
   double rounding = 1e-15;
-  double float_rounding = 0;  // the same if they are floats, whatever their values tell
-  // Of the stored uvs, in their own units, likewise.
-  double uv_rounding = 0, float_uv_rounding = 0;
+  // The same of each way of writing that their values agree with, in falling order; 0: none. Of coordinates,
+  // and of the stored uvs, which have their own units.
+  std::array<double, 3> roundings{}, uv_roundings{};
 
   std::size_t count() const { return static_cast<std::size_t>(cloud.cols()); }
   // What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.

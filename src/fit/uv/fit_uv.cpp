@@ -254,23 +254,22 @@ Vec2<double> moved_by_uvs(const PlacedSurface& surface, const Data& data, double
 
 // The noise, and roundings that points share. Uvs have no noise that could dither theirs, but as many errors
 // as there are values. Few digits may also be exact, as 0.05 is of a grid: then the points are much nearer to
-// the surface than roundings of so many digits would leave them, and tell no more than that they may be
-// floats.
+// the surface than roundings of so many digits would leave them.
 double noise_and_rounding(const Trial& trial, const Data& data) {
   if (data.noise) return *data.noise;
   const fit::NormalisedPoints& all = data.all;
   const double sigma = trial.mixture.sigma, most = 4 * sigma,
                inliers = (1 - trial.mixture.share) * static_cast<double>(trial.model.points->count());
   double result = sigma;
-  for (const double rounding : {all.rounding, all.float_rounding})
+  for (const double rounding : all.roundings)
     if (rounding > 0 && rounding <= most) {
       result = fit::noise_and_rounding(sigma, rounding, inliers);
       break;
     }
   const std::optional<PlacedSurface> surface = placed(trial, data);
-  if (!surface || all.uv_rounding == 0) return result;
-  for (const double rounding : {all.uv_rounding, all.float_uv_rounding})
-    if (const auto [u, v] = moved_by_uvs(*surface, data, rounding); u <= most && v <= most) {
+  if (!surface) return result;
+  for (const double rounding : all.uv_roundings)
+    if (const auto [u, v] = moved_by_uvs(*surface, data, rounding); rounding > 0 && u <= most && v <= most) {
       const auto shared_by = [&](double values) { return std::fmax(0, inliers / values - 1); };
       return std::sqrt(result * result + shared_by(data.values.x) * u * u + shared_by(data.values.y) * v * v);
     }
