@@ -254,24 +254,27 @@ Vec2<double> moved_by_uvs(const PlacedSurface& surface, const Data& data, double
 
 // The noise, and roundings that points share. Uvs have no noise that could dither theirs, but as many errors
 // as there are values. Few digits may also be exact, as 0.05 is of a grid: then the points are much nearer to
-// the surface than roundings of so many digits would leave them.
+// the surface than roundings of so many digits would leave them. Roundings are at most the noise that is
+// found: the greatest may be that of few numbers.
 double noise_and_rounding(const Trial& trial, const Data& data) {
   if (data.noise) return *data.noise;
   const fit::NormalisedPoints& all = data.all;
-  const double sigma = trial.mixture.sigma, most = 4 * sigma,
+  const double sigma = trial.mixture.sigma, most = 12 * sigma,
                inliers = (1 - trial.mixture.share) * static_cast<double>(trial.model.points->count());
   double result = sigma;
   for (const double rounding : all.roundings)
     if (rounding > 0 && rounding <= most) {
-      result = fit::noise_and_rounding(sigma, rounding, inliers);
+      result = fit::noise_and_rounding(sigma, std::fmin(rounding, sigma), inliers);
       break;
     }
   const std::optional<PlacedSurface> surface = placed(trial, data);
   if (!surface) return result;
   for (const double rounding : all.uv_roundings)
     if (const auto [u, v] = moved_by_uvs(*surface, data, rounding); rounding > 0 && u <= most && v <= most) {
-      const auto shared_by = [&](double values) { return std::fmax(0, inliers / values - 1); };
-      return std::sqrt(result * result + shared_by(data.values.x) * u * u + shared_by(data.values.y) * v * v);
+      const auto shared = [&](double moved, double values) {
+        return std::fmax(0, inliers / values - 1) * std::pow(std::fmin(moved, sigma), 2);
+      };
+      return std::sqrt(result * result + shared(u, data.values.x) + shared(v, data.values.y));
     }
   return result;
 }
