@@ -54,7 +54,8 @@ TEST_F(Cli, TellsItsVersion) {
 
 TEST_F(Cli, RefusesWrongUsageInOneLine) {
   refused("darboux", {"command line: expected a command first, its options after it, got none"});
-  refused("darboux --threads 2 eval torus --at 0,0", {"a command first", "got '--threads', see darboux --help"});
+  refused("darboux --threads 2 eval torus --at 0,0",
+          {"a command first", "got '--threads', see darboux --help"});
   refused("darboux");
   refused("darboux nonsense", {"nonsense", "validate", "eval"});
   refused("darboux check sphere --seed -1", {"--seed"});
