@@ -191,12 +191,12 @@ Curvature<S> regular_curvature(const X& surface, S u, S v, const Frame<S>& frame
 
 /// The curvatures of a surface at (u, v), at poles and collapsed edges too, as shape_operator() says. At
 /// regular points they err by at most 8u times (1 + condition), as vectors: K, H, (κ1, κ2), the directions.
-/// The condition is the sum over u, v and the parameters of |x ∂q/∂x| / |q|; to that of the directions comes
-/// that of (κ1, κ2), and 1, times |κ|/(κ1 - κ2), at most 256. About 100 ns. Where terms cancel to less
-/// than an eighth, K and H are those that the surface states in closed form (some 20 ns more), and what it
-/// does not state, or κ and the directions, is computed in 40 digits: some 50 µs, for points where a chart is
-/// very oblique, a curvature is small beside the bending of the coordinate curves, or the square of a first
-/// partial underflows.
+/// The condition is the sum over u, v and the parameters of |x ∂q/∂x| / |q|. To that of the directions is
+/// added 1 + that of (κ1, κ2), times |κ|/(κ1 - κ2), which counts up to 256. About 100 ns. Where terms
+/// cancel to less than an eighth, K and H are those that the surface states in closed form (some 20 ns
+/// more), and what it does not state, or κ and the directions, is computed in 40 digits: some 50 µs, for
+/// points where a chart is very oblique, a curvature is small beside the bending of the coordinate curves,
+/// or the square of a first partial underflows.
 template <class X, std::floating_point S>
 Curvature<S> curvature(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   if constexpr (!ParametricSurface<X>) {

@@ -48,7 +48,6 @@ struct Held {
   }
   // That there are any: sums that cancel are then taken again in 40 digits, as of the surface itself.
   std::vector<ParameterValue> parameter_values() const { return surface.parameters(); }
-  std::vector<double> breaks(int along) const { return surface.breaks(along); }
 };
 
 }  // namespace darboux

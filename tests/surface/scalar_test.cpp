@@ -63,10 +63,10 @@ const std::array<Range, 5> ranges{
      {"random +-1000", [](Random& r) { return r.uniform(-1000, 1000); }},
      {"random +-1e15", [](Random& r) { return r.sign() * r.log_uniform(1e3, 1e15); }}}};
 
-// Derived, in ulp of the sine s of (π/2) r, r in [0, 1/2]: r HI is rounded by 1/2 ulp of its own, which is an
-// ulp of s where r HI >= 1/2 > s; the sum by 1/2; the second term, 1/24 of s there, by 1.7 of its own ulps =
-// 0.11; the polynomial errs by 0.03. The cosine has less. Searched: 1.6133 in double (6e7 points), 1.60007 in
-// float (every float in [2^-12, 1/8]).
+// Derived, in ulp of the sine s of (π/2) r, r in [0, 1/2]: r HI is rounded by 1/2 ulp of its own, which is
+// an ulp of s where r HI >= 1/2 > s; the sum by 1/2; the second term, 1/24 of s there, by 1.7 of its own ulps
+// = 0.11; the polynomial errs by 0.03. The cosine has less. Searched: 1.6133 in double (6e7 points), 1.60007
+// in float (every float in [2^-12, 1/8]).
 constexpr double bound = 1.65;
 
 TEST(SincosTurns, DoubleErrsByAtMostTheStatedUlps) {
