@@ -8,17 +8,10 @@
 #include "base/nearest_name.h"
 #include "base/text.h"
 #if __has_include("kernel_list.h")  // not where this file is compiled without the build
-#include "evaluate/kernels/index_in_catalogue.h"
-#include "kernel_list.h"
-#else
-#define DARBOUX_FOR_EACH_SURFACE_HEADER(X)
+#include "all_compiled_models.h"
 #endif
 
 namespace darboux {
-
-// For compiled_models.h.
-#define DARBOUX_COMPILE_MODEL(header) template struct AnySurface::Model<DARBOUX_SURFACE_OF(header)>;
-DARBOUX_FOR_EACH_SURFACE_HEADER(DARBOUX_COMPILE_MODEL)
 
 namespace {
 

@@ -1,5 +1,6 @@
-// any_surface.cpp compiles what an AnySurface holds of each surface of the catalogue: a second and more each.
-// A source that makes one says so, and takes that: DARBOUX_COMPILED_MODEL(Torus<>)
+// What an AnySurface holds of a surface of the catalogue takes a second and more to compile. Sources that CMake
+// writes compile it, by compile_model.h; a source that makes one says so, and takes that:
+// DARBOUX_COMPILED_MODEL(Torus<>)
 #pragma once
 
 #include <darboux/any_surface.h>

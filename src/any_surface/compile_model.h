@@ -1,0 +1,10 @@
+// What an AnySurface holds of one surface of the catalogue, for compiled_models.h. CMake writes sources that expand
+// DARBOUX_COMPILE_MODEL for headers of surfaces/.
+#pragma once
+
+#include <darboux/any_surface.h>
+#include <darboux/catalogue.h>
+
+#include "evaluate/kernels/index_in_catalogue.h"
+
+#define DARBOUX_COMPILE_MODEL(header) template struct darboux::AnySurface::Model<DARBOUX_SURFACE_OF(header)>;
