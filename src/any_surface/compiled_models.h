@@ -1,5 +1,5 @@
-// What an AnySurface holds of a surface of the catalogue takes a second and more to compile. Sources that CMake
-// writes compile it, by compile_model.h; a source that makes one says so, and takes that:
+// What an AnySurface holds of a surface of the catalogue takes a second and more to compile. Sources that
+// CMake writes compile it, by compile_model.h; a source that makes one says so, and takes that:
 // DARBOUX_COMPILED_MODEL(Torus<>)
 #pragma once
 

@@ -284,6 +284,7 @@ struct Storage {
   double error(double largest) const {
     const double of_float = is_float() ? 0x1p-24 * largest : 0;
     if (!format || std::string_view(format) == "%.9g") return of_float;
+    if (std::string_view(format) == "%.10g") return 0.5 * std::pow(10, std::floor(std::log10(largest)) - 9);
     const double digit = format[2] == '4' ? -4 : format[2] == '5' ? -5 : format[2] == '6' ? -6 : 0;
     if (digit != 0) return 0.5 * std::pow(10, digit);
     const double first = std::floor(std::log10(largest));
@@ -297,8 +298,8 @@ struct Storage {
     return std::strtod(text, nullptr);
   }
 };
-constexpr std::array<Storage, 7> storages{
-    {{nullptr}, {"%.9g"}, {"%.8g"}, {"%g"}, {"%.4f"}, {"%.5f"}, {"%.6f"}}};
+constexpr std::array<Storage, 8> storages{
+    {{nullptr}, {"%.9g"}, {"%.8g"}, {"%.10g"}, {"%g"}, {"%.4f"}, {"%.5f"}, {"%.6f"}}};
 
 // Roundings of a grid are alike: they are no other kind, no outliers and no certainty beyond them. Spheres of
 // floats were ellipsoids, and a cylinder had 65 outliers of 169 points and a radius known to 1e-16. The width

@@ -63,8 +63,8 @@ int digits_needed(double x, int first, int least, int most) {
 }
 
 // The greatest errors that the last digit of numbers leaves. They are told by their values: floats, also
-// where nine of their digits are written; three to eight decimals; four to eight significant digits.
-// Multiples of 2^-12, and what has fewer digits, may as well be exact.
+// where nine of their digits are written; three to twelve decimals; four to twelve significant digits, of
+// floats up to eight. Multiples of 2^-12, and what has fewer digits, may as well be exact.
 class StoredDigits {
  public:
   // \param limit numbers beyond are outliers', and do not say how large the others are
@@ -88,12 +88,13 @@ class StoredDigits {
     if (is_dyadic_) return result;
     const double of_floats = 0x1p-24 * largest_;
     if (is_float_) result[0] = of_floats;
-    if (decimals && decimals_ > few_decimals && decimals_ <= most) result[1] = 0.5 * std::pow(10, -decimals_);
-    if (decimals && digits_ > few_digits && digits_ <= most) {
+    const int last = is_float_ ? most_of_floats : most;
+    if (decimals && decimals_ > few_decimals && decimals_ <= last) result[1] = 0.5 * std::pow(10, -decimals_);
+    if (decimals && digits_ > few_digits && digits_ <= last) {
       const int of_largest = digits_ - 1 - static_cast<int>(std::floor(std::log10(largest_)));  // decimals
       // So many digits, not decimals, are also written of floats.
-      result[2] =
-          (digits_ == most && decimals_ > of_largest ? of_floats : 0) + 0.5 * std::pow(10, -of_largest);
+      result[2] = (digits_ == most_of_floats && decimals_ > of_largest ? of_floats : 0) +
+                  0.5 * std::pow(10, -of_largest);
     }
     std::sort(result.rbegin(), result.rend());
     return result;
@@ -101,7 +102,7 @@ class StoredDigits {
   int decimals() const { return decimals_ <= most ? decimals_ : 0; }  // 0: more than are written on purpose
 
  private:
-  static constexpr int few_decimals = 2, few_digits = 3, most = 8;
+  static constexpr int few_decimals = 2, few_digits = 3, most_of_floats = 8, most = 12;
   double limit_, largest_ = 0;
   bool is_dyadic_ = true, is_float_ = true;
   int decimals_ = few_decimals, digits_ = few_digits;

@@ -37,6 +37,8 @@ GeometricParameters guess_of(const PlacedSurface& placed, const Primitive& primi
 // more when all are counted; a surface with so much more than none is one; a kind so far behind that is not
 // looked for again.
 constexpr double far_likelier = 300, evident = 300, hopeless = 100;
+// Of the points' size: where a search may end whose surface meets them exactly.
+constexpr double nearly_exact = 1e-9;
 // Of a kind with so many unknowns the best start is not found at once, but in so many rounds.
 constexpr int hard_to_find = 7, enough_rounds = 4;
 
@@ -173,9 +175,11 @@ class PrimitivesFit {
     span = 0.7 / std::max(1.0, static_cast<double>(hypotheses.size()));
     std::vector<PrimitiveFit> tried;
     for (const Hypothesis& hypothesis : hypotheses) {
-      // Part of the points is enough to see that a kind is none.
-      PrimitiveFit found =
-          refine(problem, hypothesis, hypothesis.log_likelihood_ratio < furthest - far_likelier);
+      // Part of the points is enough to see that a kind is none. Where points are exact, one search ends
+      // nearer to them than another.
+      const bool is_none = hypothesis.log_likelihood_ratio < furthest - far_likelier &&
+                           !(hypothesis.mixture.sigma < nearly_exact);
+      PrimitiveFit found = refine(problem, hypothesis, is_none);
       fit_.iterations += found.iterations;
       if (is_wanted(*found.primitive, found.surface)) keep(std::move(found), tried);
       share += span;
