@@ -53,11 +53,13 @@ Eigen::Vector3d middle_of(const PointCloud& points, const std::vector<std::size_
 }
 
 // How many of the digits, counted from the one of 10^first down, a number needs, at most `most`; one more
-// where it needs more. Products with powers of ten are off by some roundings of theirs.
+// where it needs more, or a double has no more. Products with powers of ten are off by some roundings of
+// theirs.
 int digits_needed(double x, int first, int least, int most) {
   for (int k = least; k <= most; ++k) {
-    const double y = x * std::pow(10, k - 1 - first);
-    if (std::fabs(y - std::rint(y)) <= 1e-4 + 0x1p-50 * std::fabs(y)) return k;
+    const double y = x * std::pow(10, k - 1 - first), off = 0x1p-50 * std::fabs(y);
+    if (off > 0.1) break;
+    if (std::fabs(y - std::rint(y)) <= 1e-4 + off) return k;
   }
   return most + 1;
 }
@@ -88,7 +90,7 @@ class StoredDigits {
     if (is_dyadic_) return result;
     const double of_floats = 0x1p-24 * largest_;
     if (is_float_) result[0] = of_floats;
-    const int last = is_float_ ? most_of_floats : most;
+    const int last = last_told();
     if (decimals && decimals_ > few_decimals && decimals_ <= last) result[1] = 0.5 * std::pow(10, -decimals_);
     if (decimals && digits_ > few_digits && digits_ <= last) {
       const int of_largest = digits_ - 1 - static_cast<int>(std::floor(std::log10(largest_)));  // decimals
@@ -99,10 +101,17 @@ class StoredDigits {
     std::sort(result.rbegin(), result.rend());
     return result;
   }
-  int decimals() const { return decimals_ <= most ? decimals_ : 0; }  // 0: more than are written on purpose
+  // 0: more than are written on purpose, or fewer digits tell the numbers, of which small ones have more
+  // decimals.
+  int decimals() const {
+    const bool are_digits = digits_ <= most && decimals_ > digits_ - std::floor(std::log10(largest_));
+    return decimals_ <= last_told() && !are_digits ? decimals_ : 0;
+  }
 
  private:
   static constexpr int few_decimals = 2, few_digits = 3, most_of_floats = 8, most = 12;
+  int last_told() const { return is_float_ ? most_of_floats : most; }
+
   double limit_, largest_ = 0;
   bool is_dyadic_ = true, is_float_ = true;
   int decimals_ = few_decimals, digits_ = few_digits;
