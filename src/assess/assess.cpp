@@ -24,15 +24,21 @@ void take(const Mesh& mesh, std::span<const signed char> signs, Recognition& res
   result.fit = std::move(fit);
 }
 
-// The declared surface through the mesh's uvs, and by its positions where there are none or the mesh is a
-// part. \param signs of its triangles
+// A surface that may be the mesh's, though its uvs do not tell its chart.
+bool is_near(const std::optional<MeshFit>& fit) {
+  return fit && fit->rms_relative <= fits_below;
+}
+
+// The declared surface through the mesh's uvs, and by its positions where there are none, they nearly fit, or
+// the mesh is a part. \param signs of its triangles
 Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs, const AssessOptions& options,
                           bool part) {
   Recognition result;
   try {
-    MeshFit fit = options.exact_surface ? fit_surface(mesh, *options.exact_surface, options.placement, signs)
-                                        : fit_surface(mesh, *options.surface, options.placement, signs);
-    result.reason = nearest_fit(fit);
+    auto [fit, limit] = options.exact_surface
+                            ? fit_declared(mesh, *options.exact_surface, options.placement, signs)
+                            : fit_declared(mesh, *options.surface, options.placement, signs);
+    result.reason = nearest_fit(fit, limit);
     result.declared = fit.fits;
     if (fit.fits)
       take(mesh, signs, result, std::move(fit));
@@ -44,7 +50,7 @@ Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs, 
   } catch (const MeshError& e) {
     result.reason = std::string(": ") + e.what();
   }
-  if (result.fits() || !(mesh.uvs.empty() || part)) return result;
+  if (result.fits() || !(mesh.uvs.empty() || part || is_near(result.fit))) return result;
   const std::string_view kind =
       options.exact_surface ? options.exact_surface->info().name : std::string_view(options.surface->name);
   if (options.exact_surface) {
@@ -76,7 +82,7 @@ Assessment assessment_of(const MeshUnderTest& under_test, Recognition recognitio
   const std::size_t corners = std::max<std::size_t>(mesh.corners(), 1);
   // A declared surface that is near enough is no mismatch, even where the fit cannot tell which of its charts
   // it is.
-  if (declared && recognition.identifiable && !(result.fit && result.fit->rms_relative <= fits_below)) {
+  if (declared && recognition.identifiable && !is_near(result.fit)) {
     add(report, finding(Code::surface_mismatch, corners, recognition.reason));
     report.verdict = Verdict::fail;
   } else {

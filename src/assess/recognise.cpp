@@ -28,14 +28,12 @@ constexpr double plane_normals = 0.8;  // share of normals that must be the plan
 
 }  // namespace
 
-std::string nearest_fit(const MeshFit& fit) {
-  const bool affine = has_affine_uvs(fit);
-  const double limit = affine ? fits_below / 100 : fits_below;
+std::string nearest_fit(const MeshFit& fit, double limit) {
   return ": nearest is " + fit.surface.surface.specification(6) + " with an rms distance of " +
          rounded(fit.rms_relative, 2) + " of the mesh's size, " +
          (fit.rms_relative <= limit ? "which leaves some of its unknowns open"
                                     : "expected at most " + rounded(limit, 1)) +
-         (affine ? " under affine uvs" : "");
+         (has_affine_uvs(fit) ? " under affine uvs" : "");
 }
 
 namespace {

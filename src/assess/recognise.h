@@ -18,7 +18,7 @@ namespace darboux {
 
 // Of a fit that does not fit: what it came to, and why that is not enough. An affine map is so free that it
 // must fit better.
-std::string nearest_fit(const MeshFit& fit);
+std::string nearest_fit(const MeshFit& fit, double limit);
 
 // How much may still be tried on one mesh: parts like those that were no surface are not tried again, and
 // after a dozen of them the others are looked at briefly.

@@ -19,11 +19,18 @@ std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Is
                                  std::span<const std::string_view> kinds, UvMaps maps,
                                  std::span<const signed char> signs);
 
-// The public ones.
-MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
-                    const std::optional<Eigen::Isometry3d>& placement, std::span<const signed char> signs);
-MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
-                    const std::optional<Eigen::Isometry3d>& placement, std::span<const signed char> signs);
+// fit_surface(), and the rms_relative up to which it fits.
+struct DeclaredFit {
+  MeshFit fit;
+  double limit;
+};
+DeclaredFit fit_declared(const Mesh& mesh, const SurfaceSpecification& given,
+                         const std::optional<Eigen::Isometry3d>& placement,
+                         std::span<const signed char> signs);
+DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
+                         const std::optional<Eigen::Isometry3d>& placement,
+                         std::span<const signed char> signs);
+// The public one.
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const signed char> signs);
 
 }  // namespace darboux

@@ -38,6 +38,7 @@ constexpr fit::Mixture least_squares;
 struct Data {
   fit::NormalisedPoints all, trial, few;
   std::vector<double> shears;  // that edges suggest
+  double rounding = 0;         // rms distance that roundings of the stored positions leave, with room
 };
 
 // The slopes Δu/Δv that most edges have: of a sheared grid those of its columns and diagonals.
@@ -90,6 +91,10 @@ Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   data.all.scale = box.diagonal().stableNorm();
   if (!(data.all.scale > 0))
     throw UndeterminedError("mesh", "all vertices are at one point, a fit needs an extent");
+  const Eigen::Vector3d largest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
+  constexpr double room = 1.5;
+  data.rounding = room * std::fmax(mesh.half_steps.position, 0x1p-24 / std::sqrt(3) * largest.stableNorm()) /
+                  data.all.scale;
   data.all.cloud.resize(3, static_cast<Eigen::Index>(usable.size()));
   data.all.uvs.reserve(usable.size());
   for (const std::uint32_t v : usable) {
@@ -128,6 +133,12 @@ struct Wanted {
   std::vector<std::pair<std::string, double>> parameters{};  // held values
   std::optional<AnySurface> exact{};                         // held but for its placement
   std::optional<Eigen::Isometry3d> placement{};
+  bool is_declared = false;
+
+  // The rms distance up to which it fits. Roundings make nothing a surface that is not declared.
+  double limit(const Data& data, bool affine) const {
+    return std::fmax(fits_below * (affine ? affine_share : 1), is_declared ? data.rounding : 0);
+  }
 
   UvHeld held(double size, const Eigen::Vector3d& centre) const {
     UvHeld result;
@@ -144,14 +155,16 @@ struct Wanted {
   }
 };
 
-std::optional<AnySurface> surface_of(const UvModel& model, const UvState& state, double size,
+std::optional<AnySurface> surface_of(const Data& data, const UvModel& model, const UvState& state,
                                      const Wanted& wanted) {
   if (wanted.exact) return wanted.exact;
+  const double size = data.all.scale;
   const UvKind& kind = *model.kind;
   SurfaceSpecification result{std::string(kind.name), {}};
   for (std::size_t k = 0; k < state.parameters.size(); ++k) {
     const ParameterValue& p = kind.parameters[k];
-    if (!model.held[k] && kind.vanishes(static_cast<int>(k), state.parameters[k])) return std::nullopt;
+    if (!model.held[k] && kind.vanishes(static_cast<int>(k), state.parameters[k], data.rounding))
+      return std::nullopt;
     const auto held = std::find_if(wanted.parameters.begin(), wanted.parameters.end(),
                                    [&](const auto& g) { return g.first == p.name; });
     result.parameters.emplace_back(p.name, held != wanted.parameters.end()
@@ -188,11 +201,10 @@ std::optional<Trial> fit_from(const Data& data, UvStart start, const Wanted& wan
     else
       solved = start.model.solve(start.state, least_squares, 1e-14);
   }
-  if (!surface_of(start.model, start.state, data.all.scale, wanted)) return std::nullopt;
+  if (!surface_of(data, start.model, start.state, wanted)) return std::nullopt;
   const double error = rms(start.model, start.state);
   if (!std::isfinite(error)) return std::nullopt;
-  const double permitted = fits_below * (start.model.free_affine.empty() ? 1 : affine_share);
-  bool fits = solved.converged && error <= permitted;
+  bool fits = solved.converged && error <= wanted.limit(data, !start.model.free_affine.empty());
   if (fits && !determined(start.model, start.state)) {
     // Where it came out as a surface of revolution, the offset of u is a rotation about its axis, and is
     // held.
@@ -254,10 +266,10 @@ MeshFit completed(const Data& data, Trial trial, const Wanted& wanted) {
     fit::MixtureInVolume without_outliers;
     UvState state = trial.state;
     trial.model.polish(state, without_outliers, 6);
-    if (surface_of(trial.model, state, data.all.scale, wanted)) trial.state = state;
+    if (surface_of(data, trial.model, state, wanted)) trial.state = state;
   }
   MeshFit fit{{},
-              {*surface_of(trial.model, trial.state, data.all.scale, wanted), Eigen::Isometry3d::Identity(),
+              {*surface_of(data, trial.model, trial.state, wanted), Eigen::Isometry3d::Identity(),
                trial.model.whole_convention(trial.state)}};
   fit.equivalent = trial.equivalent;
   std::vector<double> squares;
@@ -268,7 +280,7 @@ MeshFit completed(const Data& data, Trial trial, const Wanted& wanted) {
     squares = trial.model.squares(trial.state);
   fit.rms_relative = rms(squares);
   fit.rms = fit.rms_relative * data.all.scale;
-  fit.fits = trial.fits && fit.rms_relative <= fits_below;
+  fit.fits = trial.fits && fit.rms_relative <= wanted.limit(data, false);
   const auto n = static_cast<double>(data.all.count());
   if (fit.fits) {  // so there are more coordinates than unknowns
     const double sigma =
@@ -291,6 +303,10 @@ MeshFit completed(const Data& data, Trial trial, const Wanted& wanted) {
   return fit;
 }
 
+DeclaredFit declared(const Data& data, const Trial& best, const Wanted& wanted) {
+  return {completed(data, best, wanted), wanted.limit(data, !best.model.free_affine.empty())};
+}
+
 MeshError no_start(std::string_view name) {
   return MeshError("mesh",
                    "under no uv convention do the positions follow the uvs on " + fit::with_article(name));
@@ -309,44 +325,46 @@ const std::vector<std::string_view>& fitted_kinds() {
 
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
                     const std::optional<Eigen::Isometry3d>& placement) {
-  return fit_surface(mesh, given, placement, triangle_signs(mesh));
+  return fit_declared(mesh, given, placement, triangle_signs(mesh)).fit;
 }
 MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
                     const std::optional<Eigen::Isometry3d>& placement) {
-  return fit_surface(mesh, exact, placement, triangle_signs(mesh));
+  return fit_declared(mesh, exact, placement, triangle_signs(mesh)).fit;
 }
 
-MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
-                    const std::optional<Eigen::Isometry3d>& placement, std::span<const signed char> signs) {
+DeclaredFit fit_declared(const Mesh& mesh, const SurfaceSpecification& given,
+                         const std::optional<Eigen::Isometry3d>& placement,
+                         std::span<const signed char> signs) {
   const AnySurface surface = make_surface(given);  // refuses unknown names and values out of range
   const UvKind* kind = find_uv_kind(given.name);
-  if (!kind) return fit_surface(mesh, surface, placement, signs);
+  if (!kind) return fit_declared(mesh, surface, placement, signs);
   const Data data = usable_vertices(mesh, signs);
-  const Wanted wanted{*kind, given.parameters, {}, placement};
+  const Wanted wanted{*kind, given.parameters, {}, placement, true};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) {
     // What another kind explains under a plain convention is that kind, and no limit of this one with bent
     // uvs: a torus of major radius 0 is a sphere.
     const bool another = std::any_of(uv_kinds().begin(), uv_kinds().end(), [&](const UvKind& other) {
       if (&other == kind) return false;
-      const auto trial = try_conventions(data, {other, {}, {}, placement});
+      const auto trial = try_conventions(data, {other, {}, {}, placement, true});
       return trial && trial->fits;
     });
     if (!another) keep_better(best, try_affine(data, wanted));
   }
   if (!best) throw no_start(given.name);
-  return completed(data, *best, wanted);
+  return declared(data, *best, wanted);
 }
 
-MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
-                    const std::optional<Eigen::Isometry3d>& placement, std::span<const signed char> signs) {
+DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
+                         const std::optional<Eigen::Isometry3d>& placement,
+                         std::span<const signed char> signs) {
   const UvKind kind = rigid_kind(exact);
   const Data data = usable_vertices(mesh, signs);
-  const Wanted wanted{kind, {}, exact, placement};
+  const Wanted wanted{kind, {}, exact, placement, true};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) keep_better(best, try_affine(data, wanted));
   if (!best) throw no_start(exact.info().name);
-  return completed(data, *best, wanted);
+  return declared(data, *best, wanted);
 }
 
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {

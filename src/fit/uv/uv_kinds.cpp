@@ -88,8 +88,9 @@ bool UvKind::linear() const {
   return true;
 }
 
-bool UvKind::vanishes(int k, double value) const {
-  return !may_be_zero[static_cast<std::size_t>(k)] && std::fabs(value) < 1e-6;
+bool UvKind::vanishes(int k, double value, double rounding) const {
+  const auto i = static_cast<std::size_t>(k);
+  return !may_be_zero[i] && std::fabs(value) < std::fmax(1e-6, length[i] ? rounding : 0);
 }
 
 const std::vector<UvKind>& uv_kinds() {

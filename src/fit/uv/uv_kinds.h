@@ -44,8 +44,8 @@ struct UvKind {
   /// Whether positions are linear in the parameters: all are lengths, and none is tied.
   bool linear() const;
   /// Whether the k-th parameter, over the size of the points, has shrunk the surface to a line, a point or
-  /// another kind.
-  bool vanishes(int k, double value) const;
+  /// another kind. \param rounding of the points, over their size: no length below is one
+  bool vanishes(int k, double value, double rounding = 0) const;
 };
 
 /// In the order of preference, in which they are tried: a sphere is an ellipsoid too.
