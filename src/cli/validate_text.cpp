@@ -27,7 +27,7 @@ void print_local(const LocalReport& local) {
     return c.vertex_class == VertexClass::interior && (c.normal_deg || c.tangent_deg);
   });
   if (interior == local.classes.end()) {
-    std::cout << "    local: nothing is known of interior corners, their neighbours do not tell\n";
+    std::cout << "    local: nothing to compare at interior corners\n";
     return;
   }
   std::string text;
