@@ -106,8 +106,8 @@ const std::vector<std::string_view>& found_kinds();
 /// where the others tell a surface that it is not on, and named in `reason`.
 ///
 /// No noise is taken to be less than half of the greatest rounding that the coordinates show (of floats, of
-/// three to twelve decimals, of four to twelve digits); where there is no more noise than that, standard
-/// errors take roundings to be alike at all points.
+/// three to twelve decimals, of four to twelve digits, of floats up to eight); where there is no more noise
+/// than that, standard errors take roundings to be alike at all points.
 ///
 /// The gauge, where the surface has symmetries (docs/theory/fit.md): the axis points along the positive side
 /// of its largest component, a cone's from base to apex; the u origin is the world axis x, y or z least

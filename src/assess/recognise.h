@@ -17,7 +17,7 @@
 namespace darboux {
 
 // Of a fit that does not fit: what it came to, and why that is not enough. An affine map is so free that it
-// must fit better.
+// must fit better. \param limit the rms_relative up to which it would
 std::string nearest_fit(const MeshFit& fit, double limit);
 
 // How much may still be tried on one mesh: parts like those that were no surface are not tried again, and

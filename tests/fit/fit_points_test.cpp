@@ -284,11 +284,9 @@ struct Storage {
   double error(double largest) const {
     const double of_float = is_float() ? 0x1p-24 * largest : 0;
     if (!format || std::string_view(format) == "%.9g") return of_float;
-    if (std::string_view(format) == "%.10g") return 0.5 * std::pow(10, std::floor(std::log10(largest)) - 9);
-    const double digit = format[2] == '4' ? -4 : format[2] == '5' ? -5 : format[2] == '6' ? -6 : 0;
-    if (digit != 0) return 0.5 * std::pow(10, digit);
-    const double first = std::floor(std::log10(largest));
-    return of_float + 0.5 * std::pow(10, first - (std::string_view(format) == "%g" ? 5 : 7));
+    if (std::string_view(format).back() == 'f') return 0.5 * std::pow(10, -std::atoi(format + 2));
+    const int digits = std::string_view(format) == "%g" ? 6 : std::atoi(format + 2);
+    return of_float + 0.5 * std::pow(10, std::floor(std::log10(largest)) - digits + 1);
   }
   double operator()(double x) const {
     if (is_float()) x = static_cast<float>(x);
