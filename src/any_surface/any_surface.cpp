@@ -32,6 +32,19 @@ const AnySurface& find_surface(const std::string& name) {
                                                              (known.empty() ? "none" : joined(known)));
 }
 
+bool starts_a_number(std::string_view text) {
+  return !text.empty() && std::string_view("0123456789+-.").find(text.front()) != std::string_view::npos;
+}
+
+// "torus:1,0.4", or a comma for the decimal point.
+[[noreturn]] void throw_unnamed_value(const AnySurface& surface, const std::string& value) {
+  std::string known;
+  for (const ParameterValue& p : surface.parameters())
+    known += (known.empty() ? "" : ", ") + std::string(p.name) + "=NUMBER";
+  throw ParameterError(std::string(surface.info().name), expected_got(known.empty() ? "no parameters" : known,
+                                                                      "'" + value + "' without a name"));
+}
+
 double parse_number(const std::string& subject, std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -70,6 +83,7 @@ SurfaceSpecification parse_specification(std::string_view text) {
     const std::size_t equals = item.find('=');
     const std::string name(item.substr(0, equals));
     const auto parameters = surface.parameters();
+    if (equals == std::string_view::npos && starts_a_number(item)) throw_unnamed_value(surface, name);
     if (std::none_of(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; }))
       throw_unknown_parameter(surface, name);
     if (equals == std::string_view::npos)

@@ -9,6 +9,7 @@
 #include "base/keep_freed_memory.h"
 #include "base/nearest_name.h"
 #include "command.h"
+#include "io/input.h"
 #include "io/unfinished.h"
 
 namespace darboux {
@@ -43,6 +44,8 @@ std::string unexpected(const CLI::App& sub) {
     got += (got.empty() ? "'" : ", '") + text + "'";
     if (text.starts_with('-') && std::find(known.begin(), known.end(), name) == known.end())
       got += did_you_mean(name, known);
+    else if (io::parse_number(text))
+      got += " (the numbers of one value are joined by commas, as 0.3,0.7)";
   }
   return expected_got("options and arguments of " + sub.get_name(), got);
 }

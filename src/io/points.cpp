@@ -89,8 +89,8 @@ PointColumns PointColumns::named(std::span<const std::string> names, const std::
       columns.slots[found[k]] = group.first + static_cast<int>(k);
   }
   if (!taken[0])
-    throw FileError(
-        where, expected_got("the columns x y z, with nx ny nz, u v and others", "none named x, y and z"));
+    throw FileError(where, expected_got("the columns x y z, with nx ny nz, u v and others",
+                                        "'" + joined({names.begin(), names.end()}, "', '") + "'"));
   columns.normals = taken[3];
   columns.uvs = taken[6];
   return columns;
@@ -119,8 +119,12 @@ PointFile PointReader::finish() {
 
 double number_of(std::string_view field, const Lines& lines) {
   const auto value = parse_number(field);
-  if (!value) lines.fail(in_quotes(field) + ", which is no number within the range of double");
-  return *value;
+  if (value) return *value;
+  const auto between = field.find_first_of(", \t");  // of "1,5", or of "5 2" in "1,5 2,5"
+  if (between != std::string_view::npos && parse_number(field.substr(0, between)) &&
+      parse_number(trimmed(field.substr(between + 1))))
+    lines.fail(in_quotes(field) + ", which is two numbers; write decimal points, not commas");
+  lines.fail(in_quotes(field) + ", which is no number within the range of double");
 }
 
 void find_places(PointFile& file, const std::vector<bool>& used) {

@@ -23,23 +23,6 @@ void split_row(std::string_view line, char separator, std::vector<std::string_vi
       field = trimmed(field.substr(1, field.size() - 2));
 }
 
-// "x y z [nx ny nz]": brackets about names are no part of them; those of a unit, "x[m]", are.
-std::string without_brackets(std::string_view line) {
-  std::string text(line);
-  int open = 0;
-  char before = ' ';
-  for (char& c : text) {
-    const char now = c;
-    const bool is_start = std::string_view(" \t,;").find(before) != std::string_view::npos;
-    if (std::string_view("[({").find(c) != std::string_view::npos && is_start)
-      c = ' ', ++open;
-    else if (std::string_view("])}").find(c) != std::string_view::npos && open > 0)
-      c = ' ', --open;
-    before = now;
-  }
-  return text;
-}
-
 // Whether the first field that is not empty is a name; a number that is misspelt is none.
 bool is_header(const std::vector<std::string_view>& fields) {
   const auto first =
@@ -49,10 +32,30 @@ bool is_header(const std::vector<std::string_view>& fields) {
          !parse_number(*first);
 }
 
-PointColumns named_columns(const std::vector<std::string_view>& fields, const PointReader& reader,
+constexpr std::string_view opening = "[({", closing = "])}";
+
+// The names of a header, or of a comment that may be one. A unit is none, be it "x [mm]", "x[mm]" or between
+// blanks; other brackets, as about "[nx ny nz]", are no part of a name.
+std::vector<std::string> names_of(std::string_view line, char separator) {
+  std::vector<std::string_view> fields;
+  split_row(line, separator, fields);
+  const auto is_unit = [](std::string_view field) {
+    return field.size() > 2 && opening.find(field.front()) != std::string_view::npos &&
+           closing.find(field.back()) != std::string_view::npos;
+  };
+  const auto units = static_cast<std::size_t>(std::count_if(fields.begin(), fields.end(), is_unit));
+  if (separator == ' ' && units >= 3 && units < fields.size()) std::erase_if(fields, is_unit);
+  std::vector<std::string> names;
+  for (std::string_view field : fields) {
+    field = trimmed(field.substr(std::min(field.find_first_not_of(opening), field.size())));
+    names.emplace_back(trimmed(field.substr(0, field.find_first_of("[({])}"))));
+  }
+  return names;
+}
+
+PointColumns named_columns(std::string_view line, char separator, const PointReader& reader,
                            const Lines& lines) {
-  return PointColumns::named(std::vector<std::string>(fields.begin(), fields.end()),
-                             reader.path() + ":" + std::to_string(lines.number()));
+  return PointColumns::named(names_of(line, separator), reader.path() + ":" + std::to_string(lines.number()));
 }
 
 // What is no normal may be a colour; nothing, zero and what is not finite stand for one that is not known.
@@ -94,11 +97,10 @@ PointFile read_table(PointReader& reader) {
   while (lines.next(columns.slots.empty())) {
     const bool first = columns.slots.empty();
     if (first && (lines.text().starts_with("#") || lines.text().starts_with("//"))) {
-      const std::string text = without_brackets(
-          lines.text().substr(std::min(lines.text().find_first_not_of("#/"), lines.text().size())));
-      split_row(text, separator_of(text), fields);
+      const std::string_view text =
+          lines.text().substr(std::min(lines.text().find_first_not_of("#/"), lines.text().size()));
       try {
-        commented = named_columns(fields, reader, lines);
+        commented = named_columns(text, separator_of(text), reader, lines);
       } catch (const FileError&) {  // a comment of other words
       }
       continue;
@@ -106,7 +108,7 @@ PointFile read_table(PointReader& reader) {
     if (first) separator = separator_of(lines.text());
     split_row(lines.text(), separator, fields);
     if (first && is_header(fields)) {
-      columns = named_columns(fields, reader, lines);
+      columns = named_columns(lines.text(), separator, reader, lines);
       continue;
     }
     if (first && commented.slots.size() == fields.size()) {

@@ -81,9 +81,9 @@ constexpr std::array kinds{
                 "right there for every texture",
                 "nothing; best is a separate vertex per column"},
     FindingKind{"NORMALS_INWARD", info,
-                "normals and triangles face the inside of the surface; they were compared with its inward "
-                "normal",
-                "nothing, if the mesh is seen from inside"},
+                "normals and triangles face against the surface's normal, as on the inside of a sphere; they "
+                "were compared with its opposite",
+                "nothing, if the mesh is seen from that side"},
     FindingKind{
         "FACETED", info,
         "normals are those of the triangles (flat shading), and neighbouring triangles face other ways",

@@ -111,7 +111,9 @@ TEST(MakeSurface, NamesAParameterThatIsNoNumber) {
               "torus: minor_radius: expected a decimal number such as 0.25, got '" + std::string(text) + "'");
   }
   EXPECT_EQ(message_of("torus:minor_radius=1,5"),
-            "torus: unknown parameter '5', known are major_radius, minor_radius");
+            "torus: expected major_radius=NUMBER, minor_radius=NUMBER, got '5' without a name");
+  EXPECT_EQ(message_of("torus:1,0.4"),
+            "torus: expected major_radius=NUMBER, minor_radius=NUMBER, got '1' without a name");
   EXPECT_EQ(message_of("torus:major_radius"),
             "torus: parameter 'major_radius': expected major_radius=number, got no value");
   EXPECT_EQ(message_of("torus:major_radius=1,major_radius=1"),

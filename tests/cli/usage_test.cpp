@@ -168,6 +168,8 @@ TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
   refused("darboux eval torus --att position --bar", {"command line: expected options and arguments of eval, "
                                                       "got '--att' (did you mean --at?), 'position', '--bar'",
                                                       "see darboux eval --help"});
+  refused("darboux eval torus --at 0.3 0.7",
+          {"got '0.7' (the numbers of one value are joined by commas, as 0.3,0.7)"});
   refused("darboux eval torus --attribute=position",
           {"got '--attribute=position' (did you mean --attributes?)"});
   refused("darboux check torus --points 1e3",

@@ -203,8 +203,14 @@ TEST_F(PointFiles, HeadersAndQuotesOfOtherTools) {
               {{{1, 2, 3}}, {{0, 0, 1}}, {}});
   for (const std::string header : {"# x y z [nx ny nz]\n", "# (x, y, z), (nx, ny, nz)\n"})
     expect_same(read("a.xyz", header + "1 2 3 0 0 1\n").cloud, {{{1, 2, 3}}, {{0, 0, 1}}, {}});
-  // A unit is part of a name, and "x[m]" names no column.
-  expect_same(read("a.xyz", "# x[m] y[m] z[m]\n1 2 3 0 0 1\n").cloud, {{{1, 2, 3}}, {{0, 0, 1}}, {}});
+  // Units are no columns: these name three, of rows of six.
+  for (const std::string header : {"# x[m] y[m] z[m]\n", "# x [m] y [m] z [m]\n"})
+    expect_same(read("a.xyz", header + "1 2 3 0 0 1\n").cloud, {{{1, 2, 3}}, {{0, 0, 1}}, {}});
+  for (const std::string header :
+       {"# y [m] x [m] z [m]\n", "Y [mm] X [mm] Z [mm]\n", "[y] [x] [z]\n", "#Y(mm) X(mm) Z(mm)\n"})
+    expect_same(read("a.xyz", header + "2 1 3\n5 4 6\n").cloud, two);
+  expect_same(read("a.csv", "Y [mm],X [mm],Z [mm]\n2,1,3\n5,4,6\n").cloud, two);
+  expect_same(read("a.csv", "\"Y (mm)\";\"X (mm)\";\"Z (mm)\"\n2;1;3\n5;4;6\n").cloud, two);
   // A comment that happens to name columns, but not those of the rows.
   expect_same(read("a.xyz", "# the columns are x y z\n1 2 3\n4 5 6\n").cloud, two);
   expect_same(read("a.xyz", "# x y z x\n//\n1 2 3\n4 5 6\n").cloud, two);
@@ -421,8 +427,10 @@ TEST_F(PointFiles, RefusesWhatIsNoTableOfNumbers) {
   for (const std::string bad : {"1 2", "1 2 3 4", "1", "1 2 3 4 5 6 7 8 9"})
     refused("a.xyz", good + bad + "\n", {"a.xyz:2: ", "columns", "3 numbers x y z"});
   for (const std::string bad : {"1 2", "1"}) refused("a.xyz", "\n" + bad + "\n", {"a.xyz:2: "});
-  refused("a.csv", "1,5;2,5;3,5\n", {"a.csv:1: ", "1,5"});
-  refused("a.csv", "x,y,w\n1,2,3\n", {"a.csv:1: ", "x, y and z"});
+  refused("a.csv", "1,5;2,5;3,5\n",
+          {"a.csv:1: ", "\"1,5\", which is two numbers; write decimal points, not commas"});
+  refused("a.xyz", "1,5 2,5 3,5\n", {"a.xyz:1: ", "\"5 2\", which is two numbers"});
+  refused("a.csv", "x,y,w\n1,2,3\n", {"a.csv:1: ", "the columns x y z", "got 'x', 'y', 'w'"});
   refused("a.csv", "x,y,z,X\n1,2,3,4\n", {"twice"});
   refused("a.csv", "x,y,z\n1,2\n", {"a.csv:2: ", "2 columns"});
   refused("a.csv", "x,y,z\n", {"expected at least one point, got none"});
@@ -461,7 +469,7 @@ TEST_F(PointFiles, RefusesBrokenPly) {
   refused("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\nend_header\n1\n",
           {":4: ", "half"});
   refused("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
-          {"x, y and z"});
+          {"columns x y z", "got 'x'"});
   refused("a.ply", ply_header("ascii", 0), {"expected at least one point, got none"});
   // Headers that lie about counts, upwards without an allocation to match.
   refused("a.ply", ply_header("ascii", 2) + "1 2 3 4 5 6 7 8 9\n",
