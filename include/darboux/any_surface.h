@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <darboux/error.h>
 #include <darboux/evaluate.h>
 #include <darboux/multiprecision.h>
 #include <darboux/surface.h>
@@ -39,13 +40,32 @@ concept HasParametersAtRunTime = requires(X& x, std::span<const double> values) 
   x.set_parameters(values);
 };
 
+namespace detail {
+
+// Does not compile where the formula takes double alone.
+template <class X>
+constexpr void expect_dual_numbers() {
+  constexpr bool any_scalar =
+      requires(const X& x, const Prepared<X::info.u, DualUV>& u, const Prepared<X::info.v, DualUV>& v) {
+    x.jet(u, v);
+  };
+  static_assert(
+      any_scalar,
+      "expected template <class S> jet(u, v) of any scalar S; got one that does not take dual numbers");
+}
+
+}  // namespace detail
+
 /// Holds any surface type over double, by value (shared and immutable). One virtual call per evaluation.
 class AnySurface {
  public:
   /// Any type that fulfils ParametricSurface for every scalar named below, in the catalogue or not.
   /// \throws ParameterError when a parameter is out of its range
   template <ParametricSurface X>
-  AnySurface(const X& surface) : held_(std::make_shared<Model<X>>(checked(surface))) {}  // NOLINT: converting
+  AnySurface(const X& surface)  // NOLINT: converting
+      : held_(std::make_shared<Model<X>>(checked(surface))) {
+    detail::expect_dual_numbers<X>();
+  }
 
   const SurfaceInfo& info() const { return held_->info(); }
   std::vector<ParameterValue> parameters() const { return held_->parameters(); }
@@ -53,9 +73,10 @@ class AnySurface {
   Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const { return held_->jet(u, v); }
   Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const { return held_->jet(u, v); }
   /// In 40 digits, optionally with other values for the parameters (in the order of parameters(), all of
-  /// them).
+  /// them). \throws ParameterError for more or fewer values
   Jet2<Multiprecision> jet(const Multiprecision& u, const Multiprecision& v,
                            std::span<const Multiprecision> values = {}) const {
+    if (!values.empty()) expect_one_per_parameter(values.size());
     return held_->jet(u, v, values);
   }
   Frame<double> frame(double u, double v) const { return held_->frame(u, v); }
@@ -98,12 +119,8 @@ class AnySurface {
   std::optional<Vec3<double>> second_formula(double u, double v) const { return held_->second_formula(u, v); }
 
   /// The same surface with other values for all its parameters, in the order of parameters().
-  /// \throws ParameterError when one is out of its range
-  AnySurface with(std::span<const double> values) const {
-    AnySurface changed = held_->with(values);
-    changed.file_ = file_;
-    return changed;
-  }
+  /// \throws ParameterError when one is out of its range, or there are more or fewer values than parameters
+  AnySurface with(std::span<const double> values) const;
 
   /// The file this surface was read from (io.h), empty for every other.
   const std::string& file() const { return file_; }
@@ -260,6 +277,8 @@ class AnySurface {
     }
     X surface;
   };
+  void expect_one_per_parameter(std::size_t values) const;
+
   std::shared_ptr<const Concept> held_;
   std::string file_;
 };

@@ -18,6 +18,7 @@
 
 #include <darboux/attributes.h>
 #include <darboux/curvature.h>
+#include <darboux/error.h>
 #include <darboux/instruction_set.h>
 #include <darboux/point.h>
 

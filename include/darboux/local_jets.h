@@ -32,8 +32,8 @@ struct JetOptions {
 /// The surface at one point, from its neighbours. An `_error` is a standard error: the root of the expected
 /// square of the error from noise and from the polynomial's truncation together. Twice that covers 95 % or
 /// more wherever noise leads or the neighbours lie within an eighth of the smallest radius of curvature, 88 %
-/// or more within three eighths. It is infinite where the neighbours do not tell: they are fewer than
-/// jet_coefficients(degree + 1) + 3, or lie on a curve of degree + 1.
+/// or more within three eighths. It is infinite where the neighbours tell a jet but not its error: they are
+/// fewer than jet_coefficients(degree + 1) + 3, or lie on a curve of degree + 1; NaN where there is no jet.
 struct LocalJet {
   Vec3<double>
       position;    ///< on the fitted surface, above or below the query along the neighbours' plane normal

@@ -38,6 +38,15 @@ S terms_size(const Vec3<S>& a, const Vec3<S>& b) {
   return abs(a.x * b.x) + abs(a.y * b.y) + abs(a.z * b.z);
 }
 
+// Whether a quotient is so near to the end of the range that it has lost digits, or is 0.
+template <class S>
+auto underflows(const S& quotient, const S& numerator) {
+  using std::abs;
+  using T = Element<S>;
+  return abs(quotient) < S(std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon()) &&
+         numerator != S(0);
+}
+
 }  // namespace detail
 
 /// S = [[a, m], [m, c]] from a jet and its orthonormal frame: L = e² a, M = e (f a + g m),
@@ -53,8 +62,9 @@ ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
   const Vec3<S> along_u = j.d2pdu2 / s.e, mixed = j.d2pduv / s.e, along_v = j.d2pdv2 / s.g;
   const S f = abs(s.f), g = abs(s.g), skew = s.f / s.g, two = lift<S>(2.0);
   const S excess = detail::terms_size(j.dpdv, frame.b) - g;  // what has cancelled in g
-  s.a = dot(frame.n, along_u) / s.e;
-  s.a_size = detail::terms_size(frame.n, along_u) / abs(s.e);
+  const S u_t = dot(frame.n, along_u), u_t_size = detail::terms_size(frame.n, along_u);
+  s.a = u_t / s.e;
+  s.a_size = u_t_size / abs(s.e);
   s.v_t = dot(frame.n, mixed);
   s.v_t_size = detail::terms_size(frame.n, mixed);
   s.m = (s.v_t - s.f * s.a) / s.g;
@@ -64,6 +74,17 @@ ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
   s.v_b_size = N_size + abs(skew) * s.v_t_size;
   s.c = (N - s.f * (s.a * skew + two * s.m)) / s.g;
   s.c_size = (N_size + f * (s.a_size * abs(skew) + two * s.m_size) + abs(s.c) * excess) / g;
+  if constexpr (detail::Binary<S>) {
+    // Where partials are long a and m may underflow, while f a and f m matter: no quotient is multiplied.
+    const S g_m = s.v_t - s.f * s.a;
+    if (detail::underflows(s.a, u_t) || detail::underflows(s.m, g_m)) [[unlikely]] {
+      const S f_a = s.f / s.e * u_t, exact_g_m = s.v_t - f_a, f_a_size = abs(s.f / s.e) * u_t_size;
+      s.m = exact_g_m / s.g;
+      s.m_size = (s.v_t_size + f_a_size) / g;
+      s.c = (N - skew * (f_a + two * exact_g_m)) / s.g;
+      s.c_size = (N_size + abs(skew) * (S(3) * f_a_size + two * s.v_t_size)) / g;
+    }
+  }
   return s;
 }
 

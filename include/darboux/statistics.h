@@ -50,7 +50,8 @@ class Spread {
 };
 
 /// The least-squares line y = intercept + slope x, with the 95 % confidence interval of the slope from
-/// Student's t. The interval is infinite for fewer than three points.
+/// Student's t. The interval is infinite for fewer than three points. \throws ParameterError for other than
+/// one y per x
 struct Line {
   double slope, intercept, slope_low, slope_high;
 };

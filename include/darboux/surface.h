@@ -333,7 +333,10 @@ concept StatesInfo = requires {
 // Does not compile, and names the member that X lacks to be a surface.
 template <class X>
 constexpr void name_missing_member() {
-  static_assert(StatesInfo<X>, "a surface needs the member: static constexpr SurfaceInfo info");
+  static_assert(
+      StatesInfo<X>,
+      "a surface needs the member: static constexpr SurfaceInfo info. (An AnySurface is asked by its own "
+      "members, as surface.frame(u, v).)");
   static_assert(!StatesInfo<X> || ParametricSurface<X>,
                 "a surface needs the member: template <class S> Jet2<S> jet(u, v) const, with u and v as its "
                 "info says");

@@ -59,14 +59,14 @@ struct Check {
   bool passed = false;
   double worst_u = 0, worst_v = 0;
   std::string worst_surface{};  ///< with its parameters, where they vary
-  std::string skipped{};        ///< why the law does not apply; empty where it was checked
+  std::string skipped{};        ///< why nothing was compared: the law does not apply, or else it has failed
 };
 
 /// The names of all routes, in the order they run.
 const std::vector<std::string_view>& check_routes();
 
 /// Runs every law on a surface. Deterministic for given options. A formula that breaks a law is reported,
-/// not thrown. \throws ParameterError for an unknown route
+/// not thrown. \throws ParameterError for an unknown route, fewer than one point, or fewer than 0 sets
 std::vector<Check> check_surface(const AnySurface& surface, const CheckOptions& options = {});
 
 /// One line for every law that does not hold: route, quantity, error, bound, where. Empty when all hold.

@@ -21,15 +21,17 @@ const AnySurface& find_surface(const std::string& name) {
   std::vector<std::string> known;
   for (const AnySurface& surface : all_surfaces()) known.emplace_back(surface.info().name);
   throw ParameterError(name.empty() ? "surface" : name,
-                       "unknown surface" + did_you_mean(name, known) + ", known are " + joined(known));
+                       "unknown surface" + did_you_mean(name, known) + ", known are " + joined(known) +
+                           (name == "formula" ? "; io.h has read_formula_surface()" : ""));
 }
 
 [[noreturn]] void throw_unknown_parameter(const AnySurface& surface, const std::string& name) {
   std::vector<std::string> known;
   for (const ParameterValue& p : surface.parameters()) known.emplace_back(p.name);
-  throw ParameterError(std::string(surface.info().name), "unknown parameter '" + name + "'" +
-                                                             did_you_mean(name, known) + ", known are " +
-                                                             (known.empty() ? "none" : joined(known)));
+  throw ParameterError(std::string(surface.info().name),
+                       "unknown parameter '" + name + "'" + did_you_mean(name, known) + ", known are " +
+                           (known.empty() ? "none" : joined(known)) +
+                           (name == "file" ? "; io.h has read_surface_file()" : ""));
 }
 
 bool starts_a_number(std::string_view text) {
@@ -69,6 +71,21 @@ std::string AnySurface::specification(int digits) const {
     separator = ',';
   }
   return text;
+}
+
+void AnySurface::expect_one_per_parameter(std::size_t values) const {
+  const std::size_t count = parameters().size();
+  if (values != count)
+    throw ParameterError(
+        std::string(info().name),
+        expected_got("one value per parameter, " + std::to_string(count), std::to_string(values)));
+}
+
+AnySurface AnySurface::with(std::span<const double> values) const {
+  expect_one_per_parameter(values.size());
+  AnySurface changed = held_->with(values);
+  changed.file_ = file_;
+  return changed;
 }
 
 SurfaceSpecification parse_specification(std::string_view text) {

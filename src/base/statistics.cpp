@@ -3,9 +3,11 @@
 #include <cmath>
 #include <limits>
 
+#include <darboux/error.h>
 #include <darboux/statistics.h>
 
 #include "base/student_t.h"
+#include "base/text.h"
 
 namespace darboux {
 namespace {
@@ -78,6 +80,8 @@ Statistics summarise(std::vector<Counted>& values) {
 
 Line fit_line(std::span<const double> x, std::span<const double> y) {
   const std::size_t n = x.size();
+  if (y.size() != n)
+    throw ParameterError("y", expected_got("one per x, " + std::to_string(n), std::to_string(y.size())));
   double mean_x = 0, mean_y = 0;
   for (std::size_t i = 0; i < n; ++i) mean_x += x[i], mean_y += y[i];
   mean_x /= static_cast<double>(n);

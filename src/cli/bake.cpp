@@ -96,6 +96,10 @@ void print_errors(const BakeResult& r) {
   };
   for (std::size_t k = 0; k < r.errors.size(); ++k) row(vertex_class_names[k], r.errors[k]);
   row("all", r.all);
+  if (r.all.with_map_deg.rms > r.all.without_map_deg.rms)
+    std::cout << "the map makes these normals worse: --depth 16 helps where 8 bits are too few, --size where "
+                 "texels "
+                 "are too large\n";
 }
 
 void print_text(const BakeArguments& a, const Place& place, const BakeResult& r,

@@ -213,7 +213,8 @@ void add_choices(CLI::App& sub, WorkArguments& arguments) {
   sub.add_option("--resolutions", arguments.resolutions,
                  "rows of the meshes, with twice as many columns (lantern: 2 sqrt(rows)): 8..64 (doubling) "
                  "or 8,16,32 [8..32]");
-  sub.add_option("--rounds", arguments.rounds, "rounds; each times every method once, in turn [11]")
+  sub.add_option("--rounds", arguments.rounds,
+                 "rounds, 3 or more; each times every method once, in turn [11]")
       ->check(whole_number_between(3, most_rounds));
   sub.add_option("--points", arguments.points, "random points per call [4096]")
       ->check(whole_number_between(16, most_work_points));

@@ -46,6 +46,10 @@ const std::vector<std::string_view>& check_routes() {
 }
 
 std::vector<Check> check_surface(const AnySurface& surface, const CheckOptions& options) {
+  if (options.points < 1)
+    throw ParameterError("points", expected_got("1 or more", std::to_string(options.points)));
+  if (options.parameter_sets < 0)
+    throw ParameterError("parameter_sets", expected_got("0 or more", std::to_string(options.parameter_sets)));
   for (const std::string& route : options.routes)
     if (std::find(check_routes().begin(), check_routes().end(), route) == check_routes().end()) {
       std::string known;
@@ -86,9 +90,12 @@ std::string broken_laws(const AnySurface& surface, const CheckOptions& options) 
   std::string text;
   for (const Check& c : check_surface(surface, options))
     if (!c.passed)
-      text += std::string(c.surface) + ": " + std::string(c.route) + " of " + std::string(c.quantity) + ": " +
-              expected_got("an error of at most " + shortest(c.bound), shortest(c.max_error)) +
-              " at u = " + shortest(c.worst_u) + ", v = " + shortest(c.worst_v) + "\n";
+      text +=
+          std::string(c.surface) + ": " + std::string(c.route) + " of " + std::string(c.quantity) + ": " +
+          (c.points == 0 ? c.skipped
+                         : expected_got("an error of at most " + shortest(c.bound), shortest(c.max_error)) +
+                               " at u = " + shortest(c.worst_u) + ", v = " + shortest(c.worst_v)) +
+          "\n";
   return text;
 }
 

@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 
 #include <darboux/any_surface.h>
-#include <darboux/error.h>
 #include <darboux/testing.h>
 
 #include "every_surface.h"
+#include "refusal_of.h"
 
 namespace darboux::test {
 namespace {
@@ -208,6 +208,18 @@ TEST(AnySurface, HoldsAUsersOwnType) {
     EXPECT_TRUE(c.passed) << c.route << c.quantity;
   EXPECT_THROW(AnySurface(Sheet{2}), ParameterError);
   EXPECT_THROW(make_surface("sheet"), ParameterError);
+}
+
+TEST(AnySurface, TakesOneValuePerParameter) {
+  const AnySurface torus = make_surface("torus");
+  for (const std::vector<double>& values : {std::vector<double>{}, {7}, {7, 2, 1}}) {
+    const std::string got = std::to_string(values.size());
+    EXPECT_EQ(refusal_of<ParameterError>([&] { torus.with(values); }),
+              "torus: expected one value per parameter, 2, got " + got);
+    if (values.empty()) continue;
+    const std::vector<Multiprecision> wide(values.begin(), values.end());
+    EXPECT_THROW(torus.jet(Multiprecision(0.1), Multiprecision(0.2), wide), ParameterError);
+  }
 }
 
 TEST(AnySurface, IsAValue) {

@@ -36,6 +36,7 @@ TEST(FitLine, IsExactOnALineAndCoversTheSlope) {
   EXPECT_NEAR(line.intercept, 3, 1e-14);
   EXPECT_NEAR(line.slope_high - line.slope_low, 0, 1e-12);
   EXPECT_TRUE(std::isinf(fit_line(std::vector<double>{1, 2}, std::vector<double>{1, 2}).slope_high));
+  EXPECT_THROW(fit_line(std::vector<double>{1, 2, 3}, std::vector<double>{1, 2}), ParameterError);
   // 95 % intervals of noisy lines hold the true slope in 95 % of 4000 sets: 3800, standard deviation 14.
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0, 0.1);

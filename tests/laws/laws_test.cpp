@@ -468,6 +468,22 @@ TEST(Skipped, AbsentFactsAreNamed) {
                             {"periodicity", "position"}}));
 }
 
+// All on one line: there is no frame anywhere.
+struct Line3 {
+  static constexpr SurfaceInfo info{"line", "(u + v) (1, 1, 1)", Coordinate::linear, Coordinate::linear};
+  template <class S>
+  Jet2<S> jet(const S& u, const S& v) const {
+    const S w = u + v, one(1.0), zero(0.0);
+    return {{w, w, w},          {one, one, one},    {one, one, one},
+            {zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
+  }
+};
+
+TEST(Skipped, NothingToCompareIsAFailureThatSaysSo) {
+  EXPECT_EQ(broken_laws(Line3{}, {.points = 20, .routes = {"dual"}}),
+            "line: dual of frame: no point could be compared\n");
+}
+
 // A surface that is NaN somewhere does not pass because NaN compares with nothing.
 struct Torn {
   static constexpr SurfaceInfo info{"torn", "z = sqrt(u - 1/2)", Coordinate::linear, Coordinate::linear};
@@ -492,6 +508,8 @@ TEST(CheckSurface, RunsTheRoutesAskedForAndRefusesUnknownOnes) {
   for (const Check& c : check_surface(Torus{}, {.points = 20, .routes = {"dual", "gauss"}}))
     EXPECT_TRUE(c.route == "dual" || c.route == "gauss") << c.route;
   EXPECT_THROW(check_surface(Torus{}, {.routes = {"duel"}}), ParameterError);
+  EXPECT_THROW(check_surface(Torus{}, {.points = 0}), ParameterError);
+  EXPECT_THROW(check_surface(Torus{}, {.parameter_sets = -1}), ParameterError);
 }
 
 TEST(CheckSurface, IsDeterministicAndRefusesBadParameters) {

@@ -71,4 +71,16 @@ struct Mine {
 int main() { frame(darboux::FromPosition<Mine>{}, 0.1, 0.2); }
 END
 expect one_scalar c++20 2 "expected template <class S> position(u, v) of any scalar"
+cat >"$work/double_jet.cpp" <<END
+#include <darboux/any_surface.h>
+struct Mine {
+  static constexpr darboux::SurfaceInfo info{"mine", "a surface", darboux::Coordinate::linear,
+                                             darboux::Coordinate::linear};
+  darboux::Jet2<double> jet(double, double) const { return {}; }
+};
+int main() { darboux::AnySurface(Mine{}); }
+END
+expect double_jet c++20 9 "expected template <class S> jet(u, v) of any scalar"
+printf '#include <darboux/any_surface.h>\nint main() { frame(darboux::make_surface("torus"), 0.1, 0.2); }\n' >"$work/any_frame.cpp"
+expect any_frame c++20 2 "as surface.frame(u, v)"
 exit $((failures > 0))

@@ -8,16 +8,14 @@ folder=$(dirname "$(find "$installed" -name darboux.pc)")
 export PKG_CONFIG_PATH=$folder
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-read -ra flags <<<"$(pkg-config --define-variable=libdir="$(dirname "$folder")" \
-  --define-variable=includedir="$installed/include" --static --cflags --libs darboux)"
+read -ra flags <<<"$(pkg-config --cflags --libs darboux)"
 "$compiler" -std=c++20 "$source" "${flags[@]}" -o "$work/program"
 LD_LIBRARY_PATH=$(dirname "$folder") "$work/program" | grep -q "handedness +1"
 if [ -e "$folder/darboux-io.pc" ]; then
   printf '%s\n' '#include <darboux/io.h>' 'int main() { try { darboux::read_asset("nowhere.glb"); } catch (const darboux::FileError&) { return 0; } return 1; }' \
     >"$work/io.cpp"
   sed -i '1i #include <darboux/error.h>' "$work/io.cpp"
-  read -ra flags <<<"$(pkg-config --define-variable=libdir="$(dirname "$folder")" \
-    --define-variable=includedir="$installed/include" --static --cflags --libs darboux-io)"
+  read -ra flags <<<"$(pkg-config --cflags --libs darboux-io)"
   "$compiler" -std=c++20 "$work/io.cpp" "${flags[@]}" -o "$work/io"
   LD_LIBRARY_PATH=$(dirname "$folder") "$work/io"
 fi

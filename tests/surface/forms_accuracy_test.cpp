@@ -13,6 +13,7 @@
 #include <darboux/christoffel.h>
 #include <darboux/curvature.h>
 #include <darboux/error.h>
+#include <darboux/evaluate.h>
 #include <darboux/forms.h>
 #include <darboux/shape_operator.h>
 
@@ -263,6 +264,47 @@ TYPED_TEST(FormsAccuracy, IsEightRoundingsTimesOnePlusTheCondition) {
     EXPECT_LE(w.error, w.bound) << names[q] << ' ' << w.error / roundoff << " u of " << w.bound / roundoff
                                 << " u, " << w.at;
   }
+}
+
+// Sizes up to 300 decades apart, where the entries of the shape operator may underflow while what is made of
+// them does not: against the curvatures that the surfaces state, in 100 digits. Conditions are moderate, so
+// that an error of 1e-9 is a digit lost and not rounding.
+template <class X>
+class FormsOfAnySize : public ::testing::Test {};
+using SurfacesOfThreeSizes =
+    ::testing::Types<Ellipsoid<double>, EllipticParaboloid<double>, HyperbolicParaboloid<double>,
+                     OneSheetHyperboloid<double>, TwoSheetHyperboloid<double>>;
+TYPED_TEST_SUITE(FormsOfAnySize, SurfacesOfThreeSizes);
+
+TYPED_TEST(FormsOfAnySize, KeepTheirDigits) {
+  using X = TypeParam;
+  Random random(150);
+  int compared = 0;
+  for (int i = 0; i < 1500; ++i) {
+    X surface{};
+    for_each_parameter<X>([&](const auto& p) { p.of(surface) = random.log_uniform(1e-150, 1e150); });
+    const double u = random.uniform(), v = 0.02 + 0.96 * random.uniform();
+    const Curvature<double> c = curvature(surface, u, v);
+    const auto wide = rebind<B>(surface);
+    const B H = wide.mean_curvature(prepare<X::info.u>(B(u)), prepare<X::info.v>(B(v)));
+    const B K = wide.gaussian_curvature(prepare<X::info.u>(B(u)), prepare<X::info.v>(B(v)));
+    const B size = sqrt(4 * H * H - 2 * K);
+    if (c.status != Status::regular || size < B("1e-300") || size > B("1e300")) continue;
+    ++compared;
+    const std::string at =
+        AnySurface(surface).specification() + " at " + std::to_string(u) + ", " + std::to_string(v);
+    EXPECT_LE(static_cast<double>(abs(c.mean - H) / size), 1e-9) << c.mean << " of " << at;
+    for (const int k : {0, 1}) {
+      const B kappa = k == 0 ? H + sqrt(H * H - K) : H - sqrt(H * H - K);
+      EXPECT_LE(static_cast<double>(abs(c.principal[k] - kappa) / size), 1e-9)
+          << c.principal[k] << " of " << at;
+    }
+    double mean = 0;
+    evaluate(surface, Points<double>::arrays({&u, 1}, {&v, 1}),
+             Outputs<double>().packed(Attribute::mean_curvature, {&mean, 1}));
+    EXPECT_EQ(mean, c.mean) << at;
+  }
+  EXPECT_GT(compared, 1000);
 }
 
 }  // namespace

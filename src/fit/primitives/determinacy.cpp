@@ -108,7 +108,9 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
     return unsure("has an axis that is not observable" + help);
   // Noise about a circle lies near many surfaces.
   if (!primitive.is_plane && f.circle_deviation < least_width_over_sigma * f.sigma)
-    return unsure("is not determined: the points are no further than their noise from a circle" + help);
+    return unsure(
+        "is not determined: the points are no further than their noise, " + rounded(100 * f.sigma, 2) +
+        " % of their size, from a circle; another kind, or points over a larger part of it may help");
   if (!f.converged) return unsure("did not converge");
   return {};
 }
@@ -222,8 +224,9 @@ Determinacy determinacy(const PrimitiveFit& f) {
   if (const double radius = least_radius(*f.primitive, f.surface, f.reference);
       radius < least_radius_over_sigma * f.sigma)
     return none("has a radius of only " + rounded(radius / f.sigma, 3) +
-                " times the noise: no fit; less noise helps");
-  if (f.doubles_itself) return none("crosses itself within the noise: no fit; less noise helps");
+                " times the noise: no fit; another kind or less noise helps");
+  if (f.doubles_itself)
+    return none("crosses itself within the noise: no fit; another kind or less noise helps");
   if (f.given_up) return none("explains far fewer of the points than another kind");
   if (k < f.primitive->unknowns + 0.5)
     return unproven("has only " + std::to_string(std::lround(k)) +

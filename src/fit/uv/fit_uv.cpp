@@ -392,7 +392,7 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
     if (const double times = std::fabs(value(k)) / fit.sigma;
         kind.length[static_cast<std::size_t>(k)] && times < 5)
       return "the " + std::string(p.name) + " of the best " + std::string(kind.name) + " is only " +
-             rounded(times, 2) + " times the noise: no fit; less noise helps";
+             rounded(times, 2) + " times the noise: no fit; another kind or less noise helps";
   }
   fit.surface = placed(trial, data);
   return "";
