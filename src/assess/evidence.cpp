@@ -63,7 +63,9 @@ std::size_t different(std::vector<double> values, double tolerance) {
 // lengths between neighbours on a ball.
 struct Orbits {
   std::size_t count = 0;
-  std::size_t sides = 0;  // of the finest ring that goes all round, 0 where none does
+  std::size_t sides = 0;     // of the finest ring that goes all round, 0 where none does
+  std::size_t columns = 0;   // different angles about the axis
+  std::size_t mirrored = 0;  // the same, those counted once that are mirror images of others
 };
 
 Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
@@ -88,8 +90,10 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& plac
     at->angles.push_back(std::atan2(p.y(), p.x()));
   }
   result.count = list.size();
+  std::vector<double> columns;
   for (Ring& ring : list) {
     if (!(ring.r > tolerance)) continue;
+    columns.insert(columns.end(), ring.angles.begin(), ring.angles.end());
     const double step = tolerance / ring.r;
     std::sort(ring.angles.begin(), ring.angles.end());
     double widest = ring.angles.front() + 2 * M_PI - ring.angles.back();
@@ -99,7 +103,27 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& plac
     if (widest <= 1.6 * 2 * M_PI / static_cast<double>(sides) || widest < M_PI / 6)
       result.sides = std::max(result.sides, sides);
   }
+  if (columns.empty()) return result;
+  // From one side of the widest gap to the other.
+  std::sort(columns.begin(), columns.end());
+  std::size_t first = 0;
+  double widest = columns.front() + 2 * M_PI - columns.back();
+  for (std::size_t i = 1; i < columns.size(); ++i)
+    if (const double gap = columns[i] - columns[i - 1]; gap > widest) first = i, widest = gap;
+  for (std::size_t i = 0; i < first; ++i) columns[i] += 2 * M_PI;
+  const auto [low, high] = std::minmax_element(columns.begin(), columns.end());
+  const double middle = (*low + *high) / 2, step = 10 * same;
+  result.columns = different(columns, step);
+  for (double& angle : columns) angle = std::fabs(angle - middle);
+  result.mirrored = different(std::move(columns), step);
   return result;
+}
+
+// A strip of a cylinder or a cone is made of straight lines. Any three that are parallel, or go through one
+// point, lie on such a surface, and so do any four that mirror each other in pairs, as a trapezoid has a
+// circumcircle.
+double spare_columns(const Orbits& orbits) {
+  return std::fmin(static_cast<double>(orbits.columns) - 3, static_cast<double>(orbits.mirrored) - 2);
 }
 
 // Places up to the signs of their coordinates.
@@ -213,9 +237,11 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
       }
   }
   const bool own = fit.chart == UvChart::own, affine = has_affine_uvs(fit);
+  const bool ruled = prior.kind == SurfaceKind::cylinder || prior.kind == SurfaceKind::cone;
   const auto places = static_cast<double>(shape.places.size());
   const double unknowns = static_cast<double>(6 + fit.surface.surface.parameters().size()) + (affine ? 6 : 0);
-  const double by_orbits = static_cast<double>(orbits.count) - prior.unknowns,
+  const double by_rings = static_cast<double>(orbits.count) - prior.unknowns,
+               by_orbits = ruled ? std::fmin(by_rings, spare_columns(orbits)) : by_rings,
                by_places = ((own ? 3 : 1) * places - unknowns) / (own ? 3 : 1);
   const double sharp = std::fmin(1, std::log10(explained) / 3);
   const double positions = std::fmin(std::fmin(by_orbits, by_places) * sharp, most_positions);

@@ -176,7 +176,8 @@ Validity validity(const PlacedSurface& placed, const Point& at, const Chart& cha
                   const std::array<double, 4>& variances) {
   const auto& [t, b, n, growth] = variances;
   Validity result;
-  result.of_tangent = !at.at_pole && chart.e > 0 && 9 * (b + n + growth) < 1;
+  // Beyond a pole, where a uv map may put a whole mesh, dpdu points against t.
+  result.of_tangent = !at.at_pole && std::fabs(chart.e) > 0 && 9 * (b + n + growth) < 1;
   result.normal = deviation(t + b);
   result.of_normal = 3 * result.normal < 1 &&
                      (result.of_tangent || pole_has_normal(placed.surface, {at.s.u, at.s.v}, at.s.jet));

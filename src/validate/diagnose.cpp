@@ -165,7 +165,8 @@ bool are_turned(const MeshUnderTest& under_test, const std::vector<Pair>& sample
            under_test.raw_sign.end();
   };
   const bool both = has(-1) && has(1);
-  const std::string deg = turn->by_sign && both ? rounded(std::fabs(turn->deg), 2) : rounded(turn->deg, 2);
+  const double signed_deg = turn->by_sign && both ? std::fabs(turn->deg) : turn->deg;
+  const std::string deg = std::to_string(std::lround(signed_deg));
   add(report, finding(quarters ? Code::tangent_axes : Code::tangent_uv_set, under_test.mesh.corners(),
                       ": all are turned about their normals by about " + deg + " deg" +
                           (turn->by_sign && both ? ", in mirrored charts the other way" : "") +

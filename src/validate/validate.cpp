@@ -599,7 +599,9 @@ void MeshValidation::diagnose() {
     return Directions{t.tangent, t.bitangent};
   };
   // What MikkTSpace makes of the same triangles is surer than what their neighbours tell.
-  if (!accurate_.known() && !under_test_.mikktspace.empty())
+  const bool known_tangents =
+      std::any_of(truth.begin(), truth.end(), [](const Truth& t) { return std::isfinite(t.tangent_deg); });
+  if (!known_tangents && !under_test_.mikktspace.empty())
     tangents_diagnosed_ = diagnose_tangents(under_test_, mikktspace, options_, held, report_);
   if (!tangents_diagnosed_ && !truth.empty())
     tangents_diagnosed_ = diagnose_tangents(under_test_, known_truth, options_, held, report_);

@@ -193,15 +193,16 @@ struct Unit {
   double scale = 1, from = 0;
 };
 
-// As they are stored; where they are in other units altogether, pixels say, and for coordinates that do not
-// turn, also from 0 to 1 over all points.
+// As they are stored, and from 0 to 1 over all points. Of coordinates in other units altogether, pixels say,
+// the latter alone; of those that turn it only where the scales that are tried come to no whole turn.
 std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored) {
   const auto [low, high] = std::minmax_element(stored.begin(), stored.end());
   const double range = *high - *low;
   const Unit whole{1 / range, *low};
   if (range > 4) return {whole};
   const bool differs = std::fabs(*low) > 0.05 || std::fabs(*high - 1) > 0.05;
-  if (coordinate == Coordinate::turn || !(range > 1e-6) || !differs) return {{}};
+  const double most = coordinate == Coordinate::turn ? 0.25 : 4;
+  if (!(range > 1e-6 && range < most) || !differs) return {{}};
   return {{}, whole};
 }
 
@@ -347,7 +348,8 @@ class AffineSearch {
 
   // A candidate at each start of the kind. \param from_u, from_v offsets, where the map's are free
   void add(double scale_u, double shear, double scale_v, double from_u, double from_v) {
-    const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, is_free(5) ? from_v : 0};
+    const Affine affine{
+        scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, is_free(5) || !is_free(3) ? from_v : 0};
     for (const auto& at : kind_.starts) {
       Candidate c{model_.convention, affine, &at, 0};
       if (robust_) {
@@ -361,7 +363,8 @@ class AffineSearch {
   }
 
   // Scales, offsets and shears under one convention. A scale that lengths absorb is not searched; where the
-  // offset is, it may be any.
+  // offset is, it may be any. Lengths may absorb both of v and yet be out of their range, as the inner radius
+  // of a disk whose v does not begin at 0: then those from 0 to 1 do.
   void look_under(const UvConvention& convention, std::span<const double> sheared) {
     const std::vector<double> scales{1, 0.5, 2, 0.25, 0.1, 0.75, 1.5, 3}, turns{0, 0.25, 0.5, 0.75},
         shears{-2, -1, -0.5, 0.5, 1, 2};
@@ -373,7 +376,7 @@ class AffineSearch {
     }
     const std::vector<Unit> plain{{}},
         units_u = is_free(0) || is_free(4) ? units(kind_.coordinates[0], u) : plain,
-        units_v = is_free(3) || is_free(5) ? units(kind_.coordinates[1], v) : plain;
+        units_v = units(kind_.coordinates[1], v);
     const auto add_in_units = [&](double su, double shear, double sv, double offset) {
       for (const Unit& for_u : units_u)
         for (const Unit& for_v : units_v) {
