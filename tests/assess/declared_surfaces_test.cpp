@@ -70,6 +70,33 @@ TEST(DeclaredSurfaces, PassFarFromTheOrigin) {
       }
 }
 
+// Islands of an atlas are small, and lie anywhere; uvs of another tile begin at any whole number. Tangents
+// that are turned are told all the same.
+TEST(DeclaredSurfaces, PassAnywhereInAnAtlas) {
+  struct Map {
+    double scale_u, scale_v, u, v;
+  };
+  for (const AnySurface& surface : all_surfaces()) {
+    if (!declared(surface).surface) continue;
+    for (const Map& map :
+         {Map{0.125, 1, 0, 0}, Map{0.05, 0.3, 0.62, 0.11}, Map{1, 1, 0, 0.25}, Map{0.5, 0.5, 0, 0.5},
+          Map{0.03, 0.04, 0.5, 0.25}, Map{1, 1, 0, -1}, Map{1, 1, 2, 3}, Map{1, -1, 0, 0}}) {
+      SCOPED_TRACE(::testing::Message() << map.scale_u << ' ' << map.scale_v << ' ' << map.u << ' ' << map.v);
+      Mesh mesh = sample_mesh(surface, {});
+      for (Vec2<double>& uv : mesh.uvs) uv = {map.scale_u * uv.x + map.u, map.scale_v * uv.y + map.v};
+      for (Vec4<double>& t : mesh.tangents) t.w *= map.scale_v < 0 ? -1 : 1;
+      test::round_to_floats(mesh);
+      expect_pass(surface, mesh, declared(surface));
+      for (std::size_t i = 0; i < mesh.tangents.size(); ++i) {
+        const Vec3<double> t = mesh.tangents[i].xyz(), b = cross(mesh.normals[i], t);
+        const Vec3<double> turned = std::cos(0.25) * t + std::sin(0.25) * b;  // by 14 degrees
+        mesh.tangents[i] = {turned.x, turned.y, turned.z, mesh.tangents[i].w};
+      }
+      EXPECT_EQ(assess(mesh, declared(surface)).report.verdict, Verdict::fail) << surface.info().name;
+    }
+  }
+}
+
 TEST(DeclaredSurfaces, EveryReferenceMeshPasses) {
   const Variant variants[] = {
       {"grid", [](auto&) {}},

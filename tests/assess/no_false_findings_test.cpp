@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <darboux/assess.h>
+#include <darboux/from_position.h>
 #include <darboux/sample_mesh.h>
 
 #include "random_pose.h"
@@ -175,6 +176,36 @@ void expect_no_finding(std::size_t part, std::size_t parts) {
               (sign == 1) == (winding == 0) ? HandednessConvention::raw : HandednessConvention::gltf)
         << what;
   }
+}
+
+// A gutter, straight along v, or narrowing to a point: three of its lines, and four that mirror each other,
+// lie on a cylinder or a cone.
+struct Gutter {
+  double depth = 0.4, narrowing = 0;
+  static constexpr SurfaceInfo info{"gutter", "a wave, straight along v", Coordinate::linear,
+                                    Coordinate::linear};
+  template <class S>
+  Vec3<S> position(const S& u, const S& v) const {
+    const S width = lift<S>(1.0) - lift<S>(narrowing) * v, x = u - lift<S>(0.5);
+    return {width * x, lift<S>(3.0) * v, width * lift<S>(depth) * sincos_turns(x).cos};
+  }
+};
+
+TEST(NoFalseFindings, FewStraightLinesAreNoCylinderOrCone) {
+  for (const double depth : {0.1, 0.2, 0.4})
+    for (const double narrowing : {0.0, 0.3})
+      for (const int columns : {2, 3})
+        for (const int rows : {1, 5, 20})
+          for (const bool with_uvs : {true, false}) {
+            Mesh mesh =
+                sample_mesh(FromPosition<Gutter>{{depth, narrowing}}, {.columns = columns, .rows = rows});
+            if (!with_uvs) mesh.uvs.clear(), mesh.tangents.clear();
+            const Assessment a = assess(mesh);
+            EXPECT_FALSE(a.fit && a.fit->fits) << a.fit->surface.surface.specification() << ' ' << depth
+                                               << ' ' << narrowing << ' ' << columns << ' ' << rows;
+            for (const Finding& f : a.report.findings)
+              EXPECT_EQ(f.severity, Severity::info) << f.code << ' ' << f.message;
+          }
 }
 
 TEST(NoFalseFindings, FirstThird) {
