@@ -78,6 +78,9 @@ TEST(DeclaredSurfaces, PassAnywhereInAnAtlas) {
   };
   for (const AnySurface& surface : all_surfaces()) {
     if (!declared(surface).surface) continue;
+    Mesh first_tile = sample_mesh(surface, {});
+    test::round_to_floats(first_tile);
+    const std::string of_the_first_tile = findings(assess_parts(first_tile, declared(surface)));
     for (const Map& map :
          {Map{0.125, 1, 0, 0}, Map{0.05, 0.3, 0.62, 0.11}, Map{1, 1, 0, 0.25}, Map{0.5, 0.5, 0, 0.5},
           Map{0.03, 0.04, 0.5, 0.25}, Map{1, 1, 0, -1}, Map{1, 1, 2, 3}, Map{1, -1, 0, 0}}) {
@@ -87,6 +90,9 @@ TEST(DeclaredSurfaces, PassAnywhereInAnAtlas) {
       for (Vec4<double>& t : mesh.tangents) t.w *= map.scale_v < 0 ? -1 : 1;
       test::round_to_floats(mesh);
       expect_pass(surface, mesh, declared(surface));
+      const bool tile = map.scale_u == 1 && map.scale_v == 1 && map.v == std::floor(map.v);
+      if (tile)
+        EXPECT_EQ(findings(assess_parts(mesh, declared(surface))), of_the_first_tile) << surface.info().name;
       for (std::size_t i = 0; i < mesh.tangents.size(); ++i) {
         const Vec3<double> t = mesh.tangents[i].xyz(), b = cross(mesh.normals[i], t);
         const Vec3<double> turned = std::cos(0.25) * t + std::sin(0.25) * b;  // by 14 degrees

@@ -206,6 +206,16 @@ std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored
   return {{}, whole};
 }
 
+// The convention, from the tile that the points are in. One half-turn on, the chart goes through the poles to
+// the same points, but backwards, and no convention is itself there.
+UvConvention in_its_tile(UvConvention convention, const UvKind& kind, const fit::NormalisedPoints& points) {
+  if (kind.coordinates[1] != Coordinate::half_turn) return convention;
+  std::vector<double> v;
+  for (const Vec2<double>& stored : points.uvs) v.push_back(convention.surface_uv(stored).y);
+  convention.affine[5] -= std::floor(median(v));
+  return convention;
+}
+
 }  // namespace
 
 ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoints& points,
@@ -213,7 +223,7 @@ ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoin
   const fit::NormalisedPoints image = robust ? negated(points) : fit::NormalisedPoints{};
   ConventionStarts result;
   for (const UvConvention& convention : uv_conventions()) {
-    const UvModel model = model_of(kind, points, convention, held);
+    const UvModel model = model_of(kind, points, in_its_tile(convention, kind, points), held);
     std::optional<UvStart> proper, mirrored;
     double least_rms = 0;
     const auto keep_nearer = [&](std::optional<UvStart>& best, UvModel judged, const UvState& state) {
