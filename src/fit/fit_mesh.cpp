@@ -5,6 +5,7 @@
 #include <darboux/fit_mesh.h>
 
 #include "base/evenly_chosen.h"
+#include "base/quantile.h"
 #include "fit/common/kinds.h"
 #include "fit/common/parameter_jet.h"
 #include "fit/uv/starts.h"
@@ -38,7 +39,7 @@ constexpr fit::Mixture least_squares;
 struct Data {
   fit::NormalisedPoints all, trial, few;
   std::vector<double> shears;  // that edges suggest
-  double rounding = 0;         // rms distance that roundings of the stored positions leave, with room
+  double rounding = 0;         // rms distance that roundings of what is stored leave, with room
 };
 
 // The slopes Δu/Δv that most edges have: of a sheared grid those of its columns and diagonals.
@@ -68,6 +69,27 @@ std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed cha
   return result;
 }
 
+// How far roundings of the stored uvs move the points, by the mesh's own edges: along u and v they may differ
+// much, and of a grid's edges a third is of each, and a third diagonals.
+double moved_by_uvs(const Mesh& mesh, std::span<const signed char> signs) {
+  constexpr std::size_t looked_at = 2000;
+  double largest = 0;
+  std::vector<double> rates;
+  for (const std::size_t t : evenly_chosen(mesh.triangles.size(), looked_at)) {
+    if (signs[t] == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+      largest = std::max({largest, std::fabs(mesh.uvs[a].x), std::fabs(mesh.uvs[a].y)});
+      const Vec2<double> along{mesh.uvs[b].x - mesh.uvs[a].x, mesh.uvs[b].y - mesh.uvs[a].y};
+      const double rate = norm(mesh.positions[b] - mesh.positions[a]) / norm(along);
+      if (std::isfinite(rate)) rates.push_back(rate);
+    }
+  }
+  if (rates.empty()) return 0;
+  // rms of one rounding, and of two coordinates
+  return std::sqrt(2.0 / 3) * std::fmax(mesh.half_steps.uv, 0x1p-24 * largest) * quantile(rates, 0.8);
+}
+
 Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   if (mesh.uvs.empty()) throw UndeterminedError("mesh", "has no uvs, a fit needs one uv set");
   // Triangles without area do not count: their uvs or positions collapsed, and say nothing of their vertices.
@@ -93,8 +115,9 @@ Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
     throw UndeterminedError("mesh", "all vertices are at one point, a fit needs an extent");
   const Eigen::Vector3d largest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
   constexpr double room = 1.5;
-  data.rounding = room * std::fmax(mesh.half_steps.position, 0x1p-24 / std::sqrt(3) * largest.stableNorm()) /
-                  data.all.scale;
+  const double of_positions =
+      std::fmax(mesh.half_steps.position, 0x1p-24 / std::sqrt(3) * largest.stableNorm());
+  data.rounding = room * std::hypot(of_positions, moved_by_uvs(mesh, signs)) / data.all.scale;
   data.all.cloud.resize(3, static_cast<Eigen::Index>(usable.size()));
   data.all.uvs.reserve(usable.size());
   for (const std::uint32_t v : usable) {
@@ -238,11 +261,21 @@ std::optional<Trial> try_affine(const Data& data, const Wanted& wanted) {
   // Two points must follow beyond those that any such surface goes through: nearly every quad lies on a
   // Möbius strip.
   if (3 * data.all.count() < 6 + wanted.kind.parameters.size() + 6 + 6) return std::nullopt;
+  // On few columns a map that is several times as steep goes through the same points: the least steep is
+  // meant.
+  const auto steepness = [](const Affine& m) {
+    return std::hypot(std::hypot(m[0], m[1]), std::hypot(m[2], m[3]));
+  };
   std::optional<Trial> best;
   for (UvStart& start : affine_starts(wanted.kind, data.few, wanted.held(data.all.scale, data.all.centre),
                                       false, data.shears)) {
-    keep_better(best, fit_from(data, std::move(start), wanted));
-    if (best && best->fits) break;
+    if (!best || !best->fits) {
+      keep_better(best, fit_from(data, std::move(start), wanted));
+    } else if (const double most = 0.9 * steepness(best->state.affine);
+               steepness(start.state.affine) < most) {
+      std::optional<Trial> trial = fit_from(data, std::move(start), wanted);
+      if (trial && trial->fits && steepness(trial->state.affine) < most) best = std::move(trial);
+    }
   }
   return best;
 }

@@ -356,10 +356,9 @@ class AffineSearch {
     if (candidates_.size() > most) candidates_.resize(most);
   }
 
-  // A candidate at each start of the kind. \param from_u, from_v offsets, where the map's are free
+  // A candidate at each start of the kind. \param from_u offset, where it is free
   void add(double scale_u, double shear, double scale_v, double from_u, double from_v) {
-    const Affine affine{
-        scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, is_free(5) || !is_free(3) ? from_v : 0};
+    const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, from_v};
     for (const auto& at : kind_.starts) {
       Candidate c{model_.convention, affine, &at, 0};
       if (robust_) {
@@ -373,8 +372,9 @@ class AffineSearch {
   }
 
   // Scales, offsets and shears under one convention. A scale that lengths absorb is not searched; where the
-  // offset is, it may be any. Lengths may absorb both of v and yet be out of their range, as the inner radius
-  // of a disk whose v does not begin at 0: then those from 0 to 1 do.
+  // offset is, it may be any. Lengths may absorb those of v and be out of their range all the same, as the
+  // inner radius of a disk whose v does not begin at 0, or the radius of a cone behind its apex: v from 0 to
+  // 1 has none of that.
   void look_under(const UvConvention& convention, std::span<const double> sheared) {
     const std::vector<double> scales{1, 0.5, 2, 0.25, 0.1, 0.75, 1.5, 3}, turns{0, 0.25, 0.5, 0.75},
         shears{-2, -1, -0.5, 0.5, 1, 2};
