@@ -91,8 +91,9 @@ TEST(DeclaredSurfaces, PassAnywhereInAnAtlas) {
       test::round_to_floats(mesh);
       expect_pass(surface, mesh, declared(surface));
       const bool tile = map.scale_u == 1 && map.scale_v == 1 && map.v == std::floor(map.v);
-      if (tile)
+      if (tile) {
         EXPECT_EQ(findings(assess_parts(mesh, declared(surface))), of_the_first_tile) << surface.info().name;
+      }
       for (std::size_t i = 0; i < mesh.tangents.size(); ++i) {
         const Vec3<double> t = mesh.tangents[i].xyz(), b = cross(mesh.normals[i], t);
         const Vec3<double> turned = std::cos(0.25) * t + std::sin(0.25) * b;  // by 14 degrees
