@@ -122,7 +122,7 @@ auto lost_digits(const ShapeOperator<S>& s, const Curvature<S>& c) {
   const auto vague = cancels(sizes, S(c.principal[0] - c.principal[1]), cancellation_of_directions) &&
                      m > S(4 * std::numeric_limits<Element<S>>::epsilon()) * s.m_size;
   auto small =
-      cancels(sizes, size_of_both(c.principal[0], c.principal[1]), most) || squares_underflow(s.e, s.f, s.g);
+      cancels(sizes, size_of_both(c.principal[0], c.principal[1]), most) || second_partials_underflow(s);
   if constexpr (!HasClosedFrame<X>) small = small || cancels(abs(s.f), s.g, most);  // b errs by some u itself
   return Lost<std::remove_cv_t<decltype(vague)>>{
       cancels(S(k * s.a_size + a * s.c_size + two * m * s.m_size), c.gaussian,
@@ -196,7 +196,7 @@ Curvature<S> regular_curvature(const X& surface, S u, S v, const Frame<S>& frame
 /// cancel to less than an eighth, K and H are those that the surface states in closed form (some 20 ns
 /// more), and what it does not state, or κ and the directions, is computed in 40 digits: some 50 µs, for
 /// points where a chart is very oblique, a curvature is small beside the bending of the coordinate curves,
-/// or the square of a first partial underflows.
+/// or the square of a first partial, alone or times the curvature, underflows.
 template <class X, std::floating_point S>
 Curvature<S> curvature(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   if constexpr (!ParametricSurface<X>) {

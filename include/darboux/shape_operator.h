@@ -38,13 +38,13 @@ S terms_size(const Vec3<S>& a, const Vec3<S>& b) {
   return abs(a.x * b.x) + abs(a.y * b.y) + abs(a.z * b.z);
 }
 
-// Whether a quotient is so near to the end of the range that it has lost digits, or is 0.
+// Whether a product or quotient of something is so near to the end of the range that it has lost digits, or
+// is 0.
 template <class S>
-auto underflows(const S& quotient, const S& numerator) {
+auto underflows(const S& result, const S& of) {
   using std::abs;
   using T = Element<S>;
-  return abs(quotient) < S(std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon()) &&
-         numerator != S(0);
+  return abs(result) < S(std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon()) && of != S(0);
 }
 
 }  // namespace detail
@@ -75,14 +75,14 @@ ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
   s.c = (N - s.f * (s.a * skew + two * s.m)) / s.g;
   s.c_size = (N_size + f * (s.a_size * abs(skew) + two * s.m_size) + abs(s.c) * excess) / g;
   if constexpr (detail::Binary<S>) {
-    // Where partials are long a and m may underflow, while f a and f m matter: no quotient is multiplied.
+    // Where partials are long a and m may underflow, while f a and f m matter: those are not made of them.
     const S g_m = s.v_t - s.f * s.a;
     if (detail::underflows(s.a, u_t) || detail::underflows(s.m, g_m)) [[unlikely]] {
       const S f_a = s.f / s.e * u_t, exact_g_m = s.v_t - f_a, f_a_size = abs(s.f / s.e) * u_t_size;
       s.m = exact_g_m / s.g;
-      s.m_size = (s.v_t_size + f_a_size) / g;
+      s.m_size = (s.v_t_size + f_a_size + abs(s.m) * excess) / g;
       s.c = (N - skew * (f_a + two * exact_g_m)) / s.g;
-      s.c_size = (N_size + abs(skew) * (S(3) * f_a_size + two * s.v_t_size)) / g;
+      s.c_size = (N_size + abs(skew) * (S(3) * f_a_size + two * s.v_t_size) + abs(s.c) * excess) / g;
     }
   }
   return s;
@@ -243,6 +243,14 @@ auto squares_underflow(const S& e, const S& f, const S& g) {
   const S least(std::ldexp(T(1), std::numeric_limits<T>::min_exponent / 2));
   return abs(e) < least || size_of_both(f, g) < least;
 }
+// Or that square times the curvature: second partials may then be 0, as a plane's are.
+template <class S>
+auto second_partials_underflow(const ShapeOperator<S>& s) {
+  using std::abs;
+  const S e = abs(s.e), g = size_of_both(s.f, s.g), shorter = select(e < g, e, g),
+          curvature = abs(s.a) + abs(s.m) + abs(s.c);
+  return squares_underflow(s.e, s.f, s.g) || underflows(S(curvature * shorter * shorter), curvature);
+}
 
 // Whether the formula of a surface type runs over 40 digits: a user's may not.
 template <class X>
@@ -328,7 +336,7 @@ bool loses_digits(const ShapeOperator<S>& s) {
   const auto lost = [](S terms, S x, S y) { return cancels(terms, size_of_both(x, y), small_cancellation); };
   return lost(s.a_size + s.m_size, s.a, s.m) || lost(s.m_size + s.c_size, s.m, s.c) ||
          lost(s.v_t_size + s.v_b_size, s.v_t, s.v_b) || (!HasClosedFrame<X> && cancels(abs(s.f), s.g)) ||
-         squares_underflow(s.e, s.f, s.g);
+         second_partials_underflow(s);
 }
 
 // The shape operator in S, and where that cannot hold it or has lost digits, in 40 digits.

@@ -59,7 +59,7 @@ struct Check {
   bool passed = false;
   double worst_u = 0, worst_v = 0;
   std::string worst_surface{};  ///< with its parameters, where they vary
-  std::string skipped{};        ///< why nothing was compared: the law does not apply, or else it has failed
+  std::string skipped{};        ///< why nothing was compared; a failure where `passed` is false
 };
 
 /// The names of all routes, in the order they run.

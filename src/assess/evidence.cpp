@@ -112,7 +112,7 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& plac
     if (const double gap = columns[i] - columns[i - 1]; gap > widest) first = i, widest = gap;
   for (std::size_t i = 0; i < first; ++i) columns[i] += 2 * M_PI;
   const auto [low, high] = std::minmax_element(columns.begin(), columns.end());
-  const double middle = (*low + *high) / 2, step = 10 * same;
+  const double middle = (*low + *high) / 2, step = same * (*high - *low);
   result.columns = different(columns, step);
   for (double& angle : columns) angle = std::fabs(angle - middle);
   result.mirrored = different(std::move(columns), step);

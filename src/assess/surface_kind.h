@@ -45,11 +45,11 @@ inline bool is_planar(SurfaceKind kind) {
   return kind == SurfaceKind::plane || kind == SurfaceKind::disk;
 }
 
-// Whether its uvs are the surface's own after an affine map that is none of uv_conventions().
+// Whether its uvs are the surface's own after an affine map that is none of uv_conventions() in any tile.
 inline bool has_affine_uvs(const MeshFit& fit) {
   const auto known = uv_conventions();
   return fit.chart == UvChart::own && std::none_of(known.begin(), known.end(), [&](const UvConvention& c) {
-           return c.affine == fit.surface.uv.affine;
+           return c.name == fit.surface.uv.name;
          });
 }
 

@@ -44,7 +44,7 @@ std::string unexpected(const CLI::App& sub) {
     got += (got.empty() ? "'" : ", '") + text + "'";
     if (text.starts_with('-') && std::find(known.begin(), known.end(), name) == known.end())
       got += did_you_mean(name, known);
-    else if (io::parse_number(text))
+    else if (io::parse_number(text) && std::find(known.begin(), known.end(), "--at") != known.end())
       got += " (the numbers of one value are joined by commas, as 0.3,0.7)";
   }
   return expected_got("options and arguments of " + sub.get_name(), got);

@@ -39,7 +39,8 @@ constexpr fit::Mixture least_squares;
 struct Data {
   fit::NormalisedPoints all, trial, few;
   std::vector<double> shears;  // that edges suggest
-  double rounding = 0;         // rms distance that roundings of what is stored leave, with room
+  // The rms distance that roundings of the stored positions, and of these and the uvs, leave, with room.
+  double rounding = 0, rounding_with_uvs = 0;
 };
 
 // The slopes Δu/Δv that most edges have: of a sheared grid those of its columns and diagonals.
@@ -69,25 +70,25 @@ std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed cha
   return result;
 }
 
-// How far roundings of the stored uvs move the points, by the mesh's own edges: along u and v they may differ
-// much, and of a grid's edges a third is of each, and a third diagonals.
+// The rms distance by which roundings of the stored uvs move most points, by the mesh's own edges: along u
+// and v it may differ much, and of a grid's edges a third is of each, and a third diagonals.
 double moved_by_uvs(const Mesh& mesh, std::span<const signed char> signs) {
   constexpr std::size_t looked_at = 2000;
-  double largest = 0;
-  std::vector<double> rates;
+  std::vector<double> moved;
   for (const std::size_t t : evenly_chosen(mesh.triangles.size(), looked_at)) {
     if (signs[t] == 0) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
-      largest = std::max({largest, std::fabs(mesh.uvs[a].x), std::fabs(mesh.uvs[a].y)});
-      const Vec2<double> along{mesh.uvs[b].x - mesh.uvs[a].x, mesh.uvs[b].y - mesh.uvs[a].y};
-      const double rate = norm(mesh.positions[b] - mesh.positions[a]) / norm(along);
-      if (std::isfinite(rate)) rates.push_back(rate);
+      const auto &from = mesh.uvs[a], &to = mesh.uvs[b];
+      const double half_step =
+          std::fmax(mesh.half_steps.uv, 0x1p-24 * std::fmax(std::fabs(from.x), std::fabs(from.y)));
+      const double by_uv =
+          norm(mesh.positions[b] - mesh.positions[a]) / norm(Vec2<double>{to.x - from.x, to.y - from.y});
+      if (std::isfinite(by_uv))
+        moved.push_back(std::sqrt(2.0 / 3) * half_step * by_uv);  // of two coordinates
     }
   }
-  if (rates.empty()) return 0;
-  // rms of one rounding, and of two coordinates
-  return std::sqrt(2.0 / 3) * std::fmax(mesh.half_steps.uv, 0x1p-24 * largest) * quantile(rates, 0.8);
+  return moved.empty() ? 0 : quantile(moved, 0.8);
 }
 
 Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
@@ -117,7 +118,10 @@ Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   constexpr double room = 1.5;
   const double of_positions =
       std::fmax(mesh.half_steps.position, 0x1p-24 / std::sqrt(3) * largest.stableNorm());
-  data.rounding = room * std::hypot(of_positions, moved_by_uvs(mesh, signs)) / data.all.scale;
+  data.rounding = room * of_positions / data.all.scale;
+  // Coarser uvs say nothing of a surface.
+  const double of_uvs = std::fmin(moved_by_uvs(mesh, signs) / data.all.scale, 10 * fits_below);
+  data.rounding_with_uvs = std::hypot(data.rounding, room * of_uvs);
   data.all.cloud.resize(3, static_cast<Eigen::Index>(usable.size()));
   data.all.uvs.reserve(usable.size());
   for (const std::uint32_t v : usable) {
@@ -156,11 +160,14 @@ struct Wanted {
   std::vector<std::pair<std::string, double>> parameters{};  // held values
   std::optional<AnySurface> exact{};                         // held but for its placement
   std::optional<Eigen::Isometry3d> placement{};
-  bool is_declared = false;
+  enum class Roundings { ignored, of_positions, of_all } roundings = Roundings::ignored;
 
   // The rms distance up to which it fits. Roundings make nothing a surface that is not declared.
   double limit(const Data& data, bool affine) const {
-    return std::fmax(fits_below * (affine ? affine_share : 1), is_declared ? data.rounding : 0);
+    const double rounding = roundings == Roundings::of_all         ? data.rounding_with_uvs
+                            : roundings == Roundings::of_positions ? data.rounding
+                                                                   : 0;
+    return std::fmax(fits_below * (affine ? affine_share : 1), rounding);
   }
 
   UvHeld held(double size, const Eigen::Vector3d& centre) const {
@@ -257,24 +264,38 @@ std::optional<Trial> try_conventions(const Data& data, const Wanted& wanted) {
   return best;
 }
 
+// Of maps that go through the same points the one is meant that stays in the surface's domain, not behind its
+// pole or apex, and is the least steep: on few columns one that is several times as steep meets them too.
+double strangeness(const UvModel& model, const UvState& state) {
+  const auto& m = state.affine;
+  const UvConvention map = model.whole_convention(state);
+  double outside = 0;
+  for (const Vec2<double>& stored : model.points->uvs) {
+    const Vec2<double> uv = map.surface_uv(stored);
+    const auto off = [](Coordinate coordinate, double x) {
+      return coordinate == Coordinate::turn ? 0 : std::fmax(-x, x - 1);
+    };
+    outside =
+        std::max({outside, off(model.kind->coordinates[0], uv.x), off(model.kind->coordinates[1], uv.y)});
+  }
+  constexpr double rounding = 1e-3;
+  return std::hypot(std::hypot(m[0], m[1]), std::hypot(m[2], m[3])) * (outside > rounding ? 1e3 : 1);
+}
+
 std::optional<Trial> try_affine(const Data& data, const Wanted& wanted) {
   // Two points must follow beyond those that any such surface goes through: nearly every quad lies on a
   // Möbius strip.
   if (3 * data.all.count() < 6 + wanted.kind.parameters.size() + 6 + 6) return std::nullopt;
-  // On few columns a map that is several times as steep goes through the same points: the least steep is
-  // meant.
-  const auto steepness = [](const Affine& m) {
-    return std::hypot(std::hypot(m[0], m[1]), std::hypot(m[2], m[3]));
-  };
   std::optional<Trial> best;
   for (UvStart& start : affine_starts(wanted.kind, data.few, wanted.held(data.all.scale, data.all.centre),
                                       false, data.shears)) {
     if (!best || !best->fits) {
       keep_better(best, fit_from(data, std::move(start), wanted));
-    } else if (const double most = 0.9 * steepness(best->state.affine);
-               steepness(start.state.affine) < most) {
+    } else if (strangeness(start.model, start.state) < 0.9 * strangeness(best->model, best->state)) {
       std::optional<Trial> trial = fit_from(data, std::move(start), wanted);
-      if (trial && trial->fits && steepness(trial->state.affine) < most) best = std::move(trial);
+      if (trial && trial->fits && trial->rms <= std::fmax(2 * best->rms, data.rounding_with_uvs) &&
+          strangeness(trial->model, trial->state) < 0.9 * strangeness(best->model, best->state))
+        best = std::move(trial);
     }
   }
   return best;
@@ -372,14 +393,14 @@ DeclaredFit fit_declared(const Mesh& mesh, const SurfaceSpecification& given,
   const UvKind* kind = find_uv_kind(given.name);
   if (!kind) return fit_declared(mesh, surface, placement, signs);
   const Data data = usable_vertices(mesh, signs);
-  const Wanted wanted{*kind, given.parameters, {}, placement, true};
+  const Wanted wanted{*kind, given.parameters, {}, placement, Wanted::Roundings::of_all};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) {
     // What another kind explains under a plain convention is that kind, and no limit of this one with bent
     // uvs: a torus of major radius 0 is a sphere.
     const bool another = std::any_of(uv_kinds().begin(), uv_kinds().end(), [&](const UvKind& other) {
       if (&other == kind) return false;
-      const auto trial = try_conventions(data, {other, {}, {}, placement, true});
+      const auto trial = try_conventions(data, {other, {}, {}, placement, Wanted::Roundings::of_positions});
       return trial && trial->fits;
     });
     if (!another) keep_better(best, try_affine(data, wanted));
@@ -393,7 +414,7 @@ DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
                          std::span<const signed char> signs) {
   const UvKind kind = rigid_kind(exact);
   const Data data = usable_vertices(mesh, signs);
-  const Wanted wanted{kind, {}, exact, placement, true};
+  const Wanted wanted{kind, {}, exact, placement, Wanted::Roundings::of_all};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) keep_better(best, try_affine(data, wanted));
   if (!best) throw no_start(exact.info().name);

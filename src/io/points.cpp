@@ -123,7 +123,8 @@ double number_of(std::string_view field, const Lines& lines) {
   const auto between = field.find_first_of(", \t");  // of "1,5", or of "5 2" in "1,5 2,5"
   if (between != std::string_view::npos && parse_number(field.substr(0, between)) &&
       parse_number(trimmed(field.substr(between + 1))))
-    lines.fail(in_quotes(field) + ", which is two numbers; write decimal points, not commas");
+    lines.fail(in_quotes(field) +
+               ", which is two numbers, or one with a decimal comma; write decimal points");
   lines.fail(in_quotes(field) + ", which is no number within the range of double");
 }
 

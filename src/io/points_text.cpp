@@ -32,23 +32,31 @@ bool is_header(const std::vector<std::string_view>& fields) {
          !parse_number(*first);
 }
 
-constexpr std::string_view opening = "[({", closing = "])}";
+constexpr std::string_view opening = "[({", closing = "])}", brackets = "[({])}";
 
 // The names of a header, or of a comment that may be one. A unit is none, be it "x [mm]", "x[mm]" or between
-// blanks; other brackets, as about "[nx ny nz]", are no part of a name.
+// blanks; other brackets, as about "[nx ny nz]", are no part of a name. With a unit a name is not another's.
 std::vector<std::string> names_of(std::string_view line, char separator) {
   std::vector<std::string_view> fields;
   split_row(line, separator, fields);
-  const auto is_unit = [](std::string_view field) {
+  const auto in_brackets = [](std::string_view field) {
     return field.size() > 2 && opening.find(field.front()) != std::string_view::npos &&
            closing.find(field.back()) != std::string_view::npos;
   };
-  const auto units = static_cast<std::size_t>(std::count_if(fields.begin(), fields.end(), is_unit));
-  if (separator == ' ' && units >= 3 && units < fields.size()) std::erase_if(fields, is_unit);
+  // Each of x, y and z has one, and none stands alone.
+  std::size_t units = 0, alone = 0;
+  for (std::size_t k = 0; k < fields.size(); ++k)
+    if (in_brackets(fields[k])) ++(k > 0 && !in_brackets(fields[k - 1]) ? units : alone);
+  if (separator == ' ' && units >= 3 && alone == 0) std::erase_if(fields, in_brackets);
   std::vector<std::string> names;
-  for (std::string_view field : fields) {
-    field = trimmed(field.substr(std::min(field.find_first_not_of(opening), field.size())));
-    names.emplace_back(trimmed(field.substr(0, field.find_first_of("[({])}"))));
+  for (const std::string_view field : fields) {
+    const std::string_view open =
+        trimmed(field.substr(std::min(field.find_first_not_of(opening), field.size())));
+    const std::string_view name = trimmed(open.substr(0, open.find_first_of(brackets)));
+    const bool taken = std::any_of(fields.begin(), fields.end(), [&](std::string_view other) {
+      return other != field && lower(other) == lower(name);
+    });
+    names.emplace_back(taken ? field : name);
   }
   return names;
 }

@@ -600,6 +600,7 @@ void MeshValidation::diagnose() {
   };
   // What MikkTSpace makes of the same triangles is surer than what their neighbours tell.
   const bool known_tangents =
+      accurate_.known() &&
       std::any_of(truth.begin(), truth.end(), [](const Truth& t) { return std::isfinite(t.tangent_deg); });
   if (!known_tangents && !under_test_.mikktspace.empty())
     tangents_diagnosed_ = diagnose_tangents(under_test_, mikktspace, options_, held, report_);

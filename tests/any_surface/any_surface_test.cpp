@@ -83,6 +83,10 @@ TEST(MakeSurface, ListsTheKnownSurfacesForAnUnknownOne) {
   EXPECT_EQ(message_of("nothing"), "nothing: unknown surface, known are " + known);
   EXPECT_EQ(message_of(""), "surface: unknown surface, known are " + known);
   EXPECT_EQ(message_of(":radius=1"), "surface: unknown surface, known are " + known);
+  EXPECT_EQ(message_of("formula:file=x"),
+            "formula: unknown surface, known are " + known + "; io.h has read_formula_surface()");
+  EXPECT_EQ(message_of("bezier-patch:file=x"),
+            "bezier-patch: unknown parameter 'file', known are none; io.h has read_surface_file()");
   for (const char* text : {"Torus", "torus ", " torus", "torus,major_radius=1"})
     EXPECT_EQ(message_of(text),
               std::string(text) + ": unknown surface" +

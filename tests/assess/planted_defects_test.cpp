@@ -409,6 +409,21 @@ TEST(PlantedDefects, OneCauseIsNamed) {
   std::cout << meshes << " meshes\n";
 }
 
+// Of a surface that is known without its uvs, as a sphere under Mercator's, the triangles' own tangents name
+// it.
+TEST(PlantedDefects, OneCauseIsNamedWhereUvsAreUnknown) {
+  for (const double deg : {90.0, 180.0, -90.0}) {
+    Mesh mesh =
+        sample_mesh(make_surface("sphere"), {.columns = 32, .rows = 16, .v_first = 0.1, .v_last = 0.9});
+    for (auto& uv : mesh.uvs) uv.y = std::log(std::tan(std::numbers::pi / 2 * uv.y));
+    turn_tangents(mesh, deg);
+    const Assessment assessment = assess(mesh);
+    EXPECT_TRUE(assessment.fit && assessment.fit->fits);
+    const Codes found = codes(assess_parts(mesh));
+    EXPECT_TRUE(found.contains("TANGENT_AXES") && !found.contains("TANGENT_UV_SET")) << deg;
+  }
+}
+
 // Tangents that follow another uv set than the one that is read.
 TEST(PlantedDefects, AnotherUvSet) {
   Mesh mesh = baked_unknown();

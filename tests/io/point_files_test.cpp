@@ -209,6 +209,8 @@ TEST_F(PointFiles, HeadersAndQuotesOfOtherTools) {
   for (const std::string header :
        {"# y [m] x [m] z [m]\n", "Y [mm] X [mm] Z [mm]\n", "[y] [x] [z]\n", "#Y(mm) X(mm) Z(mm)\n"})
     expect_same(read("a.xyz", header + "2 1 3\n5 4 6\n").cloud, two);
+  expect_same(read("a.xyz", "x y z [r] [g] [b]\n1 2 3 255 0 7\n4 5 6 9 9 9\n").cloud, two);
+  expect_same(read("a.csv", "x,y,z,x[px],y[px]\n1,2,3,4,5\n4,5,6,7,8\n").cloud, two);
   expect_same(read("a.csv", "Y [mm],X [mm],Z [mm]\n2,1,3\n5,4,6\n").cloud, two);
   expect_same(read("a.csv", "\"Y (mm)\";\"X (mm)\";\"Z (mm)\"\n2;1;3\n5;4;6\n").cloud, two);
   // A comment that happens to name columns, but not those of the rows.
@@ -428,7 +430,7 @@ TEST_F(PointFiles, RefusesWhatIsNoTableOfNumbers) {
     refused("a.xyz", good + bad + "\n", {"a.xyz:2: ", "columns", "3 numbers x y z"});
   for (const std::string bad : {"1 2", "1"}) refused("a.xyz", "\n" + bad + "\n", {"a.xyz:2: "});
   refused("a.csv", "1,5;2,5;3,5\n",
-          {"a.csv:1: ", "\"1,5\", which is two numbers; write decimal points, not commas"});
+          {"a.csv:1: ", "\"1,5\", which is two numbers, or one with a decimal comma; write decimal points"});
   refused("a.xyz", "1,5 2,5 3,5\n", {"a.xyz:1: ", "\"5 2\", which is two numbers"});
   refused("a.csv", "x,y,w\n1,2,3\n", {"a.csv:1: ", "the columns x y z", "got 'x', 'y', 'w'"});
   refused("a.csv", "x,y,z,X\n1,2,3,4\n", {"twice"});

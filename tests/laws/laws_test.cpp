@@ -481,7 +481,9 @@ struct Line3 {
 
 TEST(Skipped, NothingToCompareIsAFailureThatSaysSo) {
   EXPECT_EQ(broken_laws(Line3{}, {.points = 20, .routes = {"dual"}}),
-            "line: dual of frame: no point could be compared\n");
+            "line: dual of tangent: no point could be compared\n"
+            "line: dual of bitangent: no point could be compared\n"
+            "line: dual of normal: no point could be compared\n");
 }
 
 // A surface that is NaN somewhere does not pass because NaN compares with nothing.

@@ -194,7 +194,8 @@ struct Unit {
 };
 
 // As they are stored, and from 0 to 1 over all points. Of coordinates in other units altogether, pixels say,
-// the latter alone; of those that turn it only where the scales that are tried come to no whole turn.
+// the latter alone; of those that turn it only where the scales that are tried come to less than three
+// quarters of a turn.
 std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored) {
   const auto [low, high] = std::minmax_element(stored.begin(), stored.end());
   const double range = *high - *low;
@@ -202,7 +203,7 @@ std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored
   if (range > 4) return {whole};
   const bool differs = std::fabs(*low) > 0.05 || std::fabs(*high - 1) > 0.05;
   const double most = coordinate == Coordinate::turn ? 0.25 : 4;
-  if (!(range > 1e-6 && range < most) || !differs) return {{}};
+  if (!(range > 1e-6 && range <= most) || !differs) return {{}};
   return {{}, whole};
 }
 
