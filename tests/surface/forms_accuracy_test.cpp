@@ -271,8 +271,9 @@ TYPED_TEST(FormsAccuracy, IsEightRoundingsTimesOnePlusTheCondition) {
 // that an error of 1e-9 is a digit lost and not rounding.
 template <class X>
 class FormsOfAnySize : public ::testing::Test {};
-using SurfacesOfThreeSizes = ::testing::Types<Ellipsoid<double>, EllipticParaboloid<double>,
-                                              HyperbolicParaboloid<double>, OneSheetHyperboloid<double>>;
+using SurfacesOfThreeSizes =
+    ::testing::Types<Ellipsoid<double>, EllipticParaboloid<double>, HyperbolicParaboloid<double>,
+                     OneSheetHyperboloid<double>, TwoSheetHyperboloid<double>>;
 TYPED_TEST_SUITE(FormsOfAnySize, SurfacesOfThreeSizes);
 
 TYPED_TEST(FormsOfAnySize, KeepTheirDigits) {
@@ -281,7 +282,10 @@ TYPED_TEST(FormsOfAnySize, KeepTheirDigits) {
   int compared = 0;
   for (int i = 0; i < 1500; ++i) {
     X surface{};
-    for_each_parameter<X>([&](const auto& p) { p.of(surface) = random.log_uniform(1e-150, 1e150); });
+    for_each_parameter<X>([&](const auto& p) {
+      p.of(surface) =
+          random.log_uniform(std::fmax(p.proven.smallest, 1e-150), std::fmin(p.proven.largest, 1e150));
+    });
     const double u = random.uniform(), v = 0.02 + 0.96 * random.uniform();
     const Curvature<double> c = curvature(surface, u, v);
     const auto wide = rebind<B>(surface);
