@@ -234,7 +234,9 @@ std::optional<Trial> fit_from(const Data& data, UvStart start, const Wanted& wan
   if (!surface_of(data, start.model, start.state, wanted)) return std::nullopt;
   const double error = rms(start.model, start.state);
   if (!std::isfinite(error)) return std::nullopt;
-  bool fits = solved.converged && error <= wanted.limit(data, !start.model.free_affine.empty());
+  // Within roundings there is nothing to converge to: a length may press against its bound.
+  bool fits = (solved.converged || error <= data.rounding_with_uvs) &&
+              error <= wanted.limit(data, !start.model.free_affine.empty());
   if (fits && !determined(start.model, start.state)) {
     // Where it came out as a surface of revolution, the offset of u is a rotation about its axis, and is
     // held.
