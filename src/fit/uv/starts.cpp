@@ -193,18 +193,18 @@ struct Unit {
   double scale = 1, from = 0;
 };
 
-// As they are stored, and from 0 to 1 over all points. Of coordinates in other units altogether, pixels say,
-// the latter alone; of those that turn it only where the scales that are tried come to less than three
-// quarters of a turn.
+// As they are stored, from the tile that they are in; and from 0 to 1 over all points. Of coordinates in
+// other units altogether, pixels say, the latter alone; of those that turn it only where the scales that are
+// tried come to less than three quarters of a turn.
 std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored) {
   const auto [low, high] = std::minmax_element(stored.begin(), stored.end());
   const double range = *high - *low;
-  const Unit whole{1 / range, *low};
+  const bool turns = coordinate == Coordinate::turn;
+  const Unit whole{1 / range, *low}, as_stored{1, turns || range > 1 ? 0 : std::floor(median(stored))};
   if (range > 4) return {whole};
   const bool differs = std::fabs(*low) > 0.05 || std::fabs(*high - 1) > 0.05;
-  const double most = coordinate == Coordinate::turn ? 0.25 : 4;
-  if (!(range > 1e-6 && range <= most) || !differs) return {{}};
-  return {{}, whole};
+  if (!(range > 1e-6 && range <= (turns ? 0.25 : 4)) || !differs) return {as_stored};
+  return {as_stored, whole};
 }
 
 // The convention, from the tile that the points are in. One half-turn on, the chart goes through the poles to
@@ -335,7 +335,7 @@ class AffineSearch {
     UvConvention convention;
     Affine affine;
     const std::vector<double>* at;
-    double distance;
+    double distance, outside;  // outside: of the surface's domain
   };
 
   bool is_free(int k) const { return std::find(free_.begin(), free_.end(), k) != free_.end(); }
@@ -351,17 +351,35 @@ class AffineSearch {
                                                    : std::numeric_limits<double>::infinity();
   }
 
+  // Of those that are exact but for rounding, as many offsets are where linear freedom absorbs them, those in
+  // the surface's domain first.
   void keep_nearest(std::size_t most) {
-    std::stable_sort(candidates_.begin(), candidates_.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+    constexpr double exact = 1e-9;
+    std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+      return std::pair(std::fmax(a.distance, exact), a.outside) <
+             std::pair(std::fmax(b.distance, exact), b.outside);
+    });
     if (candidates_.size() > most) candidates_.resize(most);
+  }
+
+  // How far a map takes the points beyond [0, 1], in coordinates that do not turn.
+  double outside_of_domain(const Affine& map) const {
+    double result = 0;
+    const UvConvention affine{"", map};
+    for (const Vec2<double>& stored : few_.uvs) {
+      const Vec2<double> uv = affine.surface_uv(model_.convention.surface_uv(stored));
+      for (const auto& [coordinate, x] :
+           {std::pair{kind_.coordinates[0], uv.x}, {kind_.coordinates[1], uv.y}})
+        if (coordinate != Coordinate::turn) result = std::max({result, -x, x - 1});
+    }
+    return result;
   }
 
   // A candidate at each start of the kind. \param from_u offset, where it is free
   void add(double scale_u, double shear, double scale_v, double from_u, double from_v) {
     const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, from_v};
     for (const auto& at : kind_.starts) {
-      Candidate c{model_.convention, affine, &at, 0};
+      Candidate c{model_.convention, affine, &at, 0, outside_of_domain(affine)};
       if (robust_) {
         c.distance = distance(c);
       } else {
