@@ -48,7 +48,7 @@ struct MeshFit : SurfaceUncertainty {
   /// Left of one coordinate, in the mesh's units: sqrt(Σ |distance|² / (3 vertices - unknowns)). 0 where
   /// nothing fits.
   double sigma = 0;
-  bool fits = false;                           ///< within the limit of its fit, and Ceres converged
+  bool fits = false;  ///< within the limit of its fit, and Ceres converged or roundings leave as much
   std::vector<std::string_view> equivalent{};  ///< other uv conventions that fit as well
   int iterations = 0;                          ///< of Ceres
 };
