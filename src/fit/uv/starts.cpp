@@ -202,7 +202,7 @@ std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored
   const bool turns = coordinate == Coordinate::turn;
   const Unit whole{1 / range, *low}, as_stored{1, turns || range > 1 ? 0 : std::floor(median(stored))};
   if (range > 4) return {whole};
-  const bool differs = std::fabs(*low) > 0.05 || std::fabs(*high - 1) > 0.05;
+  const bool differs = std::fabs(*low) > 1e-3 || std::fabs(*high - 1) > 1e-3;
   if (!(range > 1e-6 && range <= (turns ? 0.25 : 4)) || !differs) return {as_stored};
   return {as_stored, whole};
 }
