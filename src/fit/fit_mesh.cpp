@@ -270,16 +270,7 @@ std::optional<Trial> try_conventions(const Data& data, const Wanted& wanted) {
 // pole or apex, and is the least steep: on few columns one that is several times as steep meets them too.
 double strangeness(const UvModel& model, const UvState& state) {
   const auto& m = state.affine;
-  const UvConvention map = model.whole_convention(state);
-  double outside = 0;
-  for (const Vec2<double>& stored : model.points->uvs) {
-    const Vec2<double> uv = map.surface_uv(stored);
-    const auto off = [](Coordinate coordinate, double x) {
-      return coordinate == Coordinate::turn ? 0 : std::fmax(-x, x - 1);
-    };
-    outside =
-        std::max({outside, off(model.kind->coordinates[0], uv.x), off(model.kind->coordinates[1], uv.y)});
-  }
+  const double outside = outside_of_domain(*model.kind, model.whole_convention(state), model.points->uvs);
   constexpr double rounding = 1e-3;
   return std::hypot(std::hypot(m[0], m[1]), std::hypot(m[2], m[3])) * (outside > rounding ? 1e3 : 1);
 }

@@ -362,24 +362,14 @@ class AffineSearch {
     if (candidates_.size() > most) candidates_.resize(most);
   }
 
-  // How far a map takes the points beyond [0, 1], in coordinates that do not turn.
-  double outside_of_domain(const Affine& map) const {
-    double result = 0;
-    const UvConvention affine{"", map};
-    for (const Vec2<double>& stored : few_.uvs) {
-      const Vec2<double> uv = affine.surface_uv(model_.convention.surface_uv(stored));
-      for (const auto& [coordinate, x] :
-           {std::pair{kind_.coordinates[0], uv.x}, {kind_.coordinates[1], uv.y}})
-        if (coordinate != Coordinate::turn) result = std::max({result, -x, x - 1});
-    }
-    return result;
-  }
-
   // A candidate at each start of the kind. \param from_u offset, where it is free
   void add(double scale_u, double shear, double scale_v, double from_u, double from_v) {
     const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, from_v};
+    UvState state;
+    state.affine = affine;
+    const double outside = outside_of_domain(kind_, model_.whole_convention(state), few_.uvs);
     for (const auto& at : kind_.starts) {
-      Candidate c{model_.convention, affine, &at, 0, outside_of_domain(affine)};
+      Candidate c{model_.convention, affine, &at, 0, outside};
       if (robust_) {
         c.distance = distance(c);
       } else {
@@ -458,6 +448,16 @@ class AffineSearch {
 };
 
 }  // namespace
+
+double outside_of_domain(const UvKind& kind, const UvConvention& map, std::span<const Vec2<double>> stored) {
+  double result = 0;
+  for (const Vec2<double>& s : stored) {
+    const Vec2<double> uv = map.surface_uv(s);
+    for (const auto& [coordinate, x] : {std::pair{kind.coordinates[0], uv.x}, {kind.coordinates[1], uv.y}})
+      if (coordinate != Coordinate::turn) result = std::max({result, -x, x - 1});
+  }
+  return result;
+}
 
 std::vector<UvStart> affine_starts(const UvKind& kind, const fit::NormalisedPoints& all, const UvHeld& held,
                                    bool robust, std::span<const double> sheared) {

@@ -35,6 +35,9 @@ struct ConventionStarts {
 ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoints& points,
                                    const UvHeld& held, bool robust);
 
+// How far a map takes stored uvs beyond [0, 1], in coordinates that do not turn.
+double outside_of_domain(const UvKind& kind, const UvConvention& map, std::span<const Vec2<double>> stored);
+
 /// The best starts with an affine map after a convention, best first.
 /// \param sheared slopes Δu/Δv of stored uvs along which v of the surface may run, beside those that are
 /// tried anyway
