@@ -61,11 +61,11 @@ struct MeshFit : SurfaceUncertainty {
 /// 10 fits_below. (fit_any_surface() has the plain limits.) Start in closed form from least squares on
 /// P = O + sum_k A_k ∂P/∂p_k(u, v), linear in O and the A_k; then Ceres minimises the sum of squared
 /// distances over at most 2048 vertices at random; what fits these is refined on all vertices. Scale and
-/// offset of the data do not matter. Method: docs/theory/fit-with-uvs.md. A kind that is not among fitted_kinds() is taken as
-/// exact (the next overload), with default values for parameters that are not given. \param kind name, with
-/// the parameters that are held fixed \param placement held fixed when given \throws ParameterError for an
-/// unknown kind or parameter; UndeterminedError; MeshError where the positions do not follow the uvs at
-/// all
+/// offset of the data do not matter. Method: docs/theory/fit-with-uvs.md. A kind that is not among
+/// fitted_kinds() is taken as exact (the next overload), with default values for parameters that are not
+/// given. \param kind name, with the parameters that are held fixed \param placement held fixed when given
+/// \throws ParameterError for an unknown kind or parameter; UndeterminedError; MeshError where the positions
+/// do not follow the uvs at all
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
