@@ -35,7 +35,9 @@ struct Truth {
   Vec3<double> tangent;    ///< unit, along the derivative by the stored u; at a pole its limit for this uv
   Vec3<double> bitangent;  ///< unit, along the derivative by the stored v
   Status status;           ///< the surface's
-  bool pole;  ///< the chart is singular here, or where u or v is rounded to a quarter by less than 1e-6
+  /// The chart is singular here, or as near as roundings of uvs: where u or v is rounded to a quarter by less
+  /// than 1e-6, or where dpdu vanishes within 1e-6 of v, or within four roundings of uvs stored as floats.
+  bool pole;
   double normal_deg = 0;  ///< standard deviation of the angle of `normal`; zero: the surface is known exactly
   double tangent_deg = 0;  ///< of `tangent`
 };

@@ -25,6 +25,14 @@ double rounded_to_quarter(double x) {
   return std::fabs(x - rounded) < 1e-6 ? rounded : x;
 }
 
+// Whether (u, v) misses a pole, where dpdu vanishes, by no more than four roundings of uvs stored as floats,
+// or than a millionth.
+bool rounded_off_a_pole(const UvConvention& uv, const Vec2<double>& stored, const Jet2<double>& at) {
+  const auto& m = uv.affine;
+  const double terms = std::fabs(m[2] * stored.x) + std::fabs(m[3] * stored.y) + std::fabs(m[5]);
+  return norm(at.dpdu) < std::fmax(1e-6, 0x1p-22 * terms) * norm(at.d2pduv);
+}
+
 }  // namespace
 
 std::span<const UvConvention> uv_conventions() {
@@ -43,18 +51,22 @@ Truth PlacedSurface::truth(const Vec2<double>& stored) const {
 
 DARBOUX_FLATTEN Truth PlacedSurface::truth(const Vec2<double>& stored, const Sample<double>& at) const {
   const Vec2<double> p = uv.surface_uv(stored);
-  // A uv that misses a pole by a rounding means the pole: beside it dpdu may point either way.
+  // A uv that misses a pole by a rounding means the pole, for beside it dpdu may point either way.
   const Vec2<double> rounded{rounded_to_quarter(p.x), rounded_to_quarter(p.y)};
-  std::optional<Sample<double>> beside;
-  if (rounded != p) beside = surface.sample(rounded.x, rounded.y);
-  const Sample<double>& near = beside ? *beside : at;
-  const bool pole = has(near.frame.status, singular);
-  const Sample<double>& s = pole ? near : at;
+  std::optional<Sample<double>> other;
+  if (rounded != p) other = surface.sample(rounded.x, rounded.y);
+  if (other && !has(other->frame.status, singular)) other.reset();
+  const Vec3<double> n = other ? other->frame.n : at.frame.n;
+  const bool rounded_off =
+      !other && !has(at.frame.status, singular) && rounded_off_a_pole(uv, stored, at.jet);
+  // Within its roundings a disk's inner radius, and dpdu, may have either sign.
+  if (rounded_off) other = surface.sample(p.x, p.y + (p.y < 0.5 ? 0x1p-20 : -0x1p-20));
+  const Sample<double>& s = other ? *other : at;
   const Frame<double>& frame = s.frame;
   // The derivative along (a, b) in (u, v); where a partial vanishes the other decides, and where only the
   // vanished one is asked for its limit direction does.
   const auto along = [&](double a, double b) {
-    if (has(frame.status, Status::dpdu_zero))
+    if (rounded_off || has(frame.status, Status::dpdu_zero))
       return b == 0 ? std::copysign(1.0, a) * frame.t : b * s.jet.dpdv;
     if (has(frame.status, Status::dpdv_zero))
       return a == 0 ? std::copysign(1.0, b) * frame.handedness * frame.b : a * s.jet.dpdu;
@@ -64,11 +76,11 @@ DARBOUX_FLATTEN Truth PlacedSurface::truth(const Vec2<double>& stored, const Sam
   const auto rotation = placement.linear();
   const auto placed = [&](const Vec3<double>& a) { return from_eigen(rotation * to_eigen(a)); };
   return {from_eigen(placement * to_eigen(at.jet.position)),
-          placed(frame.n),
+          placed(n),
           placed(unit(along(m[0], m[2]))),
           placed(unit(along(m[1], m[3]))),
           frame.status,
-          pole || has(frame.status, singular)};
+          rounded_off || has(frame.status, singular)};
 }
 
 }  // namespace darboux

@@ -106,6 +106,24 @@ TEST(DeclaredSurfaces, PassAnywhereInAnAtlas) {
   }
 }
 
+// Rounded uvs may give a disk an inner radius of a few roundings, of either sign: the tangents of its centre
+// have no direction all the same.
+TEST(DeclaredSurfaces, RoundingsAtADisksCentreGiveNoDirection) {
+  const AnySurface disk = make_surface("disk");
+  for (int k = 0; k < 40; ++k) {
+    const double scale = k % 2 == 0 ? 1 : 0.04;
+    SCOPED_TRACE(k);
+    Mesh mesh = sample_mesh(disk, {.columns = 16, .rows = 8});
+    for (std::size_t i = 0; i < mesh.uvs.size(); ++i) {
+      if (mesh.uvs[i].y == 1) mesh.tangents[i] = {0.6, 0.8, 0, mesh.tangents[i].w};
+      mesh.uvs[i] = {scale * mesh.uvs[i].x + 0.0723 * k, 0.0341 * k - scale * mesh.uvs[i].y};
+      mesh.tangents[i].w *= -1;
+    }
+    test::round_to_floats(mesh);
+    expect_pass(disk, mesh, declared(disk));
+  }
+}
+
 TEST(DeclaredSurfaces, EveryReferenceMeshPasses) {
   const Variant variants[] = {
       {"grid", [](auto&) {}},
