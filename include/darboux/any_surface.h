@@ -283,6 +283,13 @@ class AnySurface {
   std::string file_;
 };
 
+/// evaluate() of evaluate.h, for a surface that is chosen at run time.
+template <std::floating_point T>
+StatusSummary evaluate(const AnySurface& surface, const Points<T>& points, const Outputs<T>& outputs,
+                       const EvaluateOptions& options = {}) {
+  return surface.evaluate(points, outputs, options);
+}
+
 /// Values for some parameters of a kind of surface, as written after its name.
 struct SurfaceSpecification {
   std::string name;

@@ -245,6 +245,11 @@ bool sizes_are_proven(const X& surface) {
   return proven;
 }
 
+template <class X, class T>
+concept TakesScalar = requires(const X& x, const Prepared<X::info.u, T>& u, const Prepared<X::info.v, T>& v) {
+  { x.jet(u, v) } -> std::same_as<Jet2<T>>;
+};
+
 template <class T, class X>
 ErasedSurface<T> erase(const X& surface) {
   bool of_u_alone = false;
@@ -291,6 +296,8 @@ StatusSummary evaluate(const X& surface, const Points<T>& points, const Outputs<
     else
       return rebind<T>(surface);
   }();
+  static_assert(detail::TakesScalar<std::remove_cvref_t<decltype(over)>, T>,
+                "expected template <class S> jet(u, v) of any scalar S; got one that does not take float");
   return detail::evaluate(detail::erase<T>(over), points, outputs, options);
 }
 

@@ -522,7 +522,7 @@ TEST(Batch, OfASurfaceChosenAtRunTime) {
     std::vector<Vec3<float>> p(fu.size());
     Outputs<float> in_float;
     in_float.packed(Attribute::position, std::span<float>(&p[0].x, 3 * p.size()));
-    surface.evaluate(Points<float>::arrays(fu, fv), in_float);
+    evaluate(surface, Points<float>::arrays(fu, fv), in_float);
     for (std::size_t i = 0; i < u.size(); ++i) {
       const Vec3<double> expected = surface.frame(u[i], v[i]).n;
       EXPECT_TRUE(same(n[i].x, expected.x) && same(n[i].y, expected.y) && same(n[i].z, expected.z));

@@ -81,6 +81,16 @@ struct Mine {
 int main() { darboux::AnySurface(Mine{}); }
 END
 expect double_jet c++20 9 "expected template <class S> jet(u, v) of any scalar"
+cat >"$work/float_batch.cpp" <<END
+#include <darboux/evaluate.h>
+struct Mine {
+  static constexpr darboux::SurfaceInfo info{"mine", "a surface", darboux::Coordinate::linear,
+                                             darboux::Coordinate::linear};
+  darboux::Jet2<double> jet(double u, double v) const { return {{u, v, 0}, {1, 0, 0}, {0, 1, 0}, {}, {}, {}}; }
+};
+int main() { evaluate(Mine{}, darboux::Points<float>::grid(2, 2), darboux::Outputs<float>{}); }
+END
+expect float_batch c++20 9 "got one that does not take float"
 printf '#include <darboux/any_surface.h>\nint main() { frame(darboux::make_surface("torus"), 0.1, 0.2); }\n' >"$work/any_frame.cpp"
 expect any_frame c++20 2 "as surface.frame(u, v)"
 exit $((failures > 0))
