@@ -14,6 +14,12 @@
 
 namespace darboux {
 
+/// What was looked for in vain, kept from mesh to mesh of a file: parts like those are not searched again,
+/// and after a dozen of them the others are looked at briefly, as PARTS_IN_BRIEF says.
+struct SearchHistory {
+  std::vector<std::array<std::size_t, 5>> failed{};  ///< outlines of parts in which no surface was found
+};
+
 struct AssessOptions : ValidateOptions {
   std::optional<SurfaceSpecification> surface;  ///< kind and known parameters; none: recognise it
   std::optional<AnySurface>
@@ -28,6 +34,8 @@ struct AssessOptions : ValidateOptions {
   /// Whether the mesh's uv set is the one that its tangents belong to. Where it is not, tangents of another
   /// are accepted, and TANGENT_UV_SET_USED names it.
   bool names_uv_set = true;
+
+  SearchHistory* history = nullptr;  ///< shared by the meshes of a file; null: of this mesh alone
 
   bool declares_surface() const { return surface || exact_surface; }
 };

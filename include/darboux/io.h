@@ -19,6 +19,7 @@
 #include <Eigen/Core>
 
 #include <darboux/any_surface.h>
+#include <darboux/frame.h>
 #include <darboux/mesh.h>
 #include <darboux/point_cloud.h>
 #include <darboux/vector.h>
@@ -95,6 +96,8 @@ struct Primitive {
   /// KHR_texture_transform of the texture that names the set: uv' = M uv + offset, M row by row, then the
   /// offset. Not applied to `data`.
   std::optional<std::array<double, 6>> texture_transform;
+  /// What w of its tangents means. COLLADA and FBX store binormals, which exporters have along v: raw.
+  SignConvention sign = SignConvention::gltf;
   /// Indices at the end that are no whole triangle; they are left out.
   std::size_t leftover_indices = 0;
   /// How many morph targets it has, of a glTF; `data` is the mesh at weights of 0.

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <darboux/frame.h>
 #include <darboux/mesh.h>
 #include <darboux/mesh_classes.h>
 #include <darboux/placed_surface.h>
@@ -163,6 +164,9 @@ struct ValidateOptions {
   /// Other uv sets of the mesh, one uv per vertex, which its tangents may follow instead; the number names
   /// the set.
   std::span<const std::pair<int, std::vector<Vec2<double>>>> other_uvs{};
+  /// What w of the file's format means: the other convention is TANGENT_HANDEDNESS_CONVENTION or, where raw
+  /// is meant, BINORMAL_AGAINST_V.
+  SignConvention sign = SignConvention::gltf;
   int threads = 1;           ///< 0: all; the report does not depend on it
   bool keep_errors = false;  ///< whether the report has errors_deg, 12 bytes per triangle
 };

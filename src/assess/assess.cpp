@@ -29,10 +29,10 @@ bool is_near(const std::optional<MeshFit>& fit) {
   return fit && fit->rms_relative <= fits_below;
 }
 
-// The declared surface through the mesh's uvs, and by its positions where there are none, they nearly fit, or
-// the mesh is a part. \param signs of its triangles
-Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs, const AssessOptions& options,
-                          bool part) {
+// The declared surface through the mesh's uvs, and by its positions where there are none or they are not its
+// own. \param signs of its triangles
+Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs,
+                          const AssessOptions& options) {
   Recognition result;
   try {
     auto [fit, limit] = options.exact_surface
@@ -50,13 +50,15 @@ Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs, 
   } catch (const MeshError& e) {
     result.reason = std::string(": ") + e.what();
   }
-  if (result.fits() || !(mesh.uvs.empty() || part || is_near(result.fit))) return result;
+  if (result.fits()) return result;
   const std::string_view kind =
       options.exact_surface ? options.exact_surface->info().name : std::string_view(options.surface->name);
   if (options.exact_surface) {
     if (mesh.uvs.empty())
       result.reason = ": there are no uvs, which tell where a " + std::string(kind) + " lies";
-  } else if (auto fit = fit_positions(mesh, options.surface, options.placement)) {
+  } else if (auto fit =
+                 fit_positions(mesh, kind == "disk" ? SurfaceSpecification{"plane", {}} : *options.surface,
+                               options.placement)) {  // of a disk they tell the plane
     take(mesh, signs, result, std::move(*fit));
     result.declared = true;
   } else if (mesh.uvs.empty()) {
@@ -191,7 +193,7 @@ class PartSearch {
   Recognition recognise_part(const MeshPart& part) {
     if (!options_.declares_surface())
       return recognise(part.mesh, part.raw_sign, options_.placement, effort_, charted_);
-    Recognition result = find_declared(part.mesh, part.raw_sign, options_, true);
+    Recognition result = find_declared(part.mesh, part.raw_sign, options_);
     if (result.fits()) return result;
     return recognise(part.mesh, part.raw_sign, {}, effort_);  // the placement was the declared surface's
   }
@@ -236,7 +238,7 @@ std::vector<Assessment> assess_each(MeshUnderTest whole, std::vector<MeshPart> p
 Recognition recognise_whole(const MeshUnderTest& under_test, const AssessOptions& options, Effort& effort) {
   if (!options.references.analytic) return {};
   return options.declares_surface()
-             ? find_declared(under_test.mesh, under_test.raw_sign, options, false)
+             ? find_declared(under_test.mesh, under_test.raw_sign, options)
              : recognise(under_test.mesh, under_test.raw_sign, options.placement, effort);
 }
 
@@ -283,7 +285,7 @@ std::vector<Assessment> assess_by_uvs_followed(const Mesh& mesh, const AssessOpt
 
 std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const AssessOptions& options) {
   const Mesh& mesh = under_test.mesh;
-  Effort effort(options.budget);
+  Effort effort(options);
   Recognition whole = recognise_whole(under_test, options, effort);
   // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves
   // of a mirrored one, go before a whole whose uvs say nothing.
@@ -321,7 +323,7 @@ std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const As
 
 Assessment assess(const Mesh& mesh, const AssessOptions& options) {
   std::vector<Assessment> one = assess_by_uvs_followed(mesh, options, [&](MeshUnderTest under_test) {
-    Effort effort(options.budget);
+    Effort effort(options);
     Recognition recognition = recognise_whole(under_test, options, effort);
     std::vector<Assessment> result;
     result.push_back(assess_whole(std::move(under_test), std::move(recognition), options));

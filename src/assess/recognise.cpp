@@ -270,7 +270,7 @@ namespace {
 constexpr std::size_t thorough_failures = 12;
 
 // What parts that repeat have in common, wherever they lie.
-Effort::Outline outline(const Shape& shape) {
+std::array<std::size_t, 5> outline(const Shape& shape) {
   const auto digits = [](double x, double step) { return static_cast<std::size_t>(std::llround(x / step)); };
   return {shape.places.size(), shape.edges.size(), shape.turning, digits(shape.thickness, 1e-5),
           digits(shape.turn_deg, 1e-2)};
@@ -278,11 +278,11 @@ Effort::Outline outline(const Shape& shape) {
 
 }  // namespace
 
-Effort::Effort(const std::optional<double>& budget) {
-  if (budget)
+Effort::Effort(const AssessOptions& options) : history_(options.history ? *options.history : own_) {
+  if (options.budget)
     until_ =
         std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                               std::chrono::duration<double>(*budget));
+                                               std::chrono::duration<double>(*options.budget));
 }
 
 bool Effort::spent() const {
@@ -296,17 +296,17 @@ bool Effort::may_search(const Shape& shape) const {
 }
 
 bool Effort::has_failed(const Shape& shape) const {
-  return std::find(failed_.begin(), failed_.end(), outline(shape)) != failed_.end();
+  return std::find(history_.failed.begin(), history_.failed.end(), outline(shape)) != history_.failed.end();
 }
 
 bool Effort::must_be_brief() {
-  const bool brief = failed_.size() >= thorough_failures;
+  const bool brief = history_.failed.size() >= thorough_failures;
   searched_briefly_ += brief;
   return brief;
 }
 
 void Effort::failed(const Shape& shape) {
-  failed_.push_back(outline(shape));
+  history_.failed.push_back(outline(shape));
 }
 
 bool Effort::may_search_affine(const Shape& shape) {

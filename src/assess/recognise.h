@@ -20,13 +20,12 @@ namespace darboux {
 // must fit better. \param limit the rms_relative up to which it would
 std::string nearest_fit(const MeshFit& fit, double limit);
 
-// How much may still be tried on one mesh: parts like those that were no surface are not tried again, and
-// after a dozen of them the others are looked at briefly.
+// How much may still be tried on one mesh, after what was tried on others of its file.
 class Effort {
  public:
-  using Outline = std::array<std::size_t, 5>;
-
-  explicit Effort(const std::optional<double>& budget);
+  explicit Effort(const AssessOptions& options);
+  Effort(const Effort&) = delete;
+  Effort& operator=(const Effort&) = delete;
   bool spent() const;                            // the budget is; ask only where something would be left out
   bool cut_short() const { return cut_short_; }  // whether something was
   bool may_search(const Shape& shape) const;
@@ -42,7 +41,8 @@ class Effort {
  private:
   std::optional<std::chrono::steady_clock::time_point> until_;
   mutable bool cut_short_ = false;
-  std::vector<Outline> failed_;
+  SearchHistory own_;
+  SearchHistory& history_;
   std::size_t searched_briefly_ = 0;
   int affine_ = 1;
   std::optional<bool> one_chart_;  // of what was looked at first

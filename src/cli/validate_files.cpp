@@ -259,13 +259,17 @@ std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives) {
 }
 
 // \param begun when the file was, whose primitives share the budget
+// \param history what its primitives before were no surface of
 std::vector<Assessment> assess_primitive(const Primitive& primitive, const AssessOptions& options,
-                                         std::chrono::steady_clock::time_point begun) {
+                                         std::chrono::steady_clock::time_point begun,
+                                         SearchHistory& history) {
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
   AssessOptions with_uvs = options;
   if (options.budget) with_uvs.budget = std::fmax(*options.budget - spent.count(), 0);
+  with_uvs.history = &history;
   with_uvs.other_uvs = primitive.other_uvs;
   with_uvs.names_uv_set = primitive.names_uv_set;
+  with_uvs.sign = primitive.sign;
   with_uvs.texture_transform = primitive.texture_transform;
   return assess_parts(primitive.data, with_uvs);
 }
@@ -294,10 +298,11 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
       for (const std::size_t i : first) ++count[i];
       std::map<std::size_t, std::vector<Assessment>> repeated;  // assessments of those that come again
       std::map<std::size_t, NodeFindings> of_mesh;
+      SearchHistory history;
       for (std::size_t i = 0; i < first.size(); ++i) {
         Primitive& primitive = asset.primitives[i];
         std::vector<Assessment> assessments =
-            first[i] < i ? repeated[first[i]] : assess_primitive(primitive, options, begun);
+            first[i] < i ? repeated[first[i]] : assess_primitive(primitive, options, begun, history);
         if (first[i] == i && count[i] > 1) repeated[i] = assessments;
         of_mesh.try_emplace(primitive.mesh, primitive.instances)
             .first->second.add_to(assessments.front().report);

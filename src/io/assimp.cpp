@@ -125,12 +125,34 @@ std::string long_to_cut(const aiScene& scene, std::size_t file_bytes) {
   return "";
 }
 
+/// Takes the triangles with a corner of no normal, to which assimp gives one of zeros, into a mesh without
+/// normals. Each corner has a vertex of its own.
+Mesh take_bare_triangles(Mesh& mesh) {
+  Mesh bare, rest;
+  for (const Triangle& triangle : mesh.triangles) {
+    const bool is_bare = std::any_of(triangle.begin(), triangle.end(),
+                                     [&](std::uint32_t v) { return mesh.normals[v] == Vec3<double>{}; });
+    Mesh& to = is_bare ? bare : rest;
+    Triangle own{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      own[k] = static_cast<std::uint32_t>(to.positions.size());
+      to.positions.push_back(mesh.positions[triangle[k]]);
+      if (!is_bare) to.normals.push_back(mesh.normals[triangle[k]]);
+      if (!mesh.uvs.empty()) to.uvs.push_back(mesh.uvs[triangle[k]]);
+    }
+    to.triangles.push_back(own);
+  }
+  if (!bare.triangles.empty()) mesh = std::move(rest);  // empty where all are
+  return bare;
+}
+
 struct Imported {
   Asset asset;
   std::string refusal;  // empty where the file was read
 };
 
-Imported import(const std::string& bytes, AssimpFormat format) {
+/// \param bare_corners whether an OBJ has faces without normals beside others that have them
+Imported import(const std::string& bytes, AssimpFormat format, bool bare_corners) {
   Assimp::Importer importer;
   importer.SetIOHandler(new NoFiles);  // owned by the importer
   std::vector<std::string> dropped;
@@ -160,7 +182,14 @@ Imported import(const std::string& bytes, AssimpFormat format) {
     }
     primitive.mesh = m;
     primitive.instances = std::move(instances[m]);
+    Mesh bare;
+    if (bare_corners && !primitive.data.normals.empty()) bare = take_bare_triangles(primitive.data);
+    if (primitive.data.triangles.empty()) std::swap(primitive.data, bare);
+    Primitive second{.mesh = m, .primitive = 1, .name = primitive.name, .texcoord = primitive.texcoord};
+    second.instances = primitive.instances;
+    second.data = std::move(bare);
     result.asset.primitives.push_back(std::move(primitive));
+    if (!second.data.triangles.empty()) result.asset.primitives.push_back(std::move(second));
   }
   // Those have no number: they are counted on after the meshes.
   for (std::size_t i = 0; i < dropped.size(); ++i)
@@ -184,34 +213,50 @@ std::optional<long> index_of(std::string_view corner, int slashes) {
   return value;
 }
 
+template <class F>
+void for_each_line(std::string_view text, F f) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    f(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+}
+
+bool is_face(std::string_view line) {
+  return line.starts_with("f ") || line.starts_with("f\t");
+}
+
+/// "7/3/5" and the like, of a face.
+std::vector<std::string_view> corners_of(std::string_view line) {
+  std::vector<std::string_view> corners;
+  for (std::size_t at = 1; at < line.size();) {
+    const std::size_t begin = line.find_first_not_of(" \t\r", at);
+    if (begin == std::string_view::npos) break;
+    const std::size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());
+    corners.push_back(line.substr(begin, end - begin));
+    at = end;
+  }
+  return corners;
+}
+
+/// Whether an OBJ has faces without normals.
+bool has_bare_corners(std::string_view text) {
+  bool any = false;
+  for_each_line(text, [&](std::string_view line) {
+    if (is_face(line) && !any)
+      for (const std::string_view corner : corners_of(line)) any = any || !index_of(corner, 2);
+  });
+  return any;
+}
+
 /// An OBJ whose faces name uvs or normals that are not there, which assimp drops: without these references.
 std::string without_missing(const std::string& text) {
-  const auto each_line = [&](auto f) {
-    for (std::size_t begin = 0; begin < text.size();) {
-      const std::size_t end = std::min(text.find('\n', begin), text.size());
-      f(std::string_view(text).substr(begin, end - begin));
-      begin = end + 1;
-    }
-  };
+  const auto each_line = [&](auto f) { for_each_line(text, f); };
   long uvs = 0, normals = 0;
   each_line([&](std::string_view line) {
     uvs += line.starts_with("vt ") || line.starts_with("vt\t");
     normals += line.starts_with("vn ") || line.starts_with("vn\t");
   });
-  const auto corners_of = [](std::string_view line) {
-    std::vector<std::string_view> corners;
-    for (std::size_t at = 1; at < line.size();) {
-      const std::size_t begin = line.find_first_not_of(" \t\r", at);
-      if (begin == std::string_view::npos) break;
-      const std::size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());
-      corners.push_back(line.substr(begin, end - begin));
-      at = end;
-    }
-    return corners;
-  };
-  const auto is_face = [](std::string_view line) {
-    return line.starts_with("f ") || line.starts_with("f\t");
-  };
   const auto is_missing = [](std::optional<long> index, long count) {
     return index && std::labs(*index) > count;
   };
@@ -297,8 +342,9 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, Assimp
   try {
     const std::string answer = in_child(
         [&] {
-          Imported imported = import(
-              format == AssimpFormat::obj ? with_leading_zeros(without_missing(bytes)) : bytes, format);
+          const bool obj = format == AssimpFormat::obj;
+          const std::string text = obj ? with_leading_zeros(without_missing(bytes)) : bytes;
+          Imported imported = import(text, format, obj && has_bare_corners(text));
           Pack pack;
           visit(pack, imported.refusal, imported.asset);
           return std::move(pack.bytes);
@@ -310,7 +356,10 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, Assimp
     result.refusal = std::string("cannot be read by assimp, which ") + failure.what();
   }
   if (!result.refusal.empty()) throw FileError(path, expected_got(wanted, "a file that " + result.refusal));
-  for (const Primitive& primitive : result.asset.primitives) check_consistent(primitive.data, path);
+  for (Primitive& primitive : result.asset.primitives) {
+    check_consistent(primitive.data, path);
+    if (format == AssimpFormat::fbx) primitive.sign = SignConvention::raw;
+  }
   return std::move(result.asset);
 }
 

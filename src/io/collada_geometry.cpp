@@ -274,6 +274,7 @@ void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::siz
       continue;
     }
     primitive.instances = instances;
+    primitive.sign = SignConvention::raw;
     asset.primitives.push_back(std::move(primitive));
   }
 }

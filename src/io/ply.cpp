@@ -216,10 +216,13 @@ Asset read_ply(const std::string& path, const ReadOptions& options) {
   rows.expect_end(header.tables.back());
   bytes.finish();
   if (primitive.data.triangles.empty())
-    return {{},
-            {{0, 0,
-              faces == header.tables.end() ? "points without faces have no triangles"
-                                           : "its faces have no triangles"}}};
+    return {
+        {},
+        {{0, 0,
+          faces != header.tables.end() ? "its faces have no triangles"
+          : header.table("tristrips") != header.tables.end()
+              ? "its triangles are strips (element tristrips), which are not read: expected an element face"
+              : "points without faces have no triangles"}}};
   if (!corner_uvs.empty() && primitive.data.uvs.empty())
     primitive.data = with_corner_uvs(primitive.data, std::move(corner_uvs));
   primitive.texcoord = primitive.data.uvs.empty() ? -1 : 0;

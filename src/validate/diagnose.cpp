@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 
 #include <darboux/frame.h>
 
@@ -208,6 +209,66 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
          (m.determinant() < 0 ? " and mirrors" : "");
 }
 
+// The rotation that takes the stored vectors nearest to the reference's, where it explains nearly all and
+// they span space. [Kabsch1976]
+std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero(), moments = Eigen::Matrix3d::Zero();
+  for (const Pair& s : samples) {
+    sum += to_eigen(s.t) * to_eigen(s.stored).transpose();
+    moments += to_eigen(s.stored) * to_eigen(s.stored).transpose();
+  }
+  constexpr double spans = 0.05;
+  if (!(symmetric_eigen(moments).values[0] > spans * static_cast<double>(samples.size())))
+    return std::nullopt;
+  const Eigen::JacobiSVD<Eigen::Matrix3d, Eigen::ComputeFullU | Eigen::ComputeFullV> svd(sum);
+  Eigen::Matrix3d r = svd.matrixU() * svd.matrixV().transpose();
+  if (r.determinant() < 0) return std::nullopt;
+  const double share =
+      share_within(samples, [&](const Pair& s) { return from_eigen(r.transpose() * to_eigen(s.t)); });
+  if (share < most) return std::nullopt;
+  return ": by a map that turns";
+}
+
+// Normals of the vertices all of whose triangles lie in one plane, and that plane's: of hard edges and facets
+// there is no other.
+std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limit) {
+  const Mesh& mesh = under_test.mesh;
+  constexpr double same_plane = 0.5;  // degrees
+  std::vector<Vec3<double>> plane(mesh.positions.size());
+  std::vector<bool> is_bent(mesh.positions.size(), false);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!under_test.has_area[t]) continue;
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3<double> n =
+        unit(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (plane[v] == Vec3<double>{}) plane[v] = n;
+      is_bent[v] = is_bent[v] || !(angle_deg(plane[v], n) <= same_plane);
+    }
+  }
+  const double side = under_test.normals.all_oppose ? -1 : 1;
+  const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
+  std::vector<Pair> samples;
+  for (std::size_t v = 0; v < mesh.positions.size(); v += step) {
+    const Vec3<double>& n = mesh.normals[v];
+    if (plane[v] == Vec3<double>{} || is_bent[v] || !detail::finite(n) || n == Vec3<double>{}) continue;
+    samples.push_back({v, unit(n), side * plane[v], {}, {}, 1, 1, limit});
+  }
+  return samples;
+}
+
+bool diagnose_facets(const MeshUnderTest& under_test, const ValidateOptions& options, MeshReport& report) {
+  if (under_test.mesh.normals.empty()) return false;
+  const double limit = options.max_angle_deg / 5;
+  const std::vector<Pair> samples = normals_of_facets(under_test, limit);
+  if (samples.size() < least_samples) return false;
+  if (share_within(samples, [](const Pair& s) { return s.t; }) >= diagnosed_below) return false;
+  std::optional<std::string> map = rotation_of(samples);
+  if (!map && samples.size() >= least_normals) map = linear_map_of(samples, limit);
+  if (map) add(report, finding(Code::normal_stale, under_test.mesh.corners(), *map));
+  return map.has_value();
+}
+
 }  // namespace
 
 bool diagnose_tangents(const MeshUnderTest& under_test,
@@ -229,6 +290,7 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
 
 bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
                       const ValidateOptions& options, MeshReport& report) {
+  if (!accurate.known()) return diagnose_facets(under_test, options, report);
   const Mesh& mesh = under_test.mesh;
   const double limit = options.max_angle_deg;
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);

@@ -25,7 +25,7 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
                        const ValidateOptions& options, bool held, MeshReport& report);
 
 // The same of normals that are off the surface: they all oppose it, while the winding does not; or
-// NORMAL_STALE, after a linear map.
+// NORMAL_STALE, after a linear map. Where no surface is known, NORMAL_STALE against the planes of facets.
 bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
                       const ValidateOptions& options, MeshReport& report);
 

@@ -52,6 +52,10 @@ constexpr std::array kinds{
                 "w is MikkTSpace's raw sign, and glTF's is its opposite",
                 "negate w in glTF files; readers of the raw convention leave it as it is"},
     FindingKind{
+        "BINORMAL_AGAINST_V", warning,
+        "binormals point where v decreases; exporters of this format have them along v",
+        "negate the binormals, or nothing where the normal map's green channel points down (DirectX)"},
+    FindingKind{
         "HANDEDNESS_MIXED", warning,
         "w follows neither sign convention throughout; the smaller part is counted",
         "compute w in every part from the sign of the uv area; split vertices across whose seam uvs jump "

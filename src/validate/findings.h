@@ -32,6 +32,7 @@ enum class Code : std::size_t {
   tangent_stale,
   normal_stale,
   handedness_convention,
+  binormal_against_v,
   handedness_mixed,
   vertex_across_mirror,
   normals_oppose_winding,

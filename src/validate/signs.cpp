@@ -79,4 +79,23 @@ Handedness Signs::handedness() const {
   return result;
 }
 
+std::size_t Signs::in_opposite_islands() const {
+  // Of fewer corners a sign is no island's.
+  constexpr std::size_t fewest = 12;
+  std::size_t result = 0;
+  for (const SignCount& island : islands_) {
+    const std::size_t with = raw() ? island.raw : island.gltf, against = raw() ? island.gltf : island.raw;
+    if (with == 0 && against >= fewest) result += against;
+  }
+  return result;
+}
+
+std::string Signs::islands_text() const {
+  std::size_t raw = 0, gltf = 0, both = 0;
+  for (const SignCount& island : islands_)
+    if (island.raw + island.gltf > 0) ++(island.gltf == 0 ? raw : island.raw == 0 ? gltf : both);
+  return "; of the uv islands " + std::to_string(raw) + " are raw, " + std::to_string(gltf) + " glTF's, " +
+         std::to_string(both) + " both";
+}
+
 }  // namespace darboux

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "mesh_under_test.h"
@@ -27,6 +28,10 @@ class Signs {
   // Whether the corner of v in triangle t has another sign than its island.
   bool wrong(std::uint32_t t, std::uint32_t v) const;
   Handedness handedness() const;
+  // Corners of the islands that have the sign against the mesh's convention throughout.
+  std::size_t in_opposite_islands() const;
+  // How many islands have which sign.
+  std::string islands_text() const;
 
  private:
   void count();

@@ -535,17 +535,17 @@ void MeshValidation::look_at_signs() {
   if (mesh_.tangents.empty()) return;
   const HandednessConvention convention = report_.handedness.convention;
   // Where all normals oppose the winding w reads the other way round: which of the three is wrong is open.
-  if (convention == HandednessConvention::raw && !under_test_.normals.all_oppose)
-    add(report_,
-        finding(Code::handedness_convention, signs_.all().raw, " (it would be glTF's if v were flipped)"));
-  if (convention == HandednessConvention::mixed) {
-    std::size_t raw = 0, gltf = 0, both = 0;
-    for (const SignCount& island : signs_.islands())
-      ++(island.gltf == 0 ? raw : island.raw == 0 ? gltf : both);
-    add(report_, finding(Code::handedness_mixed, report_.handedness.wrong,
-                         "; of the uv islands " + std::to_string(raw) + " are raw, " + std::to_string(gltf) +
-                             " glTF's, " + std::to_string(both) + " both"));
+  if (!under_test_.normals.all_oppose) {
+    if (convention == HandednessConvention::raw && options_.sign == SignConvention::gltf)
+      add(report_,
+          finding(Code::handedness_convention, signs_.all().raw, " (it would be glTF's if v were flipped)"));
+    if (convention == HandednessConvention::gltf && options_.sign == SignConvention::raw)
+      add(report_, finding(Code::binormal_against_v, signs_.all().gltf));
   }
+  const bool mixed = convention == HandednessConvention::mixed;
+  add(report_,
+      finding(Code::handedness_mixed, mixed ? report_.handedness.wrong : signs_.in_opposite_islands(),
+              signs_.islands_text()));
   std::size_t across = 0;
   for (std::uint32_t v = 0; v < corners_of_.size(); ++v)
     across += under_test_.across_mirror[v] ? corners_of_[v] : 0;
@@ -553,7 +553,7 @@ void MeshValidation::look_at_signs() {
 }
 
 void MeshValidation::diagnose() {
-  if (accurate_.known() && accurate_.normals_agree() < Accurate::enough && !averages_.explain_normals())
+  if (!accurate_.known() || (accurate_.normals_agree() < Accurate::enough && !averages_.explain_normals()))
     normals_diagnosed_ = diagnose_normals(under_test_, accurate_, options_, report_);
   if (mesh_.tangents.empty()) return;
   const std::span<const Truth> truth = statistics_truth();

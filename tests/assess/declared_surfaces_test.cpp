@@ -124,6 +124,41 @@ TEST(DeclaredSurfaces, RoundingsAtADisksCentreGiveNoDirection) {
   }
 }
 
+// Uvs of an unwrapper, of a map projection, or of no use: the positions tell the declared surface, and other
+// ones apart from it.
+TEST(DeclaredSurfaces, PassUnderUvsThatAreNotTheirs) {
+  struct Map {
+    const char* name;
+    Vec2<double> (*of)(const Vec2<double>&);
+  };
+  for (const char* name : {"sphere", "torus", "cylinder", "cone", "plane", "disk", "ellipsoid"})
+    for (const Map& map : {Map{"none",
+                               [](const Vec2<double>&) {
+                                 return Vec2<double>{0, 0};
+                               }},
+                           Map{"quadratic",
+                               [](const Vec2<double>& p) {
+                                 return Vec2<double>{p.x, 0.5 * (p.y + p.y * p.y)};
+                               }},
+                           Map{"small", [](const Vec2<double>& p) {
+                                 return Vec2<double>{0.5 + 0.001 * p.x, 0.001 * p.y};
+                               }}}) {
+      SCOPED_TRACE(std::string(name) + ' ' + map.name);
+      const AnySurface surface = make_surface(name);
+      Mesh mesh = sample_mesh(surface, {.columns = 24, .rows = 12});
+      for (Vec2<double>& uv : mesh.uvs) uv = map.of(uv);
+      if (std::string_view(map.name) == "none") mesh.tangents.clear();
+      test::round_to_floats(mesh);
+      const std::vector<Assessment> assessments = assess_parts(mesh, declared(surface));
+      ASSERT_EQ(assessments.size(), 1u);
+      EXPECT_EQ(assessments[0].report.verdict, Verdict::pass) << findings(assessments);
+      ASSERT_TRUE(assessments[0].fit && assessments[0].fit->fits) << findings(assessments);
+      const std::string_view other = std::string_view(name) == "sphere" ? "torus" : "sphere";
+      const Assessment wrong = assess(mesh, declared(make_surface(other)));
+      EXPECT_NE(wrong.report.verdict, Verdict::pass) << findings({wrong});
+    }
+}
+
 TEST(DeclaredSurfaces, EveryReferenceMeshPasses) {
   const Variant variants[] = {
       {"grid", [](auto&) {}},

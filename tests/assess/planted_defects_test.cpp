@@ -450,6 +450,81 @@ TEST(PlantedDefects, VerticesAcrossAMirror) {
   EXPECT_EQ(count_of(assessments, "VERTEX_ACROSS_MIRROR"), 15u * 6 + 2 * 3);
 }
 
+// FBX and COLLADA store binormals, and have them along v.
+TEST(PlantedDefects, BinormalsAgainstV) {
+  Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 32, .rows = 16});
+  AssessOptions options;
+  options.sign = SignConvention::raw;
+  EXPECT_EQ(joined(codes(assess_parts(mesh, options))), "BINORMAL_AGAINST_V ");
+  EXPECT_EQ(count_of(assess_parts(mesh, options), "BINORMAL_AGAINST_V"), mesh.corners());
+  for (Vec4<double>& t : mesh.tangents) t.w *= -1;
+  EXPECT_EQ(joined(codes(assess_parts(mesh, options))), "");
+  EXPECT_EQ(joined(codes(assess_parts(mesh))), "TANGENT_HANDEDNESS_CONVENTION ");
+}
+
+// A box, and a torus in facets, turned or scaled without their normals: no surface is known, the planes of
+// the facets are.
+TEST(PlantedDefects, NormalsOfFacetsThatStayedBehind) {
+  const auto in_facets = [](const Mesh& from) {
+    Mesh mesh;
+    for (const Triangle& triangle : from.triangles) {
+      const Vec3<double>&a = from.positions[triangle[0]], &b = from.positions[triangle[1]],
+            &c = from.positions[triangle[2]];
+      if (norm(cross(b - a, c - a)) == 0) continue;
+      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+      mesh.triangles.push_back({first, first + 1, first + 2});
+      for (const Vec3<double>& p : {a, b, c}) {
+        mesh.positions.push_back(p);
+        mesh.normals.push_back(unit(cross(b - a, c - a)));
+      }
+    }
+    return mesh;
+  };
+  Mesh corners;
+  for (int k = 0; k < 8; ++k)
+    corners.positions.push_back({k & 1 ? 1.0 : 0.0, k & 2 ? 2.0 : 0.0, k & 4 ? 3.0 : 0.0});
+  for (const auto& [a, b, c, d] : {std::array<std::uint32_t, 4>{0, 2, 3, 1},
+                                   {4, 5, 7, 6},
+                                   {0, 1, 5, 4},
+                                   {2, 6, 7, 3},
+                                   {0, 4, 6, 2},
+                                   {1, 3, 7, 5}}) {
+    corners.triangles.push_back({a, b, c});
+    corners.triangles.push_back({a, c, d});
+  }
+  const Mesh box = in_facets(corners),
+             torus =
+                 in_facets(sample_mesh(make_surface("torus:minor_radius=0.4"), {.columns = 16, .rows = 9}));
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.8, Eigen::Vector3d(0, 0, 1)).toRotationMatrix(),
+                        scale = Eigen::Vector3d(1, 3, 0.5).asDiagonal();
+  for (const auto& [good, m, is_told] : {std::tuple{&box, turn, true},
+                                         {&torus, turn, true},
+                                         {&torus, scale, true},
+                                         // Three directions may be anything under a linear map.
+                                         {&box, Eigen::Matrix3d(scale * turn), false}}) {
+    Mesh mesh = *good;
+    EXPECT_FALSE(codes(assess_parts(mesh)).contains("NORMAL_STALE"));
+    turn_by(mesh, m);
+    EXPECT_EQ(codes(assess_parts(mesh)).contains("NORMAL_STALE"), is_told)
+        << joined(codes(assess_parts(mesh)));
+  }
+}
+
+// One island among many, of less than a hundredth of the corners: the mesh follows its convention, the island
+// does not.
+TEST(PlantedDefects, TheSignOfOneSmallIsland) {
+  Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 128, .rows = 64});
+  Mesh leaf = sample_mesh(make_surface("plane"), {.columns = 4, .rows = 4});
+  for (Vec3<double>& p : leaf.positions) p = p + Vec3<double>{5, 0, 0};
+  for (Vec2<double>& uv : leaf.uvs) uv = {0.1 * uv.x + 2, 0.1 * uv.y};
+  for (Vec4<double>& t : leaf.tangents) t.w *= -1;
+  const std::size_t corners = leaf.corners();
+  test::append(mesh, leaf);
+  const MeshReport report = validate(mesh, std::nullopt);
+  EXPECT_EQ(report.handedness.convention, HandednessConvention::gltf);
+  EXPECT_EQ(count_of({Assessment{{}, report}}, "HANDEDNESS_MIXED"), corners);
+}
+
 // Islands under different conventions: the smaller half is named.
 TEST(PlantedDefects, SignsThatDifferBetweenIslands) {
   Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 32, .rows = 16, .mirror = true});

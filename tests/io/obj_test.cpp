@@ -144,6 +144,31 @@ TEST(ReadObj, NumbersMayBeginWithAPoint) {
   EXPECT_EQ(mesh.normals[0].y, double{.6f});
 }
 
+// Of merged models: what has no normals has none of zeros either.
+TEST(ReadObj, FacesWithoutNormalsBesideOthers) {
+  const TempFolder folder;
+  const std::string vertices = "o both\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\n";
+  const auto read = [&](const std::string& faces) {
+    return read_asset(write_bytes(folder / "m.obj", vertices + faces));
+  };
+  const Asset asset = read("f 1//1 2//1 3//1\nf 1 3 4\n");
+  ASSERT_EQ(asset.primitives.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(asset.primitives[i].mesh, 0u);
+    EXPECT_EQ(asset.primitives[i].primitive, i);
+    EXPECT_EQ(asset.primitives[i].name, "both");
+    ASSERT_EQ(asset.primitives[i].data.triangles.size(), 1u);
+  }
+  const Mesh &with = asset.primitives[0].data, &without = asset.primitives[1].data;
+  EXPECT_EQ(with.normals, (std::vector<Vec3<double>>(3, {0, 0, 1})));
+  EXPECT_TRUE(without.normals.empty());
+  EXPECT_EQ(without.positions[without.triangles[0][2]], (Vec3<double>{0, 1, 0}));
+  // A stored normal of zeros is one.
+  const Asset zero = read("vn 0 0 0\nf 1//2 2//1 3//1\n");
+  ASSERT_EQ(zero.primitives.size(), 1u);
+  EXPECT_EQ(zero.primitives[0].data.normals.size(), 3u);
+}
+
 TEST(ReadObj, PolygonsLinesAndSeveralObjects) {
   const TempFolder folder;
   const std::string path =

@@ -7,6 +7,7 @@
 #include "distance_model.h"
 #include "geometry.h"
 #include "list.h"
+#include "round_about_axes.h"
 
 DARBOUX_COMPILED_MODEL(darboux::Cone<>)
 
@@ -77,6 +78,18 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
   const double angle = std::acos(std::clamp(axis.dot(mean), -1.0, 1.0));
   if (!(angle > 0.01 && angle < 1.55)) return std::nullopt;
   return checked_start({apex, axes_with_z(axis), {angle}});
+}
+
+std::vector<GeometricParameters> starts_by_equation(const Eigen::Matrix3Xd& sample) {
+  std::vector<GeometricParameters> result;
+  for (const RoundAboutAxis& r : round_about_axes(sample, true)) {
+    const double angle = std::atan(std::fabs(r.slope));
+    if (!(angle > 0.01 && angle < 1.55)) continue;
+    const Vector3d apex = r.centre - r.radius / r.slope * r.axis;
+    const auto start = checked_start({apex, axes_with_z(r.slope > 0 ? r.axis : Vector3d(-r.axis)), {angle}});
+    if (start) result.push_back(*start);
+  }
+  return result;
 }
 
 LocalModel localise(const GeometricParameters& n, const Vector3d& at) {
@@ -154,6 +167,7 @@ constinit const Primitive cone_primitive{
     .has_apex = true,
     .length_names = {"half-angle"},
     .start = start,
+    .starts_by_equation = starts_by_equation,
     .localise = localise,
     .geometric = geometric,
     .support = {support_frame, coordinates, 2 * std::numbers::pi, 0},

@@ -5,6 +5,7 @@
 #include "any_surface/compiled_models.h"
 #include "geometry.h"
 #include "list.h"
+#include "round_about_axes.h"
 #include "sphere_model.h"
 
 DARBOUX_COMPILED_MODEL(darboux::Cylinder<>)
@@ -47,6 +48,14 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
   const double along = axes.col(2).dot(sample.points.col(0));
   return checked_start(
       {axes * Vector3d(circle->centre.x(), circle->centre.y(), along), axes, {circle->radius}});
+}
+
+std::vector<GeometricParameters> starts_by_equation(const Eigen::Matrix3Xd& sample) {
+  std::vector<GeometricParameters> result;
+  for (const RoundAboutAxis& r : round_about_axes(sample, false))
+    if (const auto start = checked_start({r.centre, axes_with_z(r.axis), {r.radius}}))
+      result.push_back(*start);
+  return result;
 }
 
 LocalModel localise(const GeometricParameters& n, const Vector3d& at) {
@@ -99,6 +108,7 @@ constinit const Primitive cylinder_primitive{
     .lengths = 1,
     .length_names = {"radius"},
     .start = start,
+    .starts_by_equation = starts_by_equation,
     .localise = localise,
     .geometric = geometric,
     .support = {support_frame, coordinates, 2 * std::numbers::pi, 0},

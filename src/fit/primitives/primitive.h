@@ -130,8 +130,8 @@ struct Primitive {
 
   // The surface that fits a sample best in the sense of linear equations; nothing where they determine none.
   std::optional<GeometricParameters> (*start)(const OrientedPoints& sample);
-  // As well, by an equation that needs no normals: neighbours in a grid may lie on one curve, and have none.
-  std::optional<GeometricParameters> (*start_by_equation)(const Eigen::Matrix3Xd& sample) = nullptr;
+  // As well, by equations that need no normals: neighbours in a grid may lie on one curve, and have none.
+  std::vector<GeometricParameters> (*starts_by_equation)(const Eigen::Matrix3Xd& sample) = nullptr;
   // Surfaces from the points that are scored, where many are outliers, without normals: those tell little of
   // a tube that is thin beside the noise.
   std::vector<GeometricParameters> (*starts_among_outliers)(const Eigen::Matrix3Xd& points,

@@ -153,7 +153,7 @@ bool crosses_itself_unasked(const SearchProblem& problem, const Primitive& primi
 }
 
 // Surfaces through random samples, each with its score; first also what does not depend on chance, the guess
-// and the start by equation. The best of them.
+// and the starts by equations. The best of them.
 std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& primitive, bool is_first,
                               const Matrix3Xd& scored, int repeat, std::ptrdiff_t most,
                               std::mt19937_64& random) {
@@ -165,8 +165,8 @@ std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& pri
     candidates.push_back({model, scorer(model), {}, crosses_itself_unasked(problem, primitive, n)});
   };
   if (is_first && problem.guess) consider(*problem.guess, scored.col(0));
-  if (primitive.start_by_equation && is_first)
-    if (const auto n = primitive.start_by_equation(scored)) consider(*n, scored.col(0));
+  if (primitive.starts_by_equation && is_first)
+    for (const GeometricParameters& n : primitive.starts_by_equation(scored)) consider(n, scored.col(0));
   const auto m = problem.oriented.points.cols();
   const int least = primitive.sample_size;
   for (const auto& [size, share] : {std::pair{least, 100}, {least + 8, 60}, {3 * least + 20, 30}}) {

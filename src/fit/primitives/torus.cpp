@@ -87,13 +87,13 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
 
 // The cyclide of Darboux that fits best, |x|^4 + |x|^2 b x + x Q x + c x + d = 0, of which a torus about o is
 // one: b = -4 o, and about o the quadratic part is 4 R^2 a a - 2 (R^2 + r^2).
-std::optional<GeometricParameters> start_by_equation(const Eigen::Matrix3Xd& sample) {
+std::vector<GeometricParameters> starts_by_equation(const Eigen::Matrix3Xd& sample) {
   constexpr Eigen::Index coefficients = 14;
-  if (sample.cols() < coefficients) return std::nullopt;
+  if (sample.cols() < coefficients) return {};
   const Vector3d mean = sample.rowwise().mean();
   const Eigen::Matrix3Xd centred = sample.colwise() - mean;
   const double size = std::sqrt(centred.squaredNorm() / static_cast<double>(sample.cols()));
-  if (!(size > 0)) return std::nullopt;
+  if (!(size > 0)) return {};
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(coefficients, coefficients);
   for (const auto& p : centred.colwise()) {
     const Vector3d x = p / size;
@@ -104,7 +104,7 @@ std::optional<GeometricParameters> start_by_equation(const Eigen::Matrix3Xd& sam
   }
   const Eigen::VectorXd cyclide = symmetric_eigen(sums).vectors.col(0);
   const double quartic = cyclide[0];
-  if (!(std::fabs(quartic) > 1e-6)) return std::nullopt;  // a quadric
+  if (!(std::fabs(quartic) > 1e-6)) return {};  // a quadric
   const Vector3d centre = -cyclide.segment<3>(1) / (4 * quartic),
                  mixed = cyclide.segment<3>(7) / (2 * quartic);
   Matrix3d quadratic = (cyclide.segment<3>(4) / quartic).asDiagonal();
@@ -115,10 +115,11 @@ std::optional<GeometricParameters> start_by_equation(const Eigen::Matrix3Xd& sam
   const auto [values, vectors] = symmetric_eigen(quadratic);
   const double across = 0.5 * (values[0] + values[1]);
   const double major = 0.25 * (values[2] - across), minor = -0.5 * across - major;  // squared
-  if (!(minor > 0)) return std::nullopt;
-  return checked_start({mean + size * centre,
-                        axes_with_z(vectors.col(2)),
-                        {size * std::sqrt(major), size * std::sqrt(minor)}});
+  if (!(minor > 0)) return {};
+  const auto start = checked_start({mean + size * centre,
+                                    axes_with_z(vectors.col(2)),
+                                    {size * std::sqrt(major), size * std::sqrt(minor)}});
+  return start ? std::vector{*start} : std::vector<GeometricParameters>{};
 }
 
 // The circle through three points.
@@ -310,7 +311,7 @@ constinit const Primitive torus_primitive{
     .lengths = 2,
     .length_names = {"major radius", "minor radius"},
     .start = start,
-    .start_by_equation = start_by_equation,
+    .starts_by_equation = starts_by_equation,
     .starts_among_outliers = starts_among_outliers,
     .localise = localise,
     .geometric = geometric,
