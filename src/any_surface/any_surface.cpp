@@ -20,9 +20,13 @@ const AnySurface& find_surface(const std::string& name) {
     if (surface.info().name == name) return surface;
   std::vector<std::string> known;
   for (const AnySurface& surface : all_surfaces()) known.emplace_back(surface.info().name);
-  throw ParameterError(name.empty() ? "surface" : name,
-                       "unknown surface" + did_you_mean(name, known) + ", known are " + joined(known) +
-                           (name == "formula" ? "; io.h has read_formula_surface()" : ""));
+  throw ParameterError(
+      name.empty() ? "surface" : name,
+      "unknown surface" + did_you_mean(name, known) + ", known are " + joined(known) +
+          (name == "formula"                     ? "; in C++ io.h has read_formula_surface(), on the command "
+                                                   "line it is formula:file=FILE"
+           : name.find('.') != std::string::npos ? "; a file with a formula is formula:file=" + name
+                                                 : ""));
 }
 
 [[noreturn]] void throw_unknown_parameter(const AnySurface& surface, const std::string& name) {

@@ -42,7 +42,7 @@ class CsvInput final : public PointInput {
     while (lines.next()) {
       const bool first = !separator;
       if (first) separator = io::separator_of(lines.text());
-      io::split_fields(lines.text(), *separator, fields);
+      io::split_row(lines.text(), *separator, fields);
       if (first && !fields.empty() && !io::parse_number(fields[0])) {
         const auto column = [&](const char* name) {
           const auto found = std::find(fields.begin(), fields.end(), name);
@@ -60,7 +60,11 @@ class CsvInput final : public PointInput {
         return k < fields.size() ? io::parse_number(fields[k]) : std::optional<double>();
       };
       const std::optional<double> u = number(u_column), v = number(v_column);
-      if (!u || !v) lines.fail("'" + std::string(lines.text().substr(0, 60)) + "'");
+      if (!u || !v)
+        lines.fail("'" + std::string(lines.text().substr(0, 60)) + "'" +
+                   (*separator == ';' && lines.text().find(',') != std::string_view::npos
+                        ? ", with decimal commas; write decimal points"
+                        : ""));
       points.add(*u, *v);
     }
     bytes_.finish();

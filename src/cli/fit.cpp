@@ -12,6 +12,7 @@
 #include <darboux/io.h>
 
 #include "base/counted.h"
+#include "base/nearest_name.h"
 #include "base/parallel_jobs.h"
 #include "base/text.h"
 #include "command.h"
@@ -54,10 +55,11 @@ PointFitOptions parse_options(const FitArguments& arguments) {
                          expected_got("a kind without parameters, which fit finds: one of " + joined(kinds),
                                       "'" + arguments.surface + "'"));
   if (std::find(kinds.begin(), kinds.end(), arguments.surface) == kinds.end())
-    throw ParameterError("--surface", expected_got(std::string("a kind that is fitted ") +
-                                                       (arguments.with_uv ? "with" : "without") +
-                                                       " uvs: one of " + joined(kinds),
-                                                   "'" + arguments.surface + "'"));
+    throw ParameterError(
+        "--surface",
+        expected_got(std::string("a kind that is fitted ") + (arguments.with_uv ? "with" : "without") +
+                         " uvs: one of " + joined(kinds),
+                     "'" + arguments.surface + "'" + did_you_mean(arguments.surface, kinds)));
   PointFitOptions options;
   options.surface = arguments.surface;
   options.with_uv = arguments.with_uv;
@@ -288,7 +290,7 @@ void print_text(const FitArguments& arguments, const PointFit& fit, const Member
   }
   for (const FitCandidate& c : fit.candidates)
     print_line(&c == &fit.candidates.front() ? "tried" : "",
-               c.name + std::string(c.name.size() < 12 ? 12 - c.name.size() : 1, ' ') + "bic " +
+               c.name + std::string(c.name.size() < 20 ? 20 - c.name.size() : 1, ' ') + "bic " +
                    rounded(c.bic, 6) + ", rms " + rounded(c.rms, 3));
 }
 

@@ -149,7 +149,7 @@ void add_mesh(CLI::App& app, Common& common) {
       ->check(topologies.check());
   sub.add_option("--grid", arguments->grid, "NxM segments along u and v, for grid and lantern");
   sub.add_option("--subdivisions", arguments->subdivisions,
-                 "segments along each edge of the icosahedron or cube (even)")
+                 "segments along each edge of the icosahedron, or cube (then even)")
       ->check(whole_number_between(1, 2000));
   sub.add_option("--pole", arguments->pole,
                  "vertices where all columns meet in one point: per-column (one per column, with its u), "

@@ -11,10 +11,17 @@ namespace darboux {
 PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   if (options.with_uv) return fit_points_with_uv(points, options);
   if (fit::is_automatic(options)) return fit::fit_primitives(points, options, nullptr);
-  if (const fit::Primitive* primitive = fit::primitive_named(options.surface);
-      primitive && !primitive->only_where_lengths_agree)
-    return fit::fit_primitives(points, options, primitive);
-  return fit_catalogue(points, options.surface, options);
+  const fit::Primitive* primitive = fit::primitive_named(options.surface);
+  if (!primitive) return fit_catalogue(points, options.surface, options);
+  if (!primitive->only_where_lengths_agree) return fit::fit_primitives(points, options, primitive);
+  // The catalogue's surface has more lengths; the one where they agree is near, and found surely.
+  PointFitOptions with_guess = options;
+  if (!options.guess) {
+    PointFitOptions plain = options;
+    plain.progress = {};
+    with_guess.guess = fit::fit_primitives(points, plain, primitive).surface;
+  }
+  return fit_catalogue(points, options.surface, with_guess);
 }
 
 }  // namespace darboux

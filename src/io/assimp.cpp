@@ -185,7 +185,11 @@ Imported import(const std::string& bytes, AssimpFormat format, bool bare_corners
     Mesh bare;
     if (bare_corners && !primitive.data.normals.empty()) bare = take_bare_triangles(primitive.data);
     if (primitive.data.triangles.empty()) std::swap(primitive.data, bare);
-    Primitive second{.mesh = m, .primitive = 1, .name = primitive.name, .texcoord = primitive.texcoord};
+    Primitive second;
+    second.mesh = m;
+    second.primitive = 1;
+    second.name = primitive.name;
+    second.texcoord = primitive.texcoord;
     second.instances = primitive.instances;
     second.data = std::move(bare);
     result.asset.primitives.push_back(std::move(primitive));

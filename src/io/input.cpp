@@ -131,4 +131,11 @@ void split_fields(std::string_view line, char separator, std::vector<std::string
   }
 }
 
+void split_row(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  split_fields(line, separator, fields);
+  for (std::string_view& field : fields)
+    if (field.size() > 1 && field.front() == '"' && field.back() == '"')
+      field = trimmed(field.substr(1, field.size() - 2));
+}
+
 }  // namespace darboux::io

@@ -90,4 +90,7 @@ char separator_of(std::string_view line);
 /// The fields of a line between `separator`, or between runs of blanks and tabs where it is a blank.
 void split_fields(std::string_view line, char separator, std::vector<std::string_view>& fields);
 
+/// The same of a row of a table: without the quotes about fields.
+void split_row(std::string_view line, char separator, std::vector<std::string_view>& fields);
+
 }  // namespace darboux::io

@@ -73,6 +73,7 @@ void visit(Visitor& v, std::string& refusal, Asset& asset) {
   v.list(refusal);
   v.each(asset.primitives, [&](Primitive& p) {
     v.flat(p.mesh);
+    v.flat(p.primitive);
     v.list(p.name);
     v.flat(p.texcoord);
     v.list(p.data.positions);

@@ -15,14 +15,6 @@
 namespace darboux::io {
 namespace {
 
-// The fields of a row of a table, without quotes.
-void split_row(std::string_view line, char separator, std::vector<std::string_view>& fields) {
-  split_fields(line, separator, fields);
-  for (std::string_view& field : fields)
-    if (field.size() > 1 && field.front() == '"' && field.back() == '"')
-      field = trimmed(field.substr(1, field.size() - 2));
-}
-
 // Whether the first field that is not empty is a name; a number that is misspelt is none.
 bool is_header(const std::vector<std::string_view>& fields) {
   const auto first =

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include <darboux/frame.h>
 
@@ -220,8 +219,8 @@ std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
   constexpr double spans = 0.05;
   if (!(symmetric_eigen(moments).values[0] > spans * static_cast<double>(samples.size())))
     return std::nullopt;
-  const Eigen::JacobiSVD<Eigen::Matrix3d, Eigen::ComputeFullU | Eigen::ComputeFullV> svd(sum);
-  Eigen::Matrix3d r = svd.matrixU() * svd.matrixV().transpose();
+  const auto [u, values, v] = singular_value_decomposition(sum);
+  const Eigen::Matrix3d r = u * v.transpose();
   if (r.determinant() < 0) return std::nullopt;
   const double share =
       share_within(samples, [&](const Pair& s) { return from_eigen(r.transpose() * to_eigen(s.t)); });

@@ -84,7 +84,11 @@ TEST(MakeSurface, ListsTheKnownSurfacesForAnUnknownOne) {
   EXPECT_EQ(message_of(""), "surface: unknown surface, known are " + known);
   EXPECT_EQ(message_of(":radius=1"), "surface: unknown surface, known are " + known);
   EXPECT_EQ(message_of("formula:file=x"),
-            "formula: unknown surface, known are " + known + "; io.h has read_formula_surface()");
+            "formula: unknown surface, known are " + known +
+                "; in C++ io.h has read_formula_surface(), on the command line it is "
+                "formula:file=FILE");
+  EXPECT_EQ(message_of("kink.surface"), "kink.surface: unknown surface, known are " + known +
+                                            "; a file with a formula is formula:file=kink.surface");
   EXPECT_EQ(message_of("bezier-patch:file=x"),
             "bezier-patch: unknown parameter 'file', known are none; io.h has read_surface_file()");
   for (const char* text : {"Torus", "torus ", " torus", "torus,major_radius=1"})

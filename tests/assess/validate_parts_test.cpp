@@ -10,6 +10,7 @@
 #include <darboux/assess.h>
 #include <darboux/io.h>
 #include <darboux/sample_mesh.h>
+#include <darboux/vertex_normals.h>
 
 #include "append_mesh.h"
 #include "random_pose.h"
@@ -142,6 +143,38 @@ TEST(ValidateParts, UnknownUvsOnAKnownSurface) {
   EXPECT_LT(interior_of(assessment.report).normal_deg->max, 1e-9);
   EXPECT_EQ(assessment.report.verdict, Verdict::pass);
   EXPECT_EQ(assessment.report.tangent_uncertainty_deg.finite(), 0u);
+}
+
+// Of a file with many meshes: shapes that repeat are searched once, and after a dozen the others briefly.
+TEST(ValidateParts, MeshesShareWhatWasSearchedInVain) {
+  SearchHistory history;
+  AssessOptions options;
+  options.history = &history;
+  const auto bent = [](double by) {
+    Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 16, .rows = 8});
+    for (Vec3<double>& p : mesh.positions)
+      p = p + Vec3<double>{by * p.y * p.y, 0.12 * p.z * p.x, 0.15 * p.x * p.y};
+    mesh.normals = vertex_normals(mesh, NormalWeight::angle);
+    mesh.tangents.clear();
+    return mesh;
+  };
+  const auto is_brief = [](const std::vector<Assessment>& assessments) {
+    return has(assessments.front().report, "PARTS_IN_BRIEF");
+  };
+  for (int k = 0; k < 12; ++k) {
+    const std::size_t before = history.failed.size();
+    if (before >= 12) break;
+    EXPECT_FALSE(is_brief(assess_parts(bent(0.1 + 0.02 * k), options))) << k;
+    EXPECT_GT(history.failed.size(), before) << k;
+    const std::size_t after = history.failed.size();
+    assess_parts(bent(0.1 + 0.02 * k), options);
+    EXPECT_EQ(history.failed.size(), after) << k;
+  }
+  EXPECT_TRUE(is_brief(assess_parts(bent(0.5), options)));
+  EXPECT_FALSE(is_brief(assess_parts(bent(0.5))));
+  // What is found in brief is found.
+  const std::vector<Assessment> torus = assess_parts(sample_mesh(make_surface("torus"), {}), options);
+  EXPECT_TRUE(torus.front().fit && torus.front().fit->fits);
 }
 
 // A placement that is given with a surface is that surface's; other parts lie where they lie.

@@ -233,12 +233,15 @@ TEST_F(Cli, EvalReadsWhatItWrites) {
 TEST_F(Cli, EvalReadsHeadersAsSpreadsheetsWriteThem) {
   write_bytes(path("plain.csv"), "0.25,0.5\n");
   const std::string plain = good("darboux eval torus --input plain.csv --format csv");
-  for (const std::string text : {"u,v\n0.25,0.5\n", "u, v\r\n0.25, 0.5\r\n", "\xEF\xBB\xBFu,v\n0.25,0.5\n",
-                                 "# points\n\nname,v,u\nx,0.5,0.25\n", "0.25 0.5\n", "0.25\t0.5\n",
-                                 "u;v\n0.25;0.5\n", "u v\n 0.25   0.5 \n"}) {
+  for (const std::string text :
+       {"u,v\n0.25,0.5\n", "u, v\r\n0.25, 0.5\r\n", "\xEF\xBB\xBFu,v\n0.25,0.5\n",
+        "# points\n\nname,v,u\nx,0.5,0.25\n", "0.25 0.5\n", "0.25\t0.5\n", "u;v\n0.25;0.5\n",
+        "u v\n 0.25   0.5 \n", "\"u\",\"v\"\n\"0.25\",\"0.5\"\n"}) {
     write_bytes(path("headed.csv"), text);
     EXPECT_EQ(good("darboux eval torus --input headed.csv --format csv"), plain) << text;
   }
+  write_bytes(path("commas.csv"), "u;v\n0,25;0,5\n");
+  refused("darboux eval torus --input commas.csv", {"'0,25;0,5', with decimal commas; write decimal points"});
 }
 
 TEST_F(Cli, JsonFlagAndFormatAreTheSame) {

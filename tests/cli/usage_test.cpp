@@ -159,6 +159,8 @@ TEST_F(Cli, NamesWhatANameThatIsNearWasMeantToBe) {
   refused("darboux eval Torus --at 0,0",
           {"Torus: unknown surface (did you mean torus?), known are sphere, "});
   refused("darboux check moebius_strip", {"did you mean moebius-strip?"});
+  refused("darboux fit nothing.xyz --surface Cylinder", {"did you mean cylinder?"});
+  refused("darboux eval kink.surface --at 0,0", {"formula:file=kink.surface"});
   refused("darboux check shpere", {"did you mean sphere?"});
   refused("darboux check klein", {"did you mean klein-bottle?"});  // a word of the name
   refused("darboux check mobius", {"did you mean moebius-strip?"});

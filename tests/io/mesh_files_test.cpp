@@ -200,6 +200,12 @@ TEST(MeshFiles, APlyWithoutFacesIsEmpty) {
       read("a.ply", head + "element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
   EXPECT_TRUE(none.primitives.empty());
   EXPECT_EQ(none.skipped.at(0).reason, "its faces have no triangles");
+  const Asset strips =
+      read("a.ply", head +
+                        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+                        "0 0 0\n3 0 0 0\n");
+  EXPECT_EQ(strips.skipped.at(0).reason,
+            "its triangles are strips (element tristrips), which are not read: expected an element face");
 }
 
 TEST(MeshFiles, EachSolidOfAnStlIsAMesh) {

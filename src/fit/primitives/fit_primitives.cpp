@@ -216,7 +216,8 @@ class PrimitivesFit {
       if (automatic())
         return "undetermined: the nearest is " + name + ", but " + alike +
                "; the surface is of another kind, or that was not found: naming it or a guess help";
-      selection.reason += "; " + alike + ": the surface is not quite " + name;
+      selection.reason +=
+          "; " + alike + ": the surface departs from " + name + ", and errors are understated";
     }
     report_surface(best, points_, noise, fit_);
     fit_.usable = true;

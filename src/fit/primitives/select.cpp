@@ -131,6 +131,14 @@ const Nesting* nesting(const PrimitiveFit& inner, const PrimitiveFit& outer) {
   return nullptr;
 }
 
+// By how much a kind must be better than its limit. Where others of the points lie on a surface that joins
+// smoothly, as the ends of a capsule, they bend it by a part of the noise at each inlier.
+double clear_of_limit(const PrimitiveFit& f) {
+  constexpr double many = 0.1, part = 0.1;
+  const auto inliers = static_cast<double>(count_inliers(f)), all = static_cast<double>(f.error.size());
+  return inliers < (1 - many) * all ? std::max(margin, part * inliers) : margin;
+}
+
 struct Choice {
   std::size_t index = 0;
   bool usable = false, has_rival = false;
@@ -192,9 +200,10 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
       const PrimitiveFit &a = tried[first ? best : i], &b = tried[first ? i : best];
       return Choice{best, false, has_rival, "undetermined: " + either(a, b, scale) + why};
     };
-    constexpr const char* help = "; points over a larger part of it or less noise help";
     // Better, but it is no surface that could be given.
     const PrimitiveFit &chosen = tried[best], &other = tried[i];
+    const std::string help = std::string("; points over a larger part of it or less noise help") +
+                             (chosen.primitive == other.primitive ? "" : ", or naming the kind");
     const Nesting* nested = nesting(chosen, other);
     const bool is_unproven = determinacies[i].kind == Determinacy::Kind::unproven;
     // A surface of few of the points says little of them, and one with more unknowns than half of the chosen
@@ -216,7 +225,8 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
           other.primitive != chosen.primitive &&
           (!explains_enough(other) ||
            (other.sigma > 10 * chosen.sigma && evidence(other) < evidence(chosen) - far_less_likely));
-      if (!chosen.primitive->is_plane && !is_none && (least < margin || !is_told_by_inliers(chosen, other)))
+      const double clear = nesting(other, chosen) ? clear_of_limit(chosen) : margin;
+      if (!chosen.primitive->is_plane && !is_none && (least < clear || !is_told_by_inliers(chosen, other)))
         return undetermined(true, help);
       continue;
     }
