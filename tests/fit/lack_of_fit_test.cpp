@@ -1,6 +1,7 @@
 // Points of surfaces that are no primitive: a primitive near them is not their surface, though they are few.
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -41,6 +42,32 @@ TEST(LackOfFit, FewPointsOfAnotherSurfaceAreNoPrimitive) {
       const PointFit fit = fit_points(points_of(make_surface(name), count, noise, random), {});
       EXPECT_FALSE(fit.usable && fit.sigma > 2 * noise)
           << name << ' ' << count << ": " << fit.surface->surface.specification() << ", sigma " << fit.sigma;
+    }
+}
+
+// The inside and the outside of a shell: neither's radius is that of both, though each is known to a
+// hundredth of the wall.
+TEST(LackOfFit, TwoSidesOfAWallAreNoOneSurface) {
+  Random random(32);
+  for (const double thickness : {0.5, 0.1})
+    for (const char* name : {"sphere", "cylinder"}) {
+      const bool is_sphere = std::string_view(name) == "sphere";
+      PointCloud cloud =
+          points_of(make_surface(is_sphere ? "sphere:radius=10" : "cylinder:radius=10,height=20"), 800,
+                    thickness / 25, random);
+      const PointFit one = fit_points(cloud, {});
+      EXPECT_TRUE(one.usable) << one.reason;
+      for (std::size_t i = 0; i < cloud.positions.size(); i += 2) {
+        Vec3<double>& p = cloud.positions[i];
+        const double by = thickness / 10;
+        p = {p.x * (1 - by), p.y * (1 - by), is_sphere ? p.z * (1 - by) : p.z};
+      }
+      const PointFit both = fit_points(cloud, {});
+      // One side may be found, with the other as outliers.
+      if (both.inliers > 600) {
+        EXPECT_FALSE(both.usable) << both.surface->surface.specification();
+        EXPECT_NE(both.reason.find("two sides of a wall"), std::string::npos) << both.reason;
+      }
     }
 }
 

@@ -1,6 +1,7 @@
 #include "correlation.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <iterator>
 #include <utility>
@@ -142,6 +143,25 @@ bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit
   Eigen::MatrixXd derivatives;
   fit.primitive->distance.jacobian(points, model, derivatives);
   return polynomials_explain(all(some), derivatives, feet(Eigen::all, some));
+}
+
+std::optional<double> distance_of_groups(const PrimitiveFit& fit, const std::vector<bool>& is_inlier) {
+  constexpr double fewest = 50, two_groups = 1.5;
+  double n = 0, sum = 0;
+  for (std::size_t i = 0; i < is_inlier.size(); ++i)
+    if (is_inlier[i]) n += 1, sum += fit.error[i];
+  if (n < fewest) return std::nullopt;
+  const double mean = sum / n;
+  double squares = 0, fourth = 0;
+  std::array<double, 2> of_side{}, count{};
+  for (std::size_t i = 0; i < is_inlier.size(); ++i) {
+    if (!is_inlier[i]) continue;
+    const double d = fit.error[i] - mean;
+    squares += d * d, fourth += d * d * d * d;
+    of_side[d > 0] += d, count[d > 0] += 1;
+  }
+  if (!(n * fourth < two_groups * squares * squares)) return std::nullopt;
+  return of_side[1] / count[1] - of_side[0] / count[0];
 }
 
 }  // namespace darboux::fit

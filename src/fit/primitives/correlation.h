@@ -1,6 +1,7 @@
 // Whether what is left of the points is noise.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,5 +21,10 @@ namespace darboux::fit {
 //   taken; those of a grid are not asked, as their roundings repeat.
 bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit,
                           const std::vector<bool>& is_inlier);
+
+// How far apart the two groups lie that the inliers' errors fall into, as of the two sides of a wall; nothing
+// where they are one. Told by their kurtosis: 3 of Gaussian noise, 1.8 of uniform, below 1.5 of two groups
+// that lie more than five times their noise apart.
+std::optional<double> distance_of_groups(const PrimitiveFit& fit, const std::vector<bool>& is_inlier);
 
 }  // namespace darboux::fit

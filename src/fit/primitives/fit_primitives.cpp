@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "clump.h"
 #include "correlation.h"
 #include "determinacy.h"
@@ -207,10 +208,18 @@ class PrimitivesFit {
                            best.sigma > points_.stored_rounding() &&
                            neighbours_are_alike(points_.cloud, best, is_inlier);
     if (!selection.usable && !(are_alike && automatic())) return selection.reason;
+    const auto apart = best.sigma > points_.stored_rounding() ? distance_of_groups(best, is_inlier)
+                                                              : std::optional<double>();
     const std::string name = with_article(best.primitive->name);
     if (automatic() && !explains_enough(best))
       return "undetermined: the nearest is " + name + ", with only " + std::to_string(fit_.inliers) + " of " +
              std::to_string(points_.finite) + " points; fewer outliers help, or naming the kind";
+    if (apart) {
+      const std::string walls = "distances fall into two groups " + rounded(points_.scale * *apart, 3) +
+                                " apart, as of the two sides of a wall";
+      if (automatic()) return "undetermined: the nearest is " + name + ", but " + walls + ": cut them apart";
+      selection.reason += "; " + walls;
+    }
     if (are_alike) {
       const std::string alike = "distances of neighbouring points are alike, not noise";
       if (automatic())
