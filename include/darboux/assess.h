@@ -14,10 +14,10 @@
 
 namespace darboux {
 
-/// What was looked for in vain, kept from mesh to mesh of a file: parts like those are not searched again,
-/// and after a dozen of them the others are looked at briefly, as PARTS_IN_BRIEF says.
+/// What was looked for in vain, kept from mesh to mesh of a file: copies of such parts, wherever they lie,
+/// are not searched again, and after a dozen parts the others are looked at briefly, as PARTS_IN_BRIEF says.
 struct SearchHistory {
-  std::vector<std::array<std::size_t, 5>> failed{};  ///< outlines of parts in which no surface was found
+  std::vector<std::array<std::size_t, 7>> failed{};  ///< outlines of parts in which no surface was found
 };
 
 struct AssessOptions : ValidateOptions {

@@ -25,12 +25,11 @@ double rounded_to_quarter(double x) {
   return std::fabs(x - rounded) < 1e-6 ? rounded : x;
 }
 
-// Whether (u, v) misses a pole, where dpdu vanishes, by no more than four roundings of uvs stored as floats,
-// or than a millionth.
-bool rounded_off_a_pole(const UvConvention& uv, const Vec2<double>& stored, const Jet2<double>& at) {
+// How far in v a uv may be from a pole and mean it: four roundings of uvs stored as floats, or a millionth.
+double pole_tolerance(const UvConvention& uv, const Vec2<double>& stored) {
   const auto& m = uv.affine;
-  const double terms = std::fabs(m[2] * stored.x) + std::fabs(m[3] * stored.y) + std::fabs(m[5]);
-  return norm(at.dpdu) < std::fmax(1e-6, 0x1p-22 * terms) * norm(at.d2pduv);
+  return std::fmax(1e-6,
+                   0x1p-22 * (std::fabs(m[2] * stored.x) + std::fabs(m[3] * stored.y) + std::fabs(m[5])));
 }
 
 }  // namespace
@@ -56,11 +55,16 @@ DARBOUX_FLATTEN Truth PlacedSurface::truth(const Vec2<double>& stored, const Sam
   std::optional<Sample<double>> other;
   if (rounded != p) other = surface.sample(rounded.x, rounded.y);
   if (other && !has(other->frame.status, singular)) other.reset();
-  const Vec3<double> n = other ? other->frame.n : at.frame.n;
+  Vec3<double> n = other ? other->frame.n : at.frame.n;
+  const double tolerance = pole_tolerance(uv, stored);
   const bool rounded_off =
-      !other && !has(at.frame.status, singular) && rounded_off_a_pole(uv, stored, at.jet);
-  // Within its roundings a disk's inner radius, and dpdu, may have either sign.
-  if (rounded_off) other = surface.sample(p.x, p.y + (p.y < 0.5 ? 0x1p-20 : -0x1p-20));
+      !other && !has(at.frame.status, singular) && norm(at.jet.dpdu) < tolerance * norm(at.jet.d2pduv);
+  if (rounded_off) {
+    // Within its roundings a disk's inner radius, and dpdu, may have either sign: beside the pole it has one.
+    const double step = 2 * tolerance;
+    other = surface.sample(p.x, p.y + (p.y < 0.5 ? step : -step));
+    if (dot(n, other->frame.n) < 0) n = other->frame.n;
+  }
   const Sample<double>& s = other ? *other : at;
   const Frame<double>& frame = s.frame;
   // The derivative along (a, b) in (u, v); where a partial vanishes the other decides, and where only the

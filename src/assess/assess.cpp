@@ -30,9 +30,9 @@ bool is_near(const std::optional<MeshFit>& fit) {
 }
 
 // The declared surface through the mesh's uvs, and by its positions where there are none or they are not its
-// own. \param signs of its triangles
-Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs,
-                          const AssessOptions& options) {
+// own. \param signs of its triangles \param by_positions whether these may tell it alone
+Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs, const AssessOptions& options,
+                          bool by_positions = true) {
   Recognition result;
   try {
     auto [fit, limit] = options.exact_surface
@@ -50,15 +50,18 @@ Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs,
   } catch (const MeshError& e) {
     result.reason = std::string(": ") + e.what();
   }
-  if (result.fits()) return result;
+  if (result.fits() || !by_positions) return result;
   const std::string_view kind =
       options.exact_surface ? options.exact_surface->info().name : std::string_view(options.surface->name);
   if (options.exact_surface) {
     if (mesh.uvs.empty())
       result.reason = ": there are no uvs, which tell where a " + std::string(kind) + " lies";
-  } else if (auto fit =
-                 fit_positions(mesh, kind == "disk" ? SurfaceSpecification{"plane", {}} : *options.surface,
-                               options.placement)) {  // of a disk they tell the plane
+    return result;
+  }
+  // Of a disk of any size they tell the plane.
+  const bool plane = kind == "disk" && options.surface->parameters.empty();
+  if (auto fit = fit_positions(mesh, plane ? SurfaceSpecification{"plane", {}} : *options.surface,
+                               options.placement)) {
     take(mesh, signs, result, std::move(*fit));
     result.declared = true;
   } else if (mesh.uvs.empty()) {
@@ -193,8 +196,8 @@ class PartSearch {
   Recognition recognise_part(const MeshPart& part) {
     if (!options_.declares_surface())
       return recognise(part.mesh, part.raw_sign, options_.placement, effort_, charted_);
-    Recognition result = find_declared(part.mesh, part.raw_sign, options_);
-    if (result.fits()) return result;
+    Recognition result = find_declared(part.mesh, part.raw_sign, options_, !charted_);
+    if (result.fits() || charted_) return result;
     return recognise(part.mesh, part.raw_sign, {}, effort_);  // the placement was the declared surface's
   }
 
@@ -289,8 +292,7 @@ std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const As
   Recognition whole = recognise_whole(under_test, options, effort);
   // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves
   // of a mirrored one, go before a whole whose uvs say nothing.
-  const bool uncharted = whole.fits() && !options.declares_surface() &&
-                         whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
+  const bool uncharted = whole.fits() && whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
   if (!options.references.analytic || (whole.fits() && !uncharted))
     return {assess_whole(std::move(under_test), std::move(whole), options)};
 

@@ -92,6 +92,28 @@ bool runs_along_triangles(const Mesh& mesh, const MeshFit& fit) {
   return 2 * along >= compared;
 }
 
+Effort::Outline outline(const Mesh& mesh, const Shape& shape) {
+  const auto digits = [](double x, double step) { return static_cast<std::size_t>(std::llround(x / step)); };
+  std::size_t of_uvs = 0;
+  for (const Vec2<double>& uv : mesh.uvs)
+    for (const double x : {uv.x, uv.y}) of_uvs = 31 * of_uvs + std::hash<double>{}(x);
+  double along = 0;  // of the triangles' normals
+  for (const Triangle& t : mesh.triangles) {
+    if (mesh.normals.empty()) break;
+    const Vec3<double>& a = mesh.positions[t[0]];
+    const Vec3<double> n = cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
+    for (const std::uint32_t v : t)
+      if (const double cosine = dot(unit(n), unit(mesh.normals[v])); std::isfinite(cosine)) along += cosine;
+  }
+  return {shape.places.size(),
+          shape.edges.size(),
+          shape.turning,
+          digits(shape.thickness, 1e-5),
+          digits(shape.turn_deg, 1e-2),
+          of_uvs,
+          digits(along / static_cast<double>(std::max<std::size_t>(mesh.corners(), 1)), 1e-4)};
+}
+
 // One mesh that is looked at.
 class Search {
  public:
@@ -120,13 +142,14 @@ class Search {
       reject(std::move(*against));
       return std::move(result_);
     }
-    if (!effort_.may_search(shape_)) {
-      result_.reason =
-          effort_.has_failed(shape_) ? ": parts like it are none" : ": the time for it was spent";
+    const Effort::Outline its_outline = outline(mesh_, shape_);
+    const bool has_failed = !charted_ && effort_.has_failed(its_outline);
+    if (has_failed || effort_.spent()) {
+      result_.reason = has_failed ? ": parts like it are none" : ": the time for it was spent";
       return std::move(result_);
     }
     look_for_surface();
-    if (!result_.fits() && !charted_) effort_.failed(shape_);
+    if (!result_.fits() && !charted_ && !effort_.cut_short()) effort_.failed(its_outline);
     return std::move(result_);
   }
 
@@ -235,14 +258,15 @@ class Search {
       const SurfaceKind kind = kind_of(name);
       return !may_be(kind, quadric) || (kind == SurfaceKind::torus && no_torus);
     };
+    std::vector<std::string_view> kinds;
+    for (const std::string_view kind : fitted_kinds())
+      if (!ruled_out(kind)) kinds.push_back(kind);
     if (effort_.must_be_brief()) {
+      if (auto fit = by_uvs(kinds, UvMaps::plain); fit && weigh(std::move(*fit))) return;
       for (const std::string_view kind : found_in_brief)
         if (!ruled_out(kind) && !effort_.spent() && weigh_by_places(kind, true)) return;
       return;
     }
-    std::vector<std::string_view> kinds;
-    for (const std::string_view kind : fitted_kinds())
-      if (!ruled_out(kind)) kinds.push_back(kind);
     if (auto fit = by_uvs(kinds, UvMaps::plain))
       if (weigh(std::move(*fit))) return;
     for (const std::string_view kind : found_kinds()) {
@@ -263,22 +287,12 @@ class Search {
   Recognition result_;
 };
 
-}  // namespace
-
-namespace {
-
-constexpr std::size_t thorough_failures = 12;
-
-// What parts that repeat have in common, wherever they lie.
-std::array<std::size_t, 5> outline(const Shape& shape) {
-  const auto digits = [](double x, double step) { return static_cast<std::size_t>(std::llround(x / step)); };
-  return {shape.places.size(), shape.edges.size(), shape.turning, digits(shape.thickness, 1e-5),
-          digits(shape.turn_deg, 1e-2)};
-}
+constexpr std::size_t thorough_failures = 12, numbers_of_shape = 5;
 
 }  // namespace
 
-Effort::Effort(const AssessOptions& options) : history_(options.history ? *options.history : own_) {
+Effort::Effort(const AssessOptions& options)
+    : history_(options.history ? *options.history : own_), failed_before_(history_.failed.size()) {
   if (options.budget)
     until_ =
         std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
@@ -291,12 +305,13 @@ bool Effort::spent() const {
   return spent;
 }
 
-bool Effort::may_search(const Shape& shape) const {
-  return !has_failed(shape) && !spent();
-}
-
-bool Effort::has_failed(const Shape& shape) const {
-  return std::find(history_.failed.begin(), history_.failed.end(), outline(shape)) != history_.failed.end();
+bool Effort::has_failed(const Outline& outline) const {
+  const std::span<const Outline> before(history_.failed.data(), failed_before_),
+      here = std::span<const Outline>(history_.failed).subspan(failed_before_);
+  return std::find(before.begin(), before.end(), outline) != before.end() ||
+         std::any_of(here.begin(), here.end(), [&](const Outline& other) {
+           return std::equal(outline.begin(), outline.begin() + numbers_of_shape, other.begin());
+         });
 }
 
 bool Effort::must_be_brief() {
@@ -305,8 +320,8 @@ bool Effort::must_be_brief() {
   return brief;
 }
 
-void Effort::failed(const Shape& shape) {
-  history_.failed.push_back(outline(shape));
+void Effort::failed(const Outline& outline) {
+  history_.failed.push_back(outline);
 }
 
 bool Effort::may_search_affine(const Shape& shape) {

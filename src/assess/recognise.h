@@ -23,14 +23,17 @@ std::string nearest_fit(const MeshFit& fit, double limit);
 // How much may still be tried on one mesh, after what was tried on others of its file.
 class Effort {
  public:
+  // What parts that repeat have in common, wherever they lie: their shape in five numbers; uvs, normals.
+  using Outline = std::array<std::size_t, 7>;
+
   explicit Effort(const AssessOptions& options);
   Effort(const Effort&) = delete;
   Effort& operator=(const Effort&) = delete;
   bool spent() const;                            // the budget is; ask only where something would be left out
   bool cut_short() const { return cut_short_; }  // whether something was
-  bool may_search(const Shape& shape) const;
-  bool has_failed(const Shape& shape) const;  // one like it has
-  void failed(const Shape& shape);
+  // Whether one like it was no surface: of this mesh in shape, of others in uvs and normals as well.
+  bool has_failed(const Outline& outline) const;
+  void failed(const Outline& outline);
   // Whether only what costs little may be tried; counts the parts of which that is so.
   bool must_be_brief();
   std::size_t searched_briefly() const { return searched_briefly_; }
@@ -43,6 +46,7 @@ class Effort {
   mutable bool cut_short_ = false;
   SearchHistory own_;
   SearchHistory& history_;
+  std::size_t failed_before_;  // of these in other meshes
   std::size_t searched_briefly_ = 0;
   int affine_ = 1;
   std::optional<bool> one_chart_;  // of what was looked at first

@@ -14,12 +14,12 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   const fit::Primitive* primitive = fit::primitive_named(options.surface);
   if (!primitive) return fit_catalogue(points, options.surface, options);
   if (!primitive->only_where_lengths_agree) return fit::fit_primitives(points, options, primitive);
-  // The catalogue's surface has more lengths; the one where they agree is near, and found surely.
+  // The catalogue's surface has more lengths. The one where they agree is a start that is found surely.
   PointFitOptions with_guess = options;
   if (!options.guess) {
-    PointFitOptions plain = options;
-    plain.progress = {};
-    with_guess.guess = fit::fit_primitives(points, plain, primitive).surface;
+    PointFitOptions silent = options;
+    silent.progress = {};
+    with_guess.guess = fit::fit_primitives(points, silent, primitive).surface;
   }
   return fit_catalogue(points, options.surface, with_guess);
 }

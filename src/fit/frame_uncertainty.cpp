@@ -131,7 +131,7 @@ bool has_first_order(const SurfaceWithParameters& surface, Point& at) {
   // A foot may miss the pole by rounding.
   at.at_pole =
       at.at_pole || has(s.frame.status, Status::dpdu_zero) || norm(s.jet.dpdu) < 1e-9 * norm(s.jet.d2pduv);
-  if (at.at_pole) at.s = surface.sample({s.u, s.v + (s.v < 0.5 ? 0x1p-20 : -0x1p-20)}, at.by);
+  if (at.at_pole) at.s = surface.sample({s.u, s.v + (s.v < 0.5 ? 0x1p-16 : -0x1p-16)}, at.by);
   return !has(s.frame.status, Status::no_frame | singular);
 }
 
@@ -285,7 +285,7 @@ Truth truth_at(const Fitted<N>& fit, const Vec2<double>& stored, ParameterJet& b
   Point at(fit.surface, convention.surface_uv(stored), by);
   Truth truth = fit.placed.truth(stored, at.s);
   truth.normal_deg = truth.tangent_deg = infinity;
-  at.at_pole = truth.pole;
+  at.at_pole = truth.pole && !has(truth.status, Status::dpdv_zero | Status::parallel);
   if (!has_first_order(fit.surface, at)) return truth;
   const Chart chart = at.chart();
   const Eigen::Index n = fit.covariance.cols(), map = fit.parameters + fit.surface.parameters();

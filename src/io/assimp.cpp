@@ -185,15 +185,15 @@ Imported import(const std::string& bytes, AssimpFormat format, bool bare_corners
     Mesh bare;
     if (bare_corners && !primitive.data.normals.empty()) bare = take_bare_triangles(primitive.data);
     if (primitive.data.triangles.empty()) std::swap(primitive.data, bare);
-    Primitive second;
-    second.mesh = m;
-    second.primitive = 1;
-    second.name = primitive.name;
-    second.texcoord = primitive.texcoord;
-    second.instances = primitive.instances;
-    second.data = std::move(bare);
+    Mesh first = std::move(primitive.data);
+    if (!bare.triangles.empty()) {
+      result.asset.primitives.push_back(primitive);
+      result.asset.primitives.back().data = std::move(first);
+      primitive.primitive = 1;
+      first = std::move(bare);
+    }
+    primitive.data = std::move(first);
     result.asset.primitives.push_back(std::move(primitive));
-    if (!second.data.triangles.empty()) result.asset.primitives.push_back(std::move(second));
   }
   // Those have no number: they are counted on after the meshes.
   for (std::size_t i = 0; i < dropped.size(); ++i)
@@ -243,14 +243,21 @@ std::vector<std::string_view> corners_of(std::string_view line) {
   return corners;
 }
 
-/// Whether an OBJ has faces without normals.
+/// Whether an OBJ has faces without normals, so that a normal of zeros is none: it stores no such one.
 bool has_bare_corners(std::string_view text) {
-  bool any = false;
+  const auto is_index = [](std::string_view corner) {
+    return corner[0] == '-' || (corner[0] >= '0' && corner[0] <= '9');
+  };
+  bool bare = false, zero = false;
   for_each_line(text, [&](std::string_view line) {
-    if (is_face(line) && !any)
-      for (const std::string_view corner : corners_of(line)) any = any || !index_of(corner, 2);
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    if (is_face(line) && !bare)
+      for (const std::string_view corner : corners_of(line))
+        bare = bare || (is_index(corner) && !index_of(corner, 2));
+    if (line.starts_with("vn ") || line.starts_with("vn\t"))
+      zero = zero || line.find_first_of("123456789naifNAIF", 2) == std::string_view::npos;
   });
-  return any;
+  return bare && !zero;
 }
 
 /// An OBJ whose faces name uvs or normals that are not there, which assimp drops: without these references.

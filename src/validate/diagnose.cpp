@@ -232,7 +232,7 @@ std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
 // there is no other.
 std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limit) {
   const Mesh& mesh = under_test.mesh;
-  constexpr double same_plane = 0.5;  // degrees
+  const double same_plane = limit / 2;
   std::vector<Vec3<double>> plane(mesh.positions.size());
   std::vector<bool> is_bent(mesh.positions.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -159,6 +159,29 @@ TEST(DeclaredSurfaces, PassUnderUvsThatAreNotTheirs) {
     }
 }
 
+// Halves of a mirrored mesh have charts of their own: their tangents are judged by these, as they are without
+// a declaration, not by the triangles alone.
+TEST(DeclaredSurfaces, HalvesOfAMirroredMeshKeepTheirCharts) {
+  for (const char* name : {"torus", "sphere"}) {
+    const AnySurface surface = make_surface(name);
+    Mesh mesh = sample_mesh(surface, {.columns = 48, .rows = 24, .mirror = true});
+    for (const Assessment& half : assess_parts(mesh, declared(surface)))
+      EXPECT_EQ(half.report.verdict, Verdict::pass) << name << findings({half});
+    for (Vec4<double>& t : mesh.tangents) {
+      const std::size_t i = static_cast<std::size_t>(&t - mesh.tangents.data());
+      const Vec3<double> turned = std::cos(0.25) * t.xyz() + std::sin(0.25) * cross(mesh.normals[i], t.xyz());
+      t = {turned.x, turned.y, turned.z, t.w};
+    }
+    const std::vector<Assessment> assessments = assess_parts(mesh, declared(surface));
+    EXPECT_TRUE(std::any_of(assessments.begin(), assessments.end(),
+                            [](const Assessment& a) {
+                              return a.report.verdict == Verdict::fail && a.fit &&
+                                     a.fit->chart != UvChart::unknown;
+                            }))
+        << name << findings(assessments);
+  }
+}
+
 TEST(DeclaredSurfaces, EveryReferenceMeshPasses) {
   const Variant variants[] = {
       {"grid", [](auto&) {}},

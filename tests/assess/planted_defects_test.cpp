@@ -519,7 +519,7 @@ TEST(PlantedDefects, TheSignOfOneSmallIsland) {
   for (Vec2<double>& uv : leaf.uvs) uv = {0.1 * uv.x + 2, 0.1 * uv.y};
   for (Vec4<double>& t : leaf.tangents) t.w *= -1;
   const std::size_t corners = leaf.corners();
-  test::append(mesh, leaf);
+  append(mesh, leaf);
   const MeshReport report = validate(mesh, std::nullopt);
   EXPECT_EQ(report.handedness.convention, HandednessConvention::gltf);
   EXPECT_EQ(count_of({Assessment{{}, report}}, "HANDEDNESS_MIXED"), corners);

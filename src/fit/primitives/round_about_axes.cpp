@@ -59,7 +59,7 @@ std::vector<RoundAboutAxis> round_about_axes(const Eigen::Matrix3Xd& sample, boo
     return a.residual < b.residual;
   };
 
-  // Over the half sphere about the principal axes, which may lie between directions where a tube is long.
+  // The principal axes are tried as well: the minimum of a long tube is narrower than the spacing.
   const Matrix3d principal = symmetric_eigen(Matrix3d(points * points.transpose())).vectors;
   std::vector<RoundAboutAxis> tried;
   const auto try_axis = [&](const Vector3d& axis) {
@@ -73,20 +73,20 @@ std::vector<RoundAboutAxis> round_about_axes(const Eigen::Matrix3Xd& sample, boo
   std::sort(tried.begin(), tried.end(), by_residual);
 
   std::vector<RoundAboutAxis> result;
-  std::size_t followed = 0;
   const auto near = [](const Vector3d& a, const Vector3d& b, double angle) {
     return a.cross(b).norm() < angle;
   };
   std::vector<Vector3d> begun;
   for (RoundAboutAxis best : tried) {
-    if (followed == refined) break;
+    if (begun.size() == refined) break;
     // Beside a better one it leads to the same minimum.
     if (std::any_of(begun.begin(), begun.end(),
                     [&](const Vector3d& b) { return near(b, best.axis, 2 * spacing); }))
       continue;
     begun.push_back(best.axis);
-    ++followed;
-    for (double step = spacing / 2; step > 1e-4;) {
+    constexpr int most_moves = 100;
+    double step = spacing / 2;
+    for (int move = 0; move < most_moves && step > 1e-4; ++move) {
       const Matrix3d axes = axes_with_z(best.axis);
       std::optional<RoundAboutAxis> better;
       for (const double side : {-step, step})

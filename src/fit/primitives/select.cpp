@@ -131,12 +131,21 @@ const Nesting* nesting(const PrimitiveFit& inner, const PrimitiveFit& outer) {
   return nullptr;
 }
 
-// By how much a kind must be better than its limit. Where others of the points lie on a surface that joins
-// smoothly, as the ends of a capsule, they bend it by a part of the noise at each inlier.
+// By how much a kind must be better than its limit. Outliers may lie on a surface that joins smoothly, as the
+// ends of a capsule do: those nearest to the edge bend the surface towards them.
 double clear_of_limit(const PrimitiveFit& f) {
-  constexpr double many = 0.1, part = 0.1;
-  const auto inliers = static_cast<double>(count_inliers(f)), all = static_cast<double>(f.error.size());
-  return inliers < (1 - many) * all ? std::max(margin, part * inliers) : margin;
+  constexpr double part = 0.1;  // of the noise's square, by each of them: five times what capsules showed
+  return std::max(margin,
+                  part * (static_cast<double>(f.error.size()) - static_cast<double>(count_inliers(f))));
+}
+
+// Whether the other explains nearly all points to a hundredth of their size, and this one far fewer: then
+// what this one takes for outliers lies on the other. One of two circles is a plane's.
+bool holds_the_outliers(const PrimitiveFit& other, const PrimitiveFit& f) {
+  constexpr double few = 0.7, nearly_all = 0.95, small = 0.01;
+  const auto all = static_cast<double>(f.error.size());
+  return static_cast<double>(count_inliers(f)) < few * all && other.sigma < small &&
+         static_cast<double>(count_inliers(other)) >= nearly_all * all;
 }
 
 struct Choice {
@@ -194,7 +203,9 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
   const std::size_t best = *found;
   std::string remark;
   for (const std::size_t i : best_first) {
-    if (i == best || determinacies[i].kind == Determinacy::Kind::none) continue;
+    if (i == best) continue;
+    const bool holds_outliers = holds_the_outliers(tried[i], tried[best]);
+    if (determinacies[i].kind == Determinacy::Kind::none && !holds_outliers) continue;
     const auto undetermined = [&](bool has_rival, const std::string& why) {
       const bool first = tried[best].primitive->unknowns <= tried[i].primitive->unknowns;
       const PrimitiveFit &a = tried[first ? best : i], &b = tried[first ? i : best];
@@ -204,6 +215,7 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     const PrimitiveFit &chosen = tried[best], &other = tried[i];
     const std::string help = std::string("; points over a larger part of it or less noise help") +
                              (chosen.primitive == other.primitive ? "" : ", or naming the kind");
+    if (holds_outliers) return undetermined(true, help);
     const Nesting* nested = nesting(chosen, other);
     const bool is_unproven = determinacies[i].kind == Determinacy::Kind::unproven;
     // A surface of few of the points says little of them, and one with more unknowns than half of the chosen
