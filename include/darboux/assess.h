@@ -16,6 +16,7 @@ namespace darboux {
 
 /// What was looked for in vain, kept from mesh to mesh of a file: copies of such parts, wherever they lie,
 /// are not searched again, and after a dozen parts the others are looked at briefly, as PARTS_IN_BRIEF says.
+/// assess() and assess_parts() add to it: one thread at a time.
 struct SearchHistory {
   std::vector<std::array<std::size_t, 7>> failed{};  ///< outlines of parts in which no surface was found
 };

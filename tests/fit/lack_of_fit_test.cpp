@@ -1,5 +1,6 @@
 // Points of surfaces that are no primitive: a primitive near them is not their surface, though they are few.
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -69,6 +70,27 @@ TEST(LackOfFit, TwoSidesOfAWallAreNoOneSurface) {
         EXPECT_NE(both.reason.find("two sides of a wall"), std::string::npos) << both.reason;
       }
     }
+}
+
+// The ends of a capsule join its cylinder smoothly, and bend what is fitted: it was called an ellipsoid ten
+// times as long as the points.
+TEST(LackOfFit, ACapsuleIsNoLongEllipsoid) {
+  constexpr double radius = 10, turn = 2 * std::numbers::pi;
+  Random random(33);
+  for (const double length : {30.0, 30.0, 30.0, 60.0, 60.0, 60.0}) {
+    PointCloud cloud;
+    for (int i = 0; i < 3000; ++i) {
+      // Cylinder and ends together have the area of the cylinder about them.
+      const double z = random.uniform(-length / 2 - radius, length / 2 + radius), x = turn * random.uniform();
+      const double beyond = std::fmax(std::fabs(z) - length / 2, 0),
+                   r = std::sqrt(radius * radius - beyond * beyond);
+      const Vec3<double> error{normal(random), normal(random), normal(random)};
+      cloud.positions.push_back(Vec3<double>{r * std::cos(x), r * std::sin(x), z} + 5e-4 * length * error);
+    }
+    const PointFit fit = fit_points(cloud, {});
+    EXPECT_FALSE(fit.usable && fit.surface->surface.info().name == "ellipsoid")
+        << length << ": " << fit.surface->surface.specification();
+  }
 }
 
 // Roundings of a grid repeat at points that mirror each other: polynomials explain them, and they are no

@@ -87,6 +87,22 @@ TEST(Paraboloid, IsFoundInAPatchBesideTheVertex) {
   expect_paraboloid(fit, 1 / 2.4, 0.05);
 }
 
+// By name two more lengths are sought, from the round paraboloid on: of exact points none lay on what was
+// found.
+TEST(Paraboloid, IsFoundByNameInExactPatches) {
+  for (const double height : {0.5, 1.0})
+    for (const double turn : {0.1, 0.25}) {
+      SCOPED_TRACE(testing::Message() << height << ' ' << turn);
+      const PointFit fit = fit_points(points_of(EllipticParaboloid{1.0, 1.0, height}, 300, turn, 0, 1, 0),
+                                      {.surface = "elliptic-paraboloid"});
+      EXPECT_EQ(kind_of(fit), "elliptic-paraboloid");
+      if (!fit.usable) continue;
+      EXPECT_EQ(fit.outliers, 0u);
+      for (const std::size_t k : {0u, 1u})
+        EXPECT_NEAR(value(fit, k) * value(fit, k) / (2 * value(fit, 2)), 0.5 / height, 1e-6);
+    }
+}
+
 TEST(Paraboloid, IsExactWithoutNoise) {
   const PointFit fit = fit_points(points_of(EllipticParaboloid{1.0, 1.0, 0.9}, 300, 1, 0, 1, 0));
   expect_paraboloid(fit, 1 / 1.8, 1e-11);
