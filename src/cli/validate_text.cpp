@@ -90,10 +90,15 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
                 cell(c.normal_deg).c_str(), cell(c.tangent_deg).c_str(), cell(c.bitangent_deg).c_str());
   }
   std::fflush(stdout);
-  if (has_uncertainty(report) && report.corners > 0)
+  if (has_uncertainty(report) && report.corners > 0) {
     std::cout << "    truth uncertain by "
-              << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals), "
-              << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms") << " (tangents)\n";
+              << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals)";
+    if (std::any_of(report.classes.begin(), report.classes.end(),
+                    [](const ClassReport& c) { return c.tangent_deg.has_value(); }))
+      std::cout << ", " << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms")
+                << " (tangents)";
+    std::cout << '\n';
+  }
   if (report.local && report.reference != ReferenceKind::local) print_local(*report.local);
   if (report.triangles && report.triangles->compared + report.triangles->open > 0) {
     const TrianglesReport& t = *report.triangles;

@@ -1,17 +1,19 @@
 #include "local_truth.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <vector>
 
-#include <darboux/error.h>
 #include <darboux/local_jets.h>
 #include <darboux/local_truth.h>
 
 #include "batch.h"
+#include "mesh/frames/corner.h"
 
 namespace darboux {
 namespace {
@@ -47,6 +49,27 @@ Truth truth_of(const UvJet& jet, double winding) {
           .tangent_deg = deviation_deg(jet.tangent_error)};
 }
 
+// Of a plane that stands for uvs the tangents are nobody's.
+Truth normal_of(const UvJet& jet) {
+  Truth truth = no_truth();
+  truth.position = jet.jet.position;
+  truth.normal = jet.frame.n;
+  truth.normal_deg = deviation_deg(jet.normal_error);
+  return truth;
+}
+
+// A plane's own coordinates, counter-clockwise about its normal.
+struct PlaneAxes {
+  Vec3<double> x, y;
+  explicit PlaneAxes(const Vec3<double>& normal) : x(any_perpendicular(normal)), y(cross(normal, x)) {}
+  Vec2<double> operator()(const Vec3<double>& p) const { return {dot(p, x), dot(p, y)}; }
+};
+
+// Neighbours whose triangles lean by more from those about the node are no graph over its plane.
+constexpr double least_cosine = 0.3;
+// Nor is a polynomial that leans so from the triangles at its own node one of a surface that they resolve.
+constexpr double least_own_cosine = 0.8;
+
 // Whether dpdu or dpdv vanishes here or nearly so, that is, changes by more than twice its own length on the
 // way to a neighbour: a pole, next to which it changes by its own length.
 bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<const Index> near,
@@ -64,11 +87,24 @@ bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<cons
 // where the first leaves more than that.
 class LocalTruth {
  public:
-  LocalTruth(const Mesh& mesh, const Rings& rings)
-      : mesh_(mesh), rings_(rings), is_finite_(mesh.positions.size()) {
+  LocalTruth(const Mesh& mesh, const Rings& rings, bool by_uvs)
+      : mesh_(mesh), rings_(rings), by_uvs_(by_uvs), is_finite_(mesh.positions.size()) {
     for (std::size_t v = 0; v < is_finite_.size(); ++v)
-      is_finite_[v] =
-          detail::finite(mesh.positions[v]) && std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);
+      is_finite_[v] = detail::finite(mesh.positions[v]) &&
+                      (!by_uvs || (std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y)));
+    if (by_uvs) return;
+    across_.resize(rings.size());
+    const double scale = scale_below_one(mesh);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      const std::array p = scaled({mesh.positions[a], mesh.positions[b], mesh.positions[c]}, scale);
+      const Vec3<double> area = cross(p[1] - p[0], p[2] - p[0]);
+      for (std::size_t k = 0; k < 3 && detail::finite(area); ++k) {
+        Vec3<double>& sum = across_[rings.frames.of_corner[3 * t + k]];
+        sum = sum + area;
+      }
+    }
+    for (Vec3<double>& n : across_) n = unit(n);
   }
 
   std::span<const Truth> operator()(std::span<const Index> nodes) {
@@ -101,7 +137,9 @@ class LocalTruth {
     for (const Index node : walk_.near)
       if (const Index v = Rings::vertex(node); is_finite_[v]) near_.push_back(v);
     asked.end = near_.size();
-    if (asked.end - asked.begin < jet_coefficients(open.degree + 1) + 3) {  // which would not tell the error
+    // Fewer would not tell the error.
+    if (asked.end - asked.begin < jet_coefficients(open.degree + 1) + 3 ||
+        (!by_uvs_ && is_folded(open.node))) {
       near_.resize(asked.begin);
       return;
     }
@@ -109,38 +147,68 @@ class LocalTruth {
     asked_.push_back(asked);
   }
 
+  // Whether the neighbours just walked are seen from another side than the node.
+  bool is_folded(Index node) const {
+    return std::any_of(walk_.near.begin(), walk_.near.end(),
+                       [&](Index near) { return !(dot(across_[near], across_[node]) > least_cosine); });
+  }
+
+  // Where they lie in the plane about their node, in the order of near_.
+  void project() {
+    in_plane_.resize(near_.size()), positions_.resize(near_.size()), order_.resize(near_.size());
+    std::iota(order_.begin(), order_.end(), Index{0});
+    for (const Asked& a : asked_) {
+      const PlaneAxes plane(across_[a.open->node]);
+      for (std::size_t i = a.begin; i < a.end; ++i) {
+        positions_[i] = mesh_.positions[near_[i]];
+        in_plane_[i] = plane(positions_[i] - rings_.position(a.open->node));
+      }
+    }
+  }
+
   void fit(int ring, int degree) {
     near_.clear(), asked_.clear(), neighbours_.clear();
     for (Open& open : open_)
       if (open.degree == degree) gather(open, ring);
     if (asked_.empty()) return;
+    if (!by_uvs_) project();
     for (const Asked& a : asked_)
-      neighbours_.push_back({mesh_.uvs.data(), mesh_.positions.data(), &near_[a.begin], a.end - a.begin,
-                             rings_.uv(a.open->node)});
+      neighbours_.push_back(
+          by_uvs_ ? kernels::UvNeighbours{mesh_.uvs.data(), mesh_.positions.data(), &near_[a.begin],
+                                          a.end - a.begin, rings_.uv(a.open->node)}
+                  : kernels::UvNeighbours{
+                        in_plane_.data(), positions_.data(), &order_[a.begin], a.end - a.begin, {}});
     jets_.resize(asked_.size());
     uv_jets(neighbours_, degree, false, false, jets_);
     for (std::size_t k = 0; k < asked_.size(); ++k) {
       const auto& [open, begin, end, first_ring_end] = asked_[k];
       const UvJet& jet = jets_[k];
-      if (!(jet.condition < worst_condition) || !std::isfinite(jet.normal_error) ||
-          !std::isfinite(jet.tangent_error))
+      const double error = by_uvs_ ? std::fmax(jet.normal_error, jet.tangent_error) : jet.normal_error;
+      if (!(jet.condition < worst_condition) || !std::isfinite(jet.normal_error) || !std::isfinite(error))
         continue;
       const auto first_ring = std::span<const Index>(near_).subspan(begin, first_ring_end - begin);
-      open->best = is_singular(jet.jet, rings_.uv(open->node), first_ring, mesh_.uvs)
+      if (!by_uvs_ && !(dot(jet.frame.n, across_[open->node]) > least_own_cosine)) continue;
+      open->best = !by_uvs_ ? normal_of(jet)
+                   : is_singular(jet.jet, rings_.uv(open->node), first_ring, mesh_.uvs)
                        ? no_truth()
                        : truth_of(jet, Rings::sign(open->node));
-      const bool enough = degree == finest_degree || std::fmax(jet.normal_error, jet.tangent_error) < close;
+      const bool enough = degree == finest_degree || error < close;
       open->degree = enough ? 0 : finest_degree;
     }
   }
 
   const Mesh& mesh_;
   const Rings& rings_;
-  std::vector<bool> is_finite_;  // vertices: position and uv
+  bool by_uvs_;
+  std::vector<bool> is_finite_;       // vertices: position and uv
+  std::vector<Vec3<double>> across_;  // without uvs: the unit normal of each node's triangles
   Rings::Walk walk_;
   std::vector<Open> open_;
   std::vector<Asked> asked_;
-  std::vector<Index> near_;  // vertices
+  std::vector<Index> near_;              // vertices
+  std::vector<Vec2<double>> in_plane_;   // see project()
+  std::vector<Vec3<double>> positions_;  // of near_
+  std::vector<Index> order_;
   std::vector<kernels::UvNeighbours> neighbours_;
   std::vector<UvJet> jets_;
   std::vector<Truth> truths_;
@@ -150,12 +218,11 @@ class LocalTruth {
 
 std::vector<Truth> local_truth(const Mesh& mesh) {
   check_consistent(mesh, "mesh");
-  return local_truth(mesh, join_equal_vertices(mesh));
+  return local_truth(mesh, join_equal_vertices(mesh), !mesh.uvs.empty());
 }
 
-std::vector<Truth> local_truth(const Mesh& mesh, std::span<const Index> joined) {
-  if (mesh.uvs.empty()) throw MeshError("mesh", "has no uvs, frames need one uv set");
-  Rings rings(mesh, joined);
+std::vector<Truth> local_truth(const Mesh& mesh, std::span<const Index> joined, bool by_uvs) {
+  Rings rings(mesh, joined, by_uvs);
   rings.stop_at_creases();
   constexpr Index none = std::numeric_limits<Index>::max();
   std::vector<Index> node_of(mesh.positions.size(), none);  // of a vertex of two, that of its last corner
@@ -164,7 +231,7 @@ std::vector<Truth> local_truth(const Mesh& mesh, std::span<const Index> joined) 
       node_of[mesh.triangles[c / 3][c % 3]] = node;
   std::vector<Truth> result(mesh.positions.size(), no_truth());
   std::vector<Index> first(rings.size(), none);  // of each node the vertex that has its truth
-  LocalTruth truth(mesh, rings);
+  LocalTruth truth(mesh, rings, by_uvs);
   std::vector<Index> nodes;
   for (Index v = 0; v < node_of.size(); ++v) {
     if (node_of[v] != none && first[node_of[v]] == none) {

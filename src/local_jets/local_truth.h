@@ -7,7 +7,7 @@
 
 namespace darboux {
 
-// The public one. \param joined join_equal_vertices()
-std::vector<Truth> local_truth(const Mesh& mesh, std::span<const Index> joined);
+// The public one. \param joined join_equal_vertices() \param by_uvs whether the mesh has uvs, and they count
+std::vector<Truth> local_truth(const Mesh& mesh, std::span<const Index> joined, bool by_uvs);
 
 }  // namespace darboux

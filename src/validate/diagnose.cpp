@@ -22,7 +22,7 @@ constexpr std::size_t least_normals = 50;
 constexpr double most = 0.9, diagnosed_below = 0.8;
 
 struct Pair {
-  std::size_t corner;
+  std::size_t corner;            // or vertex, of normals
   Vec3<double> stored, t, b, v;  // unit; b across t, on the side of v
   double w, raw;                 // raw: of the triangle, 0 without uv area
   double limit;                  // degrees
@@ -256,16 +256,50 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   return samples;
 }
 
-bool diagnose_facets(const MeshUnderTest& under_test, const ValidateOptions& options, MeshReport& report) {
-  if (under_test.mesh.normals.empty()) return false;
-  const double limit = options.max_angle_deg / 5;
-  const std::vector<Pair> samples = normals_of_facets(under_test, limit);
+// Normals that are known from their neighbours to a third of the limit.
+std::vector<Pair> normals_of_neighbours(const MeshUnderTest& under_test, double limit) {
+  const Mesh& mesh = under_test.mesh;
+  const double side = under_test.normals.all_oppose ? -1 : 1;
+  const std::size_t step = std::max<std::size_t>(1, under_test.local.size() / most_samples);
+  std::vector<Pair> samples;
+  for (std::size_t v = 0; v < under_test.local.size(); v += step) {
+    const Truth& truth = under_test.local[v];
+    const Vec3<double>& n = mesh.normals[v];
+    if (!(certain * truth.normal_deg <= limit) || !detail::finite(n) || n == Vec3<double>{}) continue;
+    samples.push_back({v, unit(n), side * truth.normal, {}, {}, 1, 1, limit});
+  }
+  return samples;
+}
+
+// Whether a fifth of them or more are averages of their own triangles' normals: those follow the mesh.
+bool are_averages(const MeshUnderTest& under_test, const std::vector<Pair>& samples) {
+  std::vector<bool> asked(under_test.mesh.positions.size(), false);
+  for (const Pair& s : samples) asked[s.corner] = true;
+  VertexJoins of_part;
+  const std::vector<bool> average =
+      are_average_normals(under_test.mesh, joins_of(under_test, of_part), asked);
+  const auto averages =
+      std::count_if(samples.begin(), samples.end(), [&](const Pair& s) { return average[s.corner]; });
+  return static_cast<double>(averages) > (1 - diagnosed_below) * static_cast<double>(samples.size());
+}
+
+bool diagnose_normals(const MeshUnderTest& under_test, const std::vector<Pair>& samples, MeshReport& report) {
   if (samples.size() < least_samples) return false;
   if (share_within(samples, [](const Pair& s) { return s.t; }) >= diagnosed_below) return false;
   std::optional<std::string> map = rotation_of(samples);
-  if (!map && samples.size() >= least_normals) map = linear_map_of(samples, limit);
+  if (!map && samples.size() >= least_normals) map = linear_map_of(samples, samples.front().limit);
   if (map) add(report, finding(Code::normal_stale, under_test.mesh.corners(), *map));
   return map.has_value();
+}
+
+// Where no surface is known: against the planes of facets, else against the neighbours, of which those on
+// most vertices of a coarse mesh are not sure.
+bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& options, MeshReport& report) {
+  if (under_test.mesh.normals.empty()) return false;
+  const double limit = options.max_angle_deg;
+  if (diagnose_normals(under_test, normals_of_facets(under_test, limit / 5), report)) return true;
+  const std::vector<Pair> samples = normals_of_neighbours(under_test, limit);
+  return !are_averages(under_test, samples) && diagnose_normals(under_test, samples, report);
 }
 
 }  // namespace
@@ -289,7 +323,7 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
 
 bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
                       const ValidateOptions& options, MeshReport& report) {
-  if (!accurate.known()) return diagnose_facets(under_test, options, report);
+  if (!accurate.known()) return diagnose_unknown(under_test, options, report);
   const Mesh& mesh = under_test.mesh;
   const double limit = options.max_angle_deg;
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);

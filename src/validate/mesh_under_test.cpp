@@ -1,5 +1,7 @@
 #include "mesh_under_test.h"
 
+#include <algorithm>
+
 #include <darboux/error.h>
 
 #include "local_jets/local_truth.h"
@@ -47,9 +49,11 @@ void add_references(MeshUnderTest& under_test, const ValidateOptions& options) {
   if (options.references.mikktspace && !mesh.triangles.empty() && !mesh.tangents.empty() &&
       !mesh.normals.empty() && !mesh.uvs.empty())
     under_test.mikktspace = mikktspace_reference(mesh, mesh.uvs, options.threads);
-  if (!options.references.local || mesh.uvs.empty()) return;
+  const bool by_uvs = std::any_of(under_test.raw_sign.begin(), under_test.raw_sign.end(),
+                                  [](signed char sign) { return sign != 0; });
+  if (!options.references.local || (!by_uvs && mesh.normals.empty())) return;
   under_test.equal = join_equal_vertices(mesh);
-  under_test.local = local_truth(mesh, under_test.equal);
+  under_test.local = local_truth(mesh, under_test.equal, by_uvs);
 }
 
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,

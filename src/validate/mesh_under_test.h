@@ -25,8 +25,9 @@ struct MeshUnderTest {
   std::vector<bool> across_mirror{};
   std::vector<bool> has_uv_area{};
   MikktspaceReference
-      mikktspace{};            // empty where it is not asked for, or tangents, normals, uvs or triangles lack
-  std::vector<Truth> local{};  // at each vertex; empty where it is not asked for or there are no uvs
+      mikktspace{};  // empty where it is not asked for, or tangents, normals, uvs or triangles lack
+  std::vector<Truth>
+      local{};  // at each vertex; empty where it is not asked for or there are no uvs and no normals
   MeshClasses classes{};
   std::vector<bool> between_parts{};  // vertices that no one frame is right for; empty: none
   NormalChecks normals{};

@@ -248,7 +248,8 @@ TEST(PlantedDefects, StaleAfterAScale) {
   AssessOptions options;
   options.references.analytic = false;
   const std::vector<Assessment> assessments = assess_parts(mesh, options);
-  EXPECT_EQ(joined(codes(assessments)), "NORMAL_ANGLE TANGENT_ANGLE TANGENT_NOT_MIKKTSPACE TANGENT_STALE ");
+  EXPECT_EQ(joined(codes(assessments)),
+            "NORMAL_ANGLE NORMAL_STALE TANGENT_ANGLE TANGENT_NOT_MIKKTSPACE TANGENT_STALE ");
   for (const Finding& f : assessments.front().report.findings)
     if (f.code == "TANGENT_STALE") {
       EXPECT_NE(f.message.find("2.85 : 1.43 : 1"), std::string::npos) << f.message;
@@ -508,6 +509,28 @@ TEST(PlantedDefects, NormalsOfFacetsThatStayedBehind) {
     EXPECT_EQ(codes(assess_parts(mesh)).contains("NORMAL_STALE"), is_told)
         << joined(codes(assess_parts(mesh)));
   }
+}
+
+// Of smooth meshes that no surface is known of the neighbours tell it, with uvs and without: it passed. What
+// is an average of its triangles is not stale, however coarse they are.
+TEST(PlantedDefects, StaleNormalsOfUnknownSurfaces) {
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 2) / 3).toRotationMatrix(),
+                        scale = Eigen::Vector3d(1, 3, 1).asDiagonal();
+  for (const char* name : {"monkey-saddle", "klein-bottle", "torus"})
+    for (const bool with_uvs : {true, false}) {
+      SCOPED_TRACE(std::string(name) + (with_uvs ? " with uvs" : " without uvs"));
+      Mesh good = sample_mesh(make_surface(name), {.columns = 48, .rows = 24, .v_first = 0.1, .v_last = 0.9});
+      good.tangents.clear();
+      for (Vec3<double>& p : good.positions) p.z += 0.1 * std::sin(5 * p.x);  // no one's surface
+      good.normals = vertex_normals(good, NormalWeight::max);
+      if (!with_uvs) good.uvs.clear();
+      EXPECT_EQ(joined(codes(assess_parts(good))), "");
+      for (const Eigen::Matrix3d& m : {turn, scale}) {
+        Mesh mesh = good;
+        turn_by(mesh, m);
+        EXPECT_TRUE(codes(assess_parts(mesh)).contains("NORMAL_STALE")) << joined(codes(assess_parts(mesh)));
+      }
+    }
 }
 
 // One island among many, of less than a hundredth of the corners: the mesh follows its convention, the island

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include <darboux/error.h>
 
@@ -17,10 +18,16 @@
 #include "fit/common/arguments.h"
 #include "fit/common/intervals.h"
 #include "fit/common/kinds.h"
+#include "fit/common/lack_of_fit.h"
 #include "starts.h"
 
 namespace darboux {
 namespace {
+
+// Whether one kind's surfaces are the other's too: then that is never less likely, and no rival.
+bool is_case_of(const UvKind& kind, const UvKind& other) {
+  return kind.name == "sphere" && other.name == "ellipsoid";
+}
 
 // Points that choose the start, and kind and convention.
 constexpr std::size_t start_points = 256, trial_points = 1024;
@@ -30,7 +37,7 @@ constexpr std::size_t start_points = 256, trial_points = 1024;
 constexpr double far = 20;
 
 // Differences of log-likelihood, and of the information criterion, that decide. 5: odds of 148 to 1.
-constexpr double decisive = 5, least_bic_margin = 2;
+constexpr double decisive = 5, least_bic_margin = 2 * decisive;
 
 struct Data {
   fit::NormalisedPoints all, trial, few;
@@ -320,6 +327,29 @@ std::string described(const Trial& trial) {
          std::string(trial.model.whole_convention(trial.state).name);
 }
 
+// Whether the inliers' residuals are alike between neighbours. Those that roundings leave, which rows of a
+// grid share, are not asked.
+bool residuals_are_alike(const Trial& trial, const Data& data, const std::vector<bool>& is_inlier) {
+  if (trial.mixture.sigma <= data.all.stored_rounding() ||
+      noise_and_rounding(trial, data) > 1.1 * trial.mixture.sigma)
+    return false;
+  std::vector<Eigen::Index> inliers;
+  for (std::size_t i = 0; i < data.all.count(); ++i)
+    if (is_inlier[data.all.index[i]]) inliers.push_back(static_cast<Eigen::Index>(i));
+  const fit::NormalisedPoints points = data.all.part(inliers);
+  UvModel model = trial.model;
+  model.points = &points;
+  UvModel::Residuals left = model.residuals(trial.state);
+  const auto derivatives = [&](const std::vector<Eigen::Index>& some) {
+    const fit::NormalisedPoints part = points.part(some);
+    UvModel of_part = model;
+    of_part.points = &part;
+    return of_part.jacobian(trial.state, part.count());
+  };
+  return fit::neighbours_are_alike(
+      {std::move(left.errors), points.cloud, std::move(left.places), derivatives});
+}
+
 double inliers_rms(const fit::Mixture& mixture, const std::vector<double>& squares) {
   double inliers = 0, sum = 0;
   for (const double s : squares)
@@ -500,33 +530,45 @@ class UvFit {
     sort_by_bic();
   }
 
-  // Those that the trial points leave open, and the best of the others, from all points.
+  // Those that the trial points leave open, and the best of the others, from all points. One that the trial
+  // points had put behind may come first by all: then it is fitted to all too.
   void refine() {
-    const double best = trials_.front().bic(static_cast<double>(data_.trial.count()));
-    for (Trial& t : trials_) {
-      if (&t != &trials_.front() && t.bic(static_cast<double>(data_.trial.count())) > best + 30) continue;
-      t.model.points = &data_.all;
-      update(t.mixture, t.model.squares(t.state), data_.all);
-      const Solved solved = t.model.solve(t.state, t.mixture, 1e-6);
-      fit_.iterations += solved.iterations;
-      t.converged = solved.converged;
-      if (solved.converged) t.model.polish(t.state, t.mixture, 20);
-      t.log_likelihood = log_likelihood(t.mixture, t.model.squares(t.state));
-    }
+    const auto of_trial = static_cast<double>(data_.trial.count());
+    const double best = trials_.front().bic(of_trial);
+    for (Trial& t : trials_)
+      if (t.bic(of_trial) <= best + 30) refine(t);
     sort_by_bic();
+    while (!is_refined(trials_.front())) {
+      refine(trials_.front());
+      sort_by_bic();
+    }
     for (const Trial& t : trials_)
       fit_.candidates.push_back({std::string(t.model.kind->name), t.bic(count_),
                                  data_.all.scale * inliers_rms(t.mixture, t.model.squares(t.state))});
   }
 
+  bool is_refined(const Trial& t) const { return t.model.points == &data_.all; }
+
+  void refine(Trial& t) {
+    t.model.points = &data_.all;
+    update(t.mixture, t.model.squares(t.state), data_.all);
+    const Solved solved = t.model.solve(t.state, t.mixture, 1e-6);
+    fit_.iterations += solved.iterations;
+    t.converged = solved.converged;
+    if (solved.converged) t.model.polish(t.state, t.mixture, 20);
+    t.log_likelihood = log_likelihood(t.mixture, t.model.squares(t.state));
+  }
+
   // The best of which everything is determined; a cone without height is a disk.
   std::string select() {
     std::optional<PointFit> chosen;
-    std::string against_first, described_as;
+    std::string against_first, described_as, remark;
+    const UvKind* chosen_kind = nullptr;
     double best_bic = 0;
     for (std::size_t i = 0; i < trials_.size(); ++i) {
       const Trial& t = trials_[i];
       if (chosen && t.bic(count_) > best_bic + least_bic_margin) break;
+      if (chosen && is_case_of(*chosen_kind, *t.model.kind)) continue;
       PointFit attempt = fit_;
       std::string why = !t.converged ? "Ceres did not converge on " + fit::with_article(described(t))
                         : !sound(t)
@@ -538,7 +580,15 @@ class UvFit {
         return "undetermined: " + described_as + " and " + described(t) + " explain the points alike";
       chosen = std::move(attempt);
       described_as = described(t);
+      chosen_kind = t.model.kind;
       best_bic = t.bic(count_);
+      if (residuals_are_alike(t, data_, chosen->is_inlier)) {
+        const std::string alike = "residuals of neighbouring points are alike, not noise";
+        if (automatic())
+          return "undetermined: the nearest is " + fit::with_article(described_as) + ", but " + alike +
+                 ": the surface is of another kind, or its uvs are stretched";
+        remark = "; " + alike + ": the points depart from that, and errors are understated";
+      }
       chosen->candidates.erase(chosen->candidates.begin(),
                                chosen->candidates.begin() + static_cast<std::ptrdiff_t>(i));
     }
@@ -546,7 +596,7 @@ class UvFit {
     fit_ = std::move(*chosen);
     fit_.usable = true;
     return described_as + ", " + std::to_string(fit_.inliers) + " of " + std::to_string(data_.all.finite) +
-           " points";
+           " points" + remark;
   }
 
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();

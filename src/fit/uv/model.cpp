@@ -317,6 +317,17 @@ std::vector<double> UvModel::squares(const UvState& state) const {
   return result;
 }
 
+UvModel::Residuals UvModel::residuals(const UvState& state) const {
+  const auto n = static_cast<Eigen::Index>(points->count());
+  Residuals result{Eigen::Matrix3Xd(3, n), Eigen::Matrix3Xd(3, n)};
+  for_each_block(state, false, [&](std::size_t first, std::size_t count, Rows& rows) {
+    const auto at = static_cast<Eigen::Index>(first), size = static_cast<Eigen::Index>(count);
+    result.errors.middleCols(at, size) = rows.residual.reshaped(3, size);
+    result.places.middleCols(at, size) = rows.block.position.reshaped(3, size);
+  });
+  return result;
+}
+
 Eigen::MatrixXd UvModel::jacobian(const UvState& state, std::size_t most) const {
   Rows rows;
   fill(state, 0, std::min(most, points->count()), true, rows);

@@ -77,6 +77,12 @@ class UvModel {
               std::vector<double>* squares = nullptr) const;
   std::vector<double> squares(const UvState& state) const;
 
+  /// From each point to the surface at its uv, and that place of the surface, in the body's axes.
+  struct Residuals {
+    Eigen::Matrix3Xd errors, places;
+  };
+  Residuals residuals(const UvState& state) const;
+
   /// Jacobian of the positions of some points, in the body's axes; for questions of rank.
   Eigen::MatrixXd jacobian(const UvState& state, std::size_t most) const;
 

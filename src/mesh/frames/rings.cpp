@@ -53,16 +53,16 @@ std::vector<Index> join_equal_vertices(const Mesh& mesh) {
   return joined;
 }
 
-Rings::Rings(const Mesh& mesh, std::span<const Index> joined) : mesh_(mesh) {
+Rings::Rings(const Mesh& mesh, std::span<const Index> joined, bool by_uvs) : mesh_(mesh) {
   begin_.assign(size() + 1, 0);
   nodes_.reserve(mesh.triangles.size());
   frames.of_corner.reserve(mesh.corners());
   std::vector<bool> good;
   for (const Triangle& triangle : mesh.triangles) {
     const auto& [a, b, c] = triangle;
-    int sign = plain_sign(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]);
+    int sign = by_uvs ? plain_sign(mesh.uvs[a], mesh.uvs[b], mesh.uvs[c]) : 1;
     good.push_back(sign != 0 && !is_degenerate(mesh.positions[a], mesh.positions[b], mesh.positions[c]));
-    if (!good.back()) {
+    if (!good.back() && by_uvs) {
       const Face face(mesh, triangle);
       count_degenerate(face, frames);
       good.back() = face.solved.has_value();

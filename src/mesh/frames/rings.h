@@ -16,12 +16,12 @@ using Index = std::uint32_t;
 std::vector<Index> join_equal_vertices(const Mesh& mesh);
 
 // Nodes are vertices, joined where they agree in position, uv and normal, apart where the triangles' uvs wind
-// differently.
+// differently. Without uvs all wind alike.
 class Rings {
  public:
   explicit Rings(const Mesh& mesh) : Rings(mesh, join_equal_vertices(mesh)) {}
-  // \param joined join_equal_vertices()
-  Rings(const Mesh& mesh, std::span<const Index> joined);
+  // \param joined join_equal_vertices() \param by_uvs whether the mesh has uvs, and they count
+  Rings(const Mesh& mesh, std::span<const Index> joined, bool by_uvs = true);
 
   std::size_t size() const { return 2 * mesh_.positions.size(); }
   bool used(Index node) const { return begin_[node] != begin_[node + 1]; }

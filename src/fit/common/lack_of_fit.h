@@ -1,0 +1,31 @@
+// Whether what a fit leaves of its points is noise.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace darboux::fit {
+
+// The inliers of a fit.
+struct Leftovers {
+  Eigen::MatrixXd errors;  // a column per point: its distance, or a vector to where it belongs
+  Eigen::Matrix3Xd points;
+  Eigen::Matrix3Xd places;  // on the surface: the noise across it must not choose who is a neighbour
+  // The errors' derivatives by what was estimated, at some points: a row per error, those of a point
+  // together.
+  std::function<Eigen::MatrixXd(const std::vector<Eigen::Index>&)> derivatives;
+};
+
+// Whether errors are alike between neighbours, as where the points lie on another surface. Two tests; what is
+// alike must be more than a quarter of the errors' variance, so much that sigma is not the noise:
+// - groups of 2, 4, 8 and 16 neighbours on the surface have other means: analysis of variance [Fisher1925,
+//   sec. 38 to 40]. Noise fails with a probability of 1e-6 for each size.
+// - polynomials of some degree up to 6 in the places explain the errors, beyond what the surface's own
+//   parameters do: the F test for lack of fit [DraperSmith1998, ch. 6]. This sees it in few points too, which
+//   have no near neighbours. Noise fails with a probability of 1e-5 for each degree. At most 256 points are
+//   taken; those of a grid are not asked, as their roundings repeat.
+bool neighbours_are_alike(const Leftovers& leftovers);
+
+}  // namespace darboux::fit
