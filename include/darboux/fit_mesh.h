@@ -64,13 +64,14 @@ struct MeshFit : SurfaceUncertainty {
 /// offset of the data do not matter. Method: docs/theory/fit-with-uvs.md. A kind that is not among
 /// fitted_kinds() is taken as exact (the next overload), with default values for parameters that are not
 /// given. \param kind name, with the parameters that are held fixed \param placement held fixed when given
-/// \throws ParameterError for an unknown kind or parameter; UndeterminedError; MeshError where the positions
-/// do not follow the uvs at all
+/// \throws ParameterError for an unknown kind or parameter, or a placement that is not rigid;
+/// UndeterminedError; MeshError when the mesh is inconsistent, or the positions do not follow the uvs at all
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
 /// The same of a surface whose parameters are all known, of any kind, from a file too: its placement and the
-/// uv convention. \throws UndeterminedError, MeshError as above
+/// uv convention: of those that fit the first whose n is on the side of the mesh's normals, or else of its
+/// triangles. \throws as above
 MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
@@ -89,7 +90,8 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh,
 /// where all triangles of the vertex lack area, in space or uv, so that its uv need not name its place. Else
 /// at the position's foot: for a projected chart with t = unit(a - d (n·a) / (n·d)), b likewise; for an
 /// unknown one t and b are NaN, with infinite deviation. Cost: about 1 µs per vertex.
-/// \throws ParameterError for a fit without a covariance
+/// \throws ParameterError for a fit without a covariance; MeshError when the mesh is inconsistent, or lacks
+/// the uvs of the fit's chart
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit);
 
 /// The truth at a stored uv, as fit.surface.truth(), with its standard deviations, to first order in δ. They

@@ -22,8 +22,8 @@ struct PointFitOptions {
   std::optional<double>
       noise{};  ///< standard deviation of each coordinate, > 0, in the units of the points; none: estimated
   bool with_uv = false;  ///< take each point as surface(uv) + noise, with one uv convention for all points
-  std::optional<PlacedSurface> guess{};    ///< tried beside the starts that the points themselves give
-  std::uint64_t seed = 1;                  ///< of the random samples: same points, same seed, same bits
+  std::optional<PlacedSurface> guess{};  ///< tried beside the starts that the points give; of the kind named
+  std::uint64_t seed = 1;                ///< of the random samples: same points, same seed, same bits
   std::function<void(double)> progress{};  ///< called from this thread with the share done, in [0, 1]; 1 last
 };
 

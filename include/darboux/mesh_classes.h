@@ -38,6 +38,7 @@ struct MeshClasses {
 /// 0.1 s and 24 bytes each where they share vertices, 0.25 s and 57 bytes where each has its own at shared
 /// places. Places with several uvs add 0.2 µs and 40 bytes per vertex.
 /// \param is_pole for each vertex whether it lies at a singular point of the chart; empty: none does
+/// \throws MeshError when the mesh is inconsistent, or is_pole has another length
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole);
 
 }  // namespace darboux

@@ -175,7 +175,7 @@ struct ScenePlan {
 /// instance outside the frustum, 0.5 us per small one in view, and up to some ms per surface without closed
 /// forms, whose tiles are bounded first: docs/reports/scene.md. \throws ParameterError for a camera or a
 /// bound that is out of range, an index that is, a placement that is singular or not finite, or bounds that
-/// ask for more than 2^24 tiles in view, duplicates and what others hide included
+/// ask for more than 2^24 tiles in view, duplicates and what others hide included, or 2^18 of one surface
 ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
 
 /// The same for many cameras of a scene. Plans are those of plan_scene(), to the bit, but for the numbers of

@@ -172,9 +172,9 @@ ShapeOperator<S> shape_operator_at_collapse(const NestedJets<S>& jets, S u, S v,
   const auto variable = [](S at, S along_x, S along_y) {
     D inner(at);
     inner.derivative = {along_x, along_y};
-    N result(inner);
-    result.derivative = {D(along_x), D(along_y)};
-    return result;
+    N outer(inner);
+    outer.derivative = {D(along_x), D(along_y)};
+    return outer;
   };
   const Jet2<N> k = jets.jet(jets.surface, variable(u, x_u, -x_v), variable(v, x_v, x_u));
   const N xu(D{x_u}), xv(D{x_v});

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <darboux/binary.h>
+#include <darboux/error.h>
 #include <darboux/surface.h>
 
 namespace darboux {
@@ -352,7 +353,8 @@ std::string refuse_knots(int degree, const std::vector<T>& knots) {
       return "knot " + text_of(knots[i]) +
              ": expected a multiplicity of at most degree + 1 = " + std::to_string(degree + 1) + ", got more";
   }
-  if (!(knots[degree] < knots[knots.size() - 1 - degree]))
+  // Their halves differ, by which the owner divides.
+  if (!(knots[degree] / T(2) < knots[knots.size() - 1 - degree] / T(2)))
     return "expected knots that enclose an interval, got none that do";
   return {};
 }
@@ -360,9 +362,15 @@ std::string refuse_knots(int degree, const std::vector<T>& knots) {
 }  // namespace detail
 
 /// Knots 0 (degree + 1 times), equally spaced ones, 1 (degree + 1 times), for `count` control points: the
-/// curve begins and ends in its first and last one.
+/// curve begins and ends in its first and last one. \throws ParameterError unless degree >= 0 and count >
+/// degree
 template <class T = double>
 std::vector<T> clamped_knots(int degree, int count) {
+  static_assert(!std::is_integral_v<T>, "knots between 0 and 1 are no integers");
+  if (degree < 0 || count <= degree)
+    throw ParameterError("clamped knots",
+                         "expected degree >= 0 and more control points than that, got degree " +
+                             std::to_string(degree) + " and " + std::to_string(count));
   std::vector<T> knots;
   for (int i = -degree; i <= count; ++i) {
     const int spans = count - degree, k = i < 0 ? 0 : i > spans ? spans : i;

@@ -158,8 +158,8 @@ struct References {
 };
 
 struct ValidateOptions {
-  double max_angle_deg =
-      5;  ///< limit for interior corners; three times that at seams, pole rings, creases and borders
+  double max_angle_deg = 5;  ///< limit for interior corners, above 0 and at most 180; three times that at
+                             ///< seams, pole rings, creases and borders
   References references{};
   /// Other uv sets of the mesh, one uv per vertex, which its tangents may follow instead; the number names
   /// the set.
@@ -187,7 +187,7 @@ struct ValidateOptions {
 /// the tangents); this changes no error. Cost: linear in the corners; local_truth()'s 1 µs per vertex,
 /// MikkTSpace 0.3 µs per triangle. \param truth at each vertex; empty: the other references decide \throws
 /// MeshError when the mesh is inconsistent, or for another number of truths, or of uvs of a set, than
-/// vertices; ParameterError as chosen_instruction_set()
+/// vertices; ParameterError as chosen_instruction_set(), and for a max_angle_deg out of range
 MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options = {});
 
 /// \param truth the surface the mesh was made from, known exactly; without one the other references decide

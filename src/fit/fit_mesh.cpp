@@ -6,6 +6,7 @@
 
 #include "base/evenly_chosen.h"
 #include "base/quantile.h"
+#include "fit/common/arguments.h"
 #include "fit/common/kinds.h"
 #include "fit/common/parameter_jet.h"
 #include "fit/uv/starts.h"
@@ -161,6 +162,7 @@ struct Wanted {
   std::optional<AnySurface> exact{};                         // held but for its placement
   std::optional<Eigen::Isometry3d> placement{};
   enum class Roundings { ignored, of_positions, of_all } roundings = Roundings::ignored;
+  const Mesh* mesh = nullptr;  // whose side decides where the surface is exact; nullptr: none does
 
   // The rms distance up to which it fits. Roundings make nothing a surface that is not declared.
   double limit(const Data& data, bool affine) const {
@@ -215,6 +217,36 @@ bool determined(const UvModel& model, const UvState& state) {
          model.spread(state, model.sums(state, least_squares)).undetermined.empty();
 }
 
+Eigen::Isometry3d placement_of(const Data& data, const UvState& state, const Wanted& wanted) {
+  if (wanted.placement) return *wanted.placement;
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  result.linear() = state.rotation.toRotationMatrix();
+  result.translation() = state.translation * data.all.scale + data.all.centre;
+  return result;
+}
+
+// Whether the surface's n is on the side of the mesh's normals, or else its triangles': a half-turn takes
+// some surfaces to themselves with their sides exchanged, and one flip of the uvs to another. True where
+// nobody asks.
+bool is_on_side(const Data& data, const Trial& trial, const Wanted& wanted) {
+  if (!wanted.mesh || !wanted.exact) return true;
+  constexpr std::size_t enough = 256;
+  const Mesh& mesh = *wanted.mesh;
+  const PlacedSurface surface{*wanted.exact, placement_of(data, trial.state, wanted),
+                              trial.model.whole_convention(trial.state)};
+  const std::size_t step = std::max<std::size_t>(1, mesh.triangles.size() / enough);
+  int sides = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3<double> n = mesh.normals.empty() ? cross(mesh.positions[b] - mesh.positions[a],
+                                                        mesh.positions[c] - mesh.positions[a])
+                                                : mesh.normals[a];
+    const double cosine = dot(n, surface.truth(mesh.uvs[a]).normal);
+    sides += cosine > 0 ? 1 : cosine < 0 ? -1 : 0;
+  }
+  return sides >= 0;
+}
+
 // The fit from one start; nothing where it ends at parameters that are not permitted.
 std::optional<Trial> fit_from(const Data& data, UvStart start, const Wanted& wanted) {
   start.model.points = &data.trial;
@@ -258,7 +290,12 @@ std::optional<Trial> try_conventions(const Data& data, const Wanted& wanted) {
   for (UvStart& start : convention_starts(wanted.kind, data.few, held, false).proper) {
     std::optional<Trial> trial = fit_from(data, std::move(start), wanted);
     if (best && best->fits) {
-      if (trial && trial->fits) best->equivalent.push_back(trial->model.convention.name);
+      if (!trial || !trial->fits) continue;
+      if (!is_on_side(data, *best, wanted) && is_on_side(data, *trial, wanted)) {
+        trial->equivalent = std::move(best->equivalent);
+        std::swap(best, trial);
+      }
+      best->equivalent.push_back(trial->model.convention.name);
     } else {
       keep_better(best, std::move(trial));
     }
@@ -284,12 +321,16 @@ std::optional<Trial> try_affine(const Data& data, const Wanted& wanted) {
                                       false, data.shears)) {
     if (!best || !best->fits) {
       keep_better(best, fit_from(data, std::move(start), wanted));
-    } else if (strangeness(start.model, start.state) < 0.9 * strangeness(best->model, best->state)) {
-      std::optional<Trial> trial = fit_from(data, std::move(start), wanted);
-      if (trial && trial->fits && trial->rms <= std::fmax(2 * best->rms, data.rounding_with_uvs) &&
-          strangeness(trial->model, trial->state) < 0.9 * strangeness(best->model, best->state))
-        best = std::move(trial);
+      continue;
     }
+    // No stranger where the best one is on the wrong side, else less strange.
+    const bool other_side = !is_on_side(data, *best, wanted);
+    const double most = (other_side ? 1.1 : 0.9) * strangeness(best->model, best->state);
+    if (!(strangeness(start.model, start.state) < most)) continue;
+    std::optional<Trial> trial = fit_from(data, std::move(start), wanted);
+    if (trial && trial->fits && trial->rms <= std::fmax(2 * best->rms, data.rounding_with_uvs) &&
+        strangeness(trial->model, trial->state) < most && (!other_side || is_on_side(data, *trial, wanted)))
+      best = std::move(trial);
   }
   return best;
 }
@@ -341,17 +382,17 @@ MeshFit completed(const Data& data, Trial trial, const Wanted& wanted) {
     if (wanted.exact) fit.covariance = with_exact_parameters(fit.covariance, *wanted.exact);
   }
   fit.iterations = trial.iterations;
-  if (wanted.placement) {
-    fit.surface.placement = *wanted.placement;
-  } else {
-    fit.surface.placement.linear() = trial.state.rotation.toRotationMatrix();
-    fit.surface.placement.translation() = trial.state.translation * data.all.scale + data.all.centre;
-  }
+  fit.surface.placement = placement_of(data, trial.state, wanted);
   return fit;
 }
 
 DeclaredFit declared(const Data& data, const Trial& best, const Wanted& wanted) {
   return {completed(data, best, wanted), wanted.limit(data, !best.model.free_affine.empty())};
+}
+
+void check_arguments(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
+  check_consistent(mesh, "mesh");
+  fit::check_placement(placement);
 }
 
 MeshError no_start(std::string_view name) {
@@ -372,10 +413,12 @@ const std::vector<std::string_view>& fitted_kinds() {
 
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
                     const std::optional<Eigen::Isometry3d>& placement) {
+  check_arguments(mesh, placement);
   return fit_declared(mesh, given, placement, triangle_signs(mesh)).fit;
 }
 MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
                     const std::optional<Eigen::Isometry3d>& placement) {
+  check_arguments(mesh, placement);
   return fit_declared(mesh, exact, placement, triangle_signs(mesh)).fit;
 }
 
@@ -407,7 +450,7 @@ DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
                          std::span<const signed char> signs) {
   const UvKind kind = rigid_kind(exact);
   const Data data = usable_vertices(mesh, signs);
-  const Wanted wanted{kind, {}, exact, placement, Wanted::Roundings::of_all};
+  const Wanted wanted{kind, {}, exact, placement, Wanted::Roundings::of_all, &mesh};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) keep_better(best, try_affine(data, wanted));
   if (!best) throw no_start(exact.info().name);
@@ -415,6 +458,7 @@ DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
 }
 
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
+  check_arguments(mesh, placement);
   if (std::optional<MeshFit> fit =
           fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any, triangle_signs(mesh)))
     return std::move(*fit);

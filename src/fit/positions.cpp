@@ -10,6 +10,7 @@
 
 #include "base/evenly_chosen.h"
 #include "base/linear_algebra.h"
+#include "fit/common/arguments.h"
 #include "fit/primitives/fit_primitives.h"
 #include "fit/primitives/list.h"
 #include "fit_kinds.h"
@@ -118,6 +119,7 @@ bool hold(const std::optional<SurfaceSpecification>& kind, const std::optional<E
 std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<SurfaceSpecification>& only,
                                      const std::optional<Eigen::Isometry3d>& placement) {
   check_consistent(mesh, "mesh");
+  fit::check_placement(placement);
   const std::vector<std::uint32_t> vertices = usable_vertices(mesh);
   PointCloud cloud;
   Eigen::AlignedBox3d box;
@@ -156,6 +158,9 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<Surfa
 }
 
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit) {
+  check_consistent(mesh, "mesh");
+  if (fit.chart != UvChart::unknown && mesh.uvs.empty())
+    throw MeshError("mesh", "expected uvs, which the fit has, got none");
   return truths(mesh, fit, fit.chart == UvChart::own ? triangle_signs(mesh) : std::vector<signed char>{});
 }
 

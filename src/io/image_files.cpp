@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <variant>
 
 #include <darboux/error.h>
 #include <darboux/image_files.h>
@@ -84,6 +85,13 @@ void write_image(OutputFile& file, const std::string& path, const Image& image) 
                                             image.type() == SampleType::f32   ? "32-bit floats"
                                             : image.type() == SampleType::u16 ? "16 bits"
                                                                               : "8 bits"));
+  const std::size_t count = std::visit([](const auto& s) { return s.size(); }, image.samples);
+  if (image.width < 1 || image.height < 1 || (image.channels != 3 && image.channels != 4) ||
+      count != image.texels() * static_cast<std::size_t>(image.channels))
+    throw ParameterError(
+        path, expected_got("width * height * channels samples, of 3 or 4 channels",
+                           std::to_string(count) + " for " + std::to_string(image.width) + " x " +
+                               std::to_string(image.height) + " of " + std::to_string(image.channels)));
   const std::string extension = extension_of(path);
   if (extension == ".png")
     io::write_png(file, path, image);

@@ -3,11 +3,13 @@
 #include <cmath>
 #include <limits>
 
+#include <darboux/error.h>
 #include <darboux/mesh_classes.h>
 #include <darboux/triangle.h>
 #include <darboux/weld.h>
 
 #include "base/disjoint_sets.h"
+#include "base/text.h"
 #include "edges.h"
 #include "triangle_signs.h"
 #include "vertex_joins.h"
@@ -210,6 +212,11 @@ std::vector<bool> meeting_places(const Mesh& mesh, const First& normal, std::spa
 }  // namespace
 
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole) {
+  check_consistent(mesh, "mesh");
+  if (!is_pole.empty() && is_pole.size() != mesh.positions.size())
+    throw MeshError(
+        "mesh", expected_got("no poles or one entry per position, " + std::to_string(mesh.positions.size()),
+                             std::to_string(is_pole.size())));
   return classify(mesh, is_pole, triangle_signs(mesh), join_vertices(mesh));
 }
 

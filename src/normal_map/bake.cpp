@@ -32,6 +32,7 @@ void check(const BakeOptions& options) {
          std::to_string(options.width) + " x " + std::to_string(options.height));
   expect(options.basis != MapBasis::analytic, "basis", "stored or mikktspace, those that a mesh has",
          "analytic");
+  expect(options.threads >= 0, "threads", "0, all, or more", std::to_string(options.threads));
   expect(options.samples >= 0 && options.samples <= 10000, "samples", "0 to 10000 per triangle",
          std::to_string(options.samples));
 }

@@ -31,6 +31,7 @@ void bound_normals(const Mesh& mesh, SceneMeshPart& part) {
 }  // namespace
 
 SceneMeshPart SceneMeshPart::of(const Mesh& mesh, std::uint32_t material) {
+  check_consistent(mesh, "mesh");
   SceneMeshPart part;
   part.material = material;
   part.vertices = mesh.positions.size();

@@ -4,6 +4,7 @@
 
 #include <darboux/error.h>
 
+#include "base/text.h"
 #include "local_jets/local_truth.h"
 #include "mesh/triangle_signs.h"
 #include "rounding.h"
@@ -16,6 +17,9 @@ const VertexJoins& joins_of(const MeshUnderTest& under_test, VertexJoins& of_par
 }
 
 MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options) {
+  if (!(options.max_angle_deg > 0 && options.max_angle_deg <= 180))
+    throw ParameterError("max_angle_deg",
+                         expected_got("0 < degrees <= 180", shortest(options.max_angle_deg)));
   for (const auto& [set, uvs] : options.other_uvs)
     if (uvs.size() != mesh.positions.size())
       throw MeshError("mesh", "uv set " + std::to_string(set) + " has " + std::to_string(uvs.size()) +

@@ -15,7 +15,7 @@ namespace darboux {
 /// unrelated sizes too. [doCarmo2016, sec. 2-2]
 template <class T = double>
 struct Ellipsoid {
-  T semi_axis_x{1}, semi_axis_y{0.7}, semi_axis_z{0.5};
+  T semi_axis_x{1}, semi_axis_y{T(0.7)}, semi_axis_z{T(0.5)};
 
   static constexpr SurfaceInfo info{"ellipsoid",
                                     "ellipsoid about the origin, v from pole to pole",

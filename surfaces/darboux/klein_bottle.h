@@ -23,7 +23,7 @@ namespace darboux {
 /// x and y in u and v and of ρ where it cancels. [Gray2006]
 template <class T = double>
 struct KleinBottle {
-  T radius{2}, tube_radius{0.7};
+  T radius{2}, tube_radius{T(0.7)};
 
   static constexpr SurfaceInfo info{
       .name = "klein-bottle",

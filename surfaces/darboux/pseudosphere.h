@@ -25,7 +25,7 @@ namespace darboux {
 /// that of x and w in their inputs. [Gray2006]
 template <class T = double>
 struct Pseudosphere {
-  T radius{1}, pitch{0}, turns{1}, w0{0.1}, w1{1.5};
+  T radius{1}, pitch{0}, turns{1}, w0{T(0.1)}, w1{T(1.5)};
 
   static constexpr SurfaceInfo info{"pseudosphere",
                                     "Dini's surface of constant negative curvature about z",

@@ -9,6 +9,16 @@
 
 namespace darboux::fit {
 
+void check_placement(const std::optional<Eigen::Isometry3d>& placement) {
+  if (!placement) return;
+  const Eigen::Matrix3d r = placement->linear();
+  constexpr double written = 1e-5;  // by float32
+  if (!placement->matrix().allFinite() ||
+      !((r.transpose() * r - Eigen::Matrix3d::Identity()).norm() < written && r.determinant() > 0))
+    throw ParameterError(
+        "placement", "expected a rotation and a translation, got a matrix that scales, shears or mirrors");
+}
+
 void check_arguments(const PointCloud& points, const PointFitOptions& options) {
   const std::size_t positions = points.positions.size();
   const auto one_each = [&](std::size_t count, const std::string& what, bool needed) {

@@ -256,8 +256,10 @@ ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoin
 std::vector<int> observable_affine(UvModel model) {
   const fit::NormalisedPoints few = model.points->chosen(64, 1);
   model.points = &few;
-  // The offset first, as placements absorb it; then scales, which lengths absorb; shears last.
-  constexpr std::array<int, 6> order{4, 5, 3, 0, 2, 1};
+  // The offset first, as placements absorb it; then scales, which lengths absorb; shears last. Where no
+  // length is free a rotation may absorb a shear, as in a plane.
+  const bool any_length = std::find(model.held.begin(), model.held.end(), false) != model.held.end();
+  const std::array<int, 6> order = any_length ? std::array{4, 5, 3, 0, 2, 1} : std::array{4, 5, 2, 1, 3, 0};
   model.free_affine.assign(order.begin(), order.end());
   // Any states will do that have no symmetry by chance. An offset that a scale and lengths absorb together is
   // held at zero only if they do so there too: not where a surface goes as v or 2v - 1 and their squares,
@@ -351,10 +353,10 @@ class AffineSearch {
                                                    : std::numeric_limits<double>::infinity();
   }
 
-  // Of those that are exact but for rounding, as many offsets are where linear freedom absorbs them, those in
-  // the surface's domain first.
+  // Of those that are exact but for roundings of floats, as many offsets are where linear freedom absorbs
+  // them, those in the surface's domain first.
   void keep_nearest(std::size_t most) {
-    constexpr double exact = 1e-9;
+    constexpr double exact = 1e-6;
     std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
       return std::pair(std::fmax(a.distance, exact), a.outside) <
              std::pair(std::fmax(b.distance, exact), b.outside);
