@@ -214,6 +214,12 @@ TEST(ValidateExoticInput, InconsistentMeshesAreRefused) {
     EXPECT_THROW(assess_parts(mesh), MeshError);
     EXPECT_THROW(validate(mesh, std::nullopt), MeshError);
   }
+  AssessOptions options;
+  for (const double limit : {0.0, -1.0, 181.0, std::nan("")}) {
+    options.max_angle_deg = limit;
+    EXPECT_THROW(assess(ball(), options), ParameterError);
+    EXPECT_THROW(validate(ball(), std::nullopt, options), ParameterError);
+  }
 }
 
 // ---- surfaces that are declared wrongly

@@ -173,9 +173,55 @@ TEST(Fit, ErrorsAreClear) {
   Mesh nothing;
   nothing.uvs.clear();
   EXPECT_THROW(fit_any_surface(nothing), MeshError);
+  const Mesh good = mesh;
+  mesh.uvs.resize(10);
+  EXPECT_THROW(fit_surface(mesh, {"sphere", {}}), MeshError);
+  mesh = good;
+  mesh.triangles[3][1] = 4000000000;
+  EXPECT_THROW(fit_surface(mesh, {"sphere", {}}), MeshError);
+  EXPECT_THROW(fit_any_surface(mesh), MeshError);
+  mesh = good;
+  const MeshFit fit = fit_surface(mesh, {"sphere", {}});
+  EXPECT_THROW(truths(no_uvs, fit), MeshError);
+  for (const Eigen::Vector3d& scale : {Eigen::Vector3d(3, 1, 1), Eigen::Vector3d(-1, 1, 1)}) {
+    Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
+    placement.linear() = scale.asDiagonal();
+    EXPECT_THROW(fit_surface(mesh, {"sphere", {}}, placement), ParameterError);
+    EXPECT_THROW(fit_surface(mesh, make_surface("sphere"), placement), ParameterError);
+    EXPECT_THROW(fit_positions(mesh, std::nullopt, placement), ParameterError);
+  }
   // NaN positions are passed over, the rest decides.
   mesh.positions[7].x = NAN;
   EXPECT_TRUE(fit_any_surface(mesh).fits);
+}
+
+// A half-turn takes these to themselves with their sides exchanged: under a flip or an affine map that fits,
+// too, n was on the wrong side, and normal maps were baked inside out. Uvs are floats, as files store them:
+// their roundings hid which of many maps that linear equations leave alike is rigid.
+TEST(Fit, AnExactSurfaceIsOnTheSideOfTheMesh) {
+  const UvConvention maps[] = {{"flip v", {1, 0, 0, -1, 0, 1}},
+                               {"flip u", {-1, 0, 0, 1, 1, 0}},
+                               {"affine", {1 / 0.9, 0, 0, 1 / 0.9, -0.05 / 0.9, -0.05 / 0.9}},
+                               {"affine", {2, 0, 0, 2, -0.5, -0.5}}};
+  for (const char* name : {"plane:width=2,depth=1", "enneper", "bilinear-patch", "monkey-saddle",
+                           "hyperbolic-paraboloid:semi_axis_x=2"})
+    for (const UvConvention& map : maps) {
+      SCOPED_TRACE(std::string(name) + ' ' + std::string(map.name) + ' ' + std::to_string(map.affine[0]));
+      const AnySurface surface = make_surface(name);
+      Mesh mesh = sample_mesh(surface, {.columns = 24, .rows = 16});
+      store_as(mesh, map);
+      const auto round = [](double& x) { x = static_cast<float>(x); };
+      for (auto& p : mesh.positions) round(p.x), round(p.y), round(p.z);
+      for (auto& uv : mesh.uvs) round(uv.x), round(uv.y);
+      const MeshFit fit = fit_surface(mesh, surface);
+      ASSERT_TRUE(fit.fits) << fit.rms_relative;
+      for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+        ASSERT_GT(dot(fit.surface.truth(mesh.uvs[v]).normal, mesh.normals[v]), 0.99) << v;
+      // Without normals the triangles tell.
+      mesh.normals.clear();
+      const MeshFit by_triangles = fit_surface(mesh, surface);
+      EXPECT_TRUE(by_triangles.surface.placement.isApprox(fit.surface.placement, 1e-6));
+    }
 }
 
 // More vertices than the fit looks at, in rows whose length its stride could keep step with.

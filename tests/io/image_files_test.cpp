@@ -157,6 +157,14 @@ TEST(ImageFiles, RefusesPalettesGreyAndOthers) {
   EXPECT_REFUSED(write_image(folder / "x.jpg", image_of(SampleType::u8, 3)), ".png, .tga or .exr");
   EXPECT_REFUSED(write_image(folder / "x.tga", image_of(SampleType::u16, 3)), "expected 8 bits, got 16 bits");
   EXPECT_REFUSED(write_image(folder / "x.png", image_of(SampleType::f32, 3)), "8 or 16 bits");
+  for (const char* name : {"x.png", "x.tga", "x.exr"}) {
+    const SampleType type = image_types(folder / name).back();
+    Image wrong = image_of(type, 3);
+    wrong.width = 8000;
+    EXPECT_REFUSED(write_image(folder / name, wrong), "width * height * channels");
+    EXPECT_REFUSED(write_image(folder / name, Image(4, 4, 2, type)), "3 or 4 channels");
+    EXPECT_REFUSED(write_image(folder / name, Image(0, 4, 3, type)), "width * height * channels");
+  }
 }
 
 // Whatever is missing at the end, the file is refused in one line; of a PNG, TGA and EXR every length.

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <darboux/catalogue.h>
+#include <darboux/error.h>
 #include <darboux/mesh_classes.h>
 #include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
@@ -496,6 +497,17 @@ TEST(Classify, EqualsTheDefinitionOnDamagedSurfaces) {
       }
     expect_equals_reference(soup, is_pole(soup), what + ", damaged");
   }
+}
+
+TEST(MeshClasses, WhatIsOutOfRangeIsRefused) {
+  const Mesh good = sample_mesh(Sphere{1.0}, {.columns = 8, .rows = 5});
+  EXPECT_THROW(classify(good, std::vector<bool>(3)), MeshError);
+  Mesh mesh = good;
+  mesh.triangles[3][1] = 4000000000;
+  EXPECT_THROW(classify(mesh, {}), MeshError);
+  mesh = good;
+  mesh.uvs.pop_back();
+  EXPECT_THROW(classify(mesh, {}), MeshError);
 }
 
 }  // namespace

@@ -208,6 +208,7 @@ TEST(Bake, RefusesWhatItCannotDo) {
   EXPECT_REFUSED(with([](BakeOptions& o) { o.width = o.height = 1 << 20; }), "2^28 texels");
   EXPECT_REFUSED(with([](BakeOptions& o) { o.basis = MapBasis::analytic; }), "stored or mikktspace");
   EXPECT_REFUSED(with([](BakeOptions& o) { o.samples = -1; }), "0 to 10000");
+  EXPECT_REFUSED(with([](BakeOptions& o) { o.threads = -1; }), "threads");
   EXPECT_REFUSED(bake_normal_map(torus, {}), "triangles");
   MapPiece wrong = piece;
   wrong.mesh.uvs.clear();

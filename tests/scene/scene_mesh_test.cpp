@@ -99,5 +99,12 @@ TEST(SceneMesh, PartsOfMeshesArePlannedAsAWhole) {
   EXPECT_NE(refusal(bad).find("expected a placement that is finite"), std::string::npos);
 }
 
+TEST(SceneMesh, AnIndexOutOfRangeIsRefused) {
+  Mesh mesh;
+  mesh.positions.resize(3);
+  mesh.triangles = {{0, 1, 3}};
+  EXPECT_REFUSED(SceneMeshPart::of(mesh, 0), "triangle 0: expected indices below 3, got 3");
+}
+
 }  // namespace
 }  // namespace darboux::test

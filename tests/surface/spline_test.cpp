@@ -5,7 +5,11 @@
 #include <utility>
 #include <vector>
 
+#include <limits>
+
 #include <gtest/gtest.h>
+
+#include <darboux/error.h>
 
 #include <darboux/bezier_patch.h>
 #include <darboux/bilinear_patch.h>
@@ -587,6 +591,16 @@ TEST(Weights, CountUpToACommonFactor) {
   EXPECT_TRUE(equal.weights().empty());
   EXPECT_EQ(jet(equal, 0.3, 0.7).dpdu, jet(plain, 0.3, 0.7).dpdu);
   EXPECT_GT(norm(jet(patch, 0.3, 0.7).position - jet(plain, 0.3, 0.7).position), 1e-3);
+}
+
+// Half the length of this domain is 0, by which its knots were divided: they were NaN, and a search for one
+// ran out of them.
+TEST(KnotVector, AnIntervalBelowTheNumbersIsRefused) {
+  constexpr double least = std::numeric_limits<double>::denorm_min();
+  EXPECT_NE(KnotVector<double>::refusal(1, {0, 0, least, least}), "");
+  EXPECT_EQ(KnotVector<double>::refusal(1, {0, 0, 4 * least, 4 * least}), "");
+  EXPECT_THROW(clamped_knots(3, 3), ParameterError);
+  EXPECT_THROW(clamped_knots(-1, 3), ParameterError);
 }
 
 }  // namespace
