@@ -1,5 +1,6 @@
 // The theorems of Gauss, Codazzi and Gauss-Bonnet, of the fundamental forms.
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <darboux/christoffel.h>
@@ -16,8 +17,11 @@ void check_gauss(const AnySurface& surface, const Points& points, Checks& checks
   for (const Point& p : points.list) {
     if (!curvable(p)) continue;
     using N = NestedDualUV;
-    const Jet2<N> j =
+    Jet2<N> j =
         surface.jet(N::variable(DualUV::variable(p.u, 0), 0), N::variable(DualUV::variable(p.v, 1), 1));
+    // In a unit of about the first partials' length, a power of two: their products stay in range.
+    const double unit = std::ldexp(1, -std::ilogb(std::fmax(norm(p.j.dpdu), norm(p.j.dpdv))));
+    for (Vec3<N>* x : {&j.dpdu, &j.dpdv, &j.d2pdu2, &j.d2pduv, &j.d2pdv2}) *x = N(unit) * *x;
     const auto metric = [](const Vec3<N>& a, const Vec3<N>& b) { return dot(a, b); };
     const N nE = metric(j.dpdu, j.dpdu), nF = metric(j.dpdu, j.dpdv), nG = metric(j.dpdv, j.dpdv);
     const auto first = [](const N& x, std::size_t i) { return x.value.derivative[i]; };
@@ -47,11 +51,12 @@ void check_gauss(const AnySurface& surface, const Points& points, Checks& checks
                            {2 * v * uv + u * vv, u * u, u * v},
                            {v * vv, u * v, v * v}}};
     const Matrix size_other{{{0, u * uv, v * uv}, {u * uv, u * u, u * v}, {v * uv, u * v, v * v}}};
-    const double K = (determinant(one, -1) - determinant(other, -1)) / area2 / area2;
+    const double K = unit * ((determinant(one, -1) - determinant(other, -1)) / area2 / area2) * unit;
     const Curved k(p);
-    const double error = 32 * unit_roundoff * k.condition *
-                         ((determinant(size_one, 1) + determinant(size_other, 1)) / area2 / area2 +
-                          std::fabs(K) * u * u * v * v / area2);
+    const double error =
+        32 * unit_roundoff * k.condition *
+        (unit * ((determinant(size_one, 1) + determinant(size_other, 1)) / area2 / area2) * unit +
+         std::fabs(K) * u * u * v * v / area2);
     pairs.push_back({p.u, p.v, k.c.gaussian, K, error + k.gaussian_error()});
   }
   checks.push_back(

@@ -543,7 +543,8 @@ TEST(Laws, HoldAtExtremeParameters) {
        {make_surface("torus:major_radius=1,minor_radius=1"),
         make_surface("torus:major_radius=1e6,minor_radius=1"),
         make_surface("torus:major_radius=0,minor_radius=2"), make_surface("sphere:radius=1e150"),
-        make_surface("sphere:radius=1e-150"), make_surface("sphere:radius=1e308"),
+        make_surface("sphere:radius=1e-150"), make_surface("sphere:radius=1e-60"),
+        make_surface("torus:major_radius=1e-70,minor_radius=3e-71"), make_surface("sphere:radius=1e308"),
         make_surface("cylinder:radius=1e-9,height=1e9")})
     for (const Check& check : check_surface(surface))
       EXPECT_TRUE(check.passed) << surface.specification() << ' ' << check.route << ' ' << check.quantity

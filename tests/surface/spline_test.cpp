@@ -2,18 +2,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
-#include <limits>
-
 #include <gtest/gtest.h>
-
-#include <darboux/error.h>
 
 #include <darboux/bezier_patch.h>
 #include <darboux/bilinear_patch.h>
 #include <darboux/bspline_patch.h>
+#include <darboux/error.h>
 #include <darboux/evaluate.h>
 #include <darboux/extrusion.h>
 #include <darboux/framed_curve.h>
