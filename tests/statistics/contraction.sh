@@ -12,7 +12,7 @@ build() {  # build NAME OPTION...
     src/surface/surface.cpp -o "$work/$1"
 }
 build plain -O2 -ffp-contract=off
-build contracted -O3 -march=native
+build contracted -O3 -march=native -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MALLOC_ALREADY_ALIGNED=1
 "$work/plain" "$work/a"
 "$work/contracted" "$work/b"
 report=docs/reports/contraction.md
