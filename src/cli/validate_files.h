@@ -2,6 +2,7 @@
 /// The files that validate is given, assessed; what it says of them goes out as text, JSON, SARIF and JUnit.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
@@ -141,6 +142,12 @@ inline std::string_view name_of(VertexClass vertex_class) {
 /// Whether a truth with an uncertainty decided: that of a surface, or of the neighbours.
 inline bool has_uncertainty(const MeshReport& report) {
   return report.reference == ReferenceKind::analytic || report.reference == ReferenceKind::local;
+}
+
+/// Whether tangents were compared with it.
+inline bool has_tangent_angles(const MeshReport& report) {
+  return std::any_of(report.classes.begin(), report.classes.end(),
+                     [](const ClassReport& c) { return c.tangent_deg.has_value(); });
 }
 
 /// What stored uvs mean on the surface: "flip v", "projected".

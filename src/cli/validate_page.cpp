@@ -209,8 +209,11 @@ std::string reference_text(const Assessment& assessment) {
   words += decided_by(report);
   if (has_uncertainty(report))
     words += " It is uncertain by " +
-             escape(deviation_text(report.normal_uncertainty_deg.rms(), 2, "° rms")) + " (normals) and " +
-             escape(deviation_text(report.tangent_uncertainty_deg.rms(), 2, "° rms")) + " (tangents).";
+             escape(deviation_text(report.normal_uncertainty_deg.rms(), 2, "° rms")) + " (normals)" +
+             (has_tangent_angles(report)
+                  ? " and " + escape(deviation_text(report.tangent_uncertainty_deg.rms(), 2, "° rms")) +
+                        " (tangents)."
+                  : ".");
   if (report.triangles && report.triangles->compared + report.triangles->open > 0) {
     const TrianglesReport& t = *report.triangles;
     if (t.compared > 0) {

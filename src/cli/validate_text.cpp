@@ -93,8 +93,7 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
   if (has_uncertainty(report) && report.corners > 0) {
     std::cout << "    truth uncertain by "
               << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals)";
-    if (std::any_of(report.classes.begin(), report.classes.end(),
-                    [](const ClassReport& c) { return c.tangent_deg.has_value(); }))
+    if (has_tangent_angles(report))
       std::cout << ", " << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms")
                 << " (tangents)";
     std::cout << '\n';

@@ -229,7 +229,7 @@ Eigen::Isometry3d placement_of(const Data& data, const UvState& state, const Wan
 // some surfaces to themselves with their sides exchanged, and one flip of the uvs to another. True where
 // nobody asks.
 bool is_on_side(const Data& data, const Trial& trial, const Wanted& wanted) {
-  if (!wanted.mesh || !wanted.exact) return true;
+  if (!wanted.mesh) return true;
   constexpr std::size_t enough = 256;
   const Mesh& mesh = *wanted.mesh;
   const PlacedSurface surface{*wanted.exact, placement_of(data, trial.state, wanted),
@@ -324,8 +324,10 @@ std::optional<Trial> try_affine(const Data& data, const Wanted& wanted) {
       continue;
     }
     // No stranger where the best one is on the wrong side, else less strange.
+    const double best_strangeness = strangeness(best->model, best->state);
+    if (!(strangeness(start.model, start.state) < 1.1 * best_strangeness)) continue;
     const bool other_side = !is_on_side(data, *best, wanted);
-    const double most = (other_side ? 1.1 : 0.9) * strangeness(best->model, best->state);
+    const double most = (other_side ? 1.1 : 0.9) * best_strangeness;
     if (!(strangeness(start.model, start.state) < most)) continue;
     std::optional<Trial> trial = fit_from(data, std::move(start), wanted);
     if (trial && trial->fits && trial->rms <= std::fmax(2 * best->rms, data.rounding_with_uvs) &&
@@ -390,11 +392,6 @@ DeclaredFit declared(const Data& data, const Trial& best, const Wanted& wanted) 
   return {completed(data, best, wanted), wanted.limit(data, !best.model.free_affine.empty())};
 }
 
-void check_arguments(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
-  check_consistent(mesh, "mesh");
-  fit::check_placement(placement);
-}
-
 MeshError no_start(std::string_view name) {
   return MeshError("mesh",
                    "under no uv convention do the positions follow the uvs on " + fit::with_article(name));
@@ -413,12 +410,12 @@ const std::vector<std::string_view>& fitted_kinds() {
 
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& given,
                     const std::optional<Eigen::Isometry3d>& placement) {
-  check_arguments(mesh, placement);
+  check_consistent(mesh, "mesh");
   return fit_declared(mesh, given, placement, triangle_signs(mesh)).fit;
 }
 MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
                     const std::optional<Eigen::Isometry3d>& placement) {
-  check_arguments(mesh, placement);
+  check_consistent(mesh, "mesh");
   return fit_declared(mesh, exact, placement, triangle_signs(mesh)).fit;
 }
 
@@ -428,6 +425,7 @@ DeclaredFit fit_declared(const Mesh& mesh, const SurfaceSpecification& given,
   const AnySurface surface = make_surface(given);  // refuses unknown names and values out of range
   const UvKind* kind = find_uv_kind(given.name);
   if (!kind) return fit_declared(mesh, surface, placement, signs);
+  fit::check_placement(placement);
   const Data data = usable_vertices(mesh, signs);
   const Wanted wanted{*kind, given.parameters, {}, placement, Wanted::Roundings::of_all};
   std::optional<Trial> best = try_conventions(data, wanted);
@@ -449,6 +447,7 @@ DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
                          const std::optional<Eigen::Isometry3d>& placement,
                          std::span<const signed char> signs) {
   const UvKind kind = rigid_kind(exact);
+  fit::check_placement(placement);
   const Data data = usable_vertices(mesh, signs);
   const Wanted wanted{kind, {}, exact, placement, Wanted::Roundings::of_all, &mesh};
   std::optional<Trial> best = try_conventions(data, wanted);
@@ -458,7 +457,7 @@ DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
 }
 
 MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
-  check_arguments(mesh, placement);
+  check_consistent(mesh, "mesh");
   if (std::optional<MeshFit> fit =
           fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any, triangle_signs(mesh)))
     return std::move(*fit);
@@ -468,6 +467,7 @@ MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>
 std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,
                                  std::span<const std::string_view> kinds, UvMaps maps,
                                  std::span<const signed char> signs) {
+  fit::check_placement(placement);
   const Data data = usable_vertices(mesh, signs);
   std::optional<Trial> best;
   for (const bool affine : {false, true}) {

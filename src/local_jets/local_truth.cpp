@@ -14,6 +14,7 @@
 
 #include "batch.h"
 #include "mesh/frames/corner.h"
+#include "mesh/triangle_signs.h"
 
 namespace darboux {
 namespace {
@@ -94,7 +95,10 @@ class LocalTruth {
                       (!by_uvs || (std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y)));
     if (by_uvs) return;
     across_.resize(rings.size());
-    const double scale = scale_below_one(mesh);
+    double largest = 0;
+    for (const Vec3<double>& p : mesh.positions)
+      if (detail::finite(p)) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    const double scale = largest > 0 ? std::ldexp(1, -std::ilogb(largest) - 1) : 1;  // products stay in range
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto& [a, b, c] = mesh.triangles[t];
       const std::array p = scaled({mesh.positions[a], mesh.positions[b], mesh.positions[c]}, scale);
@@ -216,9 +220,14 @@ class LocalTruth {
 
 }  // namespace
 
+bool has_uv_area(std::span<const signed char> signs) {
+  return std::any_of(signs.begin(), signs.end(), [](signed char sign) { return sign != 0; });
+}
+
 std::vector<Truth> local_truth(const Mesh& mesh) {
   check_consistent(mesh, "mesh");
-  return local_truth(mesh, join_equal_vertices(mesh), !mesh.uvs.empty());
+  const bool by_uvs = has_uv_area(triangle_signs(mesh));
+  return local_truth(mesh, join_equal_vertices(mesh, by_uvs), by_uvs);
 }
 
 std::vector<Truth> local_truth(const Mesh& mesh, std::span<const Index> joined, bool by_uvs) {

@@ -256,7 +256,8 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   return samples;
 }
 
-// Normals that are known from their neighbours to a third of the limit.
+// Normals that are known from their neighbours to two fifths of the limit.
+constexpr double known_to = 0.4;
 std::vector<Pair> normals_of_neighbours(const MeshUnderTest& under_test, double limit) {
   const Mesh& mesh = under_test.mesh;
   const double side = under_test.normals.all_oppose ? -1 : 1;
@@ -265,13 +266,14 @@ std::vector<Pair> normals_of_neighbours(const MeshUnderTest& under_test, double 
   for (std::size_t v = 0; v < under_test.local.size(); v += step) {
     const Truth& truth = under_test.local[v];
     const Vec3<double>& n = mesh.normals[v];
-    if (!(certain * truth.normal_deg <= limit) || !detail::finite(n) || n == Vec3<double>{}) continue;
+    if (!(certain * truth.normal_deg <= known_to * limit) || !detail::finite(n) || n == Vec3<double>{})
+      continue;
     samples.push_back({v, unit(n), side * truth.normal, {}, {}, 1, 1, limit});
   }
   return samples;
 }
 
-// Whether a fifth of them or more are averages of their own triangles' normals: those follow the mesh.
+// Whether more than a fifth of them are averages of their own triangles' normals: those follow the mesh.
 bool are_averages(const MeshUnderTest& under_test, const std::vector<Pair>& samples) {
   std::vector<bool> asked(under_test.mesh.positions.size(), false);
   for (const Pair& s : samples) asked[s.corner] = true;
@@ -283,23 +285,29 @@ bool are_averages(const MeshUnderTest& under_test, const std::vector<Pair>& samp
   return static_cast<double>(averages) > (1 - diagnosed_below) * static_cast<double>(samples.size());
 }
 
-bool diagnose_normals(const MeshUnderTest& under_test, const std::vector<Pair>& samples, MeshReport& report) {
-  if (samples.size() < least_samples) return false;
-  if (share_within(samples, [](const Pair& s) { return s.t; }) >= diagnosed_below) return false;
+bool are_off(const std::vector<Pair>& samples) {
+  return samples.size() >= least_samples &&
+         share_within(samples, [](const Pair& s) { return s.t; }) < diagnosed_below;
+}
+
+// \param map_limit of what a map with eight unknowns explains
+bool add_map(const MeshUnderTest& under_test, const std::vector<Pair>& samples, double map_limit,
+             MeshReport& report) {
   std::optional<std::string> map = rotation_of(samples);
-  if (!map && samples.size() >= least_normals) map = linear_map_of(samples, samples.front().limit);
+  if (!map && samples.size() >= least_normals) map = linear_map_of(samples, map_limit);
   if (map) add(report, finding(Code::normal_stale, under_test.mesh.corners(), *map));
   return map.has_value();
 }
 
-// Where no surface is known: against the planes of facets, else against the neighbours, of which those on
-// most vertices of a coarse mesh are not sure.
+// Where no surface is known: against the planes of facets, else against the neighbours.
 bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& options, MeshReport& report) {
   if (under_test.mesh.normals.empty()) return false;
   const double limit = options.max_angle_deg;
-  if (diagnose_normals(under_test, normals_of_facets(under_test, limit / 5), report)) return true;
+  const std::vector<Pair> facets = normals_of_facets(under_test, limit / 5);
+  if (are_off(facets) && add_map(under_test, facets, limit / 5, report)) return true;
   const std::vector<Pair> samples = normals_of_neighbours(under_test, limit);
-  return !are_averages(under_test, samples) && diagnose_normals(under_test, samples, report);
+  return are_off(samples) && !are_averages(under_test, samples) &&
+         add_map(under_test, samples, known_to * limit, report);
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 #include "mesh_under_test.h"
 
-#include <algorithm>
-
 #include <darboux/error.h>
 
 #include "base/text.h"
@@ -53,11 +51,11 @@ void add_references(MeshUnderTest& under_test, const ValidateOptions& options) {
   if (options.references.mikktspace && !mesh.triangles.empty() && !mesh.tangents.empty() &&
       !mesh.normals.empty() && !mesh.uvs.empty())
     under_test.mikktspace = mikktspace_reference(mesh, mesh.uvs, options.threads);
-  const bool by_uvs = std::any_of(under_test.raw_sign.begin(), under_test.raw_sign.end(),
-                                  [](signed char sign) { return sign != 0; });
+  const bool by_uvs = has_uv_area(under_test.raw_sign);
   if (!options.references.local || (!by_uvs && mesh.normals.empty())) return;
-  under_test.equal = join_equal_vertices(mesh);
-  under_test.local = local_truth(mesh, under_test.equal, by_uvs);
+  if (by_uvs) under_test.equal = join_equal_vertices(mesh);
+  under_test.local = by_uvs ? local_truth(mesh, under_test.equal, true)
+                            : local_truth(mesh, join_equal_vertices(mesh, false), false);
 }
 
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,

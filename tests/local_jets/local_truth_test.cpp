@@ -180,6 +180,23 @@ TEST(LocalTruth, IsFarBetterThanAverages) {
   }
 }
 
+// A vertex that is nowhere takes no others with it; uvs without area are none, and do not keep apart what
+// differs in them.
+TEST(LocalTruth, WithoutUvsOnlyNeighboursOfABrokenVertexAreUnknown) {
+  Mesh mesh = sample_mesh(make_surface("torus"), {.columns = 32, .rows = 16});
+  const std::vector<Vec3<double>> normals = mesh.normals;
+  for (std::size_t v = 0; v < mesh.uvs.size(); ++v) mesh.uvs[v] = {v % 3 == 0 ? 0.25 : 0.75, 0.5};
+  mesh.positions[100].x = INFINITY;
+  std::size_t known = 0;
+  const std::vector<Truth> truth = local_truth(mesh);
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    if (!std::isfinite(truth[v].normal_deg)) continue;
+    ++known;
+    EXPECT_LT(degrees(truth[v].normal, normals[v]), 1) << v;
+  }
+  EXPECT_GT(known, truth.size() * 9 / 10);
+}
+
 // A walk that was started as often as there are numbers goes on as a new one does; and so does one from the
 // same node again.
 TEST(Rings, WalksStartAnew) {

@@ -12,11 +12,10 @@ namespace darboux::fit {
 void check_placement(const std::optional<Eigen::Isometry3d>& placement) {
   if (!placement) return;
   const Eigen::Matrix3d r = placement->linear();
-  constexpr double written = 1e-5;  // by float32
-  if (!placement->matrix().allFinite() ||
+  constexpr double written = 1e-4;  // in five decimals
+  if (!placement->matrix().allFinite() || placement->matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1) ||
       !((r.transpose() * r - Eigen::Matrix3d::Identity()).norm() < written && r.determinant() > 0))
-    throw ParameterError(
-        "placement", "expected a rotation and a translation, got a matrix that scales, shears or mirrors");
+    throw ParameterError("placement", "expected a rotation and a translation, got another matrix");
 }
 
 void check_arguments(const PointCloud& points, const PointFitOptions& options) {

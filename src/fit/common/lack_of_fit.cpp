@@ -1,6 +1,7 @@
 #include "lack_of_fit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <numeric>
@@ -15,8 +16,15 @@ namespace {
 
 constexpr Eigen::Index largest_group = 16;
 constexpr double least_correlation = 0.25, chance_of_groups = 1e-6, chance_of_polynomials = 1e-5;
-constexpr std::size_t enough_points = 256;  // for polynomials
-constexpr int highest_degree = 6;
+constexpr std::size_t enough_points = 256;                        // for polynomials
+constexpr int highest_degree = 6, highest_degree_of_vectors = 4;  // these have three times the columns
+
+// In how many directions the errors scatter: 1 of distances, 3 of vectors whose noise is the same in all, as
+// [Satterthwaite1946] has the degrees of freedom of a sum of squares.
+double directions(const Eigen::MatrixXd& errors) {
+  const Eigen::MatrixXd spread = errors * errors.transpose();
+  return std::pow(spread.trace(), 2) / spread.squaredNorm();
+}
 
 // Orders numbers of points so that any 2, 4, ... consecutive ones from a multiple of that many on are
 // neighbours: halves across the longest side of their box.
@@ -51,8 +59,7 @@ bool groups_differ(const Eigen::MatrixXd& errors, Eigen::Index size) {
     of_means += in_group.squaredNorm() / static_cast<double>(size);
   }
   const auto m = static_cast<double>(size), g = static_cast<double>(groups);
-  const double each = static_cast<double>(errors.rows()), of_groups = each * (g - 1),
-               in_groups = each * g * (m - 1);
+  const double each = directions(errors), of_groups = each * (g - 1), in_groups = each * g * (m - 1);
   const double between = (of_means - sum.squaredNorm() / (g * m)) / of_groups,
                within = (squares - of_means) / in_groups;
   if (!(within > 0)) return between > 0;
@@ -93,21 +100,26 @@ bool polynomials_explain(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& d
   const Eigen::AlignedBox3d box(places.rowwise().minCoeff(), places.rowwise().maxCoeff());
   const double unit = std::max(0.5 * box.sizes().maxCoeff(), 1e-300);
   const Eigen::Array3Xd at = (places.colwise() - box.center()) / unit;
-  for (int degree = 0; degree <= highest_degree; ++degree) {
+  const auto coordinates = static_cast<double>(errors.rows());
+  const double independent = directions(errors) / coordinates;
+  const int highest = coordinates > 1 ? highest_degree_of_vectors : highest_degree;
+  for (int degree = 0; degree <= highest; ++degree) {
     for (int i = 0; i <= degree; ++i)
-      for (int j = 0; i + j <= degree; ++j)
+      for (int j = 0; i + j <= degree; ++j) {
+        const Eigen::ArrayXd monomial = at.row(0).pow(i) * at.row(1).pow(j) * at.row(2).pow(degree - i - j);
         for (Eigen::Index row = 0; row < errors.rows(); ++row) {
           Eigen::MatrixXd column = Eigen::MatrixXd::Zero(errors.rows(), errors.cols());
-          column.row(row) = at.row(0).pow(i) * at.row(1).pow(j) * at.row(2).pow(degree - i - j);
+          column.row(row) = monomial;
           regression.add(column.reshaped());
         }
+      }
     const double left = regression.squares(), free = count - regression.rank(), taken = free_before - free;
     if (taken < 1) continue;
     if (free < 1) return false;
     // The share of the variance that is explained, as estimated without bias.
     if (!(left / free < (1 - least_correlation) * before / free_before)) continue;
-    if (!(left > 0) ||
-        chance_of_ratio((before - left) / taken / (left / free), taken, free) < chance_of_polynomials)
+    if (!(left > 0) || chance_of_ratio((before - left) / taken / (left / free), independent * taken,
+                                       independent * free) < chance_of_polynomials)
       return true;
   }
   return false;

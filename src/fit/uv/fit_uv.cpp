@@ -24,7 +24,7 @@
 namespace darboux {
 namespace {
 
-// Whether one kind's surfaces are the other's too: then that is never less likely, and no rival.
+// Whether every surface of the kind is one of the other, which is then at least as likely, and no rival.
 bool is_case_of(const UvKind& kind, const UvKind& other) {
   return kind.name == "sphere" && other.name == "ellipsoid";
 }
@@ -542,9 +542,6 @@ class UvFit {
       refine(trials_.front());
       sort_by_bic();
     }
-    for (const Trial& t : trials_)
-      fit_.candidates.push_back({std::string(t.model.kind->name), t.bic(count_),
-                                 data_.all.scale * inliers_rms(t.mixture, t.model.squares(t.state))});
   }
 
   bool is_refined(const Trial& t) const { return t.model.points == &data_.all; }
@@ -561,6 +558,10 @@ class UvFit {
 
   // The best of which everything is determined; a cone without height is a disk.
   std::string select() {
+    fit_.candidates.clear();
+    for (const Trial& t : trials_)
+      fit_.candidates.push_back({std::string(t.model.kind->name), t.bic(count_),
+                                 data_.all.scale * inliers_rms(t.mixture, t.model.squares(t.state))});
     std::optional<PointFit> chosen;
     std::string against_first, described_as, remark;
     const UvKind* chosen_kind = nullptr;
@@ -569,6 +570,11 @@ class UvFit {
       const Trial& t = trials_[i];
       if (chosen && t.bic(count_) > best_bic + least_bic_margin) break;
       if (chosen && is_case_of(*chosen_kind, *t.model.kind)) continue;
+      if (!is_refined(t)) {  // which may change the order
+        refine(trials_[i]);
+        sort_by_bic();
+        return select();
+      }
       PointFit attempt = fit_;
       std::string why = !t.converged ? "Ceres did not converge on " + fit::with_article(described(t))
                         : !sound(t)

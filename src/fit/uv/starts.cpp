@@ -258,7 +258,9 @@ std::vector<int> observable_affine(UvModel model) {
   model.points = &few;
   // The offset first, as placements absorb it; then scales, which lengths absorb; shears last. Where no
   // length is free a rotation may absorb a shear, as in a plane.
-  const bool any_length = std::find(model.held.begin(), model.held.end(), false) != model.held.end();
+  bool any_length = false;
+  for (std::size_t k = 0; k < model.held.size(); ++k)
+    any_length = any_length || (model.kind->length[k] && !model.held[k]);
   const std::array<int, 6> order = any_length ? std::array{4, 5, 3, 0, 2, 1} : std::array{4, 5, 2, 1, 3, 0};
   model.free_affine.assign(order.begin(), order.end());
   // Any states will do that have no symmetry by chance. An offset that a scale and lengths absorb together is

@@ -17,13 +17,15 @@
 
 namespace darboux {
 
-std::vector<Index> join_equal_vertices(const Mesh& mesh) {
+std::vector<Index> join_equal_vertices(const Mesh& mesh, bool by_uvs) {
   const Vec3<double> no_normal;
   const Vec2<double> no_uv;
   const auto normal = [&](Index v) -> const Vec3<double>& {
     return mesh.normals.empty() ? no_normal : mesh.normals[v];
   };
-  const auto uv = [&](Index v) -> const Vec2<double>& { return mesh.uvs.empty() ? no_uv : mesh.uvs[v]; };
+  const auto uv = [&](Index v) -> const Vec2<double>& {
+    return mesh.uvs.empty() || !by_uvs ? no_uv : mesh.uvs[v];
+  };
   std::vector<Index> joined(mesh.positions.size());
   std::vector<std::uint32_t> hashes(joined.size());
   for (Index v = 0; v < joined.size(); ++v) {

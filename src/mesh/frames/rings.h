@@ -12,8 +12,8 @@ namespace darboux {
 
 using Index = std::uint32_t;
 
-// For each vertex the first that has the same position, normal and uv.
-std::vector<Index> join_equal_vertices(const Mesh& mesh);
+// For each vertex the first that has the same position, normal and, where they count, uv.
+std::vector<Index> join_equal_vertices(const Mesh& mesh, bool by_uvs = true);
 
 // Nodes are vertices, joined where they agree in position, uv and normal, apart where the triangles' uvs wind
 // differently. Without uvs all wind alike.
