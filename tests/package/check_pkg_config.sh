@@ -19,6 +19,12 @@ if [ -e "$folder/darboux-io.pc" ]; then
   "$compiler" -std=c++20 "$work/io.cpp" "${flags[@]}" -o "$work/io"
   LD_LIBRARY_PATH=$(dirname "$folder") "$work/io"
 fi
+# Compiled for another processor than the library: its structs are laid out as the library's.
+if [ -e "$folder/darboux-fit.pc" ] && [ -e "$folder/darboux-io.pc" ] && grep -qw avx /proc/cpuinfo; then
+  read -ra flags <<<"$(pkg-config --cflags --libs darboux-fit darboux-io)"
+  "$compiler" -std=c++20 -mavx "$(dirname "$0")"/consumer/*.cpp "${flags[@]}" -o "$work/avx"
+  LD_LIBRARY_PATH=$(dirname "$folder") "$work/avx"
+fi
 for name in darboux-fit darboux-io; do
   if [ -e "$folder/$name.pc" ]; then pkg-config --print-requires "$name" | grep -qx darboux; fi
 done
