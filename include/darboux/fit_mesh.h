@@ -70,7 +70,7 @@ MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
 /// The same of a surface whose parameters are all known, of any kind, from a file too: its placement and the
-/// uv convention: of those that fit the first whose n is on the side of the mesh's normals, or else of its
+/// uv convention: of those that fit, the first whose n is on the side of the mesh's normals, or else of its
 /// triangles. \throws as above
 MeshFit fit_surface(const Mesh& mesh, const AnySurface& exact,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);

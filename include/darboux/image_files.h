@@ -47,7 +47,7 @@ std::span<const SampleType> image_types(const std::string& path);
 
 /// Writes an image, whole or not at all, without colour tags; EXR as float, ZIP-compressed.
 /// \throws FileError when it cannot be written \throws ParameterError for a type that is none of
-/// image_types(), no texels, other channels than 3 or 4, and samples that are not one per channel
+/// image_types(), no texels, channels other than 3 or 4, or samples other than width * height * channels
 void write_image(const std::string& path, const Image& image);
 
 /// The same into a file that was opened before the work, and commits it. \param path its name

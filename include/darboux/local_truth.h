@@ -1,5 +1,5 @@
 /// \file local_truth.h
-/// What a mesh's own positions and uvs say of its normals and tangents, where no surface is known.
+/// What a mesh's own positions, and uvs, say of its normals and tangents, where no surface is known.
 #pragma once
 
 #include <vector>
@@ -19,12 +19,13 @@ namespace darboux {
 /// faces meet at more than 50 degrees, though its vertices agree; at such an edge there is no truth. n is on
 /// the side from which triangles wind counter-clockwise. A deviation whose triple is a radian is infinite.
 /// NaN, with no_frame and infinite deviations, where the neighbours do not tell. Poles of the chart are not
-/// known here. Without uvs, or where none has area, the polynomial is one over the plane that is square to the
-/// vertex's triangles on average, and there is a normal alone: tangents are NaN, their deviations infinite,
-/// the status is no_frame; deviations of symmetric patches are up to 15 times the errors. Nothing is told
-/// where a neighbour's triangles lean by more than 72 degrees from that plane, or the polynomial by more than
-/// 36. Cost: linear, about 1 us per vertex, 3 to 7 where degree 4 is needed. \throws MeshError when the mesh
-/// is inconsistent, ParameterError where DARBOUX_ISA names no instruction set
+/// known here.
+/// Without uvs, or where none has area, the polynomial is one over the plane that is square to the vertex's
+/// triangles on average, and there is a normal alone: tangents are NaN, their deviations infinite, the status
+/// is no_frame; deviations of symmetric patches are up to 15 times the errors. Nothing is told where a
+/// neighbour's triangles lean by more than 72 degrees from that plane, or the polynomial by more than 36.
+/// Cost: linear, about 1 us per vertex, 3 to 7 where degree 4 is needed. \throws MeshError when the mesh is
+/// inconsistent, ParameterError where DARBOUX_ISA names no instruction set
 std::vector<Truth> local_truth(const Mesh& mesh);
 
 }  // namespace darboux

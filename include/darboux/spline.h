@@ -353,7 +353,7 @@ std::string refuse_knots(int degree, const std::vector<T>& knots) {
       return "knot " + text_of(knots[i]) +
              ": expected a multiplicity of at most degree + 1 = " + std::to_string(degree + 1) + ", got more";
   }
-  // Their halves differ, by which the owner divides.
+  // KnotVector divides by half of the interval's length, which must not round to 0.
   if (!(knots[degree] / T(2) < knots[knots.size() - 1 - degree] / T(2)))
     return "expected knots that enclose an interval, got none that do";
   return {};

@@ -67,7 +67,7 @@ struct ClassReport {
   Spread normal_uncertainty_deg{}, tangent_uncertainty_deg{};
 };
 
-/// The mesh against what its own positions and uvs say: local_truth().
+/// The mesh against what its own positions, and uvs where it has any, say: local_truth().
 struct LocalReport {
   std::vector<ClassReport> classes;  ///< as MeshReport has them
   /// Interior corners where both this and the deciding reference know normal and tangent, and the share of
@@ -136,7 +136,7 @@ struct MeshReport {
   Spread normal_uncertainty_deg, tangent_uncertainty_deg;
   std::optional<TrianglesReport>
       triangles;                         ///< where it was asked for and there are tangents, normals and uvs
-  std::optional<LocalReport> local;      ///< where it was asked for and there are uvs
+  std::optional<LocalReport> local;      ///< where it was asked for and there are uvs or normals
   std::optional<MikkReport> mikktspace;  ///< where it was asked for and there are tangents, normals and uvs
   std::vector<Finding> findings;         ///< errors first
   /// Where ValidateOptions::keep_errors asks for them, three for each triangle: what `classes` has the
@@ -153,7 +153,7 @@ struct MeshReport {
 struct References {
   bool analytic = true;    ///< the surface it was made from, declared or recognised
   bool mikktspace = true;  ///< MikkTSpace's tangents of the mesh's own data
-  bool local = true;       ///< polynomials through the mesh's own positions and uvs, with their error
+  bool local = true;       ///< polynomials through the mesh's own positions by uv, with their error
   bool triangles = true;   ///< the mesh's own triangles, and what any average of them can be
 };
 

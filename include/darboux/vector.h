@@ -11,8 +11,7 @@
 
 // The library's own structs hold Eigen's: they must be laid out, and freed, as it was compiled.
 #if EIGEN_MAX_ALIGN_BYTES != 16 || !EIGEN_MALLOC_ALREADY_ALIGNED
-#error \
-    "darboux needs -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MALLOC_ALREADY_ALIGNED=1 (from its CMake target or pkg-config)"
+#error "expected -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MALLOC_ALREADY_ALIGNED=1, as CMake and pkg-config set"
 #endif
 
 #include <darboux/scalar.h>

@@ -10,7 +10,7 @@
 
 namespace darboux {
 
-/// For each point the index of the first point of its group: points no farther apart than `tolerance` in every
+/// For each point the index of the first point of its group: points at most `tolerance` apart in every
 /// coordinate are of one group, and so are those joined by a chain of such. Non-finite points stand alone.
 /// A tolerance that is negative or not finite counts as 0.
 /// Linear time for points that are not crowded far below the tolerance: 0.04 µs a point where points mostly
