@@ -159,7 +159,7 @@ std::optional<MeshFit> fit_positions(const Mesh& mesh, const std::optional<Surfa
 
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit) {
   check_consistent(mesh, "mesh");
-  if (fit.chart == UvChart::own && mesh.uvs.empty())
+  if (fit.chart == UvChart::own && mesh.uvs.empty() && !mesh.positions.empty())
     throw MeshError("mesh", "expected uvs, which the fit has, got none");
   return truths(mesh, fit, fit.chart == UvChart::own ? triangle_signs(mesh) : std::vector<signed char>{});
 }
