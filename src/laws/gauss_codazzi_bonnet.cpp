@@ -63,8 +63,8 @@ void check_gauss(const AnySurface& surface, const Points& points, Checks& checks
       compared(points, "gauss", "gaussian_curvature", pairs, 1e-6 / points.scale[0] / points.scale[0]));
 }
 
-// L_v - M_u = L Γ^u_uv + M (Γ^v_uv - Γ^u_uu) - N Γ^v_uu,   M_v - N_u = L Γ^u_vv + M (Γ^v_vv - Γ^u_uv) - N
-// Γ^v_uv
+// L_v - M_u = L Γ^u_uv + M (Γ^v_uv - Γ^u_uu) - N Γ^v_uu,
+// M_v - N_u = L Γ^u_vv + M (Γ^v_vv - Γ^u_uv) - N Γ^v_uv
 void check_codazzi(const AnySurface& surface, const Points& points, Checks& checks) {
   std::array<std::vector<Pair>, 2> pairs;
   for (const Point& p : points.list) {

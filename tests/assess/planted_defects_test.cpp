@@ -511,8 +511,7 @@ TEST(PlantedDefects, NormalsOfFacetsThatStayedBehind) {
   }
 }
 
-// Of smooth meshes that no surface is known of the neighbours tell it, with uvs and without: it passed. What
-// is an average of its triangles is not stale, however coarse they are.
+// Of smooth meshes that no surface is known of the neighbours tell it, with uvs and without: it passed.
 TEST(PlantedDefects, StaleNormalsOfUnknownSurfaces) {
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 2) / 3).toRotationMatrix(),
                         scale = Eigen::Vector3d(1, 3, 1).asDiagonal();

@@ -250,8 +250,8 @@ MeshFrames compute_cubic(const Mesh& mesh, int threads) {
   return compute_polynomial(mesh, threads, 3);
 }
 
-// With A = Σ Δp (Δu, Δv)ᵀ over the neighbours, [t b] is the nearest matrix of orthonormal columns: W Vᵀ of A
-// = W S Vᵀ.
+// With A = Σ Δp (Δu, Δv)ᵀ over the neighbours, [t b] is the nearest matrix of orthonormal columns:
+// W Vᵀ of A = W S Vᵀ.
 MeshFrames compute_procrustes(const Mesh& mesh, int threads) {
   return of_nodes(mesh, threads, [](const Rings& rings, Rings::Walk& walk) -> std::optional<TangentPair> {
     constexpr double parallel_below = 8 * 0x1p-53;
